@@ -5,9 +5,10 @@
 namespace manycontact {
 
 namespace {
-// Costs look at what a solve leaves, which robots in lanes do not.
+// Costs look at what a solve leaves of every contact, which robots in lanes and reduced pairs do not.
 Options robot_by_robot(Options options) {
   options.lanes = Lanes::kOff;
+  options.reduce_pairs = false;
   return options;
 }
 }  // namespace

@@ -193,7 +193,7 @@ IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t nu
 
 IslandRanks internal::ranks_of_island(const Scene& scene, const SceneData& data, std::size_t number) {
   const Island& island = island_of(data, number);
-  const Examined x{scene, data, island, shape_of(data, number)->support()};
+  const Examined x{scene, data, island, island_support_of(data, number)};
   IslandRanks out;
   for (int c : island.contacts)
     if (contact_of(data, c).J.size() == 0 && scene.contacts[c].rows() > 0) return out;  // too deep for joint space
@@ -219,7 +219,7 @@ IslandRanks internal::ranks_of_island(const Scene& scene, const SceneData& data,
 
 std::vector<double> internal::row_remainders(const Scene& scene, const SceneData& data, std::size_t number) {
   const Island& island = island_of(data, number);
-  const Examined x{scene, data, island, shape_of(data, number)->support()};
+  const Examined x{scene, data, island, island_support_of(data, number)};
   for (int c : island.contacts)
     if (contact_of(data, c).J.size() == 0 && scene.contacts[c].rows() > 0) return {};  // too deep for joint space
   std::vector<int> all(island.contacts.size());

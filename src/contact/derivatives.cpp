@@ -1,5 +1,6 @@
 #include "manycontact/contact/derivatives.hpp"
 
+#include "manycontact/contact/pair_motion.hpp"
 #include "spatial/pack_explog.hpp"
 
 namespace manycontact {
@@ -25,9 +26,14 @@ struct Column {
   const S alpha, beta;
   Mat6<S> Jlog;
   V3 e, lin, ang, n, m;
+  PairSlopes<S> pair;
 
   Column(const Contact& contact, const ContactData<S>& data)
       : c(contact), d(data), alpha(contact.alpha), beta(contact.beta) {
+    if (c.pair) {
+      pair = pair_slopes<S>(c, d);
+      return;
+    }
     if (c.type == ContactType::k6D && c.alpha != 0) Jlog = log6_derivative(d.G);
     e = d.G.R.transpose() * d.G.p;
     lin = d.nu.template head<3>();
@@ -40,6 +46,7 @@ struct Column {
     const V6 s_vB = cross_motion(s, d.vB);
     const V6 dnu = P1 + s_vB;
     const V6 dnudot = P2 - cross_motion(d.vA + d.vB, P1) + cross_motion(s, d.aB) - cross_motion(d.vA, s_vB);
+    if (c.pair) return dnudot + pair.by_motion * dnu + pair.by_displacement * s;
     if (c.type == ContactType::k6D && c.alpha == 0) return dnudot + beta * dnu;
     if (c.type == ContactType::k6D) return dnudot + alpha * (Jlog * s) + beta * dnu;
     V6 out = V6::Zero();
@@ -54,6 +61,7 @@ struct Column {
   }
   V6 dv(const V6& s, const V6& P3) const {
     const V6 dnudot = P3 - cross_motion(d.vA + d.vB, s);
+    if (c.pair) return dnudot + pair.by_motion * s;
     if (c.type == ContactType::k6D) return dnudot + beta * s;
     V6 out = V6::Zero();
     out.template head<3>() = dnudot.template head<3>() + point_terms(s);

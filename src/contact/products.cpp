@@ -1,6 +1,7 @@
 #include "manycontact/contact/products.hpp"
 
 #include "manycontact/contact/derivatives.hpp"
+#include "manycontact/contact/pair_motion.hpp"
 #include "spatial/pack_explog.hpp"
 
 namespace manycontact {
@@ -17,7 +18,10 @@ void contact_tangent(const Contact& c, const ContactData<S>& d, const BodyVariat
   const V6 dnu = dvA - dvB;
   const V6 dnudot = daA - daB - cross_motion(dvA, d.nu) - cross_motion(d.vA, dnu);
   V6 dx = V6::Zero();
-  if (c.type == ContactType::k6D) {
+  if (c.pair) {
+    const PairSlopes<S> slopes = pair_slopes<S>(c, d);
+    dx = dnudot + slopes.by_motion * dnu + slopes.by_displacement * relative;
+  } else if (c.type == ContactType::k6D) {
     dx = dnudot + S(c.beta) * dnu;
     if (c.alpha != 0) dx += S(c.alpha) * (log6_derivative(d.G) * relative);
   } else {
@@ -49,7 +53,11 @@ void contact_adjoint(const Contact& c, const ContactData<S>& d, const Vec6<S>& u
   const V6 uA = d.aMA.act_inverse(uA_tree), uB = d.bMA.act_inverse(uB_tree);
   const V6 F = d.W.transpose() * f, N = d.W.transpose() * l;  // N: gradient with respect to x, and nudot
   V6 gnu, relative;
-  if (c.type == ContactType::k6D) {
+  if (c.pair) {
+    const PairSlopes<S> slopes = pair_slopes<S>(c, d);
+    gnu = slopes.by_motion.transpose() * N;
+    relative = slopes.by_displacement.transpose() * N;
+  } else if (c.type == ContactType::k6D) {
     gnu = S(c.beta) * N;
     relative.setZero();
     if (c.alpha != 0) relative = S(c.alpha) * (log6_derivative(d.G).transpose() * N);

@@ -1,5 +1,6 @@
 #include "manycontact/contact/rows.hpp"
 
+#include "manycontact/contact/pair_motion.hpp"
 #include "spatial/pack_explog.hpp"
 
 namespace manycontact {
@@ -18,7 +19,16 @@ ContactData<S>::ContactData(const Contact& contact, const ContactSupport& suppor
       Jl(Mat6X<S>::Zero(6, support.cols())),
       W(Eigen::Matrix<S, Eigen::Dynamic, 6, 0, 6, 6>::Zero(contact.rows(), 6)),
       J(MatX<S>::Zero(contact.rows(), support.cols())),
-      a0(VecX<S>::Zero(contact.rows())) {}
+      a0(VecX<S>::Zero(contact.rows())) {
+  if (!contact.pair) return;
+  pair.emplace();
+  pair->R.setZero(contact.rows(), 6);
+  pair->R_right.setZero(6, contact.rows());
+  pair->terms.setZero(contact.rows(), 2);
+  for (const Contact& member : contact.pair->members)
+    pair->members.push_back({{}, {}, MatX<S>::Zero(member.rows(), contact.rows())});
+  left.setZero(static_cast<Eigen::Index>(contact.pair->unit.size()) + 2);
+}
 
 namespace {
 
@@ -98,6 +108,7 @@ void contact_motion(const Contact& c, ContactData<S>& d) {
   const S alpha(c.alpha), beta(c.beta);
   d.nu = d.vA - d.vB;
   d.nudot = d.aA - d.aB - cross_motion(d.vA, d.nu);
+  if (c.pair) return pair_motion<S>(c, d);
   if (c.type == ContactType::k6D) {
     d.x = d.nudot + beta * d.nu;
     if (c.alpha != 0) d.x += contact_error<S>(c, d.G, alpha);
@@ -149,7 +160,7 @@ void contact_rows_between(const Vec3<double>& gravity, const Contact& c, const C
   int k = 0;
   for (int i : support.a) d.Jl.col(k++) = d.aMA.act_inverse(kinA.J.col(i));
   for (int i : support.b) d.Jl.col(k++) = -d.bMA.act_inverse(kinB->J.col(i));
-  if (c.type == ContactType::k6D && c.reference_frame == ReferenceFrame::kLocal)
+  if (c.type == ContactType::k6D && c.reference_frame == ReferenceFrame::kLocal && !c.pair)
     d.J = d.Jl;
   else
     d.J.noalias() = d.W * d.Jl;

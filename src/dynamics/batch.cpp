@@ -6,6 +6,7 @@
 #include "internal.hpp"
 #include "manycontact/model/applied_forces.hpp"
 #include "manycontact/sparse/blas_threads.hpp"
+#include "workspace/changes.hpp"
 #include "workspace/parallel.hpp"
 
 namespace manycontact {
@@ -42,37 +43,6 @@ Scene copies_of(const Scene& scene, int count) {
   }
   out.nq = count * scene.nq, out.nv = count * scene.nv, out.nu = count * scene.nu;
   return out;
-}
-
-// What of a scene may change under data in use.
-void refresh(const Scene& scene, BatchCopies& copies) {
-  copies.scene.gravity = scene.gravity;
-  copies.scene.damping = scene.damping;
-  copies.scene.tolerance = scene.tolerance;
-  copies.scene.moment_length = scene.moment_length;
-  for (std::size_t r = 0; r < copies.scene.robots.size(); ++r)
-    copies.scene.robots[r].base = scene.robots[r % scene.robots.size()].base;
-  for (std::size_t c = 0; c < copies.scene.contacts.size(); ++c) {
-    Contact& contact = copies.scene.contacts[c];
-    const int A = contact.A.robot, B = contact.B.robot;
-    contact = scene.contacts[c % scene.contacts.size()];
-    contact.A.robot = A, contact.B.robot = B;
-  }
-  const auto each = [](auto& list, const auto& from, auto&& take) {
-    for (std::size_t k = 0; k < list.size(); ++k) take(list[k], from[k % from.size()]);
-  };
-  each(copies.scene.pushes, scene.pushes, [](Push& push, const Push& from) {
-    push.at.placement = from.at.placement;
-    push.reference_frame = from.reference_frame;
-  });
-  each(copies.scene.springs, scene.springs, [](Spring& spring, const Spring& from) {
-    spring.A.placement = from.A.placement;
-    spring.B.placement = from.B.placement;
-    spring.stiffness = from.stiffness, spring.length = from.length, spring.damping = from.damping;
-  });
-  each(copies.scene.joint_springs, scene.joint_springs, [](JointSpring& spring, const JointSpring& from) {
-    spring.stiffness = from.stiffness, spring.rest = from.rest;
-  });
 }
 
 }  // namespace
@@ -150,13 +120,13 @@ int states_side_by_side(const Workspace& w) {
 }
 
 void prepare_copies(const Scene& scene, BatchData& batch) {
-  const int count = batch.threads.front().data.workspace->lanes.level->width;
+  const int count = internal::solver_of(batch.threads.front().data).lanes.level->width;
   for (BatchData::Thread& thread : batch.threads) {
     if (!thread.copies || thread.copies->count != count) {
       thread.copies.reset();
       thread.copies = std::make_shared<BatchCopies>(scene, count, thread.data.options);
     }
-    refresh(scene, *thread.copies);
+    internal::take_changes(scene, thread.copies->scene.contacts.size(), thread.copies->scene);
     SceneData& data = thread.copies->data;
     data.options = thread.data.options;
     for (std::size_t c = 0; c < data.active.size(); ++c) data.active[c] = batch.active[c % batch.active.size()];
@@ -233,8 +203,9 @@ void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std:
   const std::ptrdiff_t of_thread = (count + threads - 1) / threads;
   std::ptrdiff_t at_once = 1;
   if (of_thread > 1) {
-    prepare(scene, batch.threads.front().data);
-    at_once = std::min<std::ptrdiff_t>(states_side_by_side(*batch.threads.front().data.workspace), of_thread);
+    SceneData& data = batch.threads.front().data;
+    prepare(scene, data);
+    at_once = std::min<std::ptrdiff_t>(states_side_by_side(internal::solver_of(data)), of_thread);
   }
   if (at_once > 1) prepare_copies(scene, batch);
   const sparse::OneBlasThread one_blas_thread;

@@ -20,9 +20,11 @@ void IslandDerivatives::check() const {
 namespace internal {
 
 bool has_derivatives(const SceneData& data) {
-  if (!data.workspace || !data.workspace->linearisation || data.serial == 0) return false;
-  const std::vector<IslandDerivatives>& islands = data.workspace->derivatives.islands;
-  return islands.size() == data.workspace->islands.size() &&
+  if (!data.workspace || data.serial == 0) return false;
+  const Workspace& w = *data.workspace;
+  if (!w.linearisation && !w.reduction) return false;
+  const std::vector<IslandDerivatives>& islands = w.derivatives.islands;
+  return islands.size() == (w.reduction ? w.reduction->islands.size() : w.islands.size()) &&
          std::all_of(islands.begin(), islands.end(), [](const auto& of) { return of.stamp.current(); });
 }
 
@@ -120,6 +122,7 @@ void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, Th
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& wanted) {
   internal::check_not_prescribed(scene, data, "differentiate");
   Workspace& w = *data.workspace;
+  if (w.reduction) return internal::differentiate_reduced(scene, data, wanted);
   const bool applied = internal::forces_are_applied(w);
   const DerivativeRequest request = applied ? internal::by_all_torques(wanted) : wanted;
   (void)internal::linearisation_of(scene, data);
@@ -166,6 +169,11 @@ void release_derivatives(SceneData& data) {
   if (!data.workspace) return;
   Workspace& w = *data.workspace;
   w.derivatives = {};
+  if (w.reduction) {
+    release_derivatives(*w.reduction->data);
+    w.reduction->plain.reset();
+    w.reduction->plain_is_current = false;
+  }
   for (ThreadWork& thread : w.threads) thread.panel = {};
   for (const auto& island : w.islands) release(*island);
   w.pool.each([](IslandWork& island) { release(island); });

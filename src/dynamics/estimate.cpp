@@ -14,6 +14,7 @@ double internal::inverse_norm(int n, const std::function<void(double*)>& solve) 
 void estimate_errors(const Scene& scene, SceneData& data) {
   internal::check_not_prescribed(scene, data, "estimate_errors");
   Workspace& w = *data.workspace;
+  if (w.reduction) return internal::estimate_errors_reduced(scene, data);
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
     IslandReport& report = data.report.islands[i];
     if (!internal::ask(scene, data, *w.islands[i], w.threads.front(),
@@ -26,6 +27,7 @@ void estimate_errors(const Scene& scene, SceneData& data) {
 std::vector<DerivativeBounds> estimate_derivative_errors(const Scene& scene, SceneData& data) {
   internal::check_scene(scene, data, "estimate_derivative_errors");
   const DerivativeData& of = derivatives(data);
+  if (data.workspace->reduction) return internal::derivative_errors_reduced(scene, data);
   constexpr double kNone = std::numeric_limits<double>::infinity();
   Workspace& w = *data.workspace;
   std::vector<DerivativeBounds> out(w.islands.size(), {kNone, kNone, kNone, kNone, kNone, kNone});
@@ -43,6 +45,7 @@ std::vector<DerivativeBounds> estimate_derivative_errors(const Scene& scene, Sce
 void estimate_condition(const Scene& scene, SceneData& data) {
   internal::check_solved(scene, data, "estimate_condition");
   Workspace& w = *data.workspace;
+  if (w.reduction) return internal::estimate_condition_reduced(scene, data);
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
     IslandReport& report = data.report.islands[i];
     if (!internal::ask(scene, data, *w.islands[i], w.threads.front(),

@@ -10,8 +10,13 @@
 
 namespace manycontact::internal {
 
+/// Solves after `begin`. prescribed: accelerations that rows of f are asked for, or none.
+const Report& solve_prepared(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
+                             SceneData& data, std::span<const double> prescribed = {});
 /// prepare, of a scene already checked.
 void prepare_checked(const Scene& scene, SceneData& data);
+/// The islands of the scene's own contacts, where prepare left them out for a reduction.
+void prepare_islands(const Scene& scene, const SceneData& data);
 /// Why this island's input cannot be used, kNone if it can.
 Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                    const Island& island);
@@ -23,6 +28,21 @@ void name_dependent_rows(const SceneData& data, const Island& island, std::span<
 inline double prescribed_in(const SceneData& data, int contact, Eigen::Index i) {
   const std::vector<double>& prescribed = data.workspace->prescribed;
   return prescribed.empty() ? 0 : prescribed[data.f_offset[static_cast<std::size_t>(contact)] + i];
+}
+
+/// Where ContactData::left of a contact goes; nullptr: it is no pair.
+inline double* left_of(Workspace& w, int contact) {
+  const int at = w.left_offset[static_cast<std::size_t>(contact)];
+  return at < 0 ? nullptr : w.left.data() + at;
+}
+inline void keep_left(Workspace& w, int contact, const ContactData<double>& rows) {
+  if (double* left = left_of(w, contact)) std::copy_n(rows.left.data(), rows.left.size(), left);
+}
+
+/// What solves: the workspace of the scene solved in place of this one, where there is one.
+inline const Workspace& solver_of(const SceneData& data) {
+  const Workspace& w = *data.workspace;
+  return w.reduction ? *w.reduction->data->workspace : w;
 }
 
 /// use(system) of the system that answered an island, or where that says false, of the whole K, made for it. False:
@@ -62,6 +82,7 @@ double inverse_norm(int n, const std::function<void(double*)>& solve);
 inline void report_residuals(const Scene& scene, const double (&r)[2], const double (&scale)[2], IslandReport& report) {
   report.residual_dynamics = r[0] == 0 ? 0 : r[0] / scale[0];
   report.residual_contact = r[1] == 0 ? 0 : r[1] / std::max(scale[1], scene.gravity.norm());
+  report.contact_terms = scale[1];
 }
 /// The bounds into the report, and whether they leave anything of the answer.
 inline void report_bounds(const Known& a, const Known& f, IslandReport& report) {

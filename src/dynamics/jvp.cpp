@@ -81,12 +81,20 @@ Eigen::Index wrench_numbers(const Scene& scene) { return static_cast<Eigen::Inde
 // dw: nullptr for zero.
 void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const ConstVector& dv, const ConstVector& du,
          const double* dw, Eigen::Ref<Eigen::VectorXd> da, Eigen::Ref<Eigen::VectorXd> df) {
-  begin(scene, data, "jvp");
+  internal::check_not_prescribed(scene, data, "jvp");
   internal::check_size("jvp", "dq", dq.size(), scene.nv);
   internal::check_size("jvp", "dv", dv.size(), scene.nv);
   internal::check_size("jvp", "du", du.size(), scene.nu);
   internal::check_size("jvp", "da", da.size(), scene.nv);
   internal::check_size("jvp", "df", df.size(), data.f.size());
+  if (Reduction* r = data.workspace->reduction.get()) {
+    SceneData& solved = internal::differentiated(scene, data);
+    if (&solved == r->plain.get()) return jvp(scene, solved, dq, dv, du, dw, da, df);
+    internal::remake(r->df, solved.f.size());
+    jvp(r->scene, solved, dq, dv, du, dw, da, r->df);
+    return internal::expand_forces(data, r->df.data(), df.data());
+  }
+  begin(scene, data, "jvp");
   set_nan(da), set_nan(df);
   Eigen::VectorXd& torques = data.workspace->products->tau;
   torques_of_motors(scene, du, torques);
@@ -106,12 +114,20 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
 // ww: nullptr where it is not asked for.
 void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const ConstVector& wf,
          Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu, double* ww) {
-  begin(scene, data, "vjp");
+  internal::check_not_prescribed(scene, data, "vjp");
   internal::check_size("vjp", "wa", wa.size(), scene.nv);
   internal::check_size("vjp", "wf", wf.size(), data.f.size());
   internal::check_size("vjp", "wq", wq.size(), scene.nv);
   internal::check_size("vjp", "wv", wv.size(), scene.nv);
   internal::check_size("vjp", "wu", wu.size(), scene.nu);
+  if (Reduction* r = data.workspace->reduction.get()) {
+    SceneData& solved = internal::differentiated(scene, data);
+    if (&solved == r->plain.get()) return vjp(scene, solved, wa, wf, wq, wv, wu, ww);
+    internal::remake(r->df, solved.f.size());
+    internal::reduce_forces(data, wf.data(), r->df.data());
+    return vjp(r->scene, solved, wa, r->df, wq, wv, wu, ww);
+  }
+  begin(scene, data, "vjp");
   Eigen::VectorXd& torques = data.workspace->products->tau;
   Eigen::Ref<Eigen::VectorXd> wtau = torques;
   set_nan(wq), set_nan(wv), set_nan(wtau);

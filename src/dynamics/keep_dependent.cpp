@@ -5,6 +5,7 @@
 namespace manycontact {
 
 void keep_dependent(SceneData& data) {
+  if (data.workspace->reduction) return keep_dependent(*data.workspace->reduction->data);
   for (std::size_t i = 0; i < data.workspace->islands.size(); ++i) {
     IslandWork& d = *data.workspace->islands[i];
     const IslandReport& report = data.report.islands[i];
@@ -15,6 +16,10 @@ void keep_dependent(SceneData& data) {
 void keep_dependent_as(const SceneData& of, const Scene& scene, SceneData& data) {
   data.active = of.active;
   prepare(scene, data);
+  if (data.workspace->reduction && of.workspace->reduction) {
+    const Reduction& r = *data.workspace->reduction;
+    return keep_dependent_as(*of.workspace->reduction->data, r.scene, *r.data);
+  }
   if (data.workspace->islands.size() != of.workspace->islands.size()) return;  // by another method
   for (std::size_t i = 0; i < data.workspace->islands.size(); ++i)
     data.workspace->islands[i]->depended = of.workspace->islands[i]->depended;

@@ -17,6 +17,7 @@ Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::V
   internal::check_size("quasi_static", "a column of B", B.rows(), scene.nv);
   prepare(scene, data);
   give_up_solution(data);  // its kinematics are overwritten
+  internal::prepare_islands(scene, data);
   Workspace& w = *data.workspace;
   const int nu = static_cast<int>(B.cols());
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(scene.nv);

@@ -10,6 +10,7 @@
 #include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/model/torques.hpp"
 #include "manycontact/sparse/tolerances.hpp"
+#include "reduction/reduction.hpp"
 #include "workspace/threads.hpp"
 
 namespace manycontact {
@@ -67,6 +68,7 @@ void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, Islan
 }  // namespace
 
 void reset_warm_starts(SceneData& data) {
+  if (data.workspace->reduction) return reset_warm_starts(*data.workspace->reduction->data);
   for (const auto& island : data.workspace->islands) {
     island->matrix.was_dependent = false;
     island->alone.dependent = nullptr;
@@ -131,10 +133,12 @@ void begin(const char* function, const Scene& scene, const ConstVector& q, const
   prepare_checked(scene, data);
 }
 
-// After begin. prescribed: of the rows of f, or none.
+}  // namespace
+
 const Report& solve_prepared(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
-                             SceneData& data, std::span<const double> prescribed = {}) {
+                             SceneData& data, std::span<const double> prescribed) {
   Workspace& w = *data.workspace;
+  if (w.reduction) return solve_reduced(scene, q, v, tau, data, prescribed);
   w.prescribed.assign(prescribed.begin(), prescribed.end());
   remake(data.a, scene.nv);
   data.v = v;
@@ -171,8 +175,6 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   data.serial = w.current = w.state;
   return data.report;
 }
-
-}  // namespace
 
 }  // namespace internal
 

@@ -15,6 +15,11 @@ const Workspace& prepared(const SceneData& data) {
   return *data.workspace;
 }
 
+const Workspace& solver(const SceneData& data) {
+  (void)prepared(data);
+  return internal::solver_of(data);
+}
+
 [[noreturn]] void not_there(const SceneData& data) {
   throw std::logic_error(data.serial == 0
                              ? "views of a scene's data: solve first"
@@ -24,7 +29,7 @@ const Workspace& prepared(const SceneData& data) {
 
 const RobotData& robot_at_state(const SceneData& data, int robot) {
   const Workspace& w = prepared(data);
-  (void)w.robot_island.at(robot);
+  (void)solver(data).robot_island.at(robot);
   if (!internal::is_evaluated(w, robot)) not_there(data);
   return w.robots[robot];
 }
@@ -42,21 +47,37 @@ bool is_prepared(const SceneData& data) {
   const Workspace* w = data.workspace.get();
   return w && w->prepared && w->active == data.active && w->options == data.options;
 }
-std::size_t island_count(const SceneData& data) { return prepared(data).islands.size(); }
-const Island& island_of(const SceneData& data, std::size_t i) { return prepared(data).islands.at(i)->island; }
-int island_with_robot(const SceneData& data, int robot) { return prepared(data).robot_island.at(robot); }
-Choice choice_of(const SceneData& data, std::size_t i) { return prepared(data).islands.at(i)->choice; }
-const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t i) {
-  return prepared(data).islands.at(i)->shape;
+std::size_t island_count(const SceneData& data) { return solver(data).islands.size(); }
+const Island& island_of(const SceneData& data, std::size_t i) {
+  const Workspace& w = prepared(data);
+  return w.reduction ? w.reduction->islands.at(i) : w.islands.at(i)->island;
 }
-int factorizations_of(const SceneData& data, std::size_t i) { return prepared(data).islands.at(i)->factorizations; }
-std::size_t shapes_analysed(const SceneData& data) { return prepared(data).shapes.size(); }
+int island_with_robot(const SceneData& data, int robot) { return solver(data).robot_island.at(robot); }
+Choice choice_of(const SceneData& data, std::size_t i) { return solver(data).islands.at(i)->choice; }
+const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t i) {
+  return solver(data).islands.at(i)->shape;
+}
+const Scene& scene_solved(const Scene& scene, const SceneData& data) {
+  const Workspace& w = prepared(data);
+  return w.reduction ? w.reduction->scene : scene;
+}
+const SceneData& data_solved(const SceneData& data) {
+  const Workspace& w = prepared(data);
+  return w.reduction ? *w.reduction->data : data;
+}
+const IslandSupport& island_support_of(const SceneData& data, std::size_t i) {
+  return prepared(data).islands.at(i)->shape->support();
+}
+int factorizations_of(const SceneData& data, std::size_t i) { return solver(data).islands.at(i)->factorizations; }
+std::size_t shapes_analysed(const SceneData& data) { return solver(data).shapes.size(); }
 void wake_threads_for(SceneData& data, double seconds) {
   (void)prepared(data);
+  if (data.workspace->reduction) wake_threads_for(*data.workspace->reduction->data, seconds);
   data.workspace->worth_a_thread = seconds;
 }
 void limit_pool(SceneData& data, std::size_t bytes) {
   (void)prepared(data);
+  if (data.workspace->reduction) limit_pool(*data.workspace->reduction->data, bytes);
   data.workspace->pool.most = bytes;
 }
 const KktMatrix& assembled_matrix_of(const SceneData& data, std::size_t i) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "manycontact/contact/pair_rows.hpp"
 #include "manycontact/kkt/choose.hpp"
 #include "manycontact/sparse/ordering.hpp"
 #include "manycontact/sparse/relaxed_supernodes.hpp"
@@ -22,7 +23,7 @@ Attachment body_B(const Island& island, const Contact& contact) {
 
 // Whether a contact's place on A's body decides in which directions a coordinate moves it: not that of a frame, whose
 // directions are all of the body's.
-bool place_counts(const Contact& contact) { return contact.type != ContactType::k6D; }
+bool place_counts(const Contact& contact) { return contact.type != ContactType::k6D || contact.rows() < 6; }
 
 }  // namespace
 
@@ -34,6 +35,7 @@ IslandShape::IslandShape(const Scene& scene, const Island& island) {
     const Contact& from = scene.contacts[c];
     Contact to;
     to.type = from.type;
+    to.pair = from.pair, to.pair_rank = from.pair_rank;
     to.A = body_A(island, from);
     to.B = body_B(island, from);
     if (place_counts(from)) to.A.placement = from.A.placement;
@@ -131,7 +133,7 @@ void add_structure(const Scene& scene, const Island& island, Words& key) {
   for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];
     const Attachment A = body_A(island, contact), B = body_B(island, contact);
-    key.insert(key.end(), {static_cast<std::uint64_t>(contact.type), word(A.robot, A.joint), word(B.robot, B.joint)});
+    key.insert(key.end(), {static_cast<std::uint64_t>(kind_of(contact)), word(A.robot, A.joint), word(B.robot, B.joint)});
   }
 }
 
@@ -146,12 +148,15 @@ void add_places(const Scene& scene, const Island& island, Words& key) {
     const Contact& contact = scene.contacts[c];
     if (place_counts(contact)) add(contact.A.placement.R), add(contact.A.placement.p);
     if (has_axis(contact.type)) add(contact.axis);
+    if (!contact.pair || !place_counts(contact)) continue;
+    const Eigen::MatrixXf of_pair = contact.pair->numbers.R.cast<float>();  // copies' differ by rounding
+    for (float x : of_pair.reshaped()) key.push_back(std::bit_cast<std::uint32_t>(x));
   }
 }
 
 // Of both, at most.
 void reserve(const Island& island, Words& key) {
-  key.reserve(2 + 2 * island.robots.size() + 18 * island.contacts.size());
+  key.reserve(2 + 2 * island.robots.size() + 54 * island.contacts.size());
 }
 
 }  // namespace

@@ -50,21 +50,24 @@ void add_enumerations(py::module_& m) {
 void add_how_to_solve(py::module_& m) {
   using Held = Handle<Options>;
   py::class_<Held> c(m, "Options", "How to solve. data.options is the data's own: assigning to it changes them.");
-  c.def(py::init([](Method method, std::optional<Order> order, Lanes lanes, int threads) {
-          return Held(Options{method, order, lanes, threads});
+  c.def(py::init([](Method method, std::optional<Order> order, Lanes lanes, int threads, bool reduce_pairs) {
+          return Held(Options{method, order, lanes, threads, reduce_pairs});
         }),
         py::arg_v("method", Method::kAuto, "'auto'"), py::arg("order") = py::none(),
-        py::arg_v("lanes", Lanes::kAuto, "'auto'"), py::arg("threads") = 1,
+        py::arg_v("lanes", Lanes::kAuto, "'auto'"), py::arg("threads") = 1, py::arg("reduce_pairs") = true,
         "order: None for the order of least predicted cost. threads: inside a call; 0: as many as OpenMP would take.");
   handle_field(c, "method", &Options::method, "Method, or its name: 'sparse-ldl', 'dense', ...");
   handle_field(c, "order", &Options::order, "Order, or None: the one of least predicted cost.");
   handle_field(c, "lanes", &Options::lanes, "Lanes");
   handle_field(c, "threads", &Options::threads, "Of OpenMP, inside a call of solve, differentiate, jvp, vjp.");
+  handle_field(c, "reduce_pairs", &Options::reduce_pairs,
+               "Whether rows of several contacts between the same two bodies are reduced to six at most.");
   add_value(c).def("__repr__", [](const Held& h) {
     const Options& o = h.get();
     return "Options('" + to_string(o.method) + "'" + (o.order ? ", '" + to_string(*o.order) + "'" : "") +
            (o.lanes == Lanes::kAuto ? "" : ", lanes='" + to_string(o.lanes) + "'") +
-           (o.threads == 1 ? "" : ", threads=" + std::to_string(o.threads)) + ")";
+           (o.threads == 1 ? "" : ", threads=" + std::to_string(o.threads)) +
+           (o.reduce_pairs ? "" : ", reduce_pairs=False") + ")";
   });
 }
 

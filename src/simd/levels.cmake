@@ -33,7 +33,7 @@ endif()
 # for packs of the level's width and for packs of one.
 set(robot_sources src/algorithm/crba.cpp src/algorithm/kinematics.cpp src/algorithm/rnea.cpp
                   src/algorithm/rnea_derivatives.cpp src/algorithm/rnea_products.cpp
-                  src/contact/derivatives.cpp src/contact/products.cpp src/contact/rows.cpp
+                  src/contact/derivatives.cpp src/contact/pair_motion.cpp src/contact/products.cpp src/contact/rows.cpp
                   src/dynamics/lanes/level.cpp)
 set(matrix_sources sparse/src/panels/level.cpp src/lq/level.cpp)
 

@@ -18,6 +18,7 @@
 // Columns of joints above the common ancestor of A and B' are zero exactly and left out.
 
 #include <cmath>
+#include <optional>
 
 #include "manycontact/algorithm/kinematics.hpp"
 #include "manycontact/model/scene.hpp"
@@ -43,6 +44,21 @@ struct ContactSupport {
 };
 ContactSupport contact_support(const Scene& scene, const Contact& contact);  // of one contact
 
+/// Numbers of contacts between the same two bodies whose rows are reduced (contact/pair_rows.hpp): B = Q R, B the rows of
+/// all on the relative motion of the bodies in the pair's frame A, Q with orthonormal columns.
+template <class S>
+struct PairNumbers {
+  struct Member {  // one of the contacts
+    SE3<S> A, B;   // its A in the pair's A, its B' in the pair's B'
+    MatX<S> Q;     // its rows of Q: rows x rank
+  };
+  // on the heap, since kernels of other alignment read them
+  MatX<S> R;        // rank x 6
+  MatX<S> R_right;  // 6 x rank: R R_right = 1
+  MatX<S> terms;    // rank x 2: what entries of R by displacements, and by turns, are summed from
+  std::vector<Member> members;
+};
+
 /// Numbers of one contact. Allocated once; everything 6-dimensional is in A's frame.
 template <class S>
 struct ContactData {
@@ -59,14 +75,24 @@ struct ContactData {
   MatX<S> J;                                        // rows x cols
   Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> a0;  // rows
   S joint_lever = S(0);  // how far joints that turn it are from their tree's origin, at most [m]
+  std::optional<PairNumbers<S>> pair;  // of a contact that stands for several: by take_places
+  /// Of these: what of their own a0 the reduced rows do not have, one number per row of each, in order; then the largest
+  /// terms that these are computed from, and how far the bodies are from moving as one and from where they are to be,
+  /// relative to the velocities and levers.
+  VecX<S> left;
 };
 
-/// on_A and on_B, of the contact's own placements.
+/// The pair's numbers, of a contact that stands for several.
+template <class S>
+void take_pair(const Contact& contact, ContactData<S>& data);
+
+/// on_A and on_B, of the contact's own placements, and the pair's numbers.
 template <class S>
 void take_places(const Contact& contact, ContactData<S>& data) {
   data.on_A = contact.A.placement.p.template cast<S>();
   data.on_B.setZero();
   if (contact.B.robot >= 0) data.on_B = contact.B.placement.p.template cast<S>();
+  if (contact.pair) take_pair<S>(contact, data);
 }
 
 /// How far A is from B', G = B'MA, in A's axes [m, rad]: log6(G) of 6D; else of the points G_R^T G_p, and of hinges the
@@ -110,23 +136,39 @@ void contact_rows_with_world(const Vec3<double>& gravity, const Contact& contact
                              const Kinematics<S>& kinA, const SE3<S>& aMA, const WorldPoint<S>& origin,
                              const SE3<S>& oMB, ContactData<S>& data);
 
-/// The largest entry of what a contact's rows are picked from, the point's or the frame's motion: beside it a row may
-/// turn out to be nothing but rounding. So may a point's whole motion, where all joints turn about it: no less than a
-/// hundredth of the turning times the levers it was computed with: both bodies' motions are taken at A's frame, so
-/// where B's frame is on its body is not one of them. After contact_rows.
+/// The largest entries of the motions that a contact's rows are picked from [J's units]: of displacements, of turns, and
+/// of a point's displacement. The last counts the turns times a hundredth of the levers they were computed with, since
+/// all joints may turn about the point: both bodies' motions are taken at A's frame, so the place of B's frame on its
+/// body is not one of these levers.
 template <class S>
-S motion_scale(const Contact& contact, const ContactData<S>& data) {
+struct MotionSizes {
+  S moved, turning, of_point;
+};
+/// After contact_rows.
+template <class S>
+MotionSizes<S> motion_sizes(const Contact& contact, const ContactData<S>& data) {
   using std::abs;
   S of_row[6] = {S(0), S(0), S(0), S(0), S(0), S(0)};
   for (Eigen::Index j = 0; j < data.Jl.cols(); ++j)
     for (int i = 0; i < 6; ++i) of_row[i] = larger(S(abs(data.Jl(i, j))), of_row[i]);
   const auto largest_of = [&](int i) { return larger(larger(of_row[i], of_row[i + 1]), of_row[i + 2]); };
-  const S largest = largest_of(0), turning = largest_of(3);
-  if (holds_turning(contact.type)) return larger(turning, largest);
+  const S moved = largest_of(0), turning = largest_of(3);
   const auto reach = [](const Vec3<S>& p) { return larger(larger(S(abs(p[0])), S(abs(p[1]))), S(abs(p[2]))); };
   S lever = reach(data.aMA.p) + reach(data.on_A) + data.joint_lever;
   if (moves(contact.B)) lever += reach(data.bMA.p);
-  return larger(S(turning * lever / S(100)), largest);
+  return {moved, turning, larger(S(turning * lever / S(100)), moved)};
+}
+
+/// The largest entry of what a contact's rows are picked from, the point's or the frame's motion: a row much smaller is
+/// rounding. After contact_rows.
+template <class S>
+S motion_scale(const Contact& contact, const ContactData<S>& data) {
+  const MotionSizes<S> of = motion_sizes<S>(contact, data);
+  if (!contact.pair) return holds_turning(contact.type) ? larger(of.turning, of.moved) : of.of_point;
+  S largest(0);
+  for (Eigen::Index i = 0; i < data.pair->terms.rows(); ++i)
+    largest = larger(S(data.pair->terms(i, 0) * of.of_point + data.pair->terms(i, 1) * of.turning), largest);
+  return largest;
 }
 
 }  // namespace manycontact

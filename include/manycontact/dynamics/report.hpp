@@ -32,6 +32,7 @@ struct IslandReport {  // Of one island's answer.
   int refinement_steps = 0;
   double residual_dynamics = 0;  // max |M a - J^T f - tau_b| / max (|M||a| + |J^T||f| + |tau_b|)
   double residual_contact = 0;   // max |J a + a0 + delta f| / max (|J||a| + |a0| + delta |f|, |gravity|)
+  double contact_terms = 0;      // max (|J||a| + |a0| + delta |f|): what contradictions are judged beside
   double backward_error = 0;     // max |r_k| / (|b| + |K||x|)_k: how far K and b are from ones solved exactly; of a
                                  // fallback rows that are all rounding are judged beside what they are rounded from
   double condition = 0;          // 1-norm condition of K, by estimate_condition; 0: not asked for

@@ -70,6 +70,10 @@ struct Options {  // How to solve.
   /// sparse-supernodal: where the BLAS works in one thread). Above 1, OpenBLAS is held to one thread meanwhile, in the
   /// whole program: one such call at a time.
   int threads = 1;
+  /// Rows of several contacts between the same two bodies are reduced to those that span them, six at most, before
+  /// anything is factorized: by all methods but kDense and kDenseSchur, where Scene::tolerance is zero, of contacts in
+  /// A's axes. false: rows that depend on each other are found in K instead, and `complete` shows every contact.
+  bool reduce_pairs = true;
   bool operator==(const Options&) const = default;
 };
 

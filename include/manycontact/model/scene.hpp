@@ -63,6 +63,8 @@ struct Attachment {
 /// Whether an attachment's body moves: not the world, nor a fixed base.
 inline bool moves(const Attachment& at) { return at.robot >= 0 && at.joint >= 0; }
 
+struct PairRows;  // contact/pair_rows.hpp
+
 /// A bilateral contact: frame A on a robot, B' on another body or in the world. Equations in contact/rows.hpp.
 struct Contact {
   std::string name;
@@ -79,7 +81,12 @@ struct Contact {
   std::optional<Vec3<double>> normal = {};        // unit, out of the surface: in the world, or in B' axes where B is on
                                                   // a body; none: the world's z for points, A's own z for 6D
   Eigen::Vector2d box = Eigen::Vector2d::Zero();  // 6D: length along x and width along y of the support [m]; 0: none
-  int rows() const { return contact_rows(type); }  // 1, 2, 3, 5, 6
+
+  // Set inside of solve alone: the contact stands for all contacts between the same two bodies, whose rows are reduced
+  // to these (contact/pair_rows.hpp). Its type is 6D.
+  std::shared_ptr<const PairRows> pair = {};
+  int pair_rank = 0;
+  int rows() const { return pair ? pair_rank : contact_rows(type); }  // 1 ... 6
 };
 
 /// A wrench from outside on a body, at a frame: what pushes or pulls a robot, as wind, a hand, a rope do.

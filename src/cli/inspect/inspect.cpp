@@ -135,7 +135,8 @@ void print_islands(std::ostream& out, const Inspection& x) {
     const Island& island = x.island(x.kinds[k]);
     table.add(
         {std::to_string(x.kinds[k].islands.size()), x.name(x.kinds[k]), std::to_string(island.nv),
-         std::to_string(island.nc), rank_text(x.kinds[k].ranks), std::to_string(island.size()),
+         std::to_string(island.nc), rank_text(x.kinds[k].ranks),
+         std::to_string(island_of(data_solved(x.data), x.first(x.kinds[k])).size()),
          std::to_string(std::llround(nonzeros_of_K(*shape_of(x.data, x.first(x.kinds[k])), x.file.scene.damping)))});
   }
   table.print(out);

@@ -42,7 +42,8 @@ long fill_K(const Inspection& x, PatternGrid& grid) {
   long nonzeros = 0;
   for (std::size_t island = 0; island < island_count(x.data); ++island) {
     const KktPattern& p = x.pattern(island);
-    const std::vector<int> at = rows_in_scene(x.file.scene, x.data, island_of(x.data, island));
+    const SceneData& solved = data_solved(x.data);
+    const std::vector<int> at = rows_in_scene(scene_solved(x.file.scene, x.data), solved, island_of(solved, island));
     for (int col = 0; col < p.size(); ++col)
       for (int k = p.K.p[col]; k < p.K.p[col + 1]; ++k) {
         const int i = p.perm[p.K.i[k]], j = p.perm[col];
@@ -194,7 +195,7 @@ std::string order_text(const Inspection& x) {
 
 void draw(std::ostream& svg, const Inspection& x) {
   const Scene& scene = x.file.scene;
-  const int n = scene.nv + static_cast<int>(x.data.f.size());
+  const int n = scene.nv + static_cast<int>(data_solved(x.data).f.size());
   svg << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 "
       << kWidth << " " << kHeight << "\" width=\"" << kWidth << "\" height=\"" << kHeight
       << "\" font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\" fill=\"#1f2730\">\n";

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "block.hpp"
+#include "manycontact/contact/pair_rows.hpp"
 #include "manycontact/spatial/pack.hpp"
 
 namespace manycontact::lanes {
@@ -52,6 +53,26 @@ template <class P, class Item, class At>
 std::span<P const> side_by_side(std::span<Item> items, P (&memory)[8], At&& at) {
   for (std::size_t l = 0; l < items.size(); ++l) memory[l] = at(items[l]);
   return {memory, items.size()};
+}
+
+/// What pairs of contacts have in place of a contact's own numbers, those of rows(item) of each item.
+template <class S, class Item, class Of>
+void load_pair(std::span<Item> items, Of&& contact_of, PairNumbers<S>& to) {
+  const double* from[8];
+  const auto load = [&](auto&& numbers, S* at, Eigen::Index count) {
+    load_arrays(side_by_side(items, from, [&](auto& item) -> const double* {
+                  return numbers(contact_of(item).pair->numbers);
+                }), static_cast<int>(count), at);
+  };
+  using Numbers = const PairNumbers<double>&;
+  load([](Numbers n) { return n.R.data(); }, to.R.data(), to.R.size());
+  load([](Numbers n) { return n.R_right.data(); }, to.R_right.data(), to.R_right.size());
+  load([](Numbers n) { return n.terms.data(); }, to.terms.data(), to.terms.size());
+  for (std::size_t m = 0; m < to.members.size(); ++m) {
+    load([m](Numbers n) { return n.members[m].A.R.data(); }, to.members[m].A.R.data(), 12);
+    load([m](Numbers n) { return n.members[m].B.R.data(); }, to.members[m].B.R.data(), 12);
+    load([m](Numbers n) { return n.members[m].Q.data(); }, to.members[m].Q.data(), to.members[m].Q.size());
+  }
 }
 
 /// Per lane, the largest entry of the row of J whose entries are the smallest.

@@ -26,13 +26,16 @@ class InterfaceContactsOf {
     const Contact& contact = *rows.front().contact;
     A_.load(rows, contact.A.joint, false, [](const Rows& r) { return std::pair(&r.contact->A, r.A); });
     B_.load(rows, contact.B.joint, false, [](const Rows& r) { return std::pair(&r.contact->B, r.B); });
-    evaluate_between(gravity, contact);
+    evaluate_between(gravity, rows);
     double* to[8];
     const int at_A = static_cast<int>(rows_.J.rows() * support_.a.size());
     store_arrays(rows_.J.data(), at_A, side_by_side(rows, to, [](const Rows& r) { return r.A; }));
     store_arrays(rows_.J.data() + at_A, static_cast<int>(rows_.J.size()) - at_A,
                  side_by_side(rows, to, [](const Rows& r) { return r.B; }));
     store_arrays(rows_.a0.data(), contact.rows(), side_by_side(rows, to, [](const Rows& r) { return r.a0; }));
+    if (rows_.pair)
+      store_arrays(rows_.left.data(), static_cast<int>(rows_.left.size()),
+                   side_by_side(rows, to, [](const Rows& r) { return r.left; }));
     const S smallest = smallest_row(rows_), motion = motion_scale(contact, rows_);
     for (std::size_t l = 0; l < rows.size(); ++l) {
       const int lane = static_cast<int>(l);
@@ -46,7 +49,7 @@ class InterfaceContactsOf {
     const Contact& contact = *rows.front().contact;
     A_.load(rows, contact.A.joint, true, [](const Rows& r) { return std::pair(&r.contact->A, r.A); });
     B_.load(rows, contact.B.joint, true, [](const Rows& r) { return std::pair(&r.contact->B, r.B); });
-    evaluate_between(gravity, contact);
+    evaluate_between(gravity, rows);
     const double* from[8];
     load_arrays(side_by_side(rows, from, [](const Rows& r) { return r.f; }), contact.rows(), f_.data());
     contact_derivatives<S>(contact, support_, A_.kin, &B_.kin, A_.rnea, &B_.rnea, f_, rows_, terms_);
@@ -106,7 +109,10 @@ class InterfaceContactsOf {
     PlacedEnd<S> placed(int joint) const { return {kin.oMi[joint] * on_body, origin_at<S>(kin, joint)}; }
   };
 
-  void evaluate_between(const Vec3<double>& gravity, const Contact& contact) {
+  template <class Row>
+  void evaluate_between(const Vec3<double>& gravity, std::span<Row> all) {
+    const Contact& contact = *all.front().contact;
+    if (rows_.pair) load_pair<S>(all, [](const auto& r) -> const Contact& { return *r.contact; }, *rows_.pair);
     rows_between<S>(gravity, contact, support_, A_.kin, A_.placed(contact.A.joint), A_.on_body.p, B_.kin,
                     B_.placed(contact.B.joint), B_.on_body.p, rows_);
   }

@@ -26,6 +26,8 @@ struct Job {
   const std::vector<int>& f_offset;  // per contact
   const double* prescribed;          // of the rows, as f; nullptr: zero
   double *a, *f;                     // the robots' parts are written where the answer is sound
+  const std::vector<int>* left_offset = nullptr;  // per contact, of pairs
+  double* left = nullptr;                         // ContactData::left of pairs on single robots
 };
 
 /// Right-hand sides of a robot's panel that are copied out: a column, and where its rows go.
@@ -99,7 +101,7 @@ struct Contradiction {
 struct Answer {
   bool sound = false;
   int refinement_steps = 0;
-  double residual_dynamics = 0, residual_contact = 0, backward_error = 0;  // as IslandReport has them
+  double residual_dynamics = 0, residual_contact = 0, contact_terms = 0, backward_error = 0;  // as IslandReport's
   // Of derivatives by the same factor (systems/matrix/panel.cpp): whether nothing has to judge them, and whether they
   // are refined once; whether nothing has to judge products.
   bool panel_is_safe = false, refine_panel = false;
@@ -177,6 +179,7 @@ class InterfaceContacts {
     const Contact* contact;
     double *A, *B;  // JoinedEnd; then the columns of the contact's J on that robot
     double* a0;
+    double* left;                 // of a pair: ContactData::left
     double smallest_row, motion;  // of J, and what its rows are picked from
   };
   /// And of derivatives at the solution.

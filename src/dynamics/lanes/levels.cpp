@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lanes.hpp"
+#include "manycontact/contact/pair_rows.hpp"
 
 namespace manycontact {
 namespace lanes {
@@ -34,14 +35,17 @@ bool alike_ends(const Attachment& x, const Attachment& y) {
 }  // namespace
 
 bool alike_rows(const Contact& c, const Contact& d) {
-  return c.reference_frame == d.reference_frame && c.alpha == d.alpha && c.beta == d.beta && c.axis == d.axis;
+  if (c.reference_frame != d.reference_frame || c.alpha != d.alpha || c.beta != d.beta || c.axis != d.axis ||
+      kind_of(c) != kind_of(d))
+    return false;
+  return !c.pair || std::ranges::equal(c.pair->members, d.pair->members, alike_rows);
 }
 
 bool alike(const Scene& scene, std::span<const int> x, std::span<const int> y) {
   for (std::size_t k = 0; k < x.size(); ++k) {
     const Contact& c = scene.contacts[x[k]];
     const Contact& d = scene.contacts[y[k]];
-    if (!alike_rows(c, d) || c.type != d.type || !alike_ends(c.A, d.A) || !alike_ends(c.B, d.B)) return false;
+    if (!alike_rows(c, d) || !alike_ends(c.A, d.A) || !alike_ends(c.B, d.B)) return false;
   }
   return true;
 }

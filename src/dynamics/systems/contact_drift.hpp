@@ -32,12 +32,32 @@ S origin_rounding(const Model& model, const Kinematics<S>& kin, int joint) {
   return off ? largest_entry<S>(kin.origins[tree].p) : S(0);
 }
 
+/// How much of displacements, and of turns, there is in row i of a contact.
+template <class S>
+struct RowWeights {
+  S linear, angular;
+};
+template <class S>
+RowWeights<S> row_weights(const PairNumbers<S>* pair, int i) {
+  if (pair) return {pair->terms(i, 0), pair->terms(i, 1)};
+  return {S(i < 3 ? 1 : 0), S(i < 3 ? 0 : 1)};
+}
+template <class S>
+RowWeights<S> row_weights(const ContactData<S>& data, int i) {
+  return row_weights<S>(data.pair ? &*data.pair : nullptr, i);
+}
+
 /// The largest terms that a contact's a0 is computed from: of a point's motion [m/s^2], its first three rows, and of
-/// turning [rad/s^2], the others. Where lengths are in micrometres either says nothing of the other.
+/// turning [rad/s^2], the others. Where lengths are in micrometres either says nothing of the other. Rows of a pair are
+/// sums of both.
 template <class S>
 struct RowTerms {
   S linear = S(0), angular = S(0);
-  const S& of_row(int i) const { return i < 3 ? linear : angular; }
+  const PairNumbers<S>* pair = nullptr;  // of these rows
+  S of_row(int i) const {
+    if (pair) return pair->terms(i, 0) * linear + pair->terms(i, 1) * angular;
+    return i < 3 ? linear : angular;
+  }
 };
 
 /// Rounding that the projector P on J^T's null space passes on from row to row. Null vectors y balance the rows, sum of
@@ -74,7 +94,7 @@ RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const 
   };
   return {accelerations(0) + w * v + beta * v +
               alpha * (largest(data.aMA.p) + largest(data.bMA.p) + origin + largest(data.on_B)),
-          accelerations(3) + w * w + beta * w + alpha};
+          accelerations(3) + w * w + beta * w + alpha, data.pair ? &*data.pair : nullptr};
 }
 
 /// The same where the bodies are placed from the world on. kinA, kinB: of the robots of A and B; of a B that does not

@@ -15,9 +15,10 @@ inline bool usable_numbers(const Scene& scene) {
          std::isfinite(scene.moment_length);
 }
 
-/// Of a contact's row; 1 of every row with damping, which makes all of them independent.
-inline double row_unit(const Scene& scene, int row_of_contact) {
-  return row_of_contact < 3 || scene.damping > 0 ? 1 : scene.moment_length;
+/// Of a contact's row; 1 of every row with damping, which makes all of them independent, and of a pair's, which are
+/// weighed already.
+inline double row_unit(const Scene& scene, const Contact& contact, int row) {
+  return row < 3 || scene.damping > 0 || contact.pair ? 1 : scene.moment_length;
 }
 
 /// Whether any is not 1: rows that depend on each other are then dropped from the whole K alone, which is weighed where
@@ -25,7 +26,7 @@ inline double row_unit(const Scene& scene, int row_of_contact) {
 inline bool has_row_units(const Scene& scene, const Island& island) {
   if (scene.damping > 0 || scene.moment_length == 1) return false;
   for (int c : island.contacts)
-    if (scene.contacts[c].rows() > 3) return true;
+    if (scene.contacts[c].rows() > 3 && !scene.contacts[c].pair) return true;
   return false;
 }
 

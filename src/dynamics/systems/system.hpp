@@ -49,8 +49,7 @@ struct Acting {
     if (its_inertia > 0) moved = std::max(moved, torque / its_inertia);
   }
   void add_contact(const Contact &contact, const ContactData<double> &data, const RowTerms<double> &terms) {
-    for (int row : {0, 3}) {  // one of a motion, one of turning
-      if (row >= contact.rows()) continue;
+    for (int row = 0; row < contact.rows(); row += contact.pair ? 1 : 3) {  // one of a motion, one of turning
       const double its_lever = row_scale(contact, data, row);
       if (!(its_lever > 0)) continue;
       lever = std::max(lever, its_lever);

@@ -98,6 +98,7 @@ Truth<S> refine_truth(const Scene& scene, SceneData& data, const VecX<S>& q, con
   out.h.resize(scene.nv);
   for (int r = 0; r < scene.nrobots(); ++r)
     out.h.segment(scene.robots[r].idx_v, scene.robots[r].model->nv) = terms.robots[r].h;
+  internal::prepare_islands(scene, data);
   for (const auto& island : data.workspace->islands) {
     IslandWork& d = *island;
     const bool by_matrix = d.answered && !d.answered_by(d.bodies.get()) &&

@@ -39,7 +39,7 @@ void dense_truth(const Scene& scene, const TruthTerms<S>& t, const Island& islan
       kkt.J.col(first_dof(island, contact.B) + i).segment(o, contact.rows()) = rows.J.col(j++);
     b2.block(o, 0, contact.rows(), 1) = -rows.a0;
     for (int i = 0; i < contact.rows(); ++i) {
-      const S unit(row_unit(scene, i));
+      const S unit(row_unit(scene, contact, i));
       kkt.row_scale[o + i] *= unit;
       kkt.J.row(o + i) *= unit;
       b2.row(o + i) *= unit;
@@ -54,9 +54,9 @@ void dense_truth(const Scene& scene, const TruthTerms<S>& t, const Island& islan
     out.a.segment(robot.idx_v, robot.model->nv) = a.col(0).segment(island.dof_offset[k], robot.model->nv);
   }
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
-    const int rows = scene.contacts[island.contacts[k]].rows();
-    for (int i = 0; i < rows; ++i)
-      out.f[f_offset[island.contacts[k]] + i] = f(island.row_offset[k] + i, 0) * S(row_unit(scene, i));
+    const Contact& contact = scene.contacts[island.contacts[k]];
+    for (int i = 0; i < contact.rows(); ++i)
+      out.f[f_offset[island.contacts[k]] + i] = f(island.row_offset[k] + i, 0) * S(row_unit(scene, contact, i));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "../internal.hpp"
+#include "manycontact/contact/pair_rows.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
 #include "manycontact/model/suggestion.hpp"
 
@@ -14,6 +15,10 @@ Workspace::Workspace(const Scene& s)
     for (const Attachment* at : {&contact.A, &contact.B})
       if (at->robot >= 0 && !moves(*at)) internal::make_robot(s, *this, at->robot);
   rows_state.assign(s.contacts.size(), 0);
+  for (const Contact& contact : s.contacts) {
+    left_offset.push_back(contact.pair ? static_cast<int>(left.size()) : -1);
+    if (contact.pair) left.resize(left.size() + contact.pair->unit.size() + 2);
+  }
   if (has_applied_forces(s)) applied = std::make_unique<AppliedWork>(s);
 }
 

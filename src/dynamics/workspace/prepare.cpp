@@ -66,7 +66,7 @@ void mark_changed(const Scene& scene, const SceneData& data, Workspace& w, Switc
       for (int r : w.islands[w.robot_island[end.robot]]->island.robots) s.groups.loose[r] = 1;
   };
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
-    if (w.active[c] == data.active[c]) continue;
+    if (w.islands_active[c] == data.active[c]) continue;
     mark_island_of(scene.contacts[c].A);
     mark_island_of(scene.contacts[c].B);
   }
@@ -151,16 +151,13 @@ void prepare(const Scene& scene, SceneData& data) {
   internal::prepare_checked(scene, data);
 }
 
-void internal::prepare_checked(const Scene& scene, SceneData& data) {
+void internal::prepare_islands(const Scene& scene, const SceneData& data) {
   Workspace& w = *data.workspace;
-  if (data.active.size() != scene.contacts.size())
-    throw std::invalid_argument("prepare: " + std::to_string(data.active.size()) + " active flags for " +
-                                std::to_string(scene.contacts.size()) + " contacts");
-  const bool same_options = w.prepared && w.options == data.options, same_springs = w.springs == scene.springs.size();
-  if (same_options && same_springs && w.active == data.active) return;
-  give_up_solution(data);
-  const bool all = !same_options || !same_springs || data.options.method == Method::kDenseSchur;
-  w.prepared = false;
+  const bool known = w.has_islands && w.islands_options == data.options && w.springs == scene.springs.size();
+  if (known && w.islands_active == data.active) return;
+  const bool same_options = w.has_islands && w.islands_options == data.options;
+  const bool all = !known || data.options.method == Method::kDenseSchur;
+  w.has_islands = false;
   keep_derivatives(w);
   if (!same_options) {  // other factors, in other orders
     w.islands.clear();
@@ -169,19 +166,43 @@ void internal::prepare_checked(const Scene& scene, SceneData& data) {
     w.derivatives.islands.clear();
     make_threads(data.options.threads, w);
   }
-  w.options = data.options;
-  w.lanes.level = lanes::level_of(w.options.lanes);
+  w.lanes.level = lanes::level_of(data.options.lanes);
+  w.options = w.islands_options = data.options;
   change_islands(scene, data, w, all);
   if (w.linearisation) w.linearisation->forget_places();
   group_robots_alone(w);
   make_first_systems(scene, w);
   if (w.pool.trim()) forget_unused(w);
   restore_derivatives(w);
-  lay_out_forces(scene, data);
-  data.report.islands.resize(w.islands.size());
-  w.active = data.active;
+  w.islands_active = data.active;
   w.springs = scene.springs.size();
   ++w.layout;
+  w.has_islands = true;
+}
+
+void internal::prepare_checked(const Scene& scene, SceneData& data) {
+  Workspace& w = *data.workspace;
+  if (data.active.size() != scene.contacts.size())
+    throw std::invalid_argument("prepare: " + std::to_string(data.active.size()) + " active flags for " +
+                                std::to_string(scene.contacts.size()) + " contacts");
+  if (w.prepared && w.options == data.options && w.springs == scene.springs.size() && w.active == data.active &&
+      reduction_is_current(scene, data))
+    return;
+  give_up_solution(data);
+  w.prepared = false;
+  prepare_reduction(scene, data);
+  if (w.reduction) {
+    w.options = data.options;
+    w.springs = scene.springs.size();
+    w.islands.clear();
+    w.has_islands = false;
+    w.derivatives.islands.resize(w.reduction->islands.size());
+  } else {
+    prepare_islands(scene, data);
+  }
+  lay_out_forces(scene, data);
+  data.report.islands.resize(w.reduction ? w.reduction->islands.size() : w.islands.size());
+  w.active = data.active;
   w.prepared = true;
 }
 

@@ -6,6 +6,7 @@
 
 #include "../applied_forces.hpp"
 #include "../derivatives/linearisation.hpp"
+#include "../reduction/reduction.hpp"
 #include "../robot_quantities.hpp"
 #include "../systems/bodies/bodies.hpp"
 #include "../systems/matrix/matrix.hpp"
@@ -117,6 +118,15 @@ struct Workspace {
   std::map<Eigen::Index, Eigen::VectorXd> spare_f;  // forces of other sizes
   Switching switching;
 
+  // by prepare, where contacts between the same two bodies are reduced: then nothing else is prepared until it is asked
+  // for (prepare_islands)
+  std::unique_ptr<Reduction> reduction;
+  Reduction::Terms reduction_terms;  // that it is of, or the lack of one
+  bool may_reduce = false;
+  bool has_islands = false;  // those of `islands_active`
+  std::vector<char> islands_active;
+  Options islands_options;
+
   InLanes lanes;
   std::vector<char> done;  // scratch of each_island
 
@@ -125,6 +135,11 @@ struct Workspace {
   OnDemand<ContactSupport> supports;       // of contacts that the joint-space K was made for; constant once there
   OnDemand<ContactData<double>> contacts;  // at the bias accelerations
   std::vector<std::uint64_t> rows_state;   // per contact: the state these are of
+
+  // Of pairs (contact/pair_rows.hpp), by who evaluates their rows at the state: ContactData::left, at left_offset of the
+  // contact; -1: it is none.
+  std::vector<int> left_offset;
+  std::vector<double> left;
 
   std::vector<double> prescribed;  // rows of f: accelerations asked for, or none where these are zero
 

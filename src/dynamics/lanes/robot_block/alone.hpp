@@ -112,7 +112,9 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
   // Residuals relative to the terms they are left of; those of the contacts at least to gravity.
   const std::span<const int> rows(pattern_.iperm);
   const Largest<S> dynamics(0, rows.first(pattern_.nv), r_.data(), scale_.data());
-  const Largest<S> contact(job.scene.gravity.norm(), rows.subspan(pattern_.nv), r_.data(), scale_.data());
+  Largest<S> contact(S(0), rows.subspan(pattern_.nv), r_.data(), scale_.data());
+  const S contact_terms = contact.scale;
+  contact.scale = larger(contact.scale, S(job.scene.gravity.norm()));
   const Growth<S> growth(static_cast<std::size_t>(rows_), pivot_terms_.data(), diagonal());
   const Mask safe =
       growth.terms * S(std::numeric_limits<double>::epsilon()) <= S(tolerance::kConverged) * growth.diagonal;
@@ -129,6 +131,7 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
     answer.backward_error = backward_error_[lane];
     answer.residual_dynamics = dynamics.ratio(lane);
     answer.residual_contact = contact.ratio(lane);
+    answer.contact_terms = contact_terms[lane];
     scatter(job.scene, job.f_offset, robots[l], lane, job.a, job.f);
   }
 }

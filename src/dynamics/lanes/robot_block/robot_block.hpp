@@ -130,6 +130,7 @@ class RobotBlock {
   void load_ends(const Scene& scene, Robots robots);
   void set_up(const Job& job, Robots robots);
   void evaluate_rows(const Scene& scene, Robots robots);
+  void store_left(const Job& job, Robots robots) const;
   void check_rows(const Scene& scene, Robots robots);
   void assemble_rows(double damping);
   void assemble_right_side(const Job& job, Robots robots);

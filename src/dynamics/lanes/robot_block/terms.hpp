@@ -43,7 +43,10 @@ void RobotBlock<S>::load_ends(const Scene& scene, Robots robots) {
   static_assert(sizeof(StandingEnd<double>) == 15 * sizeof(double) && sizeof(StandingEnd<S>) == 15 * sizeof(S));
   StandingEnd<double> ends[W];
   const double* from[8];
-  for (std::size_t k = 0; k < standing_.size(); ++k)
+  for (std::size_t k = 0; k < standing_.size(); ++k) {
+    if (contacts_[k].pair)
+      load_pair<S>(
+          robots, [&](const Robot& r) -> const Contact& { return scene.contacts[r.contacts[k]]; }, *contacts_[k].pair);
     for (const bool B : {false, true}) {
       const auto end = [&](const Robot& r) -> const Attachment& {
         const Contact& c = scene.contacts[r.contacts[k]];
@@ -60,6 +63,7 @@ void RobotBlock<S>::load_ends(const Scene& scene, Robots robots) {
       }
       load_arrays(std::span<const double* const>(from, robots.size()), 15, standing_[k][B].frame.R.data());
     }
+  }
 }
 
 /// The robots' own part of K x = b, and which robots' input can be used.
@@ -71,6 +75,7 @@ void RobotBlock<S>::set_up(const Job& job, Robots robots) {
   internal::evaluate_bias<S>(*model_, base_, q_, v_, job.scene.gravity, robot_);
   internal::evaluate_inertia<S>(*model_, robot_, pattern_.M_slot.data(), n_.K);
   evaluate_rows(job.scene, robots);
+  store_left(job, robots);
   check_rows(job.scene, robots);
   if (dependent_) size_rows(job.scene, robots);
   assemble_rows(job.scene.damping);
@@ -88,6 +93,18 @@ void RobotBlock<S>::evaluate_rows(const Scene& scene, Robots robots) {
     contacts_[k].joint_lever = larger(joint_lever<S>(*model_, robot_.kin, plan_->supports[k].a),
                                       joint_lever<S>(*model_, robot_.kin, plan_->supports[k].b));
   }
+}
+
+/// What the contacts of pairs contradict each other by.
+template <class S>
+void RobotBlock<S>::store_left(const Job& job, Robots robots) const {
+  double* to[8];
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    if (contacts_[k].pair)
+      store_arrays(contacts_[k].left.data(), static_cast<int>(contacts_[k].left.size()),
+                   side_by_side(robots, to, [&](const Robot& r) {
+                     return job.left + (*job.left_offset)[static_cast<std::size_t>(r.contacts[k])];
+                   }));
 }
 
 /// The smallest row of J, and the largest motion that rows are picked from: rows that are nothing but rounding beside

@@ -70,6 +70,7 @@ void evaluate_rows(const Scene& scene, const SceneData& data, const BodiesSystem
   ContactData<double>& rows = data.workspace->contacts[c];
   body_rows(scene, contact, kinematics_at(bodies, contact.A), kinematics_at(bodies, contact.B), none, none, rows);
   data.workspace->rows_state[c] = data.workspace->state;
+  keep_left(*data.workspace, c, rows);
   rows.Jl.setConstant(std::numeric_limits<double>::quiet_NaN());  // not known now, should there be memory for it
   rows.J.setConstant(std::numeric_limits<double>::quiet_NaN());
   for (int i = 0; i < contact.rows(); ++i) {
@@ -144,8 +145,11 @@ lanes::Contradiction contradiction_of(const Scene& scene, const Workspace& work,
           origin += kin->p[at->joint].cwiseAbs().maxCoeff();
       if (contact.B.robot < 0) origin += contact.B.placement.p.cwiseAbs().maxCoeff();
       const RowTerms<double> terms = row_terms<double>(contact, work.contacts[c], origin);
-      for (int i = 0; i < contact.rows(); ++i)
-        use(island.row_offset[k] + i, i < 3 ? lever : 1, std::max(terms.of_row(i), of_bodies.of_row(i)));
+      for (int i = 0; i < contact.rows(); ++i) {
+        const auto [linear, angular] = row_weights(work.contacts[c], i);
+        use(island.row_offset[k] + i, linear * lever + angular,
+            std::max(terms.of_row(i), linear * of_bodies.linear + angular * of_bodies.angular));
+      }
     }
   };
   PassedRounding<double> passed;

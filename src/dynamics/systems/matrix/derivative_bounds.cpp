@@ -115,8 +115,10 @@ TermsOfDerivatives terms_of_derivatives(const Scene& scene, const SceneData& dat
     const double beta = std::abs(contact.beta), v = velocity(0), w = velocity(3);
     for (int i = 0, row = island.nv + island.row_offset[k]; i < contact.rows(); ++i, ++row) {
       const double unit = unit_of(m, row - island.nv);
-      out.q[row] = unit * (turned * terms.of_row(i) + (i < 3 ? moved * terms.angular : 0));
-      out.v[row] = unit * (i < 3 ? (2 * w + beta) * moved + 2 * v * turned : (2 * w + beta) * turned);
+      const auto [linear, angular] = row_weights(rows, i);
+      out.q[row] = unit * (turned * terms.of_row(i) + linear * moved * terms.angular);
+      out.v[row] =
+          unit * (linear * ((2 * w + beta) * moved + 2 * v * turned) + angular * (2 * w + beta) * turned);
     }
   }
   return out;

@@ -26,6 +26,7 @@ void evaluate_contact(const Scene& scene, Workspace& w, int c) {
   contact_rows<double>(scene, contact, w.supports[c], w.robots[contact.A.robot].kin,
                        contact.B.robot < 0 ? nullptr : &w.robots[contact.B.robot].kin, w.contacts[c]);
   w.rows_state[c] = w.state;
+  keep_left(w, c, w.contacts[c]);
 }
 
 }  // namespace
@@ -93,7 +94,7 @@ namespace {
 void take_units(const Scene& scene, MatrixSystem& m) {
   const Island& island = m.owner.island;
   for (int c : island.contacts)
-    for (int i = 0; i < scene.contacts[c].rows(); ++i) m.unit.push_back(row_unit(scene, i));
+    for (int i = 0; i < scene.contacts[c].rows(); ++i) m.unit.push_back(row_unit(scene, scene.contacts[c], i));
   const int* slot = m.K.pattern->J_slot.data();
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const int first = island.row_offset[k], rows = scene.contacts[island.contacts[k]].rows();

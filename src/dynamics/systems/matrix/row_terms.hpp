@@ -28,7 +28,7 @@ inline RowTerms<double> contact_drift(const Scene& scene, const Workspace& work,
 
 /// The largest motion and the largest turn of a matrix of motions.
 template <class Motions>
-RowTerms<double> largest_of_motions(const Motions& J) {
+std::pair<double, double> largest_of_motions(const Motions& J) {
   if (J.cols() == 0) return {};
   return {J.template topRows<3>().cwiseAbs().maxCoeff(), J.template bottomRows<3>().cwiseAbs().maxCoeff()};
 }
@@ -39,7 +39,7 @@ inline RowTerms<double> motion_terms(const Contact& contact, const ContactData<d
   const auto [moved, turning] = largest_of_motions(data.Jl);
   double lever = largest_entry<double>(data.aMA.p) + largest_entry<double>(data.on_A) + data.joint_lever;
   if (moves(contact.B)) lever += largest_entry<double>(data.bMA.p);
-  return {std::max(moved, turning * lever), turning};
+  return {std::max(moved, turning * lever), turning, data.pair ? &*data.pair : nullptr};
 }
 
 /// Of a robot's coordinates, the sizes of all terms that M a + h is computed from, a its own; and the largest entry of

@@ -21,7 +21,9 @@ lanes::Job job_at_state(const Scene& scene, SceneData& data) {
           data.f_offset,
           w.prescribed.empty() ? nullptr : w.prescribed.data(),
           data.a.data(),
-          data.f.data()};
+          data.f.data(),
+          &w.left_offset,
+          data.workspace->left.data()};
 }
 
 namespace {
@@ -34,6 +36,7 @@ void take_answer(BlockGroup& by, const lanes::Answer& answer, IslandWork& d, Isl
   report.refinement_steps = answer.refinement_steps;
   report.residual_dynamics = answer.residual_dynamics;
   report.residual_contact = answer.residual_contact;
+  report.contact_terms = answer.contact_terms;
   report.backward_error = answer.backward_error;
   d.answered = &d.alone;
   d.factorizations = 1;

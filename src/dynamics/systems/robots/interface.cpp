@@ -35,7 +35,7 @@ void share_out(const Scene& scene, const Island& island, Interface& j) {
     Interface::OfRobot& r = j.robots[k];
     const auto place = [&](int c) {  // alike robots have theirs in one order
       const Contact& contact = scene.contacts[island.contacts[c]];
-      return std::tuple(contact.type, end_on(contact, island.robots[k]).joint, c);
+      return std::tuple(kind_of(contact), end_on(contact, island.robots[k]).joint, c);
     };
     std::sort(r.joins.begin(), r.joins.end(), [&](int x, int y) { return place(x) < place(y); });
     for (int c : r.joins)

@@ -76,11 +76,11 @@ BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
   std::vector<int> key{static_cast<int>(order), has_friction(model), static_cast<int>(block.contacts.size())};
   for (int c : block.contacts) {
     const Contact& contact = scene.contacts[c];
-    key.insert(key.end(), {static_cast<int>(contact.type), contact.A.joint, moves(contact.B) ? contact.B.joint : -1});
+    key.insert(key.end(), {kind_of(contact), contact.A.joint, moves(contact.B) ? contact.B.joint : -1});
   }
   for (int c : block.joins) {
     const Contact& contact = scene.contacts[c];
-    key.insert(key.end(), {static_cast<int>(contact.type), end_on(contact, block.robot).joint});
+    key.insert(key.end(), {kind_of(contact), end_on(contact, block.robot).joint});
   }
   key.insert(key.end(), block.inner->perm.begin(), block.inner->perm.end());
   key.insert(key.end(), block.dropped.begin(), block.dropped.end());
@@ -127,7 +127,7 @@ InterfaceContactGroup& group_of(const Scene& scene, Workspace& w, int c) {
   const Contact& contact = scene.contacts[c];
   const auto structure = [&](const Attachment& at) { return scene.robots[at.robot].model->structure.get(); };
   InterfaceContactGroup& group =
-      w.lanes.contacts[{structure(contact.A), structure(contact.B), contact.type, contact.A.joint, contact.B.joint}];
+      w.lanes.contacts[{structure(contact.A), structure(contact.B), kind_of(contact), contact.A.joint, contact.B.joint}];
   if (group.kernels.size() >= w.threads.size()) return group;
   const ContactSupport support = contact_support(scene, contact);
   while (group.kernels.size() < w.threads.size())

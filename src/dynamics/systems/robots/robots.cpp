@@ -101,7 +101,8 @@ void evaluate_interface(const Scene& scene, Workspace& w, RobotsSystem& s) {
         thread.interface_contacts.clear();
         for (const RobotsSystem::Coupling& coupling : couplings)
           thread.interface_contacts.push_back({&scene.contacts[coupling.contact], join(coupling.A, coupling.among_A),
-                                               join(coupling.B, coupling.among_B), s.b.data() + coupling.row, 0, 0});
+                                               join(coupling.B, coupling.among_B), s.b.data() + coupling.row,
+                                               left_of(w, coupling.contact), 0, 0});
         batch.group->kernels[thread.number]->evaluate(scene.gravity, thread.interface_contacts);
         for (std::size_t i = 0; i < couplings.size(); ++i) {
           couplings[i].motion = thread.interface_contacts[i].motion;

@@ -34,7 +34,7 @@ struct BlockGroup {
 struct InterfaceContactGroup {
   struct Key {  // what their kernels are made for
     const ModelStructure *A, *B;
-    ContactType type;
+    int kind;  // kind_of(contact)
     int joint_A, joint_B;
     auto operator<=>(const Key&) const = default;
   };

@@ -10,19 +10,9 @@ namespace manycontact {
 /// of a million metres does not make it small. After contact_rows.
 template <class S>
 S row_scale(const Contact& contact, const ContactData<S>& data, int k) {
-  using std::abs;
-  if (k < 3) {
-    if (!holds_turning(contact.type)) return motion_scale(contact, data);
-    Contact point;  // whose rows are the first three of these
-    point.type = ContactType::k3D;
-    point.B.robot = contact.B.robot;
-    point.B.joint = contact.B.joint;
-    return motion_scale(point, data);
-  }
-  S turning(0);
-  for (Eigen::Index j = 0; j < data.Jl.cols(); ++j)
-    for (int i = 3; i < 6; ++i) turning = larger(S(abs(data.Jl(i, j))), turning);
-  return turning;
+  const MotionSizes<S> of = motion_sizes<S>(contact, data);
+  if (contact.pair) return data.pair->terms(k, 0) * of.of_point + data.pair->terms(k, 1) * of.turning;
+  return k < 3 ? of.of_point : of.turning;
 }
 
 }  // namespace manycontact

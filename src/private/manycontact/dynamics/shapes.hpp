@@ -9,8 +9,14 @@ namespace manycontact {
 
 /// The island's trees and contacts, with the analyses made of them. Throws as views.hpp does.
 const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t i);
+/// Per contact of island_of, the coordinates of its columns of J; after complete.
+const IslandSupport& island_support_of(const SceneData& data, std::size_t i);
 /// K of an island as solved last, in the choice's order or, where report.changed_order, leaf-to-root.
 const KktMatrix& assembled_matrix_of(const SceneData& data, std::size_t i);
+/// What is solved in place of the scene and its data, where contacts between the same two bodies are reduced to one
+/// (Options::reduce_pairs); elsewhere these themselves. shape_of and choice_of are those of its islands.
+const Scene& scene_solved(const Scene& scene, const SceneData& data);
+const SceneData& data_solved(const SceneData& data);
 /// How often an island's K, whole or robot by robot, was factorized for the solution at hand and what was made of it.
 int factorizations_of(const SceneData& data, std::size_t i);
 /// Number of shapes analysed so far.

@@ -1,0 +1,125 @@
+#include "manycontact/contact/pair_motion.hpp"
+
+#include "spatial/pack_explog.hpp"
+
+namespace manycontact {
+
+namespace {
+
+template <class S>
+using OfRows = Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1>;
+
+// S_m W_m x, of a member whose first row is `row`.
+template <class S>
+OfRows<S> weighed_rows(const PairRows& pair, std::size_t m, int row, const Vec6<S>& x) {
+  OfRows<S> out = rows_of_member<S>(pair.members[m], x);
+  for (int i = 0; i < static_cast<int>(out.size()); ++i) out[i] *= S(pair.unit[row + i]);
+  return out;
+}
+
+}  // namespace
+
+template <class S>
+void take_pair(const Contact& contact, ContactData<S>& data) {
+  const PairNumbers<double>& from = contact.pair->numbers;
+  PairNumbers<S>& to = *data.pair;
+  to.R = from.R.template cast<S>();
+  to.R_right = from.R_right.template cast<S>();
+  to.terms = from.terms.template cast<S>();
+  for (std::size_t m = 0; m < from.members.size(); ++m) {
+    to.members[m].A = from.members[m].A.template cast<S>();
+    to.members[m].B = from.members[m].B.template cast<S>();
+    to.members[m].Q = from.members[m].Q.template cast<S>();
+  }
+}
+
+namespace {
+
+template <class S>
+S largest_in(const Vec3<S>& x) {
+  using std::abs;
+  return larger(larger(S(abs(x[0])), S(abs(x[1]))), S(abs(x[2])));
+}
+
+// The last two numbers of ContactData::left.
+template <class S>
+void judge_motion(const Contact& c, ContactData<S>& d) {
+  const auto of_both = [&](int at) {
+    return larger(largest_in<S>(d.vA.template segment<3>(at)), largest_in<S>(d.vB.template segment<3>(at)));
+  };
+  S lever = largest_in<S>(d.aMA.p) + largest_in<S>(d.bMA.p), reach(0), off(0);
+  for (std::size_t m = 0; m < c.pair->members.size(); ++m) {
+    const auto& at = d.pair->members[m];
+    reach = larger(largest_in<S>(at.A.p), reach);
+    if (c.pair->members[m].alpha == 0) continue;
+    const Vec6<S> error = contact_error<S>(c.pair->members[m], at.B.inverse() * (d.G * at.A));
+    off = larger(larger(largest_in<S>(error.template head<3>()), largest_in<S>(error.template tail<3>())), off);
+  }
+  lever += reach;
+  const S w = of_both(3), v = of_both(0) + w * lever, alpha(c.alpha), beta(c.beta);
+  const S moving = larger(largest_in<S>(d.nu.template head<3>()), S(lever * largest_in<S>(d.nu.template tail<3>())));
+  const Eigen::Index n = d.left.size() - 2;
+  d.left[n] = (w + beta) * v + beta * w + w * w + alpha * (lever + largest_in<S>(d.on_B) + S(1));
+  d.left[n + 1] = larger(select(v > S(0), S(moving / v), S(0)), select(lever > S(0), S(off / lever), off));
+}
+
+}  // namespace
+
+template <class S>
+void pair_motion(const Contact& c, ContactData<S>& d) {
+  const PairRows& pair = *c.pair;
+  const PairNumbers<S>& numbers = *d.pair;
+  d.W = numbers.R;
+  OfRows<S> e = OfRows<S>::Zero(c.rows());
+  int row = 0;
+  for (std::size_t m = 0; m < pair.members.size(); ++m) {
+    const auto& at = numbers.members[m];
+    const OfRows<S> own = weighed_rows<S>(pair, m, row, MemberMotion<S>(pair.members[m], at, d).drift());
+    d.left.segment(row, own.size()) = own;
+    e += at.Q.transpose().lazyProduct(own);
+    row += static_cast<int>(own.size());
+  }
+  row = 0;
+  for (std::size_t m = 0; m < pair.members.size(); ++m) {
+    const auto& Q = numbers.members[m].Q;
+    d.left.segment(row, Q.rows()) -= Q.lazyProduct(e);
+    row += static_cast<int>(Q.rows());
+  }
+  d.x = d.nudot;
+  d.x += numbers.R_right.lazyProduct(e);
+  d.a0 = e;
+  d.a0 += numbers.R.lazyProduct(d.nudot);
+  judge_motion<S>(c, d);
+}
+
+template <class S>
+PairSlopes<S> pair_slopes(const Contact& c, const ContactData<S>& d) {
+  const PairRows& pair = *c.pair;
+  const PairNumbers<S>& numbers = *d.pair;
+  Eigen::Matrix<S, Eigen::Dynamic, 6, 0, 6, 6> by_motion, by_displacement;
+  by_motion.setZero(c.rows(), 6), by_displacement.setZero(c.rows(), 6);
+  int row = 0;
+  for (std::size_t m = 0; m < pair.members.size(); ++m) {
+    const Contact& member = pair.members[m];
+    const auto& at = numbers.members[m];
+    const MemberMotion<S> motion(member, at, d);
+    Mat6<S> log = Mat6<S>::Zero();
+    if (member.alpha != 0 && member.type == ContactType::k6D) log = log6_derivative(motion.G);
+    for (int j = 0; j < 6; ++j) {
+      const Vec6<S> unit = at.A.act_inverse(Vec6<S>(Vec6<S>::Unit(j)));
+      by_motion.col(j) += at.Q.transpose().lazyProduct(weighed_rows<S>(pair, m, row, motion.by_motion(unit)));
+      if (member.alpha == 0) continue;
+      by_displacement.col(j) +=
+          at.Q.transpose().lazyProduct(weighed_rows<S>(pair, m, row, motion.by_displacement(unit, log)));
+    }
+    row += member.rows();
+  }
+  return {numbers.R_right.lazyProduct(by_motion), numbers.R_right.lazyProduct(by_displacement)};
+}
+
+using Scalar = InstantiatedScalar;
+template void take_pair<Scalar>(const Contact&, ContactData<Scalar>&);
+template void pair_motion<Scalar>(const Contact&, ContactData<Scalar>&);
+template PairSlopes<Scalar> pair_slopes<Scalar>(const Contact&, const ContactData<Scalar>&);
+
+}  // namespace manycontact

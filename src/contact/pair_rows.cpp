@@ -1,0 +1,171 @@
+#include "manycontact/contact/pair_rows.hpp"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+
+#include "manycontact/contact/pair_motion.hpp"
+
+namespace manycontact {
+
+namespace {
+
+// Of the columns of B, in units of the largest: rows that span the others keep more than the first, and what depends on
+// them leaves less than the second, which is rounding. In between the state has to tell (points 1e-10 m apart).
+constexpr double kPlainlyIndependent = 1e-9, kPlainlyDependent = 1e-13;
+
+int kind_of(int rank, const std::vector<Contact>& members) {
+  static std::mutex mutex;
+  static std::map<std::vector<int>, int> kinds;
+  std::vector<int> key{rank};
+  for (const Contact& member : members) key.push_back(static_cast<int>(member.type));
+  const std::lock_guard lock(mutex);
+  constexpr int kFirst = 16;  // above all types
+  return kinds.try_emplace(std::move(key), kFirst + static_cast<int>(kinds.size())).first->second;
+}
+
+// Where the pair's A is on A's body: at the mean of the members' origins, in the axes of the first.
+SE3<double> placement_A(const std::vector<Contact>& members) {
+  SE3<double> at{members.front().A.placement.R, Vec3<double>::Zero()};
+  for (const Contact& member : members) at.p += member.A.placement.p / static_cast<double>(members.size());
+  return at;
+}
+
+// B' as far from the first member's as A is from the first member's A.
+SE3<double> placement_B(const std::vector<Contact>& members, const SE3<double>& A) {
+  return members.front().B.placement * (members.front().A.placement.inverse() * A);
+}
+
+Contact member_of(const Contact& from) {
+  Contact out;
+  out.type = from.type;
+  out.A = {from.A.robot, from.A.joint, from.A.placement};
+  out.B = {from.B.robot, from.B.joint, from.B.placement};
+  out.axis = from.axis;
+  out.alpha = from.alpha, out.beta = from.beta;
+  return out;
+}
+
+// S_m W_m X_m of all members.
+Eigen::MatrixXd rows_of_all(const PairRows& pair) {
+  Eigen::MatrixXd B(static_cast<Eigen::Index>(pair.unit.size()), 6);
+  Eigen::Index row = 0;
+  for (std::size_t m = 0; m < pair.members.size(); ++m) {
+    const int n = pair.members[m].rows();
+    for (int j = 0; j < 6; ++j)
+      B.block(row, j, n, 1) = rows_of_member<double>(
+          pair.members[m], pair.numbers.members[m].A.act_inverse(Vec6<double>(Vec6<double>::Unit(j))));
+    for (int i = 0; i < n; ++i, ++row) B.row(row) *= pair.unit[static_cast<std::size_t>(row)];
+  }
+  return B;
+}
+
+// The rank of B; -1: it cannot be told plainly.
+int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr, Eigen::Index rows) {
+  int rank = 0;
+  const double largest = std::abs(qr.matrixQR()(0, 0));
+  for (Eigen::Index k = 0; k < std::min<Eigen::Index>(rows, 6); ++k) {
+    const double left = std::abs(qr.matrixQR()(k, k)) / largest;
+    if (left > kPlainlyIndependent)
+      ++rank;
+    else if (!(left < kPlainlyDependent))
+      return -1;
+  }
+  return rank;
+}
+
+// Per row of B, whether it is independent of those before it: one of `rank`.
+std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
+  std::vector<char> out(static_cast<std::size_t>(B.rows()), 0);
+  Eigen::Matrix<double, Eigen::Dynamic, 6> basis(rank, 6);
+  int found = 0;
+  for (Eigen::Index row = 0; row < B.rows() && found < rank; ++row) {
+    Eigen::RowVectorXd left = B.row(row);
+    for (int pass = 0; pass < 2; ++pass)
+      for (int k = 0; k < found; ++k) left -= left.dot(basis.row(k)) * basis.row(k);
+    if (!(left.norm() > kPlainlyIndependent * B.row(row).norm())) continue;
+    basis.row(found++) = left.normalized();
+    out[static_cast<std::size_t>(row)] = 1;
+  }
+  return out;
+}
+
+// B = Q R; false where its rows are independent, or the rank is in doubt.
+bool factorize(PairRows& pair) {
+  const Eigen::MatrixXd B = rows_of_all(pair);
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(B);
+  const int rank = plain_rank(qr, B.rows());
+  if (rank <= 0 || rank == B.rows()) return false;
+  const Eigen::MatrixXd Q = qr.householderQ() * Eigen::MatrixXd::Identity(B.rows(), rank);
+  PairNumbers<double>& numbers = pair.numbers;
+  numbers.R = Q.transpose() * B;
+  // A right inverse with turns in units of the levers, which R has: its error does not depend on how long they are.
+  Vec6<double> unit = Vec6<double>::Ones();
+  const double turns = numbers.R.rightCols<3>().norm(), motions = numbers.R.leftCols<3>().norm();
+  if (turns > 0 && motions > 0) unit.tail<3>().setConstant(motions / turns);
+  const Eigen::MatrixXd scaled = numbers.R * unit.asDiagonal();
+  numbers.R_right = unit.asDiagonal() * scaled.completeOrthogonalDecomposition().pseudoInverse();
+  pair.spans = first_independent(B, rank);
+  const Eigen::MatrixXd sizes = Q.cwiseAbs().transpose() * B.cwiseAbs();
+  numbers.terms.resize(rank, 2);
+  numbers.terms << sizes.leftCols<3>().rowwise().maxCoeff(), sizes.rightCols<3>().rowwise().maxCoeff();
+  Eigen::Index row = 0;
+  for (std::size_t m = 0; m < pair.members.size(); ++m) {
+    numbers.members[m].Q = Q.middleRows(row, pair.members[m].rows());
+    row += pair.members[m].rows();
+  }
+  return true;
+}
+
+// Gains, beside which terms of a0 are judged, and B'.
+void take_changeable(PairRows& rows, Contact& pair) {
+  pair.alpha = pair.beta = 0;
+  pair.B.placement = placement_B(rows.members, pair.A.placement);
+  const SE3<double> to_B = pair.B.placement.inverse();
+  for (std::size_t m = 0; m < rows.members.size(); ++m) {
+    const Contact& member = rows.members[m];
+    pair.alpha = std::max(pair.alpha, std::abs(member.alpha));
+    pair.beta = std::max(pair.beta, std::abs(member.beta));
+    rows.numbers.members[m].B = to_B * member.B.placement;
+  }
+}
+
+}  // namespace
+
+Contact pair_of(const Scene& scene, std::span<const int> contacts) {
+  const auto rows = std::make_shared<PairRows>();
+  rows->contacts.assign(contacts.begin(), contacts.end());
+  for (int c : contacts) {
+    rows->members.push_back(member_of(scene.contacts[static_cast<std::size_t>(c)]));
+    for (int i = 0; i < rows->members.back().rows(); ++i)
+      rows->unit.push_back(i < 3 || scene.damping > 0 ? 1 : scene.moment_length);
+  }
+  Contact pair = member_of(rows->members.front());
+  pair.type = ContactType::k6D;
+  pair.A.placement = placement_A(rows->members);
+  const SE3<double> to_A = pair.A.placement.inverse();
+  for (const Contact& member : rows->members) rows->numbers.members.push_back({to_A * member.A.placement, {}, {}});
+  if (!factorize(*rows)) return pair;
+  take_changeable(*rows, pair);
+  pair.pair_rank = static_cast<int>(rows->numbers.R.rows());
+  rows->kind = kind_of(pair.pair_rank, rows->members);
+  pair.pair = rows;
+  return pair;
+}
+
+void refresh_pair(const Scene& scene, PairRows& rows, Contact& pair) {
+  bool changed = false;
+  for (std::size_t m = 0; m < rows.members.size(); ++m) {
+    const Contact& from = scene.contacts[static_cast<std::size_t>(rows.contacts[m])];
+    Contact& member = rows.members[m];
+    if (member.alpha == from.alpha && member.beta == from.beta && member.B.placement.R == from.B.placement.R &&
+        member.B.placement.p == from.B.placement.p)
+      continue;
+    changed = true;
+    member.alpha = from.alpha, member.beta = from.beta;
+    member.B.placement = from.B.placement;
+  }
+  if (changed) take_changeable(rows, pair);
+}
+
+}  // namespace manycontact

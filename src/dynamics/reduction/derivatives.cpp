@@ -1,0 +1,184 @@
+// Derivatives and bounds of the scene solved, as those of all contacts.
+
+#include <algorithm>
+#include <limits>
+
+#include "../internal.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
+#include "reduction.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+// What is left of the motions of bodies that stand or move as one: rounding of their velocities and places.
+constexpr double kMovesAsOne = 1e-13;
+
+bool alike_gains(const PairRows& pair) {
+  return std::all_of(pair.members.begin(), pair.members.end(), [&](const Contact& c) {
+    return c.alpha == pair.members.front().alpha && c.beta == pair.members.front().beta;
+  });
+}
+
+// Whether what the contacts of a pair contradict each other by is zero to first order around the state.
+bool moves_as_one(const Reduction& r, int c, const PairRows& pair) {
+  const double* left = left_of(*r.data->workspace, c);
+  return alike_gains(pair) && left[pair.unit.size() + 1] <= kMovesAsOne;
+}
+
+int row_of(const Island& island, int contact) {
+  const auto at = std::lower_bound(island.contacts.begin(), island.contacts.end(), contact) - island.contacts.begin();
+  return island.row_offset[static_cast<std::size_t>(at)];
+}
+
+// Rows of forces of an island's panel, from those of the scene solved.
+template <class From, class To>
+void expand_rows(const Reduction& r, std::size_t i, const From& from, To&& to) {
+  const Island &solved = island_of(*r.data, i), &own = r.islands[i];
+  for (std::size_t k = 0; k < solved.contacts.size(); ++k) {
+    const int c = solved.contacts[k], first = solved.row_offset[k];
+    const int rows = r.scene.contacts[static_cast<std::size_t>(c)].rows();
+    if (c < r.first_pair()) {
+      to.middleRows(row_of(own, c), rows) = from.middleRows(first, rows);
+      continue;
+    }
+    const PairRows& pair = *r.pairs[static_cast<std::size_t>(c - r.first_pair())];
+    std::size_t unit = 0;
+    for (std::size_t m = 0; m < pair.contacts.size(); ++m) {
+      const auto& Q = pair.numbers.members[m].Q;
+      const int at = row_of(own, pair.contacts[m]);
+      for (Eigen::Index row = 0; row < Q.rows(); ++row, ++unit)
+        to.row(at + row).noalias() = (pair.unit[unit] * Q.row(row)) * from.middleRows(first, rows);
+    }
+  }
+}
+
+void expand_panel(const Scene& scene, const Reduction& r, std::size_t i, const IslandDerivatives& from,
+                  IslandDerivatives& out) {
+  const Island& island = r.islands[i];
+  if (out.request != from.request || out.X.rows() != island.size() || out.cols != from.cols ||
+      out.u_offset != from.u_offset || out.pushes != from.pushes)
+    lay_out(scene, island, from.request, out);
+  const Eigen::Index nv = island.nv, cols = out.cols, w = std::min(out.W.cols(), from.W.cols());
+  out.X.topLeftCorner(nv, cols) = from.X.topLeftCorner(nv, cols);
+  out.W.topLeftCorner(nv, w) = from.W.topLeftCorner(nv, w);
+  expand_rows(r, i, from.X.block(nv, 0, from.nc, cols), out.X.block(nv, 0, island.nc, cols));
+  expand_rows(r, i, from.W.block(nv, 0, from.nc, w), out.W.block(nv, 0, island.nc, w));
+}
+
+// The largest sum of sizes of a row of S Q: what an error of y is in f, at most.
+double largest_share(const Reduction& r, std::size_t i) {
+  double largest = 1;
+  for (int c : island_of(*r.data, i).contacts) {
+    if (c < r.first_pair()) continue;
+    const PairRows& pair = *r.pairs[static_cast<std::size_t>(c - r.first_pair())];
+    std::size_t unit = 0;
+    for (const auto& member : pair.numbers.members)
+      for (Eigen::Index row = 0; row < member.Q.rows(); ++row)
+        largest = std::max(largest, pair.unit[unit++] * member.Q.row(row).lpNorm<1>());
+  }
+  return largest;
+}
+
+double largest_force(const Scene& scene, const std::vector<int>& f_offset, const Island& island, const Eigen::VectorXd& f) {
+  double largest = 0;
+  each_force_block(scene, f_offset, island,
+                   [&](int at, int, int n) { largest = std::max(largest, f.segment(at, n).lpNorm<Eigen::Infinity>()); });
+  return largest;
+}
+
+// A bound relative to the largest y, as one relative to the largest f.
+double relative_to_forces(double bound, double share, double y, double f) {
+  return bound == 0 ? 0 : bound * share * y / f;
+}
+
+void take_bounds(const Scene& scene, SceneData& data, const Reduction& r) {
+  for (std::size_t i = 0; i < r.islands.size(); ++i) {
+    const IslandReport& from = r.data->report.islands[i];
+    IslandReport& to = data.report.islands[i];
+    to.error_acceleration = from.error_acceleration;
+    to.condition = from.condition;
+    to.error_forces = relative_to_forces(
+        from.error_forces, largest_share(r, i),
+        largest_force(r.scene, r.data->f_offset, island_of(*r.data, i), r.data->f),
+        largest_force(scene, data.f_offset, r.islands[i], data.f));
+    if (from.status == Status::kRegularised) to.status = from.status, to.reason = from.reason;
+  }
+  summarise(data.report);
+}
+
+template <class Block>
+double largest_in(const Block& block) {
+  return block.size() == 0 ? 0 : block.cwiseAbs().maxCoeff();
+}
+
+}  // namespace
+
+SceneData& differentiated(const Scene& scene, SceneData& data) {
+  Workspace& w = *data.workspace;
+  Reduction& r = *w.reduction;
+  bool as_one = true;
+  if (scene.damping > 0) r.each_pair([&](int c, const PairRows& pair) { as_one = as_one && moves_as_one(r, c, pair); });
+  if (as_one) return *r.data;
+  if (r.plain_is_current) return *r.plain;
+  if (!r.plain) {
+    Options options = data.options;
+    options.reduce_pairs = false;
+    r.plain = std::make_unique<SceneData>(scene, options);
+  }
+  r.plain->active = data.active;
+  r.plain->pushes = data.pushes;
+  (void)solve_tau(scene, w.q, data.v, r.given, *r.plain);
+  r.plain_is_current = true;
+  return *r.plain;
+}
+
+const DerivativeData& differentiate_reduced(const Scene& scene, SceneData& data, const DerivativeRequest& request) {
+  Workspace& w = *data.workspace;
+  const Reduction& r = *w.reduction;
+  SceneData& solved = differentiated(scene, data);
+  const bool plain = &solved == r.plain.get();
+  const DerivativeData& from = differentiate(plain ? scene : r.scene, solved, request);
+  w.derivatives.islands.resize(r.islands.size());
+  for (std::size_t i = 0; i < r.islands.size(); ++i) {
+    IslandDerivatives& out = w.derivatives.islands[i];
+    out.stamp = {};
+    if (plain)
+      out = from.islands[i];
+    else
+      expand_panel(scene, r, i, from.islands[i], out);
+    out.stamp = {&w.current, data.serial};
+  }
+  return w.derivatives;
+}
+
+std::vector<DerivativeBounds> derivative_errors_reduced(const Scene& scene, SceneData& data) {
+  Workspace& w = *data.workspace;
+  const Reduction& r = *w.reduction;
+  SceneData& solved = differentiated(scene, data);
+  const bool plain = &solved == r.plain.get();
+  std::vector<DerivativeBounds> out = estimate_derivative_errors(plain ? scene : r.scene, solved);
+  for (std::size_t i = 0; i < out.size() && !plain; ++i) {
+    const IslandDerivatives &of_y = derivatives(*r.data).islands[i], &of_f = w.derivatives.islands[i];
+    const double share = largest_share(r, i);
+    DerivativeBounds& b = out[i];
+    b.dforces_dq = relative_to_forces(b.dforces_dq, share, largest_in(of_y.dforces_dq()), largest_in(of_f.dforces_dq()));
+    b.dforces_dv = relative_to_forces(b.dforces_dv, share, largest_in(of_y.dforces_dv()), largest_in(of_f.dforces_dv()));
+    b.dforces_du = relative_to_forces(b.dforces_du, share, largest_in(of_y.dforces_du()), largest_in(of_f.dforces_du()));
+  }
+  return out;
+}
+
+void estimate_errors_reduced(const Scene& scene, SceneData& data) {
+  const Reduction& r = *data.workspace->reduction;
+  estimate_errors(r.scene, *r.data);
+  take_bounds(scene, data, r);
+}
+
+void estimate_condition_reduced(const Scene& scene, SceneData& data) {
+  const Reduction& r = *data.workspace->reduction;
+  estimate_condition(r.scene, *r.data);
+  take_bounds(scene, data, r);
+}
+
+}  // namespace manycontact::internal

@@ -1,0 +1,201 @@
+// Which contacts are reduced to which pairs, and the scene that is solved.
+
+#include <algorithm>
+#include <tuple>
+
+#include "../internal.hpp"
+#include "manycontact/dynamics/give_up_solution.hpp"
+#include "reduction.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+Reduction::Terms terms_of(const Scene& scene) {
+  Reduction::Terms out{{}, scene.damping > 0, scene.damping > 0 ? 1 : scene.moment_length};
+  out.constant_rows.reserve(scene.contacts.size());
+  for (const Contact& contact : scene.contacts) out.constant_rows.push_back(has_constant_rows(contact));
+  return out;
+}
+
+bool same_terms(const Scene& scene, const Reduction::Terms& terms) {
+  if (terms.damped != (scene.damping > 0)) return false;
+  if (!terms.damped && terms.moment_length != scene.moment_length) return false;
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c)
+    if (terms.constant_rows[c] != has_constant_rows(scene.contacts[c])) return false;
+  return true;
+}
+
+// Damped contacts of one robot are left as they are: all their rows are independent, and of contacts that slide
+// derivatives need all of them.
+bool may_reduce(const Scene& scene, const Contact& contact) {
+  return has_constant_rows(contact) && (scene.damping == 0 || (joins_robots(contact) && contact.A.robot != contact.B.robot));
+}
+
+bool may_reduce(const Scene& scene, const Options& options) {
+  return options.reduce_pairs && options.method != Method::kDense && options.method != Method::kDenseSchur &&
+         scene.tolerance == 0 && scene.damping >= 0 && scene.moment_length > 0;
+}
+
+// Contacts between the same two bodies.
+std::vector<std::vector<int>> find_groups(const Scene& scene) {
+  using Bodies = std::tuple<int, int, int, int>;
+  std::vector<std::pair<Bodies, int>> all;
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    const Contact& contact = scene.contacts[c];
+    if (may_reduce(scene, contact))
+      all.emplace_back(Bodies{contact.A.robot, contact.A.joint, contact.B.robot, contact.B.joint}, static_cast<int>(c));
+  }
+  std::sort(all.begin(), all.end());
+  std::vector<std::vector<int>> groups;
+  for (std::size_t k = 0; k < all.size();) {
+    std::vector<int> group;
+    const Bodies& bodies = all[k].first;
+    for (; k < all.size() && all[k].first == bodies; ++k) group.push_back(all[k].second);
+    if (group.size() > 1) groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+// Which contacts of a group are active.
+const std::vector<char>& set_of(const std::vector<int>& group, const std::vector<char>& active, Reduction& r) {
+  r.set.clear();
+  for (int c : group) r.set.push_back(active[static_cast<std::size_t>(c)]);
+  return r.set;
+}
+
+std::vector<int> contacts_of(const std::vector<int>& group, const std::vector<char>& set) {
+  std::vector<int> out;
+  for (std::size_t k = 0; k < group.size(); ++k)
+    if (set[k]) out.push_back(group[k]);
+  return out;
+}
+
+// The pair of a set of contacts that was not met before, behind the scene's contacts.
+void add_pair(const Scene& scene, std::size_t g, const std::vector<char>& set, Reduction& r) {
+  const std::vector<int> contacts = contacts_of(r.groups[g], set);
+  Contact pair;
+  if (contacts.size() > 1) pair = pair_of(scene, contacts);
+  if (!pair.pair) {
+    r.sets[g].try_emplace(set, -1);
+    return;
+  }
+  r.pairs.reserve(r.pairs.size() + 1);
+  r.scene.contacts.push_back(pair);
+  r.pairs.push_back(std::const_pointer_cast<PairRows>(pair.pair));
+  r.sets[g].try_emplace(set, static_cast<int>(r.scene.contacts.size()) - 1);
+}
+
+// The sets that are active now, and, as soon as there is a new one, the same in groups of as many contacts: copies of a
+// robot change theirs one after the other. Whether there are new pairs.
+bool add_sets(const Scene& scene, const std::vector<char>& active, Reduction& r) {
+  const std::size_t pairs = r.pairs.size();
+  for (std::size_t g = 0; g < r.groups.size(); ++g) {
+    const std::vector<char>& known = set_of(r.groups[g], active, r);
+    if (r.sets[g].contains(known)) continue;
+    const std::vector<char> set = known;
+    for (std::size_t other = 0; other < r.groups.size(); ++other)
+      if (r.groups[other].size() == set.size() && !r.sets[other].contains(set)) add_pair(scene, other, set, r);
+  }
+  return r.pairs.size() > pairs;
+}
+
+Contact unnamed(Contact contact) {
+  contact.name.clear();
+  contact.A.frame.clear();
+  contact.B.frame.clear();
+  return contact;
+}
+
+// All of a scene but names.
+Scene unnamed(const Scene& from) {
+  Scene out;
+  out.nq = from.nq, out.nv = from.nv, out.nu = from.nu;
+  out.gravity = from.gravity, out.damping = from.damping, out.moment_length = from.moment_length;
+  for (const Robot& robot : from.robots)
+    out.robots.push_back({{}, robot.model, robot.base, robot.idx_q, robot.idx_v, robot.idx_u});
+  for (const Contact& contact : from.contacts) out.contacts.push_back(unnamed(contact));
+  out.pushes = from.pushes, out.springs = from.springs, out.joint_springs = from.joint_springs;
+  return out;
+}
+
+// Which contacts of the scene solved are active.
+void set_active(const std::vector<char>& active, Reduction& r, std::vector<char>& out) {
+  out.assign(r.scene.contacts.size(), 0);
+  std::copy(active.begin(), active.end(), out.begin());
+  for (std::size_t g = 0; g < r.groups.size(); ++g) {
+    const auto set = r.sets[g].find(set_of(r.groups[g], active, r));
+    if (set == r.sets[g].end() || set->second < 0) continue;
+    out[static_cast<std::size_t>(set->second)] = 1;
+    for (int c : r.groups[g]) out[static_cast<std::size_t>(c)] = 0;
+  }
+}
+
+void number_islands(const Scene& scene, Reduction& r) {
+  const std::size_t count = island_count(*r.data);
+  r.islands.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Island& solved = island_of(*r.data, i);
+    Island& own = r.islands[i];
+    own.robots = solved.robots;
+    own.contacts.clear();
+    for (int c : solved.contacts)
+      if (c < r.first_pair())
+        own.contacts.push_back(c);
+      else
+        for (int member : r.pairs[static_cast<std::size_t>(c - r.first_pair())]->contacts)
+          own.contacts.push_back(member);
+    std::sort(own.contacts.begin(), own.contacts.end());
+    number_island(scene, own);
+  }
+}
+
+std::unique_ptr<Reduction> begin_reduction(const Scene& scene) {
+  auto r = std::make_unique<Reduction>();
+  r->terms = terms_of(scene);
+  r->groups = find_groups(scene);
+  r->sets.resize(r->groups.size());
+  return r;
+}
+
+}  // namespace
+
+bool reduction_is_current(const Scene& scene, const SceneData& data) {
+  const Workspace& w = *data.workspace;
+  const bool may = may_reduce(scene, data.options);
+  if (!w.reduction) return w.may_reduce == may && (!may || same_terms(scene, w.reduction_terms));
+  return may && same_terms(scene, w.reduction->terms);
+}
+
+void prepare_reduction(const Scene& scene, SceneData& data) {
+  Workspace& w = *data.workspace;
+  w.may_reduce = may_reduce(scene, data.options);
+  if (!w.may_reduce) return w.reduction.reset();
+  if (!w.reduction || !same_terms(scene, w.reduction->terms)) {
+    w.reduction.reset();
+    std::unique_ptr<Reduction> fresh = begin_reduction(scene);
+    w.reduction_terms = fresh->terms;
+    if (fresh->groups.empty()) return;
+    fresh->scene = unnamed(scene);
+    if (!add_sets(scene, data.active, *fresh)) return;
+    w.reduction = std::move(fresh);
+  } else if (add_sets(scene, data.active, *w.reduction)) {
+    w.reduction->data.reset();  // the scene solved has more contacts
+  }
+  Reduction& r = *w.reduction;
+  Options options = data.options;
+  options.reduce_pairs = false;
+  if (!r.data) {
+    std::vector<char> active;
+    set_active(data.active, r, active);
+    for (std::size_t c = 0; c < active.size(); ++c) r.scene.contacts[c].active = active[c] != 0;
+    r.data = std::make_unique<SceneData>(r.scene, options);
+  } else {
+    r.data->options = options;
+    set_active(data.active, r, r.data->active);
+    prepare_checked(r.scene, *r.data);
+  }
+  number_islands(scene, r);
+}
+
+}  // namespace manycontact::internal

@@ -1,0 +1,77 @@
+#pragma once
+// Decorator of all that is done with a scene's data: where several contacts join the same two bodies, the scene that is
+// solved has one contact in their place, whose rows span theirs (contact/pair_rows.hpp). Its answers are then those of
+// all contacts: accelerations are the same, forces f = S Q y.
+//
+// The scene solved has the contacts of the scene, of which those in pairs are not active, and behind them the pairs. A
+// pair is one set of active contacts between two bodies; sets met before are kept.
+
+#include <map>
+#include <memory>
+
+#include "manycontact/contact/pair_rows.hpp"
+#include "manycontact/dynamics/data.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/solve.hpp"
+#include "manycontact/kkt/island.hpp"
+
+namespace manycontact {
+
+struct Workspace;
+
+struct Reduction {
+  /// What the pairs that may be reduced depend on, beside what SceneIdentity holds.
+  struct Terms {
+    std::vector<char> constant_rows;  // per contact of the scene
+    bool damped = false;
+    double moment_length = 1;
+    bool operator==(const Terms&) const = default;
+  };
+
+  Scene scene;  // that is solved
+  Terms terms;
+  std::vector<std::vector<int>> groups;                    // contacts of the scene between the same two bodies, with constant rows
+  std::vector<std::map<std::vector<char>, int>> sets;      // per group, by which are active: the pair's contact; -1: none is needed
+  std::vector<std::shared_ptr<PairRows>> pairs;            // of contacts behind those of the scene
+  std::unique_ptr<SceneData> data;                         // of `scene`
+  std::unique_ptr<SceneData> plain;                        // of the scene without pairs, for derivatives of damped contacts that slide
+  std::vector<Island> islands;                             // with the contacts of the scene, one per island of `data`
+  Eigen::VectorXd prescribed, given;  // rows of `data`; torques before friction and springs
+  Eigen::VectorXd df;                 // scratch of products: rows of `data`
+  std::vector<char> set;              // scratch
+  bool plain_is_current = false;      // of the answer at hand
+
+  int first_pair() const { return static_cast<int>(scene.contacts.size() - pairs.size()); }
+  /// use(contact of `scene`, rows) of pairs that are active.
+  template <class Use>
+  void each_pair(Use&& use) const {
+    for (std::size_t k = 0; k < pairs.size(); ++k)
+      if (const int c = first_pair() + static_cast<int>(k); data->active[static_cast<std::size_t>(c)]) use(c, *pairs[k]);
+  }
+};
+
+namespace internal {
+
+/// Whether the reduction at hand is that of the data's options, contacts and numbers.
+bool reduction_is_current(const Scene& scene, const SceneData& data);
+/// Makes, changes or drops the reduction for data.active; its islands are prepared.
+void prepare_reduction(const Scene& scene, SceneData& data);
+/// After `begin` of solve, where there is a reduction. prescribed: of rows of data.f, or none.
+const Report& solve_reduced(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
+                            SceneData& data, std::span<const double> prescribed);
+/// The data whose derivatives are those of the answer at hand: of the scene solved, or of the scene itself.
+SceneData& differentiated(const Scene& scene, SceneData& data);
+
+/// f of the scene's contacts, of that of the scene solved; S Q y of pairs.
+void expand_forces(const SceneData& data, const double* y, double* f);
+/// The transpose of that.
+void reduce_forces(const SceneData& data, const double* f, double* y);
+
+const DerivativeData& differentiate_reduced(const Scene& scene, SceneData& data, const DerivativeRequest& request);
+std::vector<DerivativeBounds> derivative_errors_reduced(const Scene& scene, SceneData& data);
+void estimate_errors_reduced(const Scene& scene, SceneData& data);
+void estimate_condition_reduced(const Scene& scene, SceneData& data);
+
+}  // namespace internal
+
+}  // namespace manycontact

@@ -1,0 +1,191 @@
+// The scene solved in place of the one given, and its answer as that of all contacts.
+
+#include <algorithm>
+#include <cmath>
+
+#include "../internal.hpp"
+#include "../workspace/changes.hpp"
+#include "manycontact/dynamics/give_up_solution.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+#include "reduction.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+void refresh(const Scene& scene, const SceneData& data, Reduction& r) {
+  take_changes(scene, scene.contacts.size(), r.scene);
+  for (std::size_t k = 0; k < r.pairs.size(); ++k)
+    refresh_pair(scene, *r.pairs[k], r.scene.contacts[static_cast<std::size_t>(r.first_pair()) + k]);
+  r.data->pushes = data.pushes;
+}
+
+// use(first row of the scene's f, of a member's unit and `left`, the member's numbers) for each contact of a pair.
+template <class Use>
+void each_member(const std::vector<int>& f_offset, const PairRows& pair, Use&& use) {
+  int first = 0;
+  for (std::size_t m = 0; m < pair.contacts.size(); ++m) {
+    use(f_offset[static_cast<std::size_t>(pair.contacts[m])], first, pair.numbers.members[m]);
+    first += pair.members[m].rows();
+  }
+}
+
+// use(first row of the scene's f, of f of the scene solved, rows) for each contact that is in no pair.
+template <class Use>
+void each_single(const SceneData& data, const Reduction& r, Use&& use) {
+  for (std::size_t c = 0; c < data.f_offset.size(); ++c)
+    if (const int from = r.data->f_offset[c]; from >= 0) use(data.f_offset[c], from, r.scene.contacts[c].rows());
+}
+
+const double* left_of_pair(const Reduction& r, int c) { return left_of(*r.data->workspace, c); }
+
+// Damped, the forces of a pair that do not move the bodies: the damping alone bears what its contacts contradict each
+// other by, f += (prescribed - left) / delta.
+void add_damped_contradictions(const SceneData& data, double damping, const Reduction& r, std::span<const double> wanted,
+                               Eigen::VectorXd& f) {
+  r.each_pair([&](int c, const PairRows& pair) {
+    const double* left = left_of_pair(r, c);
+    Eigen::VectorXd of_wanted;
+    if (!wanted.empty()) of_wanted = r.prescribed.segment(r.data->f_offset[static_cast<std::size_t>(c)], r.scene.contacts[static_cast<std::size_t>(c)].rows());
+    each_member(data.f_offset, pair, [&](int to, int first, const auto& member) {
+      for (Eigen::Index i = 0; i < member.Q.rows(); ++i) {
+        f[to + i] -= left[first + i] / damping;
+        if (!wanted.empty()) f[to + i] += (wanted[static_cast<std::size_t>(to + i)] - member.Q.row(i).dot(of_wanted)) / damping;
+      }
+    });
+  });
+}
+
+// What the contacts of an island's pairs contradict each other by.
+struct PairContradiction {
+  bool reduced = false, contradicts = false;
+};
+PairContradiction contradiction_of(const Scene& scene, const SceneData& data, const Reduction& r, std::size_t island,
+                                   std::span<const double> wanted) {
+  PairContradiction out;
+  const double terms = r.data->report.islands[island].contact_terms;
+  for (int c : island_of(*r.data, island).contacts) {
+    if (c < r.first_pair()) continue;
+    out.reduced = true;
+    const PairRows& pair = *r.pairs[static_cast<std::size_t>(c - r.first_pair())];
+    const double *left = left_of_pair(r, c), of_left = left[pair.unit.size()];
+    const auto y = r.prescribed.segment(wanted.empty() ? 0 : r.data->f_offset[static_cast<std::size_t>(c)],
+                                        wanted.empty() ? 0 : r.scene.contacts[static_cast<std::size_t>(c)].rows());
+    each_member(data.f_offset, pair, [&](int from, int first, const auto& member) {
+      for (Eigen::Index i = 0; i < member.Q.rows(); ++i) {
+        double size = left[first + i], its_terms = of_left;
+        if (!wanted.empty()) {
+          const double asked = wanted[static_cast<std::size_t>(from + i)] * pair.unit[static_cast<std::size_t>(first + i)];
+          size -= asked - member.Q.row(i).dot(y);
+          its_terms += y.template lpNorm<1>();
+        }
+        if (std::abs(size) > tolerance::kDriftRounding * its_terms && !(std::abs(size) <= tolerance::kContradiction * terms))
+          out.contradicts = true;
+      }
+    });
+  }
+  (void)scene;
+  return out;
+}
+
+// Rows that depend on others, as many as the rank leaves: in pairs those after the ones that span it, and of rows of
+// the scene solved that depend on others, the pair's first ones.
+void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t island, IslandReport& report) {
+  const std::vector<int>& solved = r.data->report.islands[island].dependent_rows;
+  report.dependent_rows.clear();
+  for (int c : island_of(*r.data, island).contacts) {
+    const int at = r.data->f_offset[static_cast<std::size_t>(c)], rows = r.scene.contacts[static_cast<std::size_t>(c)].rows();
+    const auto dropped = static_cast<int>(std::count_if(solved.begin(), solved.end(), [&](int row) { return row >= at && row < at + rows; }));
+    if (c < r.first_pair()) {
+      for (int row : solved)
+        if (row >= at && row < at + rows) report.dependent_rows.push_back(row - at + data.f_offset[static_cast<std::size_t>(c)]);
+      continue;
+    }
+    const PairRows& pair = *r.pairs[static_cast<std::size_t>(c - r.first_pair())];
+    int keep = rows - dropped;
+    each_member(data.f_offset, pair, [&](int first, int own, const auto& member) {
+      for (int i = 0; i < member.Q.rows(); ++i)
+        if (!pair.spans[static_cast<std::size_t>(own + i)] || keep-- <= 0) report.dependent_rows.push_back(first + i);
+    });
+  }
+  std::sort(report.dependent_rows.begin(), report.dependent_rows.end());
+}
+
+void take_report(const Scene& scene, SceneData& data, const Reduction& r, std::span<const double> wanted) {
+  for (std::size_t i = 0; i < r.islands.size(); ++i) {
+    IslandReport& report = data.report.islands[i];
+    IslandReport& solved = r.data->report.islands[i];
+    std::vector<int> own = std::move(report.dependent_rows), others = std::move(solved.dependent_rows);
+    own.clear();
+    report = solved;  // but the lists
+    report.dependent_rows = std::move(own), solved.dependent_rows = std::move(others);
+    report.nc = r.islands[i].nc;
+    if (solved.status == Status::kFailed) continue;
+    if (scene.damping > 0) {
+      if (report.status != Status::kRegularised) report.rank = report.nc;
+      continue;
+    }
+    const PairContradiction of = contradiction_of(scene, data, r, i, wanted);
+    if (of.reduced && report.status == Status::kOk) report.status = Status::kRedundant;
+    if (of.contradicts && report.status == Status::kRedundant) report.status = Status::kInconsistent;
+    if (report.rank < report.nc) name_dependent_rows(data, r, i, report);
+  }
+  data.report.method = data.options.method;
+  summarise(data.report);
+}
+
+}  // namespace
+
+void expand_forces(const SceneData& data, const double* y, double* f) {
+  const Reduction& r = *data.workspace->reduction;
+  each_single(data, r, [&](int to, int from, int rows) { std::copy_n(y + from, rows, f + to); });
+  r.each_pair([&](int c, const PairRows& pair) {
+    const Eigen::Map<const Eigen::VectorXd> of(y + r.data->f_offset[static_cast<std::size_t>(c)], r.scene.contacts[static_cast<std::size_t>(c)].rows());
+    each_member(data.f_offset, pair, [&](int to, int first, const auto& member) {
+      for (Eigen::Index i = 0; i < member.Q.rows(); ++i)
+        f[to + i] = pair.unit[static_cast<std::size_t>(first + i)] * member.Q.row(i).dot(of);
+    });
+  });
+}
+
+void reduce_forces(const SceneData& data, const double* f, double* y) {
+  const Reduction& r = *data.workspace->reduction;
+  each_single(data, r, [&](int from, int to, int rows) { std::copy_n(f + from, rows, y + to); });
+  r.each_pair([&](int c, const PairRows& pair) {
+    Eigen::Map<Eigen::VectorXd> of(y + r.data->f_offset[static_cast<std::size_t>(c)], r.scene.contacts[static_cast<std::size_t>(c)].rows());
+    of.setZero();
+    each_member(data.f_offset, pair, [&](int from, int first, const auto& member) {
+      for (Eigen::Index i = 0; i < member.Q.rows(); ++i)
+        of += pair.unit[static_cast<std::size_t>(first + i)] * f[from + i] * member.Q.row(i).transpose();
+    });
+  });
+}
+
+const Report& solve_reduced(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
+                            SceneData& data, std::span<const double> prescribed) {
+  Workspace& w = *data.workspace;
+  Reduction& r = *w.reduction;
+  w.prescribed.assign(prescribed.begin(), prescribed.end());
+  refresh(scene, data, r);
+  r.plain_is_current = false;
+  r.given = tau;
+  std::span<const double> of_solved;
+  if (!prescribed.empty()) {
+    r.prescribed.resize(r.data->f.size());
+    reduce_forces(data, prescribed.data(), r.prescribed.data());
+    of_solved = {r.prescribed.data(), static_cast<std::size_t>(r.prescribed.size())};
+  }
+  give_up_solution(*r.data);
+  (void)solve_prepared(r.scene, q, v, tau, *r.data, of_solved);
+  data.a = r.data->a;
+  data.v = r.data->v;
+  data.tau = r.data->tau;
+  w.q = q;
+  expand_forces(data, r.data->f.data(), data.f.data());
+  if (scene.damping > 0) add_damped_contradictions(data, scene.damping, r, prescribed, data.f);
+  take_report(scene, data, r, prescribed);
+  data.serial = w.current = ++w.state;
+  return data.report;
+}
+
+}  // namespace manycontact::internal

@@ -1,0 +1,44 @@
+#pragma once
+// What of a scene may change under data in use (data.hpp), taken into scenes that data are made of inside.
+
+#include "manycontact/model/scene.hpp"
+
+namespace manycontact::internal {
+
+/// Into `to`, whose robots, contacts, pushes, springs are those of `from`, once or several times over, and perhaps more
+/// contacts behind. Which robots they are on stays.
+inline void take_changes(const Scene& from, std::size_t contacts, Scene& to) {
+  to.gravity = from.gravity;
+  to.damping = from.damping;
+  to.tolerance = from.tolerance;
+  to.moment_length = from.moment_length;
+  for (std::size_t r = 0; r < to.robots.size(); ++r) to.robots[r].base = from.robots[r % from.robots.size()].base;
+  for (std::size_t c = 0; c < contacts; ++c) {
+    const Contact& given = from.contacts[c % from.contacts.size()];
+    Contact& contact = to.contacts[c];
+    contact.reference_frame = given.reference_frame;
+    contact.alpha = given.alpha, contact.beta = given.beta;
+    contact.B.placement = given.B.placement;
+  }
+  const auto each = [](auto& list, const auto& given, auto&& take) {
+    for (std::size_t k = 0; k < list.size(); ++k) take(list[k], given[k % given.size()]);
+  };
+  if (!has_applied_forces(from)) {  // nothing of that kind acts
+    to.pushes.clear(), to.springs.clear(), to.joint_springs.clear();
+    return;
+  }
+  each(to.pushes, from.pushes, [](Push& push, const Push& given) {
+    push.at.placement = given.at.placement;
+    push.reference_frame = given.reference_frame;
+  });
+  each(to.springs, from.springs, [](Spring& spring, const Spring& given) {
+    spring.A.placement = given.A.placement;
+    spring.B.placement = given.B.placement;
+    spring.stiffness = given.stiffness, spring.length = given.length, spring.damping = given.damping;
+  });
+  each(to.joint_springs, from.joint_springs, [](JointSpring& spring, const JointSpring& given) {
+    spring.stiffness = given.stiffness, spring.rest = given.rest;
+  });
+}
+
+}  // namespace manycontact::internal

@@ -1,0 +1,43 @@
+#pragma once
+// The rows of all contacts between the same two bodies, reduced to those that span them.
+//
+// Seen from A's body, the relative motion nu of two bodies has six numbers. The rows of contact m between them are
+// W_m X_m nu, where X_m takes nu to the contact's own frame. All are constant, so that the rows of all contacts are
+//
+//     S J = B nu,    B = [S_m W_m X_m] (n x 6),    B = Q R,   Q^T Q = 1,   R (r x 6), r <= 6 the rank of B.
+//
+// S weighs rows that turn by Scene::moment_length. The pair's rows R nu, with a0 = Q^T S a0_all, take the place of all.
+// With their forces y the forces of all are f = S Q y: the ones of least norm |S^-1 f|, since Q is orthonormal.
+// (1 - Q Q^T) S a0_all is what the contacts of the pair contradict each other by, whatever the bodies do.
+
+#include <memory>
+#include <span>
+
+#include "manycontact/contact/rows.hpp"
+
+namespace manycontact {
+
+struct PairRows {
+  std::vector<int> contacts;     // of the scene, ascending
+  std::vector<Contact> members;  // what the rows of each need: type, axis, gains, placements
+  PairNumbers<double> numbers;
+  std::vector<double> unit;  // S, one number per row of all members
+  std::vector<char> spans;   // per row of all members: it is one of the first that span all, `rank` of them
+  int kind = 0;              // equal for pairs whose members are of the same types, in order, and of one rank
+};
+
+/// What kernels of contacts are made for beside the joints: the type, or a pair's kind.
+inline int kind_of(const Contact& contact) {
+  return contact.pair ? contact.pair->kind : static_cast<int>(contact.type);
+}
+
+/// Whether a contact's rows are constant on the relative motion of its bodies, seen from A's: those in A's axes.
+inline bool has_constant_rows(const Contact& contact) { return contact.reference_frame == ReferenceFrame::kLocal; }
+
+/// What stands for these contacts of the scene, which are between the same two bodies and have constant rows; its
+/// `pair` is empty where their rows are independent, or the rank cannot be told plainly from their geometry.
+Contact pair_of(const Scene& scene, std::span<const int> contacts);
+/// Takes what may change under data in use into a contact by pair_of and its PairRows: gains, and where B' is.
+void refresh_pair(const Scene& scene, PairRows& rows, Contact& pair);
+
+}  // namespace manycontact
