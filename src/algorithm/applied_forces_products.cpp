@@ -1,6 +1,4 @@
-// Products with the derivatives of applied forces, and what rounding leaves of them.
-
-#include <cmath>
+// Products with the derivatives of applied forces.
 
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/spatial/motion.hpp"
@@ -212,58 +210,6 @@ void add_applied_adjoint(const Scene& scene, const double* v, const AppliedForce
     for (int p : of.joint_springs) {
       const int i = robot.idx_v + robot.model->joints[scene.joint_springs[p].joint].idx_v;
       wq[i] -= scene.joint_springs[p].stiffness * l[i];
-    }
-  });
-}
-
-void add_applied_sizes(const Scene& scene, const double* q, const AppliedForces<double>& forces,
-                       std::span<const int> robots, AppliedScratch& scratch, double* size) {
-  // In u: the linear and the angular part of the forces on each body by their sizes, in its first and its last entry.
-  const auto largest = [](const auto& x) { return x.cwiseAbs().maxCoeff(); };
-  const auto add = [](V6& to, double force, double torque) { to[0] += force, to[5] += torque; };
-  each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
-    for (int i : of.joints) scratch.u[k][i].setZero();
-  });
-  each_force(
-      scene, forces, robots, scratch,
-      [&](const Push& push, int p, const Forces::OfRobot& of, std::size_t k) {
-        const double force = largest(forces.pushes[p].head<3>()), lever = largest(of.kin.oMi[push.at.joint].p);
-        const double offset = largest(push.at.placement.p);
-        add(scratch.u[k][push.at.joint], force, largest(forces.pushes[p].tail<3>()) + (lever + offset) * force);
-      },
-      [&](const Spring& spring, int p, const End& A, const End& B) {
-        const Forces::OfSpring& s = forces.springs[p];
-        const auto reach = [&](const End& end) {
-          return largest(end.at.p) + largest(V3(end.at.origin.p - A.at.origin.p));
-        };
-        const auto speed = [&](const End& end) {
-          return largest(linear(end.at.body)) + largest(angular(end.at.body)) * largest(end.at.p);
-        };
-        const double place = reach(A) + reach(B);
-        double force = spring.stiffness * (place + spring.length) + spring.damping * (speed(A) + speed(B));
-        if (spring.length != 0 || spring.damping != 0)
-          force += (std::abs(s.t) + spring.damping * largest(s.rate)) * (1 + place / s.length);
-        for (const End* end : {&A, &B})
-          if (end->u) add(*end->u, force, force * largest(end->at.p));
-      });
-  each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
-    const Robot& robot = scene.robots[of.robot];
-    for (std::size_t j = of.joints.size(); j-- > 0;) {
-      const int i = of.joints[j];
-      const Joint& joint = robot.model->joints[i];
-      const V6& f = scratch.u[k][i];
-      for (int c = joint.idx_v; c < joint.idx_v + joint.nv(); ++c) {
-        const double turning = largest(of.kin.J.col(c).tail<3>()), lever = largest(of.kin.oMi[i].p);
-        const double sliding = std::max(largest(of.kin.J.col(c).head<3>()), turning * lever);
-        size[robot.idx_v + c] += sliding * f[0] + turning * f[5];
-      }
-      if (joint.parent >= 0) add(scratch.u[k][joint.parent], f[0], f[5]);
-    }
-    for (int p : of.joint_springs) {
-      const JointSpring& spring = scene.joint_springs[p];
-      const Joint& joint = robot.model->joints[spring.joint];
-      size[robot.idx_v + joint.idx_v] +=
-          spring.stiffness * (std::abs(q[robot.idx_q + joint.idx_q]) + std::abs(spring.rest));
     }
   });
 }

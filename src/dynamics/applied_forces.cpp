@@ -49,33 +49,44 @@ DerivativeRequest by_all_torques(DerivativeRequest request) {
 
 namespace {
 
+// use(first in the scene's v, in the island's, count) of each robot of an island that forces act on.
+template <class Use>
+void each_block(const Scene& scene, const Island& island, const AppliedForces<double>& forces, Use&& use) {
+  for (std::size_t k = 0; k < island.robots.size(); ++k)
+    if (forces.number[island.robots[k]] >= 0)
+      use(scene.robots[island.robots[k]].idx_v, island.dof_offset[k], scene.robots[island.robots[k]].model->nv);
+}
+
+// Adds l^T dtau/dq and l^T dtau/dv to a row of X; a row of W becomes l^T J_F^T. l: in s, unless all of it is zero.
+void add_row(const Scene& scene, const SceneData& data, const Island& island, const AppliedForces<double>& forces,
+             AppliedWork::OfThread& s, int row, IslandDerivatives& out) {
+  each_block(scene, island, forces, [&](int at, int, int n) {
+    s.wq.segment(at, n).setZero();
+    s.wv.segment(at, n).setZero();
+  });
+  add_applied_adjoint(scene, data.v.data(), forces, island.robots, s.l.data(), s.scratch, s.wq.data(), s.wv.data(),
+                      s.ww.data());
+  each_block(scene, island, forces, [&](int at, int first, int n) {
+    double* X = out.X.data() + row * out.X.cols() + first;
+    if (out.request.q) Eigen::Map<Eigen::VectorXd>(X + out.q_first, n) += s.wq.segment(at, n);
+    if (out.request.v) Eigen::Map<Eigen::VectorXd>(X + out.v_first, n) += s.wv.segment(at, n);
+  });
+  for (std::size_t k = 0; out.request.pushes && k < out.pushes.size(); ++k)
+    std::copy_n(s.ww.data() + 6 * out.pushes[k], 6, &out.W(row, 0) + 6 * k);
+}
+
 // Row by row: the row of d/dtau is l, and its products with dtau/dq, dtau/dv, J_F^T are added.
 void join_rows(const Scene& scene, const SceneData& data, const Island& island, const AppliedForces<double>& forces,
                AppliedWork::OfThread& s, IslandDerivatives& out) {
   const int rows = out.request.forces ? island.size() : island.nv;
-  const auto each_block = [&](auto&& use) {  // use(first in the scene's v, in the island's, count)
-    for (std::size_t k = 0; k < island.robots.size(); ++k)
-      if (forces.number[island.robots[k]] >= 0)
-        use(scene.robots[island.robots[k]].idx_v, island.dof_offset[k], scene.robots[island.robots[k]].model->nv);
-  };
   for (int row = 0; row < rows; ++row) {
-    double* X = &out.X(row, 0);
+    const double* by_tau = &out.X(row, 0) + out.u_first;
     bool any = false;
-    each_block([&](int at, int first, int n) {
-      s.l.segment(at, n) = Eigen::Map<const Eigen::VectorXd>(X + out.u_first + first, n);
+    each_block(scene, island, forces, [&](int at, int first, int n) {
+      s.l.segment(at, n) = Eigen::Map<const Eigen::VectorXd>(by_tau + first, n);
       any = any || !s.l.segment(at, n).isZero(0);
-      s.wq.segment(at, n).setZero();
-      s.wv.segment(at, n).setZero();
     });
-    if (!any) continue;  // W is zero
-    add_applied_adjoint(scene, data.v.data(), forces, island.robots, s.l.data(), s.scratch, s.wq.data(), s.wv.data(),
-                        s.ww.data());
-    each_block([&](int at, int first, int n) {
-      if (out.request.q) Eigen::Map<Eigen::VectorXd>(X + out.q_first + first, n) += s.wq.segment(at, n);
-      if (out.request.v) Eigen::Map<Eigen::VectorXd>(X + out.v_first + first, n) += s.wv.segment(at, n);
-    });
-    for (std::size_t k = 0; out.request.pushes && k < out.pushes.size(); ++k)
-      std::copy_n(s.ww.data() + 6 * out.pushes[k], 6, &out.W(row, 0) + 6 * k);
+    if (any) add_row(scene, data, island, forces, s, row, out);  // else W is zero
   }
 }
 
@@ -108,11 +119,25 @@ void join_applied_forces(const Scene& scene, SceneData& data, const DerivativeRe
   });
 }
 
-void add_applied_sizes(const Scene& scene, SceneData& data, const Island& island, double* size) {
+void add_applied_right_hand_sides(const Scene& scene, SceneData& data, const Island& island, IslandDerivatives& R) {
+  if (!forces_are_applied(*data.workspace)) return;
+  AppliedWork& applied = *data.workspace->applied;
+  AppliedWork::OfThread& s = applied.threads.front();
+  each_block(scene, island, applied.forces, [&](int at, int, int n) { s.l.segment(at, n).setZero(); });
+  each_block(scene, island, applied.forces, [&](int at, int first, int n) {
+    for (int i = 0; i < n; ++i) {
+      s.l[at + i] = 1;
+      add_row(scene, data, island, applied.forces, s, first + i, R);
+      s.l[at + i] = 0;
+    }
+  });
+}
+
+AppliedSizes applied_sizes(const Scene& scene, const SceneData& data, const Island& island) {
   const Workspace& w = *data.workspace;
-  if (!forces_are_applied(w)) return;
-  manycontact::add_applied_sizes(scene, w.q.data(), w.applied->forces, island.robots,
-                                 w.applied->threads.front().scratch, size);
+  const std::vector<double> none(scene.nv, 0.0);
+  if (!forces_are_applied(w)) return {none, none, none, none};
+  return manycontact::applied_sizes(scene, w.q.data(), data.v.data(), w.applied->forces, island.robots);
 }
 
 }  // namespace internal

@@ -45,8 +45,11 @@ DerivativeRequest by_all_torques(DerivativeRequest request);
 /// Joins derivatives so computed with the torques' own, and keeps what was asked for.
 void join_applied_forces(const Scene& scene, SceneData& data, const DerivativeRequest& request);
 
-/// size += what their torques were computed from, at the solution at hand. size: nv of the scene.
-void add_applied_sizes(const Scene& scene, SceneData& data, const Island& island, double* size);
+/// What they add to right-hand sides that do not know of them: to R.X, J_F^T in R.W; right-hand sides are in the island's
+/// order, and R is laid out.
+void add_applied_right_hand_sides(const Scene& scene, SceneData& data, const Island& island, IslandDerivatives& R);
+/// What their torques and derivatives were computed from, at the solution at hand; zero where none act.
+AppliedSizes applied_sizes(const Scene& scene, const SceneData& data, const Island& island);
 
 }  // namespace internal
 }  // namespace manycontact

@@ -30,8 +30,7 @@ std::vector<DerivativeBounds> estimate_derivative_errors(const Scene& scene, Sce
   if (data.workspace->reduction) return internal::derivative_errors_reduced(scene, data);
   constexpr double kNone = std::numeric_limits<double>::infinity();
   Workspace& w = *data.workspace;
-  std::vector<DerivativeBounds> out(w.islands.size(), {kNone, kNone, kNone, kNone, kNone, kNone});
-  if (internal::forces_are_applied(w)) return out;
+  std::vector<DerivativeBounds> out(w.islands.size(), {kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone});
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
     IslandWork& d = *w.islands[i];
     if (!d.answered || !d.matrix.make_current(scene, data, w.threads.front())) continue;

@@ -164,7 +164,9 @@ void add_derivative_classes(py::module_& m) {
       .def_readonly("da_du", &DerivativeBounds::da_du)
       .def_readonly("dforces_dq", &DerivativeBounds::dforces_dq)
       .def_readonly("dforces_dv", &DerivativeBounds::dforces_dv)
-      .def_readonly("dforces_du", &DerivativeBounds::dforces_du);
+      .def_readonly("dforces_du", &DerivativeBounds::dforces_du)
+      .def_readonly("da_dw", &DerivativeBounds::da_dw)
+      .def_readonly("dforces_dw", &DerivativeBounds::dforces_dw);
 
   py::class_<SceneDerivatives, std::shared_ptr<SceneDerivatives>> dense(
       m, "SceneDerivatives", "The scene's matrices, in the order of its v, u and of data.f.");

@@ -27,6 +27,10 @@ struct Link {  // and the joint that carries it
   std::array<double, 6> inertia = {};  // ixx ixy ixz iyy iyz izz about the centre of mass
   double armature = 0;
   std::optional<double> locked;  // stands still there
+  double stiffness = 0, rest = 0, damping = 0;  // of a spring and a damper in the joint
+  // Passed backwards: xyz, rpy and axis are those of the parent's frame in this link, q the parent's in it. So the file
+  // has the joint, from a root of its own.
+  bool reversed = false;
   int iq = -1, iv = -1;          // within the tree's q and v; by number_coordinates
 
   bool moves() const { return nv_of(kind) > 0 && !locked; }
@@ -56,15 +60,34 @@ struct Hold {      // a contact
   double alpha = 0, beta = 0;
 };
 
+struct Push {
+  int tree = 0, link = 0;
+  Numbers offset = {}, force = {}, torque = {};
+  bool world = false;  // in the world's axes
+};
+
+struct Spring {  // and damper, between two points
+  int tree = 0, link = 0;
+  Numbers offset = {};
+  int to_tree = -1, to_link = 0;  // -1: the world
+  Numbers place = {};
+  double stiffness = 0, length = 0, damping = 0;
+
+  bool directed() const { return length != 0 || damping != 0; }
+};
+
 struct Case {
   std::string name;
   Numbers gravity = {0, 0, -9.81};
   double damping = 0;
   std::vector<Tree> trees;
   std::vector<Hold> holds;
+  std::vector<Push> pushes;
+  std::vector<Spring> springs;
 
   int nv() const;
   int rows() const;
+  int wrenches() const { return static_cast<int>(6 * pushes.size()); }  // numbers of all
 };
 
 /// iq, iv of all links, nq, nv: depth first, children in the byte order of their joints' names.
@@ -73,7 +96,8 @@ void number_coordinates(Tree& tree);
 /// The link whose joint moves this one, climbing fixed and locked joints; -1: none does.
 int moving_link(const Tree& tree, int link);
 
-/// Leaves out what the library refuses: contacts of a body with itself, or of two that cannot move.
+/// Leaves out what the library refuses: contacts and springs of a body with itself, or of two that cannot move; pushes
+/// on what cannot move.
 void drop_refused(Case& c);
 
 /// The scene file's text; the trees that are not of a file stand as r<k>.urdf beside it.
@@ -89,7 +113,7 @@ Tree read_tree(const std::string& urdf, bool floating);
 inline const std::vector<std::string> kDimensions = {
     "mass",  "massless", "armature", "lock",   "fast",      "force", "still",   "posture", "gravity", "weightless",
     "many",  "pairs",    "multi",    "gains",  "drift",     "near",  "damping", "units",   "mixed",   "redundant",
-    "joint", "chain",    "exact",    "lever"};
+    "joint", "chain",    "exact",    "lever",  "push",      "spring", "joint_spring", "damper", "root", "herd"};
 Case random_case(std::uint64_t seed, const std::vector<std::string>& dimensions);
 /// Up to three dimensions of those given, drawn by the seed.
 std::vector<std::string> draw_dimensions(std::uint64_t seed, const std::vector<std::string>& from);

@@ -67,6 +67,11 @@ struct Makes {  // one scene
   void near_aligned(Tree& t);
   Hold hold(const Case& c);
   Hold copy_of(const Hold& h);
+  void herd(Case& c);
+  void reverse(Tree& t);
+  void spring_joints(Tree& t);
+  Push push(const Case& c);
+  Spring spring(const Case& c);
   void rescale(Case& c, double length, double mass, bool last_alone);
 };
 
@@ -96,6 +101,8 @@ Tree Makes::tree(int joints) {
     t.links.push_back(l);
   }
   weigh(t);
+  if (has("root")) reverse(t);
+  if (has("joint_spring") || has("damper")) spring_joints(t);
   for (Link& l : t.links)
     if (has("lock") && l.parent >= 0 && nv_of(l.kind) == 1 && r.chance(0.4)) l.locked = r.normal();
   number_coordinates(t);
@@ -149,6 +156,51 @@ void Makes::near_aligned(Tree& t) {
   }
 }
 
+// Its file has another root: a link that joints of one coordinate alone are before.
+void Makes::reverse(Tree& t) {
+  int at = r.below(static_cast<int>(t.links.size()));
+  const auto passes = [&](int i) { return nv_of(t.links[i].kind) <= 1; };
+  for (int i = at; i > 0; i = t.links[i].parent)
+    if (!passes(i)) at = t.links[i].parent;
+  for (int i = at; i > 0; i = t.links[i].parent) t.links[i].reversed = true;
+}
+
+void Makes::spring_joints(Tree& t) {
+  for (Link& l : t.links) {
+    if (l.parent < 0 || nv_of(l.kind) != 1) continue;
+    if (has("joint_spring") && r.chance(0.6)) l.stiffness = r.power(-3, 6), l.rest = r.normal();
+    if (has("damper") && r.chance(0.6)) l.damping = r.power(-3, 4);
+  }
+}
+
+Push Makes::push(const Case& c) {
+  Push p;
+  p.tree = r.below(static_cast<int>(c.trees.size()));
+  p.link = r.below(static_cast<int>(c.trees[p.tree].links.size()));
+  if (r.chance(0.7)) p.offset = r.vector(0.2);
+  const double size = r.of(std::vector<double>{1e-6, 1, 10, 1000, 1e6});
+  if (r.chance(0.8)) p.force = r.vector(size);
+  if (r.chance(0.8)) p.torque = r.vector(size);
+  p.world = r.chance(0.5);
+  return p;
+}
+
+Spring Makes::spring(const Case& c) {
+  Spring s;
+  const int trees = static_cast<int>(c.trees.size());
+  const auto link_of = [&](int tree) { return r.below(static_cast<int>(c.trees[tree].links.size())); };
+  s.tree = r.below(trees), s.link = link_of(s.tree);
+  if (r.chance(0.7)) s.offset = r.vector(0.2);
+  if (r.chance(0.6))
+    s.to_tree = r.below(trees), s.to_link = link_of(s.to_tree), s.place = r.vector(0.2);
+  else
+    s.place = r.vector();
+  s.stiffness = r.chance(0.1) ? 0 : r.power(-3, 8);
+  s.length = r.of(std::vector<double>{0, 0.3, 1});
+  if (r.chance(0.5)) s.damping = r.power(-2, 4);
+  return s;
+}
+
 Hold Makes::hold(const Case& c) {
   Hold h;
   const int trees = static_cast<int>(c.trees.size());
@@ -195,7 +247,9 @@ void Makes::rescale(Case& c, double length, double mass, bool last_alone) {
       l.mass *= mass;
       for (double& x : l.inertia) x *= mass * length * length;
       const int lengths = !l.moves() ? 0 : l.kind == Kind::kFloating ? 3 : l.kind == Kind::kPlanar ? 2 : 0;
-      l.armature *= l.kind == Kind::kPrismatic ? mass : mass * length * length;
+      const double inertia = l.kind == Kind::kPrismatic ? mass : mass * length * length;
+      l.armature *= inertia, l.stiffness *= inertia, l.damping *= inertia;
+      if (l.kind == Kind::kPrismatic) l.rest *= length;
       for (int i = 0; i < lengths + (l.moves() && l.kind == Kind::kPrismatic); ++i)
         t.q[l.iq + i] *= length, t.v[l.iv + i] *= length;
     }
@@ -203,22 +257,68 @@ void Makes::rescale(Case& c, double length, double mass, bool last_alone) {
   }
   for (Hold& h : c.holds)
     if (h.tree >= static_cast<int>(first)) h.offset = scaled(h.offset, length), h.place = scaled(h.place, length);
+  for (Push& p : c.pushes) {
+    if (p.tree < static_cast<int>(first)) continue;
+    p.offset = scaled(p.offset, length), p.force = scaled(p.force, mass * length);
+    p.torque = scaled(p.torque, mass * length * length);
+  }
+  for (Spring& s : c.springs) {
+    if (s.tree < static_cast<int>(first)) continue;
+    s.offset = scaled(s.offset, length), s.place = scaled(s.place, length), s.length *= length;
+    s.stiffness *= mass, s.damping *= mass;
+  }
   if (!last_alone) c.gravity = scaled(c.gravity, length);
+}
+
+// Robots of one file or two, in states of their own, with alike contacts on most of them.
+void Makes::herd(Case& c) {
+  for (int kinds = 1 + r.below(2); kinds > 0; --kinds) {
+    const Tree one = tree(1 + r.below(3));
+    const Case alone{"", {}, 0, {one}, {}, {}, {}};
+    const Hold held = hold(alone);
+    const bool holds = r.chance(0.7);
+    for (int copies = kinds == 1 ? 2 + r.below(5) : 1 + r.below(2); copies > 0; --copies) {
+      Tree t = one;
+      state(t);
+      if (!t.floating) t.xyz = r.vector(), t.rpy = has("exact") ? Numbers{} : r.vector();
+      const int tree = static_cast<int>(c.trees.size());
+      c.trees.push_back(t);
+      if (!holds || r.chance(0.1)) continue;
+      c.holds.push_back(held);
+      c.holds.back().tree = tree;
+      if (held.to_tree >= 0) c.holds.back().to_tree = tree;
+      if (r.chance(0.5)) c.holds.back().offset = r.vector(0.2);
+    }
+  }
+  // some of them in a chain, others alone
+  const int trees = static_cast<int>(c.trees.size());
+  for (int k = has("spring") ? r.below(trees) : 0; k > 0; --k) {
+    Spring s = spring(c);
+    s.tree = k, s.link = static_cast<int>(c.trees[k].links.size()) - 1;
+    s.to_tree = k - 1, s.to_link = static_cast<int>(c.trees[k - 1].links.size()) - 1;
+    s.stiffness = r.power(0, 4), s.place = r.vector(0.2);
+    c.springs.push_back(s);
+  }
 }
 
 Case Makes::make() {
   Case c;
   const int trees = has("multi") || has("pairs") || has("mixed") ? 1 + r.below(3) : 1;
-  for (int k = 0; k < trees; ++k) c.trees.push_back(tree(1 + r.below(trees > 1 ? 4 : 5)));
+  if (has("herd"))
+    herd(c);
+  else
+    for (int k = 0; k < trees; ++k) c.trees.push_back(tree(1 + r.below(trees > 1 ? 4 : 5)));
   if (r.chance(0.3)) c.gravity = r.vector(9.81);
   if (has("gravity")) c.gravity = scaled(c.gravity, r.power(2, 8));
   if (has("weightless")) c.gravity = {};
-  const int holds = has("many") ? 4 + r.below(5) : 1 + r.below(3);
+  const int holds = has("herd") ? r.below(2) : has("many") ? 4 + r.below(5) : 1 + r.below(3);
   for (int k = 0; k < holds; ++k) {
     c.holds.push_back(hold(c));
     if ((has("redundant") || has("near")) && r.chance(0.8)) c.holds.push_back(copy_of(c.holds.back()));
   }
   if (has("damping")) c.damping = r.of(std::vector<double>{1e-14, 1e-12, 1e-9, 1e-6, 1e-3, 1});
+  for (int n = has("push") ? 1 + r.below(3) : 0; n > 0; --n) c.pushes.push_back(push(c));
+  for (int n = !has("spring") ? 0 : has("herd") ? r.below(3) : 1 + r.below(3); n > 0; --n) c.springs.push_back(spring(c));
   drop_refused(c);
   if (has("units")) rescale(c, r.of(std::vector<double>{1e-3, 1e3, 1e-6, 1e6}), r.of(std::vector<double>{1e-3, 1, 1e3}), false);
   if (has("mixed")) rescale(c, r.of(std::vector<double>{1e-3, 1e-4, 1e3}), 1, true);

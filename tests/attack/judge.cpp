@@ -13,6 +13,7 @@
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
+#include "manycontact/dynamics/views.hpp"
 #include "manycontact/simulation/switch.hpp"
 #include "reference.hpp"
 
@@ -54,7 +55,13 @@ struct Trial {
   Reference truth;
   std::vector<std::unique_ptr<Reference>> blurs;
   std::optional<bool> constant_rank;  // by rank_is_constant
+  std::map<std::pair<int, int>, Slopes> slopes;  // by rank and number of the direction, the same for every method
 
+  const Slopes& along(int rank, int number, const Direction& direction) {
+    const auto [at, is_new] = slopes.try_emplace({rank, number});
+    if (is_new) at->second = truth.along(rank, direction);
+    return at->second;
+  }
   void blur() {
     for (int k = 0; blurs.empty() || k < kBlurs; ++k) blurs.push_back(std::make_unique<Reference>(blurred(c, k)));
   }
@@ -88,9 +95,13 @@ struct Trial {
   }
 };
 
-struct Blocks {  // of the derivatives: q, v, u
-  const Eigen::MatrixXd *a[3], *f[3];
+constexpr int kKinds = 4;  // of coordinates: q, v, u, and the wrenches of pushes
+
+struct Blocks {  // of the derivatives
+  const Eigen::MatrixXd *a[kKinds], *f[kKinds];
 };
+
+struct Probe;
 
 // One method's answer.
 struct Trying {
@@ -113,8 +124,11 @@ struct Trying {
   void judge_bounds(const Answer& t);
   void judge_condition(const Answer& t);
   void judge_derivatives(const Answer& t);
+  void judge_derivative_bounds(const Answer& t, const std::vector<DerivativeBounds>& stated, const Blocks& blocks,
+                               const Probe& p, const Slopes& truth, double floor_a, double floor_f);
   void judge_products(const Answer& t, const Blocks& blocks, const double* floor_a, const double* floor_f,
                       double bound);
+  double derivative_noise(const Answer& t, const Slopes& truth, const Direction& along, bool of_a);
 };
 
 double allowed(const Answer& t) { return std::max(1e-12, 100 * kEps * t.condition); }
@@ -203,15 +217,15 @@ void Trying::judge_bounds(const Answer& t) {
   part("f", data.f, t.f, data.report.error_forces);
 }
 
-// A direction of one kind of coordinate, or of all three: +-1 by a seed, or a single coordinate.
+// A direction of one kind of coordinate: +-1 by a seed, or a single coordinate.
 struct Probe {
-  int kind;  // 0 q, 1 v, 2 u
+  int kind;
   Eigen::VectorXd x;
 };
-std::vector<Probe> probes(int nv, int nu) {
+std::vector<Probe> probes(const std::array<int, kKinds>& sizes) {
   std::vector<Probe> list;
-  for (int kind = 0; kind < 3; ++kind) {
-    const int n = kind == 2 ? nu : nv;
+  for (int kind = 0; kind < kKinds; ++kind) {
+    const int n = sizes[kind];
     std::mt19937 rng(7 + kind);
     for (int k = 0; k < std::min(n, 3); ++k) {
       Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
@@ -225,27 +239,97 @@ std::vector<Probe> probes(int nv, int nu) {
   return list;
 }
 
-Direction direction_of(const Case& c, const Probe& p) {
-  const std::vector<double> none(c.nv(), 0.0);
-  Direction d{none, none, none};
-  if (p.kind < 2) {
-    (p.kind == 0 ? d.q : d.v).assign(p.x.begin(), p.x.end());
-    return d;
+void add(const Case& c, const Probe& p, Direction& d) {
+  if (p.kind != 2) {
+    (p.kind == 0 ? d.q : p.kind == 1 ? d.v : d.w).assign(p.x.begin(), p.x.end());
+    return;
   }
   int first = 0, u = 0;
   for (const Tree& t : c.trees) {
     for (int k = t.free(); k < t.nv; ++k) d.tau[first + k] = p.x[u++];
     first += t.nv;
   }
+}
+Direction direction_of(const Case& c, const std::vector<Probe>& all) {
+  const std::vector<double> none(c.nv(), 0.0);
+  Direction d{none, none, none, std::vector<double>(c.wrenches(), 0.0)};
+  for (const Probe& p : all) add(c, p, d);
   return d;
+}
+
+// Where an island's accelerations and forces are among the scene's.
+struct Places {
+  std::vector<std::size_t> a, f;
+};
+std::vector<Places> places_of(const Scene& scene, const SceneData& data) {
+  std::vector<Places> list(data.report.islands.size());
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const auto add_to = [](std::vector<std::size_t>& to) {
+      return [&to](int at, int, int n) {
+        for (int k = 0; k < n; ++k) to.push_back(static_cast<std::size_t>(at + k));
+      };
+    };
+    each_velocity_block(scene, island_of(data, i), add_to(list[i].a));
+    each_force_block(scene, data.f_offset, island_of(data, i), add_to(list[i].f));
+  }
+  return list;
+}
+
+constexpr const char* kNames[2][kKinds] = {{"da_dq", "da_dv", "da_du", "da_dw"},
+                                           {"dforces_dq", "dforces_dv", "dforces_du", "dforces_dw"}};
+using Bounds = std::array<std::array<double, kKinds>, 2>;
+Bounds numbers(const DerivativeBounds& b) {
+  return {{{b.da_dq, b.da_dv, b.da_du, b.da_dw}, {b.dforces_dq, b.dforces_dv, b.dforces_du, b.dforces_dw}}};
+}
+
+// How far derivatives along a direction move when the case's numbers do; none where they do not exist beside it.
+double Trying::derivative_noise(const Answer& t, const Slopes& truth, const Direction& along, bool of_a) {
+  if (trial.blurs.empty()) trial.blur();
+  const Column& right = of_a ? truth.a : truth.f;
+  double noise = 0;
+  for (auto& b : trial.blurs) {
+    if (!b->at(t.rank).regular) return std::numeric_limits<double>::infinity();
+    const Slopes other = b->along(t.rank, along);
+    const Column& moved = of_a ? other.a : other.f;
+    for (std::size_t k = 0; k < right.size(); ++k) noise = most(static_cast<double>(fabsq(moved[k] - right[k])), noise);
+  }
+  return noise;
+}
+
+// Island by island, each beside its own matrices.
+void Trying::judge_derivative_bounds(const Answer& t, const std::vector<DerivativeBounds>& stated, const Blocks& blocks,
+                                     const Probe& p, const Slopes& truth, double floor_a, double floor_f) {
+  const std::vector<Places> places = places_of(file.scene, data);
+  if (stated.size() != places.size()) return;  // of one system of the whole scene
+  const auto part = [&](std::size_t island, int which, const Eigen::MatrixXd& block, const Column& right, double floor) {
+    const Eigen::VectorXd x = block * p.x;
+    double off = 0, size = 0;
+    for (std::size_t row : which == 0 ? places[island].a : places[island].f) {
+      off = most(static_cast<double>(fabsq(Quad(x[row]) - right[row])), off);
+      size = most(largest(block.row(row)), size);
+    }
+    const double bound = numbers(stated[island])[which][p.kind] * p.x.lpNorm<1>();
+    if (off > bound * size + kVanishing * floor)
+      find(Fault::kBound, text("%s of island %zu off by %.2e of %.2e, bound %.2e, condition %.1e",
+                               kNames[which][p.kind], island, off, size, bound, t.condition));
+    if (!std::isfinite(bound) && size > 0 && t.condition < 1e10)
+      find(Fault::kBound, text("%s of island %zu has none, condition %.1e", kNames[which][p.kind], island, t.condition));
+  };
+  for (std::size_t i = 0; i < stated.size(); ++i) {
+    part(i, 0, *blocks.a[p.kind], truth.a, floor_a);
+    part(i, 1, *blocks.f[p.kind], truth.f, floor_f);
+  }
 }
 
 void Trying::judge_derivatives(const Answer& t) {
   const Scene& scene = file.scene;
-  differentiate(scene, data);
+  DerivativeRequest request;
+  request.pushes = true;
+  differentiate(scene, data, request);
   const SceneDerivatives d = dense_derivatives(scene, data);
-  const Blocks blocks{{&d.da_dq, &d.da_dv, &d.da_du}, {&d.dforces_dq, &d.dforces_dv, &d.dforces_du}};
-  for (int k = 0; k < 3; ++k)
+  const Blocks blocks{{&d.da_dq, &d.da_dv, &d.da_du, &d.da_dw},
+                      {&d.dforces_dq, &d.dforces_dv, &d.dforces_du, &d.dforces_dw}};
+  for (int k = 0; k < kKinds; ++k)
     if (!blocks.a[k]->allFinite() || !blocks.f[k]->allFinite()) {
       if (t.condition < 1e10) find(Fault::kNotFinite, text("derivatives, condition %.1e", t.condition));
       return;
@@ -258,46 +342,40 @@ void Trying::judge_derivatives(const Answer& t) {
     for (double v : tree.v) speed = std::max(speed, std::abs(v));
   for (int k = 0; k < trial.truth.nv(); ++k) free = std::max(free, 1 / static_cast<double>(trial.truth.M()(k, k)));
   const double force = std::max(size_of(t.f, 0, t.f.size()), 1e-6 * trial.truth.load() / J);
-  const double floor_a[3] = {motion, motion / speed, 1e-4 * free}, floor_f[3] = {force, force / speed, 1e-4 / J};
-  const char* names[2][3] = {{"da_dq", "da_dv", "da_du"}, {"dforces_dq", "dforces_dv", "dforces_du"}};
+  const double floor_a[kKinds] = {motion, motion / speed, 1e-4 * free, 1e-4 * free},
+               floor_f[kKinds] = {force, force / speed, 1e-4 / J, 1e-4 / J};
   const std::vector<DerivativeBounds> stated = estimate_derivative_errors(scene, data);
-  const DerivativeBounds& b = stated.front();
-  const double bounds[2][3] = {{b.da_dq, b.da_dv, b.da_du}, {b.dforces_dq, b.dforces_dv, b.dforces_du}};
+  const Bounds bounds = numbers(stated.front());
   bool good = true;
-  for (const Probe& p : probes(scene.nv, scene.nu)) {
-    const Direction along = direction_of(trial.c, p);
-    const Slopes truth = trial.truth.along(t.rank, along);
+  int number = 0;
+  for (const Probe& p : probes({scene.nv, scene.nv, scene.nu, trial.c.wrenches()})) {
+    const Direction along = direction_of(trial.c, {p});
+    const Slopes& truth = trial.along(t.rank, ++number, along);
+    judge_derivative_bounds(t, stated, blocks, p, truth, floor_a[p.kind], floor_f[p.kind]);
     const auto part = [&](int which, const Eigen::MatrixXd& block, const Column& right, double floor) {
       const Eigen::VectorXd x = block * p.x;
       const double off = distance(span(x), right, 0, right.size()), size = std::max(floor, largest(block));
       const double bound = bounds[which][p.kind] * p.x.lpNorm<1>();
-      if (stated.size() == 1 && off > bound * largest(block) + kVanishing * floor)
-        find(Fault::kBound, text("%s off by %.2e of %.2e, bound %.2e, condition %.1e", names[which][p.kind], off,
-                                 largest(block), bound, t.condition));
       if (off <= 10 * allowed(t) * size || (stated.size() == 1 && bound < 1 && off <= bound * largest(block))) return;
-      if (trial.blurs.empty()) trial.blur();
-      double noise = kEps * (which == 0 && p.kind == 2 ? std::max(size, free) : size);
-      for (auto& b : trial.blurs) {
-        if (!b->at(t.rank).regular) return;
-        const Slopes other = b->along(t.rank, along);
-        const Column& moved = which == 0 ? other.a : other.f;
-        for (std::size_t k = 0; k < right.size(); ++k)
-          noise = most(static_cast<double>(fabsq(moved[k] - right[k])), noise);
-      }
+      const double noise = std::max(kEps * (which == 0 && p.kind >= 2 ? std::max(size, free) : size),
+                                    derivative_noise(t, truth, along, which == 0));
       if (off <= 10 * kNoise * noise) return;
       good = false;
       find(Fault::kDerivative,
-           text("%s off by %.1e of %.1e, allowed %.1e, noise %.1e, %s, condition %.1e", names[which][p.kind], off, size,
+           text("%s off by %.1e of %.1e, allowed %.1e, noise %.1e, %s, condition %.1e", kNames[which][p.kind], off, size,
                 10 * allowed(t), noise, to_string(data.report.status).c_str(), t.condition));
     };
     part(0, *blocks.a[p.kind], truth.a, floor_a[p.kind]);
     part(1, *blocks.f[p.kind], truth.f, floor_f[p.kind]);
     if (!good) return;
   }
-  // Matrices and products are each within what is stated.
+  // Matrices and products are each within what is stated. A bound that says nothing excuses nothing, where there should
+  // be one.
   double bound = 0;
-  for (const auto& of : bounds)
-    for (double x : of) bound = std::max(bound, x);
+  for (const DerivativeBounds& b : stated)
+    for (const auto& of : numbers(b))
+      for (double x : of)
+        if (std::isfinite(x) || t.condition >= 1e10) bound = std::max(bound, x);
   judge_products(t, blocks, floor_a, floor_f, bound);
 }
 
@@ -310,13 +388,15 @@ void Trying::judge_products(const Answer& t, const Blocks& blocks, const double*
     for (double& e : x) e = rng() % 2 ? 1 : -1;
     return x;
   };
-  const Eigen::VectorXd x[3] = {signs(scene.nv), signs(scene.nv), signs(scene.nu)};
-  Eigen::VectorXd da(scene.nv), df(data.f.size());
-  jvp(scene, data, x[0], x[1], x[2], da, df);
+  // Each kind counts alike: a product is one number for all of them.
+  std::vector<Probe> x = {{0, signs(scene.nv)}, {1, signs(scene.nv)}, {2, signs(scene.nu)}};
+  Eigen::VectorXd da(scene.nv), df(data.f.size()), none(trial.c.wrenches());
+  x.push_back({3, signs(none.size())});
+  jvp(scene, data, x[0].x, x[1].x, x[2].x, x[3].x, da, df);
   Eigen::VectorXd right_a = Eigen::VectorXd::Zero(da.size()), right_f = Eigen::VectorXd::Zero(df.size());
   double size_a = 0, size_f = 0;
-  for (int k = 0; k < 3; ++k) {
-    right_a += *blocks.a[k] * x[k], right_f += *blocks.f[k] * x[k];
+  for (int k = 0; k < kKinds; ++k) {
+    right_a += *blocks.a[k] * x[k].x, right_f += *blocks.f[k] * x[k].x;
     size_a = std::max({size_a, floor_a[k], largest(*blocks.a[k])});
     size_f = std::max({size_f, floor_f[k], largest(*blocks.f[k])});
   }
@@ -327,11 +407,32 @@ void Trying::judge_products(const Answer& t, const Blocks& blocks, const double*
                                  size, tolerance, t.condition));
   };
   near("jvp a", da, right_a, size_a), near("jvp f", df, right_f, size_f);
+  const Direction along = direction_of(trial.c, x);
+  const Slopes& truth = trial.along(t.rank, 0, along);
+  const auto near_truth = [&](const char* name, const Eigen::VectorXd& got, const Column& right, double size, bool of_a) {
+    const double off = distance(span(got), right, 0, right.size());
+    if (off <= tolerance * size || off <= 10 * kNoise * derivative_noise(t, truth, along, of_a)) return;
+    find(Fault::kProduct, text("%s off the truth by %.1e of %.1e, allowed %.1e, condition %.1e", name, off, size,
+                               tolerance, t.condition));
+  };
+  near_truth("jvp a", da, truth.a, size_a, true), near_truth("jvp f", df, truth.f, size_f, false);
   const Eigen::VectorXd wa = signs(scene.nv) / size_a, wf = size_f > 0 ? signs(df.size()) / size_f : signs(df.size());
-  Eigen::VectorXd w[3] = {Eigen::VectorXd(scene.nv), Eigen::VectorXd(scene.nv), Eigen::VectorXd(scene.nu)};
-  vjp(scene, data, wa, wf, w[0], w[1], w[2]);
-  for (int k = 0; k < 3; ++k)
+  Eigen::VectorXd w[kKinds] = {Eigen::VectorXd(scene.nv), Eigen::VectorXd(scene.nv), Eigen::VectorXd(scene.nu), none};
+  vjp(scene, data, wa, wf, w[0], w[1], w[2], w[3]);
+  for (int k = 0; k < kKinds; ++k)
     near("vjp", w[k], blocks.a[k]->transpose() * wa + blocks.f[k]->transpose() * wf, scene.nv + df.size());
+  double got = 0, sizes = 0;  // <w, x>, which the truth has as <[wa; wf], [da; df]>
+  for (int k = 0; k < kKinds; ++k) got += w[k].dot(x[k].x), sizes += static_cast<double>(x[k].x.size());
+  Quad right = 0;
+  for (int k = 0; k < scene.nv; ++k) right += Quad(wa[k]) * truth.a[k];
+  for (Eigen::Index k = 0; k < df.size(); ++k) right += Quad(wf[k]) * truth.f[k];
+  const double off = static_cast<double>(fabsq(right - Quad(got))), size = sizes * static_cast<double>(scene.nv + df.size());
+  if (off <= tolerance * size) return;
+  const double noise = derivative_noise(t, truth, along, true) * wa.lpNorm<1>() +
+                       (df.size() > 0 ? derivative_noise(t, truth, along, false) * wf.lpNorm<1>() : 0);
+  if (!(off <= 10 * kNoise * noise))
+    find(Fault::kProduct, text("vjp off the truth by %.1e of %.1e, allowed %.1e, condition %.1e", off, size, tolerance,
+                               t.condition));
 }
 
 bool Trying::values() {
@@ -377,6 +478,28 @@ bool Trying::values() {
   return true;
 }
 
+// What pushes and springs are computed from, which may cancel.
+double applied_size(const Case& c) {
+  double size = 0;
+  for (const Push& p : c.pushes)
+    for (const Numbers* x : {&p.force, &p.torque})
+      for (double e : *x) size = std::max(size, std::abs(e));
+  for (const Spring& s : c.springs) {
+    double place = s.length;
+    for (const Numbers* x : {&s.offset, &s.place})
+      for (double e : *x) place = std::max(place, std::abs(e));
+    for (const Tree& t : c.trees)
+      for (const Link& l : t.links)
+        for (double e : l.xyz) place = std::max(place, std::abs(e));
+    size = std::max(size, s.stiffness * place);
+  }
+  for (const Tree& t : c.trees)
+    for (const Link& l : t.links)
+      if (l.moves() && l.stiffness != 0)
+        size = std::max(size, l.stiffness * (std::abs(l.rest) + std::abs(t.q[l.iq])));
+  return size;
+}
+
 void judge_quasi_static(Trial& trial, const SceneFile& file, Judgement& out) {
   double spread = 1;
   const auto right = trial.truth.quasi_static(spread);
@@ -391,7 +514,7 @@ void judge_quasi_static(Trial& trial, const SceneFile& file, Judgement& out) {
     for (const Link& l : t.links)
       for (double g : trial.c.gravity) weight = std::max(weight, l.mass * std::abs(g));
   const double tolerance = std::max(1e-12, 1000 * kEps * spread * spread);
-  if (tolerance < 1 && !(off <= tolerance * std::max(size, 1e-3 * weight)))
+  if (tolerance < 1 && !(off <= tolerance * std::max({size, 1e-3 * weight, applied_size(trial.c)})))
     out.findings.push_back({Fault::kQuasiStatic, "", text("off by %.1e of %.1e, allowed %.1e", off, size, tolerance)});
 }
 

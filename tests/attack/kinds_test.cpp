@@ -132,6 +132,20 @@ TEST_F(Reported, DampedDerivativesAreNumbers) {
     EXPECT_TRUE(dense_derivatives(s.file.scene, s.data).da_dq.allFinite());
   }
 }
+TEST_F(Reported, SpringsOfOtherRobotsAreNotForgotten) {
+  for (Method method : methods()) {
+    SCOPED_TRACE(to_string(method));
+    Solved s(load("22-lanes-forget-springs"), method);
+    (void)differentiate(s.file.scene, s.data);
+    const SceneDerivatives d = dense_derivatives(s.file.scene, s.data);
+    Eigen::Matrix2d by_q, by_v;
+    by_q << 1.376966426586, -5.450935366433, -30.483224277038, 19.362986878725;
+    by_v << 1.406643751779, 0.313735525143, -8.650834715754, -0.969480461125;
+    EXPECT_LE((d.da_dq.block<2, 2>(6, 6) - by_q).norm(), 1e-9);
+    EXPECT_LE((d.da_dv.block<2, 2>(6, 6) - by_v).norm(), 1e-9);
+    for (const DerivativeBounds& bound : estimate_derivative_errors(s.file.scene, s.data)) EXPECT_LE(bound.da_dq, 1e-10);
+  }
+}
 TEST_F(Reported, TheConditionOfASmallKIsExact) {
   for (Method method : methods()) {
     SCOPED_TRACE(to_string(method));

@@ -32,8 +32,31 @@ void add_own_motion(Body<T>& b, const Vec<T>& u, const Vec<T>& w, const Vec<T>& 
   add_motion(b, b.R * u, b.R * w, b.R * (du + cross(w, u)), b.R * dw);
 }
 
+// A joint passed backwards: it begins where the link that carries it is.
+template <class T>
+Body<T> carried_backwards(const Link& l, Body<T> b, const T* q, const T* v, const T* a) {
+  if (l.kind != Kind::kFixed) {
+    const T o(0.0), rate = l.locked ? o : v[l.iv], change = l.locked || !a ? o : a[l.iv];
+    const T at = l.locked ? T(*l.locked) : q[l.iq];
+    const Vec<T> own = unit(Vec<T>(l.axis)), axis = b.R * own;
+    if (l.kind == Kind::kRevolute) {
+      b.R = b.R * turn(own, -at);
+      add_motion(b, Vec<T>(), -rate * axis, Vec<T>(), -change * axis);
+    } else {
+      b = shifted(b, -at * axis);
+      add_motion(b, -rate * axis, Vec<T>(), -change * axis, Vec<T>());
+    }
+  }
+  const Rot<T> placed = turn_rpy<T>(l.rpy);
+  Rot<T> R;
+  for (int j = 0; j < 3; ++j) R.c[j] = {placed(j, 0), placed(j, 1), placed(j, 2)};
+  b.R = b.R * R;
+  return shifted(b, b.R * (T(-1.0) * Vec<T>(l.xyz)));
+}
+
 template <class T>
 Body<T> carried(const Link& l, Body<T> b, const T* q, const T* v, const T* a) {
+  if (l.reversed) return carried_backwards(l, b, q, v, a);
   b = shifted(b, b.R * Vec<T>(l.xyz));
   b.R = b.R * turn_rpy<T>(l.rpy);
   if (l.kind == Kind::kFixed) return b;
@@ -96,6 +119,11 @@ std::vector<Body<T>> move(const Tree& tree, const T* q, const T* v, const T* a) 
 }
 
 template <class T>
+Body<T> point_of(const Body<T>& link, const Numbers& offset) {
+  return shifted(link, link.R * Vec<T>(offset));
+}
+
+template <class T>
 std::vector<T> joint_forces(const Tree& tree, const std::vector<Body<T>>& bodies, const Vec<T>& gravity, const T* a,
                             std::vector<Wrench<T>> on) {
   std::vector<T> tau(tree.nv, T(0.0));
@@ -110,7 +138,11 @@ std::vector<T> joint_forces(const Tree& tree, const std::vector<Body<T>>& bodies
     if (l.moves()) {
       const Vec<T> f = back(b.R, sum.force), m = back(b.R, sum.moment);
       T* t = tau.data() + l.iv;
-      if (l.kind == Kind::kRevolute || l.kind == Kind::kPrismatic)
+      if (l.reversed) {  // about its parent's origin and axes
+        const Body<T>& from = bodies[l.parent];
+        const Vec<T> about = l.kind == Kind::kRevolute ? sum.moment + cross(b.p - from.p, sum.force) : sum.force;
+        t[0] = -dot(from.R * unit(Vec<T>(l.axis)), about);
+      } else if (l.kind == Kind::kRevolute || l.kind == Kind::kPrismatic)
         t[0] = dot(unit(Vec<T>(l.axis)), l.kind == Kind::kRevolute ? m : f);  // the joint turns about its own axis
       else if (l.kind == Kind::kPlanar)
         t[0] = f[0], t[1] = f[1], t[2] = m[2];
@@ -216,6 +248,7 @@ Touch<T> touch(const Case& c, const Hold& h, const std::vector<std::vector<Body<
 
 #define MANYCONTACT_ATTACK_INSTANTIATE(T)                                                                            \
   template std::vector<Body<T>> move(const Tree&, const T*, const T*, const T*);                                     \
+  template Body<T> point_of(const Body<T>&, const Numbers&);                                                         \
   template std::vector<T> joint_forces(const Tree&, const std::vector<Body<T>>&, const Vec<T>&, const T*,            \
                                        std::vector<Wrench<T>>);                                                      \
   template Touch<T> touch(const Case&, const Hold&, const std::vector<std::vector<Body<T>>>&);

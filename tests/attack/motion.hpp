@@ -21,6 +21,10 @@ struct Wrench {  // force, and moment about the link's origin, in the world's ax
   Vec<T> force, moment;
 };
 
+/// A point of a link, which moves with it.
+template <class T>
+Body<T> point_of(const Body<T>& link, const Numbers& offset);
+
 /// The force on each joint's coordinates that makes the tree move as it does against `on`, other wrenches on its links,
 /// and gravity.
 template <class T>

@@ -14,10 +14,10 @@ namespace {
 template <class T>
 using Bodies = std::vector<std::vector<Body<T>>>;
 
-// Coordinates of all trees one after the other.
+// Coordinates of all trees one after the other, and the pushes' wrenches.
 template <class T>
 struct State {
-  std::vector<T> q, v, a;
+  std::vector<T> q, v, a, w;
 };
 
 template <class T, class From>
@@ -34,6 +34,18 @@ std::vector<T> all_q(const Case& c) {
 template <class T>
 std::vector<T> all_v(const Case& c) {
   return all<T>(c, [](const Tree& t) -> const std::vector<double>& { return t.v; });
+}
+
+std::vector<double> all_w(const Case& c) {
+  std::vector<double> w;
+  for (const Push& p : c.pushes)
+    for (const Numbers* x : {&p.force, &p.torque}) w.insert(w.end(), x->begin(), x->end());
+  return w;
+}
+template <class T>
+State<T> state_of(const Case& c) {
+  const std::vector<double> w = all_w(c);
+  return {all_q<T>(c), all_v<T>(c), {}, {w.begin(), w.end()}};
 }
 
 template <class T>
@@ -84,17 +96,57 @@ std::vector<std::vector<Wrench<T>>> contact_wrenches(const Case& c, const Bodies
   return on;
 }
 
-// What moves the joints as s has it, against the contacts' forces and gravity.
+// Adds the wrench of a force at a point, and of a moment.
 template <class T>
-std::vector<T> forces_at(const Case& c, const State<T>& s, const Bodies<T>& bodies, const Column& f, bool gravity) {
-  const Vec<T> g = gravity ? Vec<T>(c.gravity) : Vec<T>();
-  const auto on = contact_wrenches<T>(c, bodies, f);
+void act_at(const Body<T>& at, const Body<T>& link, const Vec<T>& force, const Vec<T>& moment, Wrench<T>& on) {
+  on.force = on.force + force;
+  on.moment = on.moment + moment + cross(at.p - link.p, force);
+}
+
+template <class T>
+void add_pushes(const Case& c, const State<T>& s, const Bodies<T>& bodies, std::vector<std::vector<Wrench<T>>>& on) {
+  for (std::size_t k = 0; k < c.pushes.size(); ++k) {
+    const Push& p = c.pushes[k];
+    const Body<T>& link = bodies[p.tree][p.link];
+    const T* w = s.w.data() + 6 * k;
+    Vec<T> force(w[0], w[1], w[2]), moment(w[3], w[4], w[5]);
+    if (!p.world) force = link.R * force, moment = link.R * moment;
+    act_at(point_of(link, p.offset), link, force, moment, on[p.tree][p.link]);
+  }
+}
+
+template <class T>
+void add_springs(const Case& c, const Bodies<T>& bodies, std::vector<std::vector<Wrench<T>>>& on) {
+  for (const Spring& s : c.springs) {
+    const Body<T> world{}, &link = bodies[s.tree][s.link], &other = s.to_tree < 0 ? world : bodies[s.to_tree][s.to_link];
+    const Body<T> A = point_of(link, s.offset), B = point_of(other, s.place);
+    const Vec<T> d = A.p - B.p;
+    T pull(s.stiffness);  // over the length
+    if (s.directed()) {
+      const T length = root(dot(d, d)), speed = dot(d, A.v - B.v) / length;
+      pull = (T(s.stiffness) * (length - T(s.length)) + T(s.damping) * speed) / length;
+    }
+    act_at(A, link, -pull * d, Vec<T>(), on[s.tree][s.link]);
+    if (s.to_tree >= 0) act_at(B, other, pull * d, Vec<T>(), on[s.to_tree][s.to_link]);
+  }
+}
+
+// What moves the joints as s has it, against the contacts' forces and, where `acting`, gravity, pushes, springs and
+// dampers.
+template <class T>
+std::vector<T> forces_at(const Case& c, const State<T>& s, const Bodies<T>& bodies, const Column& f, bool acting) {
+  const Vec<T> g = acting ? Vec<T>(c.gravity) : Vec<T>();
+  auto on = contact_wrenches<T>(c, bodies, f);
+  if (acting) add_pushes(c, s, bodies, on), add_springs(c, bodies, on);
   std::vector<T> tau;
-  std::size_t v = 0;
+  std::size_t q = 0, v = 0;
   for (std::size_t k = 0; k < c.trees.size(); ++k) {
-    const auto own = joint_forces<T>(c.trees[k], bodies[k], g, s.a.empty() ? nullptr : s.a.data() + v, on[k]);
+    auto own = joint_forces<T>(c.trees[k], bodies[k], g, s.a.empty() ? nullptr : s.a.data() + v, on[k]);
+    for (const Link& l : c.trees[k].links)
+      if (acting && l.moves() && nv_of(l.kind) == 1)
+        own[l.iv] = own[l.iv] + T(l.stiffness) * (s.q[q + l.iq] - T(l.rest)) + T(l.damping) * s.v[v + l.iv];
     tau.insert(tau.end(), own.begin(), own.end());
-    v += c.trees[k].nv;
+    q += c.trees[k].nq, v += c.trees[k].nv;
   }
   return tau;
 }
@@ -124,15 +176,18 @@ double size_of_terms(const Case& c, const Hold& h, const Bodies<Quad>& bodies) {
   return most;
 }
 
-// The first tree of each tree's island: of those that contacts join, whatever moves.
+// The first tree of each tree's island: of those that contacts join, whatever moves, and springs, where both ends do.
 std::vector<int> islands(const Case& c) {
   std::vector<int> first(c.trees.size());
   for (std::size_t k = 0; k < first.size(); ++k) first[k] = static_cast<int>(k);
-  for (const Hold& h : c.holds) {
-    if (h.to_tree < 0) continue;
-    const int a = std::min(first[h.tree], first[h.to_tree]), b = std::max(first[h.tree], first[h.to_tree]);
+  const auto join = [&](int x, int y) {
+    const int a = std::min(first[x], first[y]), b = std::max(first[x], first[y]);
     std::replace(first.begin(), first.end(), b, a);
-  }
+  };
+  for (const Hold& h : c.holds)
+    if (h.to_tree >= 0) join(h.tree, h.to_tree);
+  for (const Spring& s : c.springs)
+    if (s.to_tree >= 0 && moving_link(c.trees[s.to_tree], s.to_link) >= 0) join(s.tree, s.to_tree);
   return first;
 }
 
@@ -156,7 +211,7 @@ struct Reference::Solved {
 Reference::~Reference() = default;
 
 Reference::Reference(const Case& c) : case_(c), nv_(c.nv()), rows_(c.rows()), M_(nv_, nv_), J_(rows_, nv_) {
-  const State<Quad> now{all_q<Quad>(c), all_v<Quad>(c), {}};
+  const State<Quad> now = state_of<Quad>(c);
   const Bodies<Quad> bodies = move_all(c, now);
   const Column none(rows_, Quad(0)), still(nv_, Quad(0));
   b1_ = torques(c);
@@ -174,7 +229,7 @@ Reference::Reference(const Case& c) : case_(c), nv_(c.nv()), rows_(c.rows()), M_
   for (int j = 0; j < nv_; ++j) {
     Column e(nv_, Quad(0));
     e[j] = 1;
-    const State<Quad> accelerated{now.q, still, e}, moved{now.q, e, {}};
+    const State<Quad> accelerated{now.q, still, e, {}}, moved{now.q, e, {}, {}};
     const Column m = forces_at(c, accelerated, move_all(c, accelerated), none, false);
     const Column v = rows_at(c, move_all(c, moved), true);
     for (int i = 0; i < nv_; ++i) M_(i, j) = m[i];
@@ -283,8 +338,10 @@ Column minus(Column x, const Column& y) {
 //   J^T df = M da + dr1,   (I - J J^+) df = (I - J J^+) dJ y,  J y = f.
 Slopes Reference::along(int rank, const Direction& direction) {
   const Solved& s = solved(rank);
-  State<Dual> x{moved_along(case_, direction.q), all_v<Dual>(case_), constant(s.answer.a)};
+  State<Dual> x = state_of<Dual>(case_);
+  x.q = moved_along(case_, direction.q), x.a = constant(s.answer.a);
   for (int k = 0; k < nv_; ++k) x.v[k].d = direction.v[k];
+  for (std::size_t k = 0; k < direction.w.size(); ++k) x.w[k].d = direction.w[k];
   const Bodies<Dual> bodies = move_all(case_, x);
   Column dr1 = slopes(forces_at(case_, x, bodies, s.answer.f, true)), dr2 = slopes(rows_at(case_, bodies, false));
   for (int k = 0; k < nv_; ++k) dr1[k] -= direction.tau[k];
@@ -293,7 +350,7 @@ Slopes Reference::along(int rank, const Direction& direction) {
   const bool dependent = case_.damping == 0 && rank < rows_;
   if (dependent) {
     Column rho = minus(times(J_, s.answer.a), b2_);
-    State<Dual> still{x.q, std::vector<Dual>(nv_), {}};
+    State<Dual> still{x.q, std::vector<Dual>(nv_), {}, {}};
     const Bodies<Dual> at_rest = move_all(case_, still);
     // with the links' forces of no motion and no gravity: -J^T rho
     const Column turned = slopes(forces_at(case_, still, at_rest, rho, false));
@@ -306,7 +363,7 @@ Slopes Reference::along(int rank, const Direction& direction) {
   s.factor.solve(b1, b2, out.a, out.f);
   if (dependent) {
     const Column y = s.factor.least_motion(s.answer.f);
-    const State<Dual> going{x.q, constant(y), {}};
+    const State<Dual> going{x.q, constant(y), {}, {}};
     const Column more = s.factor.off_range(slopes(rows_at(case_, move_all(case_, going), true)));
     for (int k = 0; k < rows_; ++k) out.f[k] += more[k];
   }
@@ -322,7 +379,7 @@ std::optional<std::vector<double>> Reference::quasi_static(double& spread) const
     for (int k = t.free(); k < t.nv; ++k) actuated.push_back(first + k);
     first += t.nv;
   }
-  const State<Quad> now{all_q<Quad>(still), all_v<Quad>(still), {}};
+  const State<Quad> now = state_of<Quad>(still);
   const Column h = forces_at(still, now, move_all(still, now), Column(rows_, Quad(0)), true);
   const int nu = static_cast<int>(actuated.size());
   Matrix rows(nu + rows_, nv_);  // [S; J]
@@ -372,11 +429,16 @@ Case blurred(const Case& c, std::uint64_t seed) {
     }
   }
   for (Hold& h : out.holds) blur(h.offset), blur(h.place), blur(h.axis), blur(h.turned), blur(h.place_turned);
+  for (Tree& t : out.trees)
+    for (Link& l : t.links) blur_one(l.stiffness), blur_one(l.rest), blur_one(l.damping);
+  for (Push& p : out.pushes) blur(p.offset), blur(p.force), blur(p.torque);
+  for (Spring& s : out.springs)
+    blur(s.offset), blur(s.place), blur_one(s.stiffness), blur_one(s.length), blur_one(s.damping);
   return out;
 }
 
 void place_where_they_are(Case& c) {
-  const State<Quad> now{all_q<Quad>(c), std::vector<Quad>(c.nv(), Quad(0)), {}};
+  const State<Quad> now{all_q<Quad>(c), std::vector<Quad>(c.nv(), Quad(0)), {}, {}};
   const Bodies<Quad> bodies = move_all(c, now);
   for (Hold& h : c.holds) {
     const Touch<Quad> t = touch<Quad>(c, h, bodies);

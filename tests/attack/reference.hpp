@@ -31,9 +31,9 @@ struct Slopes {  // of a and f along one direction
   Column a, f;
 };
 
-/// A tangent of q, v and the torques of all coordinates.
+/// A tangent of q, v, the torques of all coordinates and the pushes' wrenches, force before torque.
 struct Direction {
-  std::vector<double> q, v, tau;
+  std::vector<double> q, v, tau, w;
 };
 
 class Reference {

@@ -19,6 +19,11 @@ bool drop_last_link(Case& c, int tree) {
   if (last == 0 || !t.urdf.empty()) return false;
   for (const Hold& h : c.holds)
     if ((h.tree == tree && h.link == last) || (h.to_tree == tree && h.to_link == last)) return false;
+  for (const Push& p : c.pushes)
+    if (p.tree == tree && p.link == last) return false;
+  for (const Spring& s : c.springs)
+    if ((s.tree == tree && s.link == last) || (s.to_tree == tree && s.to_link == last)) return false;
+  if (t.links[last].reversed) return false;  // the file's root
   if (const Link& l = t.links[last]; l.moves()) {
     const auto cut = [](std::vector<double>& x, int first, int count) {
       x.erase(x.begin() + first, x.begin() + first + count);
@@ -27,6 +32,18 @@ bool drop_last_link(Case& c, int tree) {
   }
   t.links.pop_back();
   number_coordinates(t);
+  return true;
+}
+
+// Without the last robot, where nothing else has to do with it.
+bool drop_last_tree(Case& c) {
+  const int last = static_cast<int>(c.trees.size()) - 1;
+  const auto is_on = [last](const auto& x) { return x.tree == last || x.to_tree == last; };
+  if (last == 0 || std::any_of(c.holds.begin(), c.holds.end(), is_on) ||
+      std::any_of(c.springs.begin(), c.springs.end(), is_on) ||
+      std::any_of(c.pushes.begin(), c.pushes.end(), [last](const Push& p) { return p.tree == last; }))
+    return false;
+  c.trees.pop_back();
   return true;
 }
 
@@ -53,6 +70,19 @@ std::vector<Case> smaller_cases(const Case& c) {
     for (int rows : {1, 2, 3, 5})
       with([&](Case& s) { return rows < s.holds[k].rows && put(s.holds[k].rows, rows); });
   }
+  for (std::size_t k = 0; k < c.pushes.size(); ++k) {
+    with([&](Case& s) { return s.pushes.erase(s.pushes.begin() + static_cast<std::ptrdiff_t>(k)), true; });
+    with([&](Case& s) { return put(s.pushes[k].offset, Numbers{}); });
+    with([&](Case& s) { return put(s.pushes[k].force, Numbers{}); });
+    with([&](Case& s) { return put(s.pushes[k].torque, Numbers{}); });
+  }
+  for (std::size_t k = 0; k < c.springs.size(); ++k) {
+    with([&](Case& s) { return s.springs.erase(s.springs.begin() + static_cast<std::ptrdiff_t>(k)), true; });
+    with([&](Case& s) { return put(s.springs[k].offset, Numbers{}); });
+    with([&](Case& s) { return put(s.springs[k].damping, 0.0); });
+    with([&](Case& s) { return put(s.springs[k].length, 0.0); });
+  }
+  with([](Case& s) { return drop_last_tree(s); });
   for (std::size_t k = 0; k < c.trees.size(); ++k) {
     with([&](Case& s) { return drop_last_link(s, static_cast<int>(k)); });
     with([&](Case& s) { return put(s.trees[k].v, std::vector<double>(c.trees[k].v.size(), 0.0)); });
@@ -63,6 +93,8 @@ std::vector<Case> smaller_cases(const Case& c) {
       with([&](Case& s) { return put(s.trees[k].links[i].com_rpy, Numbers{}); });
       with([&](Case& s) { return put(s.trees[k].links[i].com, Numbers{}); });
       with([&](Case& s) { return put(s.trees[k].links[i].armature, 0.0); });
+      with([&](Case& s) { return put(s.trees[k].links[i].stiffness, 0.0); });
+      with([&](Case& s) { return put(s.trees[k].links[i].damping, 0.0); });
       with([&](Case& s) {
         bool changed = false;
         Link& l = s.trees[k].links[i];

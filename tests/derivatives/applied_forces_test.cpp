@@ -50,6 +50,30 @@ MatX<Quad> differences_by_wrenches(const RandomScene& s, const std::vector<char>
   return out;
 }
 
+// Errors of each island's matrices are within their bounds, and these say something.
+void expect_true_bounds_by_wrenches(const Scene& scene, SceneData& data, const SceneDerivatives& d,
+                                    const MatX<Quad>& truth) {
+  const std::vector<DerivativeBounds> bounds = estimate_derivative_errors(scene, data);
+  const std::vector<Island> islands = islands_at(scene, data);
+  ASSERT_EQ(bounds.size(), islands.size());
+  for (std::size_t i = 0; i < islands.size(); ++i) {
+    const auto expect_within = [&](const MatrixXd& x, Eigen::Index first, const std::vector<int>& rows, double bound) {
+      double error = 0, size = 0;
+      for (int row : rows) {
+        error = std::max(error, difference_of(MatrixXd(x.row(row)), MatX<Quad>(truth.row(first + row))));
+        size = std::max(size, size_of(MatrixXd(x.row(row))));
+      }
+      EXPECT_LE(error, bound * size);
+      if (size > 0) {
+        EXPECT_LE(bound, 1e-9);
+      }
+    };
+    const Places p(scene, data, islands[i]);
+    expect_within(d.da_dw, 0, p.v, bounds[i].da_dw);
+    expect_within(d.dforces_dw, scene.nv, p.f, bounds[i].dforces_dw);
+  }
+}
+
 TEST_P(AppliedForcesOf, ByWrenches) {
   const RandomScene s = pushed_scene(GetParam());
   SceneData oracle(s.scene, {Method::kDense, {}});
@@ -65,6 +89,7 @@ TEST_P(AppliedForcesOf, ByWrenches) {
       mine << d.da_dw, d.dforces_dw;
       EXPECT_LE(difference_of(mine, truth), 1e-10 * size_of(truth));
       EXPECT_GT(size_of(mine), 1e-3);
+      expect_true_bounds_by_wrenches(s.scene, data, d, truth);
       const MatrixXd sparse(sparse_derivatives(s.scene, data));
       EXPECT_EQ(sparse.rightCols(mine.cols()), mine);
     }

@@ -107,7 +107,7 @@ inline void expect_differences(const std::string& name, const Scene& scene, cons
       e.add(derivative_errors(scene, island, answer, truth[i], column_kinds(island, truth[i]), condition[i]));
       if (status == Status::kOk && way.options.method != Method::kDenseSchur)
         expect_no_fallback(way.options, data.report.islands[i]);
-      if (bounds.size() == islands.size() && !has_applied_forces(scene))
+      if (bounds.size() == islands.size())
         expect_true_bounds(island, answer, truth[i], bounds[i]);  // else of one system
       if (way.options.method == Method::kDense) expect_able_to_fail(scene, island, answer, truth[i], condition[i]);
     }

@@ -616,6 +616,40 @@ TEST_P(InLanes, InAnIslandALaneFallsOutAlone) {
   EXPECT_EQ(after.report.islands[0].reason, Reason::kNotFinite);
 }
 
+// Robots that springs alone join are solved as blocks without a border, as robots alone are: neither is taken for the
+// other.
+TEST_P(InLanes, RobotsJoinedBySpringsLeaveOthersAsTheyAre) {
+  std::mt19937 rng(19);
+  for (const bool floating : {true, false})
+    for (const int joined : {2, 3, 5})
+      for (const int alone : {1, 2, 3}) {
+        Herd herd = random_herd(rng, joined + alone, floating, 0, 8);
+        const Answer bare = answer(herd, GetParam());
+        for (int r = 1; r < joined; ++r)
+          add_spring(herd.scene, {"s" + std::to_string(r), {r - 1, 7, {}}, {r, 7, {}}, 100, 0.3, 1});
+        const Answer on = answer(herd, GetParam()), off = answer(herd, Lanes::kOff);
+        ASSERT_EQ(on.report.islands.size(), 1u + alone);
+        EXPECT_LE((on.X[0] - off.X[0]).lpNorm<Eigen::Infinity>(), 1e-8 * off.X[0].lpNorm<Eigen::Infinity>());
+        for (int k = 1; k <= alone; ++k) EXPECT_TRUE(same(on.X[k], bare.X[joined + k - 1])) << k << " of " << alone;
+
+        const int nv = herd.scene.nv, nu = herd.scene.nu;
+        SceneData data(herd.scene, {Method::kSparseLdl, {}, GetParam()});
+        (void)solve(herd.scene, herd.q, herd.v, herd.u, data);
+        const int nf = static_cast<int>(data.f.size());
+        const VectorXd x = random_vector(2 * nv + nu, rng), y = random_vector(nv + nf, rng);
+        VectorXd Jx(nv + nf), yJ(2 * nv + nu);
+        jvp(herd.scene, data, x.head(nv), x.segment(nv, nv), x.tail(nu), Jx.head(nv), Jx.tail(nf));
+        vjp(herd.scene, data, y.head(nv), y.tail(nf), yJ.head(nv), yJ.segment(nv, nv), yJ.tail(nu));
+        SceneData other(herd.scene, {Method::kSparseLdl, {}, Lanes::kOff});
+        (void)solve(herd.scene, herd.q, herd.v, herd.u, other);
+        differentiate(herd.scene, other);
+        const Eigen::MatrixXd J(sparse_derivatives(herd.scene, other));
+        EXPECT_LE((Jx - J * x).lpNorm<Eigen::Infinity>(), 1e-8 * (J.cwiseAbs() * x.cwiseAbs()).maxCoeff());
+        EXPECT_LE((yJ - J.transpose() * y).lpNorm<Eigen::Infinity>(),
+                  1e-8 * (J.cwiseAbs().transpose() * y.cwiseAbs()).maxCoeff());
+      }
+}
+
 INSTANTIATE_TEST_SUITE_P(Levels, InLanes, testing::ValuesIn(lanes_here()),
                          [](const auto& level) { return to_string(level.param); });
 

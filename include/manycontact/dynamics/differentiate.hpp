@@ -37,14 +37,15 @@ struct SceneDerivatives {
 /// that was not asked for or is empty, above 1 where all of it is rounding, infinite where there is no bound.
 struct DerivativeBounds {
   double da_dq = 0, da_dv = 0, da_du = 0, dforces_dq = 0, dforces_dv = 0, dforces_du = 0;
+  double da_dw = 0, dforces_dw = 0;
 };
 /// After differentiate, one per island, by the residual of K [da; -df] = -[dr1; dr2] and a few solves with the factor:
 ///
 ///     |error| <= |K^-1| (|residual| + c eps (|terms of dr| + |K| |[da; -df]|) + e |terms of dr/dq|),
 ///
 /// e the relative error of a and f, in the maximum norm and to first order; where rows depend, |K^+ K^+| times what is
-/// not known of their contradictions besides. Infinite for failed islands, deep trees too large for K, and where pushes
-/// or springs act. Throws std::logic_error unless differentiate was called after the last solve.
+/// not known of their contradictions besides. Infinite for failed islands and deep trees too large for K. Throws
+/// std::logic_error unless differentiate was called after the last solve.
 [[nodiscard]] std::vector<DerivativeBounds> estimate_derivative_errors(const Scene& scene, SceneData& data);
 
 /// What differentiate computed last.

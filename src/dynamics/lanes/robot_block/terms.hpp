@@ -8,6 +8,7 @@ namespace manycontact::lanes {
 template <class S>
 template <class Job>
 void RobotBlock<S>::load_state(const Job& job, Robots robots) {
+  serial_ = 0;  // nothing is kept: robots that springs alone join have no border, and come to kernels of robots alone
   load_each(job.scene, robots, model_->nq, q_.data(), [&](const auto& r, auto&) { return job.q + r.idx_q; });
   load_each(job.scene, robots, model_->nv, v_.data(), [&](const auto& r, auto&) { return job.v + r.idx_v; });
   if (!model_->floating_base)

@@ -49,8 +49,7 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Bodie
       for (std::size_t e = 0; e < 12; ++e) w[12 * i + e] += c * square * (e < 6 ? 1 : size);
       ++i;
     }
-  std::vector<double> applied(scene.nv, 0.0);
-  internal::add_applied_sizes(scene, data, island, applied.data());
+  const std::vector<double> applied = internal::applied_sizes(scene, data, island).tau;
   each_velocity_block(scene, island, [&](int at, int first, int n) {
     for (int i = 0; i < n; ++i)
       w.push_back(std::abs(left.r.joints[first + i]) + rounding(left.joint_scale[first + i] + applied[at + i]));

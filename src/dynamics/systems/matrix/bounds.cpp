@@ -142,8 +142,7 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Matri
     const int r = m.owner.island.robots[k], o = m.owner.island.dof_offset[k];
     internal::torque_terms(*scene.robots[r].model, work.robots[r], a.data() + o, w.data() + o);
   }
-  std::vector<double> applied(scene.nv, 0.0);
-  internal::add_applied_sizes(scene, data, m.owner.island, applied.data());
+  const std::vector<double> applied = internal::applied_sizes(scene, data, m.owner.island).tau;
   each_velocity_block(scene, m.owner.island, [&](int at, int first, int n) {
     for (int i = 0; i < n; ++i) w[first + i] += applied[at + i];
   });

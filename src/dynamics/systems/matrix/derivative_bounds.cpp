@@ -3,8 +3,9 @@
 //     |Y - Y_true| <= |K^-1| (|R - K Y| + (c eps + e) T + c eps |K| |Y|),
 //
 // T the sizes of the terms that R is computed from, for they may cancel, |K| with those of its entries, and e the
-// relative error of a and f: every term of derivatives to q is linear in these, no other has them. Where rows depend,
-// and contradict each other by rho and by columns of derivatives P R, as rounding of a solution (bounds.cpp)
+// relative error of a and f: every term of derivatives to q is linear in these, no other has them. Terms of pushes and
+// springs have neither. Where rows depend, and contradict each other by rho and by columns of derivatives P R, as
+// rounding of a solution (bounds.cpp)
 //
 //     + |K^+ K^+| (|dJ^T P R| + |d(J^T drho)/dq|),
 //
@@ -12,6 +13,7 @@
 
 #include <limits>
 
+#include "../../applied_forces.hpp"
 #include "../../internal.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
@@ -155,6 +157,40 @@ std::vector<double> unknown_contradiction(const Scene& scene, const Workspace& w
   return out;
 }
 
+// Columns of derivatives X, in K's units.
+struct Panel {
+  const AlignedPanel& X;
+  AlignedPanel Y, left;  // [da; -df over S], R - K Y
+  AlignedPanel missed;   // P R, where rows depend
+
+  // X may have room for more columns than R has
+  Panel(const MatrixSystem& m, const AlignedPanel& of, const AlignedPanel& R) : X(of), Y(R), left(R) {
+    const int nv = m.owner.island.nv, ld = static_cast<int>(R.cols());
+    Y.leftCols(ld) = X.leftCols(ld);
+    for (int k = 0; k < m.owner.island.nc; ++k) Y.row(nv + k) *= -1 / unit_of(m, k);
+    if (ld == 0) return;
+    sparse::residual_panel(m.K.pattern->K, m.K.values.data(), m.K.pattern->perm.data(), Y.data(), left.data(), ld, ld);
+    if (!m.deficient()) return;
+    missed = left;
+    m.factor->project_out_panel(left.data(), ld, ld);
+    missed -= left;
+  }
+};
+
+// Some of these, all by coordinates of one kind.
+struct Columns {
+  const Panel& panel;
+  int first, count;
+  const AlignedPanel* R = nullptr;             // without pushes and springs
+  const std::vector<double>* terms = nullptr;  // per row of the island, that R is computed from
+  std::vector<double> applied = {};            // per row of dynamics, of pushes and springs
+  bool by_q = false;
+
+  double largest(const AlignedPanel& X, int row, int rows = 1) const {
+    return X.block(row, first, rows, count).cwiseAbs().maxCoeff();
+  }
+};
+
 }  // namespace
 
 bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m,
@@ -166,62 +202,66 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
     const AtSolution at(scene, data, island);
     if (!weighed_right_hand_sides(scene, data, m, R, thread.panel)) return false;
   }
-  const int ld = static_cast<int>(R.X.cols());
-  if (ld == 0) return true;
-  AlignedPanel Y = derivatives.X, left = R.X;  // [da; -df over S], R - K Y
-  for (int k = 0; k < island.nc; ++k) Y.row(island.nv + k) *= -1 / unit_of(m, k);
-  sparse::residual_panel(m.K.pattern->K, m.K.values.data(), m.K.pattern->perm.data(), Y.data(), left.data(), ld, ld);
-  AlignedPanel missed;  // P R
-  if (m.deficient()) {
-    missed = left;
-    m.factor->project_out_panel(left.data(), ld, ld);
-    missed -= left;
-  }
+  const AlignedPanel alone = R.X;
+  add_applied_right_hand_sides(scene, data, island, R);
+  const Panel X(m, derivatives.X, R.X), W(m, derivatives.W, R.W);
 
   const auto [a, f] = known_answer(scene, data, m);
   const double c_eps = rounding(scene, m), e = std::max(a.felt(), f.felt());
   const double projected = m.deficient() ? m.factor->projector_error() + f.felt() : 0;
   const TermsOfDerivatives terms = terms_of_derivatives(scene, data, m);
+  const AppliedSizes applied = applied_sizes(scene, data, island);
   const std::vector<double> of_contradiction =
       m.deficient() ? sizes_of_G(scene, *data.workspace, m, unknown_contradiction(scene, *data.workspace, m))
                     : std::vector<double>();
   const std::vector<double> none(island.size(), 0.0);
   std::vector<double> sizes(island.size()), rest(island.size()), w(island.size());  // in order of elimination
-  const auto bound_block = [&](const std::vector<double>* of_terms, int first, int cols, double& of_a, double& of_f) {
-    if (cols == 0) return;
-    const auto largest = [&](const AlignedPanel& X, int row) {
-      return X.row(row).segment(first, cols).cwiseAbs().maxCoeff();
-    };
+  const auto bound_columns = [&](const Columns& of, double& of_a, double& of_f) {
+    if (of.count == 0) return;
     const KktPattern& p = *m.K.pattern;
     const double of_K = m.deficient() && m.contradiction ? c_eps + e : c_eps;  // least squares turn with a and f
-    const double of_R = of_terms == &terms.q ? c_eps + e : c_eps;
-    for (int k = 0; k < island.size(); ++k) sizes[p.iperm[k]] = largest(Y, k);
+    const double of_R = of.by_q ? c_eps + e : c_eps;
+    for (int k = 0; k < island.size(); ++k) sizes[p.iperm[k]] = of.largest(of.panel.Y, k);
     sparse::residual(p.K, m.K.values.data(), sizes.data(), none.data(), rest.data(), w.data());  // w = |K| sizes
     add_terms_of_K(scene, *data.workspace, m, terms, sizes, w);
+    std::vector<double> of_applied(island.size(), 0.0);
     for (int k = 0; k < island.size(); ++k) {
       double& of_row = w[p.iperm[k]];
-      of_row = largest(left, k) + of_K * of_row + of_R * (largest(R.X, k) + (of_terms ? (*of_terms)[k] : 0));
+      of_row = of.largest(of.panel.left, k) + of_K * of_row +
+               of_R * ((of.R ? of.largest(*of.R, k) : 0) + (of.terms ? (*of.terms)[k] : 0));
+      if (k < island.nv && !of.applied.empty()) of_applied[p.iperm[k]] = of.applied[k];
+      of_row += c_eps * of_applied[p.iperm[k]];
     }
     std::vector<double> twice;
     if (m.deficient()) {
-      for (int k = 0; k < island.size(); ++k) rest[p.iperm[k]] = k < island.nv ? 0 : largest(missed, k);
+      for (int k = 0; k < island.size(); ++k) rest[p.iperm[k]] = k < island.nv ? 0 : of.largest(of.panel.missed, k);
       twice = turned_contradiction(scene, *data.workspace, m, rest);
-      for (int k = 0; k < island.nv && of_terms == &terms.q; ++k) twice[p.iperm[k]] += of_contradiction[k];
+      for (int k = 0; k < island.nv && of.by_q; ++k) twice[p.iperm[k]] += of_contradiction[k];
     }
     const auto bound = [&](int from, int count) {
       return bound_of_solution(m, w, from, count) + (m.deficient() ? bound_of_two_solutions(m, twice, from, count) : 0);
     };
-    const double da = derivatives.X.block(0, first, island.nv, cols).cwiseAbs().maxCoeff();
-    of_a = Known{da, bound(0, island.nv)}.relative();
+    of_a = Known{of.largest(of.panel.X, 0, island.nv), bound(0, island.nv)}.relative();
     if (island.nc == 0 || !derivatives.request.forces) return;
-    const double df = derivatives.X.block(island.nv, first, island.nc, cols).cwiseAbs().maxCoeff();
-    of_f = Known{df, bound(island.nv, island.nc) + projected * df}.relative();
+    const double df = of.largest(of.panel.X, island.nv, island.nc);
+    // of pushes and springs they may cancel those of all others
+    const double summed = m.deficient() ? bound_of_solution(m, of_applied, island.nv, island.nc) : 0;
+    of_f = Known{df, bound(island.nv, island.nc) + projected * (df + summed)}.relative();
+  };
+  const auto of_island = [&](const std::vector<double>& x) {
+    std::vector<double> own(island.nv);
+    each_velocity_block(scene, island, [&](int at, int first, int n) { std::copy_n(&x[at], n, &own[first]); });
+    return own;
   };
   const DerivativeRequest& request = derivatives.request;
+  const int by_w = request.pushes ? static_cast<int>(6 * derivatives.pushes.size()) : 0;
   out = {};
-  bound_block(&terms.q, derivatives.q_first, request.q ? island.nv : 0, out.da_dq, out.dforces_dq);
-  bound_block(&terms.v, derivatives.v_first, request.v ? island.nv : 0, out.da_dv, out.dforces_dv);
-  bound_block(nullptr, derivatives.u_first, request.u ? derivatives.nu : 0, out.da_du, out.dforces_du);
+  bound_columns({X, derivatives.q_first, request.q ? island.nv : 0, &alone, &terms.q, of_island(applied.q), true},
+                out.da_dq, out.dforces_dq);
+  bound_columns({X, derivatives.v_first, request.v ? island.nv : 0, &alone, &terms.v, of_island(applied.v)}, out.da_dv,
+                out.dforces_dv);
+  bound_columns({X, derivatives.u_first, request.u ? derivatives.nu : 0, &alone}, out.da_du, out.dforces_du);
+  bound_columns({W, 0, by_w, nullptr, nullptr, of_island(applied.w)}, out.da_dw, out.dforces_dw);
   return true;
 }
 

@@ -65,10 +65,14 @@ void add_applied_adjoint(const Scene& scene, const double* v, const AppliedForce
                          std::span<const int> robots, const double* l, AppliedScratch& scratch, double* wq, double* wv,
                          double* ww);
 
-/// size += the terms that tau was computed from, each by its size, and what the forces' own rounding comes to. q: nq;
-/// size: nv.
-void add_applied_sizes(const Scene& scene, const double* q, const AppliedForces<double>& forces,
-                       std::span<const int> robots, AppliedScratch& scratch, double* size);
+/// The sizes of what rounding of tau and of its derivatives comes from, per velocity coordinate of the scene.
+struct AppliedSizes {
+  std::vector<double> tau;      // the sum of the terms that it was computed from
+  std::vector<double> q, v, w;  // the same of the largest entry in each row of dtau/dq, dtau/dv, dtau/dw
+};
+/// After add_applied_forces at q (nq), v (nv); of these robots alone, zero for all others.
+AppliedSizes applied_sizes(const Scene& scene, const double* q, const double* v, const AppliedForces<double>& forces,
+                           std::span<const int> robots);
 
 /// What they do at the state of the last add_applied_forces, W: pushes, and dampers, which take.
 struct AppliedPower {
