@@ -1,6 +1,7 @@
 // Derivatives and bounds of the scene solved, as those of all contacts.
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "../internal.hpp"
@@ -89,7 +90,8 @@ double largest_force(const Scene& scene, const std::vector<int>& f_offset, const
 
 // A bound relative to the largest y, as one relative to the largest f.
 double relative_to_forces(double bound, double share, double y, double f) {
-  return bound == 0 ? 0 : bound * share * y / f;
+  if (bound == 0 || std::isinf(bound)) return bound;
+  return y == 0 ? 0 : bound * share * y / f;
 }
 
 void take_bounds(const Scene& scene, SceneData& data, const Reduction& r) {
@@ -164,6 +166,7 @@ std::vector<DerivativeBounds> derivative_errors_reduced(const Scene& scene, Scen
     DerivativeBounds& b = out[i];
     b.dforces_dq = relative_to_forces(b.dforces_dq, share, largest_in(of_y.dforces_dq()), largest_in(of_f.dforces_dq()));
     b.dforces_dv = relative_to_forces(b.dforces_dv, share, largest_in(of_y.dforces_dv()), largest_in(of_f.dforces_dv()));
+    b.dforces_dw = relative_to_forces(b.dforces_dw, share, largest_in(of_y.dforces_dw()), largest_in(of_f.dforces_dw()));
     b.dforces_du = relative_to_forces(b.dforces_du, share, largest_in(of_y.dforces_du()), largest_in(of_f.dforces_du()));
   }
   return out;
