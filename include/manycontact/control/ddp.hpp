@@ -142,7 +142,7 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   void start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us, bool is_feasible,
              double init_reg);
   /// After a new direction, before steps are tried; and after each of them.
-  virtual void prepareImprovement() { expectedImprovement(); }
+  virtual void prepareImprovement() { d_ = Eigen::Vector2d(expectedImprovement()); }
   virtual void updateImprovement() {}
   /// Whether the step tried is accepted, by dV and dVexp, and if so whether its states are feasible.
   virtual bool accepts() const;
