@@ -329,7 +329,7 @@ void add_residuals_of_contacts(py::module_& m) {
 
 }  // namespace
 
-Scope::Scope(const void* data, std::shared_ptr<Shared> shared) { running.push_back({data, std::move(shared)}); }
+void Scope::begin(const void* data, std::shared_ptr<Shared> shared) { running.push_back({data, std::move(shared)}); }
 Scope::~Scope() {
   running.back().shared->end();
   running.pop_back();

@@ -36,15 +36,16 @@ class Shared {
 class Scope {
  public:
   template <class Model, class Data>
-  Scope(const Model& model, const Data& data)
-      : Scope(&data, std::make_shared<Shared>(data.shared, dynamic_cast<const StateMultibody&>(*model.get_state()))) {}
+  Scope(const Model& model, const Data& data) {
+    begin(&data, std::make_shared<Shared>(data.shared, dynamic_cast<const StateMultibody&>(*model.get_state())));
+  }
   ~Scope();
   Scope(const Scope&) = delete;
   /// Of the innermost call on these data; ValueError where there is none.
   static std::shared_ptr<Shared> shared_of(const void* data);
 
  private:
-  Scope(const void* data, std::shared_ptr<Shared> shared);
+  void begin(const void* data, std::shared_ptr<Shared> shared);
 };
 
 /// What Python's createData(self, shared) returns; nullptr where the class has none. T: the class that is registered.

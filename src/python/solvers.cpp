@@ -31,6 +31,10 @@ void add_problem(py::module_& m) {
       .def("quasiStatic", &P::quasiStatic_xs, py::arg("xs"), Unlocked(), "Controls that keep each of T states still.")
       .def("circularAppend", py::overload_cast<Model>(&P::circularAppend), py::arg("model").none(false), Unlocked(),
            "Drops the first running node and appends one at the end.")
+      .def("circularAppend",
+           py::overload_cast<Model, std::shared_ptr<ActionDataAbstract>>(&P::circularAppend),
+           py::arg("model").none(false), py::arg("data").none(false), Unlocked(),
+           "The same with data that the model made.")
       .def("updateModel", &P::updateModel, py::arg("i"), py::arg("model").none(false), Unlocked(),
            "Replaces node i; i = T: the terminal one.")
       .def_property_readonly("T", &P::get_T)

@@ -20,9 +20,7 @@ struct PlacementError {
   double angle = 0;     // rad: between A's and B's axes (6D), between their hinges' (5D); 0 for points
 };
 
-/// Of the contacts flagged `active`, those out of place at q (scene.nq) by kPlacementError or more. This and the
-/// functions below throw std::invalid_argument for a number that is not finite and for a quaternion of q further than
-/// 1e-6 from unit length.
+/// Of the contacts flagged `active`, those out of place at q (scene.nq) by kPlacementError or more.
 std::vector<PlacementError> placement_errors(const Scene& scene, const std::vector<char>& active,
                                              const Eigen::Ref<const Eigen::VectorXd>& q);
 
