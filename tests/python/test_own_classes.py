@@ -91,7 +91,6 @@ def test_costs_with_data_of_their_own(state):
     class Data(mc.CostDataAbstract):
         def __init__(self, model, shared):
             super().__init__(model, shared)
-            self.tip = shared.frame_placement(1).p
             self.calls = 0
 
     class Own(mc.CostModelAbstract):
@@ -353,6 +352,7 @@ def test_solvers(solver, method):
         calls.append(arguments)
         return getattr(Base, method)(self, *arguments)
 
+    own.__code__ = own.__code__.replace(co_name=method)  # by which pybind11 knows a call of the base
     mine = type("Mine", (Base,), {method: own})(wheels())
     library = Base(wheels())
     assert mine.solve([], [], 20) == library.solve([], [], 20)
