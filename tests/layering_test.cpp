@@ -267,4 +267,34 @@ TEST(Layering, CheckerRefusesBadIncludes) {
     EXPECT_EQ(check_text(file, "#include " + header).size(), 1u) << file << " includes " << header;
 }
 
+// Classes and structures of a header, declared at the level of its namespace.
+std::vector<std::string> classes_of(const fs::path& header) {
+  static const std::regex declared(R"(^(?:class|struct) (\w+)(?: final)?(?: :.*| \{.*)?$)");
+  std::ifstream text(header);
+  std::vector<std::string> names;
+  std::string line;
+  for (std::smatch match; std::getline(text, line);)
+    if (std::regex_match(line, match, declared)) names.push_back(match[1]);
+  return names;
+}
+
+TEST(CrocoddylNames, AreThoseOfTheHeaders) {
+  const fs::path headers = fs::path(MANYCONTACT_SOURCE_DIR) / "include/manycontact";
+  std::ifstream text(headers / "crocoddyl/names.hpp");
+  const std::string names{std::istreambuf_iterator<char>(text), {}};
+  const std::set<std::string> of_its_own = {"CostModelSum", "ConstraintModelManager", "ContactModelMultiple",
+                                            "ImpulseModelMultiple"};
+  int seen = 0;
+  for (const char* folder : {"action", "control"})
+    for (const auto& entry : fs::recursive_directory_iterator(headers / folder)) {
+      if (entry.path().extension() != ".hpp") continue;
+      for (const std::string& name : classes_of(entry.path())) {
+        const bool listed = names.find("using manycontact::" + name + ";\n") != std::string::npos;
+        EXPECT_NE(listed, of_its_own.contains(name)) << name << " of " << entry.path();
+        ++seen;
+      }
+    }
+  EXPECT_GT(seen, 100);
+}
+
 }  // namespace

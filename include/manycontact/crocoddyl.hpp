@@ -1,6 +1,6 @@
 #pragma once
-// For programs written for Crocoddyl: everything under a namespace of that name, which programs may reopen. Opt-in: no
-// header of this library includes it.
+// For programs written for Crocoddyl: everything under a namespace of that name, which programs may reopen, or use by
+// `using namespace crocoddyl`. Opt-in: no header of this library includes it.
 //
 // Three things are as there, and not as in namespace manycontact: throw_pretty and its exception; stacks that warn on
 // std::cerr and go on where a part is added twice, or one is removed or switched that is not there; pseudoInverse.
@@ -14,8 +14,7 @@
 #include <sstream>
 #include <string>
 
-#include "manycontact/action.hpp"
-#include "manycontact/control.hpp"
+#include "manycontact/crocoddyl/names.hpp"
 
 #ifndef throw_pretty
 #define throw_pretty(m)                                                                        \
@@ -36,7 +35,7 @@
 
 namespace crocoddyl {
 
-using namespace manycontact;
+using namespace names;  // not manycontact, where the stacks below have namesakes
 
 class Exception : public std::exception {  // of throw_pretty
  public:

@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <numeric>
 #include <ostream>
+#include <typeinfo>
 
 namespace manycontact {
 
@@ -81,6 +82,13 @@ void ActuationModelSelection::commands(const std::shared_ptr<ActuationDataAbstra
 void ActuationModelSelection::torqueTransform(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef& x,
                                               const ConstVectorRef& u) {
   check("ActuationModel::torqueTransform", x, u);  // constant, set in createData
+}
+
+// Of the library's own classes: what a user's class does instead is not known.
+const std::vector<int>& ActuationModelSelection::selection() const {
+  static const std::vector<int> none;
+  const auto& type = typeid(*this);
+  return type == typeid(ActuationModelFull) || type == typeid(ActuationModelFloatingBase) ? selection_ : none;
 }
 
 void ActuationModelSelection::print(std::ostream& os) const { os << name_ << " {nu=" << nu_ << "}"; }

@@ -5,6 +5,7 @@
 
 #include "manycontact/algorithm/integrate.hpp"
 #include "manycontact/model/expect_size.hpp"
+#include "manycontact/model/expect_state.hpp"
 
 namespace manycontact {
 
@@ -89,8 +90,8 @@ Eigen::VectorXd random_velocity(const RigidBodies& bodies, std::mt19937& generat
 }
 
 void integrate(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, Eigen::Ref<Eigen::VectorXd> out) {
-  expect_size("integrate", "q", q.size(), bodies.nq());
-  expect_size("integrate", "v", v.size(), bodies.nv());
+  expect_configuration("integrate", "q", q, bodies);
+  expect_numbers("integrate", "v", v, bodies.nv());
   expect_size("integrate", "out", out.size(), bodies.nq());
   for (const Robot& r : bodies.robots())
     integrate<double>(*r.model, q.segment(bodies.idx_q(r), r.model->nq), v.segment(bodies.idx_v(r), r.model->nv),
@@ -104,8 +105,8 @@ Eigen::VectorXd integrate(const RigidBodies& bodies, const ConstRef& q, const Co
 }
 
 void difference(const RigidBodies& bodies, const ConstRef& q0, const ConstRef& q1, Eigen::Ref<Eigen::VectorXd> out) {
-  expect_size("difference", "q0", q0.size(), bodies.nq());
-  expect_size("difference", "q1", q1.size(), bodies.nq());
+  expect_configuration("difference", "q0", q0, bodies);
+  expect_configuration("difference", "q1", q1, bodies);
   expect_size("difference", "out", out.size(), bodies.nv());
   for (const Robot& r : bodies.robots())
     difference<double>(*r.model, q0.segment(bodies.idx_q(r), r.model->nq), q1.segment(bodies.idx_q(r), r.model->nq),
@@ -119,6 +120,7 @@ Eigen::VectorXd difference(const RigidBodies& bodies, const ConstRef& q0, const 
 }
 
 Eigen::VectorXd interpolate(const RigidBodies& bodies, const ConstRef& q0, const ConstRef& q1, double share) {
+  if (!std::isfinite(share)) throw std::invalid_argument("interpolate: a finite share is expected");
   return integrate(bodies, q0, share * difference(bodies, q0, q1));
 }
 
@@ -139,8 +141,8 @@ Eigen::MatrixXd blocks(const RigidBodies& bodies, const Eigen::VectorXd& v, bool
 }  // namespace
 
 IntegrateDerivatives integrate_derivatives(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v) {
-  expect_size("integrate_derivatives", "q", q.size(), bodies.nq());
-  expect_size("integrate_derivatives", "v", v.size(), bodies.nv());
+  expect_configuration("integrate_derivatives", "q", q, bodies);
+  expect_numbers("integrate_derivatives", "v", v, bodies.nv());
   return {blocks(bodies, v, true, joint_integrate_derivative), blocks(bodies, v, false, joint_integrate_derivative)};
 }
 

@@ -67,9 +67,9 @@ void take(const RigidBodies& bodies, const ConstRef& q, const ConstRef* v, const
 
 void check_state(const char* function, const RigidBodies& bodies, const ConstRef& q, const ConstRef* v,
                  const ConstRef* third = nullptr, const char* what = "a") {
-  expect_size(function, "q", q.size(), bodies.nq());
-  if (v) expect_size(function, "v", v->size(), bodies.nv());
-  if (third) expect_size(function, what, third->size(), bodies.nv());
+  expect_configuration(function, "q", q, bodies);
+  if (v) expect_numbers(function, "v", *v, bodies.nv());
+  if (third) expect_numbers(function, what, *third, bodies.nv());
 }
 
 void check_forces(const char* function, const RigidBodies& bodies, ForcesOnBodies fext) {

@@ -8,6 +8,7 @@
 #include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/algorithm/rnea_derivatives.hpp"
 #include "manycontact/model/expect_size.hpp"
+#include "manycontact/model/expect_state.hpp"
 
 namespace manycontact::internal {
 

@@ -8,6 +8,7 @@
 #include "levenberg_marquardt.hpp"
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/analysis/text.hpp"
+#include "manycontact/model/expect_state.hpp"
 #include "manycontact/model/suggestion.hpp"
 #include "moved_most.hpp"
 
@@ -24,7 +25,7 @@ int close_positions(const Scene& scene, internal::AtRest& rest, Eigen::VectorXd&
   return internal::levenberg_marquardt(
              kClosingDamping, kMostTries, q, [&](const Eigen::VectorXd& x) { return rest.errors(x); },
              [&](const Eigen::VectorXd& x, const Eigen::VectorXd& e, double damping, Eigen::VectorXd& dq) {
-               return rest.least_motion(x, -e, dq, damping);
+               return rest.least_motion(x, -e, dq, damping) && dq.allFinite();
              },
              [&](const Eigen::VectorXd& x, const Eigen::VectorXd& dq) { return integrate(scene, x, dq); },
              [](const Eigen::VectorXd& x, const Eigen::VectorXd& e) {
@@ -40,13 +41,15 @@ ConsistentState make_consistent(const Scene& scene, const std::vector<char>& act
                                 const Options& options) {
   if (active.size() != scene.contacts.size() || q.size() != scene.nq || v.size() != scene.nv)
     throw std::invalid_argument("make_consistent: active, q or v does not fit the scene");
+  expect_configuration("make_consistent", "q", q, scene);
+  expect_numbers("make_consistent", "v", v, scene.nv);
   ConsistentState out{q, v, Status::kOk, 0, {}, {}};
   internal::AtRest rest(scene, active, options);
   if (rest.rows() == 0) return out;
   out.steps = close_positions(scene, rest, out.q);
   const Eigen::VectorXd Jv = rest.velocities(out.q, out.v);
   Eigen::VectorXd dv;
-  if (!Jv.isZero(0) && rest.least_motion(out.q, -Jv, dv)) out.v += dv;
+  if (!Jv.isZero(0) && rest.least_motion(out.q, -Jv, dv) && dv.allFinite()) out.v += dv;
   out.status = rest.worst();
   out.misplaced = placement_errors(scene, active, out.q);
   out.moving = velocity_errors(scene, active, out.q, out.v);

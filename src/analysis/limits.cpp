@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "manycontact/analysis/findings.hpp"
+#include "manycontact/model/expect_state.hpp"
 
 namespace manycontact {
 
@@ -43,6 +44,9 @@ void look_at(const Joint& joint, int k, Limited quantity, double x, LimitPassed 
 std::vector<LimitPassed> limits_passed(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
                                        const Eigen::Ref<const Eigen::VectorXd>& v,
                                        const Eigen::Ref<const Eigen::VectorXd>& u) {
+  expect_configuration("limits_passed", "q", q, scene);
+  expect_numbers("limits_passed", "v", v, scene.nv);
+  expect_numbers("limits_passed", "u", u, scene.nu);
   std::vector<LimitPassed> out;
   for (int r = 0; r < scene.nrobots(); ++r) {
     const Robot& robot = scene.robots[r];

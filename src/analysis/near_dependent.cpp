@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "at_rest.hpp"
+#include "manycontact/model/expect_state.hpp"
 #include "row_remainders.hpp"
 
 namespace manycontact {
@@ -89,6 +90,7 @@ std::vector<RankGap> rank_gaps(const Scene& scene, const SceneData& data) {
 std::vector<NearDependent> near_dependent(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& at,
                                           const SceneData& data) {
   if (data.serial == 0) throw std::logic_error("near_dependent: solve first");
+  expect_configuration("near_dependent", "q", at, scene);
   std::vector<NearDependent> out;
   std::optional<internal::AtRest> rest;
   const Eigen::VectorXd q = at;

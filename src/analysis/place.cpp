@@ -8,7 +8,7 @@
 #include "goal_rows.hpp"
 #include "levenberg_marquardt.hpp"
 #include "manycontact/algorithm/configuration.hpp"
-#include "manycontact/model/expect_size.hpp"
+#include "manycontact/model/expect_state.hpp"
 #include "manycontact/model/suggestion.hpp"
 
 namespace manycontact {
@@ -143,8 +143,7 @@ struct Limits {
 
 PlacedScene place(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const std::vector<Goal>& goals,
                   const PlaceOptions& options) {
-  expect_size("place", "q", q.size(), scene.nq);
-  if (!q.allFinite()) throw std::invalid_argument("place: a number of q is not finite");
+  expect_configuration("place", "q", q, scene);
   for (const Goal& goal : goals) check(scene, goal);
   const Limits limits(scene);
   PlacedScene out;

@@ -4,6 +4,7 @@
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/contact/motion_of.hpp"
+#include "manycontact/model/expect_state.hpp"
 #include "manycontact/spatial/explog.hpp"
 
 namespace manycontact {
@@ -22,6 +23,7 @@ double angle_between(const Contact& contact, const Mat3<double>& G) {
 
 std::vector<PlacementError> placement_errors(const Scene& scene, const std::vector<char>& active,
                                              const Eigen::Ref<const Eigen::VectorXd>& q) {
+  expect_configuration("placement_errors", "q", q, scene);
   std::vector<PlacementError> out;
   internal::each_contact_at(scene, active, q, nullptr, [&](int c, const ContactData<double>& d) {
     const Contact& contact = scene.contacts[c];
@@ -36,6 +38,8 @@ std::vector<PlacementError> placement_errors(const Scene& scene, const std::vect
 std::vector<VelocityError> velocity_errors(const Scene& scene, const std::vector<char>& active,
                                            const Eigen::Ref<const Eigen::VectorXd>& q,
                                            const Eigen::Ref<const Eigen::VectorXd>& v) {
+  expect_configuration("velocity_errors", "q", q, scene);
+  expect_numbers("velocity_errors", "v", v, scene.nv);
   std::vector<VelocityError> out;
   internal::each_contact_at(scene, active, q, v.data(), [&](int c, const ContactData<double>& d) {
     const Eigen::VectorXd Jv = d.W * d.nu;

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "at_rest.hpp"
+#include "manycontact/model/expect_state.hpp"
 
 namespace manycontact {
 
@@ -102,6 +103,7 @@ class Probe {
 std::vector<RankChange> rank_changes(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& at,
                                      const SceneData& data) {
   if (data.serial == 0) throw std::logic_error("rank_changes: solve first");
+  expect_configuration("rank_changes", "q", at, scene);
   std::vector<RankChange> out;
   std::vector<std::size_t> dependent, changing;
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) {

@@ -5,6 +5,7 @@
 
 #include "at_rest.hpp"
 #include "manycontact/dynamics/views.hpp"
+#include "manycontact/model/expect_state.hpp"
 
 namespace manycontact {
 
@@ -17,6 +18,7 @@ constexpr double kNoPart = 1e-9;  // of the largest component of a projection: r
 
 std::vector<char> unique_forces(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const SceneData& data) {
   if (data.serial == 0) throw std::logic_error("unique_forces: solve first");
+  expect_configuration("unique_forces", "q", q, scene);
   std::vector<char> unique(static_cast<std::size_t>(data.f.size()), 1);
   std::vector<std::size_t> dependent;
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) {

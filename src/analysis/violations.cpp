@@ -5,6 +5,7 @@
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/contact/motion_of.hpp"
 #include "manycontact/contact/normal.hpp"
+#include "manycontact/model/expect_state.hpp"
 
 namespace manycontact {
 
@@ -118,6 +119,7 @@ Eigen::Vector2d contact_pressure(const Scene& scene, int contact, const Eigen::R
 
 std::vector<Violation> violations(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
                                   const Eigen::VectorXd& f, const std::vector<int>& f_offset) {
+  expect_configuration("violations", "q", q, scene);
   AxesOf axes_of(scene, q);
   const std::vector<double> largest = largest_forces(scene, f, f_offset);
   std::vector<Violation> out;

@@ -6,6 +6,7 @@
 
 #include "manycontact/contact/motion_of.hpp"
 #include "manycontact/model/expect_size.hpp"
+#include "manycontact/model/expect_state.hpp"
 
 namespace manycontact {
 
@@ -32,7 +33,7 @@ Eigen::Index count_rows(const Scene& scene, const std::vector<char>& active) {
 
 Eigen::MatrixXd contact_jacobian(const Scene& scene, const ConstRef& q, const std::vector<char>& given) {
   const std::vector<char> active = flags("contact_jacobian", scene, given);
-  expect_size("contact_jacobian", "q", q.size(), scene.nq);
+  expect_configuration("contact_jacobian", "q", q, scene);
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(count_rows(scene, active), scene.nv);
   Eigen::Index row = 0;
   internal::each_contact_at(
@@ -52,8 +53,8 @@ Eigen::MatrixXd contact_jacobian(const Scene& scene, const ConstRef& q, const st
 Eigen::VectorXd contact_drift(const Scene& scene, const ConstRef& q, const ConstRef& v,
                               const std::vector<char>& given) {
   const std::vector<char> active = flags("contact_drift", scene, given);
-  expect_size("contact_drift", "q", q.size(), scene.nq);
-  expect_size("contact_drift", "v", v.size(), scene.nv);
+  expect_configuration("contact_drift", "q", q, scene);
+  expect_numbers("contact_drift", "v", v, scene.nv);
   Eigen::VectorXd a0(count_rows(scene, active));
   Eigen::Index row = 0;
   internal::each_contact_at(scene, active, q, v.data(), [&](int, const ContactData<double>& d) {
@@ -66,7 +67,7 @@ Eigen::VectorXd contact_drift(const Scene& scene, const ConstRef& q, const Const
 std::vector<Vec6<double>> contact_forces_on_bodies(const Scene& scene, const ConstRef& q, const ConstRef& f,
                                                    const std::vector<int>& f_offset) {
   const char* const name = "contact_forces_on_bodies";
-  expect_size(name, "q", q.size(), scene.nq);
+  expect_configuration(name, "q", q, scene);
   expect_size(name, "f_offset", static_cast<Eigen::Index>(f_offset.size()),
               static_cast<Eigen::Index>(scene.contacts.size()));
   for (std::size_t c = 0; c < f_offset.size(); ++c)

@@ -1,8 +1,12 @@
 #include "manycontact/contact/reference.hpp"
 
-#include <stdexcept>
+#include "manycontact/model/expect_state.hpp"
 
 namespace manycontact {
+
+ReferenceResolver::ReferenceResolver(const Scene& scene, const Eigen::VectorXd& q) : scene_(scene), q_(q) {
+  expect_configuration("resolve_references", "q", q, scene);
+}
 
 // In the world, of an attached frame.
 SE3<double> ReferenceResolver::placement(const Attachment& at, const SE3<double>& offset) {
@@ -30,22 +34,13 @@ void ReferenceResolver::resolve(bool position, bool orientation, Contact& contac
   if (orientation) contact.B.placement.R = target.R;
 }
 
-namespace {
-std::invalid_argument wrong_size(const Eigen::Ref<const Eigen::VectorXd>& q, const Scene& scene) {
-  return std::invalid_argument("resolve_reference: q has " + std::to_string(q.size()) + " numbers, the scene expects " +
-                               std::to_string(scene.nq));
-}
-}  // namespace
-
 void resolve_reference(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, bool position, bool orientation,
                        Contact& contact) {
-  if (q.size() != scene.nq) throw wrong_size(q, scene);
   const Eigen::VectorXd at = q;
   ReferenceResolver(scene, at).resolve(position, orientation, contact);
 }
 
 void resolve_references(Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q) {
-  if (q.size() != scene.nq) throw wrong_size(q, scene);
   const Eigen::VectorXd at = q;
   ReferenceResolver resolver(scene, at);
   for (Contact& contact : scene.contacts) resolver.resolve(true, true, contact);

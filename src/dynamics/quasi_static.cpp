@@ -4,6 +4,7 @@
 
 #include "internal.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
+#include "manycontact/model/expect_state.hpp"
 #include "manycontact/sparse/least_norm.hpp"
 
 namespace manycontact {
@@ -12,7 +13,7 @@ Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::V
                              const Eigen::Ref<const Eigen::VectorXd>& tau0, const Eigen::SparseMatrix<double>& B,
                              SceneData& data) {
   internal::check_scene(scene, data, "quasi_static");
-  internal::check_size("quasi_static", "q", q.size(), scene.nq);
+  expect_configuration("quasi_static", "q", q, scene);
   internal::check_size("quasi_static", "tau0", tau0.size(), scene.nv);
   internal::check_size("quasi_static", "a column of B", B.rows(), scene.nv);
   prepare(scene, data);

@@ -3,8 +3,10 @@
 #include <stdexcept>
 
 #include "internal.hpp"
+#include "manycontact/dynamics/follow_kinematics.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
 #include "manycontact/dynamics/shapes.hpp"
+#include "manycontact/model/expect_state.hpp"
 
 namespace manycontact {
 
@@ -130,6 +132,13 @@ const ContactDerivatives& contact_derivatives_of(const SceneData& data, int cont
 }
 
 void update_kinematics(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
+                       const Eigen::Ref<const Eigen::VectorXd>& v, SceneData& data) {
+  expect_configuration("update_kinematics", "q", q, scene);
+  expect_numbers("update_kinematics", "v", v, scene.nv);
+  follow_kinematics(scene, q, v, data);
+}
+
+void follow_kinematics(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
                        const Eigen::Ref<const Eigen::VectorXd>& v, SceneData& data) {
   internal::check_scene(scene, data, "update_kinematics");
   internal::check_size("update_kinematics", "q", q.size(), scene.nq);

@@ -4,6 +4,8 @@
 #include <typeinfo>
 
 #include "manycontact/action/activation.hpp"
+#include "manycontact/action/actuation.hpp"
+#include "manycontact/action/cost.hpp"
 #include "manycontact/action/diff_action.hpp"
 #include "manycontact/action/residual.hpp"
 #include "manycontact/control/solver.hpp"
@@ -12,6 +14,11 @@
 MANYCONTACT_KEEPS_PYTHON(manycontact::ActivationModelAbstract)
 MANYCONTACT_KEEPS_PYTHON(manycontact::ActivationDataAbstract)
 MANYCONTACT_KEEPS_PYTHON(manycontact::ResidualModelAbstract)
+MANYCONTACT_KEEPS_PYTHON(manycontact::ResidualDataAbstract)
+MANYCONTACT_KEEPS_PYTHON(manycontact::CostModelAbstract)
+MANYCONTACT_KEEPS_PYTHON(manycontact::CostDataAbstract)
+MANYCONTACT_KEEPS_PYTHON(manycontact::ActuationModelAbstract)
+MANYCONTACT_KEEPS_PYTHON(manycontact::ActuationDataAbstract)
 MANYCONTACT_KEEPS_PYTHON(manycontact::DifferentialActionModelAbstract)
 MANYCONTACT_KEEPS_PYTHON(manycontact::DifferentialActionDataAbstract)
 MANYCONTACT_KEEPS_PYTHON(manycontact::ActionModelAbstract)
@@ -104,6 +111,7 @@ void add_action_model(Class& c) {
           "Derivatives at the last calc.")
       .def("quasiStatic", &T::quasiStatic_x, py::arg("data").none(false), py::arg("x"), py::arg("maxiter") = 100,
            py::arg("tol") = 1e-9, Unlocked(), "Controls (nu) that keep x (nx) still.")
+      .def("checkData", &T::checkData, py::arg("data"), Unlocked(), "Whether the data serve this model.")
       .def("__str__", &text_of<T>);
 }
 
@@ -125,6 +133,22 @@ struct PyActionModel : Abstract {
   }
   Data createData() override {
     return made([&]() -> Data { PYBIND11_OVERRIDE(Data, Abstract, createData, ); }());
+  }
+  bool checkData(const Data& data) override { PYBIND11_OVERRIDE(bool, Abstract, checkData, data); }
+  void quasiStatic(const Data& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter, double tol) override {
+    if (!own_quasi_static(data, u, x, maxiter, tol)) Abstract::quasiStatic(data, u, x, maxiter, tol);
+  }
+
+ private:
+  // By Python's quasiStatic(self, data, x, maxiter, tol), which returns u; false where the class has none.
+  bool own_quasi_static(const Data& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter, double tol) {
+    const py::gil_scoped_acquire gil;
+    const py::function own = py::get_override(static_cast<const Abstract*>(this), "quasiStatic");
+    if (!own) return false;
+    const auto given = own(data, x, maxiter, tol).template cast<Eigen::VectorXd>();
+    check_size("quasiStatic", "u", given.size(), this->get_nu());
+    u = given;
+    return true;
   }
 };
 

@@ -194,7 +194,7 @@ void add_forward_dynamics(py::module_& m) {
       .def_property_readonly(
           "report", [](const Data& d) { return d.report(); }, "Report of the last calc; a copy.")
       .def_property_readonly(
-          "costs", [](const Data& d) { return d.costs->costs; }, "{name: CostDataResidual}")
+          "costs", [](const Data& d) { return d.costs->costs; }, "{name: CostDataAbstract}")
       .def_property_readonly(
           "contacts", [](const Data& d) { return d.multibody->contacts->contacts; }, "{name: ContactDataAbstract}");
 

@@ -37,6 +37,11 @@ Doubles as_doubles(py::handle source, bool contiguous) {
   return copied ? py::reinterpret_borrow<Doubles>(copied) : none;
 }
 
+void expect_numbers_in(py::handle values) {
+  if (values.is_none() || py::isinstance<py::str>(values) || py::isinstance<py::bytes>(values))
+    throw py::type_error("numbers are expected, not " + std::string(py::str(py::type::of(values).attr("__name__"))));
+}
+
 Doubles checked_doubles(py::handle source, int dimensions, Eigen::Index rows, Eigen::Index cols, bool contiguous) {
   Doubles a = as_doubles(source, contiguous);
   if (!a) return a;

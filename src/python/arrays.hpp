@@ -79,9 +79,13 @@ py::array copy(const M& m, py::return_value_policy policy) {
   return policy == py::return_value_policy::reference_internal ? read_only(copy(m)) : copy(m);
 }
 
+/// TypeError for what numpy would make numbers of, and nobody means: None (NaN), text.
+void expect_numbers_in(py::handle values);
+
 /// values -> m, of m's shape or what numpy makes one of it, as `m[...] = values` does.
 template <class M>
 void assign(M& m, py::handle values) {
+  expect_numbers_in(values);
   view(m, py::none(), true).attr("__setitem__")(py::ellipsis(), values);
 }
 

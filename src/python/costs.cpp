@@ -4,6 +4,7 @@
 #include "manycontact/action/cones.hpp"
 #include "manycontact/action/constraint.hpp"
 #include "manycontact/action/cost.hpp"
+#include "shared.hpp"
 
 namespace manycontact::python {
 
@@ -86,33 +87,124 @@ void add_cones(py::module_& m) {
   });
 }
 
+using CostData = std::shared_ptr<CostDataAbstract>;
+using Control = std::optional<Eigen::VectorXd>;
+
+// A class to derive from. T: CostModelAbstract, or a class of the library's.
+template <class T>
+struct PyCost : T {
+  using T::T;
+  void calc(const CostData& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    const Scope scope(*this, *data);
+    if constexpr (std::is_abstract_v<T>) {
+      PYBIND11_OVERRIDE_PURE(void, T, calc, data, x, u);
+    } else {
+      PYBIND11_OVERRIDE(void, T, calc, data, x, u);
+    }
+  }
+  void calc(const CostData& data, const ConstVectorRef& x) override {
+    const Scope scope(*this, *data);
+    PYBIND11_OVERRIDE(void, T, calc, data, x);
+  }
+  void calcDiff(const CostData& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    const Scope scope(*this, *data);
+    PYBIND11_OVERRIDE(void, T, calcDiff, data, x, u);
+  }
+  void calcDiff(const CostData& data, const ConstVectorRef& x) override {
+    const Scope scope(*this, *data);
+    PYBIND11_OVERRIDE(void, T, calcDiff, data, x);
+  }
+  CostData createData(DataCollector* collector) override {
+    CostData data = created_in_python<T, CostDataAbstract>(this, collector);
+    return data ? data : T::createData(collector);
+  }
+};
+
+// Derivatives: views of data of a user's own cost, copies of others.
+template <class Class, class M>
+void add_derivative(Class& c, const char* name, M CostDerivatives::*made, M CostDataAbstract::*member,
+                    const char* doc) {
+  c.def_property(
+      name,
+      [made, member](py::object self) {
+        auto& d = self.cast<CostDataAbstract&>();
+        return d.own ? view(d.*member, self, true) : read_only(copy(d.whole_derivatives().*made));
+      },
+      [name, member](CostDataAbstract& d, py::handle values) {
+        if (!d.own) throw py::type_error(std::string(name) + " is made of the residual's derivatives");
+        assign(d.*member, values);
+      },
+      doc);
+}
+
+void add_cost_data(py::module_& m) {
+  py::class_<CostDataAbstract, CostData> data(m, "CostDataAbstract", "One cost's own numbers.");
+  data.def(py::init([](CostModelAbstract& model, const std::shared_ptr<Shared>& shared) {
+             return std::make_shared<CostDataAbstract>(&model, shared->collector());
+           }),
+           py::arg("model"), py::arg("shared").none(false))
+      .def_readwrite("cost", &CostDataAbstract::cost)
+      .def_readonly("activation", &CostDataAbstract::activation)
+      .def_readonly("residual", &CostDataAbstract::residual)
+      .def_property_readonly(
+          "shared", [](const CostDataAbstract& d) { return Scope::shared_of(&d); },
+          "DataCollector, while calc and calcDiff of a class written in Python run.");
+  using D = CostDerivatives;
+  using Own = CostDataAbstract;
+  add_derivative(data, "Lx", &D::Lx, &Own::Lx, "(ndx), without the weight.");
+  add_derivative(data, "Lu", &D::Lu, &Own::Lu, "(nu)");
+  add_derivative(data, "Lxx", &D::Lxx, &Own::Lxx, "(ndx, ndx), Gauss-Newton where it is a residual's.");
+  add_derivative(data, "Lxu", &D::Lxu, &Own::Lxu, "(ndx, nu)");
+  add_derivative(data, "Luu", &D::Luu, &Own::Luu, "(nu, nu)");
+  m.attr("CostDataResidual") = m.attr("CostDataAbstract");
+}
+
 void add_cost_models(py::module_& m) {
   using Activation = std::shared_ptr<ActivationModelAbstract>;
   using Residual = std::shared_ptr<ResidualModelAbstract>;
-  py::class_<CostDataResidual, std::shared_ptr<CostDataResidual>>(m, "CostDataResidual", "One cost's own numbers.")
-      .def_readonly("cost", &CostDataResidual::cost)
-      .def_readonly("activation", &CostDataResidual::activation)
-      .def_readonly("residual", &CostDataResidual::residual)
-      .def_property_readonly(
-          "Lx", [](const CostDataResidual& d) { return d.whole_derivatives().Lx; }, "(ndx), without the weight.")
-      .def_property_readonly(
-          "Lu", [](const CostDataResidual& d) { return d.whole_derivatives().Lu; }, "(nu)")
-      .def_property_readonly(
-          "Lxx", [](const CostDataResidual& d) { return d.whole_derivatives().Lxx; }, "(ndx, ndx), Gauss-Newton.")
-      .def_property_readonly(
-          "Lxu", [](const CostDataResidual& d) { return d.whole_derivatives().Lxu; }, "(ndx, nu)")
-      .def_property_readonly(
-          "Luu", [](const CostDataResidual& d) { return d.whole_derivatives().Luu; }, "(nu, nu)");
-  py::class_<CostModelResidual, std::shared_ptr<CostModelResidual>>(
+  using Abstract = CostModelAbstract;
+  py::class_<Abstract, PyCost<Abstract>, std::shared_ptr<Abstract>> abstract(
+      m, "CostModelAbstract",
+      "l(x, u). Derive from it, or from CostModelResidual: calc(self, data, x, u=None) sets data.cost; calcDiff(self,\n"
+      "data, x, u=None) sets data.Lx, Lu, Lxx, Lxu and Luu; without u the node is terminal. createData(self, shared) may\n"
+      "return data of a class derived from CostDataAbstract. Hessians are dense then: a residual costs less.");
+  add_cost_data(m);
+  abstract
+      .def(py::init<State, Activation, Residual>(), py::arg("state"), py::arg("activation").none(false),
+           py::arg("residual").none(false))
+      .def(py::init<State, Activation, std::size_t>(), py::arg("state"), py::arg("activation").none(false),
+           py::arg("nu"), "Without a residual: calc may write data.residual.r.")
+      .def(py::init<State, Residual>(), py::arg("state"), py::arg("residual").none(false))
+      .def(py::init<State, Activation>(), py::arg("state"), py::arg("activation").none(false))
+      .def(py::init<State, std::size_t>(), py::arg("state"), py::arg("nu"))
+      .def(py::init<State>(), py::arg("state"))
+      .def(
+          "calc",
+          [](Abstract& c, const CostData& data, const ConstVectorRef& x, const Control& u) {
+            u ? c.calc(data, x, *u) : c.calc(data, x);
+          },
+          py::arg("data").none(false), py::arg("x"), py::arg("u") = py::none(),
+          "data.cost; of an action model's data, after its solve.")
+      .def(
+          "calcDiff",
+          [](Abstract& c, const CostData& data, const ConstVectorRef& x, const Control& u) {
+            u ? c.calcDiff(data, x, *u) : c.calcDiff(data, x);
+          },
+          py::arg("data").none(false), py::arg("x"), py::arg("u") = py::none(), "Derivatives, after calc.")
+      .def(
+          "createData",
+          [](Abstract& c, const std::shared_ptr<Shared>& shared) { return c.createData(shared->collector()); },
+          py::arg("shared").none(false), "CostDataAbstract; for a createData of one's own.")
+      .def_property_readonly("state", &Abstract::get_state)
+      .def_property_readonly("activation", &Abstract::get_activation)
+      .def_property_readonly("residual", &Abstract::get_residual)
+      .def_property_readonly("nu", &Abstract::get_nu)
+      .def("__str__", &text_of<Abstract>);
+  py::class_<CostModelResidual, PyCost<CostModelResidual>, Abstract, std::shared_ptr<CostModelResidual>>(
       m, "CostModelResidual", "The cost a(r(x, u)); without an activation 1/2 |r|^2.")
       .def(py::init<State, Activation, Residual>(), py::arg("state"), py::arg("activation").none(false),
            py::arg("residual").none(false))
-      .def(py::init<State, Residual>(), py::arg("state"), py::arg("residual").none(false))
-      .def_property_readonly("state", &CostModelResidual::get_state)
-      .def_property_readonly("activation", &CostModelResidual::get_activation)
-      .def_property_readonly("residual", &CostModelResidual::get_residual)
-      .def_property_readonly("nu", &CostModelResidual::get_nu)
-      .def("__str__", &text_of<CostModelResidual>);
+      .def(py::init<State, Residual>(), py::arg("state"), py::arg("residual").none(false));
   py::class_<CostItem, std::shared_ptr<CostItem>>(m, "CostItem")
       .def_readonly("name", &CostItem::name)
       .def_readonly("cost", &CostItem::cost)
@@ -134,7 +226,6 @@ void add_cost_models(py::module_& m) {
       .def_property_readonly("active_set", &Sum::get_active_set)
       .def_property_readonly("inactive_set", &Sum::get_inactive_set)
       .def("__str__", &text_of<Sum>);
-  m.attr("CostModelAbstract") = m.attr("CostModelResidual");
 }
 
 void add_constraints(py::module_& m) {

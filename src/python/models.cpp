@@ -39,11 +39,12 @@ void add_placements(py::module_& m) {
                   "Of a unit quaternion (x, y, z, w) and a translation (3) [m].")
       .def_static("Identity", &Placement::Identity)
       .def_property_readonly(
-          "R", [](const Placement& M) -> Eigen::Matrix3d { return M.R; }, "Rotation matrix (3, 3).")
+          "R", [](const Placement& M) { return copy(M.R); },
+          "Rotation matrix (3, 3); an array of its own, since scipy's Rotation.from_matrix takes no other.")
       .def_property_readonly(
           "p", [](const Placement& M) -> Eigen::Vector3d { return M.p; }, "Translation (3) [m].")
       .def_property_readonly(
-          "rotation", [](const Placement& M) -> Eigen::Matrix3d { return M.R; }, "R.")
+          "rotation", [](const Placement& M) { return copy(M.R); }, "R.")
       .def_property_readonly(
           "translation", [](const Placement& M) -> Eigen::Vector3d { return M.p; }, "p.")
       .def_property_readonly(

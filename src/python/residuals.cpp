@@ -8,6 +8,7 @@
 #include "manycontact/action/residuals/impulse_residuals.hpp"
 #include "manycontact/action/residuals/state_residuals.hpp"
 #include "manycontact/algorithm/frame_axes.hpp"
+#include "shared.hpp"
 
 namespace manycontact::python {
 
@@ -16,49 +17,12 @@ namespace {
 using Vector = Eigen::VectorXd;
 using State = std::shared_ptr<StateMultibody>;
 
-// What a residual written in Python sees of the action model, while its calc or calcDiff runs.
-class Shared {
- public:
-  Shared(DataCollector* collector, const StateMultibody& state) : collector_(collector), state_(state) {}
-  void end() { collector_ = nullptr; }
-  const DataCollector& get() const {
-    if (!collector_) throw py::value_error("data.shared is there while calc and calcDiff run, not later");
-    return *collector_;
-  }
-  const Multibody::BodyFrame& frame(std::size_t id) const {
-    (void)get();
-    if (id >= state_.get_model()->frames.size()) throw py::value_error("there is no frame " + std::to_string(id));
-    return state_.get_model()->frames[id];
-  }
-
- private:
-  DataCollector* collector_;
-  const StateMultibody& state_;
-};
-
-// Calls of Python residuals that run in this thread, innermost last.
+// Calls of Python's that run in this thread, innermost last.
 struct Running {
-  const ResidualDataAbstract* data;
+  const void* data;
   std::shared_ptr<Shared> shared;
 };
 thread_local std::vector<Running> running;
-
-struct Scope {
-  Scope(const ResidualModelAbstract& model, const ResidualDataAbstract& data) {
-    running.push_back(
-        {&data, std::make_shared<Shared>(data.shared, dynamic_cast<const StateMultibody&>(*model.get_state()))});
-  }
-  ~Scope() {
-    running.back().shared->end();
-    running.pop_back();
-  }
-};
-
-std::shared_ptr<Shared> shared_of(const ResidualDataAbstract& data) {
-  for (auto r = running.rbegin(); r != running.rend(); ++r)
-    if (r->data == &data) return r->shared;
-  throw py::value_error("data.shared is there while calc and calcDiff of a residual written in Python run");
-}
 
 struct PyResidual : ResidualModelAbstract {
   using ResidualModelAbstract::ResidualModelAbstract;
@@ -71,6 +35,12 @@ struct PyResidual : ResidualModelAbstract {
   void calcDiff(const Data& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
     const Scope scope(*this, *data);
     PYBIND11_OVERRIDE_PURE(void, Base, calcDiff, data, x, u);
+  }
+  Data createData(DataCollector* collector) override {
+    Data data = created_in_python<Base, ResidualDataAbstract>(this, collector);
+    if (!data) return Base::createData(collector);
+    lay_out(*data);
+    return data;
   }
 };
 
@@ -91,7 +61,8 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> acceleration_derivatives(const DataC
 
 void add_shared(py::module_& m) {
   py::class_<Shared, std::shared_ptr<Shared>>(
-      m, "DataCollector", "What a residual sees of its action model, while calc and calcDiff run; copies.")
+      m, "DataCollector",
+      "What a residual or a cost sees of its action model, while calc, calcDiff and createData run; copies.")
       .def_property_readonly(
           "acceleration", [](const Shared& s) { return s.get().solution.a; }, "(nv); running nodes.")
       .def_property_readonly(
@@ -148,10 +119,20 @@ void check_jacobian(const char* name, const Eigen::MatrixXd& J, Eigen::Index row
                           std::to_string(cols) + ") is expected");
 }
 
+// The whole matrix: a view where the data have it (of a user's own cost), else a copy of the blocks.
+py::array whole(py::object self, Eigen::MatrixXd ResidualDataAbstract::*member,
+                Eigen::MatrixXd (ResidualDataAbstract::*made)() const) {
+  auto& d = self.cast<ResidualDataAbstract&>();
+  return (d.*member).size() > 0 ? view(d.*member, self, true) : read_only(copy((d.*made)()));
+}
+py::array get_Rx(py::object self) { return whole(std::move(self), &ResidualDataAbstract::Rx, &ResidualDataAbstract::whole_Rx); }
+py::array get_Ru(py::object self) { return whole(std::move(self), &ResidualDataAbstract::Ru, &ResidualDataAbstract::whole_Ru); }
+
 // The whole matrix into the blocks' rows and columns.
 void set_Rx(ResidualDataAbstract& d, const Eigen::MatrixXd& J) {
   const Eigen::MatrixXd now = d.whole_Rx();
   check_jacobian("Rx", J, now.rows(), now.cols());
+  if (d.Rx.size() > 0) d.Rx = J;
   for (ResidualBlock& b : d.blocks)
     for (std::size_t i = 0; i < b.rows.size(); ++i)
       for (std::size_t j = 0; j < b.xcols.size(); ++j) b.Rx(i, j) = J(b.rows[i], b.xcols[j]);
@@ -159,6 +140,7 @@ void set_Rx(ResidualDataAbstract& d, const Eigen::MatrixXd& J) {
 void set_Ru(ResidualDataAbstract& d, const Eigen::MatrixXd& J) {
   const Eigen::MatrixXd now = d.whole_Ru();
   check_jacobian("Ru", J, now.rows(), now.cols());
+  if (d.Ru.size() > 0) d.Ru = J;
   for (ResidualBlock& b : d.blocks)
     for (std::size_t i = 0; i < b.rows.size(); ++i)
       for (std::size_t j = 0; j < b.ucols.size(); ++j) b.Ru(i, j) = J(b.rows[i], b.ucols[j]);
@@ -195,17 +177,29 @@ void add_residual_base(py::module_& m) {
       .def_readwrite("forces", &Dependence::forces);
 
   py::class_<ResidualDataAbstract, std::shared_ptr<ResidualDataAbstract>> data(m, "ResidualDataAbstract");
-  data.def_property("Rx", &ResidualDataAbstract::whole_Rx, &set_Rx, "dr/dx (nr, ndx): a copy; assign the whole matrix.")
-      .def_property("Ru", &ResidualDataAbstract::whole_Ru, &set_Ru, "dr/du (nr, nu): a copy; assign the whole matrix.")
-      .def_property_readonly("shared", &shared_of, "DataCollector, while calc and calcDiff run.");
+  data.def_property("Rx", &get_Rx, &set_Rx, "dr/dx (nr, ndx): a copy; assign the whole matrix.")
+      .def_property("Ru", &get_Ru, &set_Ru, "dr/du (nr, nu): a copy; assign the whole matrix.")
+      .def_property_readonly(
+          "shared", [](const ResidualDataAbstract& d) { return Scope::shared_of(&d); },
+          "DataCollector, while calc and calcDiff run.");
   member_view(data, "r", &ResidualDataAbstract::r, "(nr): by calc.");
 
-  py::class_<Abstract, PyResidual, std::shared_ptr<Abstract>>(
+  py::class_<Abstract, PyResidual, std::shared_ptr<Abstract>> model(
       m, "ResidualModelAbstract",
       "r(x, u). Derive from it: calc(self, data, x, u) sets data.r; calcDiff(self, data, x, u) sets data.Rx, data.Ru.\n"
-      "u is zero in terminal nodes. data.shared has the robots' kinematics.")
+      "u is zero in terminal nodes. data.shared has the robots' kinematics. createData(self, shared) may return data of a\n"
+      "class derived from ResidualDataAbstract.");
+  data.def(py::init([](const Abstract& model, const std::shared_ptr<Shared>& shared) {
+             return std::make_shared<ResidualDataAbstract>(&model, shared->collector());
+           }),
+           py::arg("model"), py::arg("shared").none(false));
+  model
       .def(py::init<State, std::size_t, std::size_t, Dependence>(), py::arg("state"), py::arg("nr"), py::arg("nu"),
            py::arg("depends_on"))
+      .def(
+          "createData",
+          [](Abstract& x, const std::shared_ptr<Shared>& shared) { return x.createData(shared->collector()); },
+          py::arg("shared").none(false), "ResidualDataAbstract; for a createData of one's own.")
       .def_property_readonly("state", &Abstract::get_state)
       .def_property_readonly("nr", &Abstract::get_nr)
       .def_property_readonly("nu", &Abstract::get_nu)
@@ -334,6 +328,18 @@ void add_residuals_of_contacts(py::module_& m) {
 }
 
 }  // namespace
+
+void Scope::begin(const void* data, std::shared_ptr<Shared> shared) { running.push_back({data, std::move(shared)}); }
+Scope::~Scope() {
+  running.back().shared->end();
+  running.pop_back();
+}
+
+std::shared_ptr<Shared> Scope::shared_of(const void* data) {
+  for (auto r = running.rbegin(); r != running.rend(); ++r)
+    if (r->data == data) return r->shared;
+  throw py::value_error("data.shared is there while calc and calcDiff of a class written in Python run");
+}
 
 void add_residual_models(py::module_& m) {
   add_shared(m);

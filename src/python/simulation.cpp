@@ -3,6 +3,7 @@
 #include <variant>
 
 #include "data.hpp"
+#include "manycontact/model/expect_state.hpp"
 #include "manycontact/simulation/gains.hpp"
 #include "manycontact/simulation/invariants.hpp"
 #include "manycontact/simulation/step.hpp"
@@ -198,6 +199,7 @@ void add_invariants(py::module_& m) {
       [](const Scene& scene, const std::vector<bool>& active, const Vector& q, const Vector& v) {
         if (active.size() != scene.contacts.size() || q.size() != scene.nq || v.size() != scene.nv)
           throw py::value_error("invariants: active, q or v do not fit the scene");
+        expect_configuration("invariants", "q", q, scene);
         InvariantsData data(scene);
         return invariants(scene, std::vector<char>(active.begin(), active.end()), q, v, data);
       },

@@ -31,6 +31,10 @@ void add_problem(py::module_& m) {
       .def("quasiStatic", &P::quasiStatic_xs, py::arg("xs"), Unlocked(), "Controls that keep each of T states still.")
       .def("circularAppend", py::overload_cast<Model>(&P::circularAppend), py::arg("model").none(false), Unlocked(),
            "Drops the first running node and appends one at the end.")
+      .def("circularAppend",
+           py::overload_cast<Model, std::shared_ptr<ActionDataAbstract>>(&P::circularAppend),
+           py::arg("model").none(false), py::arg("data").none(false), Unlocked(),
+           "The same with data that the model made.")
       .def("updateModel", &P::updateModel, py::arg("i"), py::arg("model").none(false), Unlocked(),
            "Replaces node i; i = T: the terminal one.")
       .def_property_readonly("T", &P::get_T)
@@ -45,6 +49,33 @@ void add_problem(py::module_& m) {
       .def_property("nthreads", &P::get_nthreads, [](P& p, int n) { p.set_nthreads(checked_threads(n)); })
       .def("__str__", &text_of<P>);
 }
+
+// A class to derive from. T: SolverDDP, or one of the library's that derive from it. solve() calls what Python defines.
+template <class T>
+struct PySolver : T {
+  using T::T;
+  void computeDirection(bool recalc) override { PYBIND11_OVERRIDE(void, T, computeDirection, recalc); }
+  double tryStep(double steplength) override { PYBIND11_OVERRIDE(double, T, tryStep, steplength); }
+  double stoppingCriteria() override { PYBIND11_OVERRIDE(double, T, stoppingCriteria, ); }
+  const Eigen::Vector2d& expectedImprovement() override {
+    {
+      const py::gil_scoped_acquire gil;
+      if (const py::function own = py::get_override(static_cast<const T*>(this), "expectedImprovement"))
+        return this->d_ = own().template cast<Eigen::Vector2d>();
+    }
+    return T::expectedImprovement();
+  }
+  void resizeData() override { PYBIND11_OVERRIDE(void, T, resizeData, ); }
+  double calcDiff() override {
+    const auto cost = [this]() -> double { PYBIND11_OVERRIDE(double, T, calcDiff, ); };
+    return this->cost_ = cost();  // Python cannot set it
+  }
+  void backwardPass() override { PYBIND11_OVERRIDE(void, T, backwardPass, ); }
+  void forwardPass(double steplength) override { PYBIND11_OVERRIDE(void, T, forwardPass, steplength); }
+  void increaseRegularization() override { PYBIND11_OVERRIDE(void, T, increaseRegularization, ); }
+  void decreaseRegularization() override { PYBIND11_OVERRIDE(void, T, decreaseRegularization, ); }
+  void allocateData() override { PYBIND11_OVERRIDE(void, T, allocateData, ); }
+};
 
 struct PyCallback : CallbackAbstract {
   [[noreturn]] static void throw_undefined() {
@@ -177,6 +208,7 @@ void add_solver_base(py::module_& m) {
       .def("tryStep", &S::tryStep, py::arg("stepLength") = 1.0, Unlocked())
       .def("stoppingCriteria", &S::stoppingCriteria, Unlocked())
       .def("expectedImprovement", &S::expectedImprovement, Unlocked())
+      .def("resizeData", &S::resizeData, Unlocked(), "Fits the memory to the problem's nodes.")
       .def("setCandidate", &S::setCandidate, py::arg("xs") = Vectors(), py::arg("us") = Vectors(),
            py::arg("isFeasible") = false)
       .def("setCallbacks", &set_callbacks, py::arg("callbacks"), "Within a callback: from the next iteration on.")
@@ -207,10 +239,17 @@ void add_solver_base(py::module_& m) {
 
 void add_solver_classes(py::module_& m) {
   using D = SolverDDP;
-  py::class_<D, SolverAbstract, std::shared_ptr<D>>(m, "SolverDDP", "Differential dynamic programming.")
+  py::class_<D, PySolver<D>, SolverAbstract, std::shared_ptr<D>>(
+      m, "SolverDDP",
+      "Differential dynamic programming. A class derived from it, or from those below, may have its own\n"
+      "computeDirection, tryStep, stoppingCriteria, expectedImprovement, calcDiff, backwardPass, forwardPass,\n"
+      "resizeData, allocateData, increaseRegularization and decreaseRegularization: solve() calls them.")
       .def(py::init<Problem>(), py::arg("problem").none(false), Unlocked())
       .def("calcDiff", &D::calcDiff, Unlocked())
       .def("backwardPass", &D::backwardPass, Unlocked())
+      .def("allocateData", &D::allocateData, Unlocked())
+      .def("increaseRegularization", &D::increaseRegularization, Unlocked())
+      .def("decreaseRegularization", &D::decreaseRegularization, Unlocked())
       .def("forwardPass", &D::forwardPass, py::arg("stepLength") = 1.0, Unlocked())
       .def_property_readonly("Vxx", &D::get_Vxx, "T + 1 matrices (ndx, ndx); a copy, as all of these.")
       .def_property_readonly("Vx", &D::get_Vx)
@@ -225,15 +264,15 @@ void add_solver_classes(py::module_& m) {
       .def_property("reg_min", &D::get_reg_min, &D::set_reg_min)
       .def_property("reg_max", &D::get_reg_max, &D::set_reg_max)
       .def_property("th_grad", &D::get_th_grad, &D::set_th_grad);
-  py::class_<SolverFDDP, D, std::shared_ptr<SolverFDDP>>(m, "SolverFDDP", "Feasibility-driven DDP.")
+  py::class_<SolverFDDP, PySolver<SolverFDDP>, D, std::shared_ptr<SolverFDDP>>(m, "SolverFDDP", "Feasibility-driven DDP.")
       .def(py::init<Problem>(), py::arg("problem").none(false), Unlocked())
       .def_property("th_acceptNegStep", &SolverFDDP::get_th_acceptnegstep, &SolverFDDP::set_th_acceptnegstep);
-  py::class_<SolverBoxDDP, D, std::shared_ptr<SolverBoxDDP>>(m, "SolverBoxDDP", "DDP with the models' control limits.")
+  py::class_<SolverBoxDDP, PySolver<SolverBoxDDP>, D, std::shared_ptr<SolverBoxDDP>>(m, "SolverBoxDDP", "DDP with the models' control limits.")
       .def(py::init<Problem>(), py::arg("problem").none(false), Unlocked());
-  py::class_<SolverBoxFDDP, SolverFDDP, std::shared_ptr<SolverBoxFDDP>>(m, "SolverBoxFDDP",
+  py::class_<SolverBoxFDDP, PySolver<SolverBoxFDDP>, SolverFDDP, std::shared_ptr<SolverBoxFDDP>>(m, "SolverBoxFDDP",
                                                                         "FDDP with the models' control limits.")
       .def(py::init<Problem>(), py::arg("problem").none(false), Unlocked());
-  py::class_<SolverSparse, SolverFDDP, std::shared_ptr<SolverSparse>>(m, "SolverSparse",
+  py::class_<SolverSparse, PySolver<SolverSparse>, SolverFDDP, std::shared_ptr<SolverSparse>>(m, "SolverSparse",
                                                                       "FDDP by parts of robots that never meet.")
       .def(py::init<Problem, bool>(), py::arg("problem").none(false), py::arg("limits") = false, Unlocked())
       .def("blocks", &SolverSparse::blocks, "Controls of each part.");

@@ -1,6 +1,7 @@
 // States, actuations, activations: floor action.
 
 #include "action.hpp"
+#include "manycontact/model/expect_state.hpp"
 
 namespace manycontact::python {
 
@@ -10,6 +11,13 @@ using Vector = Eigen::VectorXd;
 using State = std::shared_ptr<StateMultibody>;
 
 // ---- states and actuations -----------------------------------------------------------------------------------------
+
+// x of a scene's robots is a configuration and finite velocities; of other states what they say themselves.
+void judge(const char* function, const char* what, const StateAbstract& state, const ConstVectorRef& x) {
+  const auto* own = dynamic_cast<const StateMultibody*>(&state);
+  if (!own || x.size() != static_cast<Eigen::Index>(own->get_nx())) return;
+  expect_configuration(function, what, x.head(own->get_nq()), own->get_model()->scene());
+}
 
 void add_states(py::module_& m) {
   add_enumeration<Jcomponent>(m, "Jcomponent", "component", "Which of a state's two Jacobians.",
@@ -42,8 +50,20 @@ void add_states(py::module_& m) {
       .def_property_readonly("has_limits", &StateAbstract::get_has_limits)
       .def("zero", &StateAbstract::zero)
       .def("rand", &StateAbstract::rand)
-      .def("diff", &StateAbstract::diff_dx, py::arg("x0"), py::arg("x1"), "x1 (-) x0 (ndx).")
-      .def("integrate", &StateAbstract::integrate_x, py::arg("x"), py::arg("dx"), "x (+) dx (nx).")
+      .def(
+          "diff",
+          [](const StateAbstract& s, const ConstVectorRef& x0, const ConstVectorRef& x1) {
+            judge("diff", "x0", s, x0), judge("diff", "x1", s, x1);
+            return s.diff_dx(x0, x1);
+          },
+          py::arg("x0"), py::arg("x1"), "x1 (-) x0 (ndx).")
+      .def(
+          "integrate",
+          [](const StateAbstract& s, const ConstVectorRef& x, const ConstVectorRef& dx) {
+            judge("integrate", "x", s, x);
+            return s.integrate_x(x, dx);
+          },
+          py::arg("x"), py::arg("dx"), "x (+) dx (nx).")
       .def("Jdiff", &StateAbstract::Jdiff_Js, py::arg("x0"), py::arg("x1"),
            py::arg_v("firstsecond", both, "Jcomponent.both"), "List of d diff/dx0, d diff/dx1, (ndx, ndx) each.")
       .def("Jintegrate", &StateAbstract::Jintegrate_Js, py::arg("x"), py::arg("dx"),
@@ -61,28 +81,99 @@ void add_states(py::module_& m) {
                              [](const StateMultibody& s) { return std::const_pointer_cast<Multibody>(s.get_model()); });
 }
 
+using ActuationData = std::shared_ptr<ActuationDataAbstract>;
+
+// A class to derive from. T: ActuationModelAbstract, or a class of the library's.
+template <class T>
+class PyActuation : public T {
+ public:
+  using T::T;
+  void calc(const ActuationData& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    if constexpr (std::is_abstract_v<T>) {
+      PYBIND11_OVERRIDE_PURE(void, T, calc, data, x, u);
+    } else {
+      PYBIND11_OVERRIDE(void, T, calc, data, x, u);
+    }
+  }
+  void calc(const ActuationData& data, const ConstVectorRef& x) override { PYBIND11_OVERRIDE(void, T, calc, data, x); }
+  void calcDiff(const ActuationData& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    if constexpr (std::is_abstract_v<T>) {
+      PYBIND11_OVERRIDE_PURE(void, T, calcDiff, data, x, u);
+    } else {
+      PYBIND11_OVERRIDE(void, T, calcDiff, data, x, u);
+    }
+  }
+  void calcDiff(const ActuationData& data, const ConstVectorRef& x) override {
+    PYBIND11_OVERRIDE(void, T, calcDiff, data, x);
+  }
+  void commands(const ActuationData& data, const ConstVectorRef& x, const ConstVectorRef& tau) override {
+    if constexpr (std::is_abstract_v<T>) {
+      PYBIND11_OVERRIDE_PURE(void, T, commands, data, x, tau);
+    } else {
+      PYBIND11_OVERRIDE(void, T, commands, data, x, tau);
+    }
+  }
+  void torqueTransform(const ActuationData& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    PYBIND11_OVERRIDE(void, T, torqueTransform, data, x, u);
+  }
+  ActuationData createData() override {
+    return made([&]() -> ActuationData { PYBIND11_OVERRIDE(ActuationData, T, createData, ); }());
+  }
+};
+
+// A sparse matrix as a whole one: a copy; assignment takes the numbers of a whole one.
+template <class Class>
+void add_matrix(Class& c, const char* name, ActuationMatrix ActuationDataAbstract::*member, const char* doc) {
+  c.def_property(
+      name, [member](const ActuationDataAbstract& d) { return Eigen::MatrixXd(d.*member); },
+      [name, member](ActuationDataAbstract& d, const Eigen::MatrixXd& values) {
+        ActuationMatrix& matrix = d.*member;
+        if (values.rows() != matrix.rows() || values.cols() != matrix.cols())
+          throw py::value_error(std::string(name) + ": a matrix of shape (" + std::to_string(matrix.rows()) + ", " +
+                                std::to_string(matrix.cols()) + ") is expected");
+        matrix = values;
+      },
+      doc);
+}
+
 void add_actuations(py::module_& m) {
   using Abstract = ActuationModelAbstract;
-  py::class_<ActuationDataAbstract, std::shared_ptr<ActuationDataAbstract>> data(m, "ActuationDataAbstract");
+  using State_ = std::shared_ptr<StateAbstract>;
+  py::class_<ActuationDataAbstract, ActuationData> data(m, "ActuationDataAbstract");
+  py::class_<Abstract, PyActuation<Abstract>, std::shared_ptr<Abstract>> model(
+      m, "ActuationModelAbstract",
+      "tau(x, u). Derive from it, or from the classes below: calc(self, data, x, u) sets data.tau; calcDiff(self, data,\n"
+      "x, u) sets data.dtau_dx, data.dtau_du; commands(self, data, x, tau) sets data.u; torqueTransform(self, data, x, u)\n"
+      "sets data.Mtau. createData(self) may return data of a class derived from ActuationDataAbstract.");
+  data.def(py::init<const Abstract*>(), py::arg("model").none(false));
   member_view(data, "tau", &ActuationDataAbstract::tau, "Torques (nv) [N m, N].");
   member_view(data, "u", &ActuationDataAbstract::u, "Controls (nu).");
-  py::class_<Abstract, std::shared_ptr<Abstract>>(m, "ActuationModelAbstract", "tau(x, u).")
+  add_matrix(data, "dtau_dx", &ActuationDataAbstract::dtau_dx, "(nv, ndx): a copy; assign the whole matrix.");
+  add_matrix(data, "dtau_du", &ActuationDataAbstract::dtau_du, "(nv, nu): a copy; assign the whole matrix.");
+  add_matrix(data, "Mtau", &ActuationDataAbstract::Mtau, "(nu, nv): a copy; assign the whole matrix.");
+  model.def(py::init<State_, std::size_t>(), py::arg("state").none(false), py::arg("nu"))
       .def_property_readonly("nu", &Abstract::get_nu)
       .def_property_readonly("state", &Abstract::get_state)
       .def("createData", &Abstract::createData)
       .def("calc",
-           py::overload_cast<const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&,
-                             const ConstVectorRef&>(&Abstract::calc),
+           py::overload_cast<const ActuationData&, const ConstVectorRef&, const ConstVectorRef&>(&Abstract::calc),
            py::arg("data").none(false), py::arg("x"), py::arg("u"), "data.tau.")
+      .def("calcDiff",
+           py::overload_cast<const ActuationData&, const ConstVectorRef&, const ConstVectorRef&>(&Abstract::calcDiff),
+           py::arg("data").none(false), py::arg("x"), py::arg("u"), "data.dtau_dx, data.dtau_du.")
       .def("commands", &Abstract::commands, py::arg("data").none(false), py::arg("x"), py::arg("tau"), "data.u.")
+      .def("torqueTransform", &Abstract::torqueTransform, py::arg("data").none(false), py::arg("x"), py::arg("u"),
+           "data.Mtau: u = Mtau tau.")
       .def("__str__", &text_of<Abstract>);
   py::class_<ActuationModelSelection, Abstract, std::shared_ptr<ActuationModelSelection>>(
       m, "ActuationModelSelection", "u is the torque of a selection of coordinates.");
-  py::class_<ActuationModelFull, ActuationModelSelection, std::shared_ptr<ActuationModelFull>>(
-      m, "ActuationModelFull", "Every coordinate, floating bases included: nu = nv.")
+  py::class_<ActuationModelFull, PyActuation<ActuationModelFull>, ActuationModelSelection,
+             std::shared_ptr<ActuationModelFull>>(m, "ActuationModelFull",
+                                                  "Every coordinate, floating bases included: nu = nv.")
       .def(py::init<State>(), py::arg("state"));
-  py::class_<ActuationModelFloatingBase, ActuationModelSelection, std::shared_ptr<ActuationModelFloatingBase>>(
-      m, "ActuationModelFloatingBase", "All coordinates but the floating bases'.")
+  py::class_<ActuationModelFloatingBase, PyActuation<ActuationModelFloatingBase>, ActuationModelSelection,
+             std::shared_ptr<ActuationModelFloatingBase>>(m, "ActuationModelFloatingBase",
+                                                          "All coordinates but the floating bases'.")
       .def(py::init<State>(), py::arg("state"));
 }
 

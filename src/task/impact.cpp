@@ -5,24 +5,13 @@
 
 namespace manycontact::task {
 
-namespace {
-
-class ImpulseOfScene : public ImpulseModelAbstract {
- public:
-  ImpulseOfScene(const std::shared_ptr<StateMultibody>& state, const Contact& contact)
-      : ImpulseModelAbstract("ImpulseOfScene", std::make_shared<ContactModelOfScene>(state, contact, state->get_nv())) {
-  }
-};
-
-}  // namespace
-
 std::shared_ptr<ActionModelAbstract> impact_of(const TaskFile& task, const TaskPhase& phase,
                                                const std::shared_ptr<StateMultibody>& state) {
   const Scene& scene = task.scene.scene;
   auto impulses = std::make_shared<ImpulseModelMultiple>(state);
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
     if (phase.active[c])
-      impulses->addImpulse(scene.contacts[c].name, std::make_shared<ImpulseOfScene>(state, scene.contacts[c]));
+      impulses->addImpulse(scene.contacts[c].name, std::make_shared<ImpulseModelOfScene>(state, scene.contacts[c]));
   return std::make_shared<ActionModelImpulseFwdDynamics>(state, impulses, std::make_shared<CostModelSum>(state, 0), 0.0,
                                                          scene.damping);
 }

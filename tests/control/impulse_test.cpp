@@ -14,11 +14,6 @@ using ImpulseData = ActionDataImpulseFwdDynamics;
 ImpulseData& as_impulse(const NodeDataPtr& data) { return dynamic_cast<ImpulseData&>(*data); }
 
 /// The rows of any contact.
-struct AnyImpulse : ImpulseModelAbstract {
-  explicit AnyImpulse(std::shared_ptr<ContactModelAbstract> contact)
-      : ImpulseModelAbstract("AnyImpulse", std::move(contact)) {}
-};
-
 struct ImpactProblem {
   RandomScene s;
   std::shared_ptr<StateMultibody> state;
@@ -30,8 +25,7 @@ struct ImpactProblem {
   explicit ImpactProblem(const RandomScene& of) : s(of), state(std::make_shared<StateMultibody>(of.scene)) {
     impulses = std::make_shared<ImpulseModelMultiple>(state);
     for (const Contact& contact : s.scene.contacts)
-      impulses->addImpulse(contact.name, std::make_shared<AnyImpulse>(
-                                             std::make_shared<ContactModelOfScene>(state, contact, state->get_nv())));
+      impulses->addImpulse(contact.name, std::make_shared<ImpulseModelOfScene>(state, contact));
     costs = std::make_shared<CostModelSum>(state, 0);
     constraints = std::make_shared<ConstraintModelManager>(state, 0);
     x.resize(s.q.size() + s.v.size());

@@ -248,3 +248,13 @@ def test_axes_of_cones():
     assert cone.axes == mc.ConeAxes.WORLD
     with pytest.raises(ValueError, match="'foot'"):
         cone.axes = "feet"
+
+
+def test_circular_append_with_data():
+    model = mc.ActionModelUnicycle()
+    problem = mc.ShootingProblem(np.zeros(3), [mc.ActionModelUnicycle() for _ in range(3)], mc.ActionModelUnicycle())
+    data = model.createData()
+    problem.circularAppend(model, data)
+    assert problem.runningModels[-1] is model and problem.runningDatas[-1] is data
+    with pytest.raises(TypeError):
+        problem.circularAppend(model, None)

@@ -17,3 +17,12 @@ def test_no_call_crashes(tmp_path):
         [sys.executable, str(here / "fuzz.py"), "1", "500"], capture_output=True, text=True, env=environment
     )
     assert run.returncode == 0, f"{log.read_text()}\n{run.stderr[-2000:]}"
+
+
+def test_no_assignment_crashes(tmp_path):
+    here = pathlib.Path(__file__).parent
+    log = tmp_path / "last"
+    environment = dict(os.environ, PYTHONPATH=str(pathlib.Path(mc.__file__).parents[1]), FUZZ_LOG=str(log))
+    run = subprocess.run([sys.executable, str(here / "assign.py")], capture_output=True, text=True, env=environment)
+    assert run.returncode == 0, f"{log.read_text() if log.exists() else ''}\n{run.stderr[-2000:]}"
+    assert run.stdout.endswith(" assignments\n")

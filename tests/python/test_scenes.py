@@ -75,6 +75,21 @@ def test_placements():
         M.p[0] = 7
 
 
+def test_rotations_are_taken_by_scipy():
+    spatial = pytest.importorskip("scipy.spatial.transform")
+    M = mc.SE3.from_quaternion([0, 0, np.sin(0.3), np.cos(0.3)])
+    for R in M.R, M.rotation:
+        turned = spatial.Rotation.from_matrix(R)  # scipy 1.10 takes no array that is read-only
+        np.testing.assert_allclose(turned.as_rotvec(), [0, 0, 0.6], atol=1e-15)
+    M.R[0, 0] = 7
+    assert M.R[0, 0] == pytest.approx(np.cos(0.6))
+
+
+def test_views_are_of_files(humanoid):
+    with pytest.raises(TypeError, match="a SceneFile of load_scene is expected, not Scene"):
+        mc.view(humanoid[0].scene)
+
+
 def test_what_changes_under_data_in_use(humanoid):
     file, data = humanoid
     scene = copy.copy(file.scene)

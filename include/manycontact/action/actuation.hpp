@@ -85,7 +85,8 @@ class ActuationModelAbstract {  // tau(x, u): torques on all coordinates
 };
 std::ostream& operator<<(std::ostream& os, const ActuationModelAbstract& model);
 
-/// u is the torque of a selection of coordinates.
+/// u is the torque of a selection of coordinates. A class derived from it, or from those below, that has a calc or
+/// calcDiff of its own is called as any actuation: its selection() is empty.
 class ActuationModelSelection : public ActuationModelAbstract {
  public:
   void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
@@ -99,6 +100,7 @@ class ActuationModelSelection : public ActuationModelAbstract {
   void torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
                        const ConstVectorRef& u) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
+  const std::vector<int>& selection() const override;
   void print(std::ostream& os) const override;
 
  protected:

@@ -19,8 +19,9 @@ struct ConstraintDataResidual {
 };
 using ConstraintDataAbstract = ConstraintDataResidual;
 
-/// lower <= r(x, u) <= upper; components whose bounds are equal are equality constraints h = r - lower.
-class ConstraintModelResidual {
+/// lower <= r(x, u) <= upper; components whose bounds are equal are equality constraints h = r - lower. A constraint of
+/// one's own is this one of a residual of one's own: the stack evaluates residuals, and a derived class does not compile.
+class ConstraintModelResidual final {
  public:
   /// In terminal nodes too, unless `T_act` is false or the residual needs controls, accelerations or forces.
   ConstraintModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual,

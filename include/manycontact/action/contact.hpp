@@ -64,7 +64,9 @@ struct ContactDataAbstract {
   ContactDataAbstract(const ContactDataAbstract&) = delete;  // views into itself
 };
 
-class ContactModelAbstract {  // what a contact is; the action model evaluates it
+/// What a contact is; the action model evaluates it, all contacts at once. There is nothing in it that a user's class
+/// could put its own in the place of, so that classes below alone derive from it: another does not compile.
+class ContactModelAbstract {
  public:
   virtual ~ContactModelAbstract() = default;
 
@@ -95,11 +97,18 @@ class ContactModelAbstract {  // what a contact is; the action model evaluates i
   const Contact& get_contact() const { return contact_; }
   virtual void print(std::ostream& os) const;
 
- protected:
+ private:
+  friend class ContactModel1D;
+  friend class ContactModel2D;
+  friend class ContactModel3D;
+  friend class ContactModel6D;
+  friend class ContactModel5D;
+  friend class ContactModelBetweenBodies;
+  friend class ContactModelOfScene;
   ContactModelAbstract(std::shared_ptr<StateMultibody> state, ContactType type, FrameIndex id, ReferenceFrame frame,
                        std::size_t nu, const Eigen::Vector2d& gains);
-  void keep_axis(const char* where, const Eigen::Vector3d& axis);
   ContactModelAbstract(std::shared_ptr<StateMultibody> state, const Contact& contact, std::size_t nu);
+  void keep_axis(const char* where, const Eigen::Vector3d& axis);
   std::shared_ptr<StateMultibody> state_;
   Contact contact_;
   Eigen::Vector2d gains_;
@@ -111,7 +120,7 @@ std::ostream& operator<<(std::ostream& os, const ContactModelAbstract& model);
 enum class Vector3MaskType { x = 0, y = 1, z = 2 };  // sobec's
 
 /// One component of a point's position, along an axis of the reference frame.
-class ContactModel1D : public ContactModelAbstract {
+class ContactModel1D final : public ContactModelAbstract {
  public:
   /// The component along rotation^T e_z, which stands at xref [m]. nu: of the action, default the state's nv.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
@@ -137,7 +146,7 @@ class ContactModel1D : public ContactModelAbstract {
 };
 
 /// The x and z components of a point's position. xref: (x, z) in the world; y = 0.
-class ContactModel2D : public ContactModelAbstract {
+class ContactModel2D final : public ContactModelAbstract {
  public:
   ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal);
@@ -148,7 +157,7 @@ class ContactModel2D : public ContactModelAbstract {
 };
 
 /// A point's position. xref: world, m.
-class ContactModel3D : public ContactModelAbstract {
+class ContactModel3D final : public ContactModelAbstract {
  public:
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, ReferenceFrame type,
                  std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
@@ -164,7 +173,7 @@ class ContactModel3D : public ContactModelAbstract {
 };
 
 /// A frame's placement. pref: in the world.
-class ContactModel6D : public ContactModelAbstract {
+class ContactModel6D final : public ContactModelAbstract {
  public:
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, ReferenceFrame type,
                  std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
@@ -178,7 +187,7 @@ class ContactModel6D : public ContactModelAbstract {
 
 /// A frame that turns freely about one axis: a hinge, whose pin is fixed in A and in the world. Crocoddyl has none.
 /// pref: in the world; axis: in both frames.
-class ContactModel5D : public ContactModelAbstract {
+class ContactModel5D final : public ContactModelAbstract {
  public:
   ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
                  const Eigen::Vector3d& axis, std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
@@ -190,7 +199,7 @@ class ContactModel5D : public ContactModelAbstract {
 };
 
 /// A frame A held to a frame B' = `to` times `offset`, on another body of any robot.
-class ContactModelBetweenBodies : public ContactModelAbstract {
+class ContactModelBetweenBodies final : public ContactModelAbstract {
  public:
   ContactModelBetweenBodies(std::shared_ptr<StateMultibody> state, ContactType contact_type, FrameIndex id,
                             FrameIndex to, const SE3<double>& offset, ReferenceFrame type, std::size_t nu,
@@ -206,7 +215,7 @@ class ContactModelBetweenBodies : public ContactModelAbstract {
 };
 
 /// A contact as a scene file describes it: any attachment, offsets included.
-class ContactModelOfScene : public ContactModelAbstract {
+class ContactModelOfScene final : public ContactModelAbstract {
  public:
   ContactModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact, std::size_t nu);
 };

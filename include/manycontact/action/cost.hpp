@@ -8,55 +8,93 @@
 
 namespace manycontact {
 
-class CostModelResidual;
+class CostModelAbstract;
 
-struct CostDataResidual {  // one cost at one x, u
-  CostDataResidual(CostModelResidual* model, DataCollector* shared);
+struct CostDataAbstract {  // one cost at one x, u
+  CostDataAbstract(CostModelAbstract* model, DataCollector* shared);
+  virtual ~CostDataAbstract() = default;
+  DataCollector* shared;
   double cost = 0;
   std::shared_ptr<const ResidualModelAbstract> of_residual;  // the models that made the data
   std::shared_ptr<const ActivationModelAbstract> of_activation;
   std::shared_ptr<ActivationDataAbstract> activation;
   std::shared_ptr<ResidualDataAbstract> residual;
-  /// Derivatives of this cost alone, without its weight, by calcDiff. Without a size in the data of an action model;
-  /// there by whole_derivatives.
+  /// True of a class that a user derived: its calcDiff writes Lx, Lu, Lxx, Lxu and Luu, which the sum takes. Otherwise
+  /// the sum reads the blocks of the residual.
+  const bool own;
+  /// Derivatives of this cost alone, without its weight, by calcDiff: ndx, nu, ndx x ndx, ndx x nu, nu x nu. They have
+  /// no size in the data of an action model unless the cost is a user's own; there by whole_derivatives.
   Eigen::VectorXd Lx, Lu;
   Eigen::MatrixXd Lxx, Lxu, Luu;
   /// The same, after calcDiff: for looking at, made anew at each call.
   CostDerivatives whole_derivatives() const;
 };
+using CostDataResidual = CostDataAbstract;
 
-class CostModelResidual {  // a(r(x, u))
+/// l(x, u), the base of all costs. A class derived from it, or from CostModelResidual, is called by the sum as
+/// Crocoddyl's are: calc sets data->cost, calcDiff sets data->Lx, Lu, Lxx, Lxu and Luu, which are zero at first. Its
+/// Hessians are dense: a residual of one's own (residual.hpp), whose rows depend on few coordinates, costs less.
+class CostModelAbstract {
  public:
-  CostModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
+  CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::shared_ptr<ResidualModelAbstract> residual);
   /// With the activation 1/2 |r|^2.
-  CostModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual);
+  CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual);
+  /// Without a residual: calc may write data->residual->r, of the activation's nr numbers (none without an activation).
+  /// nu: default nv.
+  CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
+                    std::size_t nu);
+  CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation);
+  CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu);
+  explicit CostModelAbstract(std::shared_ptr<StateAbstract> state);
+  virtual ~CostModelAbstract() = default;
 
   /// data->cost.
-  void calc(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calc(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x);
-  /// Jacobians of the residual, derivatives of the activation.
-  void calcDiff(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calcDiff(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x);
-  std::shared_ptr<CostDataResidual> createData(DataCollector* shared);
+  virtual void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
+                    const ConstVectorRef& u) = 0;
+  /// Of a terminal node: at u = 0 unless a class has it.
+  virtual void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);
+  /// After calc. Throws std::logic_error unless a class has it.
+  virtual void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
+                        const ConstVectorRef& u);
+  /// Of a terminal node, where Lx and Lxx are taken.
+  virtual void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);
+  virtual std::shared_ptr<CostDataAbstract> createData(DataCollector* shared);
 
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
   const std::shared_ptr<ActivationModelAbstract>& get_activation() const { return activation_; }
   const std::shared_ptr<ResidualModelAbstract>& get_residual() const { return residual_; }
   std::size_t get_nu() const { return residual_->get_nu(); }
-  void print(std::ostream& os) const;
+  virtual void print(std::ostream& os) const;
 
- private:
-  void check(const char* where, const std::shared_ptr<CostDataResidual>& data) const;
-  void finish_derivatives(CostDataResidual& data, bool terminal) const;
+ protected:
   std::shared_ptr<StateAbstract> state_;
   std::shared_ptr<ActivationModelAbstract> activation_;
   std::shared_ptr<ResidualModelAbstract> residual_;
+  Eigen::VectorXd unone_;  // nu zeros
 };
-std::ostream& operator<<(std::ostream& os, const CostModelResidual& model);
+std::ostream& operator<<(std::ostream& os, const CostModelAbstract& model);
 
-using CostModelAbstract = CostModelResidual;
-using CostDataAbstract = CostDataResidual;
+class CostModelResidual : public CostModelAbstract {  // a(r(x, u))
+ public:
+  CostModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
+                    std::shared_ptr<ResidualModelAbstract> residual)
+      : CostModelAbstract(std::move(state), std::move(activation), std::move(residual)) {}
+  CostModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual)
+      : CostModelAbstract(std::move(state), std::move(residual)) {}
+
+  void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) override;
+  /// Jacobians of the residual, derivatives of the activation.
+  void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
+                const ConstVectorRef& u) override;
+  void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) override;
+  void print(std::ostream& os) const override;
+
+ private:
+  void check(const char* where, const std::shared_ptr<CostDataAbstract>& data) const;
+  void finish_derivatives(CostDataAbstract& data, bool terminal) const;
+};
 
 struct CostItem {  // a cost by its name, with its weight, and whether it is active
   std::string name;

@@ -8,12 +8,12 @@
 
 namespace manycontact {
 
-struct CostDataResidual;
+struct CostDataAbstract;
 
 struct CostGroup {
   std::vector<int> xcols, ucols;
   struct Member {
-    const CostDataResidual* cost;
+    const CostDataAbstract* cost;
     std::size_t index, block;  // of the cost in the stack, of the block in its residual
   };
   std::vector<Member> members;
@@ -26,7 +26,7 @@ struct CostGroup {
 
 /// A row that depends on one coordinate alone.
 struct CostSquare {
-  const CostDataResidual* cost;
+  const CostDataAbstract* cost;
   const RowMajorMatrix* J;  // of the block, one column; null where the row's is `constant`
   double constant;
   int at;           // the row in the block
@@ -36,17 +36,27 @@ struct CostSquare {
   std::size_t entry;  // its block, then its entry, in the sparse matrix
 };
 
+/// A cost of a class of a user's own, whose derivatives are whole matrices.
+struct OwnCost {
+  const CostDataAbstract* cost;
+  std::size_t index;               // of the cost in the stack
+  std::size_t xx = 0, xu = 0, uu = 0;  // its blocks in the sparse matrices
+};
+
 struct CostGroups {
   /// Groups the blocks of the stack's costs, and lays out's sparse matrices out, of ndx and nu columns.
-  void lay_out(const std::vector<const CostDataResidual*>& costs, int ndx, int nu, CostDerivatives& out);
+  void lay_out(const std::vector<const CostDataAbstract*>& costs, int ndx, int nu, CostDerivatives& out);
   /// Adds weighted gradients and Hessians to out; of a terminal node those by x alone. weights: per cost of the stack,
   /// 0 where it is inactive.
   void add(const std::vector<double>& weights, bool terminal, CostDerivatives& out);
 
   std::vector<CostGroup> groups;
   std::vector<CostSquare> squares;
+  std::vector<OwnCost> own;
 
  private:
+  void lay_out_own(int ndx, int nu, CostDerivatives& out);
+  void add_own(const std::vector<double>& weights, bool terminal, CostDerivatives& out) const;
   void take_squares(const CostGroup& group);
   void add_squares(const std::vector<double>& weights, bool terminal, CostDerivatives& out) const;
   std::size_t most_ = 0, widest_ = 0;  // numbers of the largest group's rows; its columns

@@ -17,7 +17,8 @@ struct ImpulseDataMultiple : ContactDataMultiple {
   Eigen::MatrixXd dvnext_dx;  // nv x ndx: by updateVelocityDiff
 };
 
-class ImpulseModelAbstract {  // what an impact stops
+/// What an impact stops. As of contacts, classes below alone derive from it.
+class ImpulseModelAbstract {
  public:
   virtual ~ImpulseModelAbstract() = default;
 
@@ -42,7 +43,11 @@ class ImpulseModelAbstract {  // what an impact stops
   const std::shared_ptr<ContactModelAbstract>& get_contact() const { return contact_; }
   virtual void print(std::ostream& os) const;
 
- protected:
+ private:
+  friend class ImpulseModel3D;
+  friend class ImpulseModel6D;
+  friend class ImpulseModelBetweenBodies;
+  friend class ImpulseModelOfScene;
   ImpulseModelAbstract(const char* name, std::shared_ptr<ContactModelAbstract> contact);
   const char* name_;
   std::shared_ptr<ContactModelAbstract> contact_;
@@ -50,23 +55,29 @@ class ImpulseModelAbstract {  // what an impact stops
 std::ostream& operator<<(std::ostream& os, const ImpulseModelAbstract& model);
 
 /// A point's velocity.
-class ImpulseModel3D : public ImpulseModelAbstract {
+class ImpulseModel3D final : public ImpulseModelAbstract {
  public:
   ImpulseModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, ReferenceFrame type = ReferenceFrame::kLocal);
 };
 
 /// A frame's velocity.
-class ImpulseModel6D : public ImpulseModelAbstract {
+class ImpulseModel6D final : public ImpulseModelAbstract {
  public:
   ImpulseModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, ReferenceFrame type = ReferenceFrame::kLocal);
 };
 
 /// The relative velocity of two bodies' frames, as ContactModelBetweenBodies has it: the jolt in what robots hold.
-class ImpulseModelBetweenBodies : public ImpulseModelAbstract {
+class ImpulseModelBetweenBodies final : public ImpulseModelAbstract {
  public:
   ImpulseModelBetweenBodies(std::shared_ptr<StateMultibody> state, ContactType contact_type, FrameIndex id,
                             FrameIndex to, const SE3<double>& offset = {}, ReferenceFrame type = ReferenceFrame::kLocal,
                             const Eigen::Vector3d& axis = Eigen::Vector3d::UnitZ());
+};
+
+/// The rows of a contact as a scene has it: any attachment, offsets included.
+class ImpulseModelOfScene final : public ImpulseModelAbstract {
+ public:
+  ImpulseModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact);
 };
 
 struct ImpulseItem {  // an impulse by its name, and whether it is active

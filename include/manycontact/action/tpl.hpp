@@ -54,6 +54,7 @@ template <std::same_as<double> Scalar> using ImpulseItemTpl = ImpulseItem;
 template <std::same_as<double> Scalar> using ImpulseModelAbstractTpl = ImpulseModelAbstract;
 template <std::same_as<double> Scalar> using ImpulseModel3DTpl = ImpulseModel3D;
 template <std::same_as<double> Scalar> using ImpulseModel6DTpl = ImpulseModel6D;
+template <std::same_as<double> Scalar> using ImpulseModelOfSceneTpl = ImpulseModelOfScene;
 template <std::same_as<double> Scalar> using ImpulseModelMultipleTpl = ImpulseModelMultiple;
 template <std::same_as<double> Scalar> using ResidualModelImpulseCoMTpl = ResidualModelImpulseCoM;
 template <std::same_as<double> Scalar> using ConstraintModelResidualTpl = ConstraintModelResidual;

@@ -1,6 +1,6 @@
 #pragma once
 // Configurations of a scene, one robot or a model (model/rigid_bodies.hpp): where to start, and the manifold they live
-// on (algorithm/integrate.hpp per joint). Everywhere q: nq, v: nv; std::invalid_argument on another size.
+// on (algorithm/integrate.hpp per joint). q: nq, v: nv; std::invalid_argument where solve would refuse them.
 
 #include <random>
 

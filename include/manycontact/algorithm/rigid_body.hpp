@@ -17,7 +17,7 @@
 // Each algorithm leaves the data at its q and v (v = 0 where it takes none) and, where it takes accelerations, at
 // those, else at a = 0; what stands under "at the data's state" is of that. Returned references hold until the next
 // call of the same function. Nothing is allocated after the first call but by functions that return a value. All throw
-// std::invalid_argument where sizes do not fit or the data are of other robots.
+// std::invalid_argument where sizes do not fit, solve would refuse q or v, or the data are of other robots.
 
 #include <span>
 

@@ -9,7 +9,7 @@ namespace manycontact {
 
 /// Moves B' of `contact` onto A at configuration q (the scene's nq), so that the placement error is zero: its origin
 /// when `position`, its axes when `orientation`. contact: as for add_contact, before or after it. Throws
-/// std::invalid_argument unless q has scene.nq numbers.
+/// std::invalid_argument unless q is a configuration: scene.nq finite numbers, quaternions of unit length within 1e-6.
 void resolve_reference(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, bool position, bool orientation,
                        Contact& contact);
 
@@ -21,8 +21,8 @@ void resolve_references(Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q
 /// last are kept.
 class ReferenceResolver {
  public:
-  ReferenceResolver(const Scene& scene, const Eigen::VectorXd& q) : scene_(scene), q_(q) {}  // q: scene.nq
-  void resolve(bool position, bool orientation, Contact& contact);                           // as resolve_reference
+  ReferenceResolver(const Scene& scene, const Eigen::VectorXd& q);  // q: as resolve_reference
+  void resolve(bool position, bool orientation, Contact& contact);  // as resolve_reference
 
  private:
   SE3<double> placement(const Attachment& at, const SE3<double>& offset);

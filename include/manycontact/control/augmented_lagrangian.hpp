@@ -56,11 +56,12 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
   bool solve(const std::vector<Eigen::VectorXd>& init_xs = DEFAULT_VECTOR,
              const std::vector<Eigen::VectorXd>& init_us = DEFAULT_VECTOR, std::size_t maxiter = 100,
              bool is_feasible = false, double init_reg = NAN) override;
-  /// Those of the unconstrained solver, on the augmented Lagrangian.
-  void computeDirection(bool recalc = true) override { inner_->computeDirection(recalc); }
-  double tryStep(double steplength = 1) override { return inner_->tryStep(steplength); }
-  double stoppingCriteria() override { return stop_ = inner_->stoppingCriteria(); }
-  const Eigen::Vector2d& expectedImprovement() override { return d_ = inner_->expectedImprovement(); }
+  /// Those of the unconstrained solver, on the augmented Lagrangian. A class with its own is to be derived from that one
+  /// (MakeSolver): here it would not be called.
+  void computeDirection(bool recalc = true) final { inner_->computeDirection(recalc); }
+  double tryStep(double steplength = 1) final { return inner_->tryStep(steplength); }
+  double stoppingCriteria() final { return stop_ = inner_->stoppingCriteria(); }
+  const Eigen::Vector2d& expectedImprovement() final { return d_ = inner_->expectedImprovement(); }
   void resizeData() override;
 
   /// Of each node's [g; h] (T + 1 vectors, empty where there are none): >= 0 at an upper bound, <= 0 at a lower one.

@@ -45,14 +45,15 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   bool direction_is_sound() const { return sound_; }
   /// xs_try, us_try and cost_try, which is NaN where numbers are not finite. The step length is in [0, 1].
   virtual void forwardPass(double steplength);
-  /// A node's step of the backward pass; of SolverSparse every part's, which are of its own nodes.
-  void computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model,
-                                  const std::shared_ptr<ActionDataAbstract>& data);
+  /// A node's step of the backward pass; of SolverSparse every part's, which are of its own nodes. These three are for
+  /// looking at: backwardPass does not call them, so that no class can have its own. backwardPass is what to override.
+  virtual void computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model,
+                                          const std::shared_ptr<ActionDataAbstract>& data) final;
   /// Of the node that computeActionValueFunction was last of, else std::invalid_argument.
-  void computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model);
-  void computeGains(std::size_t t);
-  void increaseRegularization();
-  void decreaseRegularization();
+  virtual void computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model) final;
+  virtual void computeGains(std::size_t t) final;
+  virtual void increaseRegularization();
+  virtual void decreaseRegularization();
   virtual void allocateData();
   /// Goes on from the candidate, which has no gaps, by quasi-Newton steps on the feed-forward terms, until `stop`, what
   /// Gauss-Newton expects to gain, is below th_stop. For problems with curvature that Gauss-Newton does not see, that
@@ -141,7 +142,7 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   void start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us, bool is_feasible,
              double init_reg);
   /// After a new direction, before steps are tried; and after each of them.
-  virtual void prepareImprovement() { expectedImprovement(); }
+  virtual void prepareImprovement() { d_ = Eigen::Vector2d(expectedImprovement()); }
   virtual void updateImprovement() {}
   /// Whether the step tried is accepted, by dV and dVexp, and if so whether its states are feasible.
   virtual bool accepts() const;

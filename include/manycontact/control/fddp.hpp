@@ -20,7 +20,7 @@ class SolverFDDP : public SolverDDP {  // DDP that starts anywhere: gaps close o
 
  protected:
   void prepareImprovement() override { updateExpectedImprovement(); }
-  void updateImprovement() override { expectedImprovement(); }
+  void updateImprovement() override { d_ = Eigen::Vector2d(expectedImprovement()); }
   bool accepts() const override;
   bool closesGaps() const override { return was_feasible_ || steplength_ == 1; }
   double dg_ = 0, dq_ = 0, dv_ = 0;

@@ -47,7 +47,7 @@ const ContactData<double>& contact_at_solution(const SceneData& data, int contac
 const ContactDerivatives& contact_derivatives_of(const SceneData& data, int contact);
 
 /// Places, velocities and inertias of all robots at q (nq), v (nv), for kinematics_of and composite_inertias; gives up
-/// the solution. Throws std::invalid_argument on a wrong size.
+/// the solution. Throws std::invalid_argument on a wrong size, and for a q or v that solve would refuse.
 void update_kinematics(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
                        const Eigen::Ref<const Eigen::VectorXd>& v, SceneData& data);
 

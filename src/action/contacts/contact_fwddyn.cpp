@@ -5,6 +5,7 @@
 
 #include "../terms.hpp"
 #include "fwddyn_steps.hpp"
+#include "manycontact/dynamics/follow_kinematics.hpp"
 
 namespace manycontact {
 
@@ -173,7 +174,7 @@ void Model_::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, c
 
 void Model_::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) {
   Data& d = refresh("DifferentialActionModelContactFwdDynamics::calc", data, x);
-  update_kinematics(d.multibody->scene, x.head(state_->get_nq()), x.tail(state_->get_nv()), d.multibody->solution);
+  follow_kinematics(d.multibody->scene, x.head(state_->get_nq()), x.tail(state_->get_nv()), d.multibody->solution);
   costs_->calc(d.costs, x);
   d.cost = d.costs->cost;
   internal::stack_residuals(*costs_, *d.costs, d.r);

@@ -41,6 +41,10 @@ ImpulseModelBetweenBodies::ImpulseModelBetweenBodies(std::shared_ptr<StateMultib
                                state, contact_type, id, to, offset, type, state ? state->get_nv() : 0,
                                Eigen::Vector2d(Eigen::Vector2d::Zero()), axis)) {}
 
+ImpulseModelOfScene::ImpulseModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact)
+    : ImpulseModelAbstract("ImpulseModelOfScene",
+                           std::make_shared<ContactModelOfScene>(state, contact, state ? state->get_nv() : 0)) {}
+
 ImpulseModelMultiple::ImpulseModelMultiple(std::shared_ptr<StateMultibody> state) {
   require(state != nullptr, kImpulseModelMultiple, "a state is expected, not a null pointer");
   contacts_ = std::make_shared<ContactModelMultiple>(std::move(state));

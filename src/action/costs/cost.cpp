@@ -1,17 +1,53 @@
 #include "manycontact/action/cost.hpp"
 
 #include <ostream>
+#include <stdexcept>
+#include <typeinfo>
 
 namespace manycontact {
 
-CostDataResidual::CostDataResidual(CostModelResidual* model, DataCollector* shared)
-    : of_residual(model->get_residual()),
+namespace {
+
+// What the user's calc writes into, where a cost of one's own has no residual.
+class OwnResidual final : public ResidualModelAbstract {
+ public:
+  using ResidualModelAbstract::ResidualModelAbstract;
+  void calc(const std::shared_ptr<ResidualDataAbstract>&, const ConstVectorRef&, const ConstVectorRef&) override {}
+  void calc(const std::shared_ptr<ResidualDataAbstract>&, const ConstVectorRef&) override {}
+  void calcDiff(const std::shared_ptr<ResidualDataAbstract>&, const ConstVectorRef&, const ConstVectorRef&) override {}
+  void calcDiff(const std::shared_ptr<ResidualDataAbstract>&, const ConstVectorRef&) override {}
+  void print(std::ostream& os) const override { os << "nr=" << nr_; }
+};
+
+std::shared_ptr<ResidualModelAbstract> own_residual(const std::shared_ptr<StateAbstract>& state, std::size_t nr,
+                                                    std::size_t nu) {
+  return std::make_shared<OwnResidual>(internal::given("CostModelAbstract", state, "a state"), nr, nu);
+}
+
+std::size_t nr_of(const std::shared_ptr<ActivationModelAbstract>& activation) {
+  return internal::given("CostModelAbstract", activation, "an activation")->get_nr();
+}
+
+std::size_t nv_of(const std::shared_ptr<StateAbstract>& state) {
+  return internal::given("CostModelAbstract", state, "a state")->get_nv();
+}
+
+}  // namespace
+
+CostDataAbstract::CostDataAbstract(CostModelAbstract* model, DataCollector* s)
+    : shared(s),
+      of_residual(model->get_residual()),
       of_activation(model->get_activation()),
       activation(model->get_activation()->createData()),
-      residual(model->get_residual()->createData(shared)) {
-  if (!shared || !shared->whole) return;
+      residual(model->get_residual()->createData(s)),
+      own(typeid(*model) != typeid(CostModelResidual)) {
+  if (!own && !(shared && shared->whole)) return;
   const auto ndx = static_cast<Eigen::Index>(model->get_state()->get_ndx());
   const auto nu = static_cast<Eigen::Index>(model->get_nu());
+  if (residual->Rx.rows() != residual->r.size() || residual->Rx.cols() != ndx) {
+    residual->Rx.setZero(residual->r.size(), ndx);
+    residual->Ru.setZero(residual->r.size(), nu);
+  }
   Lx.setZero(ndx);
   Lu.setZero(nu);
   Lxx.setZero(ndx, ndx);
@@ -19,19 +55,32 @@ CostDataResidual::CostDataResidual(CostModelResidual* model, DataCollector* shar
   Luu.setZero(nu, nu);
 }
 
-CostDerivatives CostDataResidual::whole_derivatives() const {
-  const Eigen::MatrixXd Rx = residual->whole_Rx(), Ru = residual->whole_Ru();
-  const auto& Arr = activation->Arr;
+namespace {
+
+// Gauss-Newton's, of the residual's blocks.
+CostDerivatives by_residual(const CostDataAbstract& d) {
+  const Eigen::MatrixXd Rx = d.residual->whole_Rx(), Ru = d.residual->whole_Ru();
+  const auto& Arr = d.activation->Arr;
   CostDerivatives out;
-  out.Lx = Rx.transpose() * activation->Ar;
-  out.Lu = Ru.transpose() * activation->Ar;
+  out.Lx = Rx.transpose() * d.activation->Ar;
+  out.Lu = Ru.transpose() * d.activation->Ar;
   out.Lxx = Rx.transpose() * Arr * Rx;
   out.Lxu = Rx.transpose() * Arr * Ru;
   out.Luu = Ru.transpose() * Arr * Ru;
   return out;
 }
 
-CostModelResidual::CostModelResidual(std::shared_ptr<StateAbstract> state,
+}  // namespace
+
+CostDerivatives CostDataAbstract::whole_derivatives() const {
+  if (!own) return by_residual(*this);
+  CostDerivatives out;
+  out.Lx = Lx, out.Lu = Lu;
+  out.Lxx = Lxx, out.Lxu = Lxu, out.Luu = Luu;
+  return out;
+}
+
+CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state,
                                      std::shared_ptr<ActivationModelAbstract> activation,
                                      std::shared_ptr<ResidualModelAbstract> residual)
     : state_(std::move(state)), activation_(std::move(activation)), residual_(std::move(residual)) {
@@ -42,19 +91,63 @@ CostModelResidual::CostModelResidual(std::shared_ptr<StateAbstract> state,
   require(activation_->get_nr() == residual_->get_nr(), "CostModelResidual",
           "the activation has nr = " + std::to_string(activation_->get_nr()) + ", the residual's " +
               std::to_string(residual_->get_nr()) + " is expected");
+  unone_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(get_nu()));
 }
 
-CostModelResidual::CostModelResidual(std::shared_ptr<StateAbstract> state,
+CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state,
                                      std::shared_ptr<ResidualModelAbstract> residual)
-    : CostModelResidual(state, std::make_shared<ActivationModelQuad>(residual ? residual->get_nr() : 0), residual) {}
+    : CostModelAbstract(state, std::make_shared<ActivationModelQuad>(residual ? residual->get_nr() : 0), residual) {}
 
-void CostModelResidual::check(const char* where, const std::shared_ptr<CostDataResidual>& data) const {
-  const CostDataResidual& d = check_data(where, data);
+CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state,
+                                     std::shared_ptr<ActivationModelAbstract> activation, std::size_t nu)
+    : CostModelAbstract(state, activation, own_residual(state, nr_of(activation), nu)) {}
+
+CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state,
+                                     std::shared_ptr<ActivationModelAbstract> activation)
+    : CostModelAbstract(state, activation, nv_of(state)) {}
+
+CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu)
+    : CostModelAbstract(state, std::make_shared<ActivationModelQuad>(0), nu) {}
+
+CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state) : CostModelAbstract(state, nv_of(state)) {}
+
+void CostModelAbstract::calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
+  calc(data, x, unone_);
+}
+
+void CostModelAbstract::calcDiff(const std::shared_ptr<CostDataAbstract>&, const ConstVectorRef&,
+                                 const ConstVectorRef&) {
+  throw std::logic_error("CostModelAbstract::calcDiff: the cost has no derivatives, a calcDiff is expected");
+}
+
+void CostModelAbstract::calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
+  calcDiff(data, x, unone_);
+}
+
+std::shared_ptr<CostDataAbstract> CostModelAbstract::createData(DataCollector* shared) {
+  return std::make_shared<CostDataAbstract>(this, shared);
+}
+
+void CostModelAbstract::print(std::ostream& os) const {
+  os << "CostModelAbstract {" << *residual_ << ", " << *activation_ << "}";
+}
+
+void CostModelResidual::print(std::ostream& os) const {
+  os << "CostModelResidual {" << *residual_ << ", " << *activation_ << "}";
+}
+
+std::ostream& operator<<(std::ostream& os, const CostModelAbstract& model) {
+  model.print(os);
+  return os;
+}
+
+void CostModelResidual::check(const char* where, const std::shared_ptr<CostDataAbstract>& data) const {
+  const CostDataAbstract& d = check_data(where, data);
   require(d.of_residual == residual_ && d.of_activation == activation_, where,
           "the data were created by another cost, data of this one's createData() are expected");
 }
 
-void CostModelResidual::calc(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x,
+void CostModelResidual::calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
                              const ConstVectorRef& u) {
   check("CostModelResidual::calc", data);
   residual_->calc(data->residual, x, u);
@@ -62,50 +155,37 @@ void CostModelResidual::calc(const std::shared_ptr<CostDataResidual>& data, cons
   data->cost = data->activation->a_value;
 }
 
-void CostModelResidual::calc(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x) {
+void CostModelResidual::calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
   check("CostModelResidual::calc", data);
   residual_->calc(data->residual, x);
   activation_->calc(data->activation, data->residual->r);
   data->cost = data->activation->a_value;
 }
 
-void CostModelResidual::calcDiff(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x,
+void CostModelResidual::calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
                                  const ConstVectorRef& u) {
   check("CostModelResidual::calcDiff", data);
   residual_->calcDiff(data->residual, x, u);
   finish_derivatives(*data, false);
 }
 
-void CostModelResidual::calcDiff(const std::shared_ptr<CostDataResidual>& data, const ConstVectorRef& x) {
+void CostModelResidual::calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
   check("CostModelResidual::calcDiff", data);
   residual_->calcDiff(data->residual, x);
   finish_derivatives(*data, true);
 }
 
-void CostModelResidual::finish_derivatives(CostDataResidual& data, bool terminal) const {
+void CostModelResidual::finish_derivatives(CostDataAbstract& data, bool terminal) const {
   residual_->take_whole(*data.residual);
   activation_->calcDiff(data.activation, data.residual->r);
   if (data.Lx.size() == 0) return;
-  CostDerivatives d = data.whole_derivatives();
+  CostDerivatives d = by_residual(data);
   data.Lx.swap(d.Lx);
   data.Lxx.swap(d.Lxx);
   if (terminal) return;
   data.Lu.swap(d.Lu);
   data.Lxu.swap(d.Lxu);
   data.Luu.swap(d.Luu);
-}
-
-std::shared_ptr<CostDataResidual> CostModelResidual::createData(DataCollector* shared) {
-  return std::make_shared<CostDataResidual>(this, shared);
-}
-
-void CostModelResidual::print(std::ostream& os) const {
-  os << "CostModelResidual {" << *residual_ << ", " << *activation_ << "}";
-}
-
-std::ostream& operator<<(std::ostream& os, const CostModelResidual& model) {
-  model.print(os);
-  return os;
 }
 
 }  // namespace manycontact

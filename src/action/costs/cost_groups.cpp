@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 
 #include "manycontact/action/cost.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
@@ -32,19 +33,26 @@ const ResidualBlock& block_of(const CostGroup::Member& member) { return member.c
 
 }  // namespace
 
-void CostGroups::lay_out(const std::vector<const CostDataResidual*>& costs, int ndx, int nu, CostDerivatives& out) {
+void CostGroups::lay_out(const std::vector<const CostDataAbstract*>& costs, int ndx, int nu, CostDerivatives& out) {
   groups.clear();
   squares.clear();
+  own.clear();
   std::map<std::pair<std::vector<int>, std::vector<int>>, std::size_t> known;
-  for (std::size_t c = 0; c < costs.size(); ++c)
+  for (std::size_t c = 0; c < costs.size(); ++c) {
+    if (costs[c]->own) {
+      own.push_back({costs[c], c});
+      continue;
+    }
     for (std::size_t k = 0; k < costs[c]->residual->blocks.size(); ++k) {
       const ResidualBlock& b = costs[c]->residual->blocks[k];
       const auto [group, is_new] = known.try_emplace({b.xcols, b.ucols}, groups.size());
       if (is_new) groups.push_back({b.xcols, b.ucols, {}, runs_of(b.xcols), runs_of(b.ucols)});
       groups[group->second].members.push_back({costs[c], c, k});
     }
+  }
   for (BlockSparse* m : {&out.Lxx_blocks, &out.Lxu_blocks, &out.Luu_blocks}) m->clear();
   most_ = widest_ = 0;
+  lay_out_own(ndx, nu, out);
   for (CostGroup& g : groups) {
     if (has_blocks(out.storage)) {
       g.xx = out.Lxx_blocks.plan(g.xcols, g.xcols);
@@ -67,6 +75,18 @@ void CostGroups::lay_out(const std::vector<const CostDataResidual*>& costs, int 
   out.Luu_blocks.finish(nu, nu);
   if (has_blocks(out.storage))
     for (CostSquare& s : squares) s.entry = (s.by_x ? out.Lxx_blocks : out.Luu_blocks).entry(s.entry);
+}
+
+void CostGroups::lay_out_own(int ndx, int nu, CostDerivatives& out) {
+  if (own.empty() || !has_blocks(out.storage)) return;
+  std::vector<int> x(static_cast<std::size_t>(ndx)), u(static_cast<std::size_t>(nu));
+  std::iota(x.begin(), x.end(), 0);
+  std::iota(u.begin(), u.end(), 0);
+  for (OwnCost& o : own) {
+    o.xx = out.Lxx_blocks.plan(x, x);
+    o.xu = out.Lxu_blocks.plan(x, u);
+    o.uu = out.Luu_blocks.plan(u, u);
+  }
 }
 
 void CostGroups::take_squares(const CostGroup& g) {
@@ -92,6 +112,38 @@ void CostGroups::add_squares(const std::vector<double>& weights, bool terminal, 
     (s.by_x ? out.Lx : out.Lu)[s.column] += w * a.Ar[s.row] * J;
     if (dense) (s.by_x ? out.Lxx : out.Luu)(s.column, s.column) += square;
     if (blocks) (s.by_x ? xx : uu)[s.entry] += square;
+  }
+}
+
+namespace {
+
+// A user's calcDiff may have resized them.
+void check_sizes(const CostDataAbstract& d, const CostDerivatives& out, bool terminal) {
+  const Eigen::Index nx = out.Lx.size(), nu = out.Lu.size();
+  const auto is = [](const Eigen::MatrixXd& M, Eigen::Index rows, Eigen::Index cols) {
+    return M.rows() == rows && M.cols() == cols;
+  };
+  const bool of_x = d.Lx.size() == nx && is(d.Lxx, nx, nx);
+  require(of_x && (terminal || (d.Lu.size() == nu && is(d.Lxu, nx, nu) && is(d.Luu, nu, nu))),
+          "CostModelSum::calcDiff", "a cost's calcDiff left Lx, Lu, Lxx, Lxu or Luu of another size, theirs is expected");
+}
+
+}  // namespace
+
+void CostGroups::add_own(const std::vector<double>& weights, bool terminal, CostDerivatives& out) const {
+  const bool dense = has_dense(out.storage), blocks = has_blocks(out.storage);
+  for (const OwnCost& o : own) {
+    const double w = weights[o.index];
+    if (w == 0) continue;
+    const CostDataAbstract& d = *o.cost;
+    check_sizes(d, out, terminal);
+    out.Lx += w * d.Lx;
+    if (dense) out.Lxx += w * d.Lxx;
+    if (blocks) out.Lxx_blocks.add(o.xx, w, d.Lxx);
+    if (terminal) continue;
+    out.Lu += w * d.Lu;
+    if (dense) out.Lxu += w * d.Lxu, out.Luu += w * d.Luu;
+    if (blocks) out.Lxu_blocks.add(o.xu, w, d.Lxu), out.Luu_blocks.add(o.uu, w, d.Luu);
   }
 }
 
@@ -149,6 +201,7 @@ int gather(const CostGroup& g, const std::vector<double>& weights, int nx, int n
 
 void CostGroups::add(const std::vector<double>& weights, bool terminal, CostDerivatives& out) {
   add_squares(weights, terminal, out);
+  add_own(weights, terminal, out);
   thread_local Scratch work;  // of all nodes that a thread evaluates: it stays in the cache
   for (auto* rows : {&work.L, &work.R})
     if (rows->size() < most_) rows->resize(most_);

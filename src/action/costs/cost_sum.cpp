@@ -132,7 +132,10 @@ std::shared_ptr<CostDataSum> CostModelSum::createData(DataCollector* shared, Cos
   auto data = std::make_shared<CostDataSum>();
   data->shared = shared;
   data->version = version_;
-  for (const auto& [name, item] : costs_) data->costs[name] = item->cost->createData(shared);
+  for (const auto& [name, item] : costs_) {
+    data->costs[name] = item->cost->createData(shared);
+    check_data("CostModelSum::createData", data->costs[name]);
+  }
   if (out)
     data->derivatives = out;
   else
@@ -144,7 +147,7 @@ std::shared_ptr<CostDataSum> CostModelSum::createData(DataCollector* shared, Cos
 
 void CostModelSum::lay_out(CostDataSum& data) const {
   CostDerivatives& out = *data.derivatives;
-  std::vector<const CostDataResidual*> parts;
+  std::vector<const CostDataAbstract*> parts;
   for (const auto& [name, d] : data.costs) {
     costs_.at(name)->cost->get_residual()->lay_out(*d->residual);
     parts.push_back(d.get());

@@ -1,4 +1,5 @@
 #include <ostream>
+#include <typeinfo>
 
 #include "manycontact/action/residuals/state_residuals.hpp"
 #include "manycontact/algorithm/integrate.hpp"
@@ -31,9 +32,18 @@ void ResidualModelState::calc(const std::shared_ptr<ResidualDataAbstract>& data,
   state_->diff(xref_, x, data->r);
 }
 
+namespace {
+
+// The state where its differences are known joint by joint; a class that a user derived may have others.
+const StateMultibody* exact_multibody(const StateAbstract& state) {
+  return typeid(state) == typeid(StateMultibody) ? static_cast<const StateMultibody*>(&state) : nullptr;
+}
+
+}  // namespace
+
 // A block for the q of each joint, then one for each coordinate of its v.
 void ResidualModelState::lay_out(ResidualDataAbstract& data) const {
-  const auto* multibody = dynamic_cast<const StateMultibody*>(state_.get());
+  const auto* multibody = exact_multibody(*state_);
   if (!multibody) return ResidualModelAbstract::lay_out(data);
   const int nv = static_cast<int>(state_->get_nv());
   data.blocks.clear();
@@ -52,7 +62,7 @@ void ResidualModelState::lay_out(ResidualDataAbstract& data) const {
 void ResidualModelState::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
                                        const ConstVectorRef&) {
   auto block = data->blocks.begin();
-  const auto* multibody = dynamic_cast<const StateMultibody*>(state_.get());
+  const auto* multibody = exact_multibody(*state_);
   if (!multibody) {
     block->Rx = state_->Jdiff_Js(xref_, x, second)[0];
     return;

@@ -6,10 +6,13 @@
 
 #include "../files/csv_read.hpp"
 #include "manycontact/analysis/names.hpp"
+#include "manycontact/model/expect_state.hpp"
 
 namespace manycontact::cli {
 
 namespace {
+
+constexpr double kUnitLength = 1e-3;  // tables may have few digits: the picture is the same
 
 using Columns = std::vector<std::size_t>;
 
@@ -80,6 +83,7 @@ void read_trajectory(const std::string& path, const std::optional<std::string>& 
   for (const Contact& contact : scene.contacts) active.push_back(contact.active);
   while (row.next()) {
     ViewState state{row.t(), numbers(row, q), numbers(row, v), active};
+    if (const std::string why = unusable_configuration("q", state.q, scene, kUnitLength); !why.empty()) row.fail(why);
     if (drift) state.drift.emplace(row.number(row.column("drift_position")), row.number(row.column("drift_velocity")));
     if (forces_file) forces_file->set(state);
     add_state(state, recording);

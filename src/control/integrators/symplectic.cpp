@@ -1,6 +1,9 @@
 #include "manycontact/control/symplectic.hpp"
 
+#include <typeinfo>
+
 #include "held_velocities.hpp"
+#include "manycontact/control/free_fwddyn.hpp"
 #include "steps.hpp"
 
 namespace manycontact {
@@ -21,9 +24,12 @@ const DataCollector& dynamics_of(const DifferentialActionDataAbstract& data) {
 
 std::shared_ptr<DifferentialActionModelAbstract> of_contact_dynamics(
     std::shared_ptr<DifferentialActionModelAbstract> model) {
-  require(!model || dynamic_cast<const DifferentialActionModelContactFwdDynamics*>(model.get()),
+  const auto* own = model.get();
+  require(!own || typeid(*own) == typeid(DifferentialActionModelContactFwdDynamics) ||
+              typeid(*own) == typeid(DifferentialActionModelFreeFwdDynamics),
           kIntegratedActionModelSymplectic,
-          "dynamics that are not DifferentialActionModelContactFwdDynamics, which this is the step of: for others take "
+          "dynamics that are not DifferentialActionModelContactFwdDynamics itself, which this is the step of: for others, "
+          "and for classes derived from it, take "
           "IntegratedActionModelEuler");
   return model;
 }

@@ -167,7 +167,7 @@ bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
       reason_ = StopReason::kNoStep;
       break;
     }
-    stoppingCriteria();
+    stop_ = stoppingCriteria();
     callCallbacks();
     if (was_feasible_ && stop_ < th_stop_ * scale_) {
       reason_ = StopReason::kConverged;
@@ -295,7 +295,11 @@ bool SolverDDP::rollOutCandidate() {
 
 // More and more regularised until there is one.
 bool SolverDDP::findDirection(bool recalc) {
-  for (computeDirection(recalc); !sound_; computeDirection(false)) {
+  const auto compute = [this](bool again) {
+    sound_ = true;  // but where a backward pass finds otherwise; a class's own computeDirection may have none
+    computeDirection(again);
+  };
+  for (compute(recalc); !sound_; compute(false)) {
     increaseRegularization();
     if (preg_ == reg_max_ * scale_) return false;
   }

@@ -4,6 +4,7 @@ it is, and what a class derived in Python defines is called or refused.
 
 import functools
 import re
+from typing import Any
 
 
 def _refuse(self, *_, **__):
@@ -101,23 +102,80 @@ _enumerations = {}
 
 # ---- classes derived in Python -------------------------------------------------------------------------------------
 
-_CALLED = {"calc", "calcDiff", "createData", "quasiStatic", "__call__"}  # by C++, of an object
+_MODEL = {"calc", "calcDiff", "createData"}
+_FORCES = {"updateForce", "updateForceDiff", "setZeroForce", "setZeroForceDiff"}
+_NODE = _MODEL | {"checkData", "quasiStatic"}
+_STEPS = {"computeDirection", "tryStep", "stoppingCriteria", "expectedImprovement", "resizeData"}
+_DDP = _STEPS | {"calcDiff", "backwardPass", "forwardPass", "allocateData"}
+_DDP |= {"increaseRegularization", "decreaseRegularization"}
+
+# What C++ has for each family of classes, by the name of its base: a class derived in Python that defines one of these
+# expects C++ to call it.
+_EXPECTED = {
+    "ActivationModelAbstract": _MODEL,
+    "ResidualModelAbstract": _MODEL,
+    "CostModelAbstract": _MODEL,
+    "CostModelSum": _MODEL,
+    "ConstraintModelResidual": _MODEL,
+    "ConstraintModelManager": _MODEL,
+    "ActuationModelAbstract": _MODEL | {"commands", "torqueTransform"},
+    "ContactModelAbstract": _MODEL | _FORCES,
+    "ContactModelMultiple": _MODEL | _FORCES | {"updateAcceleration", "updateAccelerationDiff"},
+    "ImpulseModelAbstract": _MODEL | _FORCES,
+    "ImpulseModelMultiple": _MODEL | _FORCES | {"updateVelocity", "updateVelocityDiff"},
+    "StateAbstract": {"zero", "rand", "diff", "integrate", "Jdiff", "Jintegrate", "JintegrateTransport"},
+    "DifferentialActionModelAbstract": _NODE,
+    "ActionModelAbstract": _NODE,
+    "ControlParametrizationModelAbstract": _MODEL
+    | {"params", "convertBounds", "multiplyByJacobian", "multiplyJacobianTransposeBy"},
+    "ShootingProblem": {"calc", "calcDiff", "rollout", "quasiStatic"},
+    "SolverAbstract": _DDP | {"computeActionValueFunction", "computeValueFunction", "computeGains", "computePolicy"},
+    "CallbackAbstract": {"__call__"},
+}
+
+# What C++ calls of it, of classes derived from this one alone, and from this one or any class of C++'s below it.
+_CALLED_ALONE = {
+    "ActivationModelAbstract": _MODEL,
+    "ResidualModelAbstract": _MODEL,
+    "DifferentialActionModelAbstract": _NODE,
+    "ActionModelAbstract": _NODE,
+    "CallbackAbstract": {"__call__"},
+}
+_CALLED = {
+    "CostModelAbstract": _MODEL,
+    "ActuationModelAbstract": _MODEL | {"commands", "torqueTransform"},
+    "SolverDDP": _DDP,
+}
 
 
-def _refuse_methods_of(abstract):
-    """A class derived from one of C++'s own models cannot define what C++ calls: it would not be called."""
+def _called(base):
+    """What C++ calls of a class derived from `base`, one of C++'s."""
+    out = set(_CALLED_ALONE.get(base.__name__, ()))
+    for b in base.__mro__:
+        out |= _CALLED.get(b.__name__, set())
+    return out
+
+
+def _refuse_methods_of(family, expected):
+    """A class derived from one of C++'s cannot define what C++ would not call."""
 
     def check(cls, **_):
-        concrete = [b for b in cls.__mro__ if b.__module__ == abstract.__module__ and b is not abstract]
-        concrete = [b.__name__ for b in concrete if issubclass(b, abstract)]
-        own = sorted(n for b in cls.__mro__ if b.__module__ != abstract.__module__ for n in _CALLED & set(vars(b)))
-        if concrete and own:
-            raise TypeError(
-                f"{cls.__name__} defines {', '.join(own)}, which C++ would not call: {concrete[0]} is a class of "
-                f"C++'s, derive from {abstract.__name__}"
-            )
+        base = next(b for b in cls.__mro__ if b.__module__ == family.__module__)
+        own = {n for b in cls.__mro__ if b.__module__ != family.__module__ for n in expected & set(vars(b))}
+        own = sorted(own - _called(base))
+        if not own:
+            return
+        others = [name for name in (family.__name__, *_CALLED) if own[0] in _CALLED_ALONE.get(name, _CALLED.get(name, ()))]
+        known = [name for name in others if issubclass(getattr(_module, name), family)]
+        raise TypeError(
+            f"{cls.__name__} defines {', '.join(own)}, which C++ would not call: {base.__name__} is a class of C++'s, "
+            + (f"derive from {known[0]}" if known else "and has no place for it")
+        )
 
-    abstract.__init_subclass__ = classmethod(check)
+    family.__init_subclass__ = classmethod(check)
+
+
+_module: Any = None
 
 
 def complete(module):
@@ -128,5 +186,7 @@ def complete(module):
         _freeze_lists(cls)
         if cls.__repr__ is object.__repr__:
             cls.__repr__ = _describe_list if cls.__name__.endswith("List") else _describe
-    for name in ("ActivationModel", "ResidualModel", "DifferentialActionModel", "ActionModel", "Callback"):
-        _refuse_methods_of(getattr(module, name + "Abstract"))
+    global _module
+    _module = module
+    for name, expected in _EXPECTED.items():
+        _refuse_methods_of(getattr(module, name), expected)

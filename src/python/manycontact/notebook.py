@@ -47,6 +47,11 @@ def view(scene: SceneFile, trajectory: Optional[Any] = None, rate: float = 50, h
     anything with t (n) [s], q (n, nq) and v (n, nv); default: the state and the torques of the file, with the forces
     there. rate: frames per second at most. Needs the program manycontact. Raises ValueError with what it says.
     """
+    if not isinstance(scene, SceneFile):
+        raise TypeError(
+            f"view: a SceneFile of load_scene is expected, not {type(scene).__name__}: pages show the meshes of files, "
+            "which a scene that is built in code does not know"
+        )
     with tempfile.TemporaryDirectory() as folder:
         page = pathlib.Path(folder) / "page.html"
         command = [_program(), "view", scene.path, "--out", str(page), "--rate", str(rate)]

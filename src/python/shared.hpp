@@ -1,0 +1,66 @@
+#pragma once
+// What a residual or a cost that is written in Python sees of the action model: data.shared, a DataCollector, while its
+// calc, calcDiff or createData runs.
+
+#include "action.hpp"
+#include "manycontact/action/collector.hpp"
+#include "manycontact/action/state.hpp"
+
+namespace manycontact::python {
+
+class Shared {
+ public:
+  Shared(DataCollector* collector, const StateMultibody& state) : collector_(collector), state_(state) {}
+  void end() { collector_ = nullptr; }
+  const DataCollector& get() const {
+    if (!collector_) throw py::value_error("data.shared is there while calc, calcDiff and createData run, not later");
+    return *collector_;
+  }
+  /// For createData.
+  DataCollector* collector() const {
+    (void)get();
+    return collector_;
+  }
+  const Multibody::BodyFrame& frame(std::size_t id) const {
+    (void)get();
+    if (id >= state_.get_model()->frames.size()) throw py::value_error("there is no frame " + std::to_string(id));
+    return state_.get_model()->frames[id];
+  }
+
+ private:
+  DataCollector* collector_;
+  const StateMultibody& state_;
+};
+
+/// A call of Python's in this thread, on these data.
+class Scope {
+ public:
+  template <class Model, class Data>
+  Scope(const Model& model, const Data& data) {
+    begin(&data, std::make_shared<Shared>(data.shared, dynamic_cast<const StateMultibody&>(*model.get_state())));
+  }
+  ~Scope();
+  Scope(const Scope&) = delete;
+  /// Of the innermost call on these data; ValueError where there is none.
+  static std::shared_ptr<Shared> shared_of(const void* data);
+
+ private:
+  void begin(const void* data, std::shared_ptr<Shared> shared);
+};
+
+/// What Python's createData(self, shared) returns; nullptr where the class has none. T: the class that is registered.
+template <class T, class Data>
+std::shared_ptr<Data> created_in_python(const T* model, DataCollector* collector) {
+  const py::gil_scoped_acquire gil;
+  const py::function own = py::get_override(model, "createData");
+  if (!own) return nullptr;
+  const auto shared =
+      std::make_shared<Shared>(collector, dynamic_cast<const StateMultibody&>(*model->get_state()));
+  struct End {
+    Shared& shared;
+    ~End() { shared.end(); }
+  } const end{*shared};
+  return made(own(shared).template cast<std::shared_ptr<Data>>());
+}
+
+}  // namespace manycontact::python

@@ -1,0 +1,28 @@
+// `using namespace crocoddyl`, as programs written for Crocoddyl have it: no name is in doubt.
+
+#include <gtest/gtest.h>
+
+#include "manycontact/crocoddyl.hpp"
+
+using namespace crocoddyl;
+
+namespace {
+
+TEST(CrocoddylNamespace, StacksAreThoseThatWarn) {
+  const auto state = std::make_shared<StateMultibody>(std::make_shared<const Model>(
+      load_urdf(MANYCONTACT_SOURCE_DIR "/models/humanoid.urdf", {.floating_base = true})));
+  const auto actuation = std::make_shared<ActuationModelFloatingBase>(state);
+  const auto costs = std::make_shared<CostModelSum>(state, actuation->get_nu());
+  const auto contacts = std::make_shared<ContactModelMultiple>(state, actuation->get_nu());
+  const auto constraints = std::make_shared<ConstraintModelManager>(state, actuation->get_nu());
+  const ImpulseModelMultiple impulses(state);
+  const CostModelSumTpl<double> same(state);
+  static_assert(std::is_same_v<CostModelSum, crocoddyl::CostModelSum>);
+  testing::internal::CaptureStderr();
+  costs->removeCost("none");
+  EXPECT_NE(testing::internal::GetCapturedStderr(), "");
+  const DifferentialActionModelContactFwdDynamics model(state, actuation, contacts, costs, constraints);
+  EXPECT_EQ(model.get_nu(), actuation->get_nu());
+}
+
+}  // namespace
