@@ -25,6 +25,7 @@
 #include "manycontact/control/rk.hpp"
 #include "manycontact/control/shooting.hpp"
 #include "manycontact/control/solver.hpp"
+#include "manycontact/control/solver_kkt.hpp"
 #include "manycontact/control/sparse.hpp"
 #include "manycontact/control/state_vector.hpp"
 #include "manycontact/control/symplectic.hpp"

@@ -2,6 +2,7 @@
 // What the stacks of contacts, costs and constraints have in common: parts by name.
 
 #include <ostream>
+#include <set>
 
 #include "manycontact/action/state.hpp"
 
@@ -36,12 +37,11 @@ void check_part(const char* who, const std::string& name, const std::shared_ptr<
           "\"" + name + "\" has nu = " + std::to_string(part->get_nu()) + ", " + std::to_string(nu) + " is expected");
 }
 
-/// The names of the active parts, and of the others.
-template <class Map>
-void sort_names(const Map& parts, std::set<std::string>& active, std::set<std::string>& inactive) {
-  active.clear();
-  inactive.clear();
-  for (const auto& [name, item] : parts) (item->active ? active : inactive).insert(name);
+/// The names of the active parts, and of the others, after this part was added or switched.
+inline void sort_name(const std::string& name, bool is_active, std::set<std::string>& active,
+                      std::set<std::string>& inactive) {
+  (is_active ? inactive : active).erase(name);
+  (is_active ? active : inactive).insert(name);
 }
 
 /// f(item, data of the part) for each part that keep(item): data are by name too.

@@ -6,15 +6,9 @@
 #include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/model/applied_forces.hpp"
+#include "mixed.hpp"
 
 namespace manycontact::internal {
-
-/// Numbers between -1 and 1 of which no two are alike, so that no symmetry of a scene hides anything.
-inline Eigen::VectorXd mixed(Eigen::Index size, int probe) {
-  Eigen::VectorXd w(size);
-  for (Eigen::Index k = 0; k < size; ++k) w[k] = std::cos(static_cast<double>(k * k + probe * (k + 1)));
-  return w;
-}
 
 /// The contacts of an answer.
 inline std::vector<char> active_of(const SceneData& data) {

@@ -20,18 +20,40 @@ constexpr int kMostTries = 400;
 constexpr internal::Damping kClosingDamping = {0, 1e-8, 1e4};  // 1/kg
 constexpr double kExact = 1e-14;  // of 1 m and of the coordinates: errors of placement are rounding
 
+// Robots that active contacts are on, a little aside.
+Eigen::VectorXd aside(const Scene& scene, const std::vector<char>& active, const Eigen::VectorXd& q) {
+  const Eigen::VectorXd all = internal::kAside * internal::mixed(scene.nv, 0);
+  Eigen::VectorXd dq = Eigen::VectorXd::Zero(scene.nv);
+  for (std::size_t c = 0; c < active.size(); ++c)
+    for (const int r : {scene.contacts[c].A.robot, scene.contacts[c].B.robot}) {
+      if (!active[c] || r < 0) continue;
+      const int first = scene.robots[r].idx_v, n = scene.robots[r].model->nv;
+      dq.segment(first, n) = all.segment(first, n);
+    }
+  return integrate(scene, q, dq);
+}
+
 // The steps it took.
-int close_positions(const Scene& scene, internal::AtRest& rest, Eigen::VectorXd& q) {
-  return internal::levenberg_marquardt(
-             kClosingDamping, kMostTries, q, [&](const Eigen::VectorXd& x) { return rest.errors(x); },
-             [&](const Eigen::VectorXd& x, const Eigen::VectorXd& e, double damping, Eigen::VectorXd& dq) {
-               return rest.least_motion(x, -e, dq, damping) && dq.allFinite();
-             },
-             [&](const Eigen::VectorXd& x, const Eigen::VectorXd& dq) { return integrate(scene, x, dq); },
-             [](const Eigen::VectorXd& x, const Eigen::VectorXd& e) {
-               return !(e.norm() > kExact * (1 + x.cwiseAbs().maxCoeff()));
-             })
-      .steps;
+int close_positions(const Scene& scene, const std::vector<char>& active, internal::AtRest& rest, Eigen::VectorXd& q) {
+  int steps = 0;
+  const auto exact = [](const Eigen::VectorXd& x, const Eigen::VectorXd& e) {
+    return !(e.norm() > kExact * (1 + x.cwiseAbs().maxCoeff()));
+  };
+  const auto descend = [&](Eigen::VectorXd& from) {
+    steps += internal::levenberg_marquardt(
+                 kClosingDamping, kMostTries, from, [&](const Eigen::VectorXd& x) { return rest.errors(x); },
+                 [&](const Eigen::VectorXd& x, const Eigen::VectorXd& e, double damping, Eigen::VectorXd& dq) {
+                   return rest.least_motion(x, -e, dq, damping) && dq.allFinite();
+                 },
+                 [&](const Eigen::VectorXd& x, const Eigen::VectorXd& dq) { return integrate(scene, x, dq); }, exact)
+                 .steps;
+  };
+  internal::off_saddles(
+      q, descend, [&](const Eigen::VectorXd& x) { return aside(scene, active, x); },
+      [&](const Eigen::VectorXd& x) {
+        return placement_errors(scene, active, x).empty() ? 0 : rest.errors(x).norm();
+      });
+  return steps;
 }
 
 }  // namespace
@@ -46,7 +68,7 @@ ConsistentState make_consistent(const Scene& scene, const std::vector<char>& act
   ConsistentState out{q, v, Status::kOk, 0, {}, {}};
   internal::AtRest rest(scene, active, options);
   if (rest.rows() == 0) return out;
-  out.steps = close_positions(scene, rest, out.q);
+  out.steps = close_positions(scene, active, rest, out.q);
   const Eigen::VectorXd Jv = rest.velocities(out.q, out.v);
   Eigen::VectorXd dv;
   if (!Jv.isZero(0) && rest.least_motion(out.q, -Jv, dv) && dv.allFinite()) out.v += dv;

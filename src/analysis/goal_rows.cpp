@@ -114,6 +114,7 @@ GoalRows::GoalRows(const Scene& scene, const std::vector<Goal>& goals) : scene_(
   for (const Goal& goal : goals) {
     if (goal.of == Goal::Of::kFrame) need(goal.frame.robot);
     if (goal.of == Goal::Of::kCenterOfMass) of_bodies_.try_emplace(goal.robot, bodies_of(scene, goal.robot));
+    for (const Attachment& frame : goal.from) need(frame.robot);
     if (goal.of != Goal::Of::kContact) continue;
     need(scene.contacts[goal.contact].A.robot);
     need(scene.contacts[goal.contact].B.robot);
@@ -170,7 +171,7 @@ void GoalRows::frame_rows(const Goal& goal, Rows& rows) {
   const Robot& robot = scene_.robots[goal.frame.robot];
   const Model& model = *robot.model;
   const Kinematics<double>& k = kin(goal.frame.robot);
-  const SE3<double> M = frame_placement<double>(k, robot.base, goal.frame.joint, goal.frame.placement);
+  const SE3<double> M = placed(goal.frame);
   const Turned turned = turned_from(M.R, goal);
   std::vector<int> chain;
   Mat6X<double> J;  // local
@@ -179,12 +180,14 @@ void GoalRows::frame_rows(const Goal& goal, Rows& rows) {
     J.resize(6, model.nv);
     frame_jacobian<double>(model, k, robot.base, goal.frame.joint, goal.frame.placement, FrameAxes::kLocal, J);
   }
+  const Vec3d from = middle(goal.from);
   Vec3d off = Vec3d::Zero();
   for (int axis = 0; axis < 3; ++axis) {
     if (!goal.position[axis]) continue;
-    off[axis] = M.p[axis] - *goal.position[axis];
+    off[axis] = M.p[axis] - from[axis] - *goal.position[axis];
     const int row = rows.add(off[axis]);
     for (const int i : chain) rows.add(row, robot.idx_v + i, M.R.row(axis).dot(J.col(i).head<3>()));
+    take_middle(goal.from, axis, row, rows);
   }
   for (Eigen::Index n = 0; n < turned.e.size(); ++n) {
     const int row = rows.add(turned.e[n]);
@@ -196,7 +199,8 @@ void GoalRows::frame_rows(const Goal& goal, Rows& rows) {
 void GoalRows::center_rows(const Goal& goal, Rows& rows) {
   const RigidBodies bodies = bodies_of(scene_, goal.robot);
   RigidBodyData& data = of_bodies_.at(goal.robot);
-  const Vec3d c = center_of_mass(bodies, data);
+  Vec3d c = center_of_mass(bodies, data);
+  c -= middle(goal.from);
   const int first = goal.robot < 0 ? 0 : scene_.robots[goal.robot].idx_v;
   Eigen::Matrix3Xd J;
   if (rows.with_jacobian) J = center_of_mass_jacobian(bodies, data);
@@ -206,8 +210,32 @@ void GoalRows::center_rows(const Goal& goal, Rows& rows) {
     off[axis] = c[axis] - *goal.position[axis];
     const int row = rows.add(off[axis]);
     for (Eigen::Index i = 0; i < J.cols(); ++i) rows.add(row, first + static_cast<int>(i), J(axis, i));
+    take_middle(goal.from, axis, row, rows);
   }
   rows.left.position = off.norm();
+}
+
+SE3<double> GoalRows::placed(const Attachment& frame) const {
+  return frame_placement<double>(kin(frame.robot), scene_.robots[frame.robot].base, frame.joint, frame.placement);
+}
+
+Vec3d GoalRows::middle(const std::vector<Attachment>& frames) const {
+  Vec3d sum = Vec3d::Zero();
+  for (const Attachment& frame : frames) sum += placed(frame).p;
+  return frames.empty() ? sum : Vec3d(sum / static_cast<double>(frames.size()));
+}
+
+// Takes from a row what the middle of frames changes by along an axis of the world.
+void GoalRows::take_middle(const std::vector<Attachment>& frames, int axis, int row, Rows& rows) {
+  if (!rows.with_jacobian) return;
+  for (const Attachment& frame : frames) {
+    const Robot& robot = scene_.robots[frame.robot];
+    Mat6X<double> J(6, robot.model->nv);
+    frame_jacobian<double>(*robot.model, kin(frame.robot), robot.base, frame.joint, frame.placement,
+                           FrameAxes::kLocalWorldAligned, J);
+    for (const int i : dof_chain(*robot.model, frame.joint))
+      rows.add(row, robot.idx_v + i, -J(axis, i) / static_cast<double>(frames.size()));
+  }
 }
 
 void GoalRows::joint_rows(const Goal& goal, Rows& rows) {

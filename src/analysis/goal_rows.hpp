@@ -28,6 +28,9 @@ class GoalRows {
   void center_rows(const Goal& goal, Rows& rows);
   void joint_rows(const Goal& goal, Rows& rows);
   void contact_rows_of(const Goal& goal, Rows& rows);
+  Vec3<double> middle(const std::vector<Attachment>& frames) const;
+  void take_middle(const std::vector<Attachment>& frames, int axis, int row, Rows& rows);
+  SE3<double> placed(const Attachment& frame) const;
   void evaluate(bool with_jacobian);
   const Kinematics<double>& kin(int robot) const { return *kin_[static_cast<std::size_t>(robot)]; }
 

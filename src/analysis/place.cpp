@@ -4,12 +4,10 @@
 #include <limits>
 #include <stdexcept>
 
-#include "bounded_step.hpp"
-#include "goal_rows.hpp"
-#include "levenberg_marquardt.hpp"
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/model/expect_state.hpp"
 #include "manycontact/model/suggestion.hpp"
+#include "place_search.hpp"
 
 namespace manycontact {
 
@@ -69,9 +67,6 @@ bool PlacedScene::met(double error) const {
 
 namespace {
 
-constexpr internal::Damping kGoalDamping = {1e-9, 1e-9, 1e4};
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 [[noreturn]] void refuse(const Goal& goal, const std::string& what) {
   throw std::invalid_argument("place: goal " + quote(goal.name) + " " + what);
 }
@@ -107,37 +102,17 @@ void check(const Scene& scene, const Goal& goal) {
   }
 }
 
-// Limits of the coordinates: of q, infinite where there are none; and for steps the coordinate of v that moves it
-// alone.
-struct Limits {
-  explicit Limits(const Scene& scene)
-      : lower(Eigen::VectorXd::Constant(scene.nq, -kInfinity)), upper(-lower), moved_by(scene.nq, -1), nv(scene.nv) {
-    for (const Robot& robot : scene.robots)
-      for (const Joint& joint : robot.model->joints) {
-        const int n = joint.nv();
-        if (joint.type == JointType::kFloating || joint.lower.size() != n || joint.upper.size() != n) continue;
-        for (int k = 0; k < n; ++k) {
-          if (!(joint.lower[k] < joint.upper[k])) continue;
-          const int at = robot.idx_q + joint.idx_q + k;
-          lower[at] = joint.lower[k];
-          upper[at] = joint.upper[k];
-          if (joint.type != JointType::kPlanar || k == 2) moved_by[at] = robot.idx_v + joint.idx_v + k;
-        }
-      }
+// Joints anywhere within their limits, floating bases as they are: those of robots that the search moves.
+Eigen::VectorXd elsewhere(const Scene& scene, const internal::PlaceSearch& search, Eigen::VectorXd q,
+                          std::mt19937& generator) {
+  const Eigen::VectorXd random = random_configuration(scene, generator);
+  for (int r = 0; r < scene.nrobots(); ++r) {
+    const Robot& robot = scene.robots[r];
+    const int base = robot.model->floating_base ? 7 : 0, n = robot.model->nq - base;
+    if (search.moves(r)) q.segment(robot.idx_q + base, n) = random.segment(robot.idx_q + base, n);
   }
-  Eigen::VectorXd within(const Eigen::VectorXd& q) const { return q.cwiseMax(lower).cwiseMin(upper); }
-  // Of a step from q.
-  void of_step(const Eigen::VectorXd& q, Eigen::VectorXd& low, Eigen::VectorXd& high) const {
-    low.setConstant(nv, -kInfinity);
-    high.setConstant(nv, kInfinity);
-    for (Eigen::Index i = 0; i < q.size(); ++i)
-      if (moved_by[i] >= 0) low[moved_by[i]] = lower[i] - q[i], high[moved_by[i]] = upper[i] - q[i];
-  }
-
-  Eigen::VectorXd lower, upper;
-  std::vector<int> moved_by;
-  int nv;
-};
+  return q;
+}
 
 }  // namespace
 
@@ -145,34 +120,20 @@ PlacedScene place(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q
                   const PlaceOptions& options) {
   expect_configuration("place", "q", q, scene);
   for (const Goal& goal : goals) check(scene, goal);
-  const Limits limits(scene);
+  if (options.restarts < 0) throw std::invalid_argument("place: restarts is negative, expected a number of searches");
+  internal::PlaceSearch search(scene, goals, options);
+  std::mt19937 generator(options.seed);
   PlacedScene out;
-  out.q = limits.within(q);
-  internal::GoalRows rows(scene, goals);
-  std::optional<internal::BoundedStep> bounded;
-  Eigen::SparseMatrix<double> J;
-  Eigen::VectorXd of, low, high;  // the q that J and the bounds of a step are of
-  out.iterations =
-      internal::levenberg_marquardt(
-          kGoalDamping, options.iterations, out.q, [&](const Eigen::VectorXd& x) { return rows.errors(x); },
-          [&](const Eigen::VectorXd& x, const Eigen::VectorXd& e, double mu, Eigen::VectorXd& dq) {
-            if (of.size() != x.size() || of != x) {
-              (void)rows.errors(x);
-              J = rows.jacobian();
-              if (!bounded) bounded.emplace(J);
-              limits.of_step(x, low, high);
-              of = x;
-            }
-            bounded->solve(J, e, mu, low, high, dq);
-            return dq.allFinite();
-          },
-          [&](const Eigen::VectorXd& x, const Eigen::VectorXd& dq) { return limits.within(integrate(scene, x, dq)); },
-          [&](const Eigen::VectorXd& x, const Eigen::VectorXd& e) {
-            return e.size() == 0 || e.cwiseAbs().maxCoeff() <= options.tolerance * (1 + x.cwiseAbs().maxCoeff());
-          })
-          .tries;
-  (void)rows.errors(out.q);
-  out.left = rows.left();
+  double least = std::numeric_limits<double>::infinity();
+  for (int start = 0; start <= options.restarts && !search.met(least); ++start) {
+    Eigen::VectorXd found = start == 0 ? Eigen::VectorXd(q) : elsewhere(scene, search, q, generator);
+    const double left = search.run(found);
+    if (start > 0 && !(left < least)) continue;
+    least = left;
+    out.q = found;
+  }
+  out.iterations = search.tries();
+  out.left = search.left(out.q);
   return out;
 }
 

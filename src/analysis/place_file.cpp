@@ -9,30 +9,80 @@
 #include "manycontact/io/task_file.hpp"
 #include "manycontact/model/suggestion.hpp"
 #include "moved_most.hpp"
+#include "standing.hpp"
 
 namespace manycontact {
 
 namespace {
 
-// The q that meets the poses and closes the contacts, found from q. file, line: where the contacts are asked for.
-Eigen::VectorXd placed(const Scene& scene, const Eigen::VectorXd& q, const std::vector<ScenePose>& poses,
-                       const std::vector<bool>& closed, const std::string& file, int line) {
+std::vector<Goal> goals_of(const Scene& scene, const std::vector<ScenePose>& poses, const std::vector<bool>& closed) {
   std::vector<Goal> goals;
-  for (const ScenePose& pose : poses)
-    goals.push_back(pose_goal(pose.frame, {pose.x, pose.y, pose.z}, {pose.roll, pose.pitch, pose.yaw}));
+  for (const ScenePose& pose : poses) {
+    const Partial xyz = {pose.x, pose.y, pose.z};
+    goals.push_back(pose.center_of_mass ? center_of_mass_goal(scene, xyz, scene.robots[pose.frame.robot].name)
+                                        : pose_goal(pose.frame, xyz, {pose.roll, pose.pitch, pose.yaw}));
+  }
   for (std::size_t c = 0; c < closed.size(); ++c)
     if (closed[c]) goals.push_back(contact_goal(scene, scene.contacts[c].name));
-  const PlacedScene found = place(scene, q, goals);
-  if (found.met(kPlacementError)) return found.q;
-  const auto size = [](const GoalLeft& left) { return std::max(left.position, left.angle); };
-  const auto worst = std::max_element(found.left.begin(), found.left.end(),
+  return goals;
+}
+
+std::string owner(const ScenePose& pose) {
+  return (pose.center_of_mass ? "the pose of the centre of mass of " : "the pose of ") + quote(pose.name);
+}
+
+// line: where the contacts are asked for.
+[[noreturn]] void refuse(const std::vector<ScenePose>& poses, const std::vector<Goal>& goals,
+                         const std::vector<GoalLeft>& left, const std::string& file, int line) {
+  const auto size = [](const GoalLeft& x) { return std::max(x.position, x.angle); };
+  const auto worst = std::max_element(left.begin(), left.end(),
                                       [&](const GoalLeft& x, const GoalLeft& y) { return size(x) < size(y); });
-  const auto g = static_cast<std::size_t>(worst - found.left.begin());
+  const auto g = static_cast<std::size_t>(worst - left.begin());
   const std::string by = in_words(PlacementError{0, worst->position, worst->angle}) +
-                         ", expected poses that can be met together, within the joints' limits, from this q";
+                         ", expected poses that can be met together, within the joints' limits, from this q"
+                         " (restarts of <scene> searches from others)";
   if (g >= poses.size())
     throw InputError(file, line, "beside the poses contact " + quote(goals[g].name) + " stays out of place by " + by);
-  throw InputError(poses[g].file, poses[g].line, "the pose of " + quote(poses[g].name) + " is missed by " + by);
+  throw InputError(poses[g].file, poses[g].line, owner(poses[g]) + " is missed by " + by);
+}
+
+// Of the robots that poses are of, those that lean at q.
+std::vector<internal::Leaning> leaning(const Scene& scene, const Eigen::VectorXd& q,
+                                       const std::vector<ScenePose>& poses, const std::vector<bool>& standing) {
+  std::vector<internal::Leaning> out = internal::leaning(scene, standing, q);
+  std::erase_if(out, [&](const internal::Leaning& x) {
+    return std::none_of(poses.begin(), poses.end(), [&](const ScenePose& p) { return p.frame.robot == x.robot; });
+  });
+  return out;
+}
+
+// One where the robots that lean stand: nearest to their postures at q, with their feet as far apart, or else near a q
+// found by their balance alone; none where the goals leave no room for that.
+std::optional<Eigen::VectorXd> upright(const Scene& scene, const Eigen::VectorXd& q, std::vector<Goal> goals,
+                                       const std::vector<internal::Leaning>& lean) {
+  constexpr double kLittle = 1e-3;  // a weight: knees that bend to lower a trunk by 0.1 m save more, by their curvature
+  const auto add = [](std::vector<Goal>& to, std::vector<Goal> more) { to.insert(to.end(), more.begin(), more.end()); };
+  for (const internal::Leaning& robot : lean) goals.push_back(internal::standing_goal(scene, robot));
+  std::vector<Goal> as_before = goals;
+  for (const internal::Leaning& robot : lean) add(as_before, internal::stance_goals(scene, robot, q));
+  std::vector<Goal> near = as_before;
+  for (const internal::Leaning& robot : lean) add(near, internal::posture_goals(scene, robot, q, kLittle));
+  const Eigen::VectorXd from = place(scene, q, near).q;
+  for (const std::vector<Goal>* wanted : {&as_before, &goals})
+    if (PlacedScene found = place(scene, from, *wanted); found.met(kPlacementError)) return std::move(found.q);
+  return std::nullopt;
+}
+
+// The q that meets the poses and closes the contacts, found from q; where it leaves robots leaning and the poses allow
+// it, one where they stand. standing: the contacts that carry robots.
+Eigen::VectorXd placed(const Scene& scene, const Eigen::VectorXd& q, const std::vector<ScenePose>& poses,
+                       const std::vector<bool>& closed, const std::vector<bool>& standing, int restarts,
+                       const std::string& file, int line) {
+  const std::vector<Goal> goals = goals_of(scene, poses, closed);
+  const PlacedScene found = place(scene, q, goals, {.restarts = restarts});
+  if (!found.met(kPlacementError)) refuse(poses, goals, found.left, file, line);
+  const std::vector<internal::Leaning> lean = leaning(scene, found.q, poses, standing);
+  return lean.empty() ? found.q : upright(scene, q, goals, lean).value_or(found.q);
 }
 
 }  // namespace
@@ -45,7 +95,10 @@ void place(SceneFile& file) {
     closed[c] = scene.contacts[c].active;
   for (const OpenReference& reference : file.open_references)
     if (reference.position || holds_turning(scene.contacts[reference.contact].type)) closed[reference.contact] = false;
-  const Eigen::VectorXd q = placed(scene, file.q, file.poses, closed, file.path, file.consistent_line);
+  std::vector<bool> standing;
+  for (const Contact& contact : scene.contacts) standing.push_back(contact.active);
+  const Eigen::VectorXd q = placed(scene, file.q, file.poses, closed, standing, file.restarts, file.path,
+                                   file.consistent_line);
   const std::string moved = internal::moved_most("q", velocity_names(scene), difference(scene, file.q, q));
   file.q = q;
   for (const OpenReference& reference : file.open_references)
@@ -55,6 +108,11 @@ void place(SceneFile& file) {
   if (!moved.empty())
     file.findings.push_back(
         {"pose", scene.name, "made to meet the poses" + moved, file.poses[0].file, file.poses[0].line});
+  for (const internal::Leaning& robot : leaning(scene, q, file.poses, standing))
+    file.findings.push_back({"pose", scene.robots[robot.robot].name,
+                             "its centre of mass is " + text::number(robot.by) +
+                                 " m outside of its contacts: it cannot stand at the poses unless they pull",
+                             file.poses[0].file, file.poses[0].line});
 }
 
 void place_references(TaskFile& task) {
@@ -70,7 +128,8 @@ void place_references(TaskFile& task) {
       for (TaskTerm& term : *terms) {
         if (term.poses.empty()) continue;
         term.reference.setZero(file.scene.nq + file.scene.nv);
-        term.reference.head(file.scene.nq) = placed(file.scene, file.q, term.poses, held, task.path, term.line);
+        term.reference.head(file.scene.nq) = placed(file.scene, file.q, term.poses, held, phase.active, file.restarts, task.path,
+                                                     term.line);
       }
   };
   for (TaskPhase& phase : task.phases) find(phase);

@@ -20,6 +20,16 @@ Vec3<double> gravity_of(const Element& root) {
 
 bool consistent(const Element& root) { return root.choice("consistent", {"false", "true"}, 0) == 1; }
 
+int restarts(const Element& root) {
+  constexpr int kMost = 1000000;
+  if (!root.has("restarts")) return 0;
+  const int out = parse_count(root.required("restarts"));
+  if (out < 0 || out > kMost)
+    root.where("restarts")
+        .fail("restarts of <scene> is " + quote(root.required("restarts")) + ", expected a whole number from 0 to 1000000");
+  return out;
+}
+
 // Reads a scene file and those it includes, each in the place of its <include>.
 class IncludeReader {
  public:
@@ -28,7 +38,7 @@ class IncludeReader {
   Element read(const std::string& path, const std::string& text) {
     out_.files.push_back(std::make_unique<XmlFile>(path, text, "scene"));
     const Element root = out_.files.back()->root();
-    root.allow_attributes({"name", "gravity", "damping", "tolerance", "moment_length", "consistent"});
+    root.allow_attributes({"name", "gravity", "damping", "tolerance", "moment_length", "consistent", "restarts"});
     root.allow_children({"robot", "contact", "push", "spring", "pose", "include"});
     for (const char* name : {"damping", "tolerance"})
       if (root.number(name, 0) < 0)
@@ -38,6 +48,7 @@ class IncludeReader {
       root.where("moment_length")
           .fail("moment_length of <scene> is " + show(root.number("moment_length", 1)) + ", expected a length above 0");
     (void)consistent(root);  // or refused
+    (void)restarts(root);
     open_.push_back(canonical(path));
     for (auto e = root.child(); e; e = e->next(nullptr)) {
       if (e->name() == "include")
@@ -120,6 +131,7 @@ SceneFile scene_of(const std::string& bytes, const std::string& path) {
   out.scene.tolerance = root.number("tolerance", 0);
   out.scene.moment_length = root.number("moment_length", 1);
   if (consistent(root)) out.consistent_line = root.where("consistent").line;
+  out.restarts = restarts(root);
   add_robots(elements.robots, out);
   out.files = files_of(elements, out.robot_groups);
   add_contacts(elements.contacts, out);

@@ -17,25 +17,43 @@ void read_three(const Element& e, const char* together, const std::array<const c
 
 }  // namespace
 
-void read_pose(const Element& e, const Scene& scene, EndReader& ends, std::vector<ScenePose>& out) {
-  e.allow_attributes({"frame", "offset", "xyz", "rpy", "x", "y", "z", "roll", "pitch", "yaw"});
-  e.allow_children({});
+namespace {
+
+// The robot, or copies, whose centre of mass a pose is of.
+End read_center(const Element& e, EndReader& ends) {
+  for (const char* a : {"frame", "offset", "rpy", "roll", "pitch", "yaw"})
+    if (e.has(a)) e.where(a).fail(e.label(a) + " stands beside com, expected the centre of mass's x, y, z alone");
+  return ends.robot(e, "com", e.required("com"));
+}
+
+End read_frame(const Element& e, EndReader& ends) {
   const End end = ends.read_first(e, "frame");
-  const std::string written = e.required("frame");
   if (end.frame.joint < 0)
-    e.where("frame").fail("frame of <pose> is " + quote(written) + ", which cannot move, expected one that does");
+    e.where("frame").fail("frame of <pose> is " + quote(e.required("frame")) +
+                          ", which cannot move, expected one that does");
+  return end;
+}
+
+}  // namespace
+
+void read_pose(const Element& e, const Scene& scene, EndReader& ends, std::vector<ScenePose>& out) {
+  e.allow_attributes({"frame", "com", "offset", "xyz", "rpy", "x", "y", "z", "roll", "pitch", "yaw"});
+  e.allow_children({});
   ScenePose pose;
+  pose.center_of_mass = e.has("com");
+  const End end = pose.center_of_mass ? read_center(e, ends) : read_frame(e, ends);
   pose.file = *e.where().file;
   pose.line = e.line();
   read_three(e, "xyz", {"x", "y", "z"}, {&pose.x, &pose.y, &pose.z});
   read_three(e, "rpy", {"roll", "pitch", "yaw"}, {&pose.roll, &pose.pitch, &pose.yaw});
   if (!(pose.x || pose.y || pose.z || pose.roll || pose.pitch || pose.yaw))
-    e.fail("<pose> of " + quote(written) + " asks for nothing, expected xyz, rpy or any of x, y, z, roll, pitch, yaw");
+    e.fail("<pose> of " + quote(e.required(pose.center_of_mass ? "com" : "frame")) +
+           " asks for nothing, expected xyz, rpy or any of x, y, z, roll, pitch, yaw");
   SE3<double> offset;
   if (const auto xyz = e.numbers<3>("offset")) offset.p = Vec3<double>(xyz->data());
   for (int i = 0; i < end.count; ++i) {
     const int robot = end.first + i;
-    pose.name = scene.robots[robot].name + "/" + end.frame.name;
+    pose.name = scene.robots[robot].name + (pose.center_of_mass ? "" : "/" + end.frame.name);
     pose.frame = {robot, end.frame.joint, end.frame.placement * offset, end.frame.name};
     out.push_back(pose);
   }

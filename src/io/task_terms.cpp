@@ -17,11 +17,6 @@ bool needs_frame(TaskResidual r) {
 }
 
 // A terminal node has a state, and neither controls nor accelerations nor forces.
-bool of_state_alone(TaskResidual r) {
-  return r == TaskResidual::kState || r == TaskResidual::kCom || r == TaskResidual::kCentroidalMomentum ||
-         needs_frame(r);
-}
-
 double read_positive(const Element& e, const char* attribute) {
   const double x = e.required_number(attribute);
   if (!(x > 0)) e.where(attribute).fail(e.label(attribute) + " is " + show(x) + ", expected a number above 0");
@@ -29,6 +24,19 @@ double read_positive(const Element& e, const char* attribute) {
 }
 
 }  // namespace
+
+}  // namespace manycontact::io
+
+namespace manycontact {
+
+bool of_state_alone(TaskResidual r) {
+  return r == TaskResidual::kState || r == TaskResidual::kCom || r == TaskResidual::kCentroidalMomentum ||
+         io::needs_frame(r);
+}
+
+}  // namespace manycontact
+
+namespace manycontact::io {
 
 TaskTerm TermReader::read(const Element& e, const std::vector<bool>& active, bool terminal) {
   const bool cost = e.name() == "cost";

@@ -62,22 +62,25 @@ void add_place(py::module_& m) {
   add_value(placed)
       .def_property_readonly(
           "q", [](const PlacedScene& x) { return x.q; }, "Configuration (nq), within the limits; a copy.")
-      .def_readonly("iterations", &PlacedScene::iterations, "Steps tried.")
+      .def_readonly("iterations", &PlacedScene::iterations, "Steps tried, from all starts.")
       .def_readonly("left", &PlacedScene::left, "List of GoalLeft, by goal.")
       .def("met", &PlacedScene::met, py::arg("error") = 1e-9, "Whether every goal is met but for an error [m, rad].");
   m.def(
       "place",
       [](const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const std::vector<Goal>& goals, int iterations,
-         double tolerance) {
+         double tolerance, int restarts, unsigned seed) {
         const py::gil_scoped_release unlocked;
-        return place(scene, q, goals, {iterations, tolerance});
+        return place(scene, q, goals, {iterations, tolerance, restarts, seed});
       },
       py::arg("scene"), py::arg("q"), py::arg("goals"), py::arg("iterations") = 100, py::arg("tolerance") = 1e-12,
+      py::arg("restarts") = 0, py::arg("seed") = 0,
       "Inverse kinematics: a configuration near q (nq) that meets a list of Goal, within the joints' limits, by "
       "damped\n"
       "Gauss-Newton steps. Goals that contradict each other share what is left by their weights. Returns a "
       "PlacedScene,\n"
-      "which says what is left of each; its q never leaves the limits.");
+      "which says what is left of each; its q never leaves the limits. restarts: how often the search starts again, "
+      "from\n"
+      "random joints within the limits (by seed), while goals are missed.");
 }
 
 }  // namespace manycontact::python

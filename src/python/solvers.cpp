@@ -5,6 +5,7 @@
 #include "manycontact/control/box_solvers.hpp"
 #include "manycontact/control/callbacks.hpp"
 #include "manycontact/control/kkt_residual.hpp"
+#include "manycontact/control/solver_kkt.hpp"
 #include "manycontact/control/sparse.hpp"
 
 namespace manycontact::python {
@@ -272,6 +273,16 @@ void add_solver_classes(py::module_& m) {
   py::class_<SolverBoxFDDP, PySolver<SolverBoxFDDP>, SolverFDDP, std::shared_ptr<SolverBoxFDDP>>(m, "SolverBoxFDDP",
                                                                         "FDDP with the models' control limits.")
       .def(py::init<Problem>(), py::arg("problem").none(false), Unlocked());
+  py::class_<SolverKKT, SolverAbstract, std::shared_ptr<SolverKKT>>(m, "SolverKKT",
+                                                                    "Newton steps by the dense KKT matrix.")
+      .def(py::init<Problem>(), py::arg("problem").none(false), Unlocked())
+      .def("calcDiff", &SolverKKT::calcDiff, Unlocked())
+      .def_property_readonly("kkt", &SolverKKT::get_kkt, "[H D^T; D 0]; a copy, as all of these.")
+      .def_property_readonly("kktref", &SolverKKT::get_kktref, "Gradients, then gaps.")
+      .def_property_readonly("primaldual", &SolverKKT::get_primaldual)
+      .def_property_readonly("dxs", &SolverKKT::get_dxs)
+      .def_property_readonly("dus", &SolverKKT::get_dus)
+      .def_property_readonly("lambdas", &SolverKKT::get_lambdas, "Multipliers of the dynamics, T + 1.");
   py::class_<SolverSparse, PySolver<SolverSparse>, SolverFDDP, std::shared_ptr<SolverSparse>>(m, "SolverSparse",
                                                                       "FDDP by parts of robots that never meet.")
       .def(py::init<Problem, bool>(), py::arg("problem").none(false), py::arg("limits") = false, Unlocked())

@@ -20,8 +20,8 @@ std::shared_ptr<DiffModel> model_of(const TaskFile& task, const TaskPhase& phase
 std::shared_ptr<ActionModelAbstract> integrated(const TaskFile& task, const std::shared_ptr<DiffModel>& model);
 std::shared_ptr<ActionModelAbstract> terminal_of(const std::shared_ptr<DiffModel>& model);
 
-/// The impact before the phase's nodes.
-std::shared_ptr<ActionModelAbstract> impact_of(const TaskFile& task, const TaskPhase& phase,
+/// The impact between a phase and the next one's nodes, with the first one's constraints on the state.
+std::shared_ptr<ActionModelAbstract> impact_of(const TaskFile& task, const TaskPhase& before, const TaskPhase& phase,
                                                const std::shared_ptr<StateMultibody>& state);
 
 struct Nodes {

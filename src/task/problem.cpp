@@ -144,7 +144,8 @@ Nodes nodes_of(const TaskFile& task, const TaskProblem& problem) {
   Nodes out;
   for (std::size_t k = 0; k < task.phases.size(); ++k) {
     out.phases.push_back(task::integrated(task, problem.models[k]));
-    out.impacts.push_back(task.phases[k].impact ? task::impact_of(task, task.phases[k], problem.state) : nullptr);
+    out.impacts.push_back(
+        task.phases[k].impact ? task::impact_of(task, task.phases[k - 1], task.phases[k], problem.state) : nullptr);
   }
   out.terminal = task::terminal_of(problem.models.back());
   return out;

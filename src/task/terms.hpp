@@ -11,9 +11,9 @@ namespace manycontact::task {
 struct Parts {
   const TaskFile& task;
   std::shared_ptr<StateMultibody> state;
-  std::shared_ptr<ActuationModelAbstract> actuation;
+  std::shared_ptr<ActuationModelAbstract> actuation;  // null: an impact, which has terms of the state alone
   std::shared_ptr<ContactModelMultiple> contacts;
-  std::size_t nu() const { return actuation->get_nu(); }
+  std::size_t nu() const { return actuation ? actuation->get_nu() : 0; }
 };
 
 /// One of the residuals of a term: of one copy, or of all in one.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "manycontact/control/impulse_fwddyn.hpp"
 #include "manycontact/control/integrated_action.hpp"
 #include "manycontact/control/parts.hpp"
 
@@ -41,7 +42,7 @@ void add_rows(std::size_t t, const ConstraintModelManager& constraints, bool ter
   }
 }
 
-// Of parts and blocks, each one's. Impacts have no constraints.
+// Of parts and blocks, each one's.
 void add_node(std::size_t t, const ActionModelAbstract& model, bool terminal, const ActionDataAbstract& data,
               Worst& worst) {
   if (const auto* whole = dynamic_cast<const ActionModelParts*>(&model)) {
@@ -51,6 +52,8 @@ void add_node(std::size_t t, const ActionModelAbstract& model, bool terminal, co
   } else if (const auto* node = dynamic_cast<const IntegratedActionModelAbstract*>(&model)) {
     const auto& dynamics = dynamic_cast<const DifferentialActionModelContactFwdDynamics&>(*node->get_differential());
     if (dynamics.get_constraints()) add_rows(t, *dynamics.get_constraints(), terminal, data, worst);
+  } else if (const auto* impact = dynamic_cast<const ActionModelImpulseFwdDynamics*>(&model)) {
+    if (impact->get_constraints()) add_rows(t, *impact->get_constraints(), terminal, data, worst);
   }
 }
 

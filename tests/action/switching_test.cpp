@@ -1,5 +1,7 @@
 // What may change after the data were created: contacts switched, gains, references, axes, frames, weights.
 
+#include <chrono>
+
 #include "action/walker.hpp"
 
 namespace manycontact::test {
@@ -160,6 +162,24 @@ TEST(Switching, AContactThatLeavesItsResidual) {
     w.left_contact->set_id(w.left);
     EXPECT_NO_THROW(evaluated(*model, w.x, w.u, data)) << frame;
   }
+}
+
+// Numbers and names of many costs, added, switched and removed one by one: made anew each time, 20,000 took half a minute.
+TEST(Switching, ManyCosts) {
+  Walker w;
+  CostModelSum sum(w.state, w.nu);
+  const auto cost =
+      std::make_shared<CostModelResidual>(w.state, std::make_shared<ResidualModelControl>(w.state, w.nu));
+  constexpr int kCosts = 20000;
+  const auto start = std::chrono::steady_clock::now();
+  for (int k = 0; k < kCosts; ++k) sum.addCost("c" + std::to_string(k), cost, 1, k % 2 == 0);
+  for (int k = 0; k < kCosts; k += 4) sum.changeCostStatus("c" + std::to_string(k), false);
+  for (int k = 1; k < kCosts; k += 4) sum.removeCost("c" + std::to_string(k));
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 2);
+  EXPECT_EQ(sum.get_nr(), kCosts / 4 * w.nu);
+  EXPECT_EQ(sum.get_nr_total(), 3 * kCosts / 4 * w.nu);
+  EXPECT_EQ(sum.get_active_set().size(), kCosts / 4u);
+  EXPECT_EQ(sum.get_inactive_set().size(), kCosts / 2u);
 }
 
 }  // namespace

@@ -355,6 +355,19 @@ def test_place():
         assert says in str(error.value)
 
 
+def test_place_starts_again():
+    file = mc.load_scene_text('<scene><robot name="a" urdf="arm.urdf"/></scene>', str(MODELS / "scene.xml"))
+    scene, data = file.scene, mc.RigidBodyData(file.scene)
+    met = [0, 0]
+    for seed in range(10):
+        mc.forward_kinematics(scene, data, mc.random_configuration(scene, seed))
+        goals = [mc.pose_goal(scene, "a/tool", mc.frame_placement(scene, data, "a/tool"))]
+        start = mc.random_configuration(scene, seed + 100)
+        found = [mc.place(scene, start, goals, restarts=n, seed=3) for n in (0, 30)]
+        met = [m + f.met() for m, f in zip(met, found)]
+    assert met[0] < 10 and met[1] == 10
+
+
 def test_poses_of_scene_files():
     text = """<scene><robot name="h" urdf="humanoid.urdf" base="floating"/>
       <pose frame="h/left_sole" xyz="0 0.1 0" rpy="0 0 0"/>

@@ -7,7 +7,9 @@
 #include "manycontact/simulation/switch.hpp"
 #include "manycontact/task/forces.hpp"
 #include "manycontact/task/optimize.hpp"
+#include "manycontact/task/violations.hpp"
 #include "support/random.hpp"
+#include "support/scenes.hpp"
 #include "task/task_of.hpp"
 
 namespace manycontact::test {
@@ -55,6 +57,29 @@ TEST(Impact, IsThatOfTheSimulation) {
   const Eigen::VectorXd v = data->xnext.tail(scene.nv);
   EXPECT_LT((v - sim.v).norm(), 1e-11 * v.norm());
   EXPECT_GT((v - x.tail(scene.nv)).norm(), 0.1);
+}
+
+// Constraints on the state apply to the last state of their phase too, which an impact follows: a box that is pushed down
+// onto a floor stays above it there.
+TEST(Impact, HasTheConstraintsOfThePhaseThatEnds) {
+  const std::string scene = "<scene gravity='0 0 0'><robot name='a' urdf='" + kModels +
+                            "arm.urdf'><q>0 0.5 0 1 0 0.5 0</q></robot>"
+                            "<contact name='c' type='3d' frame='a/tool'/></scene>";
+  const std::string costs = "<cost name='u' type='control' weight='1e-2'/>";
+  const TaskFile task = task_of(
+      "t", scene,
+      "<phase nodes='6' contacts=''>" + costs +
+          "<cost name='down' type='frame_velocity' frame='a/tool' reference_frame='world' twist='0 0 -2 0 0 0' "
+          "weight='10'/><constraint name='above' type='frame_translation' frame='a/tool' xyz='0 0 0' lower='-inf -inf "
+          "0.6' upper='inf inf inf'/><constraint name='torques' type='control' lower='" +
+          repeated("-500", 7) + "' upper='" + repeated("500", 7) + "'/></phase><phase nodes='2' contacts='c' impact='true'>" +
+          costs + "</phase>");
+  TaskProblem problem = make_problem(task, TaskSolver::kFddp);
+  EXPECT_EQ(problem.problem->model(6)->get_ng(), 1u);  // of the height; an impact has no torques
+  problem.problem->calc(problem.xs, problem.us);
+  EXPECT_NEAR(problem.problem->data(6)->g[0], problem.problem->data(5)->g[0], 1e-12);
+  const std::vector<TaskViolation> missed = violations(problem);
+  ASSERT_EQ(missed.size(), 2u);
 }
 
 }  // namespace

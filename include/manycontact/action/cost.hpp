@@ -164,7 +164,7 @@ class CostModelSum {  // a weighted sum of costs by their names
   void print(std::ostream& os) const;
 
  private:
-  void count();
+  void count(const CostItem& item);
   void check(const char* where, const CostDataSum& data, const ConstVectorRef& x) const;
   void add_up(CostDataSum& data, bool terminal) const;
   void add_up_by_hand(CostDataSum& data, bool terminal) const;

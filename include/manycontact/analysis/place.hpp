@@ -14,8 +14,12 @@
 // block principal pivoting algorithm for large-scale strictly monotone linear complementarity problems, Computers &
 // Operations Research 21 (1994).
 //
+// Where these steps gain little, because much of e remains, Newton's take over, with the Hessian of |e|^2 by
+// conjugate gradients. Where |e| is stationary and not zero the search steps aside by a millimetre and a milliradian
+// and goes on: straight knees and elbows, as of the neutral q, are saddles.
+//
 // Goals that contradict each other share what is left by their weights. What is found is near where the search starts,
-// and the nearest of several minima, not the best of all.
+// and the nearest of several minima, not the best of all: `restarts` look further.
 
 #include <array>
 #include <optional>
@@ -39,6 +43,7 @@ struct Goal {
 
   Attachment frame = {};  // kFrame
   Partial position = {};  // kFrame, kCenterOfMass: x, y, z in the world [m]
+  std::vector<Attachment> from = {};  // if any: position is from the middle of these frames' origins
   Partial rpy = {};       // kFrame: its axes turned about the world's x, then y, then z [rad], as in URDF
   std::optional<Mat3<double>> axes = {};  // kFrame: all of them, in the world; then without rpy
   int robot = -1;                         // kCenterOfMass: -1: of the whole scene; kJoint
@@ -64,21 +69,23 @@ struct GoalLeft {       // How far a goal is from being met.
   double angle = 0;     // rad
 };
 
-struct PlaceOptions {        // When the search ends.
-  int iterations = 100;      // steps tried at most
-  double tolerance = 1e-12;  // met: no row of e is more, times the root of its weight and 1 + the largest of |q|
+struct PlaceOptions {        // When the search ends, and how often it starts.
+  int iterations = 100;      // steps tried at most, from each start
+  double tolerance = 1e-12;  // met: no row of e is more, times the root of its weight, or than rounding of places there
+  int restarts = 0;          // further starts while goals are missed: random joints within limits, bases as in q
+  unsigned seed = 0;         // of these
 };
 
 struct PlacedScene {           // The configuration found, and what it lacks.
   Eigen::VectorXd q;           // nq, within the limits
-  int iterations = 0;          // steps tried
+  int iterations = 0;          // steps tried, from all starts
   std::vector<GoalLeft> left;  // by goal
 
   /// Whether every goal is met but for `error` [m, rad].
   bool met(double error = 1e-9) const;
 };
 
-/// From q (nq), which is brought within the limits first; a joint whose limits are not apart has none. Throws
+/// From q (nq), which is brought within the limits first; a joint whose limits are equal stays there. Throws
 /// std::invalid_argument for a size, a number, a robot, joint or contact that does not fit.
 PlacedScene place(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const std::vector<Goal>& goals,
                   const PlaceOptions& options = {});

@@ -136,6 +136,8 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // constraints, by an
   double jacobianSize(Restoration& own);
   double violationSlope(Restoration& own);
   bool isStationary(Restoration& own);
+  bool movesInLineFrom(const std::vector<Eigen::VectorXd>& us_before);
+  void takeCostOf(double violation);
   StopReason restore(std::size_t maxiter);
   bool reportRestoration(const SolverAbstract& solver);
   Node decorated(std::size_t t, const Eigen::VectorXd& multipliers) const;

@@ -73,6 +73,8 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   StopReason descend(std::size_t maxiter);
   /// The memory of `descend`, which takes it at its first call otherwise.
   void allocateDescent();
+  /// Whether a solve that keeps limits examines its own verdict (box_solvers.hpp): unless another solver does.
+  void set_judges(bool judges) { judges_ = judges; }
   /// Whether controls stay within the models' limits.
   bool keeps_limits() const { return limits_; }
   /// Whether the last iteration took a step.
@@ -152,6 +154,7 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   bool adaptRegularization();
   StopReason polish(std::size_t maxiter);
   StopReason descendWithinLimits(std::size_t maxiter);
+  bool isOptimalWithinLimits();
   StopReason judgeWithoutStep();
   /// Of every part, in parallel: work(direction).
   template <class Work>
@@ -175,7 +178,7 @@ class SolverDDP : public SolverAbstract {  // differential dynamic programming
   std::vector<std::unique_ptr<Direction>> directions_;
   double reg_incfactor_ = 10, reg_decfactor_ = 10, reg_min_ = 1e-9, reg_max_ = 1e9;
   double scale_ = 1;
-  bool measures_scale_ = false;
+  bool measures_scale_ = false, judges_ = true;
   double cost_try_ = 0;
   std::vector<Eigen::VectorXd> xs_try_, us_try_, us_guess_;
   std::vector<Eigen::VectorXd> Vx_, k_;  // T + 1, T

@@ -28,11 +28,12 @@ struct ContactGroup {
   int line = 1;
 };
 
-/// A <pose> element, or one copy's: where a frame is to stand in the world [m, rad]; angles as in rpy. What is left out
-/// is open.
+/// A <pose> element, or one copy's: where a frame, or a robot's centre of mass, is to be in the world [m, rad]; angles
+/// as in rpy. What is left out is open.
 struct ScenePose {
-  std::string name;  // "robot/link"
+  std::string name;  // "robot/link", or the robot's
   Attachment frame;
+  bool center_of_mass = false;  // of the robot frame.robot
   std::optional<double> x, y, z, roll, pitch, yaw;
   std::string file;
   int line = 1;
@@ -58,6 +59,7 @@ struct SceneFile {  // A scene, its state, and which elements of the file its ro
   std::vector<OpenReference> open_references;
   std::vector<int> open_lengths;  // springs whose length the file leaves out: it is what it is at q
   int consistent_line = 0;        // where consistent="true" stands in `path`; 0: it does not
+  int restarts = 0;               // of the search for the poses (analysis/place.hpp)
   std::vector<Finding> findings;  // of the robots' files, by the first robot that has the model: "herd/knee"
 };
 

@@ -29,6 +29,8 @@ enum class TaskResidual {
   kContactControlGrav,
 };
 /// As in task files: "frame_placement".
+/// Whether a residual looks at neither controls, accelerations nor forces: terminal nodes and impacts have these alone.
+bool of_state_alone(TaskResidual residual);
 const char* to_string(TaskResidual residual);
 
 /// Of a cost; cones have a barrier at their own bounds unless the file says otherwise.

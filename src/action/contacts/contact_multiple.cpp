@@ -21,12 +21,14 @@ void ContactModelMultiple::addContact(const std::string& name, std::shared_ptr<C
   internal::check_new(kContactModelMultiple, "contact", contacts_, name);
   contacts_[name] = std::make_shared<ContactItem>(ContactItem{name, contact, active});
   ++version_;
+  internal::sort_name(name, active, active_set_, inactive_set_);
   count();
 }
 
 void ContactModelMultiple::removeContact(const std::string& name) {
   contacts_.erase(internal::find_named(kContactModelMultiple, "contact", contacts_, name));
   ++version_;
+  for (auto* names : {&active_set_, &inactive_set_}) names->erase(name);
   count();
 }
 
@@ -34,6 +36,7 @@ void ContactModelMultiple::changeContactStatus(const std::string& name, bool act
   ContactItem& item = *internal::find_named(kContactModelMultiple, "contact", contacts_, name)->second;
   if (item.active == active) return;
   item.active = active;
+  internal::sort_name(name, active, active_set_, inactive_set_);
   count();
 }
 
@@ -43,7 +46,6 @@ void ContactModelMultiple::count() {
     nc_total_ += item->contact->get_nc();
     if (item->active) nc_ += item->contact->get_nc();
   }
-  internal::sort_names(contacts_, active_set_, inactive_set_);
 }
 
 bool ContactModelMultiple::getContactStatus(const std::string& name) const {

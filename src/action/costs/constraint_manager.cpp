@@ -22,12 +22,14 @@ void ConstraintModelManager::addConstraint(const std::string& name, std::shared_
   internal::check_new(kConstraintModelManager, "constraint", constraints_, name);
   constraints_[name] = std::make_shared<ConstraintItem>(ConstraintItem{name, constraint, active});
   ++version_;
+  internal::sort_name(name, active, active_set_, inactive_set_);
   count();
 }
 
 void ConstraintModelManager::removeConstraint(const std::string& name) {
   constraints_.erase(internal::find_named(kConstraintModelManager, "constraint", constraints_, name));
   ++version_;
+  for (auto* names : {&active_set_, &inactive_set_}) names->erase(name);
   count();
 }
 
@@ -35,6 +37,7 @@ void ConstraintModelManager::changeConstraintStatus(const std::string& name, boo
   ConstraintItem& item = *internal::find_named(kConstraintModelManager, "constraint", constraints_, name)->second;
   if (item.active == active) return;
   item.active = active;
+  internal::sort_name(name, active, active_set_, inactive_set_);
   count();
 }
 
@@ -49,7 +52,6 @@ bool ConstraintModelManager::holds(const ConstraintItem& item, bool terminal) co
 void ConstraintModelManager::count() {
   ++status_;
   ng_ = nh_ = ng_T_ = nh_T_ = 0;
-  internal::sort_names(constraints_, active_set_, inactive_set_);
   std::vector<double> lower, upper, lower_T, upper_T;
   for (const auto& [name, item] : constraints_) {
     if (!item->active) continue;

@@ -18,32 +18,37 @@ void CostModelSum::addCost(const std::string& name, std::shared_ptr<CostModelAbs
                            bool active) {
   internal::check_part(kCostModelSum, name, cost, state_, nu_);
   internal::check_new(kCostModelSum, "cost", costs_, name);
-  costs_[name] = std::make_shared<CostItem>(CostItem{name, cost, weight, active});
+  const auto item = std::make_shared<CostItem>(CostItem{name, cost, weight, active});
+  costs_[name] = item;
   ++version_;
-  count();
+  nr_total_ += cost->get_residual()->get_nr();
+  count(*item);
 }
 
 void CostModelSum::removeCost(const std::string& name) {
-  costs_.erase(internal::find_named(kCostModelSum, "cost", costs_, name));
+  const auto at = internal::find_named(kCostModelSum, "cost", costs_, name);
+  const std::size_t nr = at->second->cost->get_residual()->get_nr();
+  nr_total_ -= nr;
+  if (active_set_.erase(name) > 0) nr_ -= nr;
+  inactive_set_.erase(name);
+  costs_.erase(at);
   ++version_;
-  count();
 }
 
 void CostModelSum::changeCostStatus(const std::string& name, bool active) {
   CostItem& item = *internal::find_named(kCostModelSum, "cost", costs_, name)->second;
   if (item.active == active) return;
   item.active = active;
-  count();
+  count(item);
 }
 
-void CostModelSum::count() {
-  nr_ = nr_total_ = 0;
-  for (const auto& [name, item] : costs_) {
-    const std::size_t nr = item->cost->get_residual()->get_nr();
-    nr_total_ += nr;
-    if (item->active) nr_ += nr;
-  }
-  internal::sort_names(costs_, active_set_, inactive_set_);
+// One that was added or switched: sums of many costs are made one by one.
+void CostModelSum::count(const CostItem& item) {
+  const std::size_t nr = item.cost->get_residual()->get_nr();
+  const bool counted = active_set_.contains(item.name);
+  internal::sort_name(item.name, item.active, active_set_, inactive_set_);
+  if (item.active && !counted) nr_ += nr;
+  if (!item.active && counted) nr_ -= nr;
 }
 
 bool CostModelSum::getCostStatus(const std::string& name) const {

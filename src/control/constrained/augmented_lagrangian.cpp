@@ -73,6 +73,7 @@ SolverAugmentedLagrangian::SolverAugmentedLagrangian(std::shared_ptr<ShootingPro
   inner_ = make(augmented_);
   require(inner_ != nullptr && inner_->get_problem() == augmented_, kSolverAugmentedLagrangian,
           "a solver of the problem that was passed is expected");
+  inner_->set_judges(false);
   inner_->setCallbacks({std::make_shared<Relay>(*this)});
 }
 

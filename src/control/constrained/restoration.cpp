@@ -7,10 +7,12 @@
 
 #include "kkt_residual.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
+#include "manycontact/sparse/largest.hpp"
 
 namespace manycontact {
 
 using AL = SolverAugmentedLagrangian;
+using Index = Eigen::Index;
 
 namespace {
 
@@ -119,6 +121,7 @@ AL::Restoration AL::violationAlone(double met) {
   out.problem = std::make_shared<ShootingProblem>(problem_->get_x0(), models, last.model, datas, last.data);
   out.problem->set_nthreads(static_cast<int>(problem_->get_nthreads()));
   out.solver = make_(out.problem);
+  out.solver->set_judges(false);
   out.solver->set_reg_min(kRegularised);
   out.solver->set_th_grad(met);
   out.solver->set_th_stop(1e-3 * met);
@@ -265,6 +268,27 @@ bool AL::isStationary(Restoration& own) {
   return solver.expectedReduction() <= kWorthless * merit_ || own.rests;
 }
 
+// Whether the motion moves in a line as its controls do, from those before to those of the candidate: by the one half way.
+// Then numbers may be as large as they are.
+bool AL::movesInLineFrom(const std::vector<Eigen::VectorXd>& us_before) {
+  constexpr double kInLine = 1e-6;  // of how far it moves
+  std::vector<Eigen::VectorXd> us = us_, xs = xs_, xs_before = xs_, xs_after = xs_;
+  for (std::size_t t = 0; t < us.size(); ++t) us[t] = 0.5 * (us_[t] + us_before[t]);
+  problem_->rollout(us_before, xs_before);
+  problem_->rollout(us_, xs_after);
+  problem_->rollout(us, xs);
+  const StateAbstract& state = *problem_->get_terminalModel()->get_state();
+  Eigen::VectorXd half = Eigen::VectorXd::Zero(static_cast<Index>(state.get_ndx())), whole = half;
+  double off = 0, far = 0;
+  for (std::size_t t = 0; t < xs.size(); ++t) {
+    state.diff(xs_before[t], xs[t], half);
+    state.diff(xs_before[t], xs_after[t], whole);
+    off = sparse::larger_or_nan((half - 0.5 * whole).lpNorm<Eigen::Infinity>(), off);
+    far = sparse::larger_or_nan(whole.lpNorm<Eigen::Infinity>(), far);
+  }
+  return off <= kInLine * far;
+}
+
 // kInfeasible where the least violation is not zero and shown to be one, by C^T r and from beside it as well; kNone
 // where a solve may go on, from a candidate that meets the constraints or is much nearer; kNoStep where nothing is
 // shown.
@@ -282,7 +306,8 @@ StopReason AL::restore(std::size_t maxiter) {
   const std::vector<Eigen::VectorXd> xs_before = xs_, us_before = us_;
   const double cost_before = cost_, violation_before = violation_;
   const bool feasible_before = is_feasible_;
-  const auto is_absurd = [&] { return !(cost_ <= kAbsurd * (std::abs(cost_before) + scale_)); };
+  const auto is_large = [&] { return !(cost_ <= kAbsurd * (std::abs(cost_before) + scale_)); };
+  const auto is_absurd = [&] { return is_large() && !(std::isfinite(cost_) && movesInLineFrom(us_before)); };
   const auto goes_on = [&] { return violation_ > th_constraint_ && !interrupted_; };
   leastViolation(own);
   if (is_absurd() && feasible_before && goes_on()) {  // by steps of moderate size, then
@@ -312,7 +337,17 @@ StopReason AL::restore(std::size_t maxiter) {
   const bool nearer = violation_ <= std::max(th_constraint_, kMuchNearer * violation_before);
   if (absurd || violation_ > violation_before) take_back(xs_before, us_before, false);
   if (absurd || !nearer) return StopReason::kNoStep;
+  if (is_large()) takeCostOf(violation_before);
   return total_ >= maxiter ? StopReason::kIterations : StopReason::kNone;
+}
+
+// The size of the cost, and of the penalty that outweighs it, as of the candidate, which costs more than the guess told:
+// violation: what it costs nothing to leave.
+void AL::takeCostOf(double violation) {
+  constexpr double kOrdinary = 1e4;  // a cost that th_stop and th_kkt suit
+  scale_ = std::max(scale_, std::exp2(std::round(std::log2(std::abs(cost_) / kOrdinary))));
+  inner_->set_scale(scale_);
+  set_penalty(std::max(rho_, 2 * std::abs(cost_) / (violation * violation)));
 }
 
 // From the candidate at hand, under a penalty that holds it nearer to the constraints.

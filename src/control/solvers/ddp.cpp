@@ -187,7 +187,9 @@ bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
   if (polished) reason_ = polish(maxiter);
   // Polishing by the box rule may go round between limits for ever.
   if (polished && keeps_limits() && reason_ == StopReason::kIterations) reason_ = StopReason::kNoStep;
-  if (reason_ == StopReason::kNoStep && is_feasible_) {
+  // Crocoddyl's rule may come to rest beside the optimum: th_kkt, or where none is asked for the gap, says whether.
+  const bool doubted = reason_ == StopReason::kConverged && judges_ && keeps_limits() && !std::isfinite(th_kkt_);
+  if ((doubted && !isOptimalWithinLimits()) || (reason_ == StopReason::kNoStep && is_feasible_)) {
     if (keeps_limits())
       reason_ = descendWithinLimits(maxiter);
     else if (std::isfinite(th_kkt_))
@@ -216,6 +218,28 @@ StopReason SolverDDP::judgeWithoutStep() {
   return kkt_ <= th_kkt_ * scale_ ? StopReason::kConverged : StopReason::kNoStep;
 }
 
+namespace {
+
+// What a candidate within limits may cost more than the optimum: th_stop of solvers without limits, or rounding.
+double optimality_gap(double th_stop, double rounding) { return std::max(std::min(th_stop, 1e-9), rounding); }
+
+}  // namespace
+
+// Whether half g^T Quu^-1 g is small, g the projected gradient by the feed-forward terms. At a regularised direction
+// Quu says too little.
+bool SolverDDP::isOptimalWithinLimits() {
+  if (preg_ > reg_min_ * scale_) return false;
+  problem_->calc(xs_, us_);
+  problem_->calcDiff(xs_, us_);
+  for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_[t];
+  allocateDescent();
+  computeFeedForwardGradient(g_);
+  for (std::size_t t = 0; t < us_.size(); ++t) nu_[t] = g_[t];
+  preconditionFeedForward(nu_);
+  const double rounding = std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_;
+  return 0.5 * dot(g_, nu_) < optimality_gap(th_stop_, rounding) * scale_;
+}
+
 // Crocoddyl's box rule leaves what clamped controls have yet to move out of the expected improvement and of the value
 // function, so that directions may be no descent. The gradient of `descend` is exact.
 StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
@@ -224,21 +248,26 @@ StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
     ~Restore() { number = value; }
   } restore{th_stop_, th_stop_};
   if (!stepped_) problem_->calc(xs_, us_);  // the data are of the last try
+  const bool by_kkt = std::isfinite(th_kkt_), by_gap = judges_ && !by_kkt;
   const double rounding = std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_;
   constexpr int kRounds = 20, kIdle = 3;  // each of one backward pass; of them in a row that gain nothing
   double least = std::numeric_limits<double>::infinity();
   for (int round = 0, idle = 0; round < kRounds && idle < kIdle; ++round) {
-    if (std::isfinite(th_kkt_)) th_stop_ = std::max(1e-6 * restore.value, rounding);
+    if (by_kkt) th_stop_ = std::max(1e-6 * restore.value, rounding);
+    if (by_gap) th_stop_ = optimality_gap(restore.value, rounding);
     preg_ = dreg_ = reg_min_ * scale_;
     const StopReason reason = descend(maxiter);
     if (reason == StopReason::kInterrupted || reason == StopReason::kNoDirection) return reason;
-    if (!std::isfinite(th_kkt_)) return reason;
-    problem_->calc(xs_, us_);
-    calcDiff();
-    kkt_ = kkt_residual_of(*problem_, xs_, us_, true);
-    if (kkt_ <= th_kkt_ * scale_) return StopReason::kConverged;
-    idle = kkt_ < 0.5 * least ? 0 : idle + 1;
-    least = std::min(least, kkt_);
+    if (!by_kkt && (!by_gap || reason == StopReason::kConverged)) return reason;
+    if (by_kkt) {
+      problem_->calc(xs_, us_);
+      calcDiff();
+      kkt_ = kkt_residual_of(*problem_, xs_, us_, true);
+      if (kkt_ <= th_kkt_ * scale_) return StopReason::kConverged;
+    }
+    const double left = by_gap ? stop_ : kkt_;
+    idle = left < 0.5 * least ? 0 : idle + 1;
+    least = std::min(least, left);
   }
   return StopReason::kNoStep;
 }

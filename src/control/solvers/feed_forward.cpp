@@ -85,6 +85,11 @@ void SolverDDP::computeFeedForwardDirection() {
   } else {
     finish();
   }
+  if (slope_ >= 0 && stop_ > 0) {  // where limits cut a direction down, only the gradient itself is sure to descend
+    const double size = 2 * stop_ / dot(g_, g_);
+    for (std::size_t t = 0; t < nu_.size(); ++t) nu_[t] = size * g_[t];
+    finish();
+  }
   d_ << -slope_, slope_;
 }
 

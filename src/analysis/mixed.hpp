@@ -1,0 +1,14 @@
+#pragma once
+#include <Eigen/Core>
+#include <cmath>
+
+namespace manycontact::internal {
+
+/// Numbers between -1 and 1 of which no two are alike, so that no symmetry of a scene hides anything.
+inline Eigen::VectorXd mixed(Eigen::Index size, int probe) {
+  Eigen::VectorXd w(size);
+  for (Eigen::Index k = 0; k < size; ++k) w[k] = std::cos(static_cast<double>(k * k + probe * (k + 1)));
+  return w;
+}
+
+}  // namespace manycontact::internal

@@ -1,0 +1,32 @@
+#pragma once
+// Newton's step for min |e(q)|^2 / 2 within limits. Gauss and Newton's Hessian J^T J lacks the curvature of the goals
+// themselves, sum e_i e_i'', and converges slowly where e stays large; here it is included.
+
+#include <functional>
+
+#include "bounded_step.hpp"
+
+namespace manycontact::internal {
+
+/// By conjugate gradients (Steihaug, SIAM J. Numer. Anal. 20, 1983): of the coordinates that no limit stops, with
+/// products of the Hessian by differences of J^T e, and preconditioned by J^T J + |e| 1. A coordinate that reaches its
+/// limit stays there for the rest of the step; a direction of negative curvature is followed as far as that.
+class NewtonStep {
+ public:
+  /// gradient(dq): J^T e at q (+) dq.
+  using Gradient = std::function<Eigen::VectorXd(const Eigen::VectorXd& dq)>;
+
+  explicit NewtonStep(const Eigen::SparseMatrix<double>& J) : normal_(J) {}
+
+  /// Fills x, lower <= x <= upper, both finite; returns by how much the quadratic model expects |e|^2 / 2 to fall.
+  double solve(const Eigen::SparseMatrix<double>& J, double size_of_e, const Gradient& gradient,
+               const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, Eigen::VectorXd& x);
+
+ private:
+  void precondition(const Eigen::SparseMatrix<double>& J, double mu, const Eigen::VectorXd& r, Eigen::VectorXd& z);
+
+  NormalMatrix normal_;
+  std::vector<char> free_;
+};
+
+}  // namespace manycontact::internal

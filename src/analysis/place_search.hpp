@@ -1,0 +1,60 @@
+#pragma once
+// The search of place() (analysis/place.hpp), from one q.
+
+#include <limits>
+#include <optional>
+
+#include "bounded_step.hpp"
+#include "goal_rows.hpp"
+#include "newton_step.hpp"
+
+namespace manycontact::internal {
+
+/// Limits of the coordinates: of q, infinite where there are none; and for steps the coordinate of v that moves it
+/// alone.
+struct CoordinateLimits {
+  explicit CoordinateLimits(const Scene& scene);
+  Eigen::VectorXd within(const Eigen::VectorXd& q) const { return q.cwiseMax(lower).cwiseMin(upper); }
+  /// Of a step from q.
+  void of_step(const Eigen::VectorXd& q, Eigen::VectorXd& low, Eigen::VectorXd& high) const;
+
+  Eigen::VectorXd lower, upper;
+  std::vector<int> moved_by;
+  int nv;
+};
+
+class PlaceSearch {
+ public:
+  PlaceSearch(const Scene& scene, const std::vector<Goal>& goals, const PlaceOptions& options)
+      : scene_(scene), options_(options), limits_(scene), rows_(scene, goals) {}
+
+  /// Moves q to a least |e| near it, which it returns; 0 where every goal is met.
+  double run(Eigen::VectorXd& q);
+  bool met(double left) const { return left == 0; }
+  /// Steps tried, in all.
+  int tries() const { return tries_; }
+  /// Whether a goal depends on a robot's coordinates. After a run.
+  bool moves(int robot) const;
+  std::vector<GoalLeft> left(const Eigen::VectorXd& q);
+
+ private:
+  void descend(Eigen::VectorXd& q, int most_tries);
+  int gauss_newton(Eigen::VectorXd& q, int most_tries);
+  int newton(Eigen::VectorXd& q, int most_tries);
+  Eigen::VectorXd aside(const Eigen::VectorXd& q);
+  void look_at(const Eigen::VectorXd& q);
+  bool exact(const Eigen::VectorXd& q, const Eigen::VectorXd& e) const;
+  Eigen::VectorXd moved(const Eigen::VectorXd& q, const Eigen::VectorXd& dq) const;
+
+  const Scene& scene_;
+  const PlaceOptions& options_;
+  CoordinateLimits limits_;
+  GoalRows rows_;
+  int tries_ = 0;
+  Eigen::SparseMatrix<double> J_;
+  Eigen::VectorXd of_, low_, high_;  // the q that J_ and the bounds of a step are of
+  std::optional<BoundedStep> bounded_;
+  std::optional<NewtonStep> newton_;
+};
+
+}  // namespace manycontact::internal

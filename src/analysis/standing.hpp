@@ -1,0 +1,30 @@
+#pragma once
+// Whether robots could stand where their contacts are: by where their centres of mass are over them.
+
+#include <vector>
+
+#include "manycontact/analysis/place.hpp"
+
+namespace manycontact::internal {
+
+/// A robot whose centre of mass is not above what its contacts enclose.
+struct Leaning {
+  int robot = 0;
+  double by = 0;  // m, horizontally
+  std::vector<Attachment> feet;
+};
+
+/// Of robots with a floating base under a gravity along the world's -z, which only contacts with the ground, flagged
+/// `active`, keep from falling. Where a contact carries moments and its box is not given it is taken as large as a
+/// foot.
+std::vector<Leaning> leaning(const Scene& scene, const std::vector<bool>& active,
+                             const Eigen::Ref<const Eigen::VectorXd>& q);
+
+/// The centre of mass above the middle of the feet; and these as far apart, horizontally, as they are at q.
+Goal standing_goal(const Scene& scene, const Leaning& robot);
+std::vector<Goal> stance_goals(const Scene& scene, const Leaning& robot, const Eigen::Ref<const Eigen::VectorXd>& q);
+/// The robot's joints and the axes of its base as they are at q, for little: of weight `weight` each.
+std::vector<Goal> posture_goals(const Scene& scene, const Leaning& robot, const Eigen::Ref<const Eigen::VectorXd>& q,
+                                double weight);
+
+}  // namespace manycontact::internal
