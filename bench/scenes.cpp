@@ -192,6 +192,61 @@ Posed on_points(int points) {
 Posed herd_on_feet(int held) { return quadrupeds(16, held); }
 Posed herd(int count) { return quadrupeds(count, 4 * count); }
 
+namespace {
+
+void add_box(Scene& scene, double x, double y, double z) {
+  static const auto box =
+      std::make_shared<const Model>(load_urdf(std::string(kModels) + "box.urdf", {.floating_base = true}));
+  add_robot(scene, "b" + std::to_string(scene.nrobots()), box, {Mat3<double>::Identity(), {x, y, z}});
+}
+
+// A point or frame of a box, held by another or by the world (to < 0).
+void join(Scene& scene, int box, int to, ContactType type, const Vec3<double>& at) {
+  const auto name = [&scene](int k) { return scene.robots[static_cast<std::size_t>(k)].name; };
+  Contact c;
+  c.name = "c" + std::to_string(scene.contacts.size());
+  c.type = type;
+  c.A = attach(scene, name(box), "crate", {Mat3<double>::Identity(), at});
+  if (to >= 0) c.B = attach(scene, name(to), "crate");
+  add_contact(scene, c);
+}
+
+void stand(Scene& scene, int box, int to, double half = 0.15) {
+  for (const double x : {-half, half})
+    for (const double y : {-half, half}) join(scene, box, to, ContactType::k3D, {x, y, -0.2});
+}
+
+}  // namespace
+
+Posed tower(int boxes) {
+  Scene scene;
+  for (int k = 0; k < boxes; ++k) add_box(scene, 0, 0, 0.4 * k);
+  for (int k = 0; k < boxes; ++k) stand(scene, k, k - 1);
+  return posed(std::move(scene), {});
+}
+
+Posed table(int boxes) {
+  Scene scene;
+  const int side = static_cast<int>(std::ceil(std::sqrt(boxes)));
+  add_box(scene, 0, 0, 0);
+  stand(scene, 0, -1, 0.5 * side);
+  for (int k = 0; k < boxes; ++k) add_box(scene, 0.5 * (k % side), 0.5 * (k / side), 0.4);
+  for (int k = 0; k < boxes; ++k) stand(scene, k + 1, 0);
+  return posed(std::move(scene), {});
+}
+
+Posed wall(int boxes) {
+  Scene scene;
+  const int side = static_cast<int>(std::lround(std::sqrt(boxes)));
+  for (int k = 0; k < boxes; ++k) add_box(scene, 0.4 * (k % side), 0, 0.4 * (k / side));
+  for (int k = 0; k < boxes; ++k) {
+    if (k < side) join(scene, k, -1, ContactType::k6D, {0, 0, -0.2});
+    if (k >= side) join(scene, k, k - side, ContactType::k3D, {0, 0, -0.2});
+    if (k % side) join(scene, k, k - 1, ContactType::k3D, {-0.2, 0, 0});
+  }
+  return posed(std::move(scene), {});
+}
+
 Posed chain(int links) {
   test::ChainOptions options;
   options.links = links;

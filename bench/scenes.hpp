@@ -26,6 +26,13 @@ Posed on_points(int points);
 Posed herd_on_feet(int held);
 /// `count` quadrupeds of models/, each on its four point feet.
 Posed herd(int count);
+/// Boxes of models/ on each other, each on four points of the one below, the lowest on the ground.
+Posed tower(int boxes);
+/// Boxes side by side on a large one that stands on the ground, each on four points.
+Posed table(int boxes);
+/// Boxes in a square, held to their neighbours by points, the lowest row welded to the ground: a sixth of the rows depend
+/// on others around loops of bodies. boxes: a square number.
+Posed wall(int boxes);
 /// A chain of revolute joints whose every tenth link is held in 6D.
 Posed chain(int links);
 

@@ -37,6 +37,9 @@ Panel panel(const std::vector<Run>& runs, const std::string& scene, Panel p, con
 
 const auto any = [](const Run&, const std::string&) { return true; };
 const auto answers = [](const Run&, const std::string& task) { return task != "set-up"; };
+const auto solves = [](const Run&, const std::string& task) {
+  return task != "set-up" && task != "derivatives" && task != "vjp";
+};
 const auto per_size = [](const Run&, const std::string&, const Point& p) { return p.result->us / p.size; };
 const auto whole = [](const Run&, const std::string&, const Point& p) { return p.result->us; };
 const auto memory = [](const Run&, const std::string&, const Point& p) { return p.result->bytes / p.size / 1024; };
@@ -79,6 +82,12 @@ std::vector<Figure> figures(const std::vector<Run>& runs) {
       {"links",
        "Time per link of a chain, every tenth link held in 6D",
        {panel(runs, "chain", {"", "links", "us per link", {}}, any, per_size)}},
+      {"piles",
+       "Time per box, held by points",
+       {panel(runs, "tower", {"tower, four points a face", "boxes", "us per box", {}}, solves, per_size),
+        panel(runs, "table", {"on a table, four points a face", "boxes", "us per box", {}}, solves, per_size),
+        panel(runs, "wall", {"wall, bonded by points, a sixth redundant", "boxes", "us per box", {}}, solves,
+              per_size)}},
       {"contacts",
        "Time over contacts",
        {panel(runs, "feet", {"16 quadrupeds, on so many of their 64 feet", "contacts in 3D", "us", {}}, answers, whole),

@@ -5,14 +5,11 @@
 #include <mutex>
 
 #include "manycontact/contact/pair_motion.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
 
 namespace {
-
-// Of the columns of B, in units of the largest: rows that span the others keep more than the first, and what depends on
-// them leaves less than the second, which is rounding. In between the state has to tell (points 1e-10 m apart).
-constexpr double kPlainlyIndependent = 1e-9, kPlainlyDependent = 1e-13;
 
 int kind_of(int rank, const std::vector<Contact>& members) {
   static std::mutex mutex;
@@ -66,9 +63,9 @@ int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr, Eigen::Ind
   const double largest = std::abs(qr.matrixQR()(0, 0));
   for (Eigen::Index k = 0; k < std::min<Eigen::Index>(rows, 6); ++k) {
     const double left = std::abs(qr.matrixQR()(k, k)) / largest;
-    if (left > kPlainlyIndependent)
+    if (left > tolerance::kPairIndependent)
       ++rank;
-    else if (!(left < kPlainlyDependent))
+    else if (!(left < tolerance::kPairDependent))
       return -1;
   }
   return rank;
@@ -83,7 +80,7 @@ std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
     Eigen::RowVectorXd left = B.row(row);
     for (int pass = 0; pass < 2; ++pass)
       for (int k = 0; k < found; ++k) left -= left.dot(basis.row(k)) * basis.row(k);
-    if (!(left.norm() > kPlainlyIndependent * B.row(row).norm())) continue;
+    if (!(left.norm() > tolerance::kPairIndependent * B.row(row).norm())) continue;
     basis.row(found++) = left.normalized();
     out[static_cast<std::size_t>(row)] = 1;
   }

@@ -133,7 +133,8 @@ void add_structure(const Scene& scene, const Island& island, Words& key) {
   for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];
     const Attachment A = body_A(island, contact), B = body_B(island, contact);
-    key.insert(key.end(), {static_cast<std::uint64_t>(kind_of(contact)), word(A.robot, A.joint), word(B.robot, B.joint)});
+    key.insert(key.end(),
+               {static_cast<std::uint64_t>(kind_of(contact)), word(A.robot, A.joint), word(B.robot, B.joint)});
   }
 }
 

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "dynamics/reduction/reduction.hpp"
 #include "manycontact/contact/jacobian.hpp"
 #include "manycontact/dynamics/batch.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
@@ -53,13 +52,14 @@ std::string bridge() {
 // Contacts of every type between two boxes, some of them twice.
 std::string all_types(const std::string& gains = "") {
   const auto contact = [&](const char* name, const char* type, const char* offset, const char* more = "") {
-    return std::string("<contact name='") + name + "' type='" + type + "' frame='b/box' to='a/crate' offset='" + offset +
-           "' " + more + " " + gains + "/>";
+    return std::string("<contact name='") + name + "' type='" + type + "' frame='b/box' to='a/crate' offset='" +
+           offset + "' " + more + " " + gains + "/>";
   };
   return box("a", 0, 0) + box("b", 0.02, 0.4) + face("g", "a", "", gains) +
          contact("p1", "1d", "0.1 0 -0.1", "axis='0 0.6 0.8'") + contact("p2", "2d", "-0.1 0.02 -0.1") +
          contact("p3", "3d", "0 0.08 -0.1") + contact("h5", "5d", "0.03 0 -0.1", "axis='0 1 0'") +
-         contact("w6", "6d", "0 0 -0.1", "offset_quat_xyzw='0 0 0.6 0.8'") + contact("again", "5d", "0.03 0.05 -0.1", "axis='1 0 0'");
+         contact("w6", "6d", "0 0 -0.1", "offset_quat_xyzw='0 0 0.6 0.8'") +
+         contact("again", "5d", "0.03 0.05 -0.1", "axis='1 0 0'");
 }
 
 struct Case {
@@ -91,8 +91,9 @@ Answer solve_by(const SceneFile& file, const VectorXd& v, const Options& options
   const Report& report = solve(scene, file.q, v, file.u, data);
   Answer out{report.status, report.rank, data.a, data.f, {}, {}, {}, {}, {}, {}};
   std::mt19937 rng(5);
-  const VectorXd dq = random_vector(scene.nv, rng), dv = random_vector(scene.nv, rng), du = random_vector(scene.nu, rng),
-                 wa = random_vector(scene.nv, rng), wf = random_vector(static_cast<int>(data.f.size()), rng);
+  const VectorXd dq = random_vector(scene.nv, rng), dv = random_vector(scene.nv, rng),
+                 du = random_vector(scene.nu, rng), wa = random_vector(scene.nv, rng),
+                 wf = random_vector(static_cast<int>(data.f.size()), rng);
   out.da.resize(scene.nv), out.df.resize(data.f.size());
   out.wq.resize(scene.nv), out.wv.resize(scene.nv), out.wu.resize(scene.nu);
   jvp(scene, data, dq, dv, du, out.da, out.df);
@@ -133,7 +134,8 @@ TEST(Pairs, AnswersOfAllContacts) {
       {"bridge", "<scene>" + bridge() + "</scene>"},
       {"bridge that slides", "<scene>" + bridge() + "</scene>", 0.3},
       {"all types", "<scene>" + all_types() + "</scene>", 0.3},
-      {"all types with gains, moments weighed", "<scene moment_length='0.2'>" + all_types("gains='20 5'") + "</scene>", 0.3},
+      {"all types with gains, moments weighed", "<scene moment_length='0.2'>" + all_types("gains='20 5'") + "</scene>",
+       0.3},
   };
   for (const Case& c : cases)
     for (Method method : kReducing) expect_as_dense(c, method, 1e-11);
@@ -261,8 +263,8 @@ TEST(Pairs, BatchesHaveTheBitsOfSolves) {
   BatchData batch(file.scene, 1);
   constexpr int kStates = 20;
   std::mt19937 rng(2);
-  BatchMatrix q(kStates, file.scene.nq), v(kStates, file.scene.nv), u(kStates, file.scene.nu), a(kStates, file.scene.nv),
-      f(kStates, 12);
+  BatchMatrix q(kStates, file.scene.nq), v(kStates, file.scene.nv), u(kStates, file.scene.nu),
+      a(kStates, file.scene.nv), f(kStates, 12);
   std::vector<Status> status(kStates);
   for (int k = 0; k < kStates; ++k) q.row(k) = file.q, v.row(k) = random_vector(file.scene.nv, rng, 0.3);
   solve_batch(file.scene, {q, v, u}, batch, a, f, status);

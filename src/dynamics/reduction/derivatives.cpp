@@ -5,15 +5,12 @@
 #include <limits>
 
 #include "../internal.hpp"
-#include "manycontact/sparse/panel_kernels.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 #include "reduction.hpp"
 
 namespace manycontact::internal {
 
 namespace {
-
-// What is left of the motions of bodies that stand or move as one: rounding of their velocities and places.
-constexpr double kMovesAsOne = 1e-13;
 
 bool alike_gains(const PairRows& pair) {
   return std::all_of(pair.members.begin(), pair.members.end(), [&](const Contact& c) {
@@ -24,7 +21,7 @@ bool alike_gains(const PairRows& pair) {
 // Whether what the contacts of a pair contradict each other by is zero to first order around the state.
 bool moves_as_one(const Reduction& r, int c, const PairRows& pair) {
   const double* left = left_of(*r.data->workspace, c);
-  return alike_gains(pair) && left[pair.unit.size() + 1] <= kMovesAsOne;
+  return alike_gains(pair) && left[pair.unit.size() + 1] <= tolerance::kMovesAsOne;
 }
 
 int row_of(const Island& island, int contact) {
@@ -81,10 +78,12 @@ double largest_share(const Reduction& r, std::size_t i) {
   return largest;
 }
 
-double largest_force(const Scene& scene, const std::vector<int>& f_offset, const Island& island, const Eigen::VectorXd& f) {
+double largest_force(const Scene& scene, const std::vector<int>& f_offset, const Island& island,
+                     const Eigen::VectorXd& f) {
   double largest = 0;
-  each_force_block(scene, f_offset, island,
-                   [&](int at, int, int n) { largest = std::max(largest, f.segment(at, n).lpNorm<Eigen::Infinity>()); });
+  each_force_block(scene, f_offset, island, [&](int at, int, int n) {
+    largest = std::max(largest, f.segment(at, n).lpNorm<Eigen::Infinity>());
+  });
   return largest;
 }
 
@@ -100,10 +99,9 @@ void take_bounds(const Scene& scene, SceneData& data, const Reduction& r) {
     IslandReport& to = data.report.islands[i];
     to.error_acceleration = from.error_acceleration;
     to.condition = from.condition;
-    to.error_forces = relative_to_forces(
-        from.error_forces, largest_share(r, i),
-        largest_force(r.scene, r.data->f_offset, island_of(*r.data, i), r.data->f),
-        largest_force(scene, data.f_offset, r.islands[i], data.f));
+    to.error_forces = relative_to_forces(from.error_forces, largest_share(r, i),
+                                         largest_force(r.scene, r.data->f_offset, island_of(*r.data, i), r.data->f),
+                                         largest_force(scene, data.f_offset, r.islands[i], data.f));
     if (from.status == Status::kRegularised) to.status = from.status, to.reason = from.reason;
   }
   summarise(data.report);
@@ -164,10 +162,14 @@ std::vector<DerivativeBounds> derivative_errors_reduced(const Scene& scene, Scen
     const IslandDerivatives &of_y = derivatives(*r.data).islands[i], &of_f = w.derivatives.islands[i];
     const double share = largest_share(r, i);
     DerivativeBounds& b = out[i];
-    b.dforces_dq = relative_to_forces(b.dforces_dq, share, largest_in(of_y.dforces_dq()), largest_in(of_f.dforces_dq()));
-    b.dforces_dv = relative_to_forces(b.dforces_dv, share, largest_in(of_y.dforces_dv()), largest_in(of_f.dforces_dv()));
-    b.dforces_dw = relative_to_forces(b.dforces_dw, share, largest_in(of_y.dforces_dw()), largest_in(of_f.dforces_dw()));
-    b.dforces_du = relative_to_forces(b.dforces_du, share, largest_in(of_y.dforces_du()), largest_in(of_f.dforces_du()));
+    b.dforces_dq =
+        relative_to_forces(b.dforces_dq, share, largest_in(of_y.dforces_dq()), largest_in(of_f.dforces_dq()));
+    b.dforces_dv =
+        relative_to_forces(b.dforces_dv, share, largest_in(of_y.dforces_dv()), largest_in(of_f.dforces_dv()));
+    b.dforces_dw =
+        relative_to_forces(b.dforces_dw, share, largest_in(of_y.dforces_dw()), largest_in(of_f.dforces_dw()));
+    b.dforces_du =
+        relative_to_forces(b.dforces_du, share, largest_in(of_y.dforces_du()), largest_in(of_f.dforces_du()));
   }
   return out;
 }

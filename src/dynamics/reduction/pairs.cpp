@@ -29,7 +29,8 @@ bool same_terms(const Scene& scene, const Reduction::Terms& terms) {
 // Damped contacts of one robot are left as they are: all their rows are independent, and of contacts that slide
 // derivatives need all of them.
 bool may_reduce(const Scene& scene, const Contact& contact) {
-  return has_constant_rows(contact) && (scene.damping == 0 || (joins_robots(contact) && contact.A.robot != contact.B.robot));
+  return has_constant_rows(contact) &&
+         (scene.damping == 0 || (joins_robots(contact) && contact.A.robot != contact.B.robot));
 }
 
 bool may_reduce(const Scene& scene, const Options& options) {

@@ -30,12 +30,13 @@ struct Reduction {
 
   Scene scene;  // that is solved
   Terms terms;
-  std::vector<std::vector<int>> groups;                    // contacts of the scene between the same two bodies, with constant rows
-  std::vector<std::map<std::vector<char>, int>> sets;      // per group, by which are active: the pair's contact; -1: none is needed
-  std::vector<std::shared_ptr<PairRows>> pairs;            // of contacts behind those of the scene
-  std::unique_ptr<SceneData> data;                         // of `scene`
-  std::unique_ptr<SceneData> plain;                        // of the scene without pairs, for derivatives of damped contacts that slide
-  std::vector<Island> islands;                             // with the contacts of the scene, one per island of `data`
+  std::vector<std::vector<int>> groups;  // contacts of the scene between the same two bodies, with constant rows
+  std::vector<std::map<std::vector<char>, int>>
+      sets;  // per group, by which are active: the pair's contact; -1: none is needed
+  std::vector<std::shared_ptr<PairRows>> pairs;  // of contacts behind those of the scene
+  std::unique_ptr<SceneData> data;               // of `scene`
+  std::unique_ptr<SceneData> plain;   // of the scene without pairs, for derivatives of damped contacts that slide
+  std::vector<Island> islands;        // with the contacts of the scene, one per island of `data`
   Eigen::VectorXd prescribed, given;  // rows of `data`; torques before friction and springs
   Eigen::VectorXd df;                 // scratch of products: rows of `data`
   std::vector<char> set;              // scratch
@@ -46,7 +47,8 @@ struct Reduction {
   template <class Use>
   void each_pair(Use&& use) const {
     for (std::size_t k = 0; k < pairs.size(); ++k)
-      if (const int c = first_pair() + static_cast<int>(k); data->active[static_cast<std::size_t>(c)]) use(c, *pairs[k]);
+      if (const int c = first_pair() + static_cast<int>(k); data->active[static_cast<std::size_t>(c)])
+        use(c, *pairs[k]);
   }
 };
 

@@ -41,16 +41,19 @@ const double* left_of_pair(const Reduction& r, int c) { return left_of(*r.data->
 
 // Damped, the forces of a pair that do not move the bodies: the damping alone bears what its contacts contradict each
 // other by, f += (prescribed - left) / delta.
-void add_damped_contradictions(const SceneData& data, double damping, const Reduction& r, std::span<const double> wanted,
-                               Eigen::VectorXd& f) {
+void add_damped_contradictions(const SceneData& data, double damping, const Reduction& r,
+                               std::span<const double> wanted, Eigen::VectorXd& f) {
   r.each_pair([&](int c, const PairRows& pair) {
     const double* left = left_of_pair(r, c);
     Eigen::VectorXd of_wanted;
-    if (!wanted.empty()) of_wanted = r.prescribed.segment(r.data->f_offset[static_cast<std::size_t>(c)], r.scene.contacts[static_cast<std::size_t>(c)].rows());
+    if (!wanted.empty())
+      of_wanted = r.prescribed.segment(r.data->f_offset[static_cast<std::size_t>(c)],
+                                       r.scene.contacts[static_cast<std::size_t>(c)].rows());
     each_member(data.f_offset, pair, [&](int to, int first, const auto& member) {
       for (Eigen::Index i = 0; i < member.Q.rows(); ++i) {
         f[to + i] -= left[first + i] / damping;
-        if (!wanted.empty()) f[to + i] += (wanted[static_cast<std::size_t>(to + i)] - member.Q.row(i).dot(of_wanted)) / damping;
+        if (!wanted.empty())
+          f[to + i] += (wanted[static_cast<std::size_t>(to + i)] - member.Q.row(i).dot(of_wanted)) / damping;
       }
     });
   });
@@ -75,11 +78,13 @@ PairContradiction contradiction_of(const Scene& scene, const SceneData& data, co
       for (Eigen::Index i = 0; i < member.Q.rows(); ++i) {
         double size = left[first + i], its_terms = of_left;
         if (!wanted.empty()) {
-          const double asked = wanted[static_cast<std::size_t>(from + i)] * pair.unit[static_cast<std::size_t>(first + i)];
+          const double asked =
+              wanted[static_cast<std::size_t>(from + i)] * pair.unit[static_cast<std::size_t>(first + i)];
           size -= asked - member.Q.row(i).dot(y);
           its_terms += y.template lpNorm<1>();
         }
-        if (std::abs(size) > tolerance::kDriftRounding * its_terms && !(std::abs(size) <= tolerance::kContradiction * terms))
+        if (std::abs(size) > tolerance::kDriftRounding * its_terms &&
+            !(std::abs(size) <= tolerance::kContradiction * terms))
           out.contradicts = true;
       }
     });
@@ -94,11 +99,14 @@ void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t 
   const std::vector<int>& solved = r.data->report.islands[island].dependent_rows;
   report.dependent_rows.clear();
   for (int c : island_of(*r.data, island).contacts) {
-    const int at = r.data->f_offset[static_cast<std::size_t>(c)], rows = r.scene.contacts[static_cast<std::size_t>(c)].rows();
-    const auto dropped = static_cast<int>(std::count_if(solved.begin(), solved.end(), [&](int row) { return row >= at && row < at + rows; }));
+    const int at = r.data->f_offset[static_cast<std::size_t>(c)],
+              rows = r.scene.contacts[static_cast<std::size_t>(c)].rows();
+    const auto dropped = static_cast<int>(
+        std::count_if(solved.begin(), solved.end(), [&](int row) { return row >= at && row < at + rows; }));
     if (c < r.first_pair()) {
       for (int row : solved)
-        if (row >= at && row < at + rows) report.dependent_rows.push_back(row - at + data.f_offset[static_cast<std::size_t>(c)]);
+        if (row >= at && row < at + rows)
+          report.dependent_rows.push_back(row - at + data.f_offset[static_cast<std::size_t>(c)]);
       continue;
     }
     const PairRows& pair = *r.pairs[static_cast<std::size_t>(c - r.first_pair())];
@@ -140,7 +148,8 @@ void expand_forces(const SceneData& data, const double* y, double* f) {
   const Reduction& r = *data.workspace->reduction;
   each_single(data, r, [&](int to, int from, int rows) { std::copy_n(y + from, rows, f + to); });
   r.each_pair([&](int c, const PairRows& pair) {
-    const Eigen::Map<const Eigen::VectorXd> of(y + r.data->f_offset[static_cast<std::size_t>(c)], r.scene.contacts[static_cast<std::size_t>(c)].rows());
+    const Eigen::Map<const Eigen::VectorXd> of(y + r.data->f_offset[static_cast<std::size_t>(c)],
+                                               r.scene.contacts[static_cast<std::size_t>(c)].rows());
     each_member(data.f_offset, pair, [&](int to, int first, const auto& member) {
       for (Eigen::Index i = 0; i < member.Q.rows(); ++i)
         f[to + i] = pair.unit[static_cast<std::size_t>(first + i)] * member.Q.row(i).dot(of);
@@ -152,7 +161,8 @@ void reduce_forces(const SceneData& data, const double* f, double* y) {
   const Reduction& r = *data.workspace->reduction;
   each_single(data, r, [&](int from, int to, int rows) { std::copy_n(f + from, rows, y + to); });
   r.each_pair([&](int c, const PairRows& pair) {
-    Eigen::Map<Eigen::VectorXd> of(y + r.data->f_offset[static_cast<std::size_t>(c)], r.scene.contacts[static_cast<std::size_t>(c)].rows());
+    Eigen::Map<Eigen::VectorXd> of(y + r.data->f_offset[static_cast<std::size_t>(c)],
+                                   r.scene.contacts[static_cast<std::size_t>(c)].rows());
     of.setZero();
     each_member(data.f_offset, pair, [&](int from, int first, const auto& member) {
       for (Eigen::Index i = 0; i < member.Q.rows(); ++i)

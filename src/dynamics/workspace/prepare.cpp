@@ -158,12 +158,12 @@ void internal::prepare_islands(const Scene& scene, const SceneData& data) {
   const bool same_options = w.has_islands && w.islands_options == data.options;
   const bool all = !known || data.options.method == Method::kDenseSchur;
   w.has_islands = false;
-  keep_derivatives(w);
+  if (!w.reduction) keep_derivatives(w);  // with one, derivatives are not those of these islands
   if (!same_options) {  // other factors, in other orders
     w.islands.clear();
     w.pool.clear();
     w.lanes = {};
-    w.derivatives.islands.clear();
+    if (!w.reduction) w.derivatives.islands.clear();
     make_threads(data.options.threads, w);
   }
   w.lanes.level = lanes::level_of(data.options.lanes);
@@ -173,7 +173,7 @@ void internal::prepare_islands(const Scene& scene, const SceneData& data) {
   group_robots_alone(w);
   make_first_systems(scene, w);
   if (w.pool.trim()) forget_unused(w);
-  restore_derivatives(w);
+  if (!w.reduction) restore_derivatives(w);
   w.islands_active = data.active;
   w.springs = scene.springs.size();
   ++w.layout;

@@ -57,6 +57,20 @@ inline constexpr double kHeldApart = 1e-2;
 /// inertia of its own to have a pivot.
 inline constexpr double kHeldKept = 1e-2;
 
+// ---- pairs of bodies ------------------------------------------------------------------------------------------
+
+/// Of the pivots of a column-pivoted QR of the rows between two bodies, beside the largest: rows that span the others keep
+/// more than the first, and rows that depend on them leave less than the second, which is rounding of 12 to 100 rows.
+/// Points 1e-10 m apart are between the two; the factorization then tells what they are, as for rows of a posture. Half
+/// and double of either change no case of the tests.
+/// Used by: contact/pair_rows.hpp.
+inline constexpr double kPairIndependent = 1e-9, kPairDependent = 1e-13;
+
+/// Relative velocities and displacements of two bodies, relative to the velocities and levers they are differences of:
+/// below, the bodies move as one, and damped contacts between them do not contradict each other to first order.
+/// Used by: dynamics/reduction/derivatives.cpp.
+inline constexpr double kMovesAsOne = 1e-13;
+
 // ---- dependent rows -------------------------------------------------------------------------------------------
 
 /// What J_k - sum z_j J_j may leave of J's entries when row k depends on the rows kept: the sum's own rounding, below

@@ -42,8 +42,7 @@ struct MemberMotion {
 
   Vec6<S> drift() const {
     Vec6<S> x = S(c.beta) * nu;
-    if (c.type != ContactType::k6D)
-      x.template head<3>() += nu.template tail<3>().cross(nu.template head<3>());
+    if (c.type != ContactType::k6D) x.template head<3>() += nu.template tail<3>().cross(nu.template head<3>());
     if (c.alpha != 0) x += contact_error<S>(c, G, S(c.alpha));
     return x;
   }
@@ -51,8 +50,8 @@ struct MemberMotion {
   Vec6<S> by_motion(const Vec6<S>& dnu) const {
     Vec6<S> x = S(c.beta) * dnu;
     if (c.type != ContactType::k6D)
-      x.template head<3>() += dnu.template tail<3>().cross(nu.template head<3>()) +
-                              nu.template tail<3>().cross(dnu.template head<3>());
+      x.template head<3>() +=
+          dnu.template tail<3>().cross(nu.template head<3>()) + nu.template tail<3>().cross(dnu.template head<3>());
     return x;
   }
   /// And with a displacement s of A. log: log6_derivative(G), of 6D.
