@@ -159,7 +159,7 @@ void release(IslandWork& d) {
     d.robots->derivatives.reset();
   d.matrix.rows.reset();
   for (Factor* factor :
-       {d.matrix.chosen.get(), d.matrix.safe_in_order.get(), d.matrix.safe.get(), d.matrix.dense.get()})
+       {d.matrix.chosen.get(), d.matrix.safe_in_order.get(), d.matrix.safe.get(), d.matrix.proximal.get(), d.matrix.dense.get()})
     if (factor) factor->release_panels();
 }
 

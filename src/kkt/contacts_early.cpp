@@ -60,13 +60,23 @@ std::vector<Eigen::MatrixXd> of_unit_rows(std::vector<Eigen::MatrixXd> J) {
   return J;
 }
 
-// Robots by degree in the graph of those that contacts join: each is joined to few others when its turn comes.
+// Robots by degree in the graph of those that contacts join: each is joined to few others when its turn comes. Those
+// furthest from the ground count as joined to one more, which comes last: of a tower the end on the ground is then
+// eliminated first (pattern.cpp).
 std::vector<int> robots_by_degree(const Scene& scene, const Island& island) {
+  const int n = static_cast<int>(island.robots.size());
   std::vector<std::pair<int, int>> joined;
   for (int c : island.contacts)
     if (const Contact& contact = scene.contacts[c]; joins_robots(contact))
       joined.emplace_back(local_robot(island, contact.A.robot), local_robot(island, contact.B.robot));
-  return sparse::camd_order(sparse::make_pattern(static_cast<int>(island.robots.size()), std::move(joined)), {});
+  const std::vector<char> furthest = robots_furthest_from_ground(scene, island);
+  for (int r = 0; r < n; ++r)
+    if (furthest[r]) joined.emplace_back(r, n);
+  std::vector<int> last(n + 1, 0);
+  last[n] = 1;
+  std::vector<int> order = sparse::camd_order(sparse::make_pattern(n + 1, std::move(joined)), last);
+  order.pop_back();
+  return order;
 }
 
 // A contact is ready once the eliminated coordinates of its own, not yet used up by another, move it in as many
@@ -168,29 +178,37 @@ std::vector<int> contacts_early_order(const Scene& scene, const Island& island, 
   std::vector<int> natural(K.n);
   std::iota(natural.begin(), natural.end(), 0);
   const double most =
-      tolerance::kCheaper * cost(K, leaf_to_root_order(scene, island, alone ? natural : camd_order(island, K)));
-  const auto order_by = [&](double distinct) {
-    std::vector<int> perm = with_contacts(scene, island, support, J, robots, distinct);
-    double least = cost(K, perm);
-    if (by_degree != robots) {
-      std::vector<int> other = with_contacts(scene, island, support, J, by_degree, distinct);
-      if (const double of_other = cost(K, other); of_other < tolerance::kCheaper * least)
-        perm = std::move(other), least = of_other;
-    }
-    return std::pair(std::move(perm), least);
+      tolerance::kCheaper * cost(K, leaf_to_root_order(scene, island, alone ? natural : camd_order(scene, island, K)));
+  using Ordered = std::pair<std::vector<int>, double>;  // and its cost
+  const auto ordered = [&](const std::vector<int>& of_robots, double distinct) {
+    std::vector<int> perm = with_contacts(scene, island, support, J, of_robots, distinct);
+    const double of_perm = cost(K, perm);
+    return Ordered(std::move(perm), of_perm);
+  };
+  // By the robots' order and by degree, the one to be preferred first.
+  const auto orders_by = [&](double distinct) {
+    std::vector<Ordered> out{ordered(robots, distinct)};
+    if (by_degree != robots) out.push_back(ordered(by_degree, distinct));
+    if (out.back().second < tolerance::kCheaper * out.front().second) std::swap(out.front(), out.back());
+    return out;
+  };
+  const auto sound = [&](const Ordered& order) {
+    return order.second < most && holds(scene, island, support, K, order.first, tolerance::kMostGrowth, postures);
   };
   std::vector<int> perm;
   double least = 0;
   for (const double distinct : kSounder) {
-    std::tie(perm, least) = order_by(distinct);
-    if (least < most ? holds(scene, island, support, K, perm, tolerance::kMostGrowth, postures) : alone) break;
+    std::vector<Ordered> orders = orders_by(distinct);
+    const auto found = std::find_if(orders.begin(), orders.end(), sound);
+    std::tie(perm, least) = std::move(found == orders.end() ? orders.front() : *found);
+    if (found != orders.end() || (least >= most && alone)) break;
   }
   constexpr std::size_t kMany = 100;
   if (island.contacts.size() < kMany || postures.empty()) return perm;
   // Of many contacts that hold a hub some are in a poor posture wherever one looks, for which all were to wait for
   // more; and what they add to the hub sums up, ten in the place of one. If these alone wait, that may be far cheaper.
   for (const Numbers& numbers : postures) J.push_back(of_unit_rows(numbers.J));
-  auto [other, of_other] = order_by(3 * tolerance::kDistinct);
+  auto [other, of_other] = std::move(orders_by(3 * tolerance::kDistinct).front());
   const double most_growth = tolerance::kMostGrowth * static_cast<double>(island.contacts.size()) / 10;
   const bool better = of_other < 0.5 * least && holds(scene, island, support, K, other, most_growth, postures);
   return better ? std::move(other) : std::move(perm);

@@ -63,13 +63,61 @@ const sparse::LdlSchedule& KktPattern::schedule() const {
   return *made;
 }
 
+std::vector<char> robots_furthest_from_ground(const Scene& scene, const Island& island) {
+  const std::size_t n = island.robots.size();
+  std::vector<std::vector<int>> neighbours(n);
+  std::vector<int> reached, distance(n, -1);
+  for (int c : island.contacts) {
+    const Contact& contact = scene.contacts[c];
+    const int a = local_robot(island, robot_of(contact)), b = contact.B.robot < 0 ? a : local_robot(island, contact.B.robot);
+    if (joins_robots(contact) && a != b) {
+      neighbours[a].push_back(b), neighbours[b].push_back(a);
+    } else if (!joins_robots(contact) && distance[a] < 0) {
+      distance[a] = 0;
+      reached.push_back(a);
+    }
+  }
+  for (std::size_t next = 0; next < reached.size(); ++next)
+    for (int r : neighbours[reached[next]])
+      if (distance[r] < 0) distance[r] = distance[reached[next]] + 1, reached.push_back(r);
+  std::vector<char> furthest(n, 0);
+  for (int r : reached)
+    furthest[r] = !neighbours[r].empty() && std::none_of(neighbours[r].begin(), neighbours[r].end(),
+                                                         [&](int other) { return distance[other] > distance[r]; });
+  return furthest;
+}
+
+namespace {
+
+// A row more, after all others, which the joints of the robots furthest from the ground have entries in: whatever order
+// is as good as another eliminates a tower from the ground on, where what is held stays at rest. From the free end on the
+// inertia of all above would pass through the pivots of each contact below.
+sparse::UpperCsc with_row_of_furthest(const Scene& scene, const Island& island, const sparse::UpperCsc& K) {
+  const std::vector<char> furthest = robots_furthest_from_ground(scene, island);
+  sparse::UpperCsc out = K;
+  ++out.n;
+  for (std::size_t r = 0; r < furthest.size(); ++r) {
+    const int nv = scene.robots[island.robots[r]].model->nv;
+    for (int i = 0; furthest[r] && i < nv; ++i) out.i.push_back(island.dof_offset[r] + i);
+  }
+  out.i.push_back(K.n);
+  out.p.push_back(out.nonzeros());
+  return out;
+}
+
+}  // namespace
+
 // With the joints before the contacts.
-std::vector<int> camd_order(const Island& island, const sparse::UpperCsc& K) {
+std::vector<int> camd_order(const Scene& scene, const Island& island, const sparse::UpperCsc& K) {
   if (island.nv == 0)
     return sparse::camd_order(K, {});  // CAMD does not take a set that is all there is but not the first
   std::vector<int> set(island.size(), 0);
   std::fill(set.begin() + island.nv, set.end(), 1);
-  return sparse::camd_order(K, set);
+  if (island.robots.size() <= 2) return sparse::camd_order(K, set);
+  set.push_back(island.nc > 0 ? 2 : 1);
+  std::vector<int> order = sparse::camd_order(with_row_of_furthest(scene, island, K), set);
+  order.pop_back();
+  return order;
 }
 
 std::vector<int> leaf_to_root_order(const Scene& scene, const Island& island, const std::vector<int>& by_degree) {

@@ -25,7 +25,7 @@ class CholmodFactor final : public Factor {
     cholmod_->pivots(D_.data());
     const double ratio = cholmod_->smallest_pivot_ratio(K.values.data(), scratch.scale.data());
     growth_ = internal::growth_of(K, scratch.scale.data());
-    return internal::judge_pivots(K, D_.data(), ratio, scratch);
+    return internal::judge_pivots(K, nullptr, D_.data(), ratio, scratch);
   }
 
   void solve(double* x) override { cholmod_->solve(x, 1); }

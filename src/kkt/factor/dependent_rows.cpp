@@ -176,6 +176,7 @@ class DependentRowsFactor final : public Factor {
     const std::vector<double>& scale = scratch.scale;
     auto dropped = dependence_.dropped.begin();
     internal::PassedOnInTree passed_on(ldl_.pattern->ldl, scratch);
+    bool passed = false;
     for (int k = 0; k < K.size(); ++k) {
       if (dropped != dependence_.dropped.end() && *dropped == k) {
         ++dropped;
@@ -184,10 +185,12 @@ class DependentRowsFactor final : public Factor {
       }
       const bool of_M = of_M_[k];
       const double d = ldl_.D[k];
-      if (passed_on.next(k, of_M, std::abs(d) / (margin * scale[k]))) return false;
+      if (passed_on.next(k, of_M, std::abs(d) / (margin * scale[k]))) passed = true;
       if (!std::isfinite(scale[k]) || !is_left(K, k, d, scale[k], margin) || (d > 0) != of_M) return false;
     }
-    return true;
+    return !passed || !internal::any_pivot_is_rounding(
+                          ldl_.pattern->ldl, ldl_.L.data(), ldl_.D.data(), margin,
+                          [this](int k) { return of_M_[k] != 0; }, scratch);
   }
   // Whether more is left of row k than rounding, `margin` times over: d of its pivot's terms, and its own entries.
   bool is_left(const KktMatrix& K, int k, double d, double terms, double margin) const {

@@ -31,7 +31,7 @@ class LdlFactor final : public Factor {
       ratio = sparse::smallest_pivot_ratio(ldl_.pattern->K, ldl_.pattern->ldl, Kx, ldl_.L.data(), ldl_.D.data(), scale);
     }
     growth_ = internal::growth_of(K, scale);
-    const Reason reason = internal::judge_pivots(K, ldl_.D.data(), ratio, scratch);
+    const Reason reason = internal::judge_pivots(K, ldl_.L.data(), ldl_.D.data(), ratio, scratch);
     // Growth beyond all numbers: no residual of a solve vouches for other right-hand sides.
     return reason == Reason::kNone && !std::isfinite(growth_) ? Reason::kSmallPivot : reason;
   }

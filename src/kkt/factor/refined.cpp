@@ -47,26 +47,32 @@ void refine_contradiction(Factor& factor, const KktMatrix& K, KktVectors& v) {
 
 }  // namespace
 
-sparse::Refinement solve_refined(Factor& factor, const KktMatrix& K, KktVectors& v, int max_steps) {
-  const bool dependent = factor.rank() < K.nc();
-  if (dependent) {
-    std::fill(v.null_component.begin(), v.null_component.end(), 0.0);
-    factor.project_out(v.b.data(), v.null_component.data());
-    refine_contradiction(factor, K, v);
-  }
+void internal::take_out_contradiction(Factor& factor, const KktMatrix& K, KktVectors& v) {
+  if (factor.rank() == K.nc()) return;
+  std::fill(v.null_component.begin(), v.null_component.end(), 0.0);
+  factor.project_out(v.b.data(), v.null_component.data());
+  refine_contradiction(factor, K, v);
+}
+
+void internal::put_back_contradiction(const Factor& factor, const KktMatrix& K, KktVectors& v) {
+  if (factor.rank() < K.nc()) restore(*K.pattern, v);
+}
+
+sparse::Refinement Factor::solve_refined(const KktMatrix& K, KktVectors& v, int max_steps) {
+  internal::take_out_contradiction(*this, K, v);
   v.x = v.b;
-  factor.solve(v.x.data());
+  solve(v.x.data());
   const sparse::Refinement refinement = sparse::refine(
       max_steps, tolerance::kRefined,
       [&] {
         residual(K, v);
-        return factor.backward_error(v.r, v.scale);
+        return backward_error(v.r, v.scale);
       },
       [&] {
-        factor.correct(v.r.data());
+        correct(v.r.data());
         for (std::size_t k = 0; k < v.x.size(); ++k) v.x[k] += v.r[k];
       });
-  if (dependent) restore(*K.pattern, v);
+  internal::put_back_contradiction(*this, K, v);
   return refinement;
 }
 

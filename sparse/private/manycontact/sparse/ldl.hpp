@@ -49,6 +49,11 @@ LdlCounts ldl_count(const UpperCsc& A);
 
 /// x <- A^-1 x.
 void ldl_solve(const LdlSymbolic& symbolic, const double* Lx, const double* D, double* x);
+/// The same in the rows from `first` on, where x is zero in those before, which are left so.
+void ldl_solve_trailing(const LdlSymbolic& symbolic, const double* Lx, const double* D, int first, double* x);
+/// The same of a row-major panel of so many columns, rows in A's order.
+inline constexpr int kTrailingColumns = 8;
+void ldl_solve_trailing_columns(const LdlSymbolic& symbolic, const double* Lx, const double* D, int first, double* X);
 
 /// X <- A^-1 X for the columns first ... first+cols-1 of a row-major panel with row stride ld; row k of A's order is
 /// row row[k] of X. nonzero: n flags in A's order, set where a row of X is not zero (in these columns); overwritten.

@@ -98,6 +98,40 @@ inline constexpr double kNullEntry = 1e-15;
 inline constexpr double kNullColumn = 1e-14;
 inline constexpr int kNullColumnSteps = 2;
 
+// ---- large islands -----------------------------------------------------------------------------------------------
+
+/// Rows of J beyond which the oracle is asked only where that was asked for: of 300 it takes 30 ms, of 600 170 ms.
+/// Used by: the ways to solve the whole K, as all in this part.
+inline constexpr int kFewRows = 300;
+/// Beyond so many loops of robots, in islands of more rows, rows that depend are found by the proximal factor: where
+/// they are dropped, the null space of 64 boxes in a pyramid takes 2.4 ms, of 100 in a grid 33 ms, and it 1 and 3 ms.
+inline constexpr int kFewLoops = 8;
+
+// ---- the proximal factor ----------------------------------------------------------------------------------------
+
+/// delta, beside the largest diagonal entry of J M^-1 J^T: a thousand times the rounding of its pivots. Those of rows
+/// that depend are then below 4e-10 on walls of 3,600 boxes, others above 3e-8; at 1e-10 the two meet there.
+/// Used by: ProximalFactor, as all in this part.
+inline constexpr double kProximal = 1e-12;
+/// Pivots of dependent rows beside delta, at most: 1 + |z|^2 of the coefficients z, which are 1 to 20 on walls, grids
+/// and pyramids of up to 3,600 boxes. Others are so many times larger: pivots between refuse the factor.
+inline constexpr double kProximalPivot = 1e3;
+inline constexpr double kProximalGap = 3;
+/// Of the projection's factor for the smallest eigenvalue of J M^-1 J^T, which is usually below 1e-3: from 1/2 on rows
+/// are taken to depend but nearly.
+inline constexpr double kSlowest = 0.5;
+inline constexpr int kMostApplications = 12;
+/// Entries of random vectors' projections, below which a row is in no null vector: a thousand times their rounding.
+inline constexpr double kInNullSpace = 1e-11;
+/// What is left of a null space's part, beside all, that no projection more takes out; and how many are made for it.
+inline constexpr double kProjected = 1e-11;
+inline constexpr int kProjections = 6;
+/// Proximal steps gain a factor of 1e3 and more each; a poor posture may need more.
+inline constexpr int kProximalSteps = 8;
+/// Contacts contradict each other where steps leave more than this of delta f in their rows: they leave all of it then,
+/// and rounding of 1e-4 of it otherwise.
+inline constexpr double kProximalAgree = 1e-2;
+
 // ---- refinement -----------------------------------------------------------------------------------------------
 
 /// Backward error at which refinement has nothing left to gain: a few eps, rounding of the residual itself.

@@ -16,7 +16,7 @@ namespace manycontact::internal {
 
 namespace {
 
-enum class FactorKind { kChosen, kDependentRows, kDense };
+enum class FactorKind { kChosen, kDependentRows, kProximal, kDense };
 
 struct Attempt {
   FactorKind kind;
@@ -31,11 +31,17 @@ Factor& factor_of(MatrixSystem& m, FactorKind kind, Order order) {
   };
   if (kind == FactorKind::kDependentRows)
     return made(order == Order::kLeafToRoot ? m.safe : m.safe_in_order, make_dependent_rows_factor);
+  if (kind == FactorKind::kProximal) return made(m.proximal, make_proximal_factor);
   if (kind == FactorKind::kDense) return made(m.dense, make_dense_factor);
   return made(m.chosen, [&m] { return make_factor(m.owner.choice.method, m.owner.shape); });
 }
 
-constexpr int kOracleRows = 3000;  // of K, at most: seconds of a decomposition
+// Whether the oracle may be asked though another method was asked for: its time is cubic, its memory square.
+bool may_ask_oracle(const MatrixSystem& m) {
+  constexpr int kOracleSize = 3000;  // rows of K
+  return m.owner.choice.method == Method::kDense ||
+         (m.owner.island.nc <= tolerance::kFewRows && m.owner.island.size() <= kOracleSize);
+}
 
 // What the rows of the island's J are judged beside.
 void row_scales(const Scene& scene, const Workspace& w, const Island& island, std::vector<double>& size) {
@@ -98,27 +104,39 @@ lanes::Contradiction contradiction_of(const Scene& scene, const Workspace& w, Ma
 // The backward error where rows are judged beside what they are computed from as well, however small the products are
 // that this enters: entries of M are rounded beside sqrt(M_jj M_kk), of J beside row_size, and two digits less are not
 // believed. At rest, or falling, whole rows are such rounding. (Not where rows were dropped: those kept are judged
-// strictly, since what rounding is may be what they were told apart by.)
-double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const std::vector<double>& row_size) {
+// strictly, since what rounding is may be what they were told apart by. The proximal factor drops none, and leaves
+// rounding of all forces in rows that none of them should have.)
+double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const std::vector<double>& row_size,
+                              std::vector<double>& forces) {
   constexpr double kPart = 0.01;
   const KktPattern& p = *m.K.pattern;
   const KktVectors& v = m.v;
-  double error = 0;
+  double error = 0, of_rows = 0;
+  for (int at = 0; m.deficient() && at < p.size(); ++at)
+    of_rows = std::max(of_rows, (p.perm[at] < p.nv ? std::numeric_limits<double>::epsilon() : 1) * v.scale[at]);
   const auto judge = [&](int k, double size) {
     const int at = p.iperm[k];
-    const double left = std::abs(v.r[at]);
-    if (left != 0) error = sparse::larger_or_nan(error, left / std::max(v.scale[at], kPart * size));
+    const double least = k < p.nv ? 0 : of_rows;  // what contacts cannot agree on was taken out by its largest entries
+    const double left = std::abs(m.deficient() ? v.r[at] - v.null_component[at] : v.r[at]);
+    if (left != 0) error = sparse::larger_or_nan(error, left / std::max({v.scale[at], kPart * size, least}));
   };
   const auto a = [&](int k) { return std::abs(v.x[p.iperm[k]]); };
   const auto root = [&](int k) { return std::sqrt(m.K.values[p.K.p[p.iperm[k] + 1] - 1]); };
   const Island& island = m.owner.island;
+  const std::vector<std::vector<int>>& columns = m.owner.shape->support().columns;
+  forces.assign(m.K.size(), 0.0);  // of them at each velocity, beside J's entries there
+  for (std::size_t c = 0; m.deficient() && c < island.contacts.size(); ++c) {
+    double sum = 0;
+    for (int i = 0, row = island.row_offset[c]; i < scene.contacts[island.contacts[c]].rows(); ++i, ++row)
+      sum += row_size[row] * a(island.nv + row);
+    for (int k : columns[c]) forces[k] += sum;
+  }
   for (std::size_t r = 0; r < island.robots.size(); ++r) {
     const int first = island.dof_offset[r], end = first + scene.robots[island.robots[r]].model->nv;
     double sum = 0;
     for (int k = first; k < end; ++k) sum += root(k) * a(k);
-    for (int k = first; k < end; ++k) judge(k, root(k) * sum);
+    for (int k = first; k < end; ++k) judge(k, root(k) * sum + forces[k]);
   }
-  const std::vector<std::vector<int>>& columns = m.owner.shape->support().columns;
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
     double sum = 0;
     for (int k : columns[c]) sum += a(k);
@@ -154,8 +172,8 @@ Reason factorize_and_solve(const Scene& scene, const SceneData& data, FactorScra
   const double most = by.kind == FactorKind::kDense ? std::numeric_limits<double>::max() : tolerance::kConverged;
   m.factor = &factor;
   if (m.rows) m.rows->known = false;
-  if (!(refinement.backward_error <= most) && !m.deficient())
-    refinement.backward_error = backward_error_of_data(scene, m, scratch.row_scale);
+  if (!(refinement.backward_error <= most) && (!m.deficient() || by.kind == FactorKind::kProximal))
+    refinement.backward_error = backward_error_of_data(scene, m, scratch.row_scale, scratch.scale);
   if (!(refinement.backward_error <= most)) return Reason::kLargeResidual;
   m.first_error = refinement.first;
   report.backward_error = refinement.backward_error;
@@ -164,7 +182,7 @@ Reason factorize_and_solve(const Scene& scene, const SceneData& data, FactorScra
   m.contradiction = false;
   if (m.deficient()) {
     const lanes::Contradiction of = contradiction_of(scene, *data.workspace, m, scratch.row_scale);
-    if (by.kind != FactorKind::kDense && of.needs_oracle() && m.owner.island.size() <= kOracleRows)
+    if (by.kind != FactorKind::kDense && of.needs_oracle() && may_ask_oracle(m))
       return Reason::kSmallPivot;
     m.contradiction = of.exceeds_rounding();
     report.status = of.contradicts() ? Status::kInconsistent : Status::kRedundant;
@@ -196,7 +214,15 @@ bool drops_in_chosen_order(const MatrixSystem& m) {
   return cost(order) < kFarCheaper * cost(Order::kLeafToRoot);
 }
 
-constexpr Attempt kByDependentRows{FactorKind::kDependentRows, Order::kLeafToRoot, 0};
+// Whether rows may depend on each other across many bodies: then how they do is no sparse matrix, and rows are not
+// dropped.
+bool depends_globally(const MatrixSystem& m) {
+  return m.owner.island.nc > tolerance::kFewRows && m.owner.shape->loops() > tolerance::kFewLoops;
+}
+
+Attempt by_dependent_rows(const MatrixSystem& m) {
+  return {depends_globally(m) ? FactorKind::kProximal : FactorKind::kDependentRows, Order::kLeafToRoot, 0};
+}
 
 // From the chosen way down: its order, dropping rows that depend on others, where leaf-to-root is far more work; the
 // same method in leaf-to-root order, which is sound unless rows depend on each other (of CHOLMOD only where damping
@@ -211,12 +237,13 @@ Attempts fallbacks_of(const MatrixSystem& m, double damping) {
   const auto [method, order] = m.owner.choice;
   if (method != Method::kDense) out.add({FactorKind::kChosen, order, damping});
   if (method == Method::kDenseSchur) return out;  // the baseline stands alone
-  if (damping == 0 && drops_in_chosen_order(m)) out.add({FactorKind::kDependentRows, order, 0});
-  if (order != Order::kLeafToRoot &&
+  const bool globally = damping == 0 && depends_globally(m);
+  if (damping == 0 && !globally && drops_in_chosen_order(m)) out.add({FactorKind::kDependentRows, order, 0});
+  if (!globally && order != Order::kLeafToRoot &&
       (damping > 0 ? has_order(method) : method == Method::kSparseLdl || method == Method::kSparseBodies))
     out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
-  if (method != Method::kDense && damping == 0) out.add(kByDependentRows);
-  out.add({FactorKind::kDense, order, damping});
+  if (method != Method::kDense && damping == 0) out.add(by_dependent_rows(m));
+  if (may_ask_oracle(m)) out.add({FactorKind::kDense, order, damping});
   return out;
 }
 
@@ -224,14 +251,17 @@ Attempts fallbacks_of(const MatrixSystem& m, double damping) {
 
 bool solve_by_dependent_rows(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& m,
                              IslandReport& report) {
-  const auto solve_in = [&](Order order) {
-    if (attempt(scene, data, scratch, {FactorKind::kDependentRows, order, 0}, m, report) != Reason::kNone) return false;
-    report.changed_order = m.owner.choice.order != order;
+  const auto solve_by = [&](const Attempt& by) {
+    if (attempt(scene, data, scratch, by, m, report) != Reason::kNone) return false;
+    report.changed_order = m.owner.choice.order != by.order;
     report.reason = Reason::kSmallPivot;
     return true;
   };
+  const bool in_order = !depends_globally(m) && drops_in_chosen_order(m);
   if (scene.damping == 0 &&
-      ((drops_in_chosen_order(m) && solve_in(m.owner.choice.order)) || solve_in(Order::kLeafToRoot)) && m.deficient())
+      ((in_order && solve_by({FactorKind::kDependentRows, m.owner.choice.order, 0})) ||
+       solve_by(by_dependent_rows(m))) &&
+      m.deficient())
     return true;
   m.factor = nullptr;
   m.state = 0;  // whoever asks for the whole K again gets it as if this had not been tried
@@ -250,21 +280,21 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
     last = attempt(scene, data, scratch, by, m, report);
     if (k == 0) first = last;
     if (last != Reason::kNone) continue;
-    report.reason = by.kind == FactorKind::kDependentRows && m.deficient() ? Reason::kSmallPivot : first;
+    report.reason = by.kind != FactorKind::kDense && m.deficient() ? Reason::kSmallPivot : first;
     report.changed_order = by.kind != FactorKind::kDense && by.order != order;
     return true;
   }
   report.reason = last;
   if (last != Reason::kSmallPivot || scene.damping == 0 || method == Method::kDenseSchur) return false;
   // A damping below the rounding of K: the answer without it, as a neighbouring problem's.
-  if (attempt(scene, data, scratch, kByDependentRows, m, report) != Reason::kNone) return false;
+  if (attempt(scene, data, scratch, by_dependent_rows(m), m, report) != Reason::kNone) return false;
   report.status = Status::kRegularised;
   report.reason = Reason::kDampingLost;
   return true;
 }
 
 bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& m) {
-  if (m.factor == m.dense.get() || m.owner.island.size() > kOracleRows) return false;
+  if (m.factor == m.dense.get() || !may_ask_oracle(m)) return false;
   const Attempt oracle{FactorKind::kDense, m.owner.choice.order, scene.damping};
   if (attempt(scene, data, thread.scratch, oracle, m, thread.spare_report) == Reason::kNone) return true;
   (void)solve_by_fallbacks(scene, data, thread.scratch, m, thread.spare_report);  // as before, for calls to come

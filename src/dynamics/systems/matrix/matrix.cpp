@@ -45,7 +45,8 @@ void take_answer(const Scene& scene, SceneData& data, const MatrixSystem& m, Isl
     for (int i = 0; i < n; ++i) data.f[first + i] *= -unit_of(m, row + i);
   });
   report_residuals(scene, p, m.v, report);
-  if (m.deficient()) report.backward_error = sparse::componentwise_backward_error(m.v.r, m.v.scale);
+  if (m.deficient() && (m.contradiction || m.factor != m.proximal.get()))
+    report.backward_error = sparse::componentwise_backward_error(m.v.r, m.v.scale);
 }
 
 // solve(), which says whether there is an answer; once more with J changed where fewer rows depend on each other than
@@ -104,7 +105,7 @@ void take_judged_answer(const Scene& scene, SceneData& data, ThreadWork& thread,
 
 bool MatrixSystem::solve(const Scene& scene, SceneData& data, ThreadWork& thread, IslandReport& report) {
   const bool answered = solve_at_state(scene, data, thread, *this, report);
-  was_dependent = answered && scene.damping == 0 && by_dependent_rows();
+  was_dependent = answered && scene.damping == 0 && found_dependent();
   if (answered) take_judged_answer(scene, data, thread, *this, report);
   return answered;
 }

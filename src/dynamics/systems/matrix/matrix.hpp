@@ -55,6 +55,8 @@ class MatrixSystem final : public IslandSystem {
   /// Whether that is why a factor which drops such rows answered.
   bool dropped_rows() const;
   bool by_dependent_rows() const { return deficient() && (factor == safe.get() || factor == safe_in_order.get()); }
+  /// The same, or by the proximal factor, which no robot in lanes can follow.
+  bool found_dependent() const { return by_dependent_rows() || (deficient() && factor == proximal.get()); }
 
   IslandWork& owner;
   std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J; by make_joint_space
@@ -65,7 +67,7 @@ class MatrixSystem final : public IslandSystem {
   std::vector<double> unit;       // nc, or empty where all are 1: S of row_units.hpp, of K and v
   // Made when first needed: the choice's, and those it falls back to, without dependent rows in the chosen order and
   // leaf-to-root, and dense.
-  std::unique_ptr<Factor> chosen, safe_in_order, safe, dense;
+  std::unique_ptr<Factor> chosen, safe_in_order, safe, proximal, dense;
   Factor* factor = nullptr;    // the one that answered; nullptr: none did
   double first_error = 0;      // backward error before refinement
   bool contradiction = false;  // the contacts contradict each other: least squares

@@ -46,8 +46,12 @@ sparse::UpperCsc natural_pattern(const Scene& scene, const Island& island, const
 
 // The orders in which rows of K are eliminated: permutations, as KktPattern::perm. K: natural_pattern.
 
-/// Order::kCamd.
-std::vector<int> camd_order(const Island& island, const sparse::UpperCsc& K);
+/// Of each of the island's robots whether it has a neighbour, through a contact, and none is further from the ground,
+/// counted in contacts; none where no contact is with the ground. Of a tower that is the free end.
+std::vector<char> robots_furthest_from_ground(const Scene& scene, const Island& island);
+
+/// Order::kCamd. Where it makes no other difference, contacts on the robots furthest from the ground come late.
+std::vector<int> camd_order(const Scene& scene, const Island& island, const sparse::UpperCsc& K);
 /// Order::kLeafToRoot. by_degree: camd_order's, whose order the contact rows have among themselves.
 std::vector<int> leaf_to_root_order(const Scene& scene, const Island& island, const std::vector<int>& by_degree);
 /// Order::kContactsEarly. It looks at the contacts' J in a posture without symmetry, so it depends on the contacts'

@@ -32,6 +32,8 @@ class IslandShape {
   /// Of the factor in that order, whose pattern need not be made to know.
   const sparse::LdlCounts& counts(Order order);
   const std::shared_ptr<const KktPattern>& pattern(Order order);
+  /// Contacts less than would make the graph of robots and ground they join a forest, those of like ends being one.
+  int loops();
   const std::shared_ptr<const SchurPattern>& schur();
   /// CHOLMOD's analysis of K in that order, rows left as they are.
   const std::shared_ptr<const sparse::CholmodSymbolic>& cholmod(Order order);
@@ -53,6 +55,7 @@ class IslandShape {
   std::unique_ptr<const BodySubtrees> body_parts_;
   std::array<std::shared_ptr<const KktPattern>, std::size(kOrders)> patterns_;
   std::array<std::shared_ptr<const sparse::CholmodSymbolic>, std::size(kOrders)> cholmod_;
+  std::optional<int> loops_;
   std::shared_ptr<const SchurPattern> schur_;
   std::shared_ptr<const sparse::CholmodSymbolic> cholmod_schur_;
 };

@@ -55,6 +55,8 @@ class Factor {  // one island's factor, whatever the method
   /// The same of what an answer leaves, b - K x, where b has no part P b (project_out): of dependent rows those kept
   /// alone. What rounding leaves of J x in the others no correction of x takes away.
   virtual void correct(double* r) { solve(r); }
+  /// v.x <- K^-1 v.b, refined by at most max_steps corrections of the true residual; see refined.hpp.
+  virtual sparse::Refinement solve_refined(const KktMatrix& K, KktVectors& v, int max_steps);
   /// The componentwise backward error of that (sparse/refine.hpp). Of dependent rows those dropped, sums of z_j times
   /// rows kept, are judged beside |z_j| times these rows' scale.
   virtual double backward_error(std::span<const double> r, std::span<const double> scale) {

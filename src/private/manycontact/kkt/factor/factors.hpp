@@ -17,6 +17,11 @@ std::unique_ptr<Factor> make_ldl_factor(Method method);
 /// (sparse/dependent_rows.hpp). K must be in leaf-to-root order. Refused where rounding hides which rows these are.
 std::unique_ptr<Factor> make_dependent_rows_factor();
 
+/// The same, damping 0, where rows depend on each other across many bodies: by the factor of K with a small damping,
+/// which takes no more than that of any damped K, and steps that converge to what damping 0 gives. K in any order that
+/// is sound with damping. Refused where rounding hides which rows depend.
+std::unique_ptr<Factor> make_proximal_factor();
+
 /// K = L D L^T by CHOLMOD's simplicial part, in K's order.
 std::unique_ptr<Factor> make_cholmod_factor(std::shared_ptr<IslandShape> shape);
 

@@ -1,0 +1,461 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <numeric>
+
+#include "ldl_numbers.hpp"
+#include "manycontact/kkt/factor/factors.hpp"
+#include "manycontact/kkt/factor/refined.hpp"
+#include "manycontact/sparse/largest.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+#include "pivots.hpp"
+
+// With S = J M^-1 J^T and a small delta, K_delta = [M J^T; J -delta I] has a factor in any sound order, whichever rows
+// of J depend on each other. The operator K_delta^-1 gives three things:
+//
+//   E y = delta (S + delta)^-1 y          from K_delta [.; x] = [0; y] with x = -E y / delta. On the null space of J^T
+//                                         it is the identity, on an eigenvector of S with eigenvalue s it is
+//                                         delta / (delta + s). Its powers converge to the projector P.
+//   x + K_delta^-1 (b - K x)              a proximal step: from x = 0 it converges to the solution of K x = b, b without
+//                                         P b, whose forces have no part in the null space: those of least norm.
+//   rank                                  a row that depends on the rows before it has a pivot of delta (1 + |z|^2), z its
+//                                         coefficients. The pivot of any other row hardly depends on delta.
+//
+// The residual's own rounding, eps of b, becomes forces eps / delta large in the null space (beside S of 1), which moves
+// nothing: P f is taken out at the end. E keeps a vector of the null space but for a part of eps / delta ("drift"), so
+// that P is applied several times.
+// Source: Rockafellar, SIAM J. Control Optim. 14 (1976), sec. 4; Gill, Saunders, Shinnerl, SIAM J. Matrix Anal. Appl.
+// 17 (1996).
+
+namespace manycontact {
+
+namespace {
+
+constexpr double kEps = std::numeric_limits<double>::epsilon();
+constexpr int kProbes = sparse::kTrailingColumns;  // as fast as a few vectors
+constexpr int kChunk = 64;  // columns of a panel at a time
+
+double largest(std::span<const double> x) {
+  double out = 0;
+  for (double entry : x) out = sparse::larger_or_nan(out, std::abs(entry));
+  return out;
+}
+
+class ProximalFactor final : public Factor {
+ public:
+  Method method() const override { return Method::kSparseLdl; }
+
+  Reason factorize(const KktMatrix& K, FactorScratch& scratch) override {
+    if (ldl_.pattern != K.pattern) take(K.pattern);
+    K_ = &K;
+    if (scratch.scale.size() < ldl_.D.size()) scratch.scale.resize(ldl_.D.size());
+    const double S = largest_of_S();
+    if (!(S > 0) || !std::isfinite(S)) return Reason::kSingularInertia;
+    delta_ = tolerance::kProximal * S;
+    if (!factorize_damped(scratch)) return Reason::kZeroPivot;
+    if (const Reason reason = judge(scratch.scale.data()); reason != Reason::kNone) return reason;
+    return count_dependent_rows() && certify(scratch) ? Reason::kNone : Reason::kSmallPivot;
+  }
+
+  // The generalised inverse, refined.
+  void solve(double* x) override {
+    std::copy_n(x, b_.size(), b_.data());
+    project_out(b_.data(), nullptr);
+    std::copy(b_.begin(), b_.end(), x);
+    ldl_.solve(x);
+    for (int step = 0; step < own_refinements(); ++step) {
+      sparse::panel_kernels().residual_vector(ldl_.pattern->K, K_->values.data(), x, b_.data(), r_.data(),
+                                              scale_.data());
+      ldl_.solve(r_.data());
+      for (std::size_t k = 0; k < r_.size(); ++k) x[k] += r_[k];
+    }
+    project_out(x, nullptr);
+  }
+  sparse::Refinement solve_refined(const KktMatrix& K, KktVectors& v, int max_steps) override;
+  void solve_panel(double* X, int ld, int first, int cols, char* nonzero) override;
+
+  int own_refinements() const override { return 2; }
+  double growth() const override { return growth_; }
+  int rank() const override { return ldl_.pattern->nc - static_cast<int>(dropped_.size()); }
+  void dependent_rows(std::vector<int>& rows) const override { rows.assign(dropped_.begin(), dropped_.end()); }
+  int nonzeros() const override { return ldl_.nonzeros(); }
+  double left_of_dropped_rows() const override { return left_; }
+  void null_space_rows(std::span<char> rows) const override {
+    for (int k = 0; k < ldl_.pattern->nc; ++k) rows[k] = in_null_space_[ldl_.pattern->iperm[ldl_.pattern->nv + k]];
+  }
+  double projector_error() const override {
+    return dropped_.empty() ? 0 : tolerance::kBoundRounding * kEps * std::sqrt(ldl_.pattern->nc);
+  }
+  void project_out(double* y, double* null_component) override;
+  void project_out_panel(double* X, int ld, int cols) override;
+  void release_panels() override {
+    for (std::vector<double>* panel : {&X_, &B_, &W_}) *panel = {};
+  }
+
+ private:
+  void take(const std::shared_ptr<const KktPattern>& pattern) {
+    const std::size_t n = pattern->size();
+    damped_.resize(pattern->K.nonzeros());
+    of_M_.resize(n);
+    for (std::size_t k = 0; k < n; ++k) of_M_[k] = pattern->perm[k] < pattern->nv;
+    M_first_ = std::is_sorted(of_M_.begin(), of_M_.end(), std::greater<>());
+    in_null_space_.assign(n, 0);
+    dropped_.reserve(pattern->nc);
+    for (std::vector<double>* x : {&b_, &r_, &scale_, &w_}) x->resize(n);
+    for (std::vector<double>* X : {&probes_, &before_}) X->resize(n * kProbes);
+    nonzero_.assign(n, 1);
+    same_.resize(n);
+    std::iota(same_.begin(), same_.end(), 0);
+    ldl_.take(pattern, true);
+  }
+
+  // The largest diagonal entry of S, M's own diagonal in the place of M.
+  double largest_of_S() {
+    const sparse::UpperCsc& A = ldl_.pattern->K;
+    std::fill(r_.begin(), r_.end(), 0.0);
+    for (int k = 0; k < A.n; ++k)
+      for (int p = A.p[k]; p < A.p[k + 1] - 1; ++p) {
+        const int i = A.i[p];
+        if (of_M_[i] == of_M_[k]) continue;
+        const int row = of_M_[i] ? k : i, column = of_M_[i] ? i : k;
+        r_[row] += K_->values[p] * K_->values[p] / K_->values[A.p[column + 1] - 1];
+      }
+    return largest(r_);
+  }
+
+  bool factorize_damped(FactorScratch& scratch) {
+    const KktPattern& p = *ldl_.pattern;
+    std::copy(K_->values.begin(), K_->values.end(), damped_.begin());
+    for (int slot : p.diagonal_slot) damped_[slot] = -delta_;
+    if (ldl_.schedule) {
+      sparse::panel_kernels().factor(*ldl_.schedule, damped_.data(), ldl_.L.data(), ldl_.D.data(),
+                                     scratch.scale.data());
+      return true;
+    }
+    if (sparse::ldl_factor(p.K, p.ldl, damped_.data(), scratch.ldl, ldl_.L.data(), ldl_.D.data()) != p.size())
+      return false;
+    (void)sparse::smallest_pivot_ratio(p.K, p.ldl, damped_.data(), ldl_.L.data(), ldl_.D.data(), scratch.scale.data());
+    return true;
+  }
+
+  // M's pivots as of any factor; those of J's rows have their sign.
+  Reason judge(const double* scale) {
+    growth_ = std::max(1.0, internal::growth_of(*K_, scale));
+    const sparse::UpperCsc& A = ldl_.pattern->K;
+    for (int k = 0; k < A.n; ++k) {
+      const double d = ldl_.D[k];
+      if (!std::isfinite(d) || d == 0 || !std::isfinite(scale[k])) return Reason::kZeroPivot;
+      if ((d > 0) != static_cast<bool>(of_M_[k])) return of_M_[k] ? Reason::kSingularInertia : Reason::kWrongInertia;
+      if (of_M_[k] && std::min(d, K_->values[A.p[k + 1] - 1]) < tolerance::kPivotLeft * scale[k])
+        return Reason::kSingularInertia;
+    }
+    return growth_ <= tolerance::kMostGrowth ? Reason::kNone : Reason::kSmallPivot;
+  }
+
+  // False where pivots are neither plainly those of dependent rows nor plainly others.
+  bool count_dependent_rows() {
+    const KktPattern& p = *ldl_.pattern;
+    dropped_.clear();
+    bool plain = true;
+    for (int k = 0; k < p.nc; ++k) {
+      const double d = -ldl_.D[p.iperm[p.nv + k]] / delta_;
+      if (d <= tolerance::kProximalPivot) dropped_.push_back(k);
+      else if (d < tolerance::kProximalGap * tolerance::kProximalPivot) plain = false;
+    }
+    return plain;
+  }
+
+  // Y <- E X of panels with all of K's rows, X's rows of M being zero, and so are then Y's.
+  void apply_panel(double* X, int ld, int cols) {
+    std::fill(nonzero_.begin(), nonzero_.end(), 1);
+    ldl_.solve_panel(X, ld, 0, cols, nonzero_.data());
+    const int* perm = ldl_.pattern->perm.data();
+    for (int k = 0; k < ldl_.pattern->size(); ++k) {
+      double* x = X + static_cast<std::ptrdiff_t>(perm[k]) * ld;
+      for (int c = 0; c < cols; ++c) x[c] *= of_M_[k] ? 0 : -delta_;
+    }
+  }
+
+  // w <- E w for the contacts' rows of w, M's are zero before and after. Where M comes first its columns are not needed.
+  void apply(double* w) {
+    if (M_first_)
+      sparse::ldl_solve_trailing(ldl_.pattern->ldl, ldl_.L.data(), ldl_.D.data(), ldl_.pattern->nv, w);
+    else
+      ldl_.solve(w);
+    for (std::size_t k = 0; k < w_.size(); ++k) w[k] *= of_M_[k] ? 0 : -delta_;
+  }
+
+  sparse::Refinement refine(const KktMatrix& K, KktVectors& v);
+  bool agrees(const KktVectors& v) const;
+  void refine_contradiction(KktVectors& v);
+  void project(double* y, double* null_component, double left);
+  bool certify(FactorScratch& scratch);
+  void start_probes();
+  void apply_to_probes();
+  double* probe(int k) { return probes_.data() + static_cast<std::ptrdiff_t>(k) * kProbes; }
+  double left_of_probes(const FactorScratch& scratch);
+  void measure_drift();
+  void take_null_space_rows();
+
+  void take_columns(const double* X, int ld, int first, int cols);
+  void give_columns(double* X, int ld, int first, int cols) const;
+  void apply_to_columns(int cols, int times);
+  void take_out_of_columns(int cols);
+  void project_columns(int cols);
+  void solve_columns(int cols);
+
+  internal::LdlNumbers ldl_;
+  const KktMatrix* K_ = nullptr;
+  double delta_ = 0;
+  std::vector<char> of_M_, in_null_space_;  // in K's order
+  bool M_first_ = true;                     // no row of M comes after one of J
+  std::vector<int> dropped_;                // rows of J
+  std::vector<double> damped_;              // K_delta
+  double growth_ = 1;
+  double drift_ = 0;      // of a vector that E keeps: what rounding makes of it
+  int applications_ = 1;  // of E, until it is P
+  double left_ = 0;       // of J^T on the null space, beside the rows
+  std::vector<double> b_, r_, scale_, w_, probes_, before_;  // scratch, in K's order
+  std::vector<double> X_, B_, W_;  // of panels: kChunk columns of all rows
+  std::vector<char> nonzero_;
+  std::vector<int> same_;  // 0, 1, 2 ...
+};
+
+// Random vectors in the place of P's columns: E^k of them is P of them once J^T of that is rounding, which it never is
+// where a row that was dropped depends on the others but nearly: an eigenvector of S that E neither takes away nor
+// keeps shows in nearly all random vectors. Forces are smoother than these, and have more of the smallest eigenvalues': they
+// take one application more.
+bool ProximalFactor::certify(FactorScratch& scratch) {
+  left_ = drift_ = 0;
+  applications_ = 1;
+  std::fill(in_null_space_.begin(), in_null_space_.end(), 0);
+  if (dropped_.empty()) return true;
+  start_probes();
+  double last = std::numeric_limits<double>::infinity();
+  for (int k = 1; k < tolerance::kMostApplications; ++k, last = left_) {
+    before_ = probes_;
+    apply_to_probes();
+    measure_drift();
+    left_ = left_of_probes(scratch);
+    if (left_ <= tolerance::kRowLeft) {
+      applications_ = k + 1;
+      take_null_space_rows();
+      return true;
+    }
+    if (!(left_ < tolerance::kSlowest * last)) return false;
+  }
+  return false;
+}
+
+void ProximalFactor::start_probes() {
+  const KktPattern& p = *ldl_.pattern;
+  std::uint32_t random = 1;
+  for (int row = 0; row < p.size(); ++row)
+    for (int c = 0; c < kProbes; ++c) {
+      random = random * 1664525u + 1013904223u;
+      probe(p.iperm[row])[c] = row < p.nv ? 0 : random >> 31 ? 1 : -1;
+    }
+}
+
+// probes <- E probes
+void ProximalFactor::apply_to_probes() {
+  const KktPattern& p = *ldl_.pattern;
+  if (M_first_) {
+    sparse::ldl_solve_trailing_columns(p.ldl, ldl_.L.data(), ldl_.D.data(), p.nv, probes_.data());
+  } else {
+    std::fill(nonzero_.begin(), nonzero_.end(), 1);
+    sparse::ldl_solve_panel(p.ldl, ldl_.L.data(), ldl_.D.data(), same_.data(), probes_.data(), kProbes, 0, kProbes,
+                            nonzero_.data());
+  }
+  for (int k = 0; k < p.size(); ++k)
+    for (int c = 0; c < kProbes; ++c) probe(k)[c] *= of_M_[k] ? 0 : -delta_;
+}
+
+// The largest entry of J^T times the probes, beside the rows that it is a sum of.
+double ProximalFactor::left_of_probes(const FactorScratch& scratch) {
+  const KktPattern& p = *ldl_.pattern;
+  std::fill(before_.begin(), before_.end(), 0.0);
+  sparse::residual_panel(p.K, K_->values.data(), same_.data(), probes_.data(), before_.data(), kProbes, kProbes);
+  double missed = 0, rows = 0;
+  for (int k = 0; k < p.size(); ++k) {
+    const std::size_t at = static_cast<std::size_t>(k) * kProbes;
+    if (of_M_[k])
+      missed = sparse::larger_or_nan(missed, largest({&before_[at], kProbes}));
+    else
+      rows = std::max(rows, largest({&probes_[at], kProbes}) * internal::size_of_row(*K_, scratch, p.perm[k] - p.nv));
+  }
+  return rows > 0 ? missed / rows : 0;
+}
+
+// What rounding makes of vectors that E keeps, beside them: the change of the probes once they are such vectors.
+void ProximalFactor::measure_drift() {
+  double change = 0;
+  for (std::size_t k = 0; k < probes_.size(); ++k)
+    change = sparse::larger_or_nan(change, std::abs(probes_[k] - before_[k]));
+  drift_ = std::max(change / largest(probes_), kEps);
+}
+
+void ProximalFactor::take_null_space_rows() {
+  for (int k = 0; k < ldl_.pattern->size(); ++k)
+    in_null_space_[k] = !of_M_[k] && largest({probe(k), kProbes}) > tolerance::kInNullSpace;
+}
+
+// y -= E^k y until that changes nothing more.
+void ProximalFactor::project_out(double* y, double* null_component) { project(y, null_component, kEps); }
+
+void ProximalFactor::project(double* y, double* null_component, double left) {
+  if (dropped_.empty()) return;
+  double size = 0;
+  for (std::size_t k = 0; k < w_.size(); ++k)
+    if (!of_M_[k]) size = std::max(size, std::abs(y[k]));
+  for (int round = 0; round < tolerance::kProjections; ++round) {
+    for (std::size_t k = 0; k < w_.size(); ++k) w_[k] = of_M_[k] ? 0 : y[k];
+    double found = 0;
+    for (int k = 0; k < applications_; ++k) {
+      apply(w_.data());
+      found = largest(w_);
+      if (found <= left * size) break;
+    }
+    for (std::size_t k = 0; k < w_.size(); ++k) {
+      if (!in_null_space_[k]) continue;
+      y[k] -= w_[k];
+      if (null_component) null_component[k] += w_[k];
+    }
+    if (found * drift_ <= left * size) break;
+  }
+}
+
+// The panel's columns first ... first+cols-1 between X and a panel of kChunk.
+void ProximalFactor::take_columns(const double* X, int ld, int first, int cols) {
+  const std::size_t size = static_cast<std::size_t>(ldl_.pattern->size()) * kChunk;
+  for (std::vector<double>* panel : {&X_, &B_, &W_})
+    if (panel->size() < size) panel->resize(size);
+  for (std::ptrdiff_t k = 0; k < ldl_.pattern->size(); ++k) std::copy_n(X + k * ld + first, cols, &X_[k * kChunk]);
+}
+void ProximalFactor::give_columns(double* X, int ld, int first, int cols) const {
+  for (std::ptrdiff_t k = 0; k < ldl_.pattern->size(); ++k) std::copy_n(&X_[k * kChunk], cols, X + k * ld + first);
+}
+
+// W <- E^k of the contacts' rows of X_.
+void ProximalFactor::apply_to_columns(int cols, int times) {
+  const KktPattern& p = *ldl_.pattern;
+  std::fill_n(W_.begin(), static_cast<std::ptrdiff_t>(p.nv) * kChunk, 0.0);
+  for (std::ptrdiff_t k = p.nv; k < p.size(); ++k) std::copy_n(&X_[k * kChunk], cols, &W_[k * kChunk]);
+  for (int k = 0; k < times; ++k) apply_panel(W_.data(), kChunk, cols);
+}
+// X_ -= W in the null space's rows.
+void ProximalFactor::take_out_of_columns(int cols) {
+  const KktPattern& p = *ldl_.pattern;
+  for (std::ptrdiff_t k = p.nv; k < p.size(); ++k)
+    for (int c = 0; in_null_space_[p.iperm[k]] && c < cols; ++c) X_[k * kChunk + c] -= W_[k * kChunk + c];
+}
+
+void ProximalFactor::project_columns(int cols) {
+  double left = 1;
+  for (int round = 0; round < tolerance::kProjections && left > tolerance::kProjected; ++round, left *= drift_) {
+    apply_to_columns(cols, applications_);
+    take_out_of_columns(cols);
+  }
+}
+
+void ProximalFactor::project_out_panel(double* X, int ld, int cols) {
+  if (dropped_.empty()) return;
+  for (int first = 0; first < cols; first += kChunk) {
+    const int n = std::min(kChunk, cols - first);
+    take_columns(X, ld, first, n);
+    project_columns(n);
+    give_columns(X, ld, first, n);
+  }
+}
+
+void ProximalFactor::solve_columns(int cols) {
+  const KktPattern& p = *ldl_.pattern;
+  const std::ptrdiff_t size = static_cast<std::ptrdiff_t>(p.size()) * kChunk;
+  if (!dropped_.empty()) project_columns(cols);
+  std::copy_n(X_.begin(), size, B_.begin());
+  std::fill(nonzero_.begin(), nonzero_.end(), 1);
+  ldl_.solve_panel(X_.data(), kChunk, 0, cols, nonzero_.data());
+  for (int step = 0; step < own_refinements(); ++step) {
+    std::copy_n(B_.begin(), size, W_.begin());
+    sparse::residual_panel(p.K, K_->values.data(), p.perm.data(), X_.data(), W_.data(), kChunk, cols);
+    std::fill(nonzero_.begin(), nonzero_.end(), 1);
+    ldl_.solve_panel(W_.data(), kChunk, 0, cols, nonzero_.data());
+    for (std::ptrdiff_t k = 0; k < size; ++k) X_[k] += W_[k];
+  }
+  if (!dropped_.empty()) project_columns(cols);
+}
+
+void ProximalFactor::solve_panel(double* X, int ld, int first, int cols, char*) {
+  for (int begin = first; begin < first + cols; begin += kChunk) {
+    const int n = std::min(kChunk, first + cols - begin);
+    take_columns(X, ld, begin, n);
+    solve_columns(n);
+    give_columns(X, ld, begin, n);
+  }
+}
+
+// Without P b first: where b has no such part, steps end with residuals of rounding. Where it has one, they end with
+// that, and the forces have grown by P b / delta each: then all begins anew without it.
+sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors& v, int) {
+  std::fill(v.null_component.begin(), v.null_component.end(), 0.0);
+  sparse::Refinement refinement = refine(K, v);
+  const bool contradicts = !dropped_.empty() && !agrees(v);
+  if (contradicts) {
+    project(v.b.data(), v.null_component.data(), kEps);
+    refine_contradiction(v);
+    refinement = refine(K, v);
+  }
+  if (!dropped_.empty()) {
+    project(v.x.data(), nullptr, tolerance::kProjected);
+    residual(K, v);
+    refinement.backward_error = backward_error(v.r, v.scale);
+  }
+  if (contradicts) internal::put_back_contradiction(*this, K, v);
+  return refinement;
+}
+
+// Rounding of P b is as large in J's range as the least eigenvalue of S allows: P b -= (J^T)^+ J^T P b.
+void ProximalFactor::refine_contradiction(KktVectors& v) {
+  std::fill(v.x.begin(), v.x.end(), 0.0);
+  sparse::residual(ldl_.pattern->K, K_->values.data(), v.null_component.data(), v.x.data(), v.r.data(), v.scale.data());
+  ldl_.solve(v.r.data());  // of [-J^T P b; 0]
+  for (std::size_t k = 0; k < v.r.size(); ++k) {
+    if (of_M_[k]) continue;
+    v.null_component[k] += v.r[k];
+    v.b[k] -= v.r[k];
+  }
+}
+
+bool ProximalFactor::agrees(const KktVectors& v) const {
+  double r = 0, f = 0;
+  for (std::size_t k = 0; k < of_M_.size(); ++k) {
+    if (of_M_[k]) continue;
+    r = sparse::larger_or_nan(r, std::abs(v.r[k]));
+    f = std::max(f, std::abs(v.x[k]));
+  }
+  return r <= tolerance::kProximalAgree * delta_ * f;
+}
+
+sparse::Refinement ProximalFactor::refine(const KktMatrix& K, KktVectors& v) {
+  v.x = v.b;
+  ldl_.solve(v.x.data());
+  return sparse::refine(
+      tolerance::kProximalSteps, tolerance::kConverged,
+      [&] {
+        residual(K, v);
+        return backward_error(v.r, v.scale);
+      },
+      [&] {
+        ldl_.solve(v.r.data());
+        for (std::size_t k = 0; k < v.x.size(); ++k) v.x[k] += v.r[k];
+      });
+}
+
+}  // namespace
+
+std::unique_ptr<Factor> make_proximal_factor() { return std::make_unique<ProximalFactor>(); }
+
+}  // namespace manycontact

@@ -1,0 +1,128 @@
+// Many bodies whose contacts depend on each other: never by the dense oracle unless that is asked for, and with its
+// answers.
+
+#include <gtest/gtest.h>
+
+#include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/jvp.hpp"
+#include "manycontact/dynamics/solve.hpp"
+#include "manycontact/dynamics/truth.hpp"
+#include "support/allocations.hpp"
+#include "support/piles.hpp"
+
+namespace manycontact::test {
+namespace {
+
+using Eigen::VectorXd;
+
+double relative(const VectorXd& x, const VectorXd& truth) {
+  return (x - truth).cwiseAbs().maxCoeff() / truth.cwiseAbs().maxCoeff();
+}
+
+struct Case {
+  std::string name;
+  Pile pile;
+};
+// More than 300 rows of J each, but for the small ones that quadruple precision can afford.
+Case case_of(int number) {
+  switch (number) {
+    case 0:
+      return {"tower", tower(80)};
+    case 1:
+      return {"pyramid", pyramid(8)};
+    case 2:
+      return {"wall", grid(10, ContactType::k3D, true)};
+    case 3:
+      return {"grid", grid(7, ContactType::k6D, false)};
+    default:
+      return {"table", table(60)};
+  }
+}
+constexpr int kCases = 5;
+std::string name_of(const testing::TestParamInfo<int>& info) { return case_of(info.param).name; }
+
+class Piles : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Of, Piles, testing::Range(0, kCases), name_of);
+
+TEST_P(Piles, AreSolvedSparselyWithTheOraclesAnswers) {
+  const Pile pile = case_of(GetParam()).pile;
+  SceneData data(pile.scene), oracle(pile.scene, {Method::kDense, {}});
+  solve(pile.scene, pile.q, pile.v, pile.u, data);
+  solve(pile.scene, pile.q, pile.v, pile.u, oracle);
+  ASSERT_GT(data.report.nc, 300);
+  EXPECT_NE(data.report.islands[0].method, Method::kDense);
+  EXPECT_EQ(data.report.status, oracle.report.status);
+  EXPECT_EQ(data.report.rank, oracle.report.rank);
+  EXPECT_EQ(data.report.islands[0].dependent_rows.size(), oracle.report.islands[0].dependent_rows.size());
+  EXPECT_LE(relative(data.a, oracle.a), 1e-10);
+  EXPECT_LE(relative(data.f, oracle.f), 1e-10);
+
+  std::mt19937 rng(5);
+  const VectorXd dq = random_vector(pile.scene.nv, rng), dv = random_vector(pile.scene.nv, rng),
+                 du = random_vector(pile.scene.nu, rng), wf = random_vector(static_cast<int>(data.f.size()), rng);
+  const auto products = [&](SceneData& of) {
+    VectorXd da(pile.scene.nv), df(of.f.size()), wq(pile.scene.nv), wv(pile.scene.nv), wu(pile.scene.nu), all;
+    jvp(pile.scene, of, dq, dv, du, da, df);
+    vjp(pile.scene, of, dq, wf, wq, wv, wu);
+    return std::array{da, df, wq, wv};
+  };
+  const auto x = products(data), y = products(oracle);
+  for (std::size_t k = 0; k < x.size(); ++k) EXPECT_LE(relative(x[k], y[k]), 1e-9) << k;
+}
+
+TEST_P(Piles, HaveTheOraclesDerivatives) {
+  const Pile pile = case_of(GetParam()).pile;
+  SceneData data(pile.scene), oracle(pile.scene, {Method::kDense, {}});
+  solve(pile.scene, pile.q, pile.v, pile.u, data);
+  solve(pile.scene, pile.q, pile.v, pile.u, oracle);
+  differentiate(pile.scene, data);
+  differentiate(pile.scene, oracle);
+  EXPECT_NE(data.report.islands[0].method, Method::kDense);
+  const SceneDerivatives x = dense_derivatives(pile.scene, data), y = dense_derivatives(pile.scene, oracle);
+  const auto compare = [](const Eigen::MatrixXd& of, const Eigen::MatrixXd& truth) {
+    EXPECT_LE((of - truth).cwiseAbs().maxCoeff(), 1e-9 * truth.cwiseAbs().maxCoeff());
+  };
+  compare(x.da_dq, y.da_dq);
+  compare(x.da_dv, y.da_dv);
+  compare(x.dforces_dq, y.dforces_dq);
+  compare(x.dforces_dv, y.dforces_dv);
+}
+
+// About 40 bodies or less, in quadruple precision.
+TEST(PilesInQuad, AreTrue) {
+  for (const auto& [name, pile] :
+       {std::pair("tower", tower(20)), std::pair("pyramid", pyramid(6)), std::pair("wall", grid(5, ContactType::k3D, true)),
+        std::pair("grid", grid(5, ContactType::k6D, false))}) {
+    SCOPED_TRACE(name);
+    SceneData data(pile.scene);
+    solve(pile.scene, pile.q, pile.v, pile.u, data);
+    const Truth<Quad> truth = solve_truth<Quad>(pile.scene, data.active, pile.q.cast<Quad>(), pile.v.cast<Quad>(),
+                                                pile.u.cast<Quad>());
+    EXPECT_EQ(data.report.rank, truth.rank[0]);
+    EXPECT_LE(relative(data.a, truth.a.cast<double>()), 1e-10);
+    EXPECT_LE(relative(data.f, truth.f.cast<double>()), 1e-10);
+  }
+}
+
+TEST_P(Piles, AllocateNothingAgain) {
+  if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be counted here";
+  const Pile pile = case_of(GetParam()).pile;
+  SceneData data(pile.scene);
+  const auto solve_once = [&] { (void)solve(pile.scene, pile.q, pile.v, pile.u, data); };
+  solve_once();
+  EXPECT_EQ(allocations(solve_once), 0u);
+}
+
+TEST_P(Piles, AnswersDependOnTheStateAlone) {
+  const Pile pile = case_of(GetParam()).pile;
+  SceneData data(pile.scene);
+  solve(pile.scene, pile.q, pile.v, pile.u, data);
+  const VectorXd a = data.a, f = data.f;
+  solve(pile.scene, pile.q, (2 * pile.v).eval(), pile.u, data);
+  solve(pile.scene, pile.q, pile.v, pile.u, data);
+  EXPECT_TRUE(a == data.a);
+  EXPECT_TRUE(f == data.f);
+}
+
+}  // namespace
+}  // namespace manycontact::test

@@ -1,0 +1,128 @@
+#pragma once
+// Many free bodies joined by contacts, made in code: towers, tables, pyramids, grids, walls.
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "support/random.hpp"
+
+namespace manycontact::test {
+
+using Pile = RandomScene;
+
+class PileMaker {
+ public:
+  PileMaker() {
+    Model model;
+    model.name = "box";
+    model.floating_base = true;
+    Joint joint;
+    joint.name = "base";
+    joint.type = JointType::kFloating;
+    joint.inertia = Inertia<double>::from_com(9, Vec3<double>::Zero(), Vec3<double>(1, 1.1, 1.2).asDiagonal());
+    for (Eigen::VectorXd* limit : {&joint.lower, &joint.upper, &joint.velocity_limit, &joint.effort_limit})
+      limit->setConstant(joint.nv(), INFINITY);
+    model.joints.push_back(std::move(joint));
+    finalize(model);
+    box_ = std::make_shared<const Model>(std::move(model));
+  }
+
+  /// Of unit edges. Its number.
+  int box(double x, double y, double z) {
+    places_.push_back({x, y, z});
+    add_robot(pile_.scene, "box" + std::to_string(places_.size()), box_);
+    return static_cast<int>(places_.size()) - 1;
+  }
+  /// Between box a and box b, or the ground (-1), at a point of the world.
+  void join(ContactType type, int a, int b, const Vec3<double>& at) {
+    Contact c;
+    c.name = "contact" + std::to_string(pile_.scene.contacts.size());
+    c.type = type;
+    c.A.robot = a;
+    c.A.joint = 0;
+    c.A.placement.p = at - places_[a];
+    c.B.placement.p = at;
+    if (b >= 0) {
+      c.B.robot = b;
+      c.B.joint = 0;
+      c.B.placement.p = at - places_[b];
+    }
+    add_contact(pile_.scene, c);
+  }
+  /// All boxes where they were made, in motion unless speed is 0.
+  Pile finish(double speed = 0.1) {
+    std::mt19937 rng(11);
+    std::uniform_real_distribution<double> noise(-speed, speed);
+    pile_.q.setZero(pile_.scene.nq);
+    for (std::size_t k = 0; k < places_.size(); ++k) {
+      pile_.q.segment<3>(pile_.scene.robots[k].idx_q) = places_[k];
+      pile_.q[pile_.scene.robots[k].idx_q + 6] = 1;
+    }
+    pile_.v = Eigen::VectorXd::NullaryExpr(pile_.scene.nv, [&] { return noise(rng); });
+    pile_.u.setZero(pile_.scene.nu);
+    return std::move(pile_);
+  }
+
+ private:
+  std::shared_ptr<const Model> box_;
+  std::vector<Vec3<double>> places_;
+  Pile pile_;
+};
+
+/// Boxes welded one on the other, the lowest to the ground.
+inline Pile tower(int boxes, double speed = 0.1) {
+  PileMaker make;
+  for (int i = 0; i < boxes; ++i) {
+    make.box(0, 0, i);
+    make.join(ContactType::k6D, i, i - 1, {0, 0, i - 0.5});
+  }
+  return make.finish(speed);
+}
+
+/// Boxes welded on one box, which is welded to the ground.
+inline Pile table(int boxes, double speed = 0.1) {
+  PileMaker make;
+  make.box(0, 0, 0);
+  make.join(ContactType::k6D, 0, -1, {0, 0, -0.5});
+  const int side = static_cast<int>(std::ceil(std::sqrt(boxes)));
+  for (int i = 1; i <= boxes; ++i) {
+    make.box(i % side, i / side, 1);
+    make.join(ContactType::k6D, i, 0, {1.0 * (i % side), 1.0 * (i / side), 0.5});
+  }
+  return make.finish(speed);
+}
+
+/// Rows of boxes, each welded to the two below, the lowest row to the ground.
+inline Pile pyramid(int rows, double speed = 0.1) {
+  PileMaker make;
+  std::vector<int> below;
+  for (int r = 0; r < rows; ++r) {
+    std::vector<int> row;
+    for (int i = 0; i < rows - r; ++i) {
+      const double x = i + 0.5 * r;
+      row.push_back(make.box(x, 0, r));
+      if (r == 0) make.join(ContactType::k6D, row.back(), -1, {x, 0, -0.5});
+      for (int d = 0; r > 0 && d < 2; ++d)
+        make.join(ContactType::k6D, row.back(), below[i + d], {x + (d == 0 ? -0.25 : 0.25), 0, r - 0.5});
+    }
+    below = row;
+  }
+  return make.finish(speed);
+}
+
+/// n x n boxes in a plane, each joined to its neighbours; the corner, or the lowest row, is welded to the ground.
+inline Pile grid(int n, ContactType type, bool row_welded, double speed = 0.1) {
+  PileMaker make;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const int box = make.box(i, 0, j);
+      if (j == 0 && (row_welded || i == 0)) make.join(ContactType::k6D, box, -1, {1.0 * i, 0, -0.5});
+      if (j > 0) make.join(type, box, box - 1, {1.0 * i, 0, j - 0.5});
+      if (i > 0) make.join(type, box, box - n, {i - 0.5, 0, 1.0 * j});
+    }
+  return make.finish(speed);
+}
+
+}  // namespace manycontact::test
