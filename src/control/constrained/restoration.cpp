@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -38,11 +39,11 @@ constexpr double kBack = 1e-3;  // of the squared violation, what a search from 
 constexpr std::size_t kRestorations = 5;
 constexpr int kSaddles = 4;  // places that were stationary, and no least ones
 
-// Or 1.
-double largest_control(const std::vector<Eigen::VectorXd>& us) {
+// Of states or controls; or 1.
+double largest_number(const std::vector<Eigen::VectorXd>& xs) {
   double out = 1;
-  for (const Eigen::VectorXd& u : us)
-    if (u.size() > 0) out = std::max(out, u.lpNorm<Eigen::Infinity>());
+  for (const Eigen::VectorXd& x : xs)
+    if (x.size() > 0) out = std::max(out, x.lpNorm<Eigen::Infinity>());
   return out;
 }
 
@@ -148,7 +149,7 @@ void AL::level(Restoration& own) {
   const double size = jacobianSize(own);
   (void)own.problem->calcDiff(xs_, us_);
   const double gradient = internal::control_gradient_of_nodes(*own.problem, us_, own.solver->keeps_limits());
-  double regularisation = std::max(kLeastLevelling * size * size, gradient / (kLongest * largest_control(us_)));
+  double regularisation = std::max(kLeastLevelling * size * size, gradient / (kLongest * largest_number(us_)));
   for (int round = 0, idle = 0; round < kLevellings && idle < kIdleLevellings; ++round) {
     if (!(regularisation > 0)) regularisation = kRegularised;
     own.watch->begin(false);
@@ -181,7 +182,7 @@ void AL::take(Restoration& own) {
 AL::Beside AL::lookBeside(Restoration& own, double by) {
   const std::vector<Eigen::VectorXd> xs = xs_, us = us_;
   const double merit = merit_;
-  const double largest = largest_control(us_);
+  const double largest = largest_number(us_);
   std::mt19937 random(static_cast<unsigned>(100 * std::abs(by)));
   std::uniform_real_distribution<double> noise(-std::abs(by) * largest, std::abs(by) * largest);
   Eigen::VectorXd throughout = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem_->get_nu_max()));
@@ -327,7 +328,9 @@ StopReason AL::restore(std::size_t maxiter) {
     stationary = isStationary(own);
   }
   if (interrupted_) return StopReason::kInterrupted;
-  if (violation_ > th_constraint_ && stationary) {  // where the candidate was as near, its motion is the better one
+  // Of less than this nothing is shown: its square is rounding of the squares that it is made of.
+  const double shown = std::sqrt(std::numeric_limits<double>::epsilon()) * largest_number(xs_);
+  if (violation_ > std::max(th_constraint_, shown) && stationary) {  // where the candidate was as near, its motion is the better one
     if (feasible_before && violation_before <= kAsNear * violation_) take_back(xs_before, us_before, true);
     return StopReason::kInfeasible;
   }
