@@ -204,7 +204,7 @@ class ProximalFactor final : public Factor {
   void give_columns(double* X, int ld, int first, int cols) const;
   void apply_to_columns(int cols, int times);
   void take_out_of_columns(int cols);
-  void project_columns(int cols);
+  void project_columns(int cols, double left);
   void solve_columns(int cols);
 
   internal::LdlNumbers ldl_;
@@ -353,9 +353,10 @@ void ProximalFactor::take_out_of_columns(int cols) {
     for (int c = 0; in_null_space_[p.iperm[k]] && c < cols; ++c) X_[k * kChunk + c] -= W_[k * kChunk + c];
 }
 
-void ProximalFactor::project_columns(int cols) {
-  double left = 1;
-  for (int round = 0; round < tolerance::kProjections && left > tolerance::kProjected; ++round, left *= drift_) {
+// Until so much is left of the null space's part, each time what rounding makes of it.
+void ProximalFactor::project_columns(int cols, double left) {
+  const double each = std::min(0.1, applications_ * drift_);
+  for (double part = 1; part > left; part *= each) {
     apply_to_columns(cols, applications_);
     take_out_of_columns(cols);
   }
@@ -366,7 +367,7 @@ void ProximalFactor::project_out_panel(double* X, int ld, int cols) {
   for (int first = 0; first < cols; first += kChunk) {
     const int n = std::min(kChunk, cols - first);
     take_columns(X, ld, first, n);
-    project_columns(n);
+    project_columns(n, kEps);
     give_columns(X, ld, first, n);
   }
 }
@@ -374,7 +375,7 @@ void ProximalFactor::project_out_panel(double* X, int ld, int cols) {
 void ProximalFactor::solve_columns(int cols) {
   const KktPattern& p = *ldl_.pattern;
   const std::ptrdiff_t size = static_cast<std::ptrdiff_t>(p.size()) * kChunk;
-  if (!dropped_.empty()) project_columns(cols);
+  if (!dropped_.empty()) project_columns(cols, tolerance::kProjected);
   std::copy_n(X_.begin(), size, B_.begin());
   std::fill(nonzero_.begin(), nonzero_.end(), 1);
   ldl_.solve_panel(X_.data(), kChunk, 0, cols, nonzero_.data());
@@ -385,7 +386,7 @@ void ProximalFactor::solve_columns(int cols) {
     ldl_.solve_panel(W_.data(), kChunk, 0, cols, nonzero_.data());
     for (std::ptrdiff_t k = 0; k < size; ++k) X_[k] += W_[k];
   }
-  if (!dropped_.empty()) project_columns(cols);
+  if (!dropped_.empty()) project_columns(cols, kEps);
 }
 
 void ProximalFactor::solve_panel(double* X, int ld, int first, int cols, char*) {
