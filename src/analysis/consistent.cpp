@@ -36,6 +36,7 @@ Eigen::VectorXd aside(const Scene& scene, const std::vector<char>& active, const
 // The steps it took.
 int close_positions(const Scene& scene, const std::vector<char>& active, internal::AtRest& rest, Eigen::VectorXd& q) {
   int steps = 0;
+  bool is_aside = false;
   const auto exact = [](const Eigen::VectorXd& x, const Eigen::VectorXd& e) {
     return !(e.norm() > kExact * (1 + x.cwiseAbs().maxCoeff()));
   };
@@ -43,16 +44,21 @@ int close_positions(const Scene& scene, const std::vector<char>& active, interna
     steps += internal::levenberg_marquardt(
                  kClosingDamping, kMostTries, from, [&](const Eigen::VectorXd& x) { return rest.errors(x); },
                  [&](const Eigen::VectorXd& x, const Eigen::VectorXd& e, double damping, Eigen::VectorXd& dq) {
-                   return rest.least_motion(x, -e, dq, damping) && dq.allFinite();
+                   const bool answered = rest.least_motion(x, -e, dq, damping);
+                   const double length = dq.size() ? dq.cwiseAbs().maxCoeff() : 0;
+                   if (is_aside && length > internal::kReach) dq *= internal::kReach / length;
+                   return answered && dq.allFinite();
                  },
                  [&](const Eigen::VectorXd& x, const Eigen::VectorXd& dq) { return integrate(scene, x, dq); }, exact)
                  .steps;
   };
   internal::off_saddles(
-      q, descend, [&](const Eigen::VectorXd& x) { return aside(scene, active, x); },
+      q, descend,
       [&](const Eigen::VectorXd& x) {
-        return placement_errors(scene, active, x).empty() ? 0 : rest.errors(x).norm();
-      });
+        is_aside = true;
+        return aside(scene, active, x);
+      },
+      [&](const Eigen::VectorXd& x) { return placement_errors(scene, active, x).empty() ? 0 : rest.errors(x).norm(); });
   return steps;
 }
 

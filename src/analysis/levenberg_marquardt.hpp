@@ -43,6 +43,7 @@ Descent levenberg_marquardt(const Damping& damping, int most_tries, Eigen::Vecto
 }
 
 constexpr double kAside = 1e-3;  // m, rad: no posture that is told from another
+constexpr double kReach = 1;     // m, rad: the longest step from there, where J is nearly singular
 
 /// descend(q), which ends where |e| is stationary: at a minimum, or at a saddle, as straight knees and elbows are. So
 /// it is called again from aside(q), near by, as long as that leaves less of e. size(q): |e|, 0 where nothing is left.

@@ -62,8 +62,8 @@ double NewtonStep::solve(const Eigen::SparseMatrix<double>& J, double size_of_e,
     Hp = (gradient(kDifference / length * p) - g) * (length / kDifference);
     const double curvature = p.dot(Hp);
     Eigen::Index stopped;
-    const double alpha = way_to_limit(x, p, lower, upper,
-                                      curvature > 0 ? rz / curvature : std::numeric_limits<double>::infinity(), stopped);
+    const double alpha = way_to_limit(
+        x, p, lower, upper, curvature > 0 ? rz / curvature : std::numeric_limits<double>::infinity(), stopped);
     x += alpha * p;
     r -= alpha * Hp;
     begins = stopped >= 0;

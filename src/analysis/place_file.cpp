@@ -97,8 +97,8 @@ void place(SceneFile& file) {
     if (reference.position || holds_turning(scene.contacts[reference.contact].type)) closed[reference.contact] = false;
   std::vector<bool> standing;
   for (const Contact& contact : scene.contacts) standing.push_back(contact.active);
-  const Eigen::VectorXd q = placed(scene, file.q, file.poses, closed, standing, file.restarts, file.path,
-                                   file.consistent_line);
+  const Eigen::VectorXd q =
+      placed(scene, file.q, file.poses, closed, standing, file.restarts, file.path, file.consistent_line);
   const std::string moved = internal::moved_most("q", velocity_names(scene), difference(scene, file.q, q));
   file.q = q;
   for (const OpenReference& reference : file.open_references)
@@ -128,8 +128,8 @@ void place_references(TaskFile& task) {
       for (TaskTerm& term : *terms) {
         if (term.poses.empty()) continue;
         term.reference.setZero(file.scene.nq + file.scene.nv);
-        term.reference.head(file.scene.nq) = placed(file.scene, file.q, term.poses, held, phase.active, file.restarts, task.path,
-                                                     term.line);
+        term.reference.head(file.scene.nq) =
+            placed(file.scene, file.q, term.poses, held, phase.active, file.restarts, task.path, term.line);
       }
   };
   for (TaskPhase& phase : task.phases) find(phase);

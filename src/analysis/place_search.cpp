@@ -56,6 +56,7 @@ void PlaceSearch::look_at(const Eigen::VectorXd& q) {
 
 double PlaceSearch::run(Eigen::VectorXd& q) {
   const int most = tries_ + options_.iterations;
+  reach_ = kInfinity;
   q = limits_.within(q);
   off_saddles(
       q, [&](Eigen::VectorXd& x) { descend(x, most); },
@@ -84,7 +85,7 @@ int PlaceSearch::gauss_newton(Eigen::VectorXd& q, int most_tries) {
              [&](const Eigen::VectorXd& x, const Eigen::VectorXd& e, double mu, Eigen::VectorXd& dq) {
                look_at(x);
                if (!bounded_) bounded_.emplace(J_);
-               bounded_->solve(J_, e, mu, low_, high_, dq);
+               bounded_->solve(J_, e, mu, low_.cwiseMax(-reach_), high_.cwiseMin(reach_), dq);
                return dq.allFinite() && (J_ * dq + e).norm() < (1 - kProgress) * e.norm();
              },
              [&](const Eigen::VectorXd& x, const Eigen::VectorXd& dq) { return moved(x, dq); },
@@ -111,8 +112,7 @@ int PlaceSearch::newton(Eigen::VectorXd& q, int most_tries) {
     look_at(q);
     if (!newton_) newton_.emplace(J_);
     const double energy = 0.5 * e.squaredNorm();
-    const double expected =
-        newton_->solve(J_, e.norm(), gradient, low_.cwiseMax(-radius), high_.cwiseMin(radius), dq);
+    const double expected = newton_->solve(J_, e.norm(), gradient, low_.cwiseMax(-radius), high_.cwiseMin(radius), dq);
     if (!(expected > kProgress * energy)) break;
     ++tries;
     const Eigen::VectorXd next = moved(q, dq), then = rows_.errors(next);
@@ -131,6 +131,7 @@ int PlaceSearch::newton(Eigen::VectorXd& q, int most_tries) {
 // By a millimetre and a milliradian, away from limits: of the coordinates that goals depend on.
 Eigen::VectorXd PlaceSearch::aside(const Eigen::VectorXd& q) {
   look_at(q);
+  reach_ = kReach;
   Eigen::VectorXd dq = kAside * mixed(scene_.nv, 0);
   for (Eigen::Index i = 0; i < dq.size(); ++i) {
     if (J_.outerIndexPtr()[i] == J_.outerIndexPtr()[i + 1]) dq[i] = 0;

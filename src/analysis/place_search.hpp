@@ -51,6 +51,7 @@ class PlaceSearch {
   CoordinateLimits limits_;
   GoalRows rows_;
   int tries_ = 0;
+  double reach_ = std::numeric_limits<double>::infinity();  // of a step of Gauss and Newton's
   Eigen::SparseMatrix<double> J_;
   Eigen::VectorXd of_, low_, high_;  // the q that J_ and the bounds of a step are of
   std::optional<BoundedStep> bounded_;

@@ -26,7 +26,8 @@ int restarts(const Element& root) {
   const int out = parse_count(root.required("restarts"));
   if (out < 0 || out > kMost)
     root.where("restarts")
-        .fail("restarts of <scene> is " + quote(root.required("restarts")) + ", expected a whole number from 0 to 1000000");
+        .fail("restarts of <scene> is " + quote(root.required("restarts")) +
+              ", expected a whole number from 0 to 1000000");
   return out;
 }
 

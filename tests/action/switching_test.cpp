@@ -164,12 +164,12 @@ TEST(Switching, AContactThatLeavesItsResidual) {
   }
 }
 
-// Numbers and names of many costs, added, switched and removed one by one: made anew each time, 20,000 took half a minute.
+// Numbers and names of many costs, added, switched and removed one by one: made anew each time, 20,000 took half a
+// minute.
 TEST(Switching, ManyCosts) {
   Walker w;
   CostModelSum sum(w.state, w.nu);
-  const auto cost =
-      std::make_shared<CostModelResidual>(w.state, std::make_shared<ResidualModelControl>(w.state, w.nu));
+  const auto cost = std::make_shared<CostModelResidual>(w.state, std::make_shared<ResidualModelControl>(w.state, w.nu));
   constexpr int kCosts = 20000;
   const auto start = std::chrono::steady_clock::now();
   for (int k = 0; k < kCosts; ++k) sum.addCost("c" + std::to_string(k), cost, 1, k % 2 == 0);

@@ -29,15 +29,16 @@ std::string arm_urdf(const std::vector<double>& lengths, double lower, double up
   double before = 0;
   for (std::size_t i = 0; i < lengths.size(); ++i) {
     const std::string n = std::to_string(i + 1);
-    out += "<link name='l" + n + "'><inertial><origin xyz='" + std::to_string(lengths[i] / 2) +
-           " 0 0'/><mass value='1'/><inertia ixx='0.01' ixy='0' ixz='0' iyy='0.01' iyz='0' izz='0.01'/></inertial></link>"
-           "<joint name='j" +
-           n + "' type='" + (i == 0 ? "continuous" : "revolute") + "'><parent link='l" + std::to_string(i) +
-           "'/><child link='l" + n + "'/><origin xyz='" + std::to_string(before) + " 0 0'/><axis xyz='0 0 1'/>" +
-           (i == 0 ? std::string()
-                   : "<limit lower='" + std::to_string(lower) + "' upper='" + std::to_string(upper) +
-                         "' effort='9' velocity='9'/>") +
-           "</joint>";
+    out +=
+        "<link name='l" + n + "'><inertial><origin xyz='" + std::to_string(lengths[i] / 2) +
+        " 0 0'/><mass value='1'/><inertia ixx='0.01' ixy='0' ixz='0' iyy='0.01' iyz='0' izz='0.01'/></inertial></link>"
+        "<joint name='j" +
+        n + "' type='" + (i == 0 ? "continuous" : "revolute") + "'><parent link='l" + std::to_string(i) +
+        "'/><child link='l" + n + "'/><origin xyz='" + std::to_string(before) + " 0 0'/><axis xyz='0 0 1'/>" +
+        (i == 0 ? std::string()
+                : "<limit lower='" + std::to_string(lower) + "' upper='" + std::to_string(upper) +
+                      "' effort='9' velocity='9'/>") +
+        "</joint>";
     before = lengths[i];
   }
   return out + "<link name='tip'/><joint name='t' type='fixed'><parent link='l" + std::to_string(lengths.size()) +
@@ -50,9 +51,9 @@ struct Arm {
   Arm(const std::vector<double>& lengths, double lower, double upper, const std::string& inside = "",
       const std::string& attributes = "") {
     folder.write("arm.urdf", arm_urdf(lengths, lower, upper));
-    file = load_scene_text("<scene gravity='0 0 0' " + attributes + "><robot name='r' urdf='arm.urdf'/>" + inside +
-                               "</scene>",
-                           (folder / "scene.xml").string());
+    file = load_scene_text(
+        "<scene gravity='0 0 0' " + attributes + "><robot name='r' urdf='arm.urdf'/>" + inside + "</scene>",
+        (folder / "scene.xml").string());
   }
 };
 
@@ -89,8 +90,8 @@ TEST(PlaceSearch, BendsWhatIsStretchedToCloseContacts) {
 TEST(PlaceSearch, CrouchesFromStraightKnees) {
   for (const double down : {0.01, 0.12, 0.3}) {
     const SceneFile file = load_text(
-        "<scene><robot name='h' urdf='humanoid.urdf' base='floating' xyz='0 0 0.85'/>"
-        "<robot name='a' urdf='arm.urdf' xyz='3 0 0'/>"
+        "<scene><robot name='h' urdf=\"humanoid.urdf\" base='floating' xyz='0 0 0.85'/>"
+        "<robot name='a' urdf=\"arm.urdf\" xyz='3 0 0'/>"
         "<pose frame='h/left_sole' xyz='0.04 0.09 0' rpy='0 0 0'/><pose frame='h/right_sole' xyz='0.04 -0.09 0' "
         "rpy='0 0 0'/><pose frame='h/pelvis' xyz='0 0 " +
         std::to_string(0.85 - down) + "' rpy='0 0 0'/></scene>");
@@ -106,7 +107,7 @@ TEST(PlaceSearch, CrouchesFromStraightKnees) {
 
 // Hands asked for more than they can reach: among minima under limits Gauss-Newton's steps alone took thousands.
 TEST(PlaceSearch, FindsMinimaInTensOfSteps) {
-  const SceneFile file = load_text("<scene><robot name='h' urdf='humanoid.urdf' base='floating'/></scene>");
+  const SceneFile file = load_text("<scene><robot name='h' urdf=\"humanoid.urdf\" base='floating'/></scene>");
   const Scene& scene = file.scene;
   for (unsigned seed = 1; seed <= 20; ++seed) {
     std::mt19937 rng(seed);
@@ -130,16 +131,17 @@ TEST(PlaceSearch, FindsMinimaInTensOfSteps) {
   }
 }
 
-// ---- tolerance, limits, restarts -------------------------------------------------------------------------------------
+// ---- tolerance, limits, restarts
+// -------------------------------------------------------------------------------------
 
 // Of places far away the rounding alone is left.
 TEST(PlaceSearch, MeetsGoalsFarAway) {
-  const SceneFile file = load_text("<scene><robot name='b' urdf='box.urdf' base='floating'/></scene>");
+  const SceneFile file = load_text("<scene><robot name='b' urdf=\"box.urdf\" base='floating'/></scene>");
   for (const double far : {1e3, 1e5, 1e7}) {
     VectorXd q = neutral(file.scene);
     q[0] = far;
-    const PlacedScene found = place(file.scene, q, {pose_goal(frame_called(file.scene, "b/crate"),
-                                                              Partial{far + 1e-6, 1e-9, kOpen})});
+    const PlacedScene found =
+        place(file.scene, q, {pose_goal(frame_called(file.scene, "b/crate"), Partial{far + 1e-6, 1e-9, kOpen})});
     EXPECT_LE(found.left[0].position, 4e-16 * 4 * far + 1e-12) << far;
     EXPECT_LE(found.iterations, 20) << far;
   }
@@ -161,7 +163,7 @@ TEST(PlaceSearch, EqualLimitsLock) {
 // An elbow that bends one way only, and the target on the other side of a limit of the shoulder: the search ends at a
 // minimum with something left, one from elsewhere reaches it. The same seed finds the same.
 TEST(PlaceSearch, StartsAgainWhenAsked) {
-  const SceneFile file = load_text("<scene><robot name='a' urdf='arm.urdf'/></scene>");
+  const SceneFile file = load_text("<scene><robot name='a' urdf=\"arm.urdf\"/></scene>");
   const Scene& scene = file.scene;
   int alone = 0, again = 0;
   for (unsigned seed = 1; seed <= 20; ++seed) {
@@ -183,10 +185,12 @@ TEST(PlaceSearch, StartsAgainWhenAsked) {
   EXPECT_THROW((void)place(scene, neutral(scene), {}, {.restarts = -1}), std::invalid_argument);
 }
 
-// ---- postures that stand ---------------------------------------------------------------------------------------------
+// ---- postures that stand
+// ---------------------------------------------------------------------------------------------
 
 SceneFile crouching(const std::string& poses) {
-  return load_text("<scene name='crouching'><robot name='h' urdf='humanoid.urdf' base='floating' u='gravity'/>" + poses +
+  return load_text("<scene name='crouching'><robot name='h' urdf=\"humanoid.urdf\" base='floating' u='gravity'/>" +
+                   poses +
                    "<contact name='left' type='6d' frame='h/left_sole' mu='0.7' box='0.2 0.1'/>"
                    "<contact name='right' type='6d' frame='h/right_sole' mu='0.7' box='0.2 0.1'/></scene>");
 }
@@ -215,9 +219,9 @@ Vec3<double> middle_of_soles(const SceneFile& file) {
 TEST(PoseStands, WherePosesAllowIt) {
   for (const std::string pelvis : {"z='0.65'", "z='0.5'", "z='0.8'", "z='0.65' pitch='0.1' roll='0'"})
     for (const std::string left : {"xyz='0 0.1 0' rpy='0 0 0'", "z='0' roll='0' pitch='0'"}) {
-      const SceneFile file = crouching("<pose frame='h/left_sole' " + left + "/>" +
-                                       "<pose frame='h/right_sole' z='0' roll='0' pitch='0'/><pose frame='h/pelvis' " +
-                                       pelvis + "/>");
+      const SceneFile file =
+          crouching("<pose frame='h/left_sole' " + left + "/>" +
+                    "<pose frame='h/right_sole' z='0' roll='0' pitch='0'/><pose frame='h/pelvis' " + pelvis + "/>");
       const Vec3<double> off = center(file) - middle_of_soles(file);
       EXPECT_LE(off.head<2>().norm(), 0.16) << pelvis << " " << left;
       EXPECT_EQ(hints(file), "") << pelvis << " " << left;

@@ -39,9 +39,9 @@ Boxed random_boxed(unsigned seed) {
   const auto node = std::make_shared<ActionModelLQR>(A, B, Q, R, none);
   node->set_u_lb(-out.bound);
   node->set_u_ub(out.bound);
-  out.problem = std::make_shared<ShootingProblem>(
-      random_vector(static_cast<int>(nx), rng, 3), ShootingProblem::Models(out.T, node),
-      std::make_shared<ActionModelLQR>(A, B, MatrixXd(10 * Q), R, none));
+  out.problem = std::make_shared<ShootingProblem>(random_vector(static_cast<int>(nx), rng, 3),
+                                                  ShootingProblem::Models(out.T, node),
+                                                  std::make_shared<ActionModelLQR>(A, B, MatrixXd(10 * Q), R, none));
   return out;
 }
 
@@ -104,9 +104,9 @@ TEST(BoxVerdict, OfAScalarProblem) {
       std::make_shared<ActionModelLQR>(MatrixXd(2 * one), MatrixXd(-2 * one), none, MatrixXd(4 * one), none);
   node->set_u_lb(VectorXd::Constant(1, -2));
   node->set_u_ub(VectorXd::Constant(1, 2));
-  const auto problem = std::make_shared<ShootingProblem>(
-      VectorXd::Constant(1, 3), ShootingProblem::Models{node},
-      std::make_shared<ActionModelLQR>(one, none, MatrixXd(8 * one), one, none));
+  const auto problem =
+      std::make_shared<ShootingProblem>(VectorXd::Constant(1, 3), ShootingProblem::Models{node},
+                                        std::make_shared<ActionModelLQR>(one, none, MatrixXd(8 * one), one, none));
   const Vectors us(1, VectorXd::Zero(1));
   SolverBoxDDP ddp(problem);
   EXPECT_TRUE(ddp.solve(problem->rollout_us(us), us, 300, true));

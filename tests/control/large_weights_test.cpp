@@ -1,4 +1,5 @@
-// Ends of linear motions by the method of multipliers: met whatever the controls weigh, proved impossible where they are.
+// Ends of linear motions by the method of multipliers: met whatever the controls weigh, proved impossible where they
+// are.
 
 #include <gtest/gtest.h>
 
@@ -40,7 +41,8 @@ class Cart : public ActionModelAbstract {
     d->cost = 0;
     d->xnext = x;
     d->h.resize(static_cast<Index>(2 * ends_.size()));
-    for (std::size_t k = 0; k < ends_.size(); ++k) d->h.segment<2>(static_cast<Index>(2 * k)) = x - Eigen::Vector2d(ends_[k], 0);
+    for (std::size_t k = 0; k < ends_.size(); ++k)
+      d->h.segment<2>(static_cast<Index>(2 * k)) = x - Eigen::Vector2d(ends_[k], 0);
   }
   void calcDiff(const std::shared_ptr<ActionDataAbstract>& d, const ConstVectorRef&) override {
     d->Hx = MatrixXd::Identity(2, 2).replicate(static_cast<Index>(ends_.size()), 1);
@@ -93,7 +95,8 @@ TEST(LinearEnds, AreMetWhateverControlsWeigh) {
         const Ride ride(T, step, weight, {1});
         SolverAugmentedLagrangian solver(ride.problem);
         as_task(solver, step);
-        EXPECT_TRUE(solver.solve({}, {}, 300)) << step << " " << weight << " " << T << ": " << to_string(solver.reason());
+        EXPECT_TRUE(solver.solve({}, {}, 300))
+            << step << " " << weight << " " << T << ": " << to_string(solver.reason());
         const VectorXd u =
             ride.running->reach(T).completeOrthogonalDecomposition().solve(VectorXd(Eigen::Vector2d(1, 0)));
         const double least = 0.5 * weight * step * u.squaredNorm();
@@ -110,7 +113,8 @@ TEST(LinearEnds, ThatContradictAreInfeasible) {
         SolverAugmentedLagrangian solver(ride.problem);
         as_task(solver, step);
         EXPECT_FALSE(solver.solve({}, {}, 300));
-        EXPECT_EQ(solver.reason(), StopReason::kInfeasible) << weight << " " << step << " " << T << ": " << to_string(solver.reason());
+        EXPECT_EQ(solver.reason(), StopReason::kInfeasible)
+            << weight << " " << step << " " << T << ": " << to_string(solver.reason());
         EXPECT_NEAR(solver.get_violation(), 0.25, 1e-3) << weight << " " << step << " " << T;
       }
 }
@@ -119,8 +123,8 @@ TEST(LinearEnds, OutOfReachOfLimitsAreInfeasible) {
   for (const double weight : {1e-4, 1., 1e4}) {
     const Ride ride(10, 0.1, weight, {1});
     ride.running->limit(0.5);
-    const auto problem = std::make_shared<ShootingProblem>(
-        Eigen::Vector2d::Zero(), ride.problem->get_runningModels(), ride.problem->get_terminalModel());
+    const auto problem = std::make_shared<ShootingProblem>(Eigen::Vector2d::Zero(), ride.problem->get_runningModels(),
+                                                           ride.problem->get_terminalModel());
     SolverAugmentedLagrangian solver(problem);
     as_task(solver, 0.1);
     EXPECT_FALSE(solver.solve({}, {}, 300));

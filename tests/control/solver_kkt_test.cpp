@@ -32,8 +32,8 @@ TEST(SolverKKT, SolvesLinearQuadraticProblemsInOneStep) {
 
 TEST(SolverKKT, SolvesNonlinearProblems) {
   const auto node = std::make_shared<ActionModelUnicycle>();
-  const auto problem = std::make_shared<ShootingProblem>(Eigen::Vector3d(1, 0.3, 0.1),
-                                                         ShootingProblem::Models(8, node), node);
+  const auto problem =
+      std::make_shared<ShootingProblem>(Eigen::Vector3d(1, 0.3, 0.1), ShootingProblem::Models(8, node), node);
   SolverKKT kkt(problem);
   EXPECT_TRUE(kkt.solve({}, {}, 200));
   EXPECT_EQ(kkt.reason(), StopReason::kConverged);

@@ -59,8 +59,8 @@ TEST(Impact, IsThatOfTheSimulation) {
   EXPECT_GT((v - x.tail(scene.nv)).norm(), 0.1);
 }
 
-// Constraints on the state apply to the last state of their phase too, which an impact follows: a box that is pushed down
-// onto a floor stays above it there.
+// Constraints on the state apply to the last state of their phase too, which an impact follows: a box that is pushed
+// down onto a floor stays above it there.
 TEST(Impact, HasTheConstraintsOfThePhaseThatEnds) {
   const std::string scene = "<scene gravity='0 0 0'><robot name='a' urdf='" + kModels +
                             "arm.urdf'><q>0 0.5 0 1 0 0.5 0</q></robot>"
@@ -72,8 +72,8 @@ TEST(Impact, HasTheConstraintsOfThePhaseThatEnds) {
           "<cost name='down' type='frame_velocity' frame='a/tool' reference_frame='world' twist='0 0 -2 0 0 0' "
           "weight='10'/><constraint name='above' type='frame_translation' frame='a/tool' xyz='0 0 0' lower='-inf -inf "
           "0.6' upper='inf inf inf'/><constraint name='torques' type='control' lower='" +
-          repeated("-500", 7) + "' upper='" + repeated("500", 7) + "'/></phase><phase nodes='2' contacts='c' impact='true'>" +
-          costs + "</phase>");
+          repeated("-500", 7) + "' upper='" + repeated("500", 7) +
+          "'/></phase><phase nodes='2' contacts='c' impact='true'>" + costs + "</phase>");
   TaskProblem problem = make_problem(task, TaskSolver::kFddp);
   EXPECT_EQ(problem.problem->model(6)->get_ng(), 1u);  // of the height; an impact has no torques
   problem.problem->calc(problem.xs, problem.us);

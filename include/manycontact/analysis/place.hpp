@@ -41,10 +41,10 @@ struct Goal {
   std::string name;  // for reports
   double weight = 1;
 
-  Attachment frame = {};  // kFrame
-  Partial position = {};  // kFrame, kCenterOfMass: x, y, z in the world [m]
+  Attachment frame = {};              // kFrame
+  Partial position = {};              // kFrame, kCenterOfMass: x, y, z in the world [m]
   std::vector<Attachment> from = {};  // if any: position is from the middle of these frames' origins
-  Partial rpy = {};       // kFrame: its axes turned about the world's x, then y, then z [rad], as in URDF
+  Partial rpy = {};                   // kFrame: its axes turned about the world's x, then y, then z [rad], as in URDF
   std::optional<Mat3<double>> axes = {};  // kFrame: all of them, in the world; then without rpy
   int robot = -1;                         // kCenterOfMass: -1: of the whole scene; kJoint
   int joint = -1;                         // kJoint: a revolute or prismatic one

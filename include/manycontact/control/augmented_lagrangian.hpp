@@ -22,8 +22,8 @@
 // constraints, the method goes on from there. Where it ends at a stationary point, steps from beside that come back to
 // it, and searches from some other motions find nothing less, the solve ends there as kInfeasible. (A nonconvex problem
 // may have a lesser one all the same.) Stationary: with r the violations and C their Jacobian, C^T r is a millionth of
-// |C| |r|, or a step of the linearised problem takes less than a millionth of |r|^2 off. Where it ends elsewhere nothing
-// is shown: kNoStep, at the nearest that was found.
+// |C| |r|, or a step of the linearised problem takes less than a millionth of |r|^2 off. Where it ends elsewhere
+// nothing is shown: kNoStep, at the nearest that was found.
 //
 // In each iteration's report cost is the problem's, merit the augmented Lagrangian, gfeas and hfeas the violations
 // after the step. What the first state alone decides (a constraint of node 0 on x0) nobody can meet but x0.

@@ -269,8 +269,8 @@ bool AL::isStationary(Restoration& own) {
   return solver.expectedReduction() <= kWorthless * merit_ || own.rests;
 }
 
-// Whether the motion moves in a line as its controls do, from those before to those of the candidate: by the one half way.
-// Then numbers may be as large as they are.
+// Whether the motion moves in a line as its controls do, from those before to those of the candidate: by the one half
+// way. Then numbers may be as large as they are.
 bool AL::movesInLineFrom(const std::vector<Eigen::VectorXd>& us_before) {
   constexpr double kInLine = 1e-6;  // of how far it moves
   std::vector<Eigen::VectorXd> us = us_, xs = xs_, xs_before = xs_, xs_after = xs_;
@@ -330,7 +330,8 @@ StopReason AL::restore(std::size_t maxiter) {
   if (interrupted_) return StopReason::kInterrupted;
   // Of less than this nothing is shown: its square is rounding of the squares that it is made of.
   const double shown = std::sqrt(std::numeric_limits<double>::epsilon()) * largest_number(xs_);
-  if (violation_ > std::max(th_constraint_, shown) && stationary) {  // where the candidate was as near, its motion is the better one
+  if (violation_ > std::max(th_constraint_, shown) &&
+      stationary) {  // where the candidate was as near, its motion is the better one
     if (feasible_before && violation_before <= kAsNear * violation_) take_back(xs_before, us_before, true);
     return StopReason::kInfeasible;
   }
@@ -344,8 +345,8 @@ StopReason AL::restore(std::size_t maxiter) {
   return total_ >= maxiter ? StopReason::kIterations : StopReason::kNone;
 }
 
-// The size of the cost, and of the penalty that outweighs it, as of the candidate, which costs more than the guess told:
-// violation: what it costs nothing to leave.
+// The size of the cost, and of the penalty that outweighs it, as of the candidate, which costs more than the guess
+// told: violation: what it costs nothing to leave.
 void AL::takeCostOf(double violation) {
   constexpr double kOrdinary = 1e4;  // a cost that th_stop and th_kkt suit
   scale_ = std::max(scale_, std::exp2(std::round(std::log2(std::abs(cost_) / kOrdinary))));
