@@ -20,7 +20,7 @@ std::shared_ptr<StateMultibody> state_of(int seed) {
 
 /// 2 u'u + x(-)0 . x(-)0, by Base's constructors.
 template <class Base>
-struct Own : Base {
+struct OwnCost : Base {
   using Base::Base;
   void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
     const VectorXd dx = this->state_->diff_dx(this->state_->zero(), x);
@@ -66,11 +66,11 @@ TEST_P(OwnCosts, AreCalledInEveryStorage) {
   const VectorXd x = state->rand(), u = VectorXd::Random(static_cast<Eigen::Index>(nu));
   const auto residual = std::make_shared<ResidualModelState>(state, nu);
   const std::vector<std::shared_ptr<CostModelAbstract>> costs = {
-      std::make_shared<Own<CostModelAbstract>>(state), std::make_shared<Own<CostModelAbstract>>(state, nu),
-      std::make_shared<Own<CostModelAbstract>>(state, std::make_shared<ActivationModelQuad>(3), nu),
-      std::make_shared<Own<CostModelAbstract>>(state, std::make_shared<ActivationModelQuad>(3)),
-      std::make_shared<Own<CostModelAbstract>>(state, residual),
-      std::make_shared<Own<CostModelResidual>>(state, residual)};
+      std::make_shared<OwnCost<CostModelAbstract>>(state), std::make_shared<OwnCost<CostModelAbstract>>(state, nu),
+      std::make_shared<OwnCost<CostModelAbstract>>(state, std::make_shared<ActivationModelQuad>(3), nu),
+      std::make_shared<OwnCost<CostModelAbstract>>(state, std::make_shared<ActivationModelQuad>(3)),
+      std::make_shared<OwnCost<CostModelAbstract>>(state, residual),
+      std::make_shared<OwnCost<CostModelResidual>>(state, residual)};
   const auto reference = std::make_shared<CostModelSum>(state, nu);
   reference->addCost("x", std::make_shared<CostModelResidual>(state, residual), 2 * 0.5);
   reference->addCost("u", std::make_shared<CostModelResidual>(state, std::make_shared<ResidualModelControl>(state, nu)),
@@ -93,8 +93,8 @@ TEST_P(OwnCosts, AreCalledInEveryStorage) {
 INSTANTIATE_TEST_SUITE_P(Robots, OwnCosts, testing::Range(0, 4));
 
 TEST(OwnCosts, OfWrongSizesAreRefused) {
-  struct Wide : Own<CostModelAbstract> {
-    using Own::Own;
+  struct Wide : OwnCost<CostModelAbstract> {
+    using OwnCost::OwnCost;
     void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef&, const ConstVectorRef&) override {
       data->Lu = VectorXd::Zero(99);
     }

@@ -126,7 +126,7 @@ TEST(TheReference, DerivativesAreThoseOfItsAnswers) {
     Reference truth(c);
     const int rank = truth.ranks().front();
     if (truth.ranks().size() > 1 || c.nv() == 0 || !truth.at(rank).regular) continue;
-    Direction d{std::vector<double>(c.nv(), 0.0), std::vector<double>(c.nv(), 0.0), std::vector<double>(c.nv(), 0.0)};
+    Direction d{std::vector<double>(c.nv(), 0.0), std::vector<double>(c.nv(), 0.0), std::vector<double>(c.nv(), 0.0), {}};
     const Tree& t = c.trees[0];
     for (int k = t.free(); k < t.nv; ++k) d.v[k] = 1, d.tau[k] = -0.5;
     for (const Link& l : t.links)

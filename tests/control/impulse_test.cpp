@@ -253,8 +253,7 @@ TEST(Impact, OfRedundantCorners) {
   const auto state = std::make_shared<StateMultibody>(file.scene);
   const auto impulses = std::make_shared<ImpulseModelMultiple>(state);
   for (const Contact& contact : file.scene.contacts)
-    impulses->addImpulse(contact.name, std::make_shared<AnyImpulse>(
-                                           std::make_shared<ContactModelOfScene>(state, contact, state->get_nv())));
+    impulses->addImpulse(contact.name, std::make_shared<ImpulseModelOfScene>(state, contact));
   ActionModelImpulseFwdDynamics model(state, impulses, std::make_shared<CostModelSum>(state, 0));
   std::mt19937 rng(3);
   Eigen::VectorXd x(state->get_nx()), none(0);
@@ -327,7 +326,7 @@ TEST(Impact, FollowsItsParts) {
   std::ostringstream os;
   os << *model << *p.impulses;
   EXPECT_NE(os.str().find("ActionModelImpulseFwdDynamics {nx="), std::string::npos);
-  EXPECT_NE(os.str().find("AnyImpulse {frame="), std::string::npos);
+  EXPECT_NE(os.str().find("ImpulseModelOfScene {frame="), std::string::npos);
 }
 
 // What was written into an item, and not by changeConstraintStatus or changeImpulseStatus, is heeded by no one.
@@ -357,7 +356,7 @@ TEST(Impact, OfABodyWithoutFramesIsPrinted) {
   }
   std::ostringstream os;
   os << *ImpactProblem(s).impulses;
-  EXPECT_NE(os.str().find("AnyImpulse {frame=none, type="), std::string::npos) << os.str();
+  EXPECT_NE(os.str().find("ImpulseModelOfScene {frame=none, type="), std::string::npos) << os.str();
 }
 
 TEST(Impact, RefusesMisuse) {

@@ -15,7 +15,7 @@
 #include "support/random.hpp"
 #include "support/scenes.hpp"
 
-namespace manycontact::test {
+namespace manycontact::test::pairs {
 namespace {
 
 using Eigen::VectorXd;
@@ -293,4 +293,4 @@ TEST(Pairs, AllocateOnce) {
 }
 
 }  // namespace
-}  // namespace manycontact::test
+}  // namespace manycontact::test::pairs
