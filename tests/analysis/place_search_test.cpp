@@ -20,8 +20,8 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kFound = 1e-9;
-constexpr auto kOpen = std::nullopt;
+constexpr double kSearched = 1e-9;
+constexpr auto kAnywhere = std::nullopt;
 
 // A plane arm along x whose links have these lengths; every joint but the first has the limits.
 std::string arm_urdf(const std::vector<double>& lengths, double lower, double upper) {
@@ -73,9 +73,9 @@ TEST(PlaceSearch, BendsWhatIsStretched) {
     for (const auto& lengths : std::vector<std::vector<double>>{{0.5, 0.4, 0.3}, {0.3, 0.3, 0.3, 0.3}}) {
       const Arm arm(lengths, -2.8, 2.8);
       const PlacedScene found =
-          place(arm.file.scene, arm.file.q, {pose_goal(frame_called(arm.file.scene, "r/tip"), Partial{x, 0.0, kOpen})},
+          place(arm.file.scene, arm.file.q, {pose_goal(frame_called(arm.file.scene, "r/tip"), Partial{x, 0.0, kAnywhere})},
                 {.restarts = 20});  // a target behind leads some to limits first
-      EXPECT_TRUE(found.met(kFound)) << x << " " << lengths.size();
+      EXPECT_TRUE(found.met(kSearched)) << x << " " << lengths.size();
     }
 }
 
@@ -97,7 +97,7 @@ TEST(PlaceSearch, CrouchesFromStraightKnees) {
         std::to_string(0.85 - down) + "' rpy='0 0 0'/></scene>");
     RigidBodyData data(file.scene);
     forward_kinematics(file.scene, file.q, data);
-    EXPECT_NEAR(frame_placement(file.scene, data, frame_called(file.scene, "h/pelvis")).p[2], 0.85 - down, kFound);
+    EXPECT_NEAR(frame_placement(file.scene, data, frame_called(file.scene, "h/pelvis")).p[2], 0.85 - down, kSearched);
     for (const char* knee : {"left_knee", "right_knee"}) EXPECT_GT(file.q[q_index(file.scene, "h", knee)], 0.05);
     EXPECT_TRUE(file.q.tail(7).isZero(0));
   }
@@ -141,7 +141,7 @@ TEST(PlaceSearch, MeetsGoalsFarAway) {
     VectorXd q = neutral(file.scene);
     q[0] = far;
     const PlacedScene found =
-        place(file.scene, q, {pose_goal(frame_called(file.scene, "b/crate"), Partial{far + 1e-6, 1e-9, kOpen})});
+        place(file.scene, q, {pose_goal(frame_called(file.scene, "b/crate"), Partial{far + 1e-6, 1e-9, kAnywhere})});
     EXPECT_LE(found.left[0].position, 4e-16 * 4 * far + 1e-12) << far;
     EXPECT_LE(found.iterations, 20) << far;
   }
@@ -151,7 +151,7 @@ TEST(PlaceSearch, EqualLimitsLock) {
   const Arm arm({0.5, 0.4, 0.3}, 0.4, 0.4);
   const Scene& scene = arm.file.scene;
   const PlacedScene found =
-      place(scene, arm.file.q, {pose_goal(frame_called(scene, "r/tip"), Partial{0.2, 0.2, kOpen})});
+      place(scene, arm.file.q, {pose_goal(frame_called(scene, "r/tip"), Partial{0.2, 0.2, kAnywhere})});
   EXPECT_EQ(found.q[1], 0.4);
   EXPECT_EQ(found.q[2], 0.4);
   RigidBodyData data(scene);
@@ -174,10 +174,10 @@ TEST(PlaceSearch, StartsAgainWhenAsked) {
     const Attachment tool = frame_called(scene, "a/tool");
     const std::vector<Goal> goals = {pose_goal(tool, frame_placement(scene, data, tool))};
     const VectorXd start = random_configuration(scene, rng);
-    alone += place(scene, start, goals).met(kFound);
+    alone += place(scene, start, goals).met(kSearched);
     const PlaceOptions options{.restarts = 50, .seed = 7};
     const PlacedScene found = place(scene, start, goals, options);
-    again += found.met(kFound);
+    again += found.met(kSearched);
     EXPECT_EQ(found.q, place(scene, start, goals, options).q);
   }
   EXPECT_LT(alone, 20);
@@ -232,8 +232,8 @@ TEST(PoseStands, OrIsToldWhereTheyDoNot) {
   const SceneFile file = crouching(
       "<pose frame='h/left_sole' xyz='0 0.1 0' rpy='0 0 0'/><pose frame='h/right_sole' xyz='0 -0.1 0' rpy='0 0 0'/>"
       "<pose com='h' x='0.3' z='0.6'/>");
-  EXPECT_NEAR(center(file)[0], 0.3, kFound);
-  EXPECT_NEAR(center(file)[2], 0.6, kFound);
+  EXPECT_NEAR(center(file)[0], 0.3, kSearched);
+  EXPECT_NEAR(center(file)[2], 0.6, kSearched);
   EXPECT_NE(hints(file).find("its centre of mass is 0."), std::string::npos) << hints(file);
 }
 
@@ -244,7 +244,7 @@ TEST(PoseRestarts, AreAsked) {
   const Arm arm({0.3, 0.3, 0.3, 0.3}, -2.8, 2.8, pose, "restarts='20'");
   RigidBodyData data(arm.file.scene);
   forward_kinematics(arm.file.scene, arm.file.q, data);
-  EXPECT_NEAR(frame_placement(arm.file.scene, data, frame_called(arm.file.scene, "r/tip")).p[0], -1.1, kFound);
+  EXPECT_NEAR(frame_placement(arm.file.scene, data, frame_called(arm.file.scene, "r/tip")).p[0], -1.1, kSearched);
   EXPECT_THROW(Arm({0.3}, 0, 0, "", "restarts='-1'"), InputError);
 }
 

@@ -220,8 +220,8 @@ bool depends_globally(const MatrixSystem& m) {
   return m.owner.island.nc > tolerance::kFewRows && m.owner.shape->loops() > tolerance::kFewLoops;
 }
 
-Attempt by_dependent_rows(const MatrixSystem& m) {
-  return {depends_globally(m) ? FactorKind::kProximal : FactorKind::kDependentRows, Order::kLeafToRoot, 0};
+Attempt by_dependent_rows(const MatrixSystem& m, Order order = Order::kLeafToRoot) {
+  return {depends_globally(m) ? FactorKind::kProximal : FactorKind::kDependentRows, order, 0};
 }
 
 // From the chosen way down: its order, dropping rows that depend on others, where leaf-to-root is far more work; the
@@ -238,11 +238,14 @@ Attempts fallbacks_of(const MatrixSystem& m, double damping) {
   if (method != Method::kDense) out.add({FactorKind::kChosen, order, damping});
   if (method == Method::kDenseSchur) return out;  // the baseline stands alone
   const bool globally = damping == 0 && depends_globally(m);
-  if (damping == 0 && !globally && drops_in_chosen_order(m)) out.add({FactorKind::kDependentRows, order, 0});
+  if (damping == 0 && drops_in_chosen_order(m)) out.add(by_dependent_rows(m, order));
   if (!globally && order != Order::kLeafToRoot &&
       (damping > 0 ? has_order(method) : method == Method::kSparseLdl || method == Method::kSparseBodies))
     out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
   if (method != Method::kDense && damping == 0) out.add(by_dependent_rows(m));
+  constexpr int kMostNullSpace = 3000;  // rows of J whose null space, dense where loops are many, takes a second or so
+  if (method != Method::kDense && globally && m.owner.island.nc <= kMostNullSpace)
+    out.add({FactorKind::kDependentRows, Order::kLeafToRoot, 0});
   if (may_ask_oracle(m)) out.add({FactorKind::kDense, order, damping});
   return out;
 }
@@ -257,9 +260,8 @@ bool solve_by_dependent_rows(const Scene& scene, const SceneData& data, FactorSc
     report.reason = Reason::kSmallPivot;
     return true;
   };
-  const bool in_order = !depends_globally(m) && drops_in_chosen_order(m);
   if (scene.damping == 0 &&
-      ((in_order && solve_by({FactorKind::kDependentRows, m.owner.choice.order, 0})) ||
+      ((drops_in_chosen_order(m) && solve_by(by_dependent_rows(m, m.owner.choice.order))) ||
        solve_by(by_dependent_rows(m))) &&
       m.deficient())
     return true;
