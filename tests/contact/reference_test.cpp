@@ -22,8 +22,8 @@ TEST(ResolveReference, RefusesAConfigurationOfAnotherSize) {
       resolve_reference(s.scene, Eigen::VectorXd::Zero(size), true, true, c);
       ADD_FAILURE() << "a q of " << size << " numbers was taken";
     } catch (const std::invalid_argument& error) {
-      EXPECT_EQ(std::string(error.what()), "resolve_reference: q has " + std::to_string(size) +
-                                               " numbers, the scene expects " + std::to_string(s.scene.nq));
+      EXPECT_EQ(std::string(error.what()), "resolve_references: q has " + std::to_string(size) +
+                                               " numbers, expected " + std::to_string(s.scene.nq));
     }
     EXPECT_EQ(c.B.placement.p, before.p);
   }
