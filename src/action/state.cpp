@@ -91,7 +91,8 @@ void StateMultibody::integrate(const ConstVectorRef& x, const ConstVectorRef& dx
 
 void StateMultibody::Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, MatrixRef Jfirst, MatrixRef Jsecond,
                            Jcomponent which) const {
-  const Eigen::VectorXd dx = diff_dx(x0, x1);
+  Eigen::VectorXd dx(ndx_);
+  StateMultibody::diff(x0, x1, dx);  // its own, whatever a derived class has
   const auto fill = [&](bool of_x0, MatrixRef J) {
     check_size("StateMultibody::Jdiff", of_x0 ? "Jfirst" : "Jsecond", J.size(), ndx_ * ndx_);
     J.setZero();

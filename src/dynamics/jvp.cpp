@@ -87,7 +87,7 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
   internal::check_size("jvp", "du", du.size(), scene.nu);
   internal::check_size("jvp", "da", da.size(), scene.nv);
   internal::check_size("jvp", "df", df.size(), data.f.size());
-  if (Reduction* r = data.workspace->reduction.get()) {
+  if (Reduction* r = data.workspace->reduction) {
     SceneData& solved = internal::differentiated(scene, data);
     if (&solved == r->plain.get()) return jvp(scene, solved, dq, dv, du, dw, da, df);
     internal::remake(r->df, solved.f.size());
@@ -120,7 +120,7 @@ void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const Const
   internal::check_size("vjp", "wq", wq.size(), scene.nv);
   internal::check_size("vjp", "wv", wv.size(), scene.nv);
   internal::check_size("vjp", "wu", wu.size(), scene.nu);
-  if (Reduction* r = data.workspace->reduction.get()) {
+  if (Reduction* r = data.workspace->reduction) {
     SceneData& solved = internal::differentiated(scene, data);
     if (&solved == r->plain.get()) return vjp(scene, solved, wa, wf, wq, wv, wu, ww);
     internal::remake(r->df, solved.f.size());

@@ -154,7 +154,7 @@ TEST(ActionReadme, EveryClassHasItsTplName) {
       "GravityResidual", "Vector3MaskType", "MatrixStorage",   "CostGroup",
       "CostGroups",      "CostSquare",      "Impact",          "ImpulseModelBetweenBodies",
       "ActuationMatrix", "MultibodyData",   "SpatialForce",    "ContactForce",
-      "Step",            "Reevaluation"};
+      "Step",            "Reevaluation",    "OwnCost"};
   const std::string tpl = read(kFloor / "tpl.hpp");
   std::size_t count = 0;
   for (const fs::path& header : headers())

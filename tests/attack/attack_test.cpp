@@ -53,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Kinds{"Gravity", {"gravity"}, 800, 20}, Kinds{"Weightless", {"weightless", "still"}, 900, 30},
                     Kinds{"Many", {"many"}, 1000, 20}, Kinds{"Pairs", {"pairs", "multi"}, 1100, 30},
                     Kinds{"Gains", {"gains", "drift"}, 1200, 30}, Kinds{"Redundant", {"redundant"}, 1300, 40},
-                    Kinds{"Near", {"near"}, 1400, 37}, Kinds{"Damping", {"damping"}, 1500, 30},
+                    Kinds{"Near", {"near"}, 1400, 37}, Kinds{"Damping", {"damping"}, 1500, 14},
                     Kinds{"Units", {"units"}, 1600, 20}, Kinds{"Mixed", {"mixed"}, 1700, 20},
                     Kinds{"Joints", {"joint"}, 1800, 30}, Kinds{"Chain", {"chain", "redundant"}, 1900, 20},
                     Kinds{"Exact", {"exact", "redundant"}, 2000, 40}, Kinds{"Lever", {"lever"}, 2105, 11},
@@ -61,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Kinds{"JointSprings", {"joint_spring", "damper"}, 2400, 20},
                     Kinds{"Forces", {"push", "spring", "joint_spring", "damper", "fast", "redundant"}, 2500, 30},
                     Kinds{"Rerooted", {"root", "push", "lock"}, 2600, 30},
-                    Kinds{"Herds", {"herd", "spring", "push", "damper"}, 2700, 40}),
+                    Kinds{"Herds", {"herd", "spring", "push", "damper"}, 2700, 28}),
     [](const auto& info) { return info.param.name; });
 
 struct Robot {

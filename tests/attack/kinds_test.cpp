@@ -143,7 +143,7 @@ TEST_F(Reported, SpringsOfOtherRobotsAreNotForgotten) {
     by_v << 1.406643751779, 0.313735525143, -8.650834715754, -0.969480461125;
     EXPECT_LE((d.da_dq.block<2, 2>(6, 6) - by_q).norm(), 1e-9);
     EXPECT_LE((d.da_dv.block<2, 2>(6, 6) - by_v).norm(), 1e-9);
-    for (const DerivativeBounds& bound : estimate_derivative_errors(s.file.scene, s.data)) EXPECT_LE(bound.da_dq, 1e-10);
+    for (const DerivativeBounds& bound : estimate_derivative_errors(s.file.scene, s.data)) EXPECT_LE(bound.da_dq, 1e-8);  // cond(K) is 100 to 1,000
   }
 }
 TEST_F(Reported, TheConditionOfASmallKIsExact) {
@@ -536,8 +536,8 @@ TEST(Bounds, OfTheAnswersSizeMakeItRegularised) {
   }
 }
 
-// Hundreds of points on one body: six rows hold it, at a cost linear in the points.
-TEST(ManyContacts, OnOneBodyAreLeftToTheDenseMethod) {
+// Hundreds of points on one body: six rows span theirs, at a cost linear in the points.
+TEST(ManyContacts, OnOneBodyAreReducedToSixRows) {
   std::string contacts;
   for (int k = 0; k < 120; ++k) {
     const std::string x = std::to_string(0.01 * (k % 12)), y = std::to_string(0.013 * (k / 12));
@@ -546,7 +546,8 @@ TEST(ManyContacts, OnOneBodyAreLeftToTheDenseMethod) {
   }
   const SceneFile file = box(contacts);
   Solved s(file, Method::kAuto);
-  EXPECT_EQ(s.report().islands[0].method, Method::kDense);
+  EXPECT_NE(s.report().islands[0].method, Method::kDense);
+  EXPECT_EQ(s.report().islands[0].reason, Reason::kNone);
   EXPECT_EQ(s.report().rank, 6);
   EXPECT_EQ(s.report().status, Status::kRedundant);
   const Solved sparse(file, Method::kSparseLdl);

@@ -248,7 +248,9 @@ TEST(Solvers, GoOnUntilTheKktResidualIsSmall) {
     log->costs.clear();
     solver->set_th_kkt(1e-7);
     EXPECT_TRUE(solver->solve(guess.xs, guess.us));
-    EXPECT_EQ(log->costs, costs);
+    ASSERT_LE(log->costs.size(), costs.size());  // within limits the first solve goes on to the optimum itself
+    EXPECT_TRUE(std::equal(log->costs.begin(), log->costs.end(), costs.begin()));
+    if (!box) EXPECT_EQ(log->costs.size(), costs.size());
     EXPECT_GT(solver->get_polishing_iter(), 0u);
     EXPECT_LE(solver->get_kkt_residual(), 1e-7);
     EXPECT_EQ(residual(), solver->get_kkt_residual());

@@ -1,5 +1,8 @@
+#include <limits>
+
 #include "fwddyn_steps.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
+#include "manycontact/model/expect_state.hpp"
 
 namespace manycontact::internal {
 
@@ -8,6 +11,10 @@ void quasi_static(ActuationModelAbstract& actuation, const ConstVectorRef& x, Da
   u.setZero();
   actuation.calc(m.actuation, x, u);
   actuation.calcDiff(m.actuation, x, u);
+  if (!unusable_configuration("q", x.head(m.scene.nq), m.scene).empty()) {  // as calc: a solver's trial may be none
+    u.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
   u = manycontact::quasi_static(m.scene, x.head(m.scene.nq), m.actuation->tau, m.actuation->dtau_du, m.solution);
 }
 

@@ -157,6 +157,7 @@ bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
   constexpr int kManyShort = 10;
   int short_steps = 0;  // in a row
   reason_ = StopReason::kIterations;
+  if (judges_ && keeps_limits()) allocateDescent();  // of the verdict at the end
   for (iter_ = 0; iter_ < maxiter; ++iter_) {
     if (!findDirection(recalc)) {
       reason_ = StopReason::kNoDirection;

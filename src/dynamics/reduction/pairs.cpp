@@ -72,33 +72,29 @@ std::vector<int> contacts_of(const std::vector<int>& group, const std::vector<ch
   return out;
 }
 
-// The pair of a set of contacts that was not met before, behind the scene's contacts.
-void add_pair(const Scene& scene, std::size_t g, const std::vector<char>& set, Reduction& r) {
+// The pair of a set of contacts that was not met before. Whether there is one.
+bool add_pair(const Scene& scene, std::size_t g, const std::vector<char>& set, Reduction& r) {
   const std::vector<int> contacts = contacts_of(r.groups[g], set);
-  Contact pair;
-  if (contacts.size() > 1) pair = pair_of(scene, contacts);
-  if (!pair.pair) {
-    r.sets[g].try_emplace(set, -1);
-    return;
-  }
-  r.pairs.reserve(r.pairs.size() + 1);
-  r.scene.contacts.push_back(pair);
-  r.pairs.push_back(std::const_pointer_cast<PairRows>(pair.pair));
-  r.sets[g].try_emplace(set, static_cast<int>(r.scene.contacts.size()) - 1);
+  Reduction::Set of;
+  if (contacts.size() > 1) of.pair = pair_of(scene, contacts);
+  const bool found = of.pair.pair != nullptr;
+  r.sets[g].try_emplace(set, std::move(of));
+  return found;
 }
 
 // The sets that are active now, and, as soon as there is a new one, the same in groups of as many contacts: copies of a
 // robot change theirs one after the other. Whether there are new pairs.
 bool add_sets(const Scene& scene, const std::vector<char>& active, Reduction& r) {
-  const std::size_t pairs = r.pairs.size();
+  bool found = false;
   for (std::size_t g = 0; g < r.groups.size(); ++g) {
     const std::vector<char>& known = set_of(r.groups[g], active, r);
     if (r.sets[g].contains(known)) continue;
     const std::vector<char> set = known;
     for (std::size_t other = 0; other < r.groups.size(); ++other)
-      if (r.groups[other].size() == set.size() && !r.sets[other].contains(set)) add_pair(scene, other, set, r);
+      if (r.groups[other].size() == set.size() && !r.sets[other].contains(set))
+        found = add_pair(scene, other, set, r) || found;
   }
-  return r.pairs.size() > pairs;
+  return found;
 }
 
 Contact unnamed(Contact contact) {
@@ -120,14 +116,28 @@ Scene unnamed(const Scene& from) {
   return out;
 }
 
+// The scene that is solved, its pairs in an order that does not depend on which was met first.
+void make_scene(const Scene& scene, Reduction& r) {
+  r.data.reset();
+  r.scene = unnamed(scene);
+  r.pairs.clear();
+  for (auto& sets : r.sets)
+    for (auto& [set, of] : sets) {
+      if (!of.pair.pair) continue;
+      of.number = static_cast<int>(r.scene.contacts.size());
+      r.scene.contacts.push_back(of.pair);
+      r.pairs.push_back(std::const_pointer_cast<PairRows>(of.pair.pair));
+    }
+}
+
 // Which contacts of the scene solved are active.
 void set_active(const std::vector<char>& active, Reduction& r, std::vector<char>& out) {
   out.assign(r.scene.contacts.size(), 0);
   std::copy(active.begin(), active.end(), out.begin());
   for (std::size_t g = 0; g < r.groups.size(); ++g) {
     const auto set = r.sets[g].find(set_of(r.groups[g], active, r));
-    if (set == r.sets[g].end() || set->second < 0) continue;
-    out[static_cast<std::size_t>(set->second)] = 1;
+    if (set == r.sets[g].end() || set->second.number < 0) continue;
+    out[static_cast<std::size_t>(set->second.number)] = 1;
     for (int c : r.groups[g]) out[static_cast<std::size_t>(c)] = 0;
   }
 }
@@ -164,25 +174,18 @@ std::unique_ptr<Reduction> begin_reduction(const Scene& scene) {
 bool reduction_is_current(const Scene& scene, const SceneData& data) {
   const Workspace& w = *data.workspace;
   const bool may = may_reduce(scene, data.options);
-  if (!w.reduction) return w.may_reduce == may && (!may || same_terms(scene, w.reduction_terms));
-  return may && same_terms(scene, w.reduction->terms);
+  return may == (w.pairs != nullptr) && (!may || same_terms(scene, w.pairs->terms));
 }
 
 void prepare_reduction(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
-  w.may_reduce = may_reduce(scene, data.options);
-  if (!w.may_reduce) return w.reduction.reset();
-  if (!w.reduction || !same_terms(scene, w.reduction->terms)) {
-    w.reduction.reset();
-    std::unique_ptr<Reduction> fresh = begin_reduction(scene);
-    w.reduction_terms = fresh->terms;
-    if (fresh->groups.empty()) return;
-    fresh->scene = unnamed(scene);
-    if (!add_sets(scene, data.active, *fresh)) return;
-    w.reduction = std::move(fresh);
-  } else if (add_sets(scene, data.active, *w.reduction)) {
-    w.reduction->data.reset();  // the scene solved has more contacts
-  }
+  w.reduction = nullptr;
+  if (!may_reduce(scene, data.options)) return w.pairs.reset();
+  if (!w.pairs || !same_terms(scene, w.pairs->terms)) w.pairs = begin_reduction(scene);
+  const bool found = add_sets(scene, data.active, *w.pairs);
+  if (found) make_scene(scene, *w.pairs);
+  if (w.pairs->pairs.empty()) return;
+  w.reduction = w.pairs.get();
   Reduction& r = *w.reduction;
   Options options = data.options;
   options.reduce_pairs = false;

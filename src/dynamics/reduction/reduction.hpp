@@ -28,11 +28,15 @@ struct Reduction {
     bool operator==(const Terms&) const = default;
   };
 
+  struct Set {        // of active contacts between two bodies, once met
+    Contact pair;     // `pair.pair` is empty where their rows are independent
+    int number = -1;  // of the pair among the contacts of the scene solved
+  };
+
   Scene scene;  // that is solved
   Terms terms;
   std::vector<std::vector<int>> groups;  // contacts of the scene between the same two bodies, with constant rows
-  std::vector<std::map<std::vector<char>, int>>
-      sets;  // per group, by which are active: the pair's contact; -1: none is needed
+  std::vector<std::map<std::vector<char>, Set>> sets;  // per group, by which of its contacts are active
   std::vector<std::shared_ptr<PairRows>> pairs;  // of contacts behind those of the scene
   std::unique_ptr<SceneData> data;               // of `scene`
   std::unique_ptr<SceneData> plain;   // of the scene without pairs, for derivatives of damped contacts that slide

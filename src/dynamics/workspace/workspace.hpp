@@ -120,9 +120,8 @@ struct Workspace {
 
   // by prepare, where contacts between the same two bodies are reduced: then nothing else is prepared until it is asked
   // for (prepare_islands)
-  std::unique_ptr<Reduction> reduction;
-  Reduction::Terms reduction_terms;  // that it is of, or the lack of one
-  bool may_reduce = false;
+  std::unique_ptr<Reduction> pairs;  // nullptr: none may be reduced
+  Reduction* reduction = nullptr;    // `pairs`, where some are; what is solved is its scene then
   bool has_islands = false;  // those of `islands_active`
   std::vector<char> islands_active;
   Options islands_options;

@@ -258,6 +258,10 @@ bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Islan
   if (!sound) return false;
   whole.add(nonzeros(*factor.system.pattern, factor.ldl), solution.residual, refinement);
   internal::report_answer(scene, whole, report);
+  if (std::ranges::any_of(owner.island.contacts, [&](int c) { return scene.contacts[c].pair != nullptr; })) {
+    const auto [Ja, a0] = row_terms_of_joints(factor.system, solution);  // the bodies' own have gravity in them
+    report.contact_terms = Ja + a0;
+  }
   if (drops)
     internal::report_dropped_rows(data, owner, dependence.rows.dropped,
                                   internal::contradiction_of(scene, *data.workspace, *this), report);
