@@ -70,6 +70,8 @@ py::object pack(const T& x) {
     return py::cast(std::const_pointer_cast<Model>(x));  // pickled once, however many share it
   } else if constexpr (std::is_same_v<T, std::shared_ptr<const ModelStructure>>) {
     return py::none();  // finalize finds it
+  } else if constexpr (std::is_same_v<T, std::shared_ptr<const PairRows>>) {
+    return py::none();  // no contact of a user's has any
   } else if constexpr (is_vector<T>) {
     py::list out;
     for (const auto& item : x) out.append(pack<typename T::value_type>(item));
@@ -103,7 +105,8 @@ void unpack(py::handle from, T& x) {
                                                                                 a.ndim() == 2 ? a.shape(1) : 1);
   } else if constexpr (std::is_same_v<T, SharedModel>) {
     x = from.cast<std::shared_ptr<Model>>();
-  } else if constexpr (std::is_same_v<T, std::shared_ptr<const ModelStructure>>) {
+  } else if constexpr (std::is_same_v<T, std::shared_ptr<const ModelStructure>> ||
+                       std::is_same_v<T, std::shared_ptr<const PairRows>>) {
     x = nullptr;
   } else if constexpr (is_vector<T>) {
     x.clear();

@@ -55,7 +55,8 @@ def more_objects():
     batch = mc.BatchData(scene, 1)
     spring = mc.Spring(name="s", A=mc.Attachment(), stiffness=1.0)
     goal = mc.pose_goal(mc.load_scene(root + "/humanoid_standing.xml").scene, "humanoid/left_sole", SE3)
-    items = [costs.costs["u"], made.costs["u"], scene.pushes[0], spring, goal, batch, data, mc.CallbackVerbose()]
+    mc.differentiate(scene, data)
+    items = [scene.robots[0], mc.dense_derivatives(scene, data), costs.costs["u"], made.costs["u"], scene.pushes[0], spring, goal, batch, data, mc.CallbackVerbose()]
     return items + frames + others + contacts + activations + [node, made, impact, *residual_data(state)]
 
 

@@ -319,13 +319,15 @@ def test_quasi_static_of_nodes(state):
         def quasiStatic(self, data, x, maxiter, tol):
             return np.full(2, 7.0)
 
+    class Strict(Own):
         def checkData(self, data):
             return False
 
     node = Own(mc.StateVector(4), 2)
     problem = mc.ShootingProblem(np.zeros(4), [node], node)
     np.testing.assert_array_equal(problem.quasiStatic([np.zeros(4)])[0], [7, 7])
-    assert not node.checkData(node.createData())
+    with pytest.raises(ValueError, match="action data are not of their model"):
+        mc.ShootingProblem(np.zeros(4), [Strict(mc.StateVector(4), 2)], node)
 
 
 # ---- solvers -------------------------------------------------------------------------------------------------------

@@ -106,7 +106,11 @@ def test_every_function_is_asked():
 @pytest.mark.parametrize("q", unusable())
 def test_statuses(q):
     data = mc.SceneData(SCENE)
-    assert mc.solve(SCENE, q, V, U, data).status == mc.Status.FAILED
+    if not np.isfinite(q).all():
+        with pytest.raises(ValueError, match="a finite number is expected"):
+            mc.solve(SCENE, q, V, U, data)
+    else:
+        assert mc.solve(SCENE, q, V, U, data).status == mc.Status.FAILED
 
 
 def test_trajectories_of_views(program, monkeypatch):
