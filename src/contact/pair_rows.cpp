@@ -30,7 +30,12 @@ SE3<double> placement_A(const std::vector<Contact>& members) {
 
 // B' as far from the first member's as A is from the first member's A.
 SE3<double> placement_B(const std::vector<Contact>& members, const SE3<double>& A) {
-  return members.front().B.placement * (members.front().A.placement.inverse() * A);
+  return members.front().B.placement * seen_from(members.front().A.placement, A);
+}
+
+// to^-1 of, of placements that may both be far away from what they are placed in.
+SE3<double> seen_from(const SE3<double>& to, const SE3<double>& of) {
+  return {to.R.transpose() * of.R, to.R.transpose() * (of.p - to.p)};
 }
 
 Contact member_of(const Contact& from) {
@@ -118,12 +123,11 @@ bool factorize(PairRows& pair) {
 void take_changeable(PairRows& rows, Contact& pair) {
   pair.alpha = pair.beta = 0;
   pair.B.placement = placement_B(rows.members, pair.A.placement);
-  const SE3<double> to_B = pair.B.placement.inverse();
   for (std::size_t m = 0; m < rows.members.size(); ++m) {
     const Contact& member = rows.members[m];
     pair.alpha = std::max(pair.alpha, std::abs(member.alpha));
     pair.beta = std::max(pair.beta, std::abs(member.beta));
-    rows.numbers.members[m].B = to_B * member.B.placement;
+    rows.numbers.members[m].B = seen_from(pair.B.placement, member.B.placement);
   }
 }
 
@@ -140,8 +144,7 @@ Contact pair_of(const Scene& scene, std::span<const int> contacts) {
   Contact pair = member_of(rows->members.front());
   pair.type = ContactType::k6D;
   pair.A.placement = placement_A(rows->members);
-  const SE3<double> to_A = pair.A.placement.inverse();
-  for (const Contact& member : rows->members) rows->numbers.members.push_back({to_A * member.A.placement, {}, {}});
+  for (const Contact& member : rows->members) rows->numbers.members.push_back({seen_from(pair.A.placement, member.A.placement), {}, {}});
   if (!factorize(*rows)) return pair;
   take_changeable(*rows, pair);
   pair.pair_rank = static_cast<int>(rows->numbers.R.rows());

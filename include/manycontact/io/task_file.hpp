@@ -28,9 +28,9 @@ enum class TaskResidual {
   kControlGrav,
   kContactControlGrav,
 };
-/// As in task files: "frame_placement".
 /// Whether a residual looks at neither controls, accelerations nor forces: terminal nodes and impacts have these alone.
 bool of_state_alone(TaskResidual residual);
+/// As in task files: "frame_placement".
 const char* to_string(TaskResidual residual);
 
 /// Of a cost; cones have a barrier at their own bounds unless the file says otherwise.
