@@ -1,6 +1,7 @@
 // From the scene's solution to the action's data.
 
 #include <algorithm>
+#include <limits>
 
 #include "contact_columns.hpp"
 #include "fwddyn_steps.hpp"
@@ -47,11 +48,15 @@ void fill_contact_derivatives(bool forces, DataCollector& m) {
   for (auto& [name, data] : m.contacts->contacts) {
     if (!data->active) continue;
     const Contact& contact = m.scene.contacts[data->index];
-    const ContactData<double>& rows = contact_at_solution(m.solution, data->index);
-    const ContactDerivatives& d = contact_derivatives_of(m.solution, data->index);
-    set_drift_derivatives(columns_of(m.scene, contact), support_of(m.solution, data->index), rows, d, data->da0_dx);
-    if (!forces) continue;
     const int i = island_with_robot(m.solution, robot_of(contact));
+    if (m.solution.report.islands[static_cast<std::size_t>(i)].status == Status::kFailed) {
+      data->da0_dx.setConstant(std::numeric_limits<double>::quiet_NaN());
+    } else {
+      const ContactData<double>& rows = contact_at_solution(m.solution, data->index);
+      const ContactDerivatives& d = contact_derivatives_of(m.solution, data->index);
+      set_drift_derivatives(columns_of(m.scene, contact), support_of(m.solution, data->index), rows, d, data->da0_dx);
+    }
+    if (!forces) continue;
     const Island& island = island_of(m.solution, i);
     const std::size_t c =
         std::lower_bound(island.contacts.begin(), island.contacts.end(), data->index) - island.contacts.begin();
