@@ -21,6 +21,11 @@ int kind_of(int rank, const std::vector<Contact>& members) {
   return kinds.try_emplace(std::move(key), kFirst + static_cast<int>(kinds.size())).first->second;
 }
 
+// to^-1 of, of placements that may both be far away from what they are placed in.
+SE3<double> seen_from(const SE3<double>& to, const SE3<double>& of) {
+  return {to.R.transpose() * of.R, to.R.transpose() * (of.p - to.p)};
+}
+
 // Where the pair's A is on A's body: at the mean of the members' origins, in the axes of the first.
 SE3<double> placement_A(const std::vector<Contact>& members) {
   SE3<double> at{members.front().A.placement.R, Vec3<double>::Zero()};
@@ -31,11 +36,6 @@ SE3<double> placement_A(const std::vector<Contact>& members) {
 // B' as far from the first member's as A is from the first member's A.
 SE3<double> placement_B(const std::vector<Contact>& members, const SE3<double>& A) {
   return members.front().B.placement * seen_from(members.front().A.placement, A);
-}
-
-// to^-1 of, of placements that may both be far away from what they are placed in.
-SE3<double> seen_from(const SE3<double>& to, const SE3<double>& of) {
-  return {to.R.transpose() * of.R, to.R.transpose() * (of.p - to.p)};
 }
 
 Contact member_of(const Contact& from) {
