@@ -623,7 +623,7 @@ TEST_P(InLanes, RobotsJoinedBySpringsLeaveOthersAsTheyAre) {
   for (const bool floating : {true, false})
     for (const int joined : {2, 3, 5})
       for (const int alone : {1, 2, 3}) {
-        Herd herd = random_herd(rng, joined + alone, floating, 0, 10);
+        Herd herd = random_herd(rng, joined + alone, floating);
         const Answer bare = answer(herd, GetParam());
         for (int r = 1; r < joined; ++r)
           add_spring(herd.scene, {"s" + std::to_string(r), {r - 1, 7, {}}, {r, 7, {}}, 100, 0.3, 1});
