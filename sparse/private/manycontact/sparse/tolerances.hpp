@@ -61,8 +61,7 @@ inline constexpr double kHeldKept = 1e-2;
 
 /// Of the pivots of a column-pivoted QR of the rows between two bodies, beside the largest: rows that span the others keep
 /// more than the first, and rows that depend on them leave less than the second, which is rounding of 12 to 100 rows.
-/// Points 1e-10 m apart are between the two; the factorization then tells what they are, as for rows of a posture. Half
-/// and double of either change no case of the tests.
+/// Points 1e-10 m apart are between the two; the factorization then tells what they are, as for rows of a posture.
 /// Used by: contact/pair_rows.hpp.
 inline constexpr double kPairIndependent = 1e-9, kPairDependent = 1e-13;
 
