@@ -16,7 +16,7 @@ namespace manycontact {
 
 namespace {
 
-constexpr double kMostWork = 2e10;   // multiplications of one rank
+constexpr double kMostWork = 3e9;    // multiplications of one dense rank: a second or two
 constexpr double kSamePoint = 1e-9;  // relative to the extent of the points [m]
 
 // The island under examination.
@@ -185,6 +185,18 @@ std::string kept_as(const Contact& contact, const std::vector<int>& rows) {
 
 }  // namespace
 
+namespace {
+
+// Whether only rows between the same two bodies depend on each other: these are geometry, and the solver has named them
+// without a judgement of pivots.
+bool depends_in_pairs_alone(const SceneData& data, std::size_t number) {
+  const SceneData& solved = data_solved(data);
+  const IslandReport& report = solved.report.islands[number];
+  return &solved != &data && report.status <= Status::kRedundant && report.rank == report.nc;
+}
+
+}  // namespace
+
 IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t number) {
   complete(scene, data);
   if (data.serial == 0) throw std::logic_error("find_ranks: solve first");
@@ -207,6 +219,15 @@ IslandRanks internal::ranks_of_island(const Scene& scene, const SceneData& data,
     const int rank = rank_of(rows), plain = rank_of(rows, kOnlyJust);
     if (rank < x.contact(k).rows() || plain < rank)
       out.lighter.push_back({island.contacts[k], plain, lightest(x.contact(k), rows, plain, kOnlyJust), rank - plain});
+  }
+  if (depends_in_pairs_alone(data, number)) {
+    const std::vector<int>& dependent = data.report.islands[number].dependent_rows;
+    out.known = true;
+    out.rank = data.report.islands[number].rank;
+    for (int c : island.contacts)
+      for (int row = data.f_offset[c]; row < data.f_offset[c] + scene.contacts[c].rows(); ++row)
+        out.redundant.push_back(std::binary_search(dependent.begin(), dependent.end(), row));
+    return out;
   }
   const double nv = island.nv, nc = island.nc;
   if (nv * nc * nc > kMostWork) return out;

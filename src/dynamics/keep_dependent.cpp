@@ -13,16 +13,21 @@ void keep_dependent(SceneData& data) {
   }
 }
 
+namespace {
+
+void copy_dependent(const SceneData& of, SceneData& data) {
+  const Workspace &from = *of.workspace, &to = *data.workspace;
+  if (from.reduction && to.reduction) return copy_dependent(*from.reduction->data, *to.reduction->data);
+  if (from.reduction || to.reduction || from.islands.size() != to.islands.size()) return;  // by another method
+  for (std::size_t i = 0; i < to.islands.size(); ++i) to.islands[i]->depended = from.islands[i]->depended;
+}
+
+}  // namespace
+
 void keep_dependent_as(const SceneData& of, const Scene& scene, SceneData& data) {
   data.active = of.active;
   prepare(scene, data);
-  if (data.workspace->reduction && of.workspace->reduction) {
-    const Reduction& r = *data.workspace->reduction;
-    return keep_dependent_as(*of.workspace->reduction->data, r.scene, *r.data);
-  }
-  if (data.workspace->islands.size() != of.workspace->islands.size()) return;  // by another method
-  for (std::size_t i = 0; i < data.workspace->islands.size(); ++i)
-    data.workspace->islands[i]->depended = of.workspace->islands[i]->depended;
+  copy_dependent(of, data);
 }
 
 }  // namespace manycontact

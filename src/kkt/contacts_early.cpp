@@ -2,8 +2,10 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -13,6 +15,7 @@
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/sparse/ordering.hpp"
 #include "manycontact/sparse/tolerances.hpp"
+#include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact {
 
@@ -79,6 +82,58 @@ std::vector<int> robots_by_degree(const Scene& scene, const Island& island) {
   return order;
 }
 
+// Bodies that placed contacts fix to each other: a contact of six rows fixes its two bodies. The rows of any further
+// contact between bodies of one cluster are sums of rows placed already. What elimination leaves of them is zero in any
+// order, so that these contacts need not wait for coordinates.
+class Clusters {
+ public:
+  Clusters(const Scene& scene, const Island& island) : scene_(scene), island_(island), first_{1} {
+    for (int r : island.robots) first_.push_back(first_.back() + scene.robots[r].model->njoints());
+    memory_.resize(first_.back());
+    sets_.emplace(memory_);
+    touching_.resize(first_.back());
+    for (std::size_t c = 0; c < island.contacts.size(); ++c)
+      for (int body : ends(static_cast<int>(c)))
+        if (body != kWorld) touching_[body].push_back(static_cast<int>(c));
+  }
+
+  /// Contact c is placed. use(contact) for those that now depend on placed ones, which may be placed themselves.
+  template <class Use>
+  void fix(int c, Use&& use) {
+    if (scene_.contacts[island_.contacts[c]].rows() < 6) return;
+    const auto [A, B] = ends(c);
+    int a = sets_->root(A), b = sets_->root(B);
+    if (a == b) return;
+    if (touching_[a].size() < touching_[b].size()) std::swap(a, b);
+    std::vector<int> few = std::move(touching_[b]), many = std::move(touching_[a]);
+    sets_->join(a, b);
+    const int joined = sets_->root(a);
+    for (int other : few) {
+      const auto [from, to] = ends(other);
+      if (sets_->root(from) == sets_->root(to)) use(other);
+    }
+    many.insert(many.end(), few.begin(), few.end());
+    touching_[joined] = std::move(many);
+  }
+
+ private:
+  static constexpr int kWorld = 0;
+  int body(const Attachment& end) const {
+    return moves(end) ? first_[local_robot(island_, end.robot)] + end.joint : kWorld;
+  }
+  std::array<int, 2> ends(int c) const {
+    const Contact& contact = scene_.contacts[island_.contacts[c]];
+    return {body(contact.A), body(contact.B)};
+  }
+
+  const Scene& scene_;
+  const Island& island_;
+  std::vector<int> first_;  // body of each robot, the world is body 0
+  std::vector<int> memory_;
+  std::optional<sparse::UnionFind> sets_;
+  std::vector<std::vector<int>> touching_;  // per root: contacts on bodies of the cluster
+};
+
 // A contact is ready once the eliminated coordinates of its own, not yet used up by another, move it in as many
 // directions as it has rows, by `distinct` at least; it uses up those that do it best. J: of unit rows, in postures in
 // all of which that must hold.
@@ -91,10 +146,11 @@ std::vector<int> with_contacts(const Scene& scene, const Island& island, const I
     for (int i : support.columns[c]) on_dof[i].push_back(c);
   std::vector<char> eliminated(island.nv, 0), used(island.nv, 0), placed(ncontacts, 0);
   std::vector<int> perm;
+  Clusters clusters(scene, island);
   const auto place = [&](int c) {
+    if (std::exchange(placed[c], 1)) return;
     const int first = island.nv + island.row_offset[c], rows = scene.contacts[island.contacts[c]].rows();
     for (int row = 0; row < rows; ++row) perm.push_back(first + row);
-    placed[c] = 1;
   };
   const auto eliminate = [&](int i) {
     perm.push_back(i);
@@ -116,12 +172,12 @@ std::vector<int> with_contacts(const Scene& scene, const Island& island, const I
       if (!ready) continue;
       for (int column : best) used[column] = 1;
       place(c);
+      clusters.fix(c, place);
     }
   };
   for (int r : robots)
     for (int i = scene.robots[island.robots[r]].model->nv - 1; i >= 0; --i) eliminate(island.dof_offset[r] + i);
-  for (int c = 0; c < ncontacts; ++c)
-    if (!placed[c]) place(c);
+  for (int c = 0; c < ncontacts; ++c) place(c);
   return perm;
 }
 
@@ -143,7 +199,8 @@ bool holds(const Scene& scene, const Island& island, const IslandSupport& suppor
   if (postures.empty()) postures = some_postures(scene, island, support);
   KktMatrix matrix;
   matrix.reset(std::make_shared<const KktPattern>(analyze(scene, island, support, K, Order::kContactsEarly, perm)));
-  // Once: by the factor that compiles no schedule. Rows that depend on others in the first posture are dropped.
+  // Once: by the factor that compiles no schedule. Rows that depend on others in the first posture are dropped, or of
+  // many rows left as they are: their null space may be no sparse matrix.
   std::unique_ptr<Factor> factor = make_ldl_factor(Method::kSuiteSparseLdl);
   FactorScratch scratch;
   bool first = true;
@@ -156,7 +213,8 @@ bool holds(const Scene& scene, const Island& island, const IslandSupport& suppor
       if (rows.size() > 0) matrix.row_scale = std::max(matrix.row_scale, rows.cwiseAbs().maxCoeff());
     Reason reason = factor->factorize(matrix, scratch);
     if (std::exchange(first, false) && reason != Reason::kNone)
-      factor = make_dependent_rows_factor(), reason = factor->factorize(matrix, scratch);
+      factor = island.nc > tolerance::kFewRows ? make_proximal_factor() : make_dependent_rows_factor(),
+      reason = factor->factorize(matrix, scratch);
     return reason == Reason::kNone && factor->growth() < most_growth;
   });
 }

@@ -184,7 +184,8 @@ void reserve(const Island& island, Words& key) {
 
 }  // namespace
 
-const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const Island& island) {
+const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const Island& island,
+                                                   bool by_places) {
   // The shapes that any cache of the program holds, so that data of one scene, as the nodes of a horizon are, read the
   // same analyses, which stay in the processor's caches. By a key that names a shape's models while these live.
   static Interned<IslandShape> at_hand;
@@ -195,7 +196,7 @@ const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const I
   if (const auto known = by_places_.find(key_); known != by_places_.end()) return known->second;
 
   auto [fresh, places] = at_hand.find(key_, [&] { return std::make_shared<IslandShape>(scene, island); });
-  if (is_deep(*fresh)) {
+  if (by_places || is_deep(*fresh)) {
     const auto& deep = shapes_.try_emplace(places, std::move(fresh)).first->second;
     return by_places_.try_emplace(places, deep).first->second;
   }

@@ -125,4 +125,19 @@ inline Pile grid(int n, ContactType type, bool row_welded, double speed = 0.1) {
   return make.finish(speed);
 }
 
+/// n x n boxes welded to one box, their hub, and each to its neighbours.
+inline Pile hub(int n, double speed = 0.1) {
+  PileMaker make;
+  make.box(0, 0, 0);
+  make.join(ContactType::k6D, 0, -1, {0, 0, -0.5});
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const int box = make.box(i, j, 1);
+      make.join(ContactType::k6D, box, 0, {1.0 * i, 1.0 * j, 0.5});
+      if (j > 0) make.join(ContactType::k6D, box, box - 1, {1.0 * i, j - 0.5, 1});
+      if (i > 0) make.join(ContactType::k6D, box, box - n, {i - 0.5, 1.0 * j, 1});
+    }
+  return make.finish(speed);
+}
+
 }  // namespace manycontact::test

@@ -9,6 +9,7 @@
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/analysis/unique_forces.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
+#include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/kkt/choose.hpp"
 
 namespace manycontact::cli {
@@ -58,14 +59,12 @@ void analyse(const Scene& scene, const std::vector<Island>& islands, const Optio
 }
 
 double time_of_analysis(const Scene& scene, const SceneData& data, int repeat) {
+  const Scene& solved = scene_solved(scene, data);
   std::vector<Island> islands;
-  if (data.options.method == Method::kDenseSchur)
-    islands.push_back(whole_scene(scene, data.active));
-  else
-    islands = find_islands(scene, data.active);
+  for (std::size_t i = 0; i < island_count(data); ++i) islands.push_back(island_of(data_solved(data), i));
   std::optional<ShapeCache> shapes;
   return median_time(
-      repeat, [&] { shapes.emplace(); }, [&] { analyse(scene, islands, data.options, *shapes); });
+      repeat, [&] { shapes.emplace(); }, [&] { analyse(solved, islands, data.options, *shapes); });
 }
 
 // A SceneData, and how long it took to make one.

@@ -5,8 +5,8 @@
 
 #include "../text/describe.hpp"
 #include "../text/lines.hpp"
+#include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/analysis/rounding.hpp"
-#include "manycontact/dynamics/views.hpp"
 #include "solve.hpp"
 
 namespace manycontact::cli {
@@ -59,13 +59,6 @@ std::vector<bool> shared_in_axes(const SolvedScene& s, int c) {
   return shared;
 }
 
-// Force on A in the world's axes.
-Vec3<double> force_in_world(const SolvedScene& s, int c) {
-  const Contact& contact = s.file.scene.contacts[c];
-  const Vec3<double> f = force_in_axes(contact, s.data.f, s.data.f_offset[c]).head<3>();
-  return contact.reference_frame == ReferenceFrame::kLocal ? Vec3<double>(contact_of(s.data, c).aMA.R * f) : f;
-}
-
 std::vector<int> active_contacts(const SolvedScene& s) {
   std::vector<int> active;
   for (std::size_t c = 0; c < s.data.f_offset.size(); ++c)
@@ -73,13 +66,17 @@ std::vector<int> active_contacts(const SolvedScene& s) {
   return active;
 }
 
-// Per robot the force of all its contacts, in the world's axes; the last one is what the world gives.
+// Per robot the force of all its contacts, in the world's axes; the last entry is the world's force on all robots.
 std::vector<Vec3<double>> contact_force_on(const SolvedScene& s) {
   const Scene& scene = s.file.scene;
+  const RigidBodies bodies(scene);
+  RigidBodyData at(bodies);
+  forward_kinematics(bodies, s.file.q, at);
   std::vector<Vec3<double>> total(scene.robots.size() + 1, Vec3<double>::Zero());
   for (int c : active_contacts(s)) {
-    const Vec3<double> f = force_in_world(s, c);
     const Contact& contact = scene.contacts[c];
+    Vec3<double> f = force_in_axes(contact, s.data.f, s.data.f_offset[c]).head<3>();
+    if (contact.reference_frame == ReferenceFrame::kLocal) f = frame_placement(bodies, at, contact.A).R * f;
     total[contact.A.robot] += f;
     if (contact.B.robot >= 0)
       total[contact.B.robot] -= f;

@@ -30,16 +30,24 @@ void pool_island(Workspace& w, std::unique_ptr<IslandWork> island) {
   w.pool.give(std::move(island), w.layout);
 }
 
+// The options of the islands at hand. Where the pairs' scene is solved in their place, these are for views alone: any
+// order serves, and the one that needs no search is taken.
+Options options_of_islands(const Workspace& w) {
+  Options options = w.options;
+  if (w.reduction) options.method = Method::kSparseLdl, options.order = Order::kLeafToRoot;
+  return options;
+}
+
 // An island of its shape, from the pool or new, with these robots and contacts.
 std::unique_ptr<IslandWork> take(const Scene& scene, Workspace& w, Island& island) {
-  const std::shared_ptr<IslandShape>& shape = w.shapes.find(scene, island);
+  const std::shared_ptr<IslandShape>& shape = w.shapes.find(scene, island, w.reduction != nullptr);
   std::unique_ptr<IslandWork> out = w.pool.take(*shape);
   const bool known = out != nullptr;
-  if (!known) out = std::make_unique<IslandWork>(shape, w.options);
+  if (!known) out = std::make_unique<IslandWork>(shape, options_of_islands(w));
   std::swap(out->island, island);
   out->matrix.M.clear();
   out->matrix.J.clear();
-  known ? internal::bind_robots(scene, w, *out) : internal::plan_robots(scene, w, *out);
+  if (!w.reduction) known ? internal::bind_robots(scene, w, *out) : internal::plan_robots(scene, w, *out);
   return out;
 }
 

@@ -234,13 +234,14 @@ bool ProximalFactor::certify(FactorScratch& scratch) {
   std::fill(in_null_space_.begin(), in_null_space_.end(), 0);
   if (dropped_.empty()) return true;
   start_probes();
+  constexpr double kGrown = 30;  // of eps times the growth of K's entries: what E makes of J^T on the null space
   double last = std::numeric_limits<double>::infinity();
   for (int k = 1; k < tolerance::kMostApplications; ++k, last = left_) {
     before_ = probes_;
     apply_to_probes();
     measure_drift();
     left_ = left_of_probes(scratch);
-    if (left_ <= tolerance::kRowLeft) {
+    if (left_ <= std::max(tolerance::kRowLeft, kGrown * kEps * growth_)) {
       applications_ = k + 1;
       take_null_space_rows();
       return true;
@@ -274,20 +275,22 @@ void ProximalFactor::apply_to_probes() {
     for (int c = 0; c < kProbes; ++c) probe(k)[c] *= of_M_[k] ? 0 : -delta_;
 }
 
-// The largest entry of J^T times the probes, beside the rows that it is a sum of.
+// The largest entry of J^T times the probes, relative to the terms that its row adds up, or to the largest term of all
+// where that is more. A hub's rows add up those of all its contacts.
 double ProximalFactor::left_of_probes(const FactorScratch& scratch) {
   const KktPattern& p = *ldl_.pattern;
-  std::fill(before_.begin(), before_.end(), 0.0);
-  sparse::residual_panel(p.K, K_->values.data(), same_.data(), probes_.data(), before_.data(), kProbes, kProbes);
-  double missed = 0, rows = 0;
-  for (int k = 0; k < p.size(); ++k) {
-    const std::size_t at = static_cast<std::size_t>(k) * kProbes;
-    if (of_M_[k])
-      missed = sparse::larger_or_nan(missed, largest({&before_[at], kProbes}));
-    else
-      rows = std::max(rows, largest({&probes_[at], kProbes}) * internal::size_of_row(*K_, scratch, p.perm[k] - p.nv));
+  double rows = 0, left = 0;
+  for (int k = 0; k < p.size(); ++k)
+    if (!of_M_[k])
+      rows = std::max(rows, largest({probe(k), kProbes}) * internal::size_of_row(*K_, scratch, p.perm[k] - p.nv));
+  std::fill(b_.begin(), b_.end(), 0.0);
+  for (int c = 0; c < kProbes; ++c) {
+    for (int k = 0; k < p.size(); ++k) w_[k] = probe(k)[c];
+    sparse::panel_kernels().residual_vector(p.K, K_->values.data(), w_.data(), b_.data(), r_.data(), scale_.data());
+    for (int k = 0; k < p.size(); ++k)
+      if (of_M_[k]) left = sparse::larger_or_nan(left, std::abs(r_[k]) / std::max(scale_[k], rows));
   }
-  return rows > 0 ? missed / rows : 0;
+  return rows > 0 ? left : 0;
 }
 
 // What rounding makes of vectors that E keeps, beside them: the change of the probes once they are such vectors.
@@ -440,19 +443,32 @@ bool ProximalFactor::agrees(const KktVectors& v) const {
   return r <= tolerance::kProximalAgree * delta_ * f;
 }
 
+// While the largest residual of M's rows or of J's, each relative to the terms of the first step, is halved: at rest
+// the terms of J's rows vanish with their residuals, and a componentwise error shows no progress.
 sparse::Refinement ProximalFactor::refine(const KktMatrix& K, KktVectors& v) {
+  sparse::Refinement out;
   v.x = v.b;
   ldl_.solve(v.x.data());
-  return sparse::refine(
-      tolerance::kProximalSteps, tolerance::kConverged,
-      [&] {
-        residual(K, v);
-        return backward_error(v.r, v.scale);
-      },
-      [&] {
-        ldl_.solve(v.r.data());
-        for (std::size_t k = 0; k < v.x.size(); ++k) v.x[k] += v.r[k];
-      });
+  double terms[2] = {0, 0}, before = std::numeric_limits<double>::infinity();
+  for (;; ++out.steps) {
+    residual(K, v);
+    out.backward_error = backward_error(v.r, v.scale);
+    if (out.steps == 0) out.first = out.backward_error;
+    double left[2] = {0, 0};
+    for (std::size_t k = 0; k < v.r.size(); ++k) {
+      double &of_part = left[of_M_[k] ? 1 : 0], &its_terms = terms[of_M_[k] ? 1 : 0];
+      of_part = sparse::larger_or_nan(of_part, std::abs(v.r[k]));
+      if (out.steps == 0) its_terms = std::max(its_terms, v.scale[k]);
+    }
+    double error = 0;
+    for (int part : {0, 1})
+      if (terms[part] > 0) error = sparse::larger_or_nan(error, left[part] / terms[part]);
+    if (out.backward_error <= tolerance::kConverged || out.steps == tolerance::kProximalSteps || !(error < 0.5 * before))
+      return out;
+    before = error;
+    ldl_.solve(v.r.data());
+    for (std::size_t k = 0; k < v.x.size(); ++k) v.x[k] += v.r[k];
+  }
 }
 
 }  // namespace

@@ -104,24 +104,29 @@ lanes::Contradiction contradiction_of(const Scene& scene, const Workspace& w, Ma
 // The backward error where rows are judged beside what they are computed from as well, however small the products are
 // that this enters: entries of M are rounded beside sqrt(M_jj M_kk), of J beside row_size, and two digits less are not
 // believed. At rest, or falling, whole rows are such rounding. (Not where rows were dropped: those kept are judged
-// strictly, since what rounding is may be what they were told apart by. The proximal factor drops none, and leaves
-// rounding of all forces in rows that none of them should have.)
+// strictly, since what rounding is may be what they were told apart by. The proximal factor drops none. It leaves
+// rounding of the largest acceleration in all rows: of what terms of M's rows accelerate, or J's rows ask for.)
 double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const std::vector<double>& row_size,
                               std::vector<double>& forces) {
   constexpr double kPart = 0.01;
   const KktPattern& p = *m.K.pattern;
   const KktVectors& v = m.v;
-  double error = 0, of_rows = 0;
-  for (int at = 0; m.deficient() && at < p.size(); ++at)
-    of_rows = std::max(of_rows, (p.perm[at] < p.nv ? std::numeric_limits<double>::epsilon() : 1) * v.scale[at]);
-  const auto judge = [&](int k, double size) {
+  constexpr double kRounding = std::numeric_limits<double>::epsilon() / tolerance::kConverged;
+  const auto inertia = [&](int k) { return m.K.values[p.K.p[p.iperm[k] + 1] - 1]; };
+  double error = 0, of_rows = 0, largest_a = 0;  // terms of J's rows; accelerations that terms amount to
+  for (int k = 0; m.deficient() && k < p.size(); ++k) {
+    const double terms = v.scale[p.iperm[k]];
+    if (k >= p.nv) of_rows = std::max(of_rows, terms);
+    const double size = k < p.nv ? inertia(k) : row_size[k - p.nv];
+    if (size > 0) largest_a = std::max(largest_a, terms / size);
+  }
+  const auto judge = [&](int k, double size, double least) {
     const int at = p.iperm[k];
-    const double least = k < p.nv ? 0 : of_rows;  // what contacts cannot agree on was taken out by its largest entries
     const double left = std::abs(m.deficient() ? v.r[at] - v.null_component[at] : v.r[at]);
     if (left != 0) error = sparse::larger_or_nan(error, left / std::max({v.scale[at], kPart * size, least}));
   };
   const auto a = [&](int k) { return std::abs(v.x[p.iperm[k]]); };
-  const auto root = [&](int k) { return std::sqrt(m.K.values[p.K.p[p.iperm[k] + 1] - 1]); };
+  const auto root = [&](int k) { return std::sqrt(inertia(k)); };
   const Island& island = m.owner.island;
   const std::vector<std::vector<int>>& columns = m.owner.shape->support().columns;
   forces.assign(m.K.size(), 0.0);  // of them at each velocity, beside J's entries there
@@ -135,13 +140,14 @@ double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const s
     const int first = island.dof_offset[r], end = first + scene.robots[island.robots[r]].model->nv;
     double sum = 0;
     for (int k = first; k < end; ++k) sum += root(k) * a(k);
-    for (int k = first; k < end; ++k) judge(k, root(k) * sum + forces[k]);
+    for (int k = first; k < end; ++k) judge(k, root(k) * sum + forces[k], kRounding * inertia(k) * largest_a);
   }
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
     double sum = 0;
     for (int k : columns[c]) sum += a(k);
     for (int i = 0, row = island.row_offset[c]; i < scene.contacts[island.contacts[c]].rows(); ++i, ++row)
-      judge(island.nv + row, row_size[row] * sum);
+      // What contacts cannot agree on was taken out by its largest entries.
+      judge(island.nv + row, row_size[row] * sum, std::max(of_rows, kRounding * row_size[row] * largest_a));
   }
   return error;
 }

@@ -66,8 +66,9 @@ class IslandShape {
 /// permutation is not made, these have shapes of their own.)
 class ShapeCache {
  public:
-  /// Allocates nothing when an island with the same trees and contacts was asked for before.
-  const std::shared_ptr<IslandShape>& find(const Scene& scene, const Island& island);
+  /// Allocates nothing when an island with the same trees and contacts was asked for before. by_places: islands that
+  /// differ in places have shapes of their own, which spares the search for the order contacts-early.
+  const std::shared_ptr<IslandShape>& find(const Scene& scene, const Island& island, bool by_places = false);
   std::size_t size() const { return shapes_.size(); }
   /// Forgets all others.
   void keep(const std::set<const IslandShape*>& used);
