@@ -2,9 +2,8 @@
 #   DOXYGEN, PROJECT: the program, the top folder;  BUILD: where to put what it makes;  FLOORS: headers or their folders
 function(complaints said)  # further lines of the Doxyfile
   string(JOIN "\n" more ${ARGN})
-  file(READ ${PROJECT}/src/doc/Doxyfile doxyfile)
-  file(MAKE_DIRECTORY ${BUILD})
-  file(WRITE ${BUILD}/Doxyfile "${doxyfile}\nOUTPUT_DIRECTORY = ${BUILD}\n${more}\n")
+  execute_process(COMMAND python3 ${PROJECT}/src/doc/site.py ${BUILD} OUTPUT_VARIABLE doxyfile COMMAND_ERROR_IS_FATAL ANY)
+  file(WRITE ${BUILD}/Doxyfile "${doxyfile}\n${more}\n")
   execute_process(COMMAND ${DOXYGEN} ${BUILD}/Doxyfile WORKING_DIRECTORY ${PROJECT}
                   OUTPUT_QUIET ERROR_VARIABLE warnings RESULT_VARIABLE failed)
   string(REGEX REPLACE "warning: No output formats[^\n]*\n" "" warnings "${warnings}")
@@ -15,10 +14,24 @@ function(complaints said)  # further lines of the Doxyfile
 endfunction()
 
 # Of the page of outcomes the first lines: its table of 908 cases takes twice as long as all the rest.
-complaints(said "SEARCHENGINE = NO" "FILTER_PATTERNS += */stability/README.md=\"head -40\"")
+complaints(said "SEARCHENGINE = NO" "FILTER_PATTERNS = */stability/README.md=\"head -40\" *.hpp=\"perl src/doc/filter.pl\" \\
+                                    *.md=\"python3 src/doc/site.py --filter\"")
 if(said)
   message(FATAL_ERROR "${said}")
 endif()
+
+# The navigation leads to pages that are there.
+file(STRINGS ${BUILD}/layout.xml tabs REGEX "url=")
+list(LENGTH tabs count)
+if(count LESS 40)
+  message(SEND_ERROR "only ${count} pages in the navigation")
+endif()
+foreach(tab IN LISTS tabs)
+  string(REGEX REPLACE ".*url=\"([^\"]*)\".*" "\\1" url "${tab}")
+  if(NOT EXISTS ${BUILD}/html/${url})
+    message(SEND_ERROR "the navigation leads to ${url}, which doxygen did not make")
+  endif()
+endforeach()
 
 list(TRANSFORM FLOORS PREPEND include/manycontact/)
 string(JOIN " " floors ${FLOORS})

@@ -3,8 +3,12 @@
 import importlib.util
 import os
 import pathlib
+import re
+import shutil
 import subprocess
 import sys
+import tarfile
+import xml.etree.ElementTree
 import zipfile
 
 import manycontact as mc
@@ -33,7 +37,7 @@ def environment(tmp_path_factory):
 
 def pip(python, *arguments):
     common = ["--no-index", "--quiet", "--disable-pip-version-check", "--config-settings", f"build-dir={BUILD}"]
-    return run(str(python), "-m", "pip", arguments[0], *common, *arguments[1:], str(ROOT / "src/python"))
+    return run(str(python), "-m", "pip", arguments[0], *common, *arguments[1:], str(ROOT))
 
 
 def test_the_wheel_holds_what_it_should(environment, tmp_path):
@@ -70,3 +74,49 @@ print(mc.__version__, mc.solve(file.scene, file.q, file.v, file.u, mc.SceneData(
     where = "import manycontact as mc; print(mc.__file__)"
     assert run(str(environment), "-c", where, cwd=tmp_path).strip() == mc.__file__
     run(str(environment), "-m", "pip", "uninstall", "--yes", "--quiet", "manycontact", cwd=tmp_path)
+
+
+# ---- the source archive ------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def unpacked(tmp_path_factory):
+    """The source archive of cmake_wheel.py, unpacked: its top folder."""
+    folder = tmp_path_factory.mktemp("archive")
+    backend = "import sys; sys.path[0:0] = [sys.argv[1]]; import cmake_wheel; print(cmake_wheel.build_sdist(sys.argv[2]))"
+    name = run(sys.executable, "-B", "-c", backend, str(ROOT / "src/python/packaging"), str(folder)).strip()
+    assert name == f"manycontact-{mc.__version__}.tar.gz"
+    with tarfile.open(folder / name) as archive:
+        archive.extractall(folder)
+    return folder / name.removesuffix(".tar.gz")
+
+
+def test_version_is_the_same_everywhere(unpacked):
+    """CMake's, Python's, colcon's, pip's, CITATION.cff's, the changelog's, the README's."""
+    version = re.search(r"project\(manycontact\s+VERSION\s+([\d.]+)", (ROOT / "CMakeLists.txt").read_text())[1]
+    assert mc.__version__ == version
+    assert xml.etree.ElementTree.parse(unpacked / "package.xml").findtext("version") == version
+    assert f"\nVersion: {version}\n" in (unpacked / "PKG-INFO").read_text()
+    assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text()
+    assert f"\n## [{version}]" in (ROOT / "CHANGELOG.md").read_text()
+    assert f"Version {version}" in (ROOT / "README.md").read_text()
+
+
+def test_the_archive_configures_and_packs_itself(unpacked, tmp_path):
+    """CMake finds all that it needs in the archive; an archive of it is the same, though git does not know it."""
+    off = [f"-DMANYCONTACT_{part}=OFF" for part in ("TESTS", "CHART", "BENCH")]
+    run("cmake", "-S", str(unpacked), "-B", str(tmp_path / "build"), "-DCMAKE_BUILD_TYPE=Release", *off)
+    backend = "import sys; sys.path[0:0] = [sys.argv[1]]; import cmake_wheel; print(cmake_wheel.build_sdist(sys.argv[2]))"
+    name = run(sys.executable, "-B", "-c", backend, str(unpacked / "src/python/packaging"), str(tmp_path)).strip()
+    with tarfile.open(tmp_path / name) as again, tarfile.open(unpacked.parent / name) as first:
+        assert set(again.getnames()) == set(first.getnames())
+
+
+def test_colcon_configures_the_package(unpacked, tmp_path):
+    if not shutil.which("colcon"):
+        pytest.skip("no colcon")
+    off = [f"-DMANYCONTACT_{part}=OFF" for part in ("TESTS", "CHART", "BENCH")]
+    choose = ["--base-paths", str(unpacked), "--packages-select", "manycontact"]
+    done = run("colcon", "build", *choose, "--cmake-target", "help", "--cmake-args", *off, cwd=tmp_path)  # configures, compiles nothing
+    assert "Finished <<< manycontact" in done
+    assert (tmp_path / "build/manycontact/CMakeCache.txt").exists()

@@ -96,8 +96,9 @@ def test_stubs_are_the_modules():
 
 
 def programs():
-    for page in ("README.md", "src/doc/tutorial.md"):
-        yield page, re.search(r"```python\n([^`]*)```", (ROOT / page).read_text())[1]
+    pages = ["README.md", *(f"src/doc/howto/{name}.md" for name in ("python", "derivatives", "simulate", "inverse_kinematics"))]
+    for page in pages:
+        yield page, re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(), re.S)[0]
     yield "standing.py", (ROOT / "src/python/examples/standing.py").read_text()
 
 

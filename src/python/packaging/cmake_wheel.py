@@ -1,10 +1,12 @@
 """A build backend (PEP 517, PEP 660) of the standard library alone: CMake builds the package, zipfile writes the wheel.
 
-    pip wheel --no-deps ./src/python --config-settings build-dir=build/release      # build-dir: else build/wheel
+    pip wheel --no-deps . --config-settings build-dir=build/release      # build-dir: else build/wheel
+    cmake_wheel.py FOLDER [build-dir=build/release]                      # the wheel and the source archive, without pip
 """
 
 import base64
 import hashlib
+import io
 import os
 import pathlib
 import re
@@ -101,12 +103,30 @@ def build_editable(wheel_directory, config_settings=None, metadata_directory=Non
     return _write(wheel_directory, {"manycontact.pth": f"{_built(config_settings)}\n".encode()})
 
 
+def _sources():
+    """Paths of the source tree: those that git knows, or in an unpacked archive all but builds."""
+    listed = subprocess.run(["git", "-C", TOP, "ls-files", "-z"], capture_output=True)
+    if listed.returncode == 0:
+        return [p for p in listed.stdout.decode().split("\0") if p and (TOP / p).is_file()]
+    files = (p.relative_to(TOP) for p in TOP.rglob("*") if p.is_file() or p.is_symlink())
+    return sorted(str(p) for p in files if p.parts[0] != "build" and "__pycache__" not in p.parts)
+
+
 def build_sdist(sdist_directory, config_settings=None):
-    """The source tree, as git has it."""
+    """The source archive: for pip (PKG-INFO), for colcon (package.xml) and for CMake."""
     name = f"manycontact-{_version()}"
-    listed = subprocess.run(["git", "-C", TOP, "ls-files", "-z"], check=True, capture_output=True).stdout
+    package = (TOP / "src/package/package.xml.in").read_text().replace("@VERSION@", _version())
     with tarfile.open(pathlib.Path(sdist_directory) / f"{name}.tar.gz", "w:gz") as out:
-        for path in filter(None, listed.decode().split("\0")):
-            if (TOP / path).exists():
+        for path in _sources():
+            if path not in ("PKG-INFO", "package.xml"):
                 out.add(TOP / path, f"{name}/{path}", recursive=False)
+        for path, text in (("PKG-INFO", _metadata()), ("package.xml", package)):
+            entry = tarfile.TarInfo(f"{name}/{path}")
+            entry.size = len(text.encode())
+            out.addfile(entry, io.BytesIO(text.encode()))
     return f"{name}.tar.gz"
+
+
+if __name__ == "__main__":
+    for build in (build_sdist, build_wheel):
+        print(build(sys.argv[1], dict(word.split("=", 1) for word in sys.argv[2:])))

@@ -1,0 +1,365 @@
+"""Checks the prose of pages and public headers.
+
+    lint.py [--update]      ends with 1 where something is wrong; --update lowers the counts of prose_debts.txt
+
+* Sentences of more than 35 words, private words (below), sentences that begin with "Of" or "What". In headers also files that
+  are not installed and constants that do not exist.
+* Files, header files, functions, options of the program that are named and do not exist.
+* Blocks without a language, commands outside a block, blocks that are not run without a reason.
+* Measured numbers (us, ms, s, MB, times) in sections without a command; pages that index.md does not list.
+* Members of the status enumerations that statuses.md does not explain, commands without a row in program.md, kinds of findings
+  without one in scene_file.md, numbers of tables of times that are not those of bench/results.
+
+Comments of headers are checked for sentences and words only, against prose_debts.txt, whose counts may only decrease.
+"""
+
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import pages  # noqa: E402
+
+TOP = pages.TOP
+DEBTS = TOP / "tests" / "doc" / "prose_debts.txt"
+LONGEST = 35
+
+# What is written otherwise: pattern, and the standard term.
+WORDS = {
+    r"floors?": "layer, module (or: ground)",
+    r"lanes?|side by side": "SIMD batch",
+    r"rooms?": "workspace, folder",
+    r"oracles?": "dense reference solver",
+    r"holds?|held|holding": "constrain, fix, contain, be true",
+    r"beside|besides": "compared with, relative to, near, in addition to",
+    r"stands? (?:in|for|behind|there|before|at|above|below|apart|by)|stood": "is, is fixed to",
+    r"says?|said": "state, report, print, specify",
+    r"tells?|told": "report, print, list, distinguish",
+    r"turning": "rotation, angular",
+    r"levers?": "moment arm",
+    r"push(?:es)?": "external wrench",
+    r"postures?": "configuration",
+    r"answers?|answered": "solution, result; solve",
+    r"worth": "status and accuracy",
+    r"by hand": "standalone, without an action model",
+    r"twins?": "counterpart",
+    r"drifts?": "bias acceleration, or: constraint violation",
+    r"no body has": "violating the triangle inequality",
+    r"at hand": "current",
+    r"anew": "again, from scratch",
+    r"goes on|go on": "continue, fall back to",
+    r"creeps?|crawls?": "converge slowly",
+    r"alike": "identical, similar",
+    r"outer forces": "external forces",
+    r"passed limits": "exceeded limits",
+    r"one's own": "your own",
+    r"likewise": "the fact itself",
+}
+PRIVATE = {re.compile(rf"(?<![\w'-])(?:{pattern})(?![\w'-])", re.I): instead for pattern, instead in WORDS.items()}
+MEASURED = re.compile(r"(?<![\w.])\d[\d.,]*\s*(us|ms|MB|GB|kB|times as (?:long|fast)|times faster|minutes)\b")
+COMMAND = re.compile(r"```sh|`(?:\./run|manycontact|build/|python3|ctest|cmake|pip)|\]\([^)]*(?:bench|performance|published)[^)]*\)|gtest_filter|\.ninja_log")
+LANGUAGES = {"sh", "python", "cpp", "cmake", "xml", "text", "py", "json"}
+EVIDENCE = ("README.md", "performance.md", "methods.md", "problems.md", "published.md", "mathematics.md", "task_file.md", "program.md")
+
+
+# ---- text --------------------------------------------------------------------------------------------------------------
+
+
+def paragraphs(text):
+    """[(line, text)] of a page's prose: paragraphs, items of lists, cells of tables."""
+    found, current, start, fenced = [], [], 0, False
+    for number, line in enumerate([*text.split("\n"), ""], 1):
+        bare = line.strip()
+        if bare.startswith("```"):
+            fenced = not fenced
+            bare = ""
+        elif fenced:
+            continue
+        item = re.match(r"([*-]|\d+\.) ", bare)
+        table = bare.startswith("|")
+        aside = bare.startswith(("#", "<!--", "![")) or (line.startswith("    ") and not current and not item)
+        if not bare or item or table or aside:
+            if current:
+                found.append((start, " ".join(current)))
+            current = []
+        if table:
+            found += [(number, cell) for cell in re.split(r"(?<!\\)\|", bare) if cell.strip(" -:")]
+        elif bare and not aside:
+            start = start if current else number
+            current.append(bare[item.end() :] if item else bare)
+    return found
+
+
+def plain(text):
+    """Prose without code, links and pictures."""
+    text = re.sub(r"!\[[^\]]*\]\([^)]*\)", "", text)
+    text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
+    text = re.sub(r"`[^`]*`", "`", text)
+    return re.sub(r"https?://\S+", "", text)
+
+
+def sentences(text):
+    return [s for s in re.split(r"(?<=[.!?])[*_]*\s+(?=[A-Z`*\"(])", plain(text)) if s.strip()]
+
+
+def words(sentence):
+    return len(re.findall(r"[\w`][\w`'/^.-]*", sentence))
+
+
+def prose_faults(line, text):
+    for sentence in sentences(text):
+        if (count := words(sentence)) > LONGEST:
+            yield line, "long", f"a sentence of {count} words: {sentence[:70]}..."
+        if re.match(r"(Of|What)\b", sentence) and not sentence.rstrip().endswith(("?", ":")):
+            yield line, "fragment", f"begins with Of or What: {sentence[:70]}"
+        for pattern, instead in PRIVATE.items():
+            for hit in pattern.findall(sentence):
+                yield line, "word", f"'{hit}', better: {instead}: {sentence[:90]}"
+
+
+# ---- names -------------------------------------------------------------------------------------------------------------
+
+
+def tracked():
+    listed = subprocess.run(["git", "-C", TOP, "ls-files", "-co", "--exclude-standard"], capture_output=True, text=True)
+    files = [TOP / f for f in listed.stdout.split("\n") if f] or [f for f in TOP.rglob("*") if "build" not in f.parts]
+    return [f for f in files if f.is_file()]
+
+
+class Names:
+    def __init__(self):
+        self.files = {str(f.relative_to(TOP)) for f in tracked()}
+        self.installed = {"include/" + x.strip("* \n") for x in open(TOP / "tests" / "installed_headers.txt")}
+        code = [f for f in tracked() if f.suffix in (".hpp", ".cpp", ".py", ".cmake", ".xsd", ".in", ".sh", ".urdf", ".xml") or f.name in ("run", "CMakeLists.txt")]
+        code = [f for f in code if f.parent != pathlib.Path(__file__).resolve().parent]
+        self.words = set()
+        headers = "".join(re.sub(r"//.*", "", f.read_text()) for f in (TOP / "include").rglob("*.hpp"))
+        self.constants = set(re.findall(r"\bk[A-Z]\w+", headers))
+        self.options = set()
+        for file in code:
+            text = file.read_text(errors="replace")
+            self.words |= set(re.findall(r"\w+", text))
+            self.options |= set(re.findall(r"--[a-z][a-z_-]*", text))
+
+    def file_exists(self, page, name, user):
+        written = re.findall(r"`([\w./-]+)`:\s*$|--(?:\w+) ([\w./-]+)|[>] ([\w./]+)|\"([\w./-]+)\"", page.read_text(), re.M)
+        if name in {x for group in written for x in group} or "*" in name or name.isupper():
+            return True
+        if name.endswith(".hpp"):
+            return any(f"{root}{name}" in self.files for root in ("include/", "include/manycontact/", *(() if user else ("src/private/", "src/private/manycontact/", "", "src/", "sparse/private/", "sparse/include/", "sparse/"))))\
+                or name == "manycontact/version.hpp" or (not user and any(f.endswith("/" + name) for f in self.files))
+        roots = ("", "src/", "models/", str(page.parent.relative_to(TOP)) + "/")
+        return any(root + name in self.files for root in roots) or (not user and any(f.endswith("/" + name) for f in self.files))
+
+
+FILE = re.compile(r"^[\w./-]*\w\.(?:hpp|cpp|md|urdf|py|xsd|cmake|sh|xml|png|txt)$")
+FOREIGN = {"src/doc/coming_from.md", "src/doc/problems.md", "src/doc/published.md", "src/doc/howto/real_robots.md", "src/doc/howto/xacro.md"}
+
+
+def name_faults(page, text, names):
+    where = str(page.relative_to(TOP))
+    user = not re.search(r"contributing/|CONTRIBUTING|SECURITY|sparse/|lq/", where)
+    for line, prose in paragraphs(text):
+        for code in re.findall(r"`([^`]+)`", prose):
+            if FILE.match(code) and not code.startswith(("http", "my_", "build/")) and not re.match(r"[A-Z_]+\.", code):
+                if where not in FOREIGN and not names.file_exists(page, code, user):
+                    yield line, f"`{code}` is no file" + (" that is installed" if code.endswith(".hpp") else "")
+            call = re.fullmatch(r"(?:\w+\.)*(\w+)\(.*\)", code) or re.fullmatch(r"(?:\w+::|\w+\.)*(\w*[a-z]_\w+|[A-Z][a-z]+[A-Z]\w+)", code)
+            if call and where not in FOREIGN and call[1] not in names.words and call[1] not in text.replace(f"`{code}`", ""):
+                yield line, f"`{code}`: nothing is called {call[1]}"
+            if code.startswith(("manycontact ", "--")):
+                for option in re.findall(r"--[a-z][a-z_-]*", code):
+                    if option not in names.options:
+                        yield line, f"`{code}`: there is no {option}"
+
+
+# ---- pages -------------------------------------------------------------------------------------------------------------
+
+
+def block_faults(text):
+    blocks = pages.blocks_of(text)
+    for block in blocks:
+        if block.language not in LANGUAGES:
+            yield block.first + 1, f"a block of '{block.language}', expected one of {', '.join(sorted(LANGUAGES))}"
+        for mark in block.marks:
+            if not re.match(r"(not run: \w|needs: \w|numbers vary$)", mark):
+                yield block.first, f"<!-- {mark} -->, expected not run: WHY, needs: MODULE or numbers vary"
+        if block.language == "cpp" and not block.name:
+            yield block.first + 1, "a C++ program without a name, which nothing compiles: end the sentence before it with `NAME.cpp`:"
+    fenced = False
+    for number, line in enumerate(text.split("\n"), 1):
+        if line.strip().startswith("```"):
+            fenced = not fenced
+        elif not fenced and re.match(r"    (\./run|build/|manycontact |cmake |pip |python3? |mpirun |chromium )", line):
+            yield number, f"a command outside a block of sh, which nothing runs: {line.strip()[:60]}"
+
+
+def number_faults(text):
+    for section in re.split(r"(?m)^(?=## )", text):
+        if hit := MEASURED.search(plain(re.sub(r"(?s)```.*?```", "", section))):
+            if not COMMAND.search(section):
+                at = text[: text.index(section)].count("\n") + 1
+                yield at, f"'{hit[0]}' in a section that shows no command that measures it"
+
+
+def anchors(text):
+    """Of the headings of a page, as GitHub names them."""
+    headings = re.findall(r"(?m)^#+ (.*)$", re.sub(r"(?s)```.*?```", "", text))
+    return {re.sub(r"[^\w -]", "", h.lower()).replace(" ", "-") for h in headings}
+
+
+def anchor_faults(page, text):
+    for target, anchor in re.findall(r"\]\(([\w./-]*)#([\w-]+)\)", text):
+        other = (page.parent / target).resolve() if target else page
+        if other.exists() and anchor not in anchors(other.read_text()):
+            yield text[: text.index(f"#{anchor})")].count("\n") + 1, f"{other.name} has no heading for #{anchor}"
+
+
+def enumerators(name):
+    """Of `enum class NAME` in the installed headers."""
+    for header in (TOP / "include").rglob("*.hpp"):
+        if found := re.search(rf"enum class {name} {{(.*?)}};", header.read_text(), re.S):
+            return re.findall(r"\bk[A-Z]\w+", re.sub(r"//.*", "", found[1]))
+    return []
+
+
+def page_faults(page, names):
+    text = page.read_text()
+    where = page.relative_to(TOP)
+    found = [(line, message) for at, prose in paragraphs(text) for line, _, message in prose_faults(at, prose)]
+    found += name_faults(page, text, names)
+    found += block_faults(text)
+    found += anchor_faults(page, text)
+    if page.name in EVIDENCE or "howto" in where.parts:
+        found += number_faults(text)
+    return [f"{where}:{line}: {message}" for line, message in found]
+
+
+def set_faults():
+    """What is wrong with the pages as a whole."""
+    index = (TOP / "src" / "doc" / "index.md").read_text()
+    for page in pages.pages():
+        name = page.relative_to(TOP)
+        link = os.path.relpath(page, TOP / "src" / "doc")
+        if str(name) not in ("src/doc/index.md", "README.md") and f"]({link})" not in index:
+            yield f"src/doc/index.md: no link to {name}"
+    statuses = (TOP / "src" / "doc" / "statuses.md").read_text()
+    for enum in ("Reason", "StepStatus", "StopReason"):
+        members = enumerators(enum)
+        if not members:
+            yield f"no enumeration {enum} in include"
+        for member in members:
+            if f"`{member}`" not in statuses and not (enum == "StopReason" and member == "kNone"):
+                yield f"src/doc/statuses.md: {enum}::{member} is not explained"
+    sources = "".join(f.read_text() for d in ("io", "analysis") for f in (TOP / "src" / d).glob("*.cpp"))
+    kinds = set(re.findall(r'\btell\((?:\*?\w+, )?"([a-z_]+)"|', sources)) | set(re.findall(r'\{"([a-z_]+)", (?:scene\.)?name\b', sources))
+    kinds.discard("")
+    if len(kinds) < 8:
+        yield f"only the kinds {kinds} of findings are found in the sources: has the way they are written changed?"
+    scene_file = (TOP / "src" / "doc" / "scene_file.md").read_text()
+    rows = " ".join(re.findall(r"(?m)^\| (.*?) \|", scene_file.partition("### How a URDF is read")[2].partition("\n## ")[0]))
+    for kind in kinds:
+        if f"`{kind}`" not in rows:
+            yield f"src/doc/scene_file.md: no row on findings of kind {kind}"
+    program = (TOP / "src" / "doc" / "program.md").read_text()
+    for command in (f.name for f in (TOP / "src" / "cli").iterdir() if f.name != "program" and (f / f"{f.name}.cpp").exists()):
+        if f"\n| `{command} " not in program:
+            yield f"src/doc/program.md: no chapter on {command}"
+
+
+def bench_faults():
+    """Times of the README and of performance.md that are not those of the last ./run bench, rounded."""
+    measured = (TOP / "bench" / "results" / "README.md").read_text()
+    measured = {row.split("|")[1].strip(): re.sub(r"\(.*?\)", "", row) for row in re.findall(r"(?m)^\| .*\d.*\|$", measured)}
+    known = {name: {float(x) for x in re.findall(r"(?<=\| )[\d.]+", row)} for name, row in measured.items()}
+    for page, rows in {
+        "src/doc/performance.md": {
+            "manycontact solve": "manycontact solve",
+            "manycontact derivatives, without the solve": "manycontact derivatives",
+            "manycontact vjp, without the solve": "manycontact vjp",
+            "MuJoCo `mj_forward`, soft contacts": "MuJoCo mj_forward",
+            "Simbody `realize`": "Simbody realize",
+            "DART `step`": "DART step",
+        },
+        "README.md": {
+            "solve": "manycontact solve",
+            "gradient (`vjp`), after the solve": "manycontact vjp",
+            "all derivatives, after the solve": "manycontact derivatives",
+            "MuJoCo 2.2.2 `mj_forward`, soft contacts": "MuJoCo mj_forward",
+            "DART 6.12.1 `step`": "DART step",
+        },
+    }.items():
+        text = (TOP / page).read_text()
+        for row, name in rows.items():
+            found = re.search(rf"(?m)^\| {re.escape(row)} \|(.*)\|$", text)
+            if not found:
+                yield f"{page}: no row {row}"
+                continue
+            for number in re.findall(r"[\d.]+", found[1]):
+                digits = len(number.partition(".")[2])
+                if not any(abs(x - float(number)) <= 0.5001 * 10.0**-digits for x in known[name]):
+                    yield f"{page}: {row}: {number} is no time of {name} in bench/results/README.md"
+
+
+# ---- headers -----------------------------------------------------------------------------------------------------------
+
+
+def header_debts(header, names):
+    """{kind: count} of what is wrong in a header's comments."""
+    counts, comment = {}, []
+    comments = "\n".join(re.findall(r"(?m)(?<![:\"])//(.*)$", header.read_text()))
+    files = {f for f in re.findall(r"[\w/]+\.(?:hpp|cpp|md)\b", comments)}
+    wrong = [f for f in files if not any(r + f in names.files for r in ("include/", "include/manycontact/", f"{header.parent.relative_to(TOP)}/"))]
+    counts["file"] = len(wrong)
+    counts["constant"] = len({k for k in re.findall(r"\bk[A-Z]\w+", comments) if k not in names.constants})
+    for line in [*header.read_text().split("\n"), ""]:
+        found = re.search(r"(?<![:\"])//[/<!]*\s?(.*)", line)
+        text = found[1] if found else None
+        own = found and not line[: found.start()].strip()
+        if text is None or (comment and not own) or not text.strip() or text.startswith("    "):
+            for _, kind, _ in prose_faults(0, " ".join(comment)):
+                counts[kind] = counts.get(kind, 0) + 1
+            comment = []
+        if text and text.strip() and not text.startswith("    "):
+            comment.append(text.strip())
+    return counts
+
+
+def header_faults(update, names):
+    known = {}
+    for line in DEBTS.read_text().split("\n") if DEBTS.exists() else []:
+        if line and not line.startswith("#"):
+            name, *counts = line.split()
+            known[name] = {k: int(v) for k, v in (c.split("=") for c in counts)}
+    now = {str(h.relative_to(TOP)): header_debts(h, names) for h in sorted((TOP / "include").rglob("*.hpp"))}
+    for page in sorted((TOP / "include").rglob("README.md")):
+        kinds = [kind for at, prose in paragraphs(page.read_text()) for _, kind, _ in prose_faults(at, prose)]
+        now[str(page.relative_to(TOP))] = {kind: kinds.count(kind) for kind in sorted(set(kinds))}
+    if update:
+        lowered = {n: {k: min(v, known.get(n, {}).get(k, 0)) if known else v for k, v in c.items()} for n, c in now.items()}
+        lines = [" ".join([n, *(f"{k}={v}" for k, v in sorted(c.items()) if v)]) for n, c in lowered.items() if any(c.values())]
+        DEBTS.write_text("# Faults of prose in public headers, by lint.py --update. Counts may only decrease.\n" + "\n".join(lines) + "\n")
+        known = lowered
+    for name, counts in now.items():
+        for kind, count in counts.items():
+            if count > known.get(name, {}).get(kind, 0):
+                yield f"{name}: {count} faults of kind {kind}, {known.get(name, {}).get(kind, 0)} allowed by prose_debts.txt"
+
+
+def main():
+    update = "--update" in sys.argv
+    names = Names()
+    found = [fault for page in pages.pages() for fault in page_faults(page, names)]
+    found += [*set_faults(), *bench_faults(), *header_faults(update, names)]
+    only = [a for a in sys.argv[1:] if not a.startswith("--")]
+    found = [f for f in found if not only or any(o in f for o in only)]
+    for fault in found:
+        print(fault)
+    print(f"{len(found)} faults in {len(pages.pages())} pages and the public headers")
+    sys.exit(1 if found else 0)
+
+
+if __name__ == "__main__":
+    main()

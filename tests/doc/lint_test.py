@@ -1,0 +1,67 @@
+"""lint.py and pages.py find each kind of fault, in a page that has it."""
+
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import lint  # noqa: E402
+import pages  # noqa: E402
+
+PAGE = lint.TOP / "src" / "doc" / "performance.md"  # of which a text is taken to be
+
+
+def faults(text):
+    names = faults.names = getattr(faults, "names", None) or lint.Names()
+    found = [message for at, prose in lint.paragraphs(text) for _, _, message in lint.prose_faults(at, prose)]
+    for source in (lint.name_faults(PAGE, text, names), lint.block_faults(text), lint.number_faults(text), lint.anchor_faults(PAGE, text)):
+        found += [message for _, message in source]
+    return found
+
+
+FAULTS = {
+    "The robot " + "and " * 40 + "ends.": "a sentence of 43 words",
+    "* An item " + "and " * 40 + "ends.": "a sentence of",
+    "| cell | A cell " + "and " * 40 + "ends. |": "a sentence of",
+    "It is solved. Of several robots, one.": "begins with Of",
+    "What moves is found.": "begins with Of or What",
+    "The rows hold the same.": "'hold'",
+    "A factor beside\nthe other.": "'beside'",
+    "Robots in SIMD lanes.": "'lanes'",
+    "See `manycontact/dynamics/nothing.hpp`.": "is no file that is installed",
+    "See `manycontact/kkt/shape.hpp`.": "is no file that is installed",  # private
+    "See `tests/doc/nothing.py`.": "is no file",
+    "Call `solve_nothing(scene)`.": "nothing is called solve_nothing",
+    "Call `manycontact solve SCENE --nothing`.": "there is no --nothing",
+    "```\nx\n```": "a block of ''",
+    "<!-- not run -->\n```sh\ntrue\n```": "expected not run: WHY",
+    "```cpp\nint main() {}\n```": "a C++ program without a name",
+    "    ./run build": "a command outside a block of sh",
+    "## Fast\n\nIt takes 3 us.": "no command that measures it",
+    "See [times](#nothing).": "no heading for #nothing",
+}
+FINE = """# A page
+
+The robot is at rest. What is an island? It holds: no. `hold` and `beside` are code.
+
+```sh
+true
+```
+
+It takes 3 us (`./run bench`). See `manycontact/dynamics/solve.hpp`, `solve_batch(scene, Q, V, U, batch)`, [times](#times).
+""".replace("It holds: no. ", "")
+
+
+def check_output():
+    """pages.difference: numbers to their digits, excerpts, rounding."""
+    same = [("a 1.5\nb", "a 1.5\nb\n"), ("...\nb", "a\nb\n"), ("a\n...", "a\nb\nc\n"), ("x 1e-17", "x -3e-15\n"), ("t 1.500001", "t 1.500002\n")]
+    other = [("a 1.5", "a 1.6\n"), ("t 1.50", "t 1.502\n"), ("a", "a\nb\n"), ("a\nb", "a\n"), ("...\nb", "a\n"), ("a 1", "b 1\n"), ("x 1e-3", "x 2e-3\n"), ("a 294.30", "a 294.31\n")]
+    wrong = [f"same: {x}" for x in same if pages.difference(*x, False)] + [f"other: {x}" for x in other if not pages.difference(*x, False)]
+    if pages.difference("t 12 us", "t 17 us\n", True):
+        wrong.append("numbers that vary")
+    return wrong
+
+
+missed = [f"not found in {text!r}: {expected}, but {faults(text)}" for text, expected in FAULTS.items() if not any(expected in f for f in faults(text))]
+missed += [f"found in a good page: {f}" for f in faults(FINE)] + check_output()
+print("\n".join(missed) or f"{len(FAULTS)} kinds of faults are found")
+sys.exit(1 if missed else 0)
