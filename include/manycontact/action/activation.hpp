@@ -1,5 +1,5 @@
 #pragma once
-// a(r): what a residual costs. Names and interface of Crocoddyl; all Hessians are diagonal.
+// Activations a(r): the cost of a residual. Names and interface are Crocoddyl's; all Hessians are diagonal.
 
 #include <memory>
 
@@ -7,18 +7,18 @@
 
 namespace manycontact {
 
-struct ActivationDataAbstract {  // a(r), its gradient and Hessian
+struct ActivationDataAbstract {  // The value a(r), its gradient and its Hessian.
   explicit ActivationDataAbstract(std::size_t nr)
       : Ar(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(nr))), Arr(static_cast<Eigen::Index>(nr)) {
     Arr.setZero();
   }
   virtual ~ActivationDataAbstract() = default;
-  double a_value = 0;                                 // by calc
-  Eigen::VectorXd Ar;                                 // nr: by calcDiff
-  Eigen::DiagonalMatrix<double, Eigen::Dynamic> Arr;  // nr: by calcDiff
+  double a_value = 0;                                 // set by calc
+  Eigen::VectorXd Ar;                                 // nr: set by calcDiff
+  Eigen::DiagonalMatrix<double, Eigen::Dynamic> Arr;  // nr: set by calcDiff
 };
 
-class ActivationModelAbstract {  // a(r): a cost's function of its residual
+class ActivationModelAbstract {  // A cost as a function a(r) of the residual.
  public:
   explicit ActivationModelAbstract(std::size_t nr) : nr_(nr) {}
   virtual ~ActivationModelAbstract() = default;
@@ -33,7 +33,7 @@ class ActivationModelAbstract {  // a(r): a cost's function of its residual
 };
 std::ostream& operator<<(std::ostream& os, const ActivationModelAbstract& model);
 
-/// 1/2 |r|^2
+/// The activation 1/2 |r|^2.
 class ActivationModelQuad : public ActivationModelAbstract {
  public:
   explicit ActivationModelQuad(std::size_t nr) : ActivationModelAbstract(nr) {}
@@ -42,7 +42,7 @@ class ActivationModelQuad : public ActivationModelAbstract {
   void print(std::ostream& os) const override;
 };
 
-/// 1/2 sum w_i r_i^2
+/// The activation 1/2 sum w_i r_i^2.
 class ActivationModelWeightedQuad : public ActivationModelAbstract {
  public:
   explicit ActivationModelWeightedQuad(const Eigen::VectorXd& weights);
@@ -56,14 +56,14 @@ class ActivationModelWeightedQuad : public ActivationModelAbstract {
   Eigen::VectorXd weights_;
 };
 
-/// lb <= r <= ub, each finite pair drawn in to the middle by the factor beta in [0, 1].
+/// Bounds lb <= r <= ub. Each finite pair is contracted towards its middle by the factor beta in [0, 1].
 struct ActivationBounds {
   ActivationBounds(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, double beta = 1);
   Eigen::VectorXd lb, ub;
   double beta;
 };
 
-/// 1/2 |min(r - lb, 0)|^2 + 1/2 |max(r - ub, 0)|^2
+/// The activation 1/2 |min(r - lb, 0)|^2 + 1/2 |max(r - ub, 0)|^2.
 class ActivationModelQuadraticBarrier : public ActivationModelAbstract {
  public:
   explicit ActivationModelQuadraticBarrier(const ActivationBounds& bounds)
@@ -78,8 +78,7 @@ class ActivationModelQuadraticBarrier : public ActivationModelAbstract {
   ActivationBounds bounds_;
 };
 
-/// The same of w_i r_i outside its bounds: 1/2 |w min(r - lb, 0)|^2 + 1/2 |w max(r - ub, 0)|^2. (Its Hessian is w^2; in
-/// Crocoddyl 3.0 it is w.)
+/// The activation 1/2 |w min(r - lb, 0)|^2 + 1/2 |w max(r - ub, 0)|^2. (Its Hessian is w^2; in Crocoddyl 3.0 it is w.)
 class ActivationModelWeightedQuadraticBarrier : public ActivationModelQuadraticBarrier {
  public:
   ActivationModelWeightedQuadraticBarrier(const ActivationBounds& bounds, const Eigen::VectorXd& weights);
@@ -93,7 +92,8 @@ class ActivationModelWeightedQuadraticBarrier : public ActivationModelQuadraticB
   Eigen::VectorXd weights_;
 };
 
-/// sum sqrt(eps + r_i^2), eps > 0. (Its Hessian is eps / sqrt(eps + r^2)^3; in Crocoddyl 3.0 eps is missing there.)
+/// The activation sum sqrt(eps + r_i^2), eps > 0. (Its Hessian is eps / sqrt(eps + r^2)^3; Crocoddyl 3.0 lacks eps
+/// there.)
 class ActivationModelSmooth1Norm : public ActivationModelAbstract {
  public:
   explicit ActivationModelSmooth1Norm(std::size_t nr, double eps = 1);
@@ -107,8 +107,8 @@ class ActivationModelSmooth1Norm : public ActivationModelAbstract {
 using ActivationModelSmoothNorm1 = ActivationModelSmooth1Norm;
 using ActivationModelSmoothAbs = ActivationModelSmooth1Norm;
 
-/// sqrt(eps + |r|^2), eps > 0. Its Hessian's diagonal is the Hessian's smallest eigenvalue, eps / sqrt(eps + |r|^2)^3.
-/// (In Crocoddyl 3.0 eps is missing there.)
+/// The activation sqrt(eps + |r|^2), eps > 0. The diagonal of its Hessian is the smallest eigenvalue of the true
+/// Hessian, eps / sqrt(eps + |r|^2)^3. (Crocoddyl 3.0 lacks eps there.)
 class ActivationModelSmooth2Norm : public ActivationModelAbstract {
  public:
   explicit ActivationModelSmooth2Norm(std::size_t nr, double eps = 1);
@@ -120,8 +120,8 @@ class ActivationModelSmooth2Norm : public ActivationModelAbstract {
   double eps_;
 };
 
-/// 1/2 (|r| - alpha)^2 where |r| < alpha, else zero; alpha >= 0. Hessian: the diagonal of the true one, or that of
-/// Gauss-Newton, r_i^2 / |r|^2. Where r = 0 it has a kink, and both derivatives are taken as zero (Crocoddyl: NaN).
+/// The activation 1/2 (|r| - alpha)^2 if |r| < alpha, otherwise zero; alpha >= 0. Its Hessian is the diagonal of the
+/// true one, or that of Gauss-Newton, r_i^2 / |r|^2. At the kink r = 0 both derivatives are zero (Crocoddyl: NaN).
 class ActivationModel2NormBarrier : public ActivationModelAbstract {
  public:
   explicit ActivationModel2NormBarrier(std::size_t nr, double alpha = 0.1, bool true_hessian = false);
@@ -136,7 +136,7 @@ class ActivationModel2NormBarrier : public ActivationModelAbstract {
   bool true_hessian_;
 };
 
-/// 1 - exp(-|r|^2 / alpha), alpha > 0. Hessian: the diagonal of the true one.
+/// The activation 1 - exp(-|r|^2 / alpha), alpha > 0. Its Hessian is the diagonal of the true one.
 class ActivationModelQuadFlatExp : public ActivationModelAbstract {
  public:
   explicit ActivationModelQuadFlatExp(std::size_t nr, double alpha = 1);
@@ -150,7 +150,7 @@ class ActivationModelQuadFlatExp : public ActivationModelAbstract {
   double alpha_;
 };
 
-/// log(1 + |r|^2 / alpha), alpha > 0. Hessian: the diagonal of the true one.
+/// The activation log(1 + |r|^2 / alpha), alpha > 0. Its Hessian is the diagonal of the true one.
 class ActivationModelQuadFlatLog : public ActivationModelAbstract {
  public:
   explicit ActivationModelQuadFlatLog(std::size_t nr, double alpha = 1);

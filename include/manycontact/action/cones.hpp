@@ -1,7 +1,8 @@
 #pragma once
-// Linear inequalities lb <= A f <= ub on a contact force, or wrench, f: friction, and the centre of pressure inside the
-// foot. Names, A and bounds of Crocoddyl's cones. R: the cone's axes (z: the normal) in the axes of f. Setters take
-// effect at update(). Bad numbers throw std::invalid_argument (Crocoddyl replaces them and warns).
+// Linear inequalities lb <= A f <= ub for a contact force or wrench f: friction, and the centre of pressure inside the
+// foot. Names, A and bounds are those of Crocoddyl's cones. R contains the cone's axes (z: the normal) in the axes of
+// f. Setters take effect with update(). Numbers out of range throw std::invalid_argument (Crocoddyl replaces them and
+// warns).
 
 #include <iosfwd>
 #include <limits>
@@ -10,12 +11,12 @@
 
 namespace manycontact {
 
-/// nf facets, then the normal force: nf + 1 rows on f (3).
+/// A friction cone with nf facets, followed by the normal force: nf + 1 rows for f (3).
 class FrictionCone {
  public:
   using MatrixX3s = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
-  /// mu >= 0; nf even; inner_appr: facets inside the round cone rather than around it. Forces in N.
+  /// mu >= 0; nf even. inner_appr: the facets are inside the round cone rather than around it. Forces in N.
   FrictionCone(const Eigen::Matrix3d& R, double mu, std::size_t nf = 4, bool inner_appr = true, double min_nforce = 0,
                double max_nforce = std::numeric_limits<double>::infinity());
   FrictionCone() : FrictionCone(Eigen::Matrix3d::Identity(), 0.7) {}
@@ -47,13 +48,13 @@ class FrictionCone {
 };
 std::ostream& operator<<(std::ostream& os, const FrictionCone& cone);
 
-/// The friction cone, centre of pressure inside the box and yaw torque of a rectangular foot: nf + 13 rows on the
-/// wrench [force; moment] at the box' centre.
+/// The friction cone, centre of pressure inside the box, and yaw torque of a rectangular foot: nf + 13 rows for the
+/// wrench [force; moment] at the centre of the box.
 class WrenchCone {
  public:
   using MatrixX6s = Eigen::Matrix<double, Eigen::Dynamic, 6>;
 
-  /// box: length and width [m]; an infinite side limits nothing (its rows are zero).
+  /// box: length and width [m]; an infinite side gives no limit (its rows are zero).
   WrenchCone(const Eigen::Matrix3d& R, double mu, const Eigen::Vector2d& box, std::size_t nf = 4,
              bool inner_appr = true, double min_nforce = 0,
              double max_nforce = std::numeric_limits<double>::infinity());
@@ -87,8 +88,8 @@ class WrenchCone {
 };
 std::ostream& operator<<(std::ostream& os, const WrenchCone& cone);
 
-/// Centre of pressure inside the box: 4 rows on the wrench. As in Crocoddyl the length bounds the moment about y, the
-/// width that about x.
+/// The centre of pressure inside the box: 4 rows for the wrench. As in Crocoddyl, the length bounds the moment about y,
+/// the width the moment about x.
 class CoPSupport {
  public:
   using Matrix46s = Eigen::Matrix<double, 4, 6>;

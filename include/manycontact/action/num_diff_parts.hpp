@@ -1,8 +1,8 @@
 #pragma once
-// Numerical twins of an action model's parts: derivatives by central differences, for users' own parts, and for tests.
-// By Crocoddyl's names. The step is absolute on tangents, relative to max(1, |u_i|) in u. Parts evaluated by hand see
-// more than x and u: set_reevals takes what brings that up to date, called with each x, u before the part's calc, and
-// at last with the point itself.
+// Parts of an action model whose derivatives are central differences of another part. They are meant for user-defined
+// parts, and for tests; the names are Crocoddyl's. The step is absolute on tangent spaces, relative to max(1, |u_i|) in
+// u. Standalone parts depend on more than x and u: set_reevals takes functions that update these data. They are called
+// with each x, u before the part's calc, and finally at the point itself.
 
 #include <cmath>
 #include <functional>
@@ -15,7 +15,7 @@ namespace manycontact {
 
 namespace internal {
 
-/// The step of a twin.
+/// The step of the differences.
 class Step {
  public:
   double get_disturbance() const { return step_; }
@@ -26,7 +26,7 @@ class Step {
   double step_ = std::cbrt(std::numeric_limits<double>::epsilon());
 };
 
-/// What a twin by hand calls before its part.
+/// The functions that are called before a standalone part is evaluated.
 class Reevaluation {
  public:
   using ReevaluationFunction = std::function<void(const Eigen::VectorXd& x, const Eigen::VectorXd& u)>;
@@ -41,7 +41,7 @@ class Reevaluation {
 
 }  // namespace internal
 
-/// Jdiff, Jintegrate and JintegrateTransport of any state; the rest is the state's own.
+/// Differentiates Jdiff, Jintegrate and JintegrateTransport of any state; everything else is the state's own.
 class StateNumDiff : public StateAbstract, public internal::Step {
  public:
   explicit StateNumDiff(std::shared_ptr<StateAbstract> state);
@@ -60,7 +60,7 @@ class StateNumDiff : public StateAbstract, public internal::Step {
   std::shared_ptr<StateAbstract> state_model_;
 };
 
-/// Ar, and of the Hessian the diagonal.
+/// Differentiates an activation: Ar, and the diagonal of the Hessian.
 class ActivationModelNumDiff : public ActivationModelAbstract, public internal::Step {
  public:
   explicit ActivationModelNumDiff(std::shared_ptr<ActivationModelAbstract> model);
@@ -73,15 +73,15 @@ class ActivationModelNumDiff : public ActivationModelAbstract, public internal::
   std::shared_ptr<ActivationModelAbstract> model_;
 };
 
-/// Of the twin.
+/// Data of ActivationModelNumDiff.
 struct ActivationDataNumDiff : ActivationDataAbstract {
   explicit ActivationDataNumDiff(const ActivationModelNumDiff* model);
   std::shared_ptr<ActivationDataAbstract> data_0;
   Eigen::MatrixXd Arr_;  // nr x nr: the whole Hessian
 };
 
-/// dtau_dx, dtau_du; Mtau is the pseudo-inverse of dtau_du, of whose singular values those within the differences'
-/// accuracy are zero.
+/// Differentiates an actuation: dtau_dx, dtau_du. Mtau is the pseudoinverse of dtau_du; singular values within the
+/// accuracy of the differences are zero.
 class ActuationModelNumDiff : public ActuationModelAbstract, public internal::Step {
  public:
   explicit ActuationModelNumDiff(std::shared_ptr<ActuationModelAbstract> model);
@@ -102,13 +102,13 @@ class ActuationModelNumDiff : public ActuationModelAbstract, public internal::St
   std::shared_ptr<ActuationModelAbstract> model_;
 };
 
-/// Of the twin.
+/// Data of ActuationModelNumDiff.
 struct ActuationDataNumDiff : ActuationDataAbstract {
   explicit ActuationDataNumDiff(const ActuationModelNumDiff* model);
   std::shared_ptr<ActuationDataAbstract> data_0;
 };
 
-/// Rx, Ru.
+/// Differentiates a residual: Rx, Ru.
 class ResidualModelNumDiff : public ResidualModelAbstract, public internal::Step, public internal::Reevaluation {
  public:
   explicit ResidualModelNumDiff(const std::shared_ptr<ResidualModelAbstract>& model);
@@ -125,13 +125,13 @@ class ResidualModelNumDiff : public ResidualModelAbstract, public internal::Step
   std::shared_ptr<ResidualModelAbstract> model_;
 };
 
-/// Of the twin.
+/// Data of ResidualModelNumDiff.
 struct ResidualDataNumDiff : ResidualDataAbstract {
   ResidualDataNumDiff(const ResidualModelNumDiff* model, DataCollector* shared);
   std::shared_ptr<ResidualDataAbstract> data_0;
 };
 
-/// Lx, Lu; Hessians of Gauss-Newton, by the residual's differences.
+/// Differentiates a cost: Lx, Lu. Hessians are Gauss-Newton's, with differences of the residual.
 class CostModelNumDiff : public internal::Step, public internal::Reevaluation {
  public:
   explicit CostModelNumDiff(const std::shared_ptr<CostModelAbstract>& model);
@@ -139,7 +139,7 @@ class CostModelNumDiff : public internal::Step, public internal::Reevaluation {
   void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);
   void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u);
   void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);
-  /// Data by hand.
+  /// Creates standalone data.
   std::shared_ptr<CostDataAbstract> createData(DataCollector* shared);
   const std::shared_ptr<CostModelAbstract>& get_model() const { return model_; }
   const std::shared_ptr<StateAbstract>& get_state() const { return model_->get_state(); }
@@ -153,7 +153,7 @@ class CostModelNumDiff : public internal::Step, public internal::Reevaluation {
   std::shared_ptr<CostModelAbstract> model_;
 };
 
-/// Gx, Gu, Hx, Hu.
+/// Differentiates a constraint: Gx, Gu, Hx, Hu.
 class ConstraintModelNumDiff : public internal::Step, public internal::Reevaluation {
  public:
   explicit ConstraintModelNumDiff(const std::shared_ptr<ConstraintModelAbstract>& model);
@@ -173,7 +173,7 @@ class ConstraintModelNumDiff : public internal::Step, public internal::Reevaluat
   std::shared_ptr<ConstraintModelAbstract> model_;
 };
 
-/// da0_dx, at the motion that reevals leave.
+/// Differentiates a contact: da0_dx, at the motion that the reevaluations compute.
 class ContactModelNumDiff : public internal::Step, public internal::Reevaluation {
  public:
   explicit ContactModelNumDiff(const std::shared_ptr<ContactModelAbstract>& model);

@@ -1,6 +1,6 @@
 #pragma once
-// Controls within bounds without constraints: tau(x, u) = actuation(x, squashing(s)), s any number. Names and interface
-// of Crocoddyl's SquashingModelSmoothSat and ActuationSquashingModel.
+// Bounded controls without constraints: tau(x, u) = actuation(x, squashing(s)), with s unbounded. Names and interface
+// are those of Crocoddyl's SquashingModelSmoothSat and ActuationSquashingModel.
 
 #include "manycontact/action/actuation.hpp"
 
@@ -8,15 +8,15 @@ namespace manycontact {
 
 class SquashingModelAbstract;
 
-/// u and its derivative.
+/// The controls u and their derivative.
 struct SquashingDataAbstract {
   explicit SquashingDataAbstract(const SquashingModelAbstract* model);
   virtual ~SquashingDataAbstract() = default;
-  Eigen::VectorXd u;      // ns: by calc
-  Eigen::MatrixXd du_ds;  // ns x ns: by calcDiff
+  Eigen::VectorXd u;      // ns: set by calc
+  Eigen::MatrixXd du_ds;  // ns x ns: set by calcDiff
 };
 
-class SquashingModelAbstract {  // u(s)
+class SquashingModelAbstract {  // A function u(s).
  public:
   /// Throws std::invalid_argument for ns = 0.
   explicit SquashingModelAbstract(std::size_t ns);
@@ -33,18 +33,18 @@ class SquashingModelAbstract {  // u(s)
 
  protected:
   std::size_t ns_;
-  Eigen::VectorXd u_lb_, u_ub_, s_lb_, s_ub_;  // of u; of s, for a barrier on it
+  Eigen::VectorXd u_lb_, u_ub_, s_lb_, s_ub_;  // bounds of u; bounds of s, for a barrier
 };
 
-/// u = 1/2 (lb + ub + sqrt((s - lb)^2 + d^2) - sqrt((s - ub)^2 + d^2)), d = smooth (ub - lb): s between the bounds,
-/// smoothly held within them beyond.
+/// The function u = 1/2 (lb + ub + sqrt((s - lb)^2 + d^2) - sqrt((s - ub)^2 + d^2)), d = smooth (ub - lb). It is close
+/// to s between the bounds, and saturates smoothly outside.
 class SquashingModelSmoothSat : public SquashingModelAbstract {
  public:
-  /// Finite bounds, lb < ub, of ns numbers; else std::invalid_argument.
+  /// Bounds must be finite, with lb < ub and ns numbers; otherwise std::invalid_argument is thrown.
   SquashingModelSmoothSat(const ConstVectorRef& u_lb, const ConstVectorRef& u_ub, std::size_t ns);
   void calc(const std::shared_ptr<SquashingDataAbstract>& data, const ConstVectorRef& s) override;
   void calcDiff(const std::shared_ptr<SquashingDataAbstract>& data, const ConstVectorRef& s) override;
-  double get_smooth() const { return smooth_; }  // at first 0.1
+  double get_smooth() const { return smooth_; }  // initially 0.1
   void set_smooth(double smooth);                // not negative
   const Eigen::VectorXd& get_d() const { return d_; }
 
@@ -53,7 +53,7 @@ class SquashingModelSmoothSat : public SquashingModelAbstract {
   Eigen::VectorXd d_;
 };
 
-/// An actuation whose controls are squashed first: nu = ns.
+/// An actuation with squashed controls: nu = ns.
 class ActuationSquashingModel : public ActuationModelAbstract {
  public:
   ActuationSquashingModel(std::shared_ptr<ActuationModelAbstract> actuation,
@@ -64,7 +64,7 @@ class ActuationSquashingModel : public ActuationModelAbstract {
   void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
                 const ConstVectorRef& u) override;
   using ActuationModelAbstract::calcDiff;
-  /// u = Mtau tau, Mtau at the controls that the actuation alone would take.
+  /// Computes u = Mtau tau, with Mtau at the controls that the actuation alone would use.
   void commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
                 const ConstVectorRef& tau) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
@@ -77,7 +77,7 @@ class ActuationSquashingModel : public ActuationModelAbstract {
   std::shared_ptr<ActuationModelAbstract> actuation_;
 };
 
-/// Of both its parts.
+/// Data of ActuationSquashingModel.
 struct ActuationSquashingData : ActuationDataAbstract {
   explicit ActuationSquashingData(const ActuationSquashingModel* model);
   std::shared_ptr<SquashingDataAbstract> squashing;

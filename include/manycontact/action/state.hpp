@@ -1,6 +1,7 @@
 #pragma once
-// The state x = [q; v] of a scene, nx = nq + nv, and its tangent dx = [dq; dv], ndx = 2 nv; dq lives in each joint's
-// own child frame. Interface of Crocoddyl's StateAbstract and StateMultibody. Wrong sizes throw std::invalid_argument.
+// The state x = [q; v] of a scene, nx = nq + nv, and its tangent vectors dx = [dq; dv], ndx = 2 nv. dq is expressed in
+// each joint's own child frame. The interfaces are those of Crocoddyl's StateAbstract and StateMultibody. Wrong sizes
+// throw std::invalid_argument.
 
 #include "manycontact/action/multibody.hpp"
 
@@ -9,24 +10,25 @@ namespace manycontact {
 enum Jcomponent { both = 0, first = 1, second = 2 };
 enum AssignmentOp { setto, addto, rmfrom };
 
-class StateAbstract {  // a manifold: differences and sums
+class StateAbstract {  // A manifold with differences and sums.
  public:
   StateAbstract(std::size_t nx, std::size_t ndx);
   virtual ~StateAbstract() = default;
 
   virtual Eigen::VectorXd zero() const = 0;
   virtual Eigen::VectorXd rand() const = 0;
-  /// dxout = x1 (-) x0.
+  /// Computes dxout = x1 (-) x0.
   virtual void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const = 0;
-  /// xout = x (+) dx.
+  /// Computes xout = x (+) dx.
   virtual void integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const = 0;
-  /// Jfirst = d diff/dx0, Jsecond = d diff/dx1 (ndx x ndx); those not asked for are left alone.
+  /// Computes Jfirst = d diff/dx0 and Jsecond = d diff/dx1 (ndx x ndx). Matrices that are not requested remain
+  /// unchanged.
   virtual void Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, MatrixRef Jfirst, MatrixRef Jsecond,
                      Jcomponent firstsecond = both) const = 0;
-  /// Jfirst = d integrate/dx, Jsecond = d integrate/d(dx); set, added or subtracted.
+  /// Computes Jfirst = d integrate/dx and Jsecond = d integrate/d(dx); sets, adds or subtracts them.
   virtual void Jintegrate(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jfirst, MatrixRef Jsecond,
                           Jcomponent firstsecond = both, AssignmentOp op = setto) const = 0;
-  /// Jin (ndx rows) <- J Jin with J the `first` or `second` of Jintegrate.
+  /// Computes Jin (ndx rows) <- J Jin, with J the `first` or `second` derivative of Jintegrate.
   virtual void JintegrateTransport(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jin,
                                    Jcomponent firstsecond) const = 0;
 
@@ -54,19 +56,20 @@ class StateAbstract {  // a manifold: differences and sums
   bool has_limits_ = false;
 };
 
-/// Whether parts made for one of the states serve with the other: they are the same, or of the same Multibody.
+/// Whether parts made for one of the states can be used with the other: they are the same, or have the same Multibody.
 bool same_space(const StateAbstract& a, const StateAbstract& b);
 
-class StateMultibody : public StateAbstract {  // x = [q; v] of a scene
+class StateMultibody : public StateAbstract {  // The state x = [q; v] of a scene.
  public:
-  /// The bounds are the URDF's joint and velocity limits, infinite where it gives none.
+  /// The bounds are the URDF's joint and velocity limits, infinite if it has none.
   explicit StateMultibody(std::shared_ptr<const Multibody> model);
   explicit StateMultibody(const Scene& scene) : StateMultibody(std::make_shared<const Multibody>(scene)) {}
   explicit StateMultibody(std::shared_ptr<const Model> model)
       : StateMultibody(std::make_shared<const Multibody>(std::move(model))) {}
 
   Eigen::VectorXd zero() const override;
-  /// q within the joints' limits where these are finite, else within +-pi (+-1 m), any orientation; v within +-1.
+  /// A random state: q within the joints' limits if these are finite, else within +-pi (+-1 m), with any orientation; v
+  /// within +-1.
   Eigen::VectorXd rand() const override;
   void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const override;
   void integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const override;

@@ -5,7 +5,8 @@
 
 namespace manycontact {
 
-class DifferentialActionModelFreeFwdDynamics : public DifferentialActionModelContactFwdDynamics {  // no contacts
+/// Forward dynamics without contacts.
+class DifferentialActionModelFreeFwdDynamics : public DifferentialActionModelContactFwdDynamics {
  public:
   DifferentialActionModelFreeFwdDynamics(std::shared_ptr<StateMultibody> state,
                                          std::shared_ptr<ActuationModelAbstract> actuation,

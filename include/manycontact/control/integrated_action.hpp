@@ -1,20 +1,20 @@
 #pragma once
-// A differential action model integrated over one time step h: interface of Crocoddyl's IntegratedActionModelAbstract.
-// The cost is h times that of the differential model (of RK the weighted sum over its stages); a terminal node's,
-// calc(data, x), is not scaled. Constraints are those at the step's start.
+// A differential action model integrated over one time step h, with the interface of Crocoddyl's
+// IntegratedActionModelAbstract. The cost is h times that of the differential model (with RK the weighted sum over its
+// stages); that of a terminal node, calc(data, x), is not scaled. Constraints are those at the beginning of the step.
 
 #include "manycontact/control/action_model.hpp"
 #include "manycontact/control/control_parametrization.hpp"
 
 namespace manycontact {
 
-class IntegratedActionModelAbstract : public ActionModelAbstract {  // a differential model over one step
+class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differential model integrated over one step.
  public:
   using DifferentialActionModelAbstract = manycontact::DifferentialActionModelAbstract;
   using ControlParametrizationModelAbstract = manycontact::ControlParametrizationModelAbstract;
 
-  /// time_step in s; `with_cost_residual`: data->r has the costs' residuals. Throws std::invalid_argument when the
-  /// step is negative or not finite (Crocoddyl takes 1e-3 then), or the control's nw is not the model's nu.
+  /// time_step in s. with_cost_residual: data->r contains the costs' residuals. Throws std::invalid_argument if the
+  /// step is negative or not finite (Crocoddyl uses 1e-3 then), and if the control's nw is not the model's nu.
   IntegratedActionModelAbstract(std::shared_ptr<DifferentialActionModelAbstract> model,
                                 std::shared_ptr<ControlParametrizationModelAbstract> control, double time_step = 1e-3,
                                 bool with_cost_residual = true);

@@ -1,10 +1,10 @@
 #pragma once
-// What solvers of a ShootingProblem have in common: the candidate xs, us, its gaps
+// The common base of solvers of a ShootingProblem: the candidate xs, us with its gaps
 //
 //     fs_0 = x0 (-) xs_0,    fs_(t+1) = f_t(xs_t, us_t) (-) xs_(t+1),
 //
-// feasibilities, thresholds and callbacks. Interface of Crocoddyl's SolverAbstract. Numerical failure is no exception:
-// solve() returns false, and reason() says why it stopped; misuse throws std::invalid_argument.
+// feasibilities, thresholds and callbacks. The interface is that of Crocoddyl's SolverAbstract. A numerical failure is
+// not an exception: solve() returns false, and reason() is the cause. Wrong arguments throw std::invalid_argument.
 
 #include <cmath>
 #include <memory>
@@ -21,46 +21,54 @@ enum FeasibilityNorm { LInf = 0, L1 };
 
 enum class StopReason {
   kNone,         // solve() has not run
-  kConverged,    // the stopping value fell below th_stop at a feasible candidate, and what else a solver asks for
-  kIterations,   // maxiter iterations were done
-  kNoDirection,  // no descent direction at the largest regularisation: numbers that are not finite, Quu not positive
-  kNoStep,       // no step of a direction was accepted up to the largest regularisation
+  kConverged,    // the candidate is feasible, the stopping value is below th_stop, and further criteria of the solver
+                 // are met
+  kIterations,   // maxiter iterations were made
+  kNoDirection,  // no descent direction at the largest regularisation: numbers are not finite, or Quu is not positive
+                 // definite
+  kNoStep,       // no step along a direction was accepted, up to the largest regularisation
   kInterrupted,  // interrupt() was called
-  kInfeasible,   // constraints are not met, and under a penalty that outweighs the cost come no closer
+  kInfeasible,   // constraints are violated, and the violation does not decrease with a penalty that outweighs the cost
 };
 const char* to_string(StopReason reason);
 
-class SolverAbstract {  // what all solvers share
+class SolverAbstract {  // The common base of solvers. Use one per thread.
  public:
   explicit SolverAbstract(std::shared_ptr<ShootingProblem> problem);
   virtual ~SolverAbstract() = default;
 
-  /// From the candidate init_xs (T + 1; empty: the states' zeros), init_us (T; empty: zeros). is_feasible: init_xs is
-  /// what init_us lead to. init_reg: the first regularisation, NaN for the smallest. True when converged.
+  /// Solves the problem from the candidate init_xs (T + 1 states; empty: the states' zeros), init_us (T controls;
+  /// empty: zeros), with at most maxiter iterations. is_feasible: init_xs is the result of simulating init_us, so that
+  /// there are no gaps. init_reg: initial regularisation, NaN for the smallest. Returns true if converged; otherwise
+  /// see reason(). Throws std::invalid_argument for wrong sizes. The results get_xs() and get_us() remain valid until
+  /// the next solve.
   virtual bool solve(const std::vector<Eigen::VectorXd>& init_xs = DEFAULT_VECTOR,
                      const std::vector<Eigen::VectorXd>& init_us = DEFAULT_VECTOR, std::size_t maxiter = 100,
                      bool is_feasible = false, double init_reg = NAN) = 0;
-  /// The step of the linear-quadratic problem around the candidate; with `recalc` its derivatives are evaluated first.
+  /// Computes the step of the linear-quadratic problem around the candidate. With `recalc` the derivatives are computed
+  /// first.
   virtual void computeDirection(bool recalc) = 0;
-  /// Goes along the direction; returns the reduction of the cost, NaN when numbers are not finite there.
+  /// Tries a step along the direction; returns the reduction of the cost, or NaN if numbers are not finite there.
   virtual double tryStep(double steplength = 1) = 0;
   virtual double stoppingCriteria() = 0;
-  /// d = (d0, d1): a step of length s is expected to reduce the cost by s (d0 + s d1 / 2).
+  /// Computes d = (d0, d1): the expected reduction of the cost by a step of length s is s (d0 + s d1 / 2).
   virtual const Eigen::Vector2d& expectedImprovement() = 0;
-  /// Fits the memory to the problem's nodes.
+  /// Adapts the memory to the problem's nodes.
   virtual void resizeData();
 
-  /// Of the last problem.calc: gaps into fs; violation of g's bounds; |h|. In the norm get_feasnorm().
+  /// Compute infeasibilities of the last problem.calc, in the norm get_feasnorm(): the gaps, stored in fs; the
+  /// violation of g's bounds; |h|.
   double computeDynamicFeasibility();
   double computeInequalityFeasibility();
   double computeEqualityFeasibility();
   void setCandidate(const std::vector<Eigen::VectorXd>& xs_warm = DEFAULT_VECTOR,
                     const std::vector<Eigen::VectorXd>& us_warm = DEFAULT_VECTOR, bool is_feasible = false);
-  /// Called after each iteration; those that a callback sets, from the next one on.
+  /// The callbacks are called after each iteration. If a callback replaces them, the new ones are called from the next
+  /// iteration on.
   using Callbacks = std::vector<std::shared_ptr<CallbackAbstract>>;
   void setCallbacks(const Callbacks& callbacks);
   const Callbacks& getCallbacks() const { return *callbacks_; }
-  /// Ends solve() after the iteration at hand; for callbacks.
+  /// Ends solve() after the current iteration; for callbacks.
   void interrupt() { interrupted_ = true; }
   StopReason reason() const { return reason_; }
 
@@ -95,28 +103,28 @@ class SolverAbstract {  // what all solvers share
   std::size_t get_iter() const { return iter_; }
   void set_xs(const std::vector<Eigen::VectorXd>& xs);
   void set_us(const std::vector<Eigen::VectorXd>& us);
-  /// Throw std::invalid_argument for numbers out of range.
+  /// They throw std::invalid_argument for numbers out of range.
   void set_preg(double preg);
   void set_dreg(double dreg);
   void set_th_acceptstep(double th_acceptstep);  // in (0, 1]
-  void set_th_stop(double th_stop);              // > 0
-  void set_th_gaptol(double th_gaptol);          // >= 0
+  void set_th_stop(double th_stop);              // above 0
+  void set_th_gaptol(double th_gaptol);          // not negative
   void set_feasnorm(FeasibilityNorm feasnorm) { feasnorm_ = feasnorm; }
 
  protected:
   void check_xs(const char* where, const std::vector<Eigen::VectorXd>& xs) const;
   void check_us(const char* where, const std::vector<Eigen::VectorXd>& us) const;
-  /// Each callback, of the list as it is now: one may set another.
+  /// Calls each callback of the current list, which callbacks may replace.
   void callCallbacks();
   std::shared_ptr<ShootingProblem> problem_;
   std::vector<Eigen::VectorXd> xs_, us_, fs_;  // T + 1, T, T + 1
   std::shared_ptr<const Callbacks> callbacks_ = std::make_shared<const Callbacks>();
-  bool is_feasible_ = false, was_feasible_ = false;  // of the candidate, and of the one before
+  bool is_feasible_ = false, was_feasible_ = false;  // of the candidate, and of the previous one
   double cost_ = 0, merit_ = 0, stop_ = 0;
   Eigen::Vector2d d_ = Eigen::Vector2d::Zero();
-  double dV_ = 0, dPhi_ = 0, dVexp_ = 0, dPhiexp_ = 0;  // reductions of cost and merit, found and expected
+  double dV_ = 0, dPhi_ = 0, dVexp_ = 0, dPhiexp_ = 0;  // reductions of cost and merit, actual and expected
   double dfeas_ = 0, feas_ = 0, ffeas_ = 0, gfeas_ = 0, hfeas_ = 0, ffeas_try_ = 0, gfeas_try_ = 0, hfeas_try_ = 0;
-  double preg_ = 0, dreg_ = 0;  // regularisation of the primal, dual variables
+  double preg_ = 0, dreg_ = 0;  // regularisation of the primal and dual variables
   double steplength_ = 1, th_acceptstep_ = 0.1, th_stop_ = 1e-9, th_gaptol_ = 1e-16;
   FeasibilityNorm feasnorm_ = LInf;
   std::size_t iter_ = 0;
@@ -127,13 +135,13 @@ class SolverAbstract {  // what all solvers share
   internal::LoopTime gaps_time_;
 };
 
-class CallbackAbstract {  // called after each iteration
+class CallbackAbstract {  // A function that is called after each iteration.
  public:
   virtual ~CallbackAbstract() = default;
   virtual void operator()(SolverAbstract& solver) = 0;
 };
 
-/// True for a number that is not finite, or >= 1e30.
+/// Whether a number is not finite, or at least 1e30.
 bool raiseIfNaN(double value);
 
 }  // namespace manycontact

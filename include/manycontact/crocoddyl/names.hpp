@@ -1,6 +1,6 @@
 #pragma once
-// The library's names for programs written for Crocoddyl (crocoddyl.hpp): all but those of the stacks that crocoddyl.hpp
-// has itself, so that `using namespace crocoddyl` leaves no name in doubt. A test holds the list to the headers.
+// The library's names for programs written for Crocoddyl (crocoddyl.hpp). Stacks are left out, which crocoddyl.hpp defines
+// itself, so that `using namespace crocoddyl` makes no name ambiguous. A test compares the list with the headers.
 
 #include "manycontact/action.hpp"
 #include "manycontact/algorithm/configuration.hpp"

@@ -1,10 +1,11 @@
 #pragma once
-// Residuals of one frame of a robot. Names and constructors of Crocoddyl; nu defaults to nv as there.
+// Residuals of one frame of a robot. Names and constructors are Crocoddyl's; nu is nv by default.
 
 #include "manycontact/action/residual.hpp"
 
 namespace manycontact {
 
+/// The common base: a frame.
 class FrameResidual : public ResidualModelAbstract {
  public:
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
@@ -23,7 +24,7 @@ class FrameResidual : public ResidualModelAbstract {
   FrameIndex id_;
 };
 
-/// log6(pref^-1 oMf), in the reference's axes.
+/// The placement error log6(pref^-1 oMf) (6), in the reference's axes.
 class ResidualModelFramePlacement : public FrameResidual {
  public:
   ResidualModelFramePlacement(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
@@ -44,7 +45,7 @@ class ResidualModelFramePlacement : public FrameResidual {
   SE3<double> pref_;
 };
 
-/// p - xref, m in the world.
+/// The position of the frame minus xref (3) [m], in the world.
 class ResidualModelFrameTranslation : public FrameResidual {
  public:
   ResidualModelFrameTranslation(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
@@ -65,7 +66,7 @@ class ResidualModelFrameTranslation : public FrameResidual {
   Eigen::Vector3d xref_;
 };
 
-/// log3(Rref^T R).
+/// The rotation error log3(Rref^T R) (3) [rad].
 class ResidualModelFrameRotation : public FrameResidual {
  public:
   ResidualModelFrameRotation(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Matrix3d& Rref,
@@ -86,7 +87,7 @@ class ResidualModelFrameRotation : public FrameResidual {
   Eigen::Matrix3d Rref_;
 };
 
-/// The frame's spatial velocity [linear; angular] minus vref, both in `type`'s axes (as in algorithm/frames.hpp).
+/// The frame's spatial velocity [linear; angular] minus vref (6), both in the axes of `type` (algorithm/frames.hpp).
 class ResidualModelFrameVelocity : public FrameResidual {
  public:
   ResidualModelFrameVelocity(std::shared_ptr<StateMultibody> state, FrameIndex id, const Vec6<double>& vref,

@@ -1,17 +1,16 @@
 #pragma once
-// Residuals of state, control, torques and accelerations. Names and constructors of Crocoddyl; nu defaults to nv as
-// there.
+// Residuals of state, control, torques and accelerations. Names and constructors are Crocoddyl's; nu is nv by default.
 
 #include "manycontact/action/residual.hpp"
 
 namespace manycontact {
 
-/// x (-) xref (2 nv).
+/// The state error x (-) xref (2 nv).
 class ResidualModelState : public ResidualModelAbstract {
  public:
   ResidualModelState(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& xref, std::size_t nu);
   ResidualModelState(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& xref);
-  /// xref = state->zero().
+  /// Uses xref = state->zero().
   ResidualModelState(std::shared_ptr<StateAbstract> state, std::size_t nu);
   explicit ResidualModelState(std::shared_ptr<StateAbstract> state);
 
@@ -31,11 +30,11 @@ class ResidualModelState : public ResidualModelAbstract {
   Eigen::VectorXd xref_;
 };
 
-/// u - uref (nu).
+/// The control error u - uref (nu).
 class ResidualModelControl : public ResidualModelAbstract {
  public:
   ResidualModelControl(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& uref);
-  /// uref = 0.
+  /// Uses uref = 0.
   ResidualModelControl(std::shared_ptr<StateAbstract> state, std::size_t nu);
   explicit ResidualModelControl(std::shared_ptr<StateAbstract> state);
 
@@ -55,15 +54,15 @@ class ResidualModelControl : public ResidualModelAbstract {
   Eigen::VectorXd uref_;
 };
 
-/// Joint efforts against a reference (nu): in forward dynamics the efforts are the controls, as in Crocoddyl, u - uref.
+/// The error u - uref of joint efforts (nu). In forward dynamics, as in Crocoddyl, the efforts are the controls.
 class ResidualModelJointEffort : public ResidualModelAbstract {
  public:
-  /// nu must be the actuation's. fwddyn is there for Crocoddyl's signature and changes nothing.
+  /// nu must be that of the actuation. fwddyn exists for Crocoddyl's signature and has no effect.
   ResidualModelJointEffort(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActuationModelAbstract> actuation,
                            const Eigen::VectorXd& uref, std::size_t nu, bool fwddyn = false);
   ResidualModelJointEffort(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActuationModelAbstract> actuation,
                            const Eigen::VectorXd& uref);
-  /// uref = 0.
+  /// Uses uref = 0.
   ResidualModelJointEffort(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActuationModelAbstract> actuation,
                            std::size_t nu);
   ResidualModelJointEffort(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActuationModelAbstract> actuation);
@@ -84,12 +83,12 @@ class ResidualModelJointEffort : public ResidualModelAbstract {
   Eigen::VectorXd uref_;
 };
 
-/// a - aref (nv).
+/// The acceleration error a - aref (nv) [m/s^2, rad/s^2].
 class ResidualModelJointAcceleration : public ResidualModelAbstract {
  public:
   ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& aref, std::size_t nu);
   ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& aref);
-  /// aref = 0.
+  /// Uses aref = 0.
   ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state, std::size_t nu);
   explicit ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state);
 
