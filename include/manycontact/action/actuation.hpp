@@ -25,18 +25,20 @@ class ActuationMatrix : public Eigen::SparseMatrix<double> {
     Base::operator=(dense.derived().sparseView());
     return *this;
   }
-  double& operator()(Eigen::Index i, Eigen::Index j) { return coeffRef(i, j); }  // creates the entry
-  double operator()(Eigen::Index i, Eigen::Index j) const { return coeff(i, j); }
+  double& operator()(Eigen::Index i, Eigen::Index j) { return coeffRef(i, j); }    // creates the entry
+  double operator()(Eigen::Index i, Eigen::Index j) const { return coeff(i, j); }  // the entry, or 0 if there is none
+  /// Whether all entries are zero.
   bool isZero(double precision = Eigen::NumTraits<double>::dummy_precision()) const {
     return Eigen::MatrixXd(*this).isZero(precision);
   }
+  /// The dense difference.
   friend Eigen::MatrixXd operator-(const ActuationMatrix& a, const ActuationMatrix& b) {
     return Eigen::MatrixXd(a) - Eigen::MatrixXd(b);
   }
 };
 
-struct ActuationDataAbstract {  // The torques tau and their derivatives.
-  explicit ActuationDataAbstract(const ActuationModelAbstract* model);
+struct ActuationDataAbstract {                                          // The torques tau and their derivatives.
+  explicit ActuationDataAbstract(const ActuationModelAbstract* model);  // allocates the data of the model
   virtual ~ActuationDataAbstract() = default;
 
   Eigen::VectorXd tau;        // nv: set by calc
@@ -49,6 +51,7 @@ struct ActuationDataAbstract {  // The torques tau and their derivatives.
 
 class ActuationModelAbstract {  // A function tau(x, u): the torques on all velocity coordinates.
  public:
+  /// Throws std::invalid_argument for a state of another kind.
   ActuationModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu);
   virtual ~ActuationModelAbstract() = default;
 
@@ -74,17 +77,18 @@ class ActuationModelAbstract {  // A function tau(x, u): the torques on all velo
   /// Derivatives are then written in place without a product.
   virtual const std::vector<int>& selection() const { return selection_; }
 
-  std::size_t get_nu() const { return nu_; }
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
-  virtual void print(std::ostream& os) const;
+  std::size_t get_nu() const { return nu_; }                                  // number of controls
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
+  virtual void print(std::ostream& os) const;                                 // prints type and sizes
 
  protected:
+  /// Throws std::invalid_argument for wrong sizes of x and u.
   void check(const char* where, const ConstVectorRef& x, const ConstVectorRef& u) const;
   std::size_t nu_;
   std::shared_ptr<StateAbstract> state_;
   std::vector<int> selection_;
 };
-std::ostream& operator<<(std::ostream& os, const ActuationModelAbstract& model);
+std::ostream& operator<<(std::ostream& os, const ActuationModelAbstract& model);  // prints it as `print` does
 
 /// An actuation whose u are the torques of selected coordinates. A derived class with its own calc or calcDiff is
 /// treated as a general actuation: its selection() is empty.
@@ -105,6 +109,7 @@ class ActuationModelSelection : public ActuationModelAbstract {
   void print(std::ostream& os) const override;
 
  protected:
+  /// selection: the actuated coordinates.
   ActuationModelSelection(std::shared_ptr<StateAbstract> state, std::vector<int> selection, std::string name);
   std::string name_;
 };
@@ -112,6 +117,7 @@ class ActuationModelSelection : public ActuationModelAbstract {
 /// Actuates every coordinate, floating bases and passive joints included: nu = nv.
 class ActuationModelFull : public ActuationModelSelection {
  public:
+  /// Throws std::invalid_argument for a state of another kind.
   explicit ActuationModelFull(std::shared_ptr<StateAbstract> state);
 };
 
@@ -119,6 +125,7 @@ class ActuationModelFull : public ActuationModelSelection {
 /// such coordinates, all are actuated.
 class ActuationModelFloatingBase : public ActuationModelSelection {
  public:
+  /// Throws std::invalid_argument for a state of another kind.
   explicit ActuationModelFloatingBase(std::shared_ptr<StateMultibody> state);
 };
 

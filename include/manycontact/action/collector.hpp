@@ -28,7 +28,7 @@ struct Impact {
 /// action model. It corresponds to pinocchio::Data in Crocoddyl.
 class MultibodyData {
  public:
-  explicit MultibodyData(const Multibody& model);
+  explicit MultibodyData(const Multibody& model);  // at the neutral configuration, at rest
   MultibodyData(const MultibodyData&) = delete;
 
   /// Computes placements, velocities, inertias and their derivatives at q (nq), v (nv) and the accelerations a (nv;
@@ -50,10 +50,11 @@ struct DataCollector {  // The data that residuals depend on.
   /// motion with MultibodyData::update, torques with the actuation, forces of contacts with updateForce and
   /// updateForceDiff.
   DataCollector();
+  /// For standalone evaluation.
   explicit DataCollector(MultibodyData* motion, std::shared_ptr<ActuationDataAbstract> act = nullptr,
                          std::shared_ptr<ContactDataMultiple> contact = nullptr);
-  DataCollector(MultibodyData* motion, std::shared_ptr<ContactDataMultiple> contact);
-  explicit DataCollector(std::shared_ptr<ActuationDataAbstract> act);
+  DataCollector(MultibodyData* motion, std::shared_ptr<ContactDataMultiple> contact);  // for standalone evaluation
+  explicit DataCollector(std::shared_ptr<ActuationDataAbstract> act);                  // for standalone evaluation
   DataCollector(const DataCollector&) = delete;
   virtual ~DataCollector();
 
@@ -72,8 +73,8 @@ struct DataCollector {  // The data that residuals depend on.
   // Derivatives with respect to state and control, per island [a; f] x [q | v | u]. For a custom actuation they are
   // multiplied by its derivatives; for a selection they are those of the solution. Throws std::logic_error unless they
   // are of the last calc.
-  PanelView panel(std::size_t island) const;
-  std::vector<RowMajorMatrix> custom;  // per island, for a custom actuation
+  PanelView panel(std::size_t island) const;  // see above
+  std::vector<RowMajorMatrix> custom;         // per island, for a custom actuation
 
   std::unique_ptr<Impact> impact;  // null except in an impulse
 

@@ -10,7 +10,7 @@ class ConstraintModelResidual;
 
 /// The values of one constraint at one x, u, evaluated standalone.
 struct ConstraintDataResidual {
-  ConstraintDataResidual(ConstraintModelResidual* model, DataCollector* shared);
+  ConstraintDataResidual(ConstraintModelResidual* model, DataCollector* shared);  // allocates the data of the model
   DataCollector* shared;
   std::shared_ptr<ResidualDataAbstract> residual;
   Eigen::VectorXd g, h;    // ng, nh: set by calc
@@ -38,18 +38,18 @@ class ConstraintModelResidual final {
   void calcDiff(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x);
   std::shared_ptr<ConstraintDataResidual> createData(DataCollector* shared);
 
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
-  const std::shared_ptr<ResidualModelAbstract>& get_residual() const { return residual_; }
-  std::size_t get_nu() const { return residual_->get_nu(); }
-  std::size_t get_ng() const { return inequalities_.size(); }
-  std::size_t get_nh() const { return equalities_.size(); }
-  bool get_T_constraint() const { return T_; }
-  const Eigen::VectorXd& get_lb() const { return lb_; }  // nr
-  const Eigen::VectorXd& get_ub() const { return ub_; }
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
+  const std::shared_ptr<ResidualModelAbstract>& get_residual() const { return residual_; }  // the residual
+  std::size_t get_nu() const { return residual_->get_nu(); }                                // number of controls
+  std::size_t get_ng() const { return inequalities_.size(); }  // number of inequality constraints
+  std::size_t get_nh() const { return equalities_.size(); }    // number of equality constraints
+  bool get_T_constraint() const { return T_; }                 // whether it applies to terminal nodes
+  const Eigen::VectorXd& get_lb() const { return lb_; }        // nr
+  const Eigen::VectorXd& get_ub() const { return ub_; }        // upper bounds
   /// The components of r that are inequalities, and equalities; ascending.
   const std::vector<int>& get_inequalities() const { return inequalities_; }
-  const std::vector<int>& get_equalities() const { return equalities_; }
-  void print(std::ostream& os) const;
+  const std::vector<int>& get_equalities() const { return equalities_; }  // indices of equalities
+  void print(std::ostream& os) const;                                     // prints type and sizes
 
  private:
   void pick_values(ConstraintDataResidual& data) const;
@@ -60,7 +60,7 @@ class ConstraintModelResidual final {
   std::vector<int> inequalities_, equalities_;
   bool T_;
 };
-std::ostream& operator<<(std::ostream& os, const ConstraintModelResidual& model);
+std::ostream& operator<<(std::ostream& os, const ConstraintModelResidual& model);  // prints it as `print` does
 
 using ConstraintModelAbstract = ConstraintModelResidual;
 
@@ -112,6 +112,7 @@ struct ConstraintDataManager {
   DifferentialActionDataAbstract* out = nullptr;
   std::unique_ptr<DifferentialActionDataAbstract> own;  // standalone: `out`
   // The parts of the residuals' blocks that are rows of g, and of h.
+  /// One part of a block.
   struct Part {
     std::size_t block = 0;             // number of the residual's block
     std::vector<int> from, to;         // rows of the block, rows of g (of h)
@@ -124,6 +125,7 @@ class ConstraintModelManager {  // A stack of constraints with names.
  public:
   using ConstraintModelContainer = std::map<std::string, std::shared_ptr<ConstraintItem>>;
 
+  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   ConstraintModelManager(std::shared_ptr<StateAbstract> state, std::size_t nu);
   explicit ConstraintModelManager(std::shared_ptr<StateAbstract> state);  // nu = nv
 
@@ -145,22 +147,22 @@ class ConstraintModelManager {  // A stack of constraints with names.
   /// Sets up the residuals' blocks again after the islands changed, and resizes the vectors and matrices in out.
   void lay_out(ConstraintDataManager& data, bool terminal) const;
 
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
-  const ConstraintModelContainer& get_constraints() const { return constraints_; }
-  std::size_t get_nu() const { return nu_; }
-  std::size_t get_ng() const { return ng_; }  // of the active constraints
-  std::size_t get_nh() const { return nh_; }
-  std::size_t get_ng_T() const { return ng_T_; }  // of those that apply to a terminal node
-  std::size_t get_nh_T() const { return nh_T_; }
-  const Eigen::VectorXd& get_lb() const { return lb_; }  // ng
-  const Eigen::VectorXd& get_ub() const { return ub_; }
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }        // the state that it was made for
+  const ConstraintModelContainer& get_constraints() const { return constraints_; }  // the constraints
+  std::size_t get_nu() const { return nu_; }                                        // number of controls
+  std::size_t get_ng() const { return ng_; }                                        // of the active constraints
+  std::size_t get_nh() const { return nh_; }                                        // number of equality constraints
+  std::size_t get_ng_T() const { return ng_T_; }             // of those that apply to a terminal node
+  std::size_t get_nh_T() const { return nh_T_; }             // number of equality constraints in a terminal node
+  const Eigen::VectorXd& get_lb() const { return lb_; }      // ng
+  const Eigen::VectorXd& get_ub() const { return ub_; }      // upper bounds
   const Eigen::VectorXd& get_lb_T() const { return lb_T_; }  // ng_T: bounds of a terminal node's g
-  const Eigen::VectorXd& get_ub_T() const { return ub_T_; }
-  const std::set<std::string>& get_active_set() const { return active_set_; }
-  const std::set<std::string>& get_inactive_set() const { return inactive_set_; }
+  const Eigen::VectorXd& get_ub_T() const { return ub_T_; }  // upper bounds of a terminal node's g
+  const std::set<std::string>& get_active_set() const { return active_set_; }      // names of the active ones
+  const std::set<std::string>& get_inactive_set() const { return inactive_set_; }  // names of the inactive ones
   std::size_t get_version() const { return version_; }  // changes with the set of constraints
   std::size_t get_status() const { return status_; }    // counts switches of constraints
-  void print(std::ostream& os) const;
+  void print(std::ostream& os) const;                   // prints type and sizes
 
  private:
   void count();
@@ -178,6 +180,6 @@ class ConstraintModelManager {  // A stack of constraints with names.
   Eigen::VectorXd lb_, ub_, lb_T_, ub_T_;
   std::set<std::string> active_set_, inactive_set_;
 };
-std::ostream& operator<<(std::ostream& os, const ConstraintModelManager& model);
+std::ostream& operator<<(std::ostream& os, const ConstraintModelManager& model);  // prints it as `print` does
 
 }  // namespace manycontact

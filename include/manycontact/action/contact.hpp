@@ -17,9 +17,9 @@ class MultibodyData;  // defined in collector.hpp
 struct SpatialForce : Vec6<double> {
   SpatialForce() : Vec6<double>(Vec6<double>::Zero()) {}
   using Vec6<double>::operator=;
-  const Vec6<double>& toVector() const { return *this; }
-  auto linear() const { return head<3>(); }
-  auto angular() const { return tail<3>(); }
+  const Vec6<double>& toVector() const { return *this; }  // [linear; angular]
+  auto linear() const { return head<3>(); }               // the force
+  auto angular() const { return tail<3>(); }              // the moment
 };
 
 /// The force on A at its origin, in the contact's reference frame: its nc numbers, and the whole wrench with
@@ -27,10 +27,10 @@ struct SpatialForce : Vec6<double> {
 struct ContactForce : Eigen::VectorXd {
   using Eigen::VectorXd::VectorXd;
   using Eigen::VectorXd::operator=;
-  Vec6<double> toVector() const;
-  Vec3<double> linear() const { return toVector().head<3>(); }
-  Vec3<double> angular() const { return toVector().tail<3>(); }
-  ContactType type = ContactType::k6D;  // of the contact, with its axis
+  Vec6<double> toVector() const;                                 // the whole wrench [linear; angular]
+  Vec3<double> linear() const { return toVector().head<3>(); }   // the force
+  Vec3<double> angular() const { return toVector().tail<3>(); }  // the moment
+  ContactType type = ContactType::k6D;                           // of the contact, with its axis
   Vec3<double> axis = Vec3<double>::UnitZ();
 };
 
@@ -84,19 +84,19 @@ class ContactModelAbstract {
   void setZeroForceDiff(const std::shared_ptr<ContactDataAbstract>& data) const;
   std::shared_ptr<ContactDataAbstract> createData(MultibodyData* data) const;
 
-  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
-  std::size_t get_nc() const { return static_cast<std::size_t>(contact_.rows()); }
-  std::size_t get_nu() const { return nu_; }
-  FrameIndex get_id() const { return id_; }
-  ReferenceFrame get_type() const { return contact_.reference_frame; }
-  const Eigen::Vector2d& get_gains() const { return gains_; }
+  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }       // the state that it was made for
+  std::size_t get_nc() const { return static_cast<std::size_t>(contact_.rows()); }  // number of constraint rows
+  std::size_t get_nu() const { return nu_; }                                        // number of controls
+  FrameIndex get_id() const { return id_; }                                         // number of the frame
+  ReferenceFrame get_type() const { return contact_.reference_frame; }              // the reference frame
+  const Eigen::Vector2d& get_gains() const { return gains_; }                       // alpha [1/s^2], beta [1/s]
   /// Sets the stabilisation gains alpha [1/s^2], beta [1/s].
   void set_gains(const Eigen::Vector2d& gains);
-  void set_id(FrameIndex id);
-  void set_type(ReferenceFrame type) { contact_.reference_frame = type; }
+  void set_id(FrameIndex id);                                              // selects another frame
+  void set_type(ReferenceFrame type) { contact_.reference_frame = type; }  // selects another reference frame
   /// The contact in the form of a scene.
   const Contact& get_contact() const { return contact_; }
-  virtual void print(std::ostream& os) const;
+  virtual void print(std::ostream& os) const;  // prints type and sizes
 
  private:
   friend class ContactModel1D;
@@ -116,9 +116,10 @@ class ContactModelAbstract {
   FrameIndex id_;
   std::size_t nu_;
 };
-std::ostream& operator<<(std::ostream& os, const ContactModelAbstract& model);
+std::ostream& operator<<(std::ostream& os, const ContactModelAbstract& model);  // prints it as `print` does
 
-enum class Vector3MaskType { x = 0, y = 1, z = 2 };  // as in sobec
+/// An axis of the reference frame.
+enum class Vector3MaskType { x = 0, y = 1, z = 2 };
 
 /// Constrains one component of a point's position, along an axis of the reference frame.
 class ContactModel1D final : public ContactModelAbstract {
@@ -127,62 +128,81 @@ class ContactModel1D final : public ContactModelAbstract {
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
                  const Eigen::Matrix3d& rotation, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
   /// As in sobec: a point xref [m] in the world, and one axis of the reference frame.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), Vector3MaskType mask = Vector3MaskType::z,
                  ReferenceFrame ref = ReferenceFrame::kLocal);
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame ref = ReferenceFrame::kLocal);
 
+  /// The reference of the residual or contact.
   double get_reference() const { return contact_.axis.dot(contact_.B.placement.p); }
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(double reference) { contact_.B.placement.p = reference * contact_.axis; }
+  /// The point xref in the world [m].
   const Eigen::Vector3d& get_reference_point() const { return contact_.B.placement.p; }
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Eigen::Vector3d& point) { contact_.B.placement.p = point; }
-  const Eigen::Vector3d& get_axis() const { return contact_.axis; }
-  void set_axis(const Eigen::Vector3d& axis);
+  const Eigen::Vector3d& get_axis() const { return contact_.axis; }  // unit vector
+  void set_axis(const Eigen::Vector3d& axis);  // throws std::invalid_argument for an axis without direction
 };
 
 /// Constrains the x and z components of a point's position. xref: (x, z) in the world [m]; y = 0.
 class ContactModel2D final : public ContactModelAbstract {
  public:
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal);
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  Eigen::Vector2d get_reference() const;
+  Eigen::Vector2d get_reference() const;  // the reference of the residual or contact
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Eigen::Vector2d& reference);
 };
 
 /// Constrains a point's position. xref: in the world [m].
 class ContactModel3D final : public ContactModelAbstract {
  public:
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, ReferenceFrame type,
                  std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, ReferenceFrame type,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
   /// As in sobec.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal);
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal);
+  /// The reference of the residual or contact.
   const Eigen::Vector3d& get_reference() const { return contact_.B.placement.p; }
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Eigen::Vector3d& reference) { contact_.B.placement.p = reference; }
 };
 
 /// Constrains a frame's placement. pref: in the world.
 class ContactModel6D final : public ContactModelAbstract {
  public:
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, ReferenceFrame type,
                  std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, ReferenceFrame type,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  const SE3<double>& get_reference() const { return contact_.B.placement; }
+  const SE3<double>& get_reference() const { return contact_.B.placement; }  // the reference of the residual or contact
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }
 };
 
@@ -190,25 +210,29 @@ class ContactModel6D final : public ContactModelAbstract {
 /// has no such contact. pref: in the world; axis: in both frames.
 class ContactModel5D final : public ContactModelAbstract {
  public:
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
                  const Eigen::Vector3d& axis, std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
                  const Eigen::Vector3d& axis, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  const SE3<double>& get_reference() const { return contact_.B.placement; }
+  const SE3<double>& get_reference() const { return contact_.B.placement; }  // the reference of the residual or contact
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }
-  const Eigen::Vector3d& get_axis() const { return contact_.axis; }
+  const Eigen::Vector3d& get_axis() const { return contact_.axis; }  // unit vector
 };
 
 /// Constrains a frame A to a frame B' = `to` times `offset`, on another body of any robot.
 class ContactModelBetweenBodies final : public ContactModelAbstract {
  public:
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModelBetweenBodies(std::shared_ptr<StateMultibody> state, ContactType contact_type, FrameIndex id,
                             FrameIndex to, const SE3<double>& offset, ReferenceFrame type, std::size_t nu,
                             const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(),
                             const Eigen::Vector3d& axis = Eigen::Vector3d::UnitZ());
-  FrameIndex get_to() const { return to_; }
-  const SE3<double>& get_offset() const { return offset_; }
-  void set_offset(const SE3<double>& offset);
+  FrameIndex get_to() const { return to_; }                  // number of the frame of B'
+  const SE3<double>& get_offset() const { return offset_; }  // placement of B' in the frame `to`
+  void set_offset(const SE3<double>& offset);                // sets the placement of B' in the frame `to`
 
  private:
   FrameIndex to_;
@@ -218,6 +242,7 @@ class ContactModelBetweenBodies final : public ContactModelAbstract {
 /// A contact as in a scene file: any attachment, offsets included.
 class ContactModelOfScene final : public ContactModelAbstract {
  public:
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact, std::size_t nu);
 };
 
@@ -245,6 +270,7 @@ class ContactModelMultiple {
   using ContactModelContainer = std::map<std::string, std::shared_ptr<ContactItem>>;
   using ContactDataContainer = std::map<std::string, std::shared_ptr<ContactDataAbstract>>;
 
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModelMultiple(std::shared_ptr<StateMultibody> state, std::size_t nu);
   explicit ContactModelMultiple(std::shared_ptr<StateMultibody> state);  // nu = nv
 
@@ -266,15 +292,15 @@ class ContactModelMultiple {
   void updateAccelerationDiff(const std::shared_ptr<ContactDataMultiple>& data, const Eigen::MatrixXd& ddv_dx) const;
   std::shared_ptr<ContactDataMultiple> createData(MultibodyData* data) const;
 
-  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }
-  const ContactModelContainer& get_contacts() const { return contacts_; }
-  std::size_t get_nc() const { return nc_; }              // rows of the active contacts
-  std::size_t get_nc_total() const { return nc_total_; }  // rows of all contacts
-  std::size_t get_nu() const { return nu_; }
-  const std::set<std::string>& get_active_set() const { return active_set_; }
-  const std::set<std::string>& get_inactive_set() const { return inactive_set_; }
+  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }      // the state that it was made for
+  const ContactModelContainer& get_contacts() const { return contacts_; }          // the contacts
+  std::size_t get_nc() const { return nc_; }                                       // rows of the active contacts
+  std::size_t get_nc_total() const { return nc_total_; }                           // rows of all contacts
+  std::size_t get_nu() const { return nu_; }                                       // number of controls
+  const std::set<std::string>& get_active_set() const { return active_set_; }      // names of the active ones
+  const std::set<std::string>& get_inactive_set() const { return inactive_set_; }  // names of the inactive ones
   std::size_t get_version() const { return version_; }  // changes with the set of contacts, not with their status
-  void print(std::ostream& os) const;
+  void print(std::ostream& os) const;                   // prints type and sizes
 
  private:
   void count();
@@ -283,7 +309,7 @@ class ContactModelMultiple {
   std::size_t nc_ = 0, nc_total_ = 0, nu_, version_ = 0;
   std::set<std::string> active_set_, inactive_set_;
 };
-std::ostream& operator<<(std::ostream& os, const ContactModelMultiple& model);
+std::ostream& operator<<(std::ostream& os, const ContactModelMultiple& model);  // prints it as `print` does
 
 /// Makes a stack of all contacts of a scene, for example of a scene file, with their names.
 std::shared_ptr<ContactModelMultiple> contacts_of_scene(std::shared_ptr<StateMultibody> state, const Scene& scene,

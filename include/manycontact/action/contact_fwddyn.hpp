@@ -65,26 +65,26 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
                    std::size_t maxiter = 100, double tol = 1e-9) override;
   void print(std::ostream& os) const override;
 
-  const std::shared_ptr<ActuationModelAbstract>& get_actuation() const { return actuation_; }
-  const std::shared_ptr<ContactModelMultiple>& get_contacts() const { return contacts_; }
-  const std::shared_ptr<CostModelSum>& get_costs() const { return costs_; }
+  const std::shared_ptr<ActuationModelAbstract>& get_actuation() const { return actuation_; }      // the actuation
+  const std::shared_ptr<ContactModelMultiple>& get_contacts() const { return contacts_; }          // the contacts
+  const std::shared_ptr<CostModelSum>& get_costs() const { return costs_; }                        // the costs
   const std::shared_ptr<ConstraintModelManager>& get_constraints() const { return constraints_; }  // may be null
-  const Multibody& get_pinocchio() const { return *multibody_->get_model(); }
-  const Multibody& get_model() const { return *multibody_->get_model(); }
+  const Multibody& get_pinocchio() const { return *multibody_->get_model(); }  // the robots; Crocoddyl's name
+  const Multibody& get_model() const { return *multibody_->get_model(); }      // the robots
   /// The armature (nv) [kg m^2, kg]. It replaces the model's, in new and existing data.
   const Eigen::VectorXd& get_armature() const { return armature_; }
-  void set_armature(const Eigen::VectorXd& armature);
-  double get_damping_factor() const { return damping_; }
-  void set_damping_factor(double damping);
-  bool get_enable_force() const { return enable_force_; }
+  void set_armature(const Eigen::VectorXd& armature);      // throws std::invalid_argument for a wrong size
+  double get_damping_factor() const { return damping_; }   // JMinvJt_damping [1/kg]
+  void set_damping_factor(double damping);                 // not negative, or std::invalid_argument is thrown
+  bool get_enable_force() const { return enable_force_; }  // whether derivatives of forces are always computed
   /// Method and order of the solves, for data created afterwards.
   const Options& get_options() const { return options_; }
-  void set_options(const Options& options) { options_ = options; }
+  void set_options(const Options& options) { options_ = options; }  // for data created afterwards
   /// The initial state of motions (nx); empty: not specified, as initially. Constraint rows that are dependent there,
   /// as in closed mechanisms with redundant rows, are treated as dependent in all solves of data created afterwards.
   /// This remains so if integration errors have slightly opened the loop.
   const Eigen::VectorXd& get_start() const { return start_; }
-  void set_start(const Eigen::VectorXd& x0);
+  void set_start(const Eigen::VectorXd& x0);  // throws std::invalid_argument for a wrong size
 
   /// The wrenches of the pushes of the state's scene, which act in the solves [N, N m]; initially those of the scene.
   const std::vector<Vec6<double>>& get_pushes() const { return pushes_; }
@@ -134,6 +134,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
 
 /// Data of DifferentialActionModelContactFwdDynamics.
 struct DifferentialActionDataContactFwdDynamics : DifferentialActionDataAbstract {
+  /// Allocates the data of the model.
   explicit DifferentialActionDataContactFwdDynamics(DifferentialActionModelContactFwdDynamics* model);
 
   std::unique_ptr<DataCollector> multibody;  // scene, solution, torques, contacts

@@ -10,8 +10,8 @@ namespace manycontact {
 
 class CostModelAbstract;
 
-struct CostDataAbstract {  // The values of one cost at one x, u.
-  CostDataAbstract(CostModelAbstract* model, DataCollector* shared);
+struct CostDataAbstract {                                             // The values of one cost at one x, u.
+  CostDataAbstract(CostModelAbstract* model, DataCollector* shared);  // allocates the data of the model
   virtual ~CostDataAbstract() = default;
   DataCollector* shared;
   double cost = 0;
@@ -36,6 +36,7 @@ using CostDataResidual = CostDataAbstract;
 /// Its Hessians are dense. A user-defined residual (residual.hpp), whose rows depend on few coordinates, costs less.
 class CostModelAbstract {
  public:
+  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::shared_ptr<ResidualModelAbstract> residual);
   /// Uses the activation 1/2 |r|^2.
@@ -44,8 +45,11 @@ class CostModelAbstract {
   /// activation). nu: by default nv.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::size_t nu);
+  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation);
+  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu);
+  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   explicit CostModelAbstract(std::shared_ptr<StateAbstract> state);
   virtual ~CostModelAbstract() = default;
 
@@ -61,11 +65,11 @@ class CostModelAbstract {
   virtual void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);
   virtual std::shared_ptr<CostDataAbstract> createData(DataCollector* shared);
 
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
-  const std::shared_ptr<ActivationModelAbstract>& get_activation() const { return activation_; }
-  const std::shared_ptr<ResidualModelAbstract>& get_residual() const { return residual_; }
-  std::size_t get_nu() const { return residual_->get_nu(); }
-  virtual void print(std::ostream& os) const;
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
+  const std::shared_ptr<ActivationModelAbstract>& get_activation() const { return activation_; }  // the activation
+  const std::shared_ptr<ResidualModelAbstract>& get_residual() const { return residual_; }        // the residual
+  std::size_t get_nu() const { return residual_->get_nu(); }                                      // number of controls
+  virtual void print(std::ostream& os) const;  // prints type and sizes
 
  protected:
   std::shared_ptr<StateAbstract> state_;
@@ -73,13 +77,15 @@ class CostModelAbstract {
   std::shared_ptr<ResidualModelAbstract> residual_;
   Eigen::VectorXd unone_;  // nu zeros
 };
-std::ostream& operator<<(std::ostream& os, const CostModelAbstract& model);
+std::ostream& operator<<(std::ostream& os, const CostModelAbstract& model);  // prints it as `print` does
 
 class CostModelResidual : public CostModelAbstract {  // The cost a(r(x, u)) of a residual.
  public:
+  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   CostModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::shared_ptr<ResidualModelAbstract> residual)
       : CostModelAbstract(std::move(state), std::move(activation), std::move(residual)) {}
+  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   CostModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual)
       : CostModelAbstract(std::move(state), std::move(residual)) {}
 
@@ -134,6 +140,7 @@ class CostModelSum {  // A weighted sum of costs with names.
  public:
   using CostModelContainer = std::map<std::string, std::shared_ptr<CostItem>>;
 
+  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu);
   explicit CostModelSum(std::shared_ptr<StateAbstract> state);  // nu = nv
 
@@ -155,15 +162,15 @@ class CostModelSum {  // A weighted sum of costs with names.
   /// Sets up the residuals' blocks again after the islands changed, and the patterns of data->derivatives.
   void lay_out(CostDataSum& data) const;
 
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
-  const CostModelContainer& get_costs() const { return costs_; }
-  std::size_t get_nu() const { return nu_; }
-  std::size_t get_nr() const { return nr_; }              // of the active costs
-  std::size_t get_nr_total() const { return nr_total_; }  // of all costs
-  const std::set<std::string>& get_active_set() const { return active_set_; }
-  const std::set<std::string>& get_inactive_set() const { return inactive_set_; }
-  std::size_t get_version() const { return version_; }
-  void print(std::ostream& os) const;
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }       // the state that it was made for
+  const CostModelContainer& get_costs() const { return costs_; }                   // the costs
+  std::size_t get_nu() const { return nu_; }                                       // number of controls
+  std::size_t get_nr() const { return nr_; }                                       // of the active costs
+  std::size_t get_nr_total() const { return nr_total_; }                           // of all costs
+  const std::set<std::string>& get_active_set() const { return active_set_; }      // names of the active ones
+  const std::set<std::string>& get_inactive_set() const { return inactive_set_; }  // names of the inactive ones
+  std::size_t get_version() const { return version_; }                             // changes with the set of costs
+  void print(std::ostream& os) const;                                              // prints type and sizes
 
  private:
   void count(const CostItem& item);
@@ -175,6 +182,6 @@ class CostModelSum {  // A weighted sum of costs with names.
   std::size_t nu_, nr_ = 0, nr_total_ = 0, version_ = 0;
   std::set<std::string> active_set_, inactive_set_;
 };
-std::ostream& operator<<(std::ostream& os, const CostModelSum& model);
+std::ostream& operator<<(std::ostream& os, const CostModelSum& model);  // prints it as `print` does
 
 }  // namespace manycontact

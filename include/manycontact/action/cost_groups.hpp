@@ -13,11 +13,13 @@ struct CostDataAbstract;
 /// Blocks with the same columns.
 struct CostGroup {
   std::vector<int> xcols, ucols;
+  /// One block of the group.
   struct Member {
     const CostDataAbstract* cost;
     std::size_t index, block;  // of the cost in the stack, of the block in its residual
   };
   std::vector<Member> members;
+  /// Consecutive columns.
   struct Run {
     int first, at, count;  // columns first, first + 1, ... are columns at, at + 1, ... of the group
   };

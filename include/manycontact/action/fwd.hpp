@@ -24,6 +24,7 @@ inline constexpr ContactType Contact6D = ContactType::k6D;
 using Motion = Vec6<double>;  // [linear; angular]
 using Force = Vec6<double>;
 
+/// Crocoddyl's names of matrix types.
 struct MathBase {
   using Scalar = double;
   using Vector2s = Eigen::Vector2d;

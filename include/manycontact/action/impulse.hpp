@@ -33,16 +33,17 @@ class ImpulseModelAbstract {
   void setZeroForceDiff(const std::shared_ptr<ImpulseDataAbstract>& data) const;
   std::shared_ptr<ImpulseDataAbstract> createData(MultibodyData* data) const;
 
+  /// The state that it was made for.
   const std::shared_ptr<StateMultibody>& get_state() const { return contact_->get_state(); }
-  std::size_t get_nc() const { return contact_->get_nc(); }
-  std::size_t get_nu() const { return 0; }
-  FrameIndex get_id() const { return contact_->get_id(); }
-  ReferenceFrame get_type() const { return contact_->get_type(); }
-  void set_id(FrameIndex id) { contact_->set_id(id); }
-  void set_type(ReferenceFrame type) { contact_->set_type(type); }
+  std::size_t get_nc() const { return contact_->get_nc(); }         // number of constraint rows
+  std::size_t get_nu() const { return 0; }                          // number of controls
+  FrameIndex get_id() const { return contact_->get_id(); }          // number of the frame
+  ReferenceFrame get_type() const { return contact_->get_type(); }  // the reference frame
+  void set_id(FrameIndex id) { contact_->set_id(id); }              // selects another frame
+  void set_type(ReferenceFrame type) { contact_->set_type(type); }  // selects another reference frame
   /// The contact with the same rows.
   const std::shared_ptr<ContactModelAbstract>& get_contact() const { return contact_; }
-  virtual void print(std::ostream& os) const;
+  virtual void print(std::ostream& os) const;  // prints type and sizes
 
  private:
   friend class ImpulseModel3D;
@@ -53,23 +54,26 @@ class ImpulseModelAbstract {
   const char* name_;
   std::shared_ptr<ContactModelAbstract> contact_;
 };
-std::ostream& operator<<(std::ostream& os, const ImpulseModelAbstract& model);
+std::ostream& operator<<(std::ostream& os, const ImpulseModelAbstract& model);  // prints it as `print` does
 
 /// Stops the velocity of a point.
 class ImpulseModel3D final : public ImpulseModelAbstract {
  public:
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ImpulseModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, ReferenceFrame type = ReferenceFrame::kLocal);
 };
 
 /// Stops the velocity of a frame.
 class ImpulseModel6D final : public ImpulseModelAbstract {
  public:
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ImpulseModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, ReferenceFrame type = ReferenceFrame::kLocal);
 };
 
 /// Stops the relative velocity of two bodies' frames, as in ContactModelBetweenBodies.
 class ImpulseModelBetweenBodies final : public ImpulseModelAbstract {
  public:
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ImpulseModelBetweenBodies(std::shared_ptr<StateMultibody> state, ContactType contact_type, FrameIndex id,
                             FrameIndex to, const SE3<double>& offset = {}, ReferenceFrame type = ReferenceFrame::kLocal,
                             const Eigen::Vector3d& axis = Eigen::Vector3d::UnitZ());
@@ -78,6 +82,7 @@ class ImpulseModelBetweenBodies final : public ImpulseModelAbstract {
 /// The rows of a contact as in a scene: any attachment, offsets included.
 class ImpulseModelOfScene final : public ImpulseModelAbstract {
  public:
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ImpulseModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact);
 };
 
@@ -93,6 +98,7 @@ class ImpulseModelMultiple {
   using ImpulseModelContainer = std::map<std::string, std::shared_ptr<ImpulseItem>>;
   using ImpulseDataContainer = std::map<std::string, std::shared_ptr<ImpulseDataAbstract>>;
 
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   explicit ImpulseModelMultiple(std::shared_ptr<StateMultibody> state);
 
   /// They throw std::invalid_argument for a name that exists already (or does not exist), and for an impulse with
@@ -112,20 +118,23 @@ class ImpulseModelMultiple {
   void updateVelocityDiff(const std::shared_ptr<ImpulseDataMultiple>& data, const Eigen::MatrixXd& dvnext_dx) const;
   std::shared_ptr<ImpulseDataMultiple> createData(MultibodyData* data) const;
 
+  /// The state that it was made for.
   const std::shared_ptr<StateMultibody>& get_state() const { return contacts_->get_state(); }
-  const ImpulseModelContainer& get_impulses() const { return impulses_; }
-  std::size_t get_nc() const { return contacts_->get_nc(); }              // rows of the active impulses
-  std::size_t get_nc_total() const { return contacts_->get_nc_total(); }  // rows of all impulses
+  const ImpulseModelContainer& get_impulses() const { return impulses_; }  // the impulses
+  std::size_t get_nc() const { return contacts_->get_nc(); }               // rows of the active impulses
+  std::size_t get_nc_total() const { return contacts_->get_nc_total(); }   // rows of all impulses
+  /// Names of the active ones.
   const std::set<std::string>& get_active_set() const { return contacts_->get_active_set(); }
+  /// Names of the inactive ones.
   const std::set<std::string>& get_inactive_set() const { return contacts_->get_inactive_set(); }
   /// The stack of contacts with the same rows.
   const std::shared_ptr<ContactModelMultiple>& get_contacts() const { return contacts_; }
-  void print(std::ostream& os) const;
+  void print(std::ostream& os) const;  // prints type and sizes
 
  private:
   ImpulseModelContainer impulses_;
   std::shared_ptr<ContactModelMultiple> contacts_;
 };
-std::ostream& operator<<(std::ostream& os, const ImpulseModelMultiple& model);
+std::ostream& operator<<(std::ostream& os, const ImpulseModelMultiple& model);  // prints it as `print` does
 
 }  // namespace manycontact

@@ -25,11 +25,12 @@ class DifferentialActionModelNumDiff : public DifferentialActionModelAbstract {
   void quasiStatic(const std::shared_ptr<DifferentialActionDataAbstract>& data, VectorRef u, const ConstVectorRef& x,
                    std::size_t maxiter = 100, double tol = 1e-9) override;
 
+  /// The model that is differentiated.
   const std::shared_ptr<DifferentialActionModelAbstract>& get_model() const { return model_; }
   /// The step of the differences: absolute in x's tangent space, relative to max(1, |u_i|) in u.
   double get_disturbance() const { return step_; }
-  void set_disturbance(double disturbance);
-  bool get_with_gauss_approx() const { return gauss_; }
+  void set_disturbance(double disturbance);              // throws std::invalid_argument unless it is positive
+  bool get_with_gauss_approx() const { return gauss_; }  // whether Hessians are Gauss-Newton's
 
   std::size_t get_nr() const override { return model_->get_nr(); }
   std::size_t get_ng() const override { return model_->get_ng(); }
@@ -54,10 +55,10 @@ class DifferentialActionModelNumDiff : public DifferentialActionModelAbstract {
 };
 
 struct DifferentialActionDataNumDiff : DifferentialActionDataAbstract {  // Data of DifferentialActionModelNumDiff.
-  explicit DifferentialActionDataNumDiff(DifferentialActionModelNumDiff* model);
-  std::shared_ptr<DifferentialActionDataAbstract> data_0;     // of the model, at the point
-  std::shared_ptr<DifferentialActionDataAbstract> data_step;  // of the model, at a displaced point
-  Eigen::MatrixXd Rx, Ru;                                     // nr x ndx, nr x nu
+  explicit DifferentialActionDataNumDiff(DifferentialActionModelNumDiff* model);  // allocates the data of the model
+  std::shared_ptr<DifferentialActionDataAbstract> data_0;                         // of the model, at the point
+  std::shared_ptr<DifferentialActionDataAbstract> data_step;                      // of the model, at a displaced point
+  Eigen::MatrixXd Rx, Ru;                                                         // nr x ndx, nr x nu
 };
 
 }  // namespace manycontact

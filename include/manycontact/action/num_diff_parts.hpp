@@ -44,7 +44,7 @@ class Reevaluation {
 /// Differentiates Jdiff, Jintegrate and JintegrateTransport of any state; everything else is the state's own.
 class StateNumDiff : public StateAbstract, public internal::Step {
  public:
-  explicit StateNumDiff(std::shared_ptr<StateAbstract> state);
+  explicit StateNumDiff(std::shared_ptr<StateAbstract> state);  // state: the one that is differentiated
   Eigen::VectorXd zero() const override { return state_model_->zero(); }
   Eigen::VectorXd rand() const override { return state_model_->rand(); }
   void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const override;
@@ -63,10 +63,12 @@ class StateNumDiff : public StateAbstract, public internal::Step {
 /// Differentiates an activation: Ar, and the diagonal of the Hessian.
 class ActivationModelNumDiff : public ActivationModelAbstract, public internal::Step {
  public:
+  /// model: the one that is differentiated.
   explicit ActivationModelNumDiff(std::shared_ptr<ActivationModelAbstract> model);
   void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
   void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
   std::shared_ptr<ActivationDataAbstract> createData() override;
+  /// The model that is differentiated.
   const std::shared_ptr<ActivationModelAbstract>& get_model() const { return model_; }
 
  private:
@@ -75,7 +77,7 @@ class ActivationModelNumDiff : public ActivationModelAbstract, public internal::
 
 /// Data of ActivationModelNumDiff.
 struct ActivationDataNumDiff : ActivationDataAbstract {
-  explicit ActivationDataNumDiff(const ActivationModelNumDiff* model);
+  explicit ActivationDataNumDiff(const ActivationModelNumDiff* model);  // allocates the data of the model
   std::shared_ptr<ActivationDataAbstract> data_0;
   Eigen::MatrixXd Arr_;  // nr x nr: the whole Hessian
 };
@@ -84,6 +86,7 @@ struct ActivationDataNumDiff : ActivationDataAbstract {
 /// accuracy of the differences are zero.
 class ActuationModelNumDiff : public ActuationModelAbstract, public internal::Step {
  public:
+  /// model: the one that is differentiated.
   explicit ActuationModelNumDiff(std::shared_ptr<ActuationModelAbstract> model);
   void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
@@ -96,6 +99,7 @@ class ActuationModelNumDiff : public ActuationModelAbstract, public internal::St
   void torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
                        const ConstVectorRef& u) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
+  /// The model that is differentiated.
   const std::shared_ptr<ActuationModelAbstract>& get_model() const { return model_; }
 
  private:
@@ -104,13 +108,14 @@ class ActuationModelNumDiff : public ActuationModelAbstract, public internal::St
 
 /// Data of ActuationModelNumDiff.
 struct ActuationDataNumDiff : ActuationDataAbstract {
-  explicit ActuationDataNumDiff(const ActuationModelNumDiff* model);
+  explicit ActuationDataNumDiff(const ActuationModelNumDiff* model);  // allocates the data of the model
   std::shared_ptr<ActuationDataAbstract> data_0;
 };
 
 /// Differentiates a residual: Rx, Ru.
 class ResidualModelNumDiff : public ResidualModelAbstract, public internal::Step, public internal::Reevaluation {
  public:
+  /// model: the one that is differentiated.
   explicit ResidualModelNumDiff(const std::shared_ptr<ResidualModelAbstract>& model);
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
@@ -119,6 +124,7 @@ class ResidualModelNumDiff : public ResidualModelAbstract, public internal::Step
                 const ConstVectorRef& u) override;
   void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) override;
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
+  /// The model that is differentiated.
   const std::shared_ptr<ResidualModelAbstract>& get_model() const { return model_; }
 
  private:
@@ -127,24 +133,28 @@ class ResidualModelNumDiff : public ResidualModelAbstract, public internal::Step
 
 /// Data of ResidualModelNumDiff.
 struct ResidualDataNumDiff : ResidualDataAbstract {
-  ResidualDataNumDiff(const ResidualModelNumDiff* model, DataCollector* shared);
+  ResidualDataNumDiff(const ResidualModelNumDiff* model, DataCollector* shared);  // allocates the data of the model
   std::shared_ptr<ResidualDataAbstract> data_0;
 };
 
 /// Differentiates a cost: Lx, Lu. Hessians are Gauss-Newton's, with differences of the residual.
 class CostModelNumDiff : public internal::Step, public internal::Reevaluation {
  public:
-  explicit CostModelNumDiff(const std::shared_ptr<CostModelAbstract>& model);
+  explicit CostModelNumDiff(const std::shared_ptr<CostModelAbstract>& model);  // model: the one that is differentiated
+  /// Evaluates the model.
   void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);
+  void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);  // evaluates the model
+  /// Computes the derivatives by central differences.
   void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  /// Computes the derivatives by central differences.
   void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);
   /// Creates standalone data.
   std::shared_ptr<CostDataAbstract> createData(DataCollector* shared);
-  const std::shared_ptr<CostModelAbstract>& get_model() const { return model_; }
+  const std::shared_ptr<CostModelAbstract>& get_model() const { return model_; }  // the model that is differentiated
+  /// The state that it was made for.
   const std::shared_ptr<StateAbstract>& get_state() const { return model_->get_state(); }
-  std::size_t get_nu() const { return model_->get_nu(); }
-  bool get_with_gauss_approx() const { return true; }
+  std::size_t get_nu() const { return model_->get_nu(); }  // number of controls
+  bool get_with_gauss_approx() const { return true; }      // whether Hessians are Gauss-Newton's
 
  private:
   template <class Calc>
@@ -156,15 +166,22 @@ class CostModelNumDiff : public internal::Step, public internal::Reevaluation {
 /// Differentiates a constraint: Gx, Gu, Hx, Hu.
 class ConstraintModelNumDiff : public internal::Step, public internal::Reevaluation {
  public:
+  /// model: the one that is differentiated.
   explicit ConstraintModelNumDiff(const std::shared_ptr<ConstraintModelAbstract>& model);
+  /// Evaluates the model.
   void calc(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calc(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x);
+  void calc(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x);  // evaluates the model
+  /// Computes the derivatives by central differences.
   void calcDiff(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  /// Computes the derivatives by central differences.
   void calcDiff(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x);
+  /// Creates data of this model; one per thread.
   std::shared_ptr<ConstraintDataAbstract> createData(DataCollector* shared);
+  /// The model that is differentiated.
   const std::shared_ptr<ConstraintModelAbstract>& get_model() const { return model_; }
+  /// The state that it was made for.
   const std::shared_ptr<StateAbstract>& get_state() const { return model_->get_state(); }
-  std::size_t get_nu() const { return model_->get_nu(); }
+  std::size_t get_nu() const { return model_->get_nu(); }  // number of controls
 
  private:
   template <class Calc>
@@ -176,11 +193,13 @@ class ConstraintModelNumDiff : public internal::Step, public internal::Reevaluat
 /// Differentiates a contact: da0_dx, at the motion that the reevaluations compute.
 class ContactModelNumDiff : public internal::Step, public internal::Reevaluation {
  public:
+  /// model: the one that is differentiated.
   explicit ContactModelNumDiff(const std::shared_ptr<ContactModelAbstract>& model);
-  void calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x);
+  void calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x);  // evaluates the model
+  /// Computes the derivatives by central differences.
   void calcDiff(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x);
-  std::shared_ptr<ContactDataAbstract> createData(MultibodyData* data);
-  const std::shared_ptr<ContactModelAbstract>& get_model() const { return model_; }
+  std::shared_ptr<ContactDataAbstract> createData(MultibodyData* data);  // creates data of this model; one per thread
+  const std::shared_ptr<ContactModelAbstract>& get_model() const { return model_; }  // the model that is differentiated
 
  private:
   std::shared_ptr<ContactModelAbstract> model_;

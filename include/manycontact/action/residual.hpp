@@ -11,16 +11,16 @@ class ResidualModelAbstract;
 
 /// Rows of a residual and all coordinates they depend on. The blocks of a residual have disjoint rows.
 struct ResidualBlock {
-  ResidualBlock(std::vector<int> rows, std::vector<int> xcols, std::vector<int> ucols);
-  std::vector<int> rows;   // indices in nr
-  std::vector<int> xcols;  // indices in ndx
-  std::vector<int> ucols;  // indices in nu
-  RowMajorMatrix Rx, Ru;   // rows x xcols, rows x ucols
-  bool constant = false;   // set by lay_out only
+  ResidualBlock(std::vector<int> rows, std::vector<int> xcols, std::vector<int> ucols);  // allocates Rx and Ru
+  std::vector<int> rows;                                                                 // indices in nr
+  std::vector<int> xcols;                                                                // indices in ndx
+  std::vector<int> ucols;                                                                // indices in nu
+  RowMajorMatrix Rx, Ru;                                                                 // rows x xcols, rows x ucols
+  bool constant = false;                                                                 // set by lay_out only
 };
 
 struct ResidualDataAbstract {  // The value r and its Jacobians as blocks.
-  ResidualDataAbstract(const ResidualModelAbstract* model, DataCollector* shared);
+  ResidualDataAbstract(const ResidualModelAbstract* model, DataCollector* shared);  // allocates the data of the model
   virtual ~ResidualDataAbstract() = default;
 
   DataCollector* shared;
@@ -30,7 +30,7 @@ struct ResidualDataAbstract {  // The value r and its Jacobians as blocks.
   Eigen::MatrixXd Rx, Ru;
   /// Assemble the whole matrices from the blocks, for inspection; they allocate at each call.
   Eigen::MatrixXd whole_Rx() const;
-  Eigen::MatrixXd whole_Ru() const;
+  Eigen::MatrixXd whole_Ru() const;  // assembles the whole matrix of controls
 
  private:
   std::size_t ndx_, nu_;
@@ -45,11 +45,13 @@ struct Dependence {
 
 class ResidualModelAbstract {  // A function r(x, u).
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu, Dependence on);
   /// Crocoddyl's constructor, for a user-defined residual whose calcDiff writes data->Rx and data->Ru. nu: by default
   /// nv.
   ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu, bool q_dependent = true,
                         bool v_dependent = true, bool u_dependent = true);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, bool q_dependent = true,
                         bool v_dependent = true, bool u_dependent = true);
   virtual ~ResidualModelAbstract() = default;
@@ -76,14 +78,14 @@ class ResidualModelAbstract {  // A function r(x, u).
   /// matrices.
   void take_whole(ResidualDataAbstract& data) const;
 
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
-  std::size_t get_nr() const { return nr_; }
-  std::size_t get_nu() const { return nu_; }
-  bool get_q_dependent() const { return on_.q || on_.acceleration || on_.forces; }
-  bool get_v_dependent() const { return on_.v || on_.acceleration || on_.forces; }
-  bool get_u_dependent() const { return on_.u || on_.acceleration || on_.forces; }
-  const Dependence& depends_on() const { return on_; }
-  virtual void print(std::ostream& os) const;
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }        // the state that it was made for
+  std::size_t get_nr() const { return nr_; }                                        // number of rows of the residual
+  std::size_t get_nu() const { return nu_; }                                        // number of controls
+  bool get_q_dependent() const { return on_.q || on_.acceleration || on_.forces; }  // whether it depends on q
+  bool get_v_dependent() const { return on_.v || on_.acceleration || on_.forces; }  // whether it depends on v
+  bool get_u_dependent() const { return on_.u || on_.acceleration || on_.forces; }  // whether it depends on u
+  const Dependence& depends_on() const { return on_; }                              // the variables that it depends on
+  virtual void print(std::ostream& os) const;                                       // prints type and sizes
 
  protected:
   /// Computes Rx and Ru of data->blocks. Throws std::logic_error unless a residual overrides it, or calcDiff.
@@ -100,6 +102,6 @@ class ResidualModelAbstract {  // A function r(x, u).
   friend struct ResidualDataAbstract;
   bool whole_ = false;  // constructed by Crocoddyl's constructor
 };
-std::ostream& operator<<(std::ostream& os, const ResidualModelAbstract& model);
+std::ostream& operator<<(std::ostream& os, const ResidualModelAbstract& model);  // prints it as `print` does
 
 }  // namespace manycontact

@@ -10,7 +10,7 @@ class SquashingModelAbstract;
 
 /// The controls u and their derivative.
 struct SquashingDataAbstract {
-  explicit SquashingDataAbstract(const SquashingModelAbstract* model);
+  explicit SquashingDataAbstract(const SquashingModelAbstract* model);  // allocates the data of the model
   virtual ~SquashingDataAbstract() = default;
   Eigen::VectorXd u;      // ns: set by calc
   Eigen::MatrixXd du_ds;  // ns x ns: set by calcDiff
@@ -21,15 +21,18 @@ class SquashingModelAbstract {  // A function u(s).
   /// Throws std::invalid_argument for ns = 0.
   explicit SquashingModelAbstract(std::size_t ns);
   virtual ~SquashingModelAbstract() = default;
+  /// Computes data->u from s (ns).
   virtual void calc(const std::shared_ptr<SquashingDataAbstract>& data, const ConstVectorRef& s) = 0;
+  /// Computes data->du_ds.
   virtual void calcDiff(const std::shared_ptr<SquashingDataAbstract>& data, const ConstVectorRef& s) = 0;
+  /// Creates data of this model; one per thread.
   virtual std::shared_ptr<SquashingDataAbstract> createData() { return std::make_shared<SquashingDataAbstract>(this); }
 
-  std::size_t get_ns() const { return ns_; }
-  const Eigen::VectorXd& get_s_lb() const { return s_lb_; }
-  const Eigen::VectorXd& get_s_ub() const { return s_ub_; }
-  void set_s_lb(const Eigen::VectorXd& s_lb) { s_lb_ = s_lb; }
-  void set_s_ub(const Eigen::VectorXd& s_ub) { s_ub_ = s_ub; }
+  std::size_t get_ns() const { return ns_; }                    // number of squashed controls
+  const Eigen::VectorXd& get_s_lb() const { return s_lb_; }     // lower bounds of s
+  const Eigen::VectorXd& get_s_ub() const { return s_ub_; }     // upper bounds of s
+  void set_s_lb(const Eigen::VectorXd& s_lb) { s_lb_ = s_lb; }  // for a barrier
+  void set_s_ub(const Eigen::VectorXd& s_ub) { s_ub_ = s_ub; }  // for a barrier
 
  protected:
   std::size_t ns_;
@@ -44,9 +47,9 @@ class SquashingModelSmoothSat : public SquashingModelAbstract {
   SquashingModelSmoothSat(const ConstVectorRef& u_lb, const ConstVectorRef& u_ub, std::size_t ns);
   void calc(const std::shared_ptr<SquashingDataAbstract>& data, const ConstVectorRef& s) override;
   void calcDiff(const std::shared_ptr<SquashingDataAbstract>& data, const ConstVectorRef& s) override;
-  double get_smooth() const { return smooth_; }  // initially 0.1
-  void set_smooth(double smooth);                // not negative
-  const Eigen::VectorXd& get_d() const { return d_; }
+  double get_smooth() const { return smooth_; }        // initially 0.1
+  void set_smooth(double smooth);                      // not negative
+  const Eigen::VectorXd& get_d() const { return d_; }  // d, one number per control
 
  private:
   double smooth_ = 0.1;
@@ -56,6 +59,7 @@ class SquashingModelSmoothSat : public SquashingModelAbstract {
 /// An actuation with squashed controls: nu = ns.
 class ActuationSquashingModel : public ActuationModelAbstract {
  public:
+  /// Nu must be the number of squashed controls.
   ActuationSquashingModel(std::shared_ptr<ActuationModelAbstract> actuation,
                           std::shared_ptr<SquashingModelAbstract> squashing, std::size_t nu);
   void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
@@ -69,8 +73,8 @@ class ActuationSquashingModel : public ActuationModelAbstract {
                 const ConstVectorRef& tau) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
   void print(std::ostream& os) const override;
-  const std::shared_ptr<SquashingModelAbstract>& get_squashing() const { return squashing_; }
-  const std::shared_ptr<ActuationModelAbstract>& get_actuation() const { return actuation_; }
+  const std::shared_ptr<SquashingModelAbstract>& get_squashing() const { return squashing_; }  // the function u(s)
+  const std::shared_ptr<ActuationModelAbstract>& get_actuation() const { return actuation_; }  // the actuation
 
  private:
   std::shared_ptr<SquashingModelAbstract> squashing_;
@@ -79,7 +83,7 @@ class ActuationSquashingModel : public ActuationModelAbstract {
 
 /// Data of ActuationSquashingModel.
 struct ActuationSquashingData : ActuationDataAbstract {
-  explicit ActuationSquashingData(const ActuationSquashingModel* model);
+  explicit ActuationSquashingData(const ActuationSquashingModel* model);  // allocates the data of the model
   std::shared_ptr<SquashingDataAbstract> squashing;
   std::shared_ptr<ActuationDataAbstract> actuation;
 };

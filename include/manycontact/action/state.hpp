@@ -7,16 +7,18 @@
 
 namespace manycontact {
 
+/// Selects derivatives with respect to the first argument, the second, or both.
 enum Jcomponent { both = 0, first = 1, second = 2 };
+/// How a result is stored: set, added, or subtracted.
 enum AssignmentOp { setto, addto, rmfrom };
 
 class StateAbstract {  // A manifold with differences and sums.
  public:
-  StateAbstract(std::size_t nx, std::size_t ndx);
+  StateAbstract(std::size_t nx, std::size_t ndx);  // sizes of a state and of a tangent vector
   virtual ~StateAbstract() = default;
 
-  virtual Eigen::VectorXd zero() const = 0;
-  virtual Eigen::VectorXd rand() const = 0;
+  virtual Eigen::VectorXd zero() const = 0;  // the neutral state (nx)
+  virtual Eigen::VectorXd rand() const = 0;  // A random state (nx)
   /// Computes dxout = x1 (-) x0.
   virtual void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const = 0;
   /// Computes xout = x (+) dx.
@@ -32,25 +34,27 @@ class StateAbstract {  // A manifold with differences and sums.
   virtual void JintegrateTransport(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jin,
                                    Jcomponent firstsecond) const = 0;
 
-  Eigen::VectorXd diff_dx(const ConstVectorRef& x0, const ConstVectorRef& x1) const;
-  Eigen::VectorXd integrate_x(const ConstVectorRef& x, const ConstVectorRef& dx) const;
+  Eigen::VectorXd diff_dx(const ConstVectorRef& x0, const ConstVectorRef& x1) const;     // the result of diff
+  Eigen::VectorXd integrate_x(const ConstVectorRef& x, const ConstVectorRef& dx) const;  // the result of integrate
+  /// The results of Jdiff.
   std::vector<Eigen::MatrixXd> Jdiff_Js(const ConstVectorRef& x0, const ConstVectorRef& x1,
                                         Jcomponent firstsecond = both) const;
+  /// The results of Jintegrate.
   std::vector<Eigen::MatrixXd> Jintegrate_Js(const ConstVectorRef& x, const ConstVectorRef& dx,
                                              Jcomponent firstsecond = both) const;
 
-  std::size_t get_nx() const { return nx_; }
-  std::size_t get_ndx() const { return ndx_; }
-  std::size_t get_nq() const { return nq_; }
-  std::size_t get_nv() const { return nv_; }
-  const Eigen::VectorXd& get_lb() const { return lb_; }
-  const Eigen::VectorXd& get_ub() const { return ub_; }
-  bool get_has_limits() const { return has_limits_; }
-  void set_lb(const Eigen::VectorXd& lb);
-  void set_ub(const Eigen::VectorXd& ub);
+  std::size_t get_nx() const { return nx_; }             // numbers of a state
+  std::size_t get_ndx() const { return ndx_; }           // numbers of a tangent vector
+  std::size_t get_nq() const { return nq_; }             // numbers of a configuration
+  std::size_t get_nv() const { return nv_; }             // velocity coordinates
+  const Eigen::VectorXd& get_lb() const { return lb_; }  // lower bounds
+  const Eigen::VectorXd& get_ub() const { return ub_; }  // upper bounds
+  bool get_has_limits() const { return has_limits_; }    // whether any bound is finite
+  void set_lb(const Eigen::VectorXd& lb);                // throws std::invalid_argument for a wrong size
+  void set_ub(const Eigen::VectorXd& ub);                // throws std::invalid_argument for a wrong size
 
  protected:
-  void update_has_limits();
+  void update_has_limits();  // called after the bounds have changed
   std::size_t nx_, ndx_, nq_, nv_;
   Eigen::VectorXd lb_, ub_;  // nx
   bool has_limits_ = false;
@@ -63,7 +67,9 @@ class StateMultibody : public StateAbstract {  // The state x = [q; v] of a scen
  public:
   /// The bounds are the URDF's joint and velocity limits, infinite if it has none.
   explicit StateMultibody(std::shared_ptr<const Multibody> model);
+  /// The robots of a scene, or a single robot.
   explicit StateMultibody(const Scene& scene) : StateMultibody(std::make_shared<const Multibody>(scene)) {}
+  /// The robots of a scene, or a single robot.
   explicit StateMultibody(std::shared_ptr<const Model> model)
       : StateMultibody(std::make_shared<const Multibody>(std::move(model))) {}
 
@@ -80,8 +86,8 @@ class StateMultibody : public StateAbstract {  // The state x = [q; v] of a scen
   void JintegrateTransport(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jin,
                            Jcomponent firstsecond) const override;
 
-  const std::shared_ptr<const Multibody>& get_pinocchio() const { return model_; }
-  const std::shared_ptr<const Multibody>& get_model() const { return model_; }
+  const std::shared_ptr<const Multibody>& get_pinocchio() const { return model_; }  // the robots; Crocoddyl's name
+  const std::shared_ptr<const Multibody>& get_model() const { return model_; }      // the robots
 
  private:
   std::shared_ptr<const Multibody> model_;

@@ -6,13 +6,16 @@
 
 namespace manycontact {
 
-enum ThrusterType { CW = 0, CCW };  // direction of rotation: CW gives a torque along the thrust, CCW one against it
+/// The direction of rotation of a propeller. CW gives a torque along the thrust, CCW one against it.
+enum ThrusterType { CW = 0, CCW };
 
 /// A propeller on the base.
 struct Thruster {
+  /// torque: per thrust [m]; min, max: bounds of the thrust [N].
   Thruster(const SE3<double>& at, double torque, ThrusterType turning = CW, double min = 0,
            double max = std::numeric_limits<double>::infinity())
       : pose(at), ctorque(torque), type(turning), min_thrust(min), max_thrust(max) {}
+  /// torque: per thrust [m]; min, max: bounds of the thrust [N].
   explicit Thruster(double torque, ThrusterType turning = CW, double min = 0,
                     double max = std::numeric_limits<double>::infinity())
       : Thruster(SE3<double>{}, torque, turning, min, max) {}
@@ -22,7 +25,7 @@ struct Thruster {
   ThrusterType type;
   double min_thrust, max_thrust;  // N: bounds of u, which an action model does not use by itself
 };
-std::ostream& operator<<(std::ostream& os, const Thruster& thruster);
+std::ostream& operator<<(std::ostream& os, const Thruster& thruster);  // prints it as `print` does
 
 /// The torques tau = W u of a floating base with thrusters.
 class ActuationModelFloatingBaseThrusters : public ActuationModelAbstract {
@@ -43,8 +46,8 @@ class ActuationModelFloatingBaseThrusters : public ActuationModelAbstract {
   std::shared_ptr<ActuationDataAbstract> createData() override;
   void print(std::ostream& os) const override;
 
-  const std::vector<Thruster>& get_thrusters() const { return thrusters_; }
-  std::size_t get_nthrusters() const { return thrusters_.size(); }
+  const std::vector<Thruster>& get_thrusters() const { return thrusters_; }  // the propellers
+  std::size_t get_nthrusters() const { return thrusters_.size(); }           // number of propellers
   /// Their number must not change. Data follow at their next calc, calcDiff, commands or torqueTransform.
   void set_thrusters(const std::vector<Thruster>& thrusters);
   const Eigen::MatrixXd& get_Wthrust() const { return W_; }  // nv x nu: tau = W u

@@ -10,6 +10,7 @@
 
 namespace manycontact {
 
+/// The axes of velocities, accelerations and Jacobians of frames.
 enum class FrameAxes { kLocal, kWorld, kLocalWorldAligned };
 
 /// Computes oMf, the placement in the world. `joint` and `placement` are those of the frame on its joint's body

@@ -78,6 +78,7 @@ std::vector<Violation> violations(const Scene& scene, const Eigen::Ref<const Eig
 Eigen::Vector2d contact_pressure(const Scene& scene, int contact, const Eigen::Ref<const Eigen::VectorXd>& q,
                                  const Eigen::VectorXd& f);
 
+/// The quantity that exceeds a limit.
 enum class Limited { kPosition, kVelocity, kEffort };
 /// "position", "velocity", "effort".
 std::string to_string(Limited quantity);

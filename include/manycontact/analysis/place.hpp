@@ -14,8 +14,8 @@
 // Operations Research 21 (1994).
 //
 // If these steps converge slowly because a large error remains, Newton steps replace them; the Hessian of |e|^2 is
-// applied by conjugate gradients. If |e| is stationary and not zero, the search continues from a point one millimetre and one milliradian away. Straight
-// knees and elbows, as in the neutral q, are saddle points.
+// applied by conjugate gradients. If |e| is stationary and not zero, the search continues from a point one millimetre
+// and one milliradian away. Straight knees and elbows, as in the neutral q, are saddle points.
 //
 // The errors of contradicting goals are distributed according to their weights. The result is a local minimum near the
 // start; `restarts` searches from other configurations.
@@ -35,6 +35,7 @@ using Partial = std::array<std::optional<double>, 3>;
 
 /// A goal for a configuration; made by the functions below.
 struct Goal {
+  /// The object that the goal refers to.
   enum class Of { kFrame, kCenterOfMass, kJoint, kContact };
   Of of = Of::kFrame;
   std::string name;  // for error messages

@@ -18,6 +18,7 @@ namespace manycontact {
 
 class ActionModelAugmentedLagrangian : public ActionModelAbstract {  // A node with its constraints in its cost.
  public:
+  /// Throws std::invalid_argument for null pointers and numbers out of range.
   explicit ActionModelAugmentedLagrangian(std::shared_ptr<ActionModelAbstract> model);
 
   void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
@@ -33,17 +34,17 @@ class ActionModelAugmentedLagrangian : public ActionModelAbstract {  // A node w
                    std::size_t maxiter = 100, double tol = 1e-9) override;
   void print(std::ostream& os) const override;
 
-  const std::shared_ptr<ActionModelAbstract>& get_model() const { return model_; }
+  const std::shared_ptr<ActionModelAbstract>& get_model() const { return model_; }  // the original model
   /// Multipliers of [g; h], in a terminal node of the constraints that apply there; initially zeros. calc throws
   /// std::invalid_argument if their number differs from that of the constraints.
   const Eigen::VectorXd& get_multipliers() const { return y_; }
-  double get_penalty() const { return rho_; }  // initially 10
-  void set_multipliers(const Eigen::VectorXd& y) { y_ = y; }
-  void set_penalty(double rho);  // above 0, or std::invalid_argument is thrown
+  double get_penalty() const { return rho_; }                 // initially 10
+  void set_multipliers(const Eigen::VectorXd& y) { y_ = y; }  // see get_multipliers
+  void set_penalty(double rho);                               // above 0, or std::invalid_argument is thrown
   /// Whether the cost contains that of the original node; initially true. If false, with y = 0 and rho = 1, the cost is
   /// half the squared violation.
   bool get_with_cost() const { return with_cost_; }
-  void set_with_cost(bool with_cost) { with_cost_ = with_cost; }
+  void set_with_cost(bool with_cost) { with_cost_ = with_cost; }  // see get_with_cost
 
  private:
   void add_values(ActionDataAbstract& data, bool terminal) const;
@@ -55,6 +56,7 @@ class ActionModelAugmentedLagrangian : public ActionModelAbstract {  // A node w
 };
 
 struct ActionDataAugmentedLagrangian : ActionDataAbstract {  // Data of ActionModelAugmentedLagrangian.
+  /// Allocates the data of the model.
   ActionDataAugmentedLagrangian(ActionModelAugmentedLagrangian* model, std::shared_ptr<ActionDataAbstract> inner);
   std::shared_ptr<ActionDataAbstract> inner;  // data of the original model
   Eigen::VectorXd y_next;                     // y+: set by calc

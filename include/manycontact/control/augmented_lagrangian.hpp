@@ -50,6 +50,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   /// matrices, and otherwise SolverFDDP; or the solver that `make` creates. Throws std::invalid_argument for a null
   /// problem.
   explicit SolverAugmentedLagrangian(std::shared_ptr<ShootingProblem> problem);
+  /// problem: not null, or std::invalid_argument is thrown.
   SolverAugmentedLagrangian(std::shared_ptr<ShootingProblem> problem, const MakeSolver& make);
   ~SolverAugmentedLagrangian() override;
   SolverAugmentedLagrangian(const SolverAugmentedLagrangian&) = delete;
@@ -82,22 +83,22 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   void circularAppend(std::shared_ptr<ActionModelAbstract> model);
   void circularAppend(std::shared_ptr<ActionModelAbstract> model, std::shared_ptr<ActionDataAbstract> data);
 
-  const std::shared_ptr<SolverDDP>& get_inner() const { return inner_; }
-  double get_violation() const { return violation_; }    // largest violation, after a solve
-  double get_kkt_residual() const { return kkt_; }       // after a solve
-  std::size_t get_outer_iter() const { return outer_; }  // minimisations of the last solve
-  double get_penalty() const { return rho_; }
-  double get_penalty_init() const { return rho_init_; }
-  double get_penalty_factor() const { return rho_factor_; }
-  double get_penalty_max() const { return rho_max_; }
-  double get_th_constraint() const { return th_constraint_; }
-  double get_th_kkt() const { return th_kkt_; }
+  const std::shared_ptr<SolverDDP>& get_inner() const { return inner_; }  // the unconstrained solver
+  double get_violation() const { return violation_; }                     // largest violation, after a solve
+  double get_kkt_residual() const { return kkt_; }                        // after a solve
+  std::size_t get_outer_iter() const { return outer_; }                   // minimisations of the last solve
+  double get_penalty() const { return rho_; }                             // the current penalty
+  double get_penalty_init() const { return rho_init_; }                   // initial penalty
+  double get_penalty_factor() const { return rho_factor_; }               // factor of increases of the penalty
+  double get_penalty_max() const { return rho_max_; }                     // largest penalty
+  double get_th_constraint() const { return th_constraint_; }             // threshold of the violation
+  double get_th_kkt() const { return th_kkt_; }                           // threshold of the KKT residual
   /// The number of separate minimisations of the violation in the last solve.
   std::size_t get_restorations() const { return restorations_; }
   /// The size of the cost, as in SolverDDP. The penalties (set_penalty_init, set_penalty_max), th_stop and th_kkt are
   /// multiplied by it. With set_measures_scale(true) a solve measures it at its guess.
   double get_scale() const { return scale_; }
-  void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }
+  void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }  // see get_measures_scale
   /// They throw std::invalid_argument for numbers out of range.
   void set_penalty(double penalty);              // above 0
   void set_penalty_init(double penalty);         // above 0; of new solvers, and after reset()

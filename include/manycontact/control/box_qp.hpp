@@ -33,19 +33,19 @@ class BoxQP {  // The solver of one quadratic problem with bounds.
   void free_inverse(Eigen::MatrixXd& inverse);
   const BoxQPSolution& get_solution() const { return solution_; }
 
-  std::size_t get_nx() const { return nx_; }
-  std::size_t get_maxiter() const { return maxiter_; }
-  std::size_t get_iter() const { return iter_; }  // Newton steps of the last solve
-  double get_th_acceptstep() const { return th_acceptstep_; }
-  double get_th_grad() const { return th_grad_; }
-  double get_reg() const { return reg_; }
-  const std::vector<double>& get_alphas() const { return alphas_; }
-  void set_nx(std::size_t nx);
-  void set_maxiter(std::size_t maxiter) { maxiter_ = maxiter; }
-  void set_th_acceptstep(double th_acceptstep);  // in (0, 0.5)
-  void set_th_grad(double th_grad);              // >= 0
-  void set_reg(double reg);                      // >= 0
-  void set_alphas(const std::vector<double>& alphas);
+  std::size_t get_nx() const { return nx_; }                   // numbers of a state
+  std::size_t get_maxiter() const { return maxiter_; }         // largest number of Newton steps
+  std::size_t get_iter() const { return iter_; }               // Newton steps of the last solve
+  double get_th_acceptstep() const { return th_acceptstep_; }  // share of the expected reduction that accepts a step
+  double get_th_grad() const { return th_grad_; }              // threshold of the gradient for convergence
+  double get_reg() const { return reg_; }                      // added to the diagonal of H
+  const std::vector<double>& get_alphas() const { return alphas_; }  // step lengths that are tried
+  void set_nx(std::size_t nx);                                       // number of unknowns
+  void set_maxiter(std::size_t maxiter) { maxiter_ = maxiter; }      // largest number of Newton steps
+  void set_th_acceptstep(double th_acceptstep);                      // in (0, 0.5)
+  void set_th_grad(double th_grad);                                  // >= 0
+  void set_reg(double reg);                                          // >= 0
+  void set_alphas(const std::vector<double>& alphas);  // positive and decreasing, or std::invalid_argument is thrown
 
  private:
   void sort_components(const Eigen::VectorXd& lb, const Eigen::VectorXd& ub);

@@ -15,16 +15,18 @@ namespace manycontact {
 
 class SolverBoxDDP : public SolverDDP {  // DDP with limits on controls.
  public:
+  /// problem: not null.
   explicit SolverBoxDDP(std::shared_ptr<ShootingProblem> problem) : SolverDDP(std::move(problem), Limits::kKept) {}
   void forwardPass(double steplength) override;
-  const std::vector<Eigen::MatrixXd>& get_Quu_inv() const;
+  const std::vector<Eigen::MatrixXd>& get_Quu_inv() const;  // inverses of Quu on the free controls, per node
 };
 
 /// FDDP with limits on controls.
 class SolverBoxFDDP : public SolverFDDP {
  public:
+  /// problem: not null.
   explicit SolverBoxFDDP(std::shared_ptr<ShootingProblem> problem) : SolverFDDP(std::move(problem), Limits::kKept) {}
-  const std::vector<Eigen::MatrixXd>& get_Quu_inv() const;
+  const std::vector<Eigen::MatrixXd>& get_Quu_inv() const;  // inverses of Quu on the free controls, per node
 };
 
 }  // namespace manycontact

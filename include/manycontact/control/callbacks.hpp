@@ -15,14 +15,15 @@ enum VerboseLevel { _0 = 0, _1, _2, _3, _4 };
 /// Prints one line for each iteration, on standard output unless another stream is given. Crocoddyl's CallbackVerbose.
 class CallbackVerbose : public CallbackAbstract {
  public:
-  explicit CallbackVerbose(VerboseLevel level = _4, int precision = 3);
+  explicit CallbackVerbose(VerboseLevel level = _4, int precision = 3);  // precision: number of digits
+  /// precision: number of digits.
   explicit CallbackVerbose(std::ostream& out, VerboseLevel level = _4, int precision = 3);
   void operator()(SolverAbstract& solver) override;
 
-  VerboseLevel get_level() const { return level_; }
-  void set_level(VerboseLevel level) { level_ = level; }
-  int get_precision() const { return precision_; }
-  void set_precision(int precision);  // not negative, or std::invalid_argument is thrown
+  VerboseLevel get_level() const { return level_; }       // the columns
+  void set_level(VerboseLevel level) { level_ = level; }  // selects the columns
+  int get_precision() const { return precision_; }        // number of digits
+  void set_precision(int precision);                      // not negative, or std::invalid_argument is thrown
 
  private:
   std::ostream* out_;

@@ -12,11 +12,14 @@
 
 namespace manycontact {
 
+/// The number of stages of a Runge-Kutta method.
 enum RKType { two = 2, three = 3, four = 4 };
 
 class ControlParametrizationModelAbstract;
 
+/// Controls at one time, and their derivative.
 struct ControlParametrizationDataAbstract {
+  /// Allocates the data of the model.
   explicit ControlParametrizationDataAbstract(const ControlParametrizationModelAbstract* model);
   virtual ~ControlParametrizationDataAbstract() = default;
 
@@ -25,11 +28,12 @@ struct ControlParametrizationDataAbstract {
   Eigen::MatrixXd dw_du;  // nw x nu: set by calcDiff
 };
 
+/// Controls within a step as a function of parameters.
 class ControlParametrizationModelAbstract {
  public:
   using Data = std::shared_ptr<ControlParametrizationDataAbstract>;
 
-  ControlParametrizationModelAbstract(std::size_t nw, std::size_t nu) : nw_(nw), nu_(nu) {}
+  ControlParametrizationModelAbstract(std::size_t nw, std::size_t nu) : nw_(nw), nu_(nu) {}  // numbers of w and of u
   virtual ~ControlParametrizationModelAbstract() = default;
 
   /// Computes data->w at the time t in [0, 1] for the parameters u (nu).
@@ -51,13 +55,14 @@ class ControlParametrizationModelAbstract {
   Eigen::MatrixXd multiplyByJacobian_J(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A) const;
   Eigen::MatrixXd multiplyJacobianTransposeBy_J(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A) const;
 
-  std::size_t get_nw() const { return nw_; }
-  std::size_t get_nu() const { return nu_; }
+  std::size_t get_nw() const { return nw_; }  // number of controls w
+  std::size_t get_nu() const { return nu_; }  // number of controls
 
  protected:
   std::size_t nw_, nu_;
 };
 
+/// Data of the polynomials.
 struct ControlParametrizationDataPoly : ControlParametrizationDataAbstract {
   using ControlParametrizationDataAbstract::ControlParametrizationDataAbstract;
   std::array<double, 3> c{};  // coefficients at the t of the last calc
@@ -79,15 +84,17 @@ class ControlParametrizationModelPoly : public ControlParametrizationModelAbstra
                                    AssignmentOp op = setto) const override;
 
  protected:
+  /// terms: number of coefficients.
   ControlParametrizationModelPoly(std::size_t nw, std::size_t terms)
       : ControlParametrizationModelAbstract(nw, terms * nw), terms_(terms) {}
-  virtual std::array<double, 3> coefficients(double t) const = 0;
+  virtual std::array<double, 3> coefficients(double t) const = 0;  // the coefficients at the time t
   std::size_t terms_;
 };
 
 /// Constant controls: w = u.
 class ControlParametrizationModelPolyZero : public ControlParametrizationModelPoly {
  public:
+  /// nw: number of controls.
   explicit ControlParametrizationModelPolyZero(std::size_t nw) : ControlParametrizationModelPoly(nw, 1) {}
 
  private:
@@ -97,6 +104,7 @@ class ControlParametrizationModelPolyZero : public ControlParametrizationModelPo
 /// Linear controls: u_0 at t = 0, u_1 at t = 1/2.
 class ControlParametrizationModelPolyOne : public ControlParametrizationModelPoly {
  public:
+  /// nw: number of controls.
   explicit ControlParametrizationModelPolyOne(std::size_t nw) : ControlParametrizationModelPoly(nw, 2) {}
 
  private:
@@ -107,7 +115,7 @@ class ControlParametrizationModelPolyOne : public ControlParametrizationModelPol
 /// std::invalid_argument.
 class ControlParametrizationModelPolyTwoRK : public ControlParametrizationModelPoly {
  public:
-  ControlParametrizationModelPolyTwoRK(std::size_t nw, RKType rktype);
+  ControlParametrizationModelPolyTwoRK(std::size_t nw, RKType rktype);  // nw: number of controls
 
  private:
   std::array<double, 3> coefficients(double t) const override;
@@ -118,6 +126,7 @@ class ControlParametrizationModelPolyTwoRK : public ControlParametrizationModelP
 /// user-defined controls, and for tests.
 class ControlParametrizationModelNumDiff : public ControlParametrizationModelAbstract, public internal::Step {
  public:
+  /// model: the one that is differentiated.
   explicit ControlParametrizationModelNumDiff(std::shared_ptr<ControlParametrizationModelAbstract> model);
   void calc(const Data& data, double t, const ConstVectorRef& u) const override;
   void calcDiff(const Data& data, double t, const ConstVectorRef& u) const override;
@@ -129,13 +138,16 @@ class ControlParametrizationModelNumDiff : public ControlParametrizationModelAbs
                           AssignmentOp op = setto) const override;
   void multiplyJacobianTransposeBy(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A, MatrixRef out,
                                    AssignmentOp op = setto) const override;
+  /// The model that is differentiated.
   const std::shared_ptr<ControlParametrizationModelAbstract>& get_model() const { return model_; }
 
  private:
   std::shared_ptr<ControlParametrizationModelAbstract> model_;
 };
 
+/// Data of ControlParametrizationModelNumDiff.
 struct ControlParametrizationDataNumDiff : ControlParametrizationDataAbstract {
+  /// Allocates the data of the model.
   explicit ControlParametrizationDataNumDiff(const ControlParametrizationModelNumDiff* model);
   std::shared_ptr<ControlParametrizationDataAbstract> data_0;
 };

@@ -50,11 +50,11 @@ class Couplings {
   /// Throws std::invalid_argument if the subproblems do not fit the scene.
   Couplings(Scene scene, const std::vector<ActionPart>& parts);
 
-  const Scene& scene() const { return scene_; }
-  const std::vector<Coupling>& couplings() const { return couplings_; }
+  const Scene& scene() const { return scene_; }                          // the robots, with their gravity
+  const std::vector<Coupling>& couplings() const { return couplings_; }  // in the order of their contacts
   /// Per subproblem: its couplings, in the order of its wrenches.
   const std::vector<std::vector<int>>& couplings_of_parts() const { return couplings_of_; }
-  const std::string& name(std::size_t coupling) const;
+  const std::string& name(std::size_t coupling) const;  // name of the contact
   /// The force on A of a coupling at the last solve, in the contact's reference frame [N, N m].
   Eigen::VectorXd force(std::size_t coupling, const CouplingData& data) const;
 
@@ -74,18 +74,20 @@ class Couplings {
   std::vector<int> local_robot_;  // per robot of the scene: its number in its subproblem
 };
 
-struct CouplingData {  // The couplings' data of a node.
-  CouplingData(const Couplings& of, const std::vector<ActionPart>& parts);
+struct CouplingData {                                                       // The couplings' data of a node.
+  CouplingData(const Couplings& of, const std::vector<ActionPart>& parts);  // allocates the data
 
   std::vector<Eigen::MatrixXd> C, D;  // per subproblem: its contribution to the rows of its couplings, six each: set by
                                       // differentiate
   SceneData solution;                 // of the whole scene: set by solve
+  /// The workspace of one robot.
   struct OfRobot {
-    explicit OfRobot(const Model& model) : kin(model), terms(model) {}
-    Kinematics<double> kin;  // at the solution: set by solve
-    RneaDerivatives terms;   // those of the motion: set by differentiate
+    explicit OfRobot(const Model& model) : kin(model), terms(model) {}  // allocates the workspace
+    Kinematics<double> kin;                                             // at the solution: set by solve
+    RneaDerivatives terms;                                              // those of the motion: set by differentiate
   };
   std::vector<std::unique_ptr<OfRobot>> robots;  // those that couplings act on
+  /// The workspace of one coupling.
   struct OfCoupling {
     ContactSupport support;
     ContactData<double> rows;        // at the solution: set by solve

@@ -24,8 +24,9 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
  public:
   using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+  /// problem: not null, or std::invalid_argument is thrown.
   explicit SolverDDP(std::shared_ptr<ShootingProblem> problem);
-  SolverDDP(SolverDDP&&);
+  SolverDDP(SolverDDP&&);  // moves the solver
   SolverDDP& operator=(SolverDDP&&);
   ~SolverDDP() override;
 
@@ -101,15 +102,15 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   bool get_measures_scale() const { return measures_scale_; }
   void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }
 
-  double get_reg_incfactor() const { return reg_incfactor_; }
-  double get_reg_decfactor() const { return reg_decfactor_; }
-  double get_reg_min() const { return reg_min_; }
-  double get_reg_max() const { return reg_max_; }
-  const std::vector<double>& get_alphas() const { return alphas_; }
-  double get_th_stepdec() const { return th_stepdec_; }
-  double get_th_stepinc() const { return th_stepinc_; }
-  double get_th_grad() const { return th_grad_; }
-  double get_th_kkt() const { return th_kkt_; }
+  double get_reg_incfactor() const { return reg_incfactor_; }        // factor of increases of the regularisation
+  double get_reg_decfactor() const { return reg_decfactor_; }        // factor of decreases of the regularisation
+  double get_reg_min() const { return reg_min_; }                    // smallest regularisation
+  double get_reg_max() const { return reg_max_; }                    // largest regularisation
+  const std::vector<double>& get_alphas() const { return alphas_; }  // step lengths that are tried
+  double get_th_stepdec() const { return th_stepdec_; }  // the regularisation decreases above this step length
+  double get_th_stepinc() const { return th_stepinc_; }  // the regularisation increases below this step length
+  double get_th_grad() const { return th_grad_; }        // threshold of the gradient, below which a step is accepted
+  double get_th_kkt() const { return th_kkt_; }          // threshold of the KKT residual
   /// The KKT residual of the candidate, with least_squares_multipliers; NaN if the last solve did not compute it.
   double get_kkt_residual() const { return kkt_; }
   /// The number of steps after the stopping rule was met, to a KKT residual below th_kkt. Callbacks do not see them.
@@ -117,14 +118,14 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   /// The backward pass of a single problem. With several subproblems these are empty, except Vx and k: read the others
   /// from directions().
   const std::vector<Eigen::MatrixXd>& get_Vxx() const;
-  const std::vector<Eigen::MatrixXd>& get_Qxx() const;
-  const std::vector<Eigen::MatrixXd>& get_Qxu() const;
-  const std::vector<Eigen::MatrixXd>& get_Quu() const;
-  const std::vector<Eigen::VectorXd>& get_Qx() const;
-  const std::vector<Eigen::VectorXd>& get_Qu() const;
-  const std::vector<MatrixXdRowMajor>& get_K() const;
-  const std::vector<Eigen::VectorXd>& get_Vx() const { return Vx_; }
-  const std::vector<Eigen::VectorXd>& get_k() const { return k_; }
+  const std::vector<Eigen::MatrixXd>& get_Qxx() const;                // T matrices, ndx x ndx
+  const std::vector<Eigen::MatrixXd>& get_Qxu() const;                // T matrices, ndx x nu
+  const std::vector<Eigen::MatrixXd>& get_Quu() const;                // T matrices, nu x nu
+  const std::vector<Eigen::VectorXd>& get_Qx() const;                 // T vectors (ndx)
+  const std::vector<Eigen::VectorXd>& get_Qu() const;                 // T vectors (nu)
+  const std::vector<MatrixXdRowMajor>& get_K() const;                 // T feedback gains, nu x ndx
+  const std::vector<Eigen::VectorXd>& get_Vx() const { return Vx_; }  // gradients of the value function (T + 1)
+  const std::vector<Eigen::VectorXd>& get_k() const { return k_; }    // feed-forward terms (T)
   /// They throw std::invalid_argument for numbers out of range.
   void set_reg_incfactor(double reg_factor);           // above 1
   void set_reg_decfactor(double reg_factor);           // above 1
@@ -141,7 +142,9 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   void set_th_kkt(double th_kkt);
 
  protected:
+  /// Whether control limits are used.
   enum class Limits { kIgnored, kKept };
+  /// problem: not null, or std::invalid_argument is thrown.
   SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits);
   /// For solvers that create the directions themselves.
   SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits, WithoutMatrices);
@@ -150,17 +153,17 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
              double init_reg);
   /// Called after a new direction, before steps are tried; and after each of them.
   virtual void prepareImprovement() { d_ = Eigen::Vector2d(expectedImprovement()); }
-  virtual void updateImprovement() {}
+  virtual void updateImprovement() {}  // after each tried step
   /// Whether the tried step is accepted, according to dV and dVexp, and if so whether its states are feasible.
   virtual bool accepts() const;
-  virtual bool closesGaps() const { return true; }
-  bool findDirection(bool recalc);
-  bool searchLine();
-  bool adaptRegularization();
-  StopReason polish(std::size_t maxiter);
-  StopReason descendWithinLimits(std::size_t maxiter);
-  bool isOptimalWithinLimits();
-  StopReason judgeWithoutStep();
+  virtual bool closesGaps() const { return true; }  // whether an accepted step closes all gaps
+  bool findDirection(bool recalc);  // computes a direction, and increases the regularisation if it fails
+  bool searchLine();                // tries steps along the direction; returns whether one was accepted
+  bool adaptRegularization();  // adapts the regularisation to the last step; returns whether it is below its maximum
+  StopReason polish(std::size_t maxiter);               // continues until the KKT residual is below th_kkt
+  StopReason descendWithinLimits(std::size_t maxiter);  // continues with `descend`, within control limits
+  bool isOptimalWithinLimits();                         // whether the projected gradient promises no gain
+  StopReason judgeWithoutStep();                        // decides the result after no step was accepted
   /// Calls work(direction) for every subproblem, in parallel.
   template <class Work>
   void each_direction(Work&& work);

@@ -35,19 +35,20 @@ class DifferentialActionModelLQR : public DifferentialActionModelAbstract {
   void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) override;
   void print(std::ostream& os) const override;
 
-  const MatrixXs& get_Aq() const { return Aq_; }
-  const MatrixXs& get_Av() const { return Av_; }
-  const MatrixXs& get_B() const { return B_; }
-  const VectorXs& get_f() const { return f_; }
-  const MatrixXs& get_Q() const { return Q_; }
-  const MatrixXs& get_R() const { return R_; }
-  const MatrixXs& get_N() const { return N_; }
-  const MatrixXs& get_G() const { return G_; }
-  const MatrixXs& get_H() const { return H_; }
-  const VectorXs& get_q() const { return q_; }
-  const VectorXs& get_r() const { return r_; }
-  const VectorXs& get_g() const { return g_; }
-  const VectorXs& get_h() const { return h_; }
+  const MatrixXs& get_Aq() const { return Aq_; }  // matrix of q
+  const MatrixXs& get_Av() const { return Av_; }  // matrix of v
+  const MatrixXs& get_B() const { return B_; }    // matrix of the controls
+  const VectorXs& get_f() const { return f_; }    // constant term of the dynamics
+  const MatrixXs& get_Q() const { return Q_; }    // hessian of the cost with respect to x
+  const MatrixXs& get_R() const { return R_; }    // the cone's axes
+  const MatrixXs& get_N() const { return N_; }    // mixed Hessian of the cost
+  const MatrixXs& get_G() const { return G_; }    // matrix of the inequality constraints
+  const MatrixXs& get_H() const { return H_; }    // matrix of the equality constraints
+  const VectorXs& get_q() const { return q_; }    // gradient of the cost with respect to x
+  const VectorXs& get_r() const { return r_; }    // gradient of the cost with respect to u
+  const VectorXs& get_g() const { return g_; }    // constant term of the inequality constraints
+  const VectorXs& get_h() const { return h_; }    // constant term of the equality constraints
+  /// Replaces all matrices and vectors. Throws std::invalid_argument for wrong sizes.
   void set_LQR(const MatrixXs& Aq, const MatrixXs& Av, const MatrixXs& B, const MatrixXs& Q, const MatrixXs& R,
                const MatrixXs& N, const MatrixXs& G, const MatrixXs& H, const VectorXs& f, const VectorXs& q,
                const VectorXs& r, const VectorXs& g, const VectorXs& h);

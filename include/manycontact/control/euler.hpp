@@ -13,6 +13,7 @@ namespace manycontact {
 /// A differential model integrated over one step.
 class IntegratedActionModelEuler : public IntegratedActionModelAbstract {
  public:
+  /// The constructors of IntegratedActionModelAbstract.
   using IntegratedActionModelAbstract::IntegratedActionModelAbstract;
 
   void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;

@@ -15,6 +15,7 @@ class SolverFDDP : public SolverDDP {  // DDP that accepts any initial guess: th
   /// Computes the terms of the expected improvement that do not depend on the step.
   void updateExpectedImprovement();
   void forwardPass(double steplength) override;
+  /// Share of an expected increase of the cost that is accepted.
   double get_th_acceptnegstep() const { return th_acceptnegstep_; }
   void set_th_acceptnegstep(double th_acceptnegstep);  // not negative
 

@@ -8,6 +8,7 @@ namespace manycontact {
 /// Forward dynamics without contacts.
 class DifferentialActionModelFreeFwdDynamics : public DifferentialActionModelContactFwdDynamics {
  public:
+  /// Throws std::invalid_argument if the parts do not belong together.
   DifferentialActionModelFreeFwdDynamics(std::shared_ptr<StateMultibody> state,
                                          std::shared_ptr<ActuationModelAbstract> actuation,
                                          std::shared_ptr<CostModelSum> costs,

@@ -61,21 +61,22 @@ class ActionModelImpulseFwdDynamics : public ActionModelAbstract {  // A node wi
                    std::size_t maxiter = 100, double tol = 1e-9) override;
   void print(std::ostream& os) const override;
 
-  const std::shared_ptr<ImpulseModelMultiple>& get_impulses() const { return impulses_; }
-  const std::shared_ptr<CostModelSum>& get_costs() const { return costs_; }
+  const std::shared_ptr<ImpulseModelMultiple>& get_impulses() const { return impulses_; }          // the impulses
+  const std::shared_ptr<CostModelSum>& get_costs() const { return costs_; }                        // the costs
   const std::shared_ptr<ConstraintModelManager>& get_constraints() const { return constraints_; }  // may be null
-  const Multibody& get_pinocchio() const { return *multibody_->get_model(); }
-  const Multibody& get_model() const { return *multibody_->get_model(); }
+  const Multibody& get_pinocchio() const { return *multibody_->get_model(); }  // the robots; Crocoddyl's name
+  const Multibody& get_model() const { return *multibody_->get_model(); }      // the robots
   /// The armature (nv) [kg m^2, kg], which replaces the model's, also in existing data.
   const Eigen::VectorXd& get_armature() const { return dynamics_->get_armature(); }
-  void set_armature(const Eigen::VectorXd& armature);
-  double get_restitution_coefficient() const { return r_coeff_; }
-  void set_restitution_coefficient(double r_coeff);
-  double get_damping_factor() const { return dynamics_->get_damping_factor(); }
+  void set_armature(const Eigen::VectorXd& armature);              // throws std::invalid_argument for a wrong size
+  double get_restitution_coefficient() const { return r_coeff_; }  // the coefficient e
+  void set_restitution_coefficient(double r_coeff);                // not negative, or std::invalid_argument is thrown
+  double get_damping_factor() const { return dynamics_->get_damping_factor(); }  // JMinvJt_damping [1/kg]
+  /// Not negative, or std::invalid_argument is thrown.
   void set_damping_factor(double damping) { dynamics_->set_damping_factor(damping); }
   /// Method and order of the solves, for data created afterwards.
   const Options& get_options() const { return dynamics_->get_options(); }
-  void set_options(const Options& options) { dynamics_->set_options(options); }
+  void set_options(const Options& options) { dynamics_->set_options(options); }  // for data created afterwards
 
   std::size_t get_nr() const override { return costs_->get_nr(); }
   std::size_t get_ng() const override { return constraints_ ? constraints_->get_ng() : 0; }
@@ -104,7 +105,7 @@ class ActionModelImpulseFwdDynamics : public ActionModelAbstract {  // A node wi
 };
 
 struct ActionDataImpulseFwdDynamics : ActionDataAbstract {  // Data of ActionModelImpulseFwdDynamics.
-  explicit ActionDataImpulseFwdDynamics(ActionModelImpulseFwdDynamics* model);
+  explicit ActionDataImpulseFwdDynamics(ActionModelImpulseFwdDynamics* model);  // allocates the data of the model
 
   std::shared_ptr<DifferentialActionDataContactFwdDynamics> dynamics;
   DataCollector* multibody;  // that of `dynamics`: impulses by name in contacts, velocity after the impact in impact

@@ -32,13 +32,15 @@ class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differe
   const Eigen::VectorXd& get_g_ub_T() const override { return differential_->get_g_ub_T(); }
   void set_g_lb(const Eigen::VectorXd& g_lb) override { differential_->set_g_lb(g_lb); }
   void set_g_ub(const Eigen::VectorXd& g_ub) override { differential_->set_g_ub(g_ub); }
+  /// The model in continuous time.
   const std::shared_ptr<DifferentialActionModelAbstract>& get_differential() const { return differential_; }
+  /// The parametrization of the controls.
   const std::shared_ptr<ControlParametrizationModelAbstract>& get_control() const { return control_; }
-  double get_dt() const { return time_step_; }
-  void set_dt(double dt);
+  double get_dt() const { return time_step_; }  // the step [s]
+  void set_dt(double dt);                       // throws std::invalid_argument if it is negative or not finite [s]
 
  protected:
-  void print_as(const char* name, std::ostream& os) const;
+  void print_as(const char* name, std::ostream& os) const;  // prints it with another name
   std::shared_ptr<DifferentialActionModelAbstract> differential_;
   std::shared_ptr<ControlParametrizationModelAbstract> control_;
   double time_step_, time_step2_;  // h, h^2

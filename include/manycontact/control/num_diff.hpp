@@ -21,11 +21,11 @@ class ActionModelNumDiff : public ActionModelAbstract {  // A node with derivati
   void quasiStatic(const std::shared_ptr<ActionDataAbstract>& data, VectorRef u, const ConstVectorRef& x,
                    std::size_t maxiter = 100, double tol = 1e-9) override;
 
-  const std::shared_ptr<ActionModelAbstract>& get_model() const { return model_; }
+  const std::shared_ptr<ActionModelAbstract>& get_model() const { return model_; }  // the model that is differentiated
   /// The step of the differences: absolute in x's tangent space, relative to max(1, |u_i|) in u.
   double get_disturbance() const { return step_; }
-  void set_disturbance(double disturbance);
-  bool get_with_gauss_approx() const { return gauss_; }
+  void set_disturbance(double disturbance);              // throws std::invalid_argument unless it is positive
+  bool get_with_gauss_approx() const { return gauss_; }  // whether Hessians are Gauss-Newton's
 
   std::size_t get_nr() const override { return model_->get_nr(); }
   std::size_t get_ng() const override { return model_->get_ng(); }
@@ -46,8 +46,8 @@ class ActionModelNumDiff : public ActionModelAbstract {  // A node with derivati
   double step_;
 };
 
-struct ActionDataNumDiff : ActionDataAbstract {  // Data of ActionModelNumDiff.
-  explicit ActionDataNumDiff(ActionModelNumDiff* model);
+struct ActionDataNumDiff : ActionDataAbstract {           // Data of ActionModelNumDiff.
+  explicit ActionDataNumDiff(ActionModelNumDiff* model);  // allocates the data of the model
   std::shared_ptr<ActionDataAbstract> data_0, data_step;  // of the model, at the point and at a displaced point
   Eigen::MatrixXd Rx, Ru;                                 // nr x ndx, nr x nu
 };

@@ -65,7 +65,7 @@ class ActionModelParts : public ActionModelAbstract {  // Subproblems of a scene
   const Eigen::VectorXd& get_g_lb_T() const override { return g_lb_T_; }
   const Eigen::VectorXd& get_g_ub_T() const override { return g_ub_T_; }
 
-  const std::vector<ActionPart>& get_parts() const { return parts_; }
+  const std::vector<ActionPart>& get_parts() const { return parts_; }  // the subproblems
   /// Null for decoupled subproblems.
   const std::shared_ptr<const Couplings>& get_couplings() const { return couplings_; }
   /// Makes the same node with other models in the same places, with the limits and storage of this one.
@@ -74,7 +74,7 @@ class ActionModelParts : public ActionModelAbstract {  // Subproblems of a scene
   /// with the wrenches of couplings eliminated. kSparse: only the subproblems' data contain derivatives, which
   /// SolverSparse reads; Lx, Lu and the node's matrices are empty.
   void set_storage(MatrixStorage storage);
-  MatrixStorage get_storage() const { return storage_; }
+  MatrixStorage get_storage() const { return storage_; }  // which matrices the data contain
 
  private:
   void take_values(const ConstVectorRef& x, ActionDataParts& data) const;

@@ -18,9 +18,11 @@ namespace manycontact {
 /// A differential model integrated with 2, 3 or 4 stages.
 class IntegratedActionModelRK : public IntegratedActionModelAbstract {
  public:
+  /// Throws std::invalid_argument for null pointers and numbers out of range.
   IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model,
                           std::shared_ptr<ControlParametrizationModelAbstract> control, RKType rktype,
                           double time_step = 1e-3, bool with_cost_residual = true);
+  /// Throws std::invalid_argument for null pointers and numbers out of range.
   IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model, RKType rktype,
                           double time_step = 1e-3, bool with_cost_residual = true);
 
@@ -42,8 +44,8 @@ class IntegratedActionModelRK : public IntegratedActionModelAbstract {
   std::vector<double> c_, b_;
 };
 
-struct IntegratedActionDataRK : ActionDataAbstract {  // Data of IntegratedActionModelRK.
-  explicit IntegratedActionDataRK(IntegratedActionModelRK* model);
+struct IntegratedActionDataRK : ActionDataAbstract {                // Data of IntegratedActionModelRK.
+  explicit IntegratedActionDataRK(IntegratedActionModelRK* model);  // allocates the data of the model
 
   // These members have one entry per stage.
   std::vector<std::shared_ptr<DifferentialActionDataAbstract>> differential;

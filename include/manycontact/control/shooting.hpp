@@ -66,29 +66,33 @@ class ShootingProblem {
   void updateNode(std::size_t i, std::shared_ptr<ActionModelAbstract> model, std::shared_ptr<ActionDataAbstract> data);
   void updateModel(std::size_t i, std::shared_ptr<ActionModelAbstract> model);
 
-  std::size_t get_T() const { return running_models_.size(); }
-  const Eigen::VectorXd& get_x0() const { return x0_; }
-  const Models& get_runningModels() const { return running_models_; }
+  std::size_t get_T() const { return running_models_.size(); }         // number of running nodes
+  const Eigen::VectorXd& get_x0() const { return x0_; }                // the initial state
+  const Models& get_runningModels() const { return running_models_; }  // the running nodes
+  /// The terminal node.
   const std::shared_ptr<ActionModelAbstract>& get_terminalModel() const { return terminal_model_; }
-  const Datas& get_runningDatas() const { return running_datas_; }
+  const Datas& get_runningDatas() const { return running_datas_; }  // data of the running nodes
+  /// Data of the terminal node.
   const std::shared_ptr<ActionDataAbstract>& get_terminalData() const { return terminal_data_; }
   /// Node t <= T, where T is the terminal node.
   const std::shared_ptr<ActionModelAbstract>& model(std::size_t t) const {
     return t < get_T() ? running_models_[t] : terminal_model_;
   }
+  /// Data of node t.
   const std::shared_ptr<ActionDataAbstract>& data(std::size_t t) const {
     return t < get_T() ? running_datas_[t] : terminal_data_;
   }
   /// Whether node t depends on x alone, as the terminal node does. Running nodes without controls are evaluated at (x,
   /// u) with an empty u, because their state changes.
   bool by_state_alone(std::size_t t) const { return t == get_T(); }
-  std::size_t get_nx() const { return nx_; }
-  std::size_t get_ndx() const { return ndx_; }
-  std::size_t get_nu_max() const;
-  std::size_t get_nthreads() const { return nthreads_; }
-  void set_x0(const Eigen::VectorXd& x0);
+  std::size_t get_nx() const { return nx_; }              // numbers of a state
+  std::size_t get_ndx() const { return ndx_; }            // numbers of a tangent vector
+  std::size_t get_nu_max() const;                         // largest number of controls of a node
+  std::size_t get_nthreads() const { return nthreads_; }  // number of threads
+  void set_x0(const Eigen::VectorXd& x0);  // sets the initial state; throws std::invalid_argument for a wrong size
   /// Replaces all running nodes and creates new data. The number of nodes may change.
   void set_runningModels(const Models& models);
+  /// Replaces the terminal node and creates new data.
   void set_terminalModel(std::shared_ptr<ActionModelAbstract> model);
   /// Sets the number of threads. Initially, and for a number below 1, it is OpenMP's, or 1 without OpenMP. If all nodes
   /// together take less than about 50 us per thread, one thread evaluates them.
@@ -110,6 +114,6 @@ class ShootingProblem {
   bool is_updated_ = false;
   internal::LoopTime calc_time_, calcDiff_time_;
 };
-std::ostream& operator<<(std::ostream& os, const ShootingProblem& problem);
+std::ostream& operator<<(std::ostream& os, const ShootingProblem& problem);  // prints it as `print` does
 
 }  // namespace manycontact

@@ -17,8 +17,10 @@ namespace manycontact {
 class CallbackAbstract;
 inline const std::vector<Eigen::VectorXd> DEFAULT_VECTOR;
 
+/// The norm of infeasibilities: largest entry, or sum of absolute values.
 enum FeasibilityNorm { LInf = 0, L1 };
 
+/// Why a solver stopped.
 enum class StopReason {
   kNone,         // solve() has not run
   kConverged,    // the candidate is feasible, the stopping value is below th_stop, and further criteria of the solver
@@ -30,10 +32,11 @@ enum class StopReason {
   kInterrupted,  // interrupt() was called
   kInfeasible,   // constraints are violated, and the violation does not decrease with a penalty that outweighs the cost
 };
-const char* to_string(StopReason reason);
+const char* to_string(StopReason reason);  // in words
 
 class SolverAbstract {  // The common base of solvers. Use one per thread.
  public:
+  /// problem: not null, or std::invalid_argument is thrown.
   explicit SolverAbstract(std::shared_ptr<ShootingProblem> problem);
   virtual ~SolverAbstract() = default;
 
@@ -72,47 +75,51 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   void interrupt() { interrupted_ = true; }
   StopReason reason() const { return reason_; }
 
-  const std::shared_ptr<ShootingProblem>& get_problem() const { return problem_; }
-  const std::vector<Eigen::VectorXd>& get_xs() const { return xs_; }
-  const std::vector<Eigen::VectorXd>& get_us() const { return us_; }
-  const std::vector<Eigen::VectorXd>& get_fs() const { return fs_; }
-  bool get_is_feasible() const { return is_feasible_; }
-  double get_cost() const { return cost_; }
-  double get_merit() const { return merit_; }
-  double get_stop() const { return stop_; }
-  const Eigen::Vector2d& get_d() const { return d_; }
-  double get_dV() const { return dV_; }
-  double get_dPhi() const { return dPhi_; }
-  double get_dVexp() const { return dVexp_; }
-  double get_dPhiexp() const { return dPhiexp_; }
-  double get_dfeas() const { return dfeas_; }
-  double get_feas() const { return feas_; }
-  double get_ffeas() const { return ffeas_; }
-  double get_gfeas() const { return gfeas_; }
-  double get_hfeas() const { return hfeas_; }
-  double get_ffeas_try() const { return ffeas_try_; }
-  double get_gfeas_try() const { return gfeas_try_; }
-  double get_hfeas_try() const { return hfeas_try_; }
-  double get_preg() const { return preg_; }
-  double get_dreg() const { return dreg_; }
-  double get_steplength() const { return steplength_; }
-  double get_th_acceptstep() const { return th_acceptstep_; }
-  double get_th_stop() const { return th_stop_; }
-  double get_th_gaptol() const { return th_gaptol_; }
-  FeasibilityNorm get_feasnorm() const { return feasnorm_; }
-  std::size_t get_iter() const { return iter_; }
+  const std::shared_ptr<ShootingProblem>& get_problem() const { return problem_; }  // the problem that is solved
+  const std::vector<Eigen::VectorXd>& get_xs() const { return xs_; }                // states of the candidate (T + 1)
+  const std::vector<Eigen::VectorXd>& get_us() const { return us_; }                // controls of the candidate (T)
+  const std::vector<Eigen::VectorXd>& get_fs() const { return fs_; }                // gaps of the candidate (T + 1)
+  bool get_is_feasible() const { return is_feasible_; }                             // whether the candidate has no gaps
+  double get_cost() const { return cost_; }                                         // cost of the candidate
+  double get_merit() const { return merit_; }                                       // the merit function
+  double get_stop() const { return stop_; }                                         // the stopping value
+  const Eigen::Vector2d& get_d() const { return d_; }                               // the expected improvement (d0, d1)
+  double get_dV() const { return dV_; }                                             // reduction of the cost
+  double get_dPhi() const { return dPhi_; }                                         // reduction of the merit
+  double get_dVexp() const { return dVexp_; }                                       // expected reduction of the cost
+  double get_dPhiexp() const { return dPhiexp_; }                                   // expected reduction of the merit
+  double get_dfeas() const { return dfeas_; }                                       // reduction of the infeasibility
+  double get_feas() const { return feas_; }                                         // total infeasibility
+  double get_ffeas() const { return ffeas_; }                                       // norm of the candidate's gaps
+  double get_gfeas() const { return gfeas_; }                                       // violation of the candidate's g
+  double get_hfeas() const { return hfeas_; }                                       // norm of the candidate's h
+  double get_ffeas_try() const { return ffeas_try_; }          // norm of the gaps after the tried step
+  double get_gfeas_try() const { return gfeas_try_; }          // violation of g after the tried step
+  double get_hfeas_try() const { return hfeas_try_; }          // norm of h after the tried step
+  double get_preg() const { return preg_; }                    // regularisation of the primal variables
+  double get_dreg() const { return dreg_; }                    // regularisation of the dual variables
+  double get_steplength() const { return steplength_; }        // length of the last step
+  double get_th_acceptstep() const { return th_acceptstep_; }  // share of the expected reduction that accepts a step
+  double get_th_stop() const { return th_stop_; }              // threshold of the stopping value
+  double get_th_gaptol() const { return th_gaptol_; }          // threshold of gaps
+  FeasibilityNorm get_feasnorm() const { return feasnorm_; }   // norm of infeasibilities
+  std::size_t get_iter() const { return iter_; }               // number of iterations
+  /// Sets the candidate states (T + 1); throws std::invalid_argument for wrong sizes.
   void set_xs(const std::vector<Eigen::VectorXd>& xs);
+  /// Sets the candidate controls (T); throws std::invalid_argument for wrong sizes.
   void set_us(const std::vector<Eigen::VectorXd>& us);
   /// They throw std::invalid_argument for numbers out of range.
   void set_preg(double preg);
-  void set_dreg(double dreg);
-  void set_th_acceptstep(double th_acceptstep);  // in (0, 1]
-  void set_th_stop(double th_stop);              // above 0
-  void set_th_gaptol(double th_gaptol);          // not negative
-  void set_feasnorm(FeasibilityNorm feasnorm) { feasnorm_ = feasnorm; }
+  void set_dreg(double dreg);                                            // not negative
+  void set_th_acceptstep(double th_acceptstep);                          // in (0, 1]
+  void set_th_stop(double th_stop);                                      // above 0
+  void set_th_gaptol(double th_gaptol);                                  // not negative
+  void set_feasnorm(FeasibilityNorm feasnorm) { feasnorm_ = feasnorm; }  // norm of infeasibilities
 
  protected:
+  /// Throws std::invalid_argument for wrong sizes.
   void check_xs(const char* where, const std::vector<Eigen::VectorXd>& xs) const;
+  /// Throws std::invalid_argument for wrong sizes.
   void check_us(const char* where, const std::vector<Eigen::VectorXd>& us) const;
   /// Calls each callback of the current list, which callbacks may replace.
   void callCallbacks();
@@ -138,7 +145,7 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
 class CallbackAbstract {  // A function that is called after each iteration.
  public:
   virtual ~CallbackAbstract() = default;
-  virtual void operator()(SolverAbstract& solver) = 0;
+  virtual void operator()(SolverAbstract& solver) = 0;  // called with the solver after each iteration
 };
 
 /// Whether a number is not finite, or at least 1e30.

@@ -14,6 +14,7 @@ namespace manycontact {
 
 class SolverKKT : public SolverAbstract {  // A solver with one dense matrix.
  public:
+  /// problem: not null, or std::invalid_argument is thrown.
   explicit SolverKKT(std::shared_ptr<ShootingProblem> problem);
   /// init_reg is ignored. Throws std::invalid_argument if nodes store no matrices.
   bool solve(const std::vector<Eigen::VectorXd>& init_xs = DEFAULT_VECTOR,
@@ -28,15 +29,15 @@ class SolverKKT : public SolverAbstract {  // A solver with one dense matrix.
   /// Computes the nodes' derivatives and assembles the matrix; returns the cost.
   double calcDiff();
 
-  const Eigen::MatrixXd& get_kkt() const { return kkt_; }
-  const Eigen::VectorXd& get_kktref() const { return kktref_; }          // [g; c]
-  const Eigen::VectorXd& get_primaldual() const { return primaldual_; }  // [w; lambda]
-  const std::vector<Eigen::VectorXd>& get_dxs() const { return dxs_; }
-  const std::vector<Eigen::VectorXd>& get_dus() const { return dus_; }
-  const std::vector<Eigen::VectorXd>& get_lambdas() const { return lambdas_; }
-  std::size_t get_nx() const { return static_cast<std::size_t>(nx_); }    // of all nodes
-  std::size_t get_ndx() const { return static_cast<std::size_t>(ndx_); }  // of all nodes
-  std::size_t get_nu() const { return static_cast<std::size_t>(nu_); }    // of all nodes
+  const Eigen::MatrixXd& get_kkt() const { return kkt_; }                       // the KKT matrix
+  const Eigen::VectorXd& get_kktref() const { return kktref_; }                 // [g; c]
+  const Eigen::VectorXd& get_primaldual() const { return primaldual_; }         // [w; lambda]
+  const std::vector<Eigen::VectorXd>& get_dxs() const { return dxs_; }          // steps of the states (T + 1)
+  const std::vector<Eigen::VectorXd>& get_dus() const { return dus_; }          // steps of the controls (T)
+  const std::vector<Eigen::VectorXd>& get_lambdas() const { return lambdas_; }  // multipliers of the dynamics (T + 1)
+  std::size_t get_nx() const { return static_cast<std::size_t>(nx_); }          // of all nodes
+  std::size_t get_ndx() const { return static_cast<std::size_t>(ndx_); }        // of all nodes
+  std::size_t get_nu() const { return static_cast<std::size_t>(nu_); }          // of all nodes
 
  private:
   Eigen::Index nx_ = 0, ndx_ = 0, nu_ = 0;

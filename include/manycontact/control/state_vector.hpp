@@ -7,7 +7,7 @@ namespace manycontact {
 
 class StateVector : public StateAbstract {  // A vector space.
  public:
-  explicit StateVector(std::size_t nx) : StateAbstract(nx, nx) {}
+  explicit StateVector(std::size_t nx) : StateAbstract(nx, nx) {}  // number of coordinates
 
   Eigen::VectorXd zero() const override;
   /// A random state within +-1.

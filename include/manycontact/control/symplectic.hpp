@@ -27,6 +27,7 @@ class IntegratedActionModelSymplectic : public IntegratedActionModelAbstract {
   IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
                                   std::shared_ptr<ControlParametrizationModelAbstract> control, double time_step = 1e-3,
                                   bool with_cost_residual = true);
+  /// Throws std::invalid_argument for null pointers and numbers out of range.
   explicit IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
                                            double time_step = 1e-3, bool with_cost_residual = true);
 
@@ -43,7 +44,7 @@ class IntegratedActionModelSymplectic : public IntegratedActionModelAbstract {
 };
 
 struct IntegratedActionDataSymplectic : ActionDataAbstract {  // Data of IntegratedActionModelSymplectic.
-  explicit IntegratedActionDataSymplectic(IntegratedActionModelSymplectic* model);
+  explicit IntegratedActionDataSymplectic(IntegratedActionModelSymplectic* model);  // allocates the data of the model
   ~IntegratedActionDataSymplectic() override;
 
   std::shared_ptr<DifferentialActionDataAbstract> differential;

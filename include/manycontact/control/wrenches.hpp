@@ -20,6 +20,7 @@ struct WrenchEnd {
 };
 
 struct ActuationDataWrenches : ActuationDataAbstract {  // Data of ActuationModelWrenches.
+  /// Allocates the data of the model.
   explicit ActuationDataWrenches(const ActuationModelAbstract* model) : ActuationDataAbstract(model) {}
   std::vector<Vec3<double>> points;      // per wrench: p in the world [m], initially zero; set by the caller
   std::vector<Kinematics<double>> kins;  // per wrench: its robot at q; set by calc
@@ -46,8 +47,8 @@ class ActuationModelWrenches : public ActuationModelAbstract {  // Torques of co
   std::shared_ptr<ActuationDataAbstract> createData() override;
   void print(std::ostream& os) const override;
 
-  const std::vector<WrenchEnd>& ends() const { return ends_; }
-  std::size_t nu_own() const { return own_->get_nu(); }
+  const std::vector<WrenchEnd>& ends() const { return ends_; }  // the bodies
+  std::size_t nu_own() const { return own_->get_nu(); }         // number of controls
 
  private:
   std::shared_ptr<StateMultibody> multibody_;

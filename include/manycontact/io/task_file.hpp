@@ -79,10 +79,13 @@ struct TaskPhase {
   std::vector<TaskTerm> costs, constraints;
 };
 
+/// The integrator of the nodes.
 enum class TaskIntegrator { kEuler, kRk2, kRk3, kRk4, kSymplectic };
+/// The solver of a task.
 enum class TaskSolver { kFddp, kBoxFddp, kSparse, kAuto };
 /// The name in task files and on the command line: "box-fddp".
 const char* to_string(TaskSolver solver);
+/// The initial guess of the controls.
 enum class TaskGuess { kQuasiStatic, kZero };
 
 struct TaskFile {  // A task as its file describes it.

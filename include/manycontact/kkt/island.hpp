@@ -17,7 +17,7 @@ struct Island {
   std::vector<int> row_offset;  // per contact: its first row in the island
   int nv = 0, nc = 0;
 
-  int size() const { return nv + nc; }
+  int size() const { return nv + nc; }  // rows of K
 };
 
 /// Whether a contact couples two robots.

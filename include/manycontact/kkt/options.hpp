@@ -6,6 +6,7 @@
 
 namespace manycontact {
 
+/// Methods for an island's system.
 enum class Method {
   kDense,             // per island, rank-revealing: the dense reference solver
   kDenseSchur,        // the whole scene as one system, LLT of M and of J M^-1 J^T, as in Crocoddyl: the baseline

@@ -7,6 +7,7 @@
 
 namespace manycontact {
 
+/// Joint types.
 enum class JointType {
   kRevolute,   // q: angle [rad], about `axis`; also used for continuous joints
   kPrismatic,  // q: displacement [m] along `axis`
@@ -14,8 +15,9 @@ enum class JointType {
   kPlanar,     // q: x y [m], angle [rad]; v in the moving frame; the plane's normal is z of the joint frame
 };
 
-/// The numbers of coordinates that a joint has in q, and in v.
+/// The number of coordinates that a joint has in q.
 constexpr int joint_nq(JointType t) { return t == JointType::kFloating ? 7 : t == JointType::kPlanar ? 3 : 1; }
+/// The number of coordinates that a joint has in v.
 constexpr int joint_nv(JointType t) { return t == JointType::kFloating ? 6 : t == JointType::kPlanar ? 3 : 1; }
 
 /// Vectors shorter than this have no direction: they may consist of rounding errors of files or of computed

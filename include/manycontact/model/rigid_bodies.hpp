@@ -45,10 +45,12 @@ struct BodyJoint {
   int robot = 0, joint = 0;  // number of the robot in the scene (0 for a model alone), and of the joint in the model
 };
 
-/// Find a frame or joint by name: "r0/knee", or "knee" if there is only one robot. A frame is a link, or the link
-/// behind the joint with the given name, fixed joints included. They throw std::invalid_argument if there is no such
-/// name, and suggest the nearest one.
+/// Finds a frame by name: "r0/left_sole", or "left_sole" if there is only one robot. A frame is a link, or the link behind
+/// the joint with the given name, fixed joints included. Throws std::invalid_argument if there is no such name, and
+/// suggests the nearest one.
 Attachment frame_called(const RigidBodies& bodies, const std::string& name);
+/// Finds a joint by name: "r0/knee", or "knee" if there is only one robot. Throws std::invalid_argument if there is no
+/// such name, and suggests the nearest one.
 BodyJoint joint_called(const RigidBodies& bodies, const std::string& name);
 
 /// All names, in the order of their numbers: "r0/knee", or "knee" if there is only one robot.

@@ -22,6 +22,7 @@ struct Robot {  // One robot of a scene.
 /// The constraint of a contact: on a point (1D, 2D, 3D), on a frame (6D), or on a frame except its rotation about one
 /// axis (5D, a hinge).
 enum class ContactType { k1D, k2D, k3D, k5D, k6D };
+/// The axes of constraint rows, wrenches and velocities of frames.
 enum class ReferenceFrame {
   kLocal,
   kWorld,
@@ -125,7 +126,7 @@ struct JointSpring {
   double rest = 0;       // rad, m
 };
 
-struct Scene {  // Constant while it is solved; data.hpp lists what may change between solves.
+struct Scene {  // Constant while it is solved; dynamics/data.hpp lists what may change between solves.
   std::string name;
   Vec3<double> gravity{0, 0, -9.81};
   double damping = 0;  // delta, Crocoddyl's JMinvJt_damping [1/kg]

@@ -71,6 +71,7 @@ struct LogCoefficients {
 }  // namespace detail
 
 template <class S>
+/// The rotation of a rotation vector w [rad].
 Mat3<S> exp3(const Vec3<S>& w) {
   const detail::ExpCoefficients<S> k(w.squaredNorm());
   const Mat3<S> W = skew<S>(w);
@@ -93,6 +94,7 @@ Vec3<S> log_quaternion(const Eigen::Matrix<S, 4, 1>& q) {
 }
 
 template <class S>
+/// The rotation vector of R, |log3(R)| <= pi [rad].
 Vec3<S> log3(const Mat3<S>& R) {
   return log_quaternion<S>(quaternion_of_rotation<S>(R));
 }

@@ -16,6 +16,7 @@ struct Inertia {  // mass, first moment, inertia about the origin
   static Inertia from_com(const S& mass, const Vec3<S>& c, const Mat3<S>& Ic) {
     return {mass, mass * c, Ic + mass * (c.squaredNorm() * Mat3<S>::Identity() - c * c.transpose())};
   }
+  /// Adds an inertia in the same frame.
   Inertia& operator+=(const Inertia& o) {
     m += o.m;
     h += o.h;
@@ -31,6 +32,7 @@ struct Inertia {  // mass, first moment, inertia about the origin
     f.template tail<3>() = add_cross(times<S>(I, w), h, v);
     return f;
   }
+  /// The 6 x 6 matrix.
   Mat6<S> matrix() const {
     Mat6<S> Y;
     const Mat3<S> H = skew<S>(h);
@@ -59,6 +61,7 @@ struct Inertia {  // mass, first moment, inertia about the origin
   /// The inertia in frame a of one expressed in frame b, with aMb.
   Inertia transformed(const SE3<S>& aMb) const { return turned(aMb.R).seen_at(aMb.p); }
   template <class T>
+  /// Converts the scalar type.
   Inertia<T> cast() const {
     return {T(m), h.template cast<T>(), I.template cast<T>()};
   }

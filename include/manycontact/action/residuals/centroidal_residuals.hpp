@@ -27,8 +27,10 @@ class CentroidalResidual : public ResidualModelAbstract {
 /// The position of the centre of mass minus cref (3) [m], in the world.
 class ResidualModelCoMPosition : public CentroidalResidual {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelCoMPosition(std::shared_ptr<StateMultibody> state, const Eigen::Vector3d& cref, std::size_t nu,
                            int robot = -1);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelCoMPosition(std::shared_ptr<StateMultibody> state, const Eigen::Vector3d& cref);
 
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
@@ -39,7 +41,8 @@ class ResidualModelCoMPosition : public CentroidalResidual {
   using ResidualModelAbstract::differentiate;
   void print(std::ostream& os) const override;
 
-  const Eigen::Vector3d& get_reference() const { return cref_; }
+  const Eigen::Vector3d& get_reference() const { return cref_; }  // the reference of the residual or contact
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Eigen::Vector3d& reference) { cref_ = reference; }
 
  private:
@@ -50,8 +53,10 @@ class ResidualModelCoMPosition : public CentroidalResidual {
 /// (armature) do not contribute.
 class ResidualModelCentroidalMomentum : public CentroidalResidual {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelCentroidalMomentum(std::shared_ptr<StateMultibody> state, const Vec6<double>& href, std::size_t nu,
                                   int robot = -1);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelCentroidalMomentum(std::shared_ptr<StateMultibody> state, const Vec6<double>& href);
 
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
@@ -62,7 +67,8 @@ class ResidualModelCentroidalMomentum : public CentroidalResidual {
   using ResidualModelAbstract::differentiate;
   void print(std::ostream& os) const override;
 
-  const Vec6<double>& get_reference() const { return href_; }
+  const Vec6<double>& get_reference() const { return href_; }  // the reference of the residual or contact
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Vec6<double>& reference) { href_ = reference; }
 
  private:

@@ -28,14 +28,14 @@ class ContactResidual : public ResidualModelAbstract {
   using ResidualModelAbstract::differentiate;
   void print(std::ostream& os) const override;
 
-  FrameIndex get_id() const { return id_; }
+  FrameIndex get_id() const { return id_; }  // number of the frame
   /// Takes effect at the action's next calc. Throws std::invalid_argument for a frame that does not exist.
   void set_id(FrameIndex id);
   /// Selects one of several contacts on that frame, by its name in ContactModelMultiple. Initially empty: the only one.
   const std::string& get_contact() const { return contact_; }
-  void set_contact(const std::string& name) { contact_ = name; }
-  bool is_fwddyn() const { return true; }
-  ConeAxes get_axes() const { return axes_; }
+  void set_contact(const std::string& name) { contact_ = name; }  // selects the contact by its name
+  bool is_fwddyn() const { return true; }                         // always true; Crocoddyl's signature
+  ConeAxes get_axes() const { return axes_; }                     // the axes of the cone
   /// The axes of the cone; initially kContact. Throws std::invalid_argument for another value in a residual without
   /// cone.
   void set_axes(ConeAxes axes);
@@ -44,11 +44,12 @@ class ContactResidual : public ResidualModelAbstract {
   /// Columns: unit wrenches of the contact's rows.
   using Wrenches = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
 
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ContactResidual(const char* name, std::shared_ptr<StateMultibody> state, FrameIndex id, std::size_t nr,
                   std::size_t nu, bool fwddyn);
   /// The reason why a contact of this type does not fit; empty if it fits.
   virtual std::string misfit(ContactType type) const = 0;
-  virtual bool is_cone() const { return true; }
+  virtual bool is_cone() const { return true; }  // whether it has axes of its own
   /// Computes B (nr x nc) and b (nr) for the contact's unit wrenches P. Both have the right sizes.
   virtual void form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const = 0;
   const char* name_;
@@ -60,11 +61,14 @@ class ContactResidual : public ResidualModelAbstract {
 /// The contact force minus fref (nc), of which the components are used that the contact has.
 class ResidualModelContactForce : public ContactResidual {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelContactForce(std::shared_ptr<StateMultibody> state, FrameIndex id, const Vec6<double>& fref,
                             std::size_t nc, std::size_t nu, bool fwddyn = true);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelContactForce(std::shared_ptr<StateMultibody> state, FrameIndex id, const Vec6<double>& fref,
                             std::size_t nc);
-  const Vec6<double>& get_reference() const { return fref_; }
+  const Vec6<double>& get_reference() const { return fref_; }  // the reference of the residual or contact
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Vec6<double>& reference) { fref_ = reference; }
 
  private:
@@ -77,10 +81,12 @@ class ResidualModelContactForce : public ContactResidual {
 /// A f of a friction cone, with f the linear force (nf + 1 rows).
 class ResidualModelContactFrictionCone : public ContactResidual {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelContactFrictionCone(std::shared_ptr<StateMultibody> state, FrameIndex id, const FrictionCone& fref,
                                    std::size_t nu, bool fwddyn = true);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelContactFrictionCone(std::shared_ptr<StateMultibody> state, FrameIndex id, const FrictionCone& fref);
-  const FrictionCone& get_reference() const { return fref_; }
+  const FrictionCone& get_reference() const { return fref_; }  // the reference of the residual or contact
   /// The number of facets must not change.
   void set_reference(const FrictionCone& reference);
 
@@ -93,10 +99,12 @@ class ResidualModelContactFrictionCone : public ContactResidual {
 /// A f of a wrench cone, with f the wrench of a 6D contact (nf + 13 rows).
 class ResidualModelContactWrenchCone : public ContactResidual {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelContactWrenchCone(std::shared_ptr<StateMultibody> state, FrameIndex id, const WrenchCone& fref,
                                  std::size_t nu, bool fwddyn = true);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelContactWrenchCone(std::shared_ptr<StateMultibody> state, FrameIndex id, const WrenchCone& fref);
-  const WrenchCone& get_reference() const { return fref_; }
+  const WrenchCone& get_reference() const { return fref_; }  // the reference of the residual or contact
   /// The number of facets must not change.
   void set_reference(const WrenchCone& reference);
 
@@ -109,10 +117,13 @@ class ResidualModelContactWrenchCone : public ContactResidual {
 /// A f of a support polygon, with f the wrench of a 6D contact (4 rows).
 class ResidualModelContactCoPPosition : public ContactResidual {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelContactCoPPosition(std::shared_ptr<StateMultibody> state, FrameIndex id, const CoPSupport& cref,
                                   std::size_t nu, bool fwddyn = true);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelContactCoPPosition(std::shared_ptr<StateMultibody> state, FrameIndex id, const CoPSupport& cref);
-  const CoPSupport& get_reference() const { return cref_; }
+  const CoPSupport& get_reference() const { return cref_; }  // the reference of the residual or contact
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const CoPSupport& reference) { cref_ = reference; }
 
  private:

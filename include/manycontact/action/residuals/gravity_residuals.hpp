@@ -22,6 +22,7 @@ class GravityResidual : public ResidualModelAbstract {
   void print(std::ostream& os) const override;
 
  protected:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   GravityResidual(const char* name, std::shared_ptr<StateMultibody> state, std::size_t nu, bool contacts);
   const char* name_;
   bool contacts_;
@@ -30,7 +31,9 @@ class GravityResidual : public ResidualModelAbstract {
 /// The residual tau(x, u) - (g(q) - tau_s(q)) (nv) [N m, N].
 class ResidualModelControlGrav : public GravityResidual {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   explicit ResidualModelControlGrav(std::shared_ptr<StateMultibody> state);
 };
 
@@ -38,7 +41,9 @@ class ResidualModelControlGrav : public GravityResidual {
 /// (Crocoddyl 3.0 lacks J^T df).
 class ResidualModelContactControlGrav : public GravityResidual {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelContactControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   explicit ResidualModelContactControlGrav(std::shared_ptr<StateMultibody> state);
 };
 

@@ -9,6 +9,7 @@ namespace manycontact {
 /// The jump of the velocity of the whole scene's centre of mass: J_com (v+ - v) (3) [m/s], in the world.
 class ResidualModelImpulseCoM : public CentroidalResidual {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   explicit ResidualModelImpulseCoM(std::shared_ptr<StateMultibody> state);
 
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,

@@ -8,10 +8,13 @@ namespace manycontact {
 /// The state error x (-) xref (2 nv).
 class ResidualModelState : public ResidualModelAbstract {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelState(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& xref, std::size_t nu);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelState(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& xref);
   /// Uses xref = state->zero().
   ResidualModelState(std::shared_ptr<StateAbstract> state, std::size_t nu);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   explicit ResidualModelState(std::shared_ptr<StateAbstract> state);
 
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
@@ -23,7 +26,8 @@ class ResidualModelState : public ResidualModelAbstract {
   void lay_out(ResidualDataAbstract& data) const override;
   void print(std::ostream& os) const override;
 
-  const Eigen::VectorXd& get_reference() const { return xref_; }
+  const Eigen::VectorXd& get_reference() const { return xref_; }  // the reference of the residual or contact
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Eigen::VectorXd& reference);
 
  private:
@@ -33,9 +37,11 @@ class ResidualModelState : public ResidualModelAbstract {
 /// The control error u - uref (nu).
 class ResidualModelControl : public ResidualModelAbstract {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelControl(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& uref);
   /// Uses uref = 0.
   ResidualModelControl(std::shared_ptr<StateAbstract> state, std::size_t nu);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   explicit ResidualModelControl(std::shared_ptr<StateAbstract> state);
 
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
@@ -47,7 +53,8 @@ class ResidualModelControl : public ResidualModelAbstract {
   void lay_out(ResidualDataAbstract& data) const override;
   void print(std::ostream& os) const override;
 
-  const Eigen::VectorXd& get_reference() const { return uref_; }
+  const Eigen::VectorXd& get_reference() const { return uref_; }  // the reference of the residual or contact
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Eigen::VectorXd& reference);
 
  private:
@@ -60,11 +67,13 @@ class ResidualModelJointEffort : public ResidualModelAbstract {
   /// nu must be that of the actuation. fwddyn exists for Crocoddyl's signature and has no effect.
   ResidualModelJointEffort(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActuationModelAbstract> actuation,
                            const Eigen::VectorXd& uref, std::size_t nu, bool fwddyn = false);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelJointEffort(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActuationModelAbstract> actuation,
                            const Eigen::VectorXd& uref);
   /// Uses uref = 0.
   ResidualModelJointEffort(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActuationModelAbstract> actuation,
                            std::size_t nu);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelJointEffort(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActuationModelAbstract> actuation);
 
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
@@ -76,7 +85,8 @@ class ResidualModelJointEffort : public ResidualModelAbstract {
   void lay_out(ResidualDataAbstract& data) const override;
   void print(std::ostream& os) const override;
 
-  const Eigen::VectorXd& get_reference() const { return uref_; }
+  const Eigen::VectorXd& get_reference() const { return uref_; }  // the reference of the residual or contact
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Eigen::VectorXd& reference);
 
  private:
@@ -86,10 +96,13 @@ class ResidualModelJointEffort : public ResidualModelAbstract {
 /// The acceleration error a - aref (nv) [m/s^2, rad/s^2].
 class ResidualModelJointAcceleration : public ResidualModelAbstract {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& aref, std::size_t nu);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& aref);
   /// Uses aref = 0.
   ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state, std::size_t nu);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   explicit ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state);
 
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
@@ -101,7 +114,8 @@ class ResidualModelJointAcceleration : public ResidualModelAbstract {
   void lay_out(ResidualDataAbstract& data) const override;
   void print(std::ostream& os) const override;
 
-  const Eigen::VectorXd& get_reference() const { return aref_; }
+  const Eigen::VectorXd& get_reference() const { return aref_; }  // the reference of the residual or contact
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Eigen::VectorXd& reference);
 
  private:
