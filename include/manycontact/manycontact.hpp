@@ -10,6 +10,8 @@
 #include "manycontact/analysis/near_dependent.hpp"
 #include "manycontact/analysis/place.hpp"
 #include "manycontact/analysis/rank_changes.hpp"
+#include "manycontact/analysis/redistribute_forces.hpp"
+#include "manycontact/analysis/remedy.hpp"
 #include "manycontact/analysis/unique_forces.hpp"
 #include "manycontact/contact/jacobian.hpp"
 #include "manycontact/contact/reference.hpp"

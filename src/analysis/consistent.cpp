@@ -64,9 +64,8 @@ int close_positions(const Scene& scene, const std::vector<char>& active, interna
 
 }  // namespace
 
-ConsistentState make_consistent(const Scene& scene, const std::vector<char>& active,
-                                const Eigen::Ref<const Eigen::VectorXd>& q, const Eigen::Ref<const Eigen::VectorXd>& v,
-                                const Options& options) {
+ConsistentState make_consistent(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
+                                const ConstVectorRef& v, const Options& options) {
   if (active.size() != scene.contacts.size() || q.size() != scene.nq || v.size() != scene.nv)
     throw std::invalid_argument("make_consistent: active, q or v does not fit the scene");
   expect_configuration("make_consistent", "q", q, scene);
@@ -84,8 +83,8 @@ ConsistentState make_consistent(const Scene& scene, const std::vector<char>& act
   return out;
 }
 
-ConsistentState make_consistent(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                const Eigen::Ref<const Eigen::VectorXd>& v, const Options& options) {
+ConsistentState make_consistent(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
+                                const Options& options) {
   std::vector<char> active;
   for (const Contact& contact : scene.contacts) active.push_back(contact.active);
   return make_consistent(scene, active, q, v, options);

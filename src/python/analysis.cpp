@@ -7,6 +7,7 @@
 #include "manycontact/analysis/consistent.hpp"
 #include "manycontact/analysis/near_dependent.hpp"
 #include "manycontact/analysis/rank_changes.hpp"
+#include "manycontact/analysis/redistribute_forces.hpp"
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/analysis/unique_forces.hpp"
 
@@ -69,12 +70,12 @@ void add_errors(py::module_& m) {
 }
 
 void add_violations(py::module_& m) {
-  add_enumeration<Violating>(m, "Violating", "way to violate",
-                             "How a contact force violates the conditions of a unilateral contact.",
-                             {{"PULLS", Violating::kPulls},
-                              {"SLIPS", Violating::kSlips},
-                              {"TIPS", Violating::kTips},
-                              {"TURNS", Violating::kTurns}});
+  add_enumeration<ViolationKind>(m, "ViolationKind", "way to violate",
+                                 "How a contact force violates the conditions of a unilateral contact.",
+                                 {{"PULLS", ViolationKind::kPulls},
+                                  {"SLIPS", ViolationKind::kSlips},
+                                  {"TIPS", ViolationKind::kTips},
+                                  {"TURNS", ViolationKind::kTurns}});
   py::class_<Violation> violation(m, "Violation", "A contact force that a unilateral contact cannot exert.");
   add_value(violation)
       .def_readonly("contact", &Violation::contact, "Number of the contact in the scene.")
@@ -94,9 +95,9 @@ void add_violations(py::module_& m) {
         return violations(scene, q.vector(), d.f, d.f_offset);
       },
       py::arg("scene"), py::arg("q"), py::arg("data"), doc::violations);
-  add_enumeration<Limited>(
-      m, "Limited", "limited quantity", "The quantity that exceeds a limit.",
-      {{"POSITION", Limited::kPosition}, {"VELOCITY", Limited::kVelocity}, {"EFFORT", Limited::kEffort}});
+  add_enumeration<LimitKind>(
+      m, "LimitKind", "limited quantity", "The quantity that exceeds a limit.",
+      {{"POSITION", LimitKind::kPosition}, {"VELOCITY", LimitKind::kVelocity}, {"EFFORT", LimitKind::kEffort}});
   py::class_<LimitPassed> passed(m, "LimitPassed", "A coordinate that exceeds a limit of its robot's file.");
   add_value(passed)
       .def_readonly("robot", &LimitPassed::robot, "Number of the robot.")
@@ -127,6 +128,37 @@ void add_unique_forces(py::module_& m) {
         return out;
       },
       py::arg("scene"), py::arg("q"), py::arg("data"), doc::unique_forces);
+}
+
+std::optional<Eigen::VectorXd> vector_or_none(const char* name, const std::optional<Raw>& given, Eigen::Index n) {
+  if (!given) return std::nullopt;
+  fits(name, *given, static_cast<int>(n));
+  return Eigen::VectorXd(given->vector());
+}
+
+void add_redistribution(py::module_& m) {
+  m.def(
+      "force_null_space",
+      [](const Scene& scene, const Raw& q, const Data& data) {
+        fits("q", q, scene.nq);
+        const auto Q = q.vector();
+        return scipy_csc(data.use([&](SceneData& d) { return force_null_space(scene, Q, d); }));
+      },
+      py::arg("scene"), py::arg("q"), py::arg("data"), doc::force_null_space);
+  m.def(
+      "redistribute_forces",
+      [](const Scene& scene, const Raw& q, const Data& data, const std::optional<Raw>& reference,
+         const std::optional<Raw>& weights) -> Vector {
+        fits("q", q, scene.nq);
+        const auto Q = q.vector();
+        const Eigen::Index n = data.at_rest().f.size();
+        const auto towards = vector_or_none("reference", reference, n), w = vector_or_none("weights", weights, n);
+        return data.use([&](SceneData& d) {
+          return redistribute_forces(scene, Q, d, towards.value_or(Vector()), w.value_or(Vector()));
+        });
+      },
+      py::arg("scene"), py::arg("q"), py::arg("data"), py::arg("reference") = py::none(),
+      py::arg("weights") = py::none(), doc::redistribute_forces);
 }
 
 void add_rank_changes(py::module_& m) {
@@ -231,6 +263,7 @@ void add_analysis(py::module_& m) {
   add_errors(m);
   add_violations(m);
   add_unique_forces(m);
+  add_redistribution(m);
   add_rank_changes(m);
   add_near_dependent(m);
   add_consistent(m);

@@ -121,6 +121,6 @@ MANYCONTACT_ENUMERATION(manycontact::StopReason)
 MANYCONTACT_ENUMERATION(manycontact::VerboseLevel)
 MANYCONTACT_ENUMERATION(manycontact::ConeAxes)
 MANYCONTACT_ENUMERATION(manycontact::TaskSolver)
-MANYCONTACT_ENUMERATION(manycontact::Violating)
-MANYCONTACT_ENUMERATION(manycontact::Limited)
+MANYCONTACT_ENUMERATION(manycontact::ViolationKind)
+MANYCONTACT_ENUMERATION(manycontact::LimitKind)
 #undef MANYCONTACT_ENUMERATION

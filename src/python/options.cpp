@@ -1,5 +1,6 @@
 // How to solve, and what an answer is worth: floors kkt and dynamics.
 
+#include "manycontact/analysis/remedy.hpp"
 #include "objects.hpp"
 
 namespace manycontact::python {
@@ -97,9 +98,20 @@ void add_reports(py::module_& m) {
       .def_readonly("residual_contact", &IslandReport::residual_contact, "Relative residual of J a + a0 + delta f = 0.")
       .def_readonly("backward_error", &IslandReport::backward_error,
                     "Relative change of K and the right-hand side that makes the solution exact.")
-      .def_readonly("condition", &IslandReport::condition, "1-norm, of K, by estimate_condition; else 0.")
-      .def_readonly("error_acceleration", &IslandReport::error_acceleration, "Bound, relative, by estimate_errors.")
-      .def_readonly("error_forces", &IslandReport::error_forces, "Bound, relative, by estimate_errors.");
+      .def_readonly("condition", &IslandReport::condition,
+                    "1-norm condition number of K, set by estimate_condition; NaN before.")
+      .def_readonly("error_acceleration", &IslandReport::error_acceleration,
+                    "Bound of the relative error of the accelerations, set by estimate_errors; NaN before.")
+      .def_readonly("error_forces", &IslandReport::error_forces,
+                    "Bound of the relative error of the forces, set by estimate_errors; NaN before.");
+
+  island.def_property_readonly(
+      "remedy", [](const IslandReport& r) { return remedy(r); },
+      "What to do about the status, in words; empty for ok.");
+  py::class_<SolveTimes> times(m, "SolveTimes", "Times of a solve.");
+  add_value(times)
+      .def_readonly("setup", &SolveTimes::setup, "Time to find islands and analyse new ones [us].")
+      .def_readonly("solve", &SolveTimes::solve, "Time of the solve itself [us].");
 
   add_items<Island>(m, "IslandReportList", "A report's islands.", false);
   using Whole = std::shared_ptr<Report>;
@@ -125,9 +137,15 @@ void add_reports(py::module_& m) {
       .def_readonly("residual_contact", &Report::residual_contact,
                     "Largest relative residual of J a + a0 + delta f = 0.")
       .def_readonly("backward_error", &Report::backward_error, "Largest backward error of the islands.")
-      .def_readonly("condition", &Report::condition, "Largest, by estimate_condition; else 0.")
-      .def_readonly("error_acceleration", &Report::error_acceleration, "Bound, relative, by estimate_errors.")
-      .def_readonly("error_forces", &Report::error_forces, "Bound, relative, by estimate_errors.")
+      .def_readonly("condition", &Report::condition,
+                    "Largest 1-norm condition number of the islands, set by estimate_condition; NaN before.")
+      .def_readonly("error_acceleration", &Report::error_acceleration,
+                    "Largest bound of the islands, set by estimate_errors; NaN before.")
+      .def_readonly("error_forces", &Report::error_forces,
+                    "Largest bound of the islands, set by estimate_errors; NaN before.")
+      .def_readonly("times", &Report::times, "SolveTimes of the last solve; comparisons of reports ignore them.")
+      .def_property_readonly(
+          "remedy", [](const Report& r) { return remedy(r); }, "What to do about the status, in words; empty for ok.")
       .def("__repr__", [](const Report& r) {
         return "<Report: " + to_string(r.status) + ", " + std::to_string(r.islands.size()) +
                (r.islands.size() == 1 ? " island" : " islands") + ", nv = " + std::to_string(r.nv) +

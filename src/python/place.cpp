@@ -66,8 +66,8 @@ void add_place(py::module_& m) {
            "Return whether the remaining errors of all goals are at most `error` [m, rad].");
   m.def(
       "place",
-      [](const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const std::vector<Goal>& goals, int iterations,
-         double tolerance, int restarts, unsigned seed) {
+      [](const Scene& scene, const ConstVectorRef& q, const std::vector<Goal>& goals, int iterations, double tolerance,
+         int restarts, unsigned seed) {
         const py::gil_scoped_release unlocked;
         return place(scene, q, goals, {iterations, tolerance, restarts, seed});
       },

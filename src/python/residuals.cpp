@@ -7,7 +7,6 @@
 #include "manycontact/action/residuals/gravity_residuals.hpp"
 #include "manycontact/action/residuals/impulse_residuals.hpp"
 #include "manycontact/action/residuals/state_residuals.hpp"
-#include "manycontact/algorithm/frame_axes.hpp"
 #include "shared.hpp"
 
 namespace manycontact::python {
@@ -96,7 +95,7 @@ void add_shared(py::module_& m) {
           [](const Shared& s, std::size_t id, ReferenceFrame type) -> Vec6<double> {
             const auto& f = s.frame(id);
             return frame_velocity<double>(s.get().kinematics(f.robot), s.get().scene.robots[f.robot].base, f.joint,
-                                          f.placement, axes_of(type));
+                                          f.placement, type);
           },
           py::arg("id"), py::arg_v("type", ReferenceFrame::kLocal, "ReferenceFrame.LOCAL"),
           "Return the spatial velocity (6) of a frame, linear part first.")
@@ -107,7 +106,7 @@ void add_shared(py::module_& m) {
             const Robot& robot = s.get().scene.robots[f.robot];
             Eigen::Matrix<double, 6, Eigen::Dynamic> J(6, robot.model->nv);
             frame_jacobian<double>(*robot.model, s.get().kinematics(f.robot), robot.base, f.joint, f.placement,
-                                   axes_of(type), J);
+                                   type, J);
             Eigen::MatrixXd out = Eigen::MatrixXd::Zero(6, s.get().scene.nv);
             out.middleCols(robot.idx_v, robot.model->nv) = J;
             return out;

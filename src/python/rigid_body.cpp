@@ -72,6 +72,7 @@ void add_bodies(py::module_& m) {
   m.def("frame_names", &frame_names, py::arg("bodies"), doc::frame_names);
   m.def("joint_names", &joint_names, py::arg("bodies"), doc::joint_names);
   m.def("frame_called", &frame_called, py::arg("bodies"), py::arg("name"), doc::frame_called);
+  m.attr("frame_id") = m.attr("frame_called");
   m.def(
       "joint_called",
       [](const RigidBodies& bodies, const std::string& name) {
@@ -79,6 +80,7 @@ void add_bodies(py::module_& m) {
         return std::make_tuple(joint.robot, joint.joint);
       },
       py::arg("bodies"), py::arg("name"), doc::joint_called);
+  m.attr("joint_id") = m.attr("joint_called");
 }
 
 void add_manifold(py::module_& m) {

@@ -37,8 +37,6 @@ struct MathBase {
   using Quaternions = Eigen::Quaterniond;
 };
 
-using ConstVectorRef = Eigen::Ref<const Eigen::VectorXd>;
-using VectorRef = Eigen::Ref<Eigen::VectorXd>;
 using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using PanelView = Eigen::Map<const RowMajorMatrix, 0, Eigen::OuterStride<>>;

@@ -21,35 +21,30 @@ Eigen::VectorXd random_configuration(const RigidBodies& bodies, std::mt19937& ge
 Eigen::VectorXd random_velocity(const RigidBodies& bodies, std::mt19937& generator);
 
 /// Computes q (+) v: the configuration reached from q with the constant velocity v in unit time. `out` (nq) may be q.
-void integrate(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-               const Eigen::Ref<const Eigen::VectorXd>& v, Eigen::Ref<Eigen::VectorXd> out);
-Eigen::VectorXd integrate(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                          const Eigen::Ref<const Eigen::VectorXd>& v);
+void integrate(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v, VectorRef out);
+Eigen::VectorXd integrate(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v);
 
 /// Computes q1 (-) q0: the velocity v (nv) with integrate(bodies, q0, v) = q1.
-void difference(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q0,
-                const Eigen::Ref<const Eigen::VectorXd>& q1, Eigen::Ref<Eigen::VectorXd> out);
-Eigen::VectorXd difference(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q0,
-                           const Eigen::Ref<const Eigen::VectorXd>& q1);
+void difference(const RigidBodies& bodies, const ConstVectorRef& q0, const ConstVectorRef& q1, VectorRef out);
+Eigen::VectorXd difference(const RigidBodies& bodies, const ConstVectorRef& q0, const ConstVectorRef& q1);
 
 /// Computes q0 (+) share (q1 (-) q0), which is q0 for share = 0 and q1 for share = 1, with constant velocity between.
-Eigen::VectorXd interpolate(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q0,
-                            const Eigen::Ref<const Eigen::VectorXd>& q1, double share);
+Eigen::VectorXd interpolate(const RigidBodies& bodies, const ConstVectorRef& q0, const ConstVectorRef& q1,
+                            double share);
 
 /// The derivatives of q (+) v with respect to q and v, nv x nv each, on the tangent spaces at q and q (+) v.
 struct IntegrateDerivatives {
   Eigen::MatrixXd dq, dv;
 };
 /// Computes both derivatives of integrate(bodies, q, v). Allocates dense matrices.
-IntegrateDerivatives integrate_derivatives(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                           const Eigen::Ref<const Eigen::VectorXd>& v);
+IntegrateDerivatives integrate_derivatives(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v);
 
 /// The derivatives of q1 (-) q0 with respect to q0 and q1, nv x nv each, on the tangent spaces at q0 and q1.
 struct DifferenceDerivatives {
   Eigen::MatrixXd dq0, dq1;
 };
 /// Computes both derivatives of difference(bodies, q0, q1). Allocates dense matrices.
-DifferenceDerivatives difference_derivatives(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q0,
-                                             const Eigen::Ref<const Eigen::VectorXd>& q1);
+DifferenceDerivatives difference_derivatives(const RigidBodies& bodies, const ConstVectorRef& q0,
+                                             const ConstVectorRef& q1);
 
 }  // namespace manycontact

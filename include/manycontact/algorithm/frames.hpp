@@ -7,11 +7,9 @@
 //     local_world_aligned   the world's axes, at the frame's origin
 
 #include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/model/scene.hpp"
 
 namespace manycontact {
-
-/// The axes of velocities, accelerations and Jacobians of frames.
-enum class FrameAxes { kLocal, kWorld, kLocalWorldAligned };
 
 /// Computes oMf, the placement in the world. `joint` and `placement` are those of the frame on its joint's body
 /// (model/model.hpp). Joint -1 is the fixed base, whose placement in the world is `base`. Call it after
@@ -22,22 +20,22 @@ SE3<S> frame_placement(const Kinematics<S>& kin, const SE3<double>& base, int jo
 /// Computes the spatial velocity [m/s, rad/s]. Call it after forward_accelerations.
 template <class S>
 Vec6<S> frame_velocity(const Kinematics<S>& kin, const SE3<double>& base, int joint, const SE3<double>& placement,
-                       FrameAxes axes);
+                       ReferenceFrame axes);
 
 /// Computes the spatial acceleration [m/s^2, rad/s^2], without gravity. If kin was computed with qdd = nullptr, it is
 /// the bias acceleration dJ/dt v. Call it after forward_accelerations.
 template <class S>
 Vec6<S> frame_acceleration(const Kinematics<S>& kin, const SE3<double>& base, int joint, const SE3<double>& placement,
-                           FrameAxes axes);
+                           ReferenceFrame axes);
 
 /// Computes the classical acceleration. Its linear part is that of the frame's origin as a point: spatial + w x v.
 template <class S>
 Vec6<S> frame_classical_acceleration(const Kinematics<S>& kin, const SE3<double>& base, int joint,
-                                     const SE3<double>& placement, FrameAxes axes);
+                                     const SE3<double>& placement, ReferenceFrame axes);
 
 /// Computes J (6 x nv) with frame_velocity = J v. Columns of joints that do not move the frame are set to zero.
 template <class S>
 void frame_jacobian(const Model& model, const Kinematics<S>& kin, const SE3<double>& base, int joint,
-                    const SE3<double>& placement, FrameAxes axes, Mat6XRef<S> J);
+                    const SE3<double>& placement, ReferenceFrame axes, Mat6XRef<S> J);
 
 }  // namespace manycontact

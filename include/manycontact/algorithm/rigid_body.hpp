@@ -48,33 +48,30 @@ using ForcesOnBodies = std::span<const Vec6<double>>;  // njoints of them, or no
 
 /// Computes the torques tau = M a + h - sum J^T fext (nv) [N m, N] that cause the accelerations a (inverse dynamics).
 /// The reference remains valid until the next call. Throws std::invalid_argument for wrong sizes.
-const Eigen::VectorXd& rnea(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                            const Eigen::Ref<const Eigen::VectorXd>& v, const Eigen::Ref<const Eigen::VectorXd>& a,
-                            RigidBodyData& data, ForcesOnBodies fext = {});
+const Eigen::VectorXd& rnea(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
+                            const ConstVectorRef& a, RigidBodyData& data, ForcesOnBodies fext = {});
 /// Compute h(q, v), and g(q), the torques (nv) [N m, N] that compensate gravity. The references remain valid until the
 /// next call of the same function. They throw std::invalid_argument for wrong sizes.
-const Eigen::VectorXd& nonlinear_effects(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                         const Eigen::Ref<const Eigen::VectorXd>& v, RigidBodyData& data);
-const Eigen::VectorXd& gravity_torques(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                       RigidBodyData& data);
+const Eigen::VectorXd& nonlinear_effects(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
+                                         RigidBodyData& data);
+const Eigen::VectorXd& gravity_torques(const RigidBodies& bodies, const ConstVectorRef& q, RigidBodyData& data);
 /// Computes a = M^-1 (tau - h + sum J^T fext) (nv) [m/s^2, rad/s^2] with the articulated-body algorithm. The result is
 /// NaN for a robot whose M is singular; massless_coordinates (analysis/findings.hpp) finds the joints that cause it.
 /// Throws std::invalid_argument for wrong sizes.
-const Eigen::VectorXd& aba(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                           const Eigen::Ref<const Eigen::VectorXd>& v, const Eigen::Ref<const Eigen::VectorXd>& tau,
-                           RigidBodyData& data, ForcesOnBodies fext = {});
+const Eigen::VectorXd& aba(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
+                           const ConstVectorRef& tau, RigidBodyData& data, ForcesOnBodies fext = {});
 /// Computes M (nv x nv), symmetric, with zero blocks between robots. Cost: nv^2 memory. Throws std::length_error for
 /// trees too deep for it, std::invalid_argument for a wrong size.
-const Eigen::MatrixXd& crba(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q, RigidBodyData& data);
+const Eigen::MatrixXd& crba(const RigidBodies& bodies, const ConstVectorRef& q, RigidBodyData& data);
 /// Computes M^-1 X for a matrix X with nv rows, with the factorization M = L^T D L along the trees. Neither M nor its
 /// inverse is formed. Rows of robots whose M is singular are NaN. Throws std::invalid_argument for wrong sizes.
-Eigen::MatrixXd inverse_inertia_times(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
+Eigen::MatrixXd inverse_inertia_times(const RigidBodies& bodies, const ConstVectorRef& q,
                                       const Eigen::Ref<const Eigen::MatrixXd>& X, RigidBodyData& data);
 /// Computes C (nv x nv), with Christoffel symbols, so that dM/dt - 2 C is skew-symmetric. Cost: nv^2 memory. Throws
 /// std::invalid_argument for wrong sizes. Source: Echeandia, Wensing, Numerical methods to compute the Coriolis matrix
 /// and Christoffel symbols for rigid-body systems, J. Comput. Nonlinear Dynam. 16 (2021).
-Eigen::MatrixXd coriolis_matrix(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                const Eigen::Ref<const Eigen::VectorXd>& v, RigidBodyData& data);
+Eigen::MatrixXd coriolis_matrix(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
+                                RigidBodyData& data);
 
 /// The derivatives of rnea's tau, nv x nv each. Those with respect to q are on the tangent space.
 struct TorqueDerivatives {
@@ -82,31 +79,27 @@ struct TorqueDerivatives {
 };
 /// Computes the derivatives of rnea(bodies, q, v, a, data, fext). Each fext is fixed to its body. The reference remains
 /// valid until the next call. Throws std::invalid_argument for wrong sizes.
-const TorqueDerivatives& rnea_derivatives(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                          const Eigen::Ref<const Eigen::VectorXd>& v,
-                                          const Eigen::Ref<const Eigen::VectorXd>& a, RigidBodyData& data,
-                                          ForcesOnBodies fext = {});
+const TorqueDerivatives& rnea_derivatives(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
+                                          const ConstVectorRef& a, RigidBodyData& data, ForcesOnBodies fext = {});
 /// The derivatives of aba's a, nv x nv each. Those with respect to q are on the tangent space; dtau is M^-1.
 struct AccelerationDerivatives {
   Eigen::MatrixXd dq, dv, dtau;
 };
 /// Computes the derivatives of aba(bodies, q, v, tau, data, fext). Each fext is fixed to its body. The reference
 /// remains valid until the next call. Cost: O(nv^3) per tree. Throws std::invalid_argument for wrong sizes.
-const AccelerationDerivatives& aba_derivatives(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                               const Eigen::Ref<const Eigen::VectorXd>& v,
-                                               const Eigen::Ref<const Eigen::VectorXd>& tau, RigidBodyData& data,
+const AccelerationDerivatives& aba_derivatives(const RigidBodies& bodies, const ConstVectorRef& q,
+                                               const ConstVectorRef& v, const ConstVectorRef& tau, RigidBodyData& data,
                                                ForcesOnBodies fext = {});
 
 // ---- state ---------------------------------------------------------------------------------------------------------
 
 /// Sets the state of the data to q, v and a; v and a are zero if they are not given. Throw std::invalid_argument for
 /// wrong sizes.
-void forward_kinematics(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q, RigidBodyData& data);
-void forward_kinematics(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                        const Eigen::Ref<const Eigen::VectorXd>& v, RigidBodyData& data);
-void forward_kinematics(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                        const Eigen::Ref<const Eigen::VectorXd>& v, const Eigen::Ref<const Eigen::VectorXd>& a,
+void forward_kinematics(const RigidBodies& bodies, const ConstVectorRef& q, RigidBodyData& data);
+void forward_kinematics(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
                         RigidBodyData& data);
+void forward_kinematics(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
+                        const ConstVectorRef& a, RigidBodyData& data);
 
 // ---- frames, at the state of the data ------------------------------------------------------------------------------
 // `axes` selects the reference frame. Local: the frame's axes, at its origin. World: the world's axes, at the world's

@@ -31,12 +31,11 @@ struct ConsistentState {                  // The state found, and its remaining 
 /// Finds a state near q (nq), v (nv) that is consistent with the contacts flagged `active`. If they cannot all be
 /// brought into place from here, q is where |e| was least, and the contacts are listed. Throws std::invalid_argument
 /// for wrong sizes. Allocates; each step costs a solve. Thread-safe.
-ConsistentState make_consistent(const Scene& scene, const std::vector<char>& active,
-                                const Eigen::Ref<const Eigen::VectorXd>& q, const Eigen::Ref<const Eigen::VectorXd>& v,
-                                const Options& options = {});
+ConsistentState make_consistent(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
+                                const ConstVectorRef& v, const Options& options = {});
 /// Uses the contacts that are active in the scene.
-ConsistentState make_consistent(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                const Eigen::Ref<const Eigen::VectorXd>& v, const Options& options = {});
+ConsistentState make_consistent(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
+                                const Options& options = {});
 
 /// Makes q and v of a scene file with consistent="true" consistent, and adds a finding of kind "consistent" that states
 /// what moved. Throws InputError if contacts remain out of place or moving, or if a robot has no inertia there.

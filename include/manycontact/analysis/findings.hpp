@@ -23,7 +23,7 @@ struct PlacementError {
 /// Lists those contacts flagged `active` whose placement error at q (scene.nq) is kPlacementError or more. Throws
 /// std::invalid_argument for wrong sizes. Thread-safe.
 std::vector<PlacementError> placement_errors(const Scene& scene, const std::vector<char>& active,
-                                             const Eigen::Ref<const Eigen::VectorXd>& q);
+                                             const ConstVectorRef& q);
 
 /// Describes an error: "0.1 m and 0.02 rad", without negligible parts.
 std::string in_words(const PlacementError& error);
@@ -39,23 +39,22 @@ struct VelocityError {
 
 /// Lists those contacts flagged `active` that move by kVelocityError or more at q (scene.nq), v (scene.nv). To correct
 /// q and v, use make_consistent (analysis/consistent.hpp). Throws std::invalid_argument for wrong sizes. Thread-safe.
-std::vector<VelocityError> velocity_errors(const Scene& scene, const std::vector<char>& active,
-                                           const Eigen::Ref<const Eigen::VectorXd>& q,
-                                           const Eigen::Ref<const Eigen::VectorXd>& v);
+std::vector<VelocityError> velocity_errors(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
+                                           const ConstVectorRef& v);
 
 /// Describes an error: "0.5 m/s and 0.1 rad/s", without negligible parts.
 std::string in_words(const VelocityError& error);
 
 /// The ways in which a contact force can violate the conditions of a unilateral contact with friction.
-enum class Violating { kPulls, kSlips, kTips, kTurns };
+enum class ViolationKind { kPulls, kSlips, kTips, kTurns };
 /// "pulls", "slips", "tips", "turns".
-std::string to_string(Violating kind);
+std::string to_string(ViolationKind kind);
 /// The unit of Violation::by: "N", "N", "m", "N m".
-std::string unit_of(Violating kind);
+std::string unit_of(ViolationKind kind);
 
 struct Violation {  // A contact force that a unilateral contact cannot exert, and by how much.
   int contact = 0;
-  Violating kind = Violating::kPulls;
+  ViolationKind kind = ViolationKind::kPulls;
   double by = 0;     // above 0, the excess: N of pull; N of tangential force; m from the centre of pressure to the box;
                      // N m of torque about the normal
   double needs = 0;  // kSlips: the friction coefficient that would be sufficient
@@ -71,30 +70,28 @@ struct Violation {  // A contact force that a unilateral contact cannot exert, a
 /// For a contact that pulls, nothing else is tested. Forces below 1e-9 of the largest force on the same robots are
 /// treated as rounding errors. Throws std::invalid_argument for wrong sizes. Thread-safe. Source of the last condition:
 /// Caron, Pham, Nakamura, Stability of surface contacts for humanoid robots, ICRA 2015.
-std::vector<Violation> violations(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                  const Eigen::VectorXd& f, const std::vector<int>& f_offset);
+std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, const Eigen::VectorXd& f,
+                                  const std::vector<int>& f_offset);
 
 /// The normal and the tangential component [N] of the linear force f (its rows) of a contact at q (scene.nq).
-Eigen::Vector2d contact_pressure(const Scene& scene, int contact, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                 const Eigen::VectorXd& f);
+Eigen::Vector2d contact_pressure(const Scene& scene, int contact, const ConstVectorRef& q, const Eigen::VectorXd& f);
 
 /// The quantity that exceeds a limit.
-enum class Limited { kPosition, kVelocity, kEffort };
+enum class LimitKind { kPosition, kVelocity, kEffort };
 /// "position", "velocity", "effort".
-std::string to_string(Limited quantity);
+std::string to_string(LimitKind quantity);
 
 /// A coordinate that exceeds a limit of the robot's file.
 struct LimitPassed {
   int robot = 0, dof = 0;  // one of that robot's velocity coordinates
-  Limited quantity = Limited::kPosition;
+  LimitKind quantity = LimitKind::kPosition;
   double value = 0, limit = 0;
 };
 
 /// Lists exceeded limits at q (nq), v (nv), u (nu). A velocity or effort limit of 0, or an empty range, means no limit,
 /// since files contain them if the limit is unknown. Throws std::invalid_argument for wrong sizes. Thread-safe.
-std::vector<LimitPassed> limits_passed(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                       const Eigen::Ref<const Eigen::VectorXd>& v,
-                                       const Eigen::Ref<const Eigen::VectorXd>& u);
+std::vector<LimitPassed> limits_passed(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
+                                       const ConstVectorRef& u);
 
 /// The difference between a contact's acceleration and the required one: |J a + a0 + delta f| for its linear and
 /// angular rows.
@@ -110,7 +107,7 @@ std::vector<Contradiction> contradictions(const Scene& scene, const SceneData& d
 /// Finds the coordinates of a robot at q (its nq) without joint-space inertia, armature included. The pivots of its
 /// leaf-to-root elimination are rounding errors there. Throws std::length_error for trees too deep for a joint-space
 /// inertia.
-std::vector<int> massless_coordinates(const Robot& robot, const Eigen::Ref<const Eigen::VectorXd>& q);
+std::vector<int> massless_coordinates(const Robot& robot, const ConstVectorRef& q);
 
 /// A joint that makes the joint-space inertia singular, and the cause.
 struct MasslessJoint {
@@ -121,7 +118,6 @@ struct MasslessJoint {
 /// Lists such joints for all robots in islands that failed for lack of inertia, each joint once. For trees too deep for
 /// a joint-space inertia, only joints without mass below them are found. Call it after solve at q (nq); throws
 /// std::logic_error before.
-std::vector<MasslessJoint> massless_joints(const Scene& scene, const SceneData& data,
-                                           const Eigen::Ref<const Eigen::VectorXd>& q);
+std::vector<MasslessJoint> massless_joints(const Scene& scene, const SceneData& data, const ConstVectorRef& q);
 
 }  // namespace manycontact

@@ -42,7 +42,6 @@ struct NearDependent {  // Nearly dependent rows of an island, and the solution 
 };
 /// Lists the islands with nearly dependent rows after a solve at q (nq). Each takes one solve of the scene at rest.
 /// Throws std::logic_error before a solve.
-std::vector<NearDependent> near_dependent(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                          const SceneData& data);
+std::vector<NearDependent> near_dependent(const Scene& scene, const ConstVectorRef& q, const SceneData& data);
 
 }  // namespace manycontact

@@ -36,8 +36,8 @@ using Partial = std::array<std::optional<double>, 3>;
 /// A goal for a configuration; made by the functions below.
 struct Goal {
   /// The object that the goal refers to.
-  enum class Of { kFrame, kCenterOfMass, kJoint, kContact };
-  Of of = Of::kFrame;
+  enum class Target { kFrame, kCenterOfMass, kJoint, kContact };
+  Target target = Target::kFrame;
   std::string name;  // for error messages
   double weight = 1;
 
@@ -91,7 +91,7 @@ struct PlacedScene {           // The configuration found, and its remaining err
 
 /// Searches from q (nq), which is moved within the limits first. A joint whose limits are equal does not move. Throws
 /// std::invalid_argument for a wrong size or number, or an unknown robot, joint or contact. Allocates. Thread-safe.
-PlacedScene place(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const std::vector<Goal>& goals,
+PlacedScene place(const Scene& scene, const ConstVectorRef& q, const std::vector<Goal>& goals,
                   const PlaceOptions& options = {});
 
 /// Computes the q required by the <pose> elements of a scene file, starting from the file's q. With consistent="true",

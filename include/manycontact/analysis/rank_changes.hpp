@@ -1,7 +1,8 @@
 #pragma once
 // Detects configurations at which J loses rank: constraint rows are dependent there, but independent at neighbouring
 // configurations. Let n be a vector with J^T n = 0, z a motion with J z = 0, and dJ[z] the
-// change of J along z. Let B(z, y) = n^T dJ[z] y. If B vanishes, the rank is locally constant to first order. Otherwise:
+// change of J along z. Let B(z, y) = n^T dJ[z] y. If B vanishes, the rank is locally constant to first order.
+// Otherwise:
 //
 //     B(z, z) is not 0   The configuration is singular, as in a flat loop or a stretched leg. The dependent rows
 //     constrain
@@ -32,7 +33,6 @@ struct RankChange {        // A change of rank of an island.
 /// Lists the islands whose rank changes at q (nq), the configuration of the last solve. Islands with independent rows,
 /// damping, or a failed solve are left out. Takes a few solves of the scene at rest. Throws std::logic_error before a
 /// solve.
-std::vector<RankChange> rank_changes(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                     const SceneData& data);
+std::vector<RankChange> rank_changes(const Scene& scene, const ConstVectorRef& q, const SceneData& data);
 
 }  // namespace manycontact

@@ -19,6 +19,6 @@ namespace manycontact {
 /// Call it after solve at q (nq). With damping every force is unique. Otherwise random vectors w are projected on the
 /// null space of J^T, by solves of the scene at rest: the projection is w - J x with the least |J x - w|. Component i
 /// is unique if entry i of every projection is zero. Throws std::logic_error before a solve.
-std::vector<char> unique_forces(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const SceneData& data);
+std::vector<char> unique_forces(const Scene& scene, const ConstVectorRef& q, const SceneData& data);
 
 }  // namespace manycontact

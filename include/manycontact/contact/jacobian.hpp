@@ -12,21 +12,19 @@ namespace manycontact {
 /// order, each in its contact's reference frame (contact/rows.hpp); it has nv columns. `active` has one flag per
 /// contact; if it is empty, the flags of the scene are used. The function computes the kinematics and allocates the
 /// result at each call. Throws std::invalid_argument for wrong sizes. Thread-safe.
-Eigen::MatrixXd contact_jacobian(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                 const std::vector<char>& active = {});
+Eigen::MatrixXd contact_jacobian(const Scene& scene, const ConstVectorRef& q, const std::vector<char>& active = {});
 
 /// Computes the bias a0 of the constraint rows at q (nq) and v (nv) [m/s^2, rad/s^2]: dJ/dt v plus the stabilisation
 /// terms, alpha times the error and beta times J v. It has one entry per row of contact_jacobian, computes the
 /// kinematics at each call, and allocates. Throws std::invalid_argument for wrong sizes. Thread-safe.
-Eigen::VectorXd contact_drift(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                              const Eigen::Ref<const Eigen::VectorXd>& v, const std::vector<char>& active = {});
+Eigen::VectorXd contact_drift(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
+                              const std::vector<char>& active = {});
 
 /// Converts contact forces to wrenches on the bodies at q (nq): the fext of rnea (algorithm/rigid_body.hpp), one per
 /// joint, robot by robot, in the child frames. f and f_offset are those of Solution; f_offset is -1 if a contact is not
 /// active. With them rnea(q, v, a) returns the motor torques alone, and joint_wrench the load of joints. Allocates.
 /// Throws std::invalid_argument for wrong sizes. Thread-safe.
-std::vector<Vec6<double>> contact_forces_on_bodies(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                                   const Eigen::Ref<const Eigen::VectorXd>& f,
+std::vector<Vec6<double>> contact_forces_on_bodies(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& f,
                                                    const std::vector<int>& f_offset);
 
 }  // namespace manycontact

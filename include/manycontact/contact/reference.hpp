@@ -11,13 +11,12 @@ namespace manycontact {
 /// the error is zero. Its origin is moved if `position`, its axes are rotated if `orientation`. The contact need not be
 /// part of the scene yet. Throws std::invalid_argument unless q has scene.nq finite numbers, and quaternions of unit
 /// length within 1e-6.
-void resolve_reference(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, bool position, bool orientation,
-                       Contact& contact);
+void resolve_reference(const Scene& scene, const ConstVectorRef& q, bool position, bool orientation, Contact& contact);
 
 /// Sets the reference placement of every contact of the scene, origin and axes, so that all errors are zero at q
 /// (scene.nq). References that a scene file leaves out are set like this. Existing SceneData use the new placements.
 /// Throws as above.
-void resolve_references(Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q);
+void resolve_references(Scene& scene, const ConstVectorRef& q);
 
 /// Sets the reference placements of many contacts of one scene at one q. It keeps references to both, so that they must
 /// outlive it. The kinematics of the last two robots are cached.

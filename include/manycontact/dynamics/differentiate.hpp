@@ -43,8 +43,8 @@ struct SceneDerivatives {
 [[nodiscard]] Eigen::SparseMatrix<double> sparse_derivatives(const Scene& scene, const SceneData& data);
 
 /// Bounds of the largest errors of the derivatives of an island. Each bound is relative to the largest entry of its
-/// matrix. It is 0 if the matrix is empty or was not requested, above 1 if all entries may be rounding errors, and
-/// infinite if no bound is known.
+/// matrix. It is 0 if the matrix is empty, NaN if it was not requested, above 1 if all entries may be rounding errors,
+/// and infinite if no bound is known.
 struct DerivativeBounds {
   double da_dq = 0, da_dv = 0, da_du = 0, dforces_dq = 0, dforces_dv = 0, dforces_du = 0;
   double da_dw = 0, dforces_dw = 0;

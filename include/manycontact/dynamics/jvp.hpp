@@ -11,21 +11,20 @@ namespace manycontact {
 /// NaN for failed islands, and for deep trees for which the factor of the whole tree is not accurate. Throws
 /// std::invalid_argument for a wrong size or data of another scene. Throws std::logic_error before a solve, and if
 /// contacts were switched after it. Thread-safe for distinct data.
-void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const ConstVector& dv, const ConstVector& du,
-         Eigen::Ref<Eigen::VectorXd> da, Eigen::Ref<Eigen::VectorXd> df);
+void jvp(const Scene& scene, SceneData& data, const ConstVectorRef& dq, const ConstVectorRef& dv,
+         const ConstVectorRef& du, VectorRef da, VectorRef df);
 
 /// Computes wq = (da/dq)^T wa + (df/dq)^T wf, wv = (da/dv)^T wa + (df/dv)^T wf and wu = (da/du)^T wa + (df/du)^T wf.
 /// Sizes: wa, wq, wv have scene.nv entries, wf has data.f.size(), wu has scene.nu. The cost is 0.7 to 3 times that of a
 /// solve. Throws as jvp does, and returns NaN in the same cases. Thread-safe for distinct data.
-void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const ConstVector& wf,
-         Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu);
+void vjp(const Scene& scene, SceneData& data, const ConstVectorRef& wa, const ConstVectorRef& wf, VectorRef wq,
+         VectorRef wv, VectorRef wu);
 
 /// These overloads include the wrenches of the pushes, expressed in the axes of each push: dw and ww have 6 entries per
 /// push of the scene.
-void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const ConstVector& dv, const ConstVector& du,
-         const ConstVector& dw, Eigen::Ref<Eigen::VectorXd> da, Eigen::Ref<Eigen::VectorXd> df);
-void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const ConstVector& wf,
-         Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu,
-         Eigen::Ref<Eigen::VectorXd> ww);
+void jvp(const Scene& scene, SceneData& data, const ConstVectorRef& dq, const ConstVectorRef& dv,
+         const ConstVectorRef& du, const ConstVectorRef& dw, VectorRef da, VectorRef df);
+void vjp(const Scene& scene, SceneData& data, const ConstVectorRef& wa, const ConstVectorRef& wf, VectorRef wq,
+         VectorRef wv, VectorRef wu, VectorRef ww);
 
 }  // namespace manycontact

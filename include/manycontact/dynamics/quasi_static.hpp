@@ -18,15 +18,14 @@ namespace manycontact {
 /// refused by solve(). Throws std::length_error for trees too deep for the joint-space inertia (2^22 terms). `data` is
 /// used as workspace for kinematics, so that derivatives need a new solve afterwards. Thread-safe for distinct data.
 /// Source: Crocoddyl, DifferentialActionModelContactFwdDynamics::quasiStatic.
-Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, SceneData& data);
+Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q, SceneData& data);
 
 /// Computes controls u that give the torques tau0 + B u: [B J^T] [u; f] = h(q, 0) - J_F^T w - tau_s(q, 0) - tau0. tau0
 /// has scene.nv entries, and B has scene.nv rows and one column per control. Throws as the first overload does.
-Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                             const Eigen::Ref<const Eigen::VectorXd>& tau0, const Eigen::SparseMatrix<double>& B,
-                             SceneData& data);
+Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& tau0,
+                             const Eigen::SparseMatrix<double>& B, SceneData& data);
 
 /// Computes the torques with the active flags and wrenches of the scene. It makes data of its own, and so allocates.
-Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q);
+Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q);
 
 }  // namespace manycontact

@@ -1,6 +1,7 @@
 #pragma once
 // Status and accuracy of a solution, available in every build type.
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,15 @@
 #include "manycontact/kkt/reason.hpp"
 
 namespace manycontact {
+
+/// An estimate that was not computed.
+inline constexpr double kNotEstimated = std::numeric_limits<double>::quiet_NaN();
+
+/// Times of a solve [us]. They are measured and differ from call to call; comparisons of reports ignore them.
+struct SolveTimes {
+  double setup = 0;  // finding islands and analysing new ones; near 0 if the contacts are as before
+  double solve = 0;  // kinematics, bias, assembly, factorization, solution, refinement and residuals
+};
 
 /// From good to bad. The status of a scene is that of its worst island.
 enum class Status {
@@ -37,11 +47,11 @@ struct IslandReport {  // Status and accuracy of the solution of one island.
   double backward_error = 0;     // max |r_k| / (|b| + |K||x|)_k: the relative change of K and b that makes the solution
                                  // exact. After a fallback, rows that contain only rounding error are compared with the
                                  // terms they were computed from
-  double condition = 0;          // 1-norm condition number of K, set by estimate_condition
-  /// Bounds of the largest errors of a and of f, relative to the largest a and f, set by estimate_errors. Above 1 only
-  /// the size of the errors is known. Then a and f may be rounding errors, as the accelerations of a scene at rest, or
-  /// the solution is that of a neighbouring problem (Reason::kUncertain).
-  double error_acceleration = 0, error_forces = 0;
+  double condition = kNotEstimated;  // 1-norm condition number of K, set by estimate_condition; until then NaN
+  /// Bounds of the largest errors of a and of f, relative to the largest a and f, set by estimate_errors; until then
+  /// NaN. Above 1 only the size of the errors is known. Then a and f may be rounding errors, as the accelerations of a
+  /// scene at rest, or the solution is that of a neighbouring problem (Reason::kUncertain).
+  double error_acceleration = kNotEstimated, error_forces = kNotEstimated;
 };
 
 struct Report {  // Status and accuracy of the solution of the whole scene.
@@ -52,11 +62,13 @@ struct Report {  // Status and accuracy of the solution of the whole scene.
 
   // Sums and maxima over the islands.
   int nv = 0, nc = 0, rank = 0, factor_nonzeros = 0, refinement_steps = 0;
-  double residual_dynamics = 0, residual_contact = 0, backward_error = 0, condition = 0;
-  double error_acceleration = 0, error_forces = 0;
+  double residual_dynamics = 0, residual_contact = 0, backward_error = 0;
+  double condition = kNotEstimated, error_acceleration = kNotEstimated, error_forces = kNotEstimated;
+
+  SolveTimes times;
 };
 
-/// Computes the other fields, except `method`, from report.islands.
+/// Computes the other fields, except `method` and `times`, from report.islands.
 void summarise(Report& report);
 
 }  // namespace manycontact

@@ -3,7 +3,7 @@
 
 namespace manycontact {
 
-using ConstVector = Eigen::Ref<const Eigen::VectorXd>;
+using ConstVector = ConstVectorRef;  // former name
 
 /// Contact forward dynamics: computes the accelerations data.a (nv) and the contact forces data.f of the scene from
 ///
@@ -28,13 +28,13 @@ using ConstVector = Eigen::Ref<const Eigen::VectorXd>;
 /// Throws std::invalid_argument if a size does not fit the scene or the data belong to another scene; the previous
 /// solution remains then. Throws std::bad_alloc, and std::invalid_argument if data.active has a wrong size; then there
 /// is no solution (data.serial is 0), and the next call sets up the islands again.
-[[nodiscard]] const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& u,
-                                  SceneData& data);
+[[nodiscard]] const Report& solve(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
+                                  const ConstVectorRef& u, SceneData& data);
 
 /// Solves with torques tau (scene.nv) [N m, N] on every velocity coordinate, those of floating bases included.
 /// Everything else is as in `solve`.
-[[nodiscard]] const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v,
-                                      const ConstVector& tau, SceneData& data);
+[[nodiscard]] const Report& solve_tau(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
+                                      const ConstVectorRef& tau, SceneData& data);
 
 /// The SIMD instruction sets that are compiled in and supported by this processor, widest first.
 std::vector<Lanes> lanes_here();

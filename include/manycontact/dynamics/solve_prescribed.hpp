@@ -15,7 +15,7 @@ namespace manycontact {
 /// Solution::f) [m/s^2, rad/s^2]. q: scene.nq, v: scene.nv; units, frames, cost and lifetime are those of `solve`. The
 /// solution has neither derivatives nor error bounds: differentiate, jvp, vjp and estimate_errors throw
 /// std::logic_error. Throws std::invalid_argument unless all sizes fit. Thread-safe for distinct data.
-[[nodiscard]] const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v,
-                                      const ConstVector& tau, const ConstVector& prescribed, SceneData& data);
+[[nodiscard]] const Report& solve_tau(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
+                                      const ConstVectorRef& tau, const ConstVectorRef& prescribed, SceneData& data);
 
 }  // namespace manycontact

@@ -56,7 +56,6 @@ const ContactDerivatives& contact_derivatives_of(const SceneData& data, int cont
 /// Computes the placements, velocities and inertias of all robots at q (nq) and v (nv), for kinematics_of and
 /// composite_inertias. It discards the solution. Throws std::invalid_argument for a wrong size, and for q or v that
 /// solve would refuse.
-void update_kinematics(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                       const Eigen::Ref<const Eigen::VectorXd>& v, SceneData& data);
+void update_kinematics(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v, SceneData& data);
 
 }  // namespace manycontact

@@ -30,7 +30,7 @@ struct InvariantsData {
 /// Computes the quantities at q (nq), v (nv), with the contacts flagged `active`. W and e are those of
 /// contact/rows.hpp. A 1D or 2D contact whose axes rotate constrains a direction rather than a position. Therefore its
 /// position error grows in exact motion, too. Allocates nothing. Thread-safe for distinct data.
-Invariants invariants(const Scene& scene, const std::vector<char>& active, const Eigen::Ref<const Eigen::VectorXd>& q,
-                      const Eigen::Ref<const Eigen::VectorXd>& v, InvariantsData& data);
+Invariants invariants(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
+                      const ConstVectorRef& v, InvariantsData& data);
 
 }  // namespace manycontact

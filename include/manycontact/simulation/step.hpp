@@ -7,10 +7,9 @@
 //     [ J  -delta I] [ -h f ] = [ (1 - beta h) c - alpha h e ]      c+ = J(q) v+,   q+ = q (+) h v+
 //
 // tau = tau(q, v, u, w) is the torque of motors, friction, pushes and springs. Springs and joint dampers for
-// which an explicit step of 2 h would be unstable are evaluated at the end of the step. This adds h^2 k + h c to M along
-// them.
-// It is stable for any h, and damps oscillations that are too fast for the step. Afterwards, the momentum of bodies
-// without connection to the world is corrected (simulation/momentum.hpp).
+// which an explicit step of 2 h would be unstable are evaluated at the end of the step. This adds h^2 k + h c to M
+// along them. It is stable for any h, and damps oscillations that are too fast for the step. Afterwards, the momentum
+// of bodies without connection to the world is corrected (simulation/momentum.hpp).
 //
 // e is the contact's placement error. c is its velocity after the last step: J v initially, then J of the last
 // configuration times v. If e = c = 0, v+ is the velocity nearest to v + h a_free, in the mass-weighted norm, that the
@@ -80,7 +79,7 @@ struct SceneAtRest {
 struct SimulationData {  // A simulation: state, step size, integrator, and the workspace of its solves. One per thread.
   /// Starts at q (nq), v (nv) with steps of h [s]. Throws std::invalid_argument for wrong sizes, and unless h is finite
   /// and positive.
-  SimulationData(const Scene& scene, const ConstVector& q, const ConstVector& v, Integrator integrator, double h,
+  SimulationData(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v, Integrator integrator, double h,
                  const Options& options = {});
 
   Integrator integrator;
@@ -88,7 +87,8 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
   double velocity_limit = 1e5;  // m/s, rad/s; a faster state ends the simulation as kTooFast
 
   int condition_every = 0;  // number of steps between estimates of the condition of K; 0: never
-  double condition = 0;     // 1-norm condition number of K, the largest of the islands, at the last estimate
+  double condition = std::numeric_limits<double>::quiet_NaN();  // 1-norm condition number of K, the largest of the
+                                                                // islands, at the last estimate; NaN before
 
   Eigen::VectorXd q, v;        // the state: initial, then updated by step
   long steps = 0;              // number of completed steps
@@ -121,7 +121,7 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
 /// Makes one step with torques u (nu) [N m, N]. If the result is not kOk, q, v and steps remain unchanged. Allocates
 /// what solve allocates: nothing after the first step with sparse-ldl. Throws std::invalid_argument if u has a wrong
 /// size. Thread-safe for distinct data. Cost: one solve (semi-implicit Euler) or four (RK4).
-[[nodiscard]] StepStatus step(const Scene& scene, const ConstVector& u, SimulationData& data);
+[[nodiscard]] StepStatus step(const Scene& scene, const ConstVectorRef& u, SimulationData& data);
 
 /// The rows of data.f of a contact, given by name or number: the force that it exerted on A in the last step, in its
 /// reference frame [N, N m]. The view remains valid until the next step. Throws std::invalid_argument for a contact

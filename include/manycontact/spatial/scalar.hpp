@@ -43,6 +43,8 @@ template <class S> using Mat6X = Eigen::Matrix<S, 6, Eigen::Dynamic>;
 // Eigen's default strides, spelled: clang and GCC mangle the default differently, and their objects would not link.
 template <class S> using ConstVecRef = Eigen::Ref<const VecX<S>, 0, Eigen::InnerStride<1>>;
 template <class S> using VecRef = Eigen::Ref<VecX<S>, 0, Eigen::InnerStride<1>>;
+using ConstVectorRef = ConstVecRef<double>;
+using VectorRef = VecRef<double>;
 template <class S> using MatRef = Eigen::Ref<MatX<S>, 0, Eigen::OuterStride<>>;
 template <class S> using Mat6XRef = Eigen::Ref<Mat6X<S>, 0, Eigen::OuterStride<>>;
 // clang-format on

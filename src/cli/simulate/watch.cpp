@@ -109,7 +109,7 @@ void Watch::look(const Scene& scene, double t, const Eigen::VectorXd& q, const E
         limits_.try_emplace({x.robot, x.dof, static_cast<int>(x.quantity)}, Seen<LimitPassed>{t, x});
     if (!fresh && share(x) > share(at->second.worst)) at->second.worst = x;
   }
-  if (first_condition_ == 0) first_condition_ = sim.condition;
+  if (first_condition_ == 0 && std::isfinite(sim.condition)) first_condition_ = sim.condition;
   if (sim.condition > largest_condition_) largest_condition_ = sim.condition, condition_time_ = t;
   if (active_ != sim.dynamics.active) active_ = sim.dynamics.active, most_rank_ = -1;
   if (sim.dynamics.report.rank < most_rank_ && rank_time_ < 0) rank_time_ = t;

@@ -7,6 +7,7 @@
 #include "../text/choice.hpp"
 #include "../text/describe.hpp"
 #include "../text/table.hpp"
+#include "manycontact/analysis/remedy.hpp"
 #include "manycontact/analysis/rounding.hpp"
 #include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/views.hpp"
@@ -23,17 +24,18 @@ std::string status_in_words(const Report& report, double damping) {
       return damping > 0 ? "the damped system is solved to its residuals"
                          : "the contacts are independent and the system is solved to its residuals";
     case Status::kRedundant:
-      return "contacts depend on each other and agree; accelerations are exact, of the forces that they could share "
-             "otherwise (*) those of least norm are shown";
+      return "contacts are redundant and consistent; accelerations are exact, and forces that are not unique (*) have "
+             "least "
+             "norm";
     case Status::kInconsistent:
-      return "contacts contradict each other; the accelerations miss them by the least squares";
+      return "contacts contradict each other; the accelerations are the least-squares solution";
     case Status::kRegularised:
       return std::any_of(report.islands.begin(), report.islands.end(),
                          [](const IslandReport& island) { return island.reason == Reason::kUncertain; })
-                 ? "no more than the answer to a neighbouring problem: rounding may change it by more than its size"
-                 : "the answer to a neighbouring problem, not to the one asked";
+                 ? "the solution of a neighbouring problem: rounding errors may change it by more than its size"
+                 : "the solution of a neighbouring problem, not of the one given";
     case Status::kFailed:
-      return "no answer for at least one island; its accelerations and forces are not numbers";
+      return "at least one island has no solution; its accelerations and forces are NaN";
   }
   return "";
 }
@@ -188,6 +190,7 @@ void print_several_kinds(std::ostream& out, const SolvedScene& s, const std::vec
 void print_report(std::ostream& out, const SolvedScene& s) {
   wrap(out, status_in_words(s.data.report, s.file.scene.damping), 0,
        "Status " + to_string(s.data.report.status) + ": ");
+  if (const std::string advice = remedy(s.data.report); !advice.empty()) wrap(out, advice, 0, "What to do: ");
   const std::vector<Alike> kinds = alike_islands(s.data);
   out << "\n";
   if (kinds.size() == 1)

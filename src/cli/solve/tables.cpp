@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kMostRobots = 12, kMostContacts = 24, kMostTorques = 8;
 
 // The velocity coordinate of the largest joint acceleration (absolute value), -1 when there is none.
-int fastest_joint(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& a) {
+int fastest_joint(const Model& model, const ConstVectorRef& a) {
   int best = -1;
   for (int i = model.first_actuated(); i < model.nv; ++i)
     if (best < 0 || !(std::abs(a[i]) <= std::abs(a[best]))) best = i;

@@ -39,14 +39,14 @@ std::string amount(const Scene& scene, const Violation& v) {
   const Contact& contact = scene.contacts[v.contact];
   const std::string by = "by " + number(v.by) + " " + unit_of(v.kind);
   switch (v.kind) {
-    case Violating::kPulls:
+    case ViolationKind::kPulls:
       return by;
-    case Violating::kSlips:
+    case ViolationKind::kSlips:
       return by + " more than mu " + number(*contact.mu) + " holds" +
              (std::isfinite(v.needs) ? "; mu " + number(v.needs) + " would hold it" : "");
-    case Violating::kTips:
+    case ViolationKind::kTips:
       return by + " beyond its box";
-    case Violating::kTurns:
+    case ViolationKind::kTurns:
       break;
   }
   return by + " beyond what friction bears";
@@ -209,7 +209,7 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
         return "by " + in_words(e) + (c.beta == 0 ? ", which nothing corrects: its gains are zero" : "") +
                "; consistent=\"true\" of the scene makes velocities fit";
       });
-  for (const Violating kind : {Violating::kPulls, Violating::kSlips, Violating::kTips, Violating::kTurns}) {
+  for (const ViolationKind kind : {ViolationKind::kPulls, ViolationKind::kSlips, ViolationKind::kTips, ViolationKind::kTurns}) {
     std::vector<Violation> alike;
     for (const Violation& v : f.violations)
       if (v.kind == kind) alike.push_back(v);
@@ -235,7 +235,7 @@ Json json_of(const Scene& scene, const Violation& v) {
               {"kind", to_string(v.kind)},
               {"by", v.by},
               {"unit", unit_of(v.kind)}};
-  if (v.kind == Violating::kSlips) out["needs_mu"] = v.needs;
+  if (v.kind == ViolationKind::kSlips) out["needs_mu"] = v.needs;
   return out;
 }
 

@@ -96,6 +96,56 @@ Raises
 ValueError
     There is no solution.)";
 
+inline constexpr const char* force_null_space =
+    R"(Compute a basis N of the null space of J^T, after a solve.
+
+All forces data.f + N @ y cause the same accelerations. For conditions such as friction cones, use
+N in a quadratic programme for y.
+
+Parameters
+----------
+scene : Scene
+q : array (nq)
+    Configuration of the last solve.
+data : SceneData
+
+Returns
+-------
+scipy.sparse.csc_matrix
+    Orthonormal columns, one per redundant row, with the rows of data.f; block diagonal by island.
+
+Raises
+------
+ValueError
+    There is no solution, or a size does not fit.)";
+
+inline constexpr const char* redistribute_forces =
+    R"(Compute other contact forces with the same accelerations, after a solve.
+
+They minimise sum(weights * (f - reference)**2) over all f with the same J^T f; data.f remains
+unchanged. To move forces into friction cones, use a reference along the contacts' normals.
+
+Parameters
+----------
+scene : Scene
+q : array (nq)
+    Configuration of the last solve.
+data : SceneData
+reference : array (rows of f), optional
+    Forces to come close to [N, N m]; None: zero, which gives the least norm.
+weights : array (rows of f), optional
+    Weights above 0; None: ones.
+
+Returns
+-------
+array (rows of f)
+    Contact forces in each contact's reference frame [N, N m]; NaN for failed islands.
+
+Raises
+------
+ValueError
+    There is no solution, a size does not fit, or a number is not finite or not above 0.)";
+
 inline constexpr const char* rank_gap =
     R"(Return how reliable the rank decision of an island was, after a solve.
 
