@@ -45,7 +45,7 @@ std::string lacking(JointType type) {
 
 std::string why_massless(const Model& model, int i) {
   if (nothing_below(model, i)) return "no mass below it";
-  const std::string own = "what it carries lacks " + lacking(model.joints[i].type);
+  const std::string own = "its bodies lack " + lacking(model.joints[i].type);
   return model.subtree_end[i] == i + 1 ? own : own + ", and the joints below it move the rest alone";
 }
 

@@ -391,7 +391,7 @@ TEST(Poses, ThatLeaveContactsOpenAreRefused) {
     FAIL();
   } catch (const InputError& e) {
     EXPECT_EQ(e.line, 2);
-    EXPECT_NE(e.message.find("contact 'pin' stays out of place by 2 m"), std::string::npos) << e.message;
+    EXPECT_NE(e.message.find("contact 'pin' remains out of place by 2 m"), std::string::npos) << e.message;
   }
 }
 

@@ -98,7 +98,7 @@ std::string dependent_rows(const SolvedScene& s, const IslandReport& r) {
 std::string errors_in_words(const IslandReport& r) {
   const Rounding rounding = find_rounding(r);
   const auto words = [](bool is_rounding, double error, const std::string& one, const std::string& many) {
-    if (is_rounding) return many + " are rounding";
+    if (is_rounding) return many + " are rounding errors";
     return std::isfinite(error) ? "at most " + scientific(error) + " of the largest " + one : "";
   };
   const std::string a = words(rounding.acceleration, r.error_acceleration, "acceleration", "accelerations");
@@ -124,7 +124,7 @@ void print_one_kind(std::ostream& out, const SolvedScene& s, const Alike& kind) 
   if (r.status == Status::kFailed) return line("why", why(s, kind));
   const bool examined = s.file.scene.damping == 0 || r.rank < r.nc;
   line("rank", examined ? std::to_string(r.rank) + " of " + std::to_string(r.nc) + each
-                        : "not examined: with damping any will do, `inspect` shows it");
+                        : "not computed: with damping any rank is accepted; `inspect` computes it");
   line("dependent", dependent_rows(s, r));
   line("method", to_string(r.method) + (has_order(r.method) ? ", " + to_string(r.order) + " order" : ""));
   line("why", why(s, kind));
