@@ -64,7 +64,8 @@ TEST_P(FramesTest, VelocityAndClassicalAccelerationAreThoseOfTheOrigin) {
   const Vec3<Quad> velocity = (origin(h) - origin(-h)) / (2 * h);
   const Vec3<Quad> acceleration = (origin(h) - 2 * origin(0) + origin(-h)) / (h * h);
   const Vec6<Quad> v0 = frame_velocity<Quad>(kin, base, joint, placement, ReferenceFrame::kLocalWorldAligned);
-  const Vec6<Quad> a0 = frame_classical_acceleration<Quad>(kin, base, joint, placement, ReferenceFrame::kLocalWorldAligned);
+  const Vec6<Quad> a0 =
+      frame_classical_acceleration<Quad>(kin, base, joint, placement, ReferenceFrame::kLocalWorldAligned);
   EXPECT_LT(static_cast<double>((v0.head<3>() - velocity).norm() / velocity.norm()), 1e-14);
   EXPECT_LT(static_cast<double>((a0.head<3>() - acceleration).norm() / acceleration.norm()), 1e-12);
 }

@@ -280,8 +280,8 @@ TEST_P(RigidBody, FramesMove) {
   frame.placement = random_placement(rng);
   for (const ReferenceFrame axes : kAllAxes) {
     const ReferenceFrame quads = axes == ReferenceFrame::kLocal   ? ReferenceFrame::kLocal
-                            : axes == ReferenceFrame::kWorld ? ReferenceFrame::kWorld
-                                                             : ReferenceFrame::kLocalWorldAligned;
+                                 : axes == ReferenceFrame::kWorld ? ReferenceFrame::kWorld
+                                                                  : ReferenceFrame::kLocalWorldAligned;
     const auto velocity = [&](const Quad& t) {
       return frame_velocity<Quad>(along(robot, t).kin, robot.base, frame.joint, frame.placement, quads);
     };

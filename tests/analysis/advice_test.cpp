@@ -69,7 +69,8 @@ TEST(Kinds, DifferInTheirRanks) {
 TEST(Advice, OnCorners) {
   const Advised s{load_scene(model("feet_on_corners.xml"))};
   for (const char* part :
-       {"the 24 contact rows of humanoid have rank 12; 12 rows are redundant, since the preceding rows impose the same constraint: "
+       {"the 24 contact rows of humanoid have rank 12; 12 rows are redundant, since the preceding rows impose the same "
+        "constraint: "
         "left_2[1], left_3[0]",
         "to be dropped: left_4, right_4",
         "left_1 .. left_4, 12 rows of rank 6: one 6D contact on `humanoid/left_sole` imposes the same constraint",

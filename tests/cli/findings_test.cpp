@@ -70,7 +70,8 @@ TEST_F(FindingsOfTheProgram, AContactThatMoves) {
   expect_contains(said_, "at t = 0 s weld (on before) closed: the impact dissipated 3.2 J");
   (void)simulate(scene(inside, "consistent=\"true\""), {});
   EXPECT_NEAR(height(), 0, 1e-12);
-  expect_contains(said_, "consistent: test (scene.xml:1): made consistent with the contacts, v most of all of b/root[2], by 1");
+  expect_contains(
+      said_, "consistent: test (scene.xml:1): made consistent with the contacts, v most of all of b/root[2], by 1");
   for (const char* name : {"humanoid_standing.xml", "herd.xml"})
     EXPECT_EQ(solve({model(name)}).at("velocity_errors").size(), 0u) << name;
 }
@@ -104,8 +105,9 @@ TEST_F(FindingsOfTheProgram, RowsThatNearlyDepend) {
     const std::string told = run({command, near}).out;
     if (command == std::string("solve")) expect_contains(told, "rounding may change it by more than its size");
     expect_contains(told, "nearly dependent: two[0]: the other rows leave 4.8e-11 of it");
-    expect_contains(told,
-                    "of two[0], which is accepted, the preceding rows leave 4.8e-11 of its norm, of three[0], which is rejected");
+    expect_contains(
+        told,
+        "of two[0], which is accepted, the preceding rows leave 4.8e-11 of its norm, of three[0], which is rejected");
   }
   EXPECT_EQ(solve({model("humanoid_standing.xml")}).at("near_dependent").size(), 0u);
 }

@@ -151,8 +151,7 @@ TEST_F(OddUrdf, WhatIsNotReadIsNamed) {
   // several of one kind are one finding
   EXPECT_EQ(said("<thing/><thing/>\n<thing/>"), "unread thing:6|<thing>, here and in 2 more places, is ignored\n");
   EXPECT_EQ(said("", "<joint_properties friction=\"1\"/>"), "unread j:5|<joint_properties> in <joint> is ignored\n");
-  EXPECT_EQ(said("", "<origin xyz=\"1 0 0\" quat_xyzw=\"0 0 0 1\"/>"),
-            "unread j:5|quat_xyzw of <origin> is ignored\n");
+  EXPECT_EQ(said("", "<origin xyz=\"1 0 0\" quat_xyzw=\"0 0 0 1\"/>"), "unread j:5|quat_xyzw of <origin> is ignored\n");
   EXPECT_EQ(said("", "<dynamics damping=\"0\" spring_stiffness=\"3\"/>"),
             "unread j:5|spring_stiffness of <dynamics> is ignored\n");
   EXPECT_EQ(said("", "<axis xyz=\"1 0 0\"/><axis xyz=\"0 1 0\"/>"),
