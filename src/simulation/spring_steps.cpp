@@ -32,10 +32,10 @@ std::vector<int> joints_with_springs(const Scene& scene) {
 }
 
 // Three for each spring between points, one for each joint that is asked; the others get an infinite mobility.
-std::vector<UnitForce> all_forces(const Scene& scene, Eigen::VectorXd& mobility_of_joints) {
+std::vector<UnitForce> all_forces(const Scene& scene, internal::UnitTorques& unit, Eigen::VectorXd& mobility_of_joints) {
   std::vector<UnitForce> out;
   for (std::size_t s = 0; s < scene.springs.size(); ++s)
-    for (int k = 0; k < 3; ++k) out.push_back({static_cast<int>(s), Vec3<double>::Unit(k)});
+    for (int k = 0; k < 3; ++k) unit.add_forces(static_cast<int>(s), Vec3<double>::Unit(k), out);
   const std::vector<int> joints = joints_with_springs(scene);
   auto next = joints.begin();
   for (const Robot& robot : scene.robots) {
@@ -45,7 +45,7 @@ std::vector<UnitForce> all_forces(const Scene& scene, Eigen::VectorXd& mobility_
       if (next - first > kMostAsked)
         mobility_of_joints[*i] = std::numeric_limits<double>::infinity();
       else
-        out.push_back({-1, Vec3<double>::Zero(), *i});
+        unit.add_force(scene, *i, out);
   }
   return out;
 }
@@ -61,16 +61,17 @@ double largest_spring_step(Integrator integrator, double k, double c) {
 SpringMobilities spring_mobilities(const Scene& scene, const std::vector<char>& active, const Eigen::VectorXd& q) {
   SpringMobilities out{std::vector<Mat3<double>>(scene.springs.size(), Mat3<double>::Zero()),
                        Eigen::VectorXd::Zero(scene.nv)};
-  std::vector<UnitForce> forces = all_forces(scene, out.joints);
+  internal::UnitTorques unit(scene);
+  unit.find_islands(scene, active);
+  const std::vector<UnitForce> forces = all_forces(scene, unit, out.joints);
   if (forces.empty()) return out;
   SceneAtRest rest(scene);
   SceneData data(rest.scene);
   data.active = active;
-  internal::UnitTorques unit(scene);
   unit.place(scene, q);
-  const int count = unit.number(scene, active, forces);
   const auto sound = [](double x) { return std::isfinite(x) ? x : 0; };
-  for (int number = 0; number < count; ++number) {
+  for (int number = 0; number < unit.numbers(); ++number) {
+    unit.clear();
     for (const UnitForce& force : forces)
       if (force.number == number) unit.add(force, 1);
     (void)solve_tau(rest.scene, q, rest.zero, unit.torques(), data);
@@ -82,7 +83,7 @@ SpringMobilities spring_mobilities(const Scene& scene, const std::vector<char>& 
       else
         for (int k = 0; k < 3; ++k)
           out.springs[static_cast<std::size_t>(force.spring)].row(k) +=
-              sound(unit.along({force.spring, Vec3<double>::Unit(k)})) * force.direction.transpose();
+              sound(unit.along(force.spring, Vec3<double>::Unit(k), force.island)) * force.direction.transpose();
     }
   }
   return out;

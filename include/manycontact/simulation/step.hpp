@@ -6,10 +6,10 @@
 //     [ M  J^T     ] [ v+   ]   [ M v + h (tau - h(q, v))   ]
 //     [ J  -delta I] [ -h f ] = [ (1 - beta h) c - alpha h e ]      c+ = J(q) v+,   q+ = q (+) h v+
 //
-// with tau = tau(q, v, u, w) of motors, friction, pushes and springs. Of springs and of dampers in joints that bear no
-// steps of 2 h so, the forces are those at the end of the step instead, which adds h^2 k + h c to M along them: stable
-// for any h, and what swings faster than steps can follow dies out. It then gives what nothing ties to the world the
-// momentum that it has to have (simulation/momentum.hpp). Here e is the contact's error and c its velocity as the last
+// with tau = tau(q, v, u, w) of motors and pushes at the start of the step. Forces that resist are those at its end, for
+// any h: dampers, springs and PD laws, which add h^2 k + h c to M along them, so that what swings faster than steps can
+// follow dies out; and joint friction, which is Coulomb's, at most F, and sticks below 1e-6 rad/s or m/s. A step then
+// gives what nothing ties to the world the momentum that it has to have (simulation/momentum.hpp). Here e is the contact's error and c its velocity as the last
 // step left it: J v at the start, then J of the last configuration times v. Where e = c = 0 this takes v + h a_free to
 // the nearest velocity that the contacts allow, in the kinetic metric: contacts never add energy but for e and c.
 // (Accelerations J a = -J' v - beta J v - alpha e with beta near 1/h do: J v has grown by h J' v since the last step,
@@ -22,7 +22,8 @@
 //     dw/dt = dexp^-1_w v,   dv/dt = a(q0 (+) w, v)
 //     dexp^-1_w v = v + [w, v]/2 + [w, [w, v]]/12 + O(|w|^4 |v|)
 //
-// v is already in the body's frame and needs no correction. What the series leaves out changes a step by O(h^5), as
+// with all forces at the stages: dampers, springs and PD laws bound its steps (simulation/spring_steps.hpp), and joint
+// friction is smoothed as in solve. v is already in the body's frame and needs no correction. What the series leaves out changes a step by O(h^5), as
 // the scheme itself does. Without the brackets floating bases and planar joints fall back to order 2.
 //
 // Where the motion passes a configuration in which J loses rank (a loop of joints in line), stages that come close to
@@ -42,7 +43,7 @@ namespace manycontact {
 
 template <class S>
 struct AppliedForces;    // private to floor algorithm
-struct ImplicitSprings;  // private to this floor
+struct ResistingForces;  // private to this floor
 
 /// What became of a step.
 enum class StepStatus {
@@ -74,6 +75,19 @@ struct SceneAtRest {
   std::vector<ContactData<double>> contacts;
 };
 
+/// PD laws of joints: the torque kp (q_ref - q) + kd (v_ref - v) on velocity coordinates. Vectors are nv long, or all
+/// are empty: no joint has one.
+struct PdLaws {
+  Eigen::VectorXd kp, kd;        // none negative [N m / rad, N m s / rad]; kp is 0 where a joint has several coordinates
+  Eigen::VectorXd q_ref, v_ref;  // what a step ends with [rad, rad/s]; RK4 takes them at all stages
+};
+
+/// Work of forces in a step, each force times the mean of the velocities before and after [J].
+struct StepWork {
+  double pd = 0, dampers = 0, friction = 0;  // PD laws; dampers in joints and between points; joint friction
+  double springs = 0;                        // what the step took from springs beside what they lost or gained
+};
+
 struct SimulationData {  // A motion: its state, step size and integrator, and the memory of its solves.
   /// Starts at q (nq), v (nv). Throws std::invalid_argument unless sizes fit and h is finite and positive.
   SimulationData(const Scene& scene, const ConstVector& q, const ConstVector& v, Integrator integrator, double h,
@@ -92,6 +106,9 @@ struct SimulationData {  // A motion: its state, step size and integrator, and t
   SceneData dynamics;          // a, f, report: of the last solve; by semi-implicit Euler a mean acceleration, and
                                // no derivatives. dynamics.active may be switched between steps (simulation/switch.hpp),
                                // and dynamics.pushes changed
+  PdLaws pd;                   // may be changed between steps
+  Eigen::VectorXd pd_torque;   // nv: by step: what the PD laws exerted, on average [N m, N]
+  StepWork work;               // by step
   Eigen::VectorXd f;           // by step: contact forces at the state it started from, rows as in Solution::f
   std::vector<int> f_offset;   // by step: per contact its first row in f, -1 where it was not active
   Eigen::VectorXd next_q, next_v;  // by step: the state tried; after a step that is kOk the one before it
@@ -102,7 +119,8 @@ struct SimulationData {  // A motion: its state, step size and integrator, and t
   // by semi-implicit Euler
   FreeGroups free_groups;
   std::shared_ptr<AppliedForces<double>> applied;  // nullptr: the scene has none
-  std::shared_ptr<ImplicitSprings> implicit;       // nullptr: it has neither springs nor dampers
+  std::shared_ptr<ResistingForces> resisting;      // nullptr: it has no springs, dampers, friction and PD laws
+  long unsettled = 0;  // steps so far in which a joint neither sticks nor slides as Coulomb says, after 50 solves
   Eigen::VectorXd contact_v;                       // c, rows as in f, for the state and contacts
   Eigen::VectorXd left_q, left_v;
   std::vector<char> left_active;
