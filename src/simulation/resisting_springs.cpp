@@ -1,6 +1,7 @@
 #include "resisting_springs.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <limits>
 
 #include "internal.hpp"
@@ -44,17 +45,43 @@ void follow_loads(const Scene& scene, Scene& loads) {
   for (std::size_t r = 0; r < scene.robots.size(); ++r) loads.robots[r].base = scene.robots[r].base;
 }
 
-void add_rows(const Spring& spring, int number, const AppliedForces<double>::OfSpring& at, double h, double mobility,
+// How a spring's end accelerates while its robot's joints and its base, seen from the world, go on as they do.
+Vec3<double> acceleration_of_end(const Scene& scene, const Attachment& at, const AppliedForces<double>& forces) {
+  if (!moves(at)) return Vec3<double>::Zero();
+  const Kinematics<double>& kin = forces.robots[static_cast<std::size_t>(forces.number[at.robot])].kin;
+  const auto of = [&](int joint, const Vec3<double>& p) {
+    const Vec6<double>&v = kin.v[joint], &a = kin.a[joint];
+    const Vec3<double> w = v.tail<3>(), speed = v.head<3>() + w.cross(p);
+    return Vec3<double>(a.head<3>() + Vec3<double>(a.tail<3>()).cross(p) + w.cross(speed));
+  };
+  const SE3<double>& M = kin.oMi[at.joint];
+  const Vec3<double> end = of(at.joint, M.p + M.R * at.placement.p);
+  return scene.robots[at.robot].model->floating_base ? Vec3<double>(end - of(0, kin.oMi[0].p))
+                                                     : Vec3<double>(end - kin.a_base.head<3>());
+}
+
+// How much of what a spring's ends do across it is a turn that does not stretch it, 0 ... 1: with c the rate across it,
+// T / s (c^2 + s n^T (p_A'' - p_B'')) is what its energy rises by, twice over h^2.
+double turning(const Scene& scene, const Spring& spring, const AppliedForces<double>::OfSpring& at,
+               const AppliedForces<double>& forces, double h) {
+  const Vec3<double> n = at.d / at.length, across = at.rate - n * n.dot(at.rate);
+  const double bend = n.dot(acceleration_of_end(scene, spring.A, forces) - acceleration_of_end(scene, spring.B, forces));
+  const double c2 = across.squaredNorm(), turn2 = h * h * c2 / (at.length * at.length);
+  return c2 > 0 ? std::clamp(-at.length * bend / c2, 0.0, 1.0) / (1 + turn2 * turn2) : 0;
+}
+
+void add_rows(const Scene& scene, const Spring& spring, int number, const AppliedForces<double>& forces, double h, double mobility,
               ResistingSprings& s) {
+  const AppliedForces<double>::OfSpring& at = forces.springs[static_cast<std::size_t>(number)];
   const double k = spring.stiffness, D = h * h * k + h * spring.damping, e = at.length - spring.length;
   const Vec3<double> n = at.length > 0 ? Vec3<double>(at.d / at.length) : Vec3<double>(Vec3<double>::UnitX());
-  if (D > 0) s.rows.push_back({number, n, D, h * k * e / D, k, e});
+  if (D > 0) s.rows.push_back({number, n, D, h * k * e / D, k, e, -1});
   const double across = spring.length == 0 ? k : k * e / at.length;
   if (!(across > 0) || (spring.length > 0 && !(h * h * across * mobility > kFelt))) return;
-  const double start = spring.length == 0 ? 0 : 1 / (1 + h * h * across * mobility);
+  const double keeps = at.length > 0 ? turning(scene, spring, at, forces, h) : 0;
   const Vec3<double> first = n.unitOrthogonal();
   for (const Vec3<double>& direction : {first, Vec3<double>(n.cross(first))})
-    s.rows.push_back({number, direction, h * h * across, -start * direction.dot(at.rate), across, 0});
+    s.rows.push_back({number, direction, h * h * across, 0, across, 0, keeps});
 }
 
 bool solves(const Scene& scene, const Eigen::VectorXd& b, const Eigen::VectorXd& wanted, SimulationData& d) {
@@ -88,25 +115,63 @@ bool each_response(const Scene& scene, SimulationData& d, ResistingSprings& s, U
   return true;
 }
 
-// p of (D^-1 + J K^-1 J^T) p = p.
-bool find_impulses(const Scene& scene, SimulationData& d, ResistingSprings& s) {
+bool is_across(const ResistingSprings::Row& row) { return row.keeps >= 0; }
+
+// J K^-1 J^T into C, or into entries where there are many rows.
+bool find_responses(const Scene& scene, SimulationData& d, ResistingSprings& s) {
   const auto n = static_cast<Eigen::Index>(s.rows.size());
+  if (n > kFewRows) {
+    s.entries.clear();
+    return each_response(scene, d, s, [&](int i, int j, double x) { s.entries.emplace_back(i, j, x); });
+  }
+  s.C.setZero(n, n);
+  return each_response(scene, d, s, [&](int i, int j, double x) { s.C(i, j) += x; });
+}
+
+// x of (D^-1 + J K^-1 J^T) x = x, of the rows along springs or of all.
+bool solve_rows(bool all, ResistingSprings& s, Eigen::VectorXd& x) {
+  const auto n = static_cast<Eigen::Index>(s.rows.size());
+  const auto has = [&](Eigen::Index i) { return all || !is_across(s.rows[static_cast<std::size_t>(i)]); };
+  const auto own = [&](Eigen::Index i) { return 1 / s.rows[static_cast<std::size_t>(i)].D; };
   if (n <= kFewRows) {
-    s.C.setZero(n, n);
-    if (!each_response(scene, d, s, [&](int i, int j, double x) { s.C(i, j) += x; })) return false;
-    for (Eigen::Index i = 0; i < n; ++i) s.C(i, i) += 1 / s.rows[i].D;
-    s.factor.compute(s.C);
-    s.factor.solveInPlace(s.p);
+    s.with_D = s.C;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      if (!has(i)) s.with_D.row(i).setZero(), s.with_D.col(i).setZero();
+      s.with_D(i, i) += own(i);
+    }
+    s.factor.compute(s.with_D);
+    s.factor.solveInPlace(x);
     return true;
   }
-  s.entries.clear();
-  if (!each_response(scene, d, s, [&](int i, int j, double x) { s.entries.emplace_back(i, j, x); })) return false;
-  for (int i = 0; i < n; ++i) s.entries.emplace_back(i, i, 1 / s.rows[static_cast<std::size_t>(i)].D);
+  s.own_entries.clear();
+  for (const auto& e : s.entries)
+    if (has(e.row()) && has(e.col())) s.own_entries.push_back(e);
+  for (Eigen::Index i = 0; i < n; ++i) s.own_entries.emplace_back(static_cast<int>(i), static_cast<int>(i), own(i));
   s.S.resize(n, n);
-  s.S.setFromTriplets(s.entries.begin(), s.entries.end());
+  s.S.setFromTriplets(s.own_entries.begin(), s.own_entries.end());
   s.sparse_factor.compute(s.S);
   if (s.sparse_factor.info() != Eigen::Success) return false;
-  s.p = s.sparse_factor.solve(s.p).eval();
+  x = s.sparse_factor.solve(x).eval();
+  return true;
+}
+
+// g across springs: J of the velocity at the start less what stretches springs.
+bool keep_turning(const SimulationData& d, ResistingSprings& s) {
+  const auto n = static_cast<Eigen::Index>(s.rows.size());
+  if (std::none_of(s.rows.begin(), s.rows.end(), is_across)) return true;
+  s.rate.resize(n), s.stretching.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const ResistingSprings::Row& row = s.rows[static_cast<std::size_t>(i)];
+    s.rate[i] = row.direction.dot(d.applied->springs[static_cast<std::size_t>(row.spring)].rate);
+    s.stretching[i] = is_across(row) ? 0 : s.rate[i];
+  }
+  if (!solve_rows(false, s, s.stretching)) return false;
+  if (n <= kFewRows)
+    s.rate.noalias() -= s.C * s.stretching;
+  else
+    for (const auto& e : s.entries) s.rate[e.row()] -= e.value() * s.stretching[e.col()];
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (ResistingSprings::Row& row = s.rows[static_cast<std::size_t>(i)]; is_across(row)) row.g = -row.keeps * s.rate[i];
   return true;
 }
 
@@ -139,7 +204,7 @@ void take_springs(const Scene& scene, SimulationData& d) {
     const AppliedForces<double>::OfSpring& at = d.applied->springs[k];
     if (!at.directed) d.w.setConstant(std::numeric_limits<double>::quiet_NaN());  // the step fails
     const auto first = static_cast<int>(s.rows.size());
-    add_rows(scene.springs[k], static_cast<int>(k), at, d.h, s.mobility[k], s);
+    add_rows(scene, scene.springs[k], static_cast<int>(k), *d.applied, d.h, s.mobility[k], s);
     for (int i = first; i < static_cast<int>(s.rows.size()); ++i) {
       s.unit.add_forces(static_cast<int>(k), s.rows[static_cast<std::size_t>(i)].direction, s.ends);
       s.row.resize(s.ends.size(), i);
@@ -154,10 +219,15 @@ bool solve_with_springs(const Scene& scene, const Eigen::VectorXd& b, Simulation
   if (!solves(scene, b, d.wanted, d)) return false;
   if (!s || s->rows.empty()) return true;
   s->unit.look(answer(scene, d));
-  s->p.resize(static_cast<Eigen::Index>(s->rows.size()));
-  for (std::size_t i = 0; i < s->rows.size(); ++i)
-    s->p[static_cast<Eigen::Index>(i)] = -(s->unit.along(s->rows[i].spring, s->rows[i].direction, -1) + s->rows[i].g);
-  if (!find_impulses(scene, d, *s)) return false;
+  const auto n = static_cast<Eigen::Index>(s->rows.size());
+  s->p.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const ResistingSprings::Row& row = s->rows[static_cast<std::size_t>(i)];
+    s->p[i] = -s->unit.along(row.spring, row.direction, -1);
+  }
+  if (!find_responses(scene, d, *s) || !keep_turning(d, *s)) return false;
+  for (Eigen::Index i = 0; i < n; ++i) s->p[i] -= s->rows[static_cast<std::size_t>(i)].g;
+  if (!solve_rows(true, *s, s->p)) return false;
   s->unit.clear();
   for (std::size_t k = 0; k < s->ends.size(); ++k) s->unit.add(s->ends[k], s->p[s->row[k]]);
   s->b = b + s->unit.torques();
@@ -174,8 +244,7 @@ void account_for_springs(const Scene& scene, SimulationData& d, const Eigen::Vec
     const double before = row.direction.dot(d.applied->springs[static_cast<std::size_t>(row.spring)].rate),
                  after = s.unit.along(row.spring, row.direction, -1), mean = (before + after) / 2, moved = d.h * after;
     s.rate[static_cast<Eigen::Index>(i)] = after;
-    const double along = i == 0 || s.rows[i - 1].spring != row.spring ? 1 : 0;
-    const double damper = -along * d.h * spring.damping * after;
+    const double damper = is_across(row) ? 0 : -d.h * spring.damping * after;
     d.work.dampers += damper * mean;
     d.work.springs += (s.p[static_cast<Eigen::Index>(i)] - damper) * mean + row.k * moved * (row.e + moved / 2);
   }

@@ -3,10 +3,10 @@
 //
 // With J the rate of a spring's ends along a direction, e its stretch and D = h^2 k + h c, the impulse is
 // p = -D (J v+ + g), g = h k e / D: the force -k (e + h J v+) - c J v+ of the step's end. A spring that pulls by T at
-// the length s is stiff across itself, too. There D = h^2 T / s and g = -J v / (1 + D / m), with m the mass that its
-// bodies alone have there: a slow spring resists changes of the velocity across alone, and brakes nothing that turns
-// steadily, and one that is too fast for the step dies out. (Where the length at rest is 0 all directions are alike,
-// g = 0 across.) With K the rest of the matrix and x0 what it gives without springs,
+// the length s is stiff across itself, too: there D = h^2 T / s. But where it turns with its bodies its force does as
+// well, and brakes nothing. So g = -r J v' across it, with v' the velocity at the start less what stretches springs and
+// r the share of what its ends do that is such a turn. With K the rest of the matrix and x0 what it gives without
+// springs,
 //
 //     (D^-1 + J K^-1 J^T) p = -(J x0 + g),        and then K v+ = b + J^T p.
 //
@@ -32,6 +32,7 @@ struct ResistingSprings {
     int spring;
     Vec3<double> direction;  // in the world
     double D, g, k, e;       // k, e: stiffness and stretch along it
+    double keeps;            // across a spring: how much of v' is kept, 0 ... 1; -1: along it
   };
   std::vector<Row> rows;
   UnitTorques unit;
@@ -41,9 +42,10 @@ struct ResistingSprings {
   std::vector<int> asked;       // per robot: which of `ends` is asked for on its island, -1
 
   Eigen::VectorXd p, rate;             // per row: impulse; J v+
-  Eigen::MatrixXd C;                   // D^-1 + J K^-1 J^T of few rows
+  Eigen::VectorXd stretching;          // per row: impulses that take what stretches springs
+  Eigen::MatrixXd C, with_D;           // J K^-1 J^T of few rows, and with D^-1
   Eigen::LDLT<Eigen::MatrixXd> factor;
-  std::vector<Eigen::Triplet<double>> entries;  // of many
+  std::vector<Eigen::Triplet<double>> entries, own_entries;  // of many
   Eigen::SparseMatrix<double> S;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_factor;
   Eigen::VectorXd scratch, b, none;
