@@ -97,6 +97,24 @@ void add_steps(py::module_& m) {
                                {"NOT_FINITE", StepStatus::kNotFinite},
                                {"TOO_FAST", StepStatus::kTooFast}});
 
+  py::class_<PdLaws> pd(m, "PdLaws",
+                        "kp (q_ref - q) + kd (v_ref - v) on velocity coordinates, all (nv,), or all empty: none.");
+  add_value(pd)
+      .def(py::init([](const Vector& kp, const Vector& kd, const Vector& q_ref, const Vector& v_ref) {
+             return PdLaws{kp, kd, q_ref, v_ref};
+           }),
+           py::arg("kp"), py::arg("kd"), py::arg("q_ref"), py::arg("v_ref"))
+      .def_readwrite("kp", &PdLaws::kp, "[N m / rad], none negative, 0 where a joint has several coordinates.")
+      .def_readwrite("kd", &PdLaws::kd, "[N m s / rad], none negative.")
+      .def_readwrite("q_ref", &PdLaws::q_ref, "What the next step ends with [rad, m].")
+      .def_readwrite("v_ref", &PdLaws::v_ref, "What the next step ends with [rad/s, m/s].");
+  py::class_<StepWork> work(m, "StepWork", "Work of forces in a step [J].");
+  add_value(work)
+      .def_readonly("pd", &StepWork::pd, "Of PD laws.")
+      .def_readonly("dampers", &StepWork::dampers, "Of dampers in joints and between points.")
+      .def_readonly("friction", &StepWork::friction, "Of joint friction.")
+      .def_readonly("springs", &StepWork::springs, "What the step took from springs beside what they lost or gained.");
+
   py::class_<Simulation>(m, "SimulationData", "A scene on its way through time, contacts held as the scene says.")
       .def(py::init([](const Scene& scene, const Vector& q, const Vector& v, Integrator integrator, double h,
                        const Options& options) { return Simulation(scene, q, v, integrator, h, options); }),
@@ -123,6 +141,18 @@ void add_steps(py::module_& m) {
           "velocity_limit", [](const Simulation& s) { return s.at_rest().velocity_limit; },
           [](const Simulation& s, double limit) { s.changeable().velocity_limit = limit; },
           "[m/s, rad/s]; a step beyond it is StepStatus.TOO_FAST.")
+      .def_property(
+          "pd", [](const Simulation& s) { return s.at_rest().pd; },
+          [](const Simulation& s, const PdLaws& laws) { s.changeable().pd = laws; },
+          "PD laws of joints, taken at a step's end; assign whole ones between steps.")
+      .def_property_readonly(
+          "pd_torque", [](const Simulation& s) { return s.at_rest().pd_torque; },
+          "What they exerted in the last step, on average (nv) [N m, N].")
+      .def_property_readonly(
+          "work", [](const Simulation& s) { return s.at_rest().work; }, "StepWork of the last step.")
+      .def_property_readonly(
+          "unsettled", [](const Simulation& s) { return s.at_rest().unsettled; },
+          "Steps so far in which joint friction did not settle.")
       .def_property_readonly(
           "dynamics", [](const Simulation& s) { return s.dynamics; },
           "SceneData of the last solve; dynamics.active may be switched between steps, dynamics.pushes "
