@@ -6,7 +6,7 @@
 #include <span>
 
 #include "manycontact/dynamics/views.hpp"
-#include "resisting_forces.hpp"
+#include "manycontact/simulation/resisting_joints.hpp"
 
 namespace manycontact::internal {
 
@@ -15,12 +15,12 @@ namespace {
 constexpr int kBisections = 60;
 
 // Islands of the joints that rub, or one where springs join islands; and the joints island by island.
-void find_islands(const Scene& scene, const SimulationData& d, ResistingJoints& j) {
+void find_islands(const Scene& scene, const SceneData& islands, ResistingJoints& j) {
   j.island.assign(j.rubbing.size(), 0);
   std::size_t r = 0;
   for (std::size_t k = 0; scene.springs.empty() && k < j.rubbing.size(); ++k) {
     while (j.rubbing[k] >= scene.robots[r].idx_v + scene.robots[r].model->nv) ++r;
-    j.island[k] = island_with_robot(d.dynamics, static_cast<int>(r));
+    j.island[k] = island_with_robot(islands, static_cast<int>(r));
   }
   j.order.resize(j.rubbing.size());
   std::iota(j.order.begin(), j.order.end(), 0);
@@ -66,26 +66,25 @@ void advance(double h, ResistingJoints& j) {
 
 }  // namespace
 
-bool friction_settles(const Scene& scene, SimulationData& d, const Eigen::VectorXd& v_next) {
-  ResistingJoints& j = d.resisting->joints;
-  const auto n = static_cast<Eigen::Index>(j.rubbing.size());
-  j.next_speed.resize(n), j.next_force.resize(n);
+bool ResistingJoints::settles(const Scene& scene, const SceneData& islands, double h, const Eigen::VectorXd& v_next) {
+  const auto n = static_cast<Eigen::Index>(rubbing.size());
+  next_speed.resize(n), next_force.resize(n);
   bool settled = true;
   for (Eigen::Index k = 0; k < n; ++k) {
-    const int i = j.rubbing[k];
-    j.next_speed[k] = v_next[i];
-    j.next_force[k] = -d.h * j.friction[i] * (j.slip[i] != 0 ? j.slip[i] : v_next[i] / kStickVelocity);
-    settled = settled && slip_at(v_next[i]) == j.slip[i];
+    const int i = rubbing[k];
+    next_speed[k] = v_next[i];
+    next_force[k] = -h * friction[i] * (slip[i] != 0 ? slip[i] : v_next[i] / kStickVelocity);
+    settled = settled && slip_at(v_next[i]) == slip[i];
   }
   if (settled) return true;
-  if (!j.begun) {
-    j.begun = true;
-    find_islands(scene, d, j);
-    j.speed = j.next_speed, j.force = j.next_force;
+  if (!begun) {
+    begun = true;
+    find_islands(scene, islands, *this);
+    speed = next_speed, force = next_force;
   } else {
-    advance(d.h, j);
+    advance(h, *this);
   }
-  for (Eigen::Index k = 0; k < n; ++k) j.slip[j.rubbing[k]] = slip_at(j.speed[k]);
+  for (Eigen::Index k = 0; k < n; ++k) slip[rubbing[k]] = slip_at(speed[k]);
   return false;
 }
 

@@ -244,9 +244,10 @@ void account_for_springs(const Scene& scene, SimulationData& d, const Eigen::Vec
     const double before = row.direction.dot(d.applied->springs[static_cast<std::size_t>(row.spring)].rate),
                  after = s.unit.along(row.spring, row.direction, -1), mean = (before + after) / 2, moved = d.h * after;
     s.rate[static_cast<Eigen::Index>(i)] = after;
+    const double k = is_across(row) ? row.k * (1 - row.keeps) : row.k;  // what turns with its bodies is not stretched
     const double damper = is_across(row) ? 0 : -d.h * spring.damping * after;
     d.work.dampers += damper * mean;
-    d.work.springs += (s.p[static_cast<Eigen::Index>(i)] - damper) * mean + row.k * moved * (row.e + moved / 2);
+    d.work.springs += (s.p[static_cast<Eigen::Index>(i)] - damper) * mean + k * moved * (row.e + moved / 2);
   }
 }
 

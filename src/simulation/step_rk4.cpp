@@ -4,7 +4,7 @@
 #include "internal.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
-#include "resisting_joints.hpp"
+#include "manycontact/simulation/resisting_joints.hpp"
 
 namespace manycontact::internal {
 

@@ -27,8 +27,6 @@ void want_contact_velocities(const Scene& scene, SimulationData& d) {
 
 namespace {
 
-constexpr int kMostSolves = 50;
-
 // K v+ = tau + h w with all that resists: into the data of at_rest_with_joints. False when a solve failed.
 bool solve_to_the_end(const Scene& scene, SimulationData& d) {
   if (!d.resisting) {
@@ -38,9 +36,11 @@ bool solve_to_the_end(const Scene& scene, SimulationData& d) {
   Eigen::VectorXd& b = d.resisting->b;
   for (int k = 0; k < kMostSolves; ++k) {
     b = d.tau + d.h * d.w;
-    begin_friction(scene, d, b);
+    ResistingJoints& joints = d.resisting->joints;
+    joints.set_inertias(scene, d.h);
+    joints.add_sliding(d.h, b);
     if (!solve_with_springs(scene, b, d)) return false;
-    if (friction_settles(scene, d, at_rest_with_joints(scene, d).data.a)) return true;
+    if (joints.settles(scene, d.dynamics, d.h, at_rest_with_joints(scene, d).data.a)) return true;
   }
   ++d.unsettled;
   return true;

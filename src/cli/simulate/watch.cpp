@@ -155,7 +155,8 @@ void Watch::print_energy(std::ostream& out, const Scene& scene, const Simulation
              "nothing",
          2);
   const double gained = end.energy() - start.energy() - work_ - friction_work_ - push_work_ - spring_work_;
-  if (!(std::abs(gained) > kGained * most_kinetic && std::abs(gained) > 1e-9 * std::abs(start.potential))) return;
+  const double passed = std::abs(work_) + std::abs(friction_work_) + std::abs(push_work_) + std::abs(spring_work_);
+  if (!(std::abs(gained) > kGained * std::max(most_kinetic, passed) && std::abs(gained) > 1e-9 * std::abs(start.potential))) return;
   const std::string why = "steps of " + number(sim.h) +
                           " s are too long for this motion, or gains correct contacts that are out of place" +
                           (gained < 0 && scene.damping > 0 ? ", or --damping takes it" : "");

@@ -15,6 +15,8 @@
 
 namespace manycontact::internal {
 
+/// Solves of a step at most, until friction settles.
+constexpr int kMostSolves = 50;
 /// A joint sticks below this speed [rad/s, m/s].
 constexpr double kStickVelocity = 1e-6;
 
@@ -22,40 +24,41 @@ struct ResistingJoints {
   explicit ResistingJoints(const Scene& scene);
 
   // Per velocity coordinate.
-  std::vector<int> place;         // of q, of joints of one coordinate; -1: of others
   Eigen::VectorXd damping;        // N m s / rad
   Eigen::VectorXd friction;       // N m
   std::vector<signed char> slip;  // 0: sticks; 1, -1: slides that way
   Eigen::VectorXd added, to_add;  // h d + h^2 k: as solved with, and in this step
   std::vector<int> rubbing;       // the coordinates with friction
 
-  bool made = false, vary = false;
+  bool vary = false;  // robots alike do not share models, so that what is added may change
   std::vector<std::shared_ptr<Model>> models;  // per robot its own; nullptr: the scene's, or shared with other robots
-  std::unique_ptr<SceneAtRest> at_rest;        // with the inertias added; nullptr: SimulationData::at_rest serves
-  std::unique_ptr<SceneData> dynamics;         // of that
 
   // Newton's method, per entry of `rubbing`: v, K (v - v0), and the same after a solve.
   bool begun = false;
   Eigen::VectorXd speed, force, next_speed, next_force;
   std::vector<int> island, order;  // whose line search is one; entries island by island
-};
 
-/// What semi-implicit Euler solves: the scene at rest, with what joints add to M.
-struct AtRest {
-  const Scene& scene;
-  SceneData& data;  // data.dynamics where they add nothing
-};
-AtRest at_rest_with_joints(const Scene& scene, SimulationData& data);
+  /// Whether joints resist at all in steps of h; to_add.
+  bool find(const Scene& scene, const PdLaws& pd, double h);
+  /// The scene with to_add in its armatures, and without dampers and friction.
+  Scene with_inertias(const Scene& scene);
+  /// Whether that scene serves for to_add, or another is to be made.
+  bool fits(const Scene& scene) const;
 
-/// Before a step's solves: adds to data.w what joints' springs and PD laws do at its start but for
-/// -k (q - q0), which is there, and to M what they add at its end.
-void take_joints(const Scene& scene, SimulationData& data);
-/// Before each solve: friction of joints that slide, into b, and the inertia of those that stick.
-void begin_friction(const Scene& scene, SimulationData& data, Eigen::VectorXd& b);
-/// After it: whether v+ is as its joints slide or stick. If not, they do otherwise at the next solve.
-[[nodiscard]] bool friction_settles(const Scene& scene, SimulationData& data, const Eigen::VectorXd& v_next);
-/// After the step's solves: data.pd_torque and data.work of joints.
-void account_for_joints(const Scene& scene, SimulationData& data, const Eigen::VectorXd& v_next);
+  /// Before each solve: of joints that stick, the inertia; of `scene`.
+  void set_inertias(const Scene& scene, double h);
+  /// What is added to a coordinate's inertia then.
+  double inertia(int i, double h) const {
+    return added[i] + (friction[i] > 0 && slip[i] == 0 ? h * friction[i] / kStickVelocity : 0);
+  }
+  /// b -= scale F of joints that slide.
+  void add_sliding(double scale, Eigen::VectorXd& b) const {
+    for (const int i : rubbing) b[i] -= scale * slip[i] * friction[i];
+  }
+  /// After it: whether v+ (nv) is as joints slide or stick. If not, they do otherwise at the next solve. islands: of
+  /// `scene`, prepared.
+  [[nodiscard]] bool settles(const Scene& scene, const SceneData& islands, double h, const Eigen::VectorXd& v_next);
+};
 
 /// kp (q_ref - q) + kd (v_ref - v) added to tau (nv).
 void add_pd_torques(const Scene& scene, const PdLaws& pd, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
