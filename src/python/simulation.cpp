@@ -99,6 +99,24 @@ void add_steps(py::module_& m) {
                                {"NOT_FINITE", StepStatus::kNotFinite},
                                {"TOO_FAST", StepStatus::kTooFast}});
 
+  py::class_<PdLaws> pd(m, "PdLaws",
+                        "kp (q_ref - q) + kd (v_ref - v) on velocity coordinates, all (nv,), or all empty: none.");
+  add_value(pd)
+      .def(py::init([](const Vector& kp, const Vector& kd, const Vector& q_ref, const Vector& v_ref) {
+             return PdLaws{kp, kd, q_ref, v_ref};
+           }),
+           py::arg("kp"), py::arg("kd"), py::arg("q_ref"), py::arg("v_ref"))
+      .def_readwrite("kp", &PdLaws::kp, "Stiffness [N m / rad], none negative, 0 for joints of several coordinates.")
+      .def_readwrite("kd", &PdLaws::kd, "Damping [N m s / rad], none negative.")
+      .def_readwrite("q_ref", &PdLaws::q_ref, "Reference at the end of the next step [rad, m].")
+      .def_readwrite("v_ref", &PdLaws::v_ref, "Reference at the end of the next step [rad/s, m/s].");
+  py::class_<StepWork> work(m, "StepWork", "Work of forces in a step [J].");
+  add_value(work)
+      .def_readonly("pd", &StepWork::pd, "Work of PD laws.")
+      .def_readonly("dampers", &StepWork::dampers, "Work of dampers in joints and between points.")
+      .def_readonly("friction", &StepWork::friction, "Work of joint friction.")
+      .def_readonly("springs", &StepWork::springs, "Energy that the step took from springs, beyond their change of energy.");
+
   py::class_<Simulation>(m, "SimulationData",
                          "A simulation of a scene: its state, step size, integrator and workspace.")
       .def(py::init([](const Scene& scene, const Vector& q, const Vector& v, Integrator integrator, double h,
@@ -128,6 +146,18 @@ void add_steps(py::module_& m) {
           "velocity_limit", [](const Simulation& s) { return s.at_rest().velocity_limit; },
           [](const Simulation& s, double limit) { s.changeable().velocity_limit = limit; },
           "Largest velocity [m/s, rad/s]; a faster step is StepStatus.TOO_FAST.")
+      .def_property(
+          "pd", [](const Simulation& s) { return s.at_rest().pd; },
+          [](const Simulation& s, const PdLaws& laws) { s.changeable().pd = laws; },
+          "PD laws of joints, evaluated at the end of a step. Assign a whole PdLaws between steps.")
+      .def_property_readonly(
+          "pd_torque", [](const Simulation& s) { return s.at_rest().pd_torque; },
+          "Mean torque of the PD laws in the last step (nv) [N m, N].")
+      .def_property_readonly(
+          "work", [](const Simulation& s) { return s.at_rest().work; }, "StepWork of the last step.")
+      .def_property_readonly(
+          "unsettled", [](const Simulation& s) { return s.at_rest().unsettled; },
+          "Number of steps in which joint friction did not converge.")
       .def_property_readonly(
           "dynamics", [](const Simulation& s) { return s.dynamics; },
           "SceneData of the last solve. Between steps dynamics.active may be switched, and dynamics.pushes changed.");

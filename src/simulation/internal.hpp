@@ -13,22 +13,18 @@ void dexp_inverse(const Scene& scene, const Eigen::VectorXd& w, const Eigen::Vec
 [[nodiscard]] bool solve_stage(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                                const ConstVector& u, SimulationData& data);
 
-/// What semi-implicit Euler solves: the scene at rest, with the inertias that stiff springs in joints add.
-struct AtRest {
-  const Scene& scene;
-  SceneData& data;  // data.dynamics where there are none
-};
-AtRest at_rest_with_springs(const Scene& scene, SimulationData& data);
-/// Springs that the step is too long for, taken at its end (implicit_springs.hpp): changes data.w, the torques, and
-/// data.tau, what else is on the right-hand side. After want_contact_velocities. False when a solve failed.
-[[nodiscard]] bool take_springs(const Scene& scene, SimulationData& data);
-
 /// After a step's first solve, in `of`: data.condition, where data.condition_every asks for it.
 void watch_condition(const Scene& scene, SceneData& of, SimulationData& data);
 
 /// After a step's first solve: where contacts were switched, and at the start, the rows that depend on each other are
 /// those that do from here on (dynamics/keep_dependent.hpp).
 void keep_what_depends(SceneData& of, SimulationData& data);
+
+/// q+ and v+ of what semi-implicit Euler's solve came to, data.next_v, with the momentum of what is free.
+void end_step(const Scene& scene, SimulationData& data);
+/// After it: what springs act on gains no energy (bounded_energy.cpp). data.wanted: J v at the start; data.dynamics:
+/// v+ in the place of a, and f in newtons.
+void bound_energy(const Scene& scene, SimulationData& data);
 
 /// data.f, f_offset: those of data.dynamics.
 void keep_forces(SimulationData& data);

@@ -176,6 +176,12 @@ void kinematics_at(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Ve
   }
 }
 
+Vec3<double> place_of(const Attachment& at, const std::vector<Kinematics<double>>& kin) {
+  if (at.robot < 0) return at.placement.p;
+  const SE3<double>& M = kin[at.robot].oMi[at.joint];
+  return kin[at.robot].origin(at.joint) + M.p + M.R * at.placement.p;
+}
+
 Vec3<double> added_displacement(const FreeGroups& groups, const FreeGroups::FreeJoint& j) {
   Vec3<double> out = Vec3<double>::Zero();
   each_side(groups, j, [&](const FreeGroup& group, double sign) { out += sign * group.d; });

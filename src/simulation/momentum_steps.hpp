@@ -28,6 +28,8 @@ Vec6<double> added_velocity(const FreeGroups& groups, const FreeGroups::FreeJoin
 /// Places and velocities of all robots; accelerations are not used.
 void kinematics_at(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                    std::vector<Kinematics<double>>& kin);
+/// The origin of an attachment in the world.
+Vec3<double> place_of(const Attachment& at, const std::vector<Kinematics<double>>& kin);
 /// Inertia and momentum of every free group, about its reference.
 void measure(const Scene& scene, const std::vector<Kinematics<double>>& kin, FreeGroups& groups);
 /// Angular momentum about the centre of mass C, seen from the reference.

@@ -15,28 +15,37 @@ namespace {
 constexpr double kReachOfRk4 = 2.6;
 constexpr int kMostAsked = 100;  // joints of a robot
 
-// Joint coordinates with a spring or a damper.
-std::vector<int> joints_with_springs(const Scene& scene) {
-  std::vector<char> has(static_cast<std::size_t>(scene.nv), 0);
-  for (const JointSpring& spring : scene.joint_springs) {
-    const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
-    has[static_cast<std::size_t>(robot.idx_v + robot.model->joints[spring.joint].idx_v)] = 1;
+// k and c of joints' coordinates, friction by its slope at rest.
+struct JointForces {
+  Eigen::VectorXd k, c;
+  JointForces(const Scene& scene, const PdLaws& pd) : k(Eigen::VectorXd::Zero(scene.nv)), c(k) {
+    for (const JointSpring& spring : scene.joint_springs) {
+      const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
+      k[robot.idx_v + robot.model->joints[spring.joint].idx_v] += spring.stiffness;
+    }
+    for (const Robot& robot : scene.robots) {
+      const Model& model = *robot.model;
+      if (model.damping.size() > 0) c.segment(robot.idx_v, model.nv) += model.damping;
+      if (model.friction.size() > 0) c.segment(robot.idx_v, model.nv) += model.friction / kFrictionVelocity;
+    }
+    if (pd.kp.size() == scene.nv) k += pd.kp, c += pd.kd;
   }
-  for (const Robot& robot : scene.robots)
-    for (Eigen::Index i = 0; i < robot.model->damping.size(); ++i)
-      if (robot.model->damping[i] > 0) has[static_cast<std::size_t>(robot.idx_v + i)] = 1;
+};
+
+std::vector<int> joints_with_forces(const JointForces& forces) {
   std::vector<int> out;
-  for (int i = 0; i < scene.nv; ++i)
-    if (has[static_cast<std::size_t>(i)]) out.push_back(i);
+  for (int i = 0; i < forces.k.size(); ++i)
+    if (forces.k[i] > 0 || forces.c[i] > 0) out.push_back(i);
   return out;
 }
 
 // Three for each spring between points, one for each joint that is asked; the others get an infinite mobility.
-std::vector<UnitForce> all_forces(const Scene& scene, Eigen::VectorXd& mobility_of_joints) {
+std::vector<UnitForce> all_forces(const Scene& scene, const PdLaws& pd, internal::UnitTorques& unit,
+                                  Eigen::VectorXd& mobility_of_joints) {
   std::vector<UnitForce> out;
   for (std::size_t s = 0; s < scene.springs.size(); ++s)
-    for (int k = 0; k < 3; ++k) out.push_back({static_cast<int>(s), Vec3<double>::Unit(k)});
-  const std::vector<int> joints = joints_with_springs(scene);
+    for (int k = 0; k < 3; ++k) unit.add_forces(static_cast<int>(s), Vec3<double>::Unit(k), out);
+  const std::vector<int> joints = joints_with_forces(JointForces(scene, pd));
   auto next = joints.begin();
   for (const Robot& robot : scene.robots) {
     const auto first = next;
@@ -45,7 +54,7 @@ std::vector<UnitForce> all_forces(const Scene& scene, Eigen::VectorXd& mobility_
       if (next - first > kMostAsked)
         mobility_of_joints[*i] = std::numeric_limits<double>::infinity();
       else
-        out.push_back({-1, Vec3<double>::Zero(), *i});
+        unit.add_force(scene, *i, out);
   }
   return out;
 }
@@ -53,24 +62,27 @@ std::vector<UnitForce> all_forces(const Scene& scene, Eigen::VectorXd& mobility_
 }  // namespace
 
 double largest_spring_step(Integrator integrator, double k, double c) {
-  if (integrator == Integrator::kSemiImplicitEuler) return k > 0 ? (std::sqrt(c * c + 4 * k) - c) / k : 2 / c;
+  if (integrator == Integrator::kSemiImplicitEuler)
+    return k > 0 ? 2 / std::sqrt(k) : std::numeric_limits<double>::infinity();
   const double root = c * c - 4 * k;
   return kReachOfRk4 / (root > 0 ? (c + std::sqrt(root)) / 2 : std::sqrt(k));
 }
 
-SpringMobilities spring_mobilities(const Scene& scene, const std::vector<char>& active, const Eigen::VectorXd& q) {
+SpringMobilities spring_mobilities(const Scene& scene, const PdLaws& pd, const std::vector<char>& active,
+                                   const Eigen::VectorXd& q) {
   SpringMobilities out{std::vector<Mat3<double>>(scene.springs.size(), Mat3<double>::Zero()),
                        Eigen::VectorXd::Zero(scene.nv)};
-  std::vector<UnitForce> forces = all_forces(scene, out.joints);
+  internal::UnitTorques unit(scene);
+  unit.find_islands(scene, active);
+  const std::vector<UnitForce> forces = all_forces(scene, pd, unit, out.joints);
   if (forces.empty()) return out;
   SceneAtRest rest(scene);
   SceneData data(rest.scene);
   data.active = active;
-  internal::UnitTorques unit(scene);
   unit.place(scene, q);
-  const int count = unit.number(scene, active, forces);
   const auto sound = [](double x) { return std::isfinite(x) ? x : 0; };
-  for (int number = 0; number < count; ++number) {
+  for (int number = 0; number < unit.numbers(); ++number) {
+    unit.clear();
     for (const UnitForce& force : forces)
       if (force.number == number) unit.add(force, 1);
     (void)solve_tau(rest.scene, q, rest.zero, unit.torques(), data);
@@ -82,42 +94,38 @@ SpringMobilities spring_mobilities(const Scene& scene, const std::vector<char>& 
       else
         for (int k = 0; k < 3; ++k)
           out.springs[static_cast<std::size_t>(force.spring)].row(k) +=
-              sound(unit.along({force.spring, Vec3<double>::Unit(k)})) * force.direction.transpose();
+              sound(unit.along(force.spring, Vec3<double>::Unit(k), force.island)) * force.direction.transpose();
     }
   }
   return out;
 }
 
-SpringStep shortest_spring_step(const Scene& scene, const std::vector<char>& active, const Eigen::VectorXd& q,
-                                Integrator integrator) {
+SpringStep shortest_spring_step(const Scene& scene, const PdLaws& pd, const std::vector<char>& active,
+                                const Eigen::VectorXd& q, Integrator integrator) {
   SpringStep out;
-  if (scene.springs.empty() && scene.joint_springs.empty()) return out;
-  const SpringMobilities mobilities = spring_mobilities(scene, active, q);
-  const auto take = [&](std::size_t spring, bool in_joint, double k, double c) {
-    if (!(k > 0 || c > 0) || std::isinf(k)) return;
-    const double step = largest_spring_step(integrator, k, c);
-    if (out.spring < 0 || step < out.largest) out = {static_cast<int>(spring), in_joint, step};
+  out.largest = std::numeric_limits<double>::infinity();
+  const SpringMobilities mobilities = spring_mobilities(scene, pd, active, q);
+  const auto take = [&](int spring, int coordinate, double k, double c) {
+    if (!(k > 0 || c > 0) || std::isinf(k) || std::isinf(c)) return;
+    if (const double step = largest_spring_step(integrator, k, c); step < out.largest) out = {spring, coordinate, step};
   };
-  AppliedForces<double> at_q(scene);
-  Eigen::VectorXd tau = Eigen::VectorXd::Zero(scene.nv);
-  const Eigen::VectorXd rest = tau;
-  std::vector<Vec6<double>> none(scene.pushes.size(), Vec6<double>::Zero());
-  add_applied_forces<double>(scene, q.data(), rest.data(), none, at_q, tau.data());
-  for (std::size_t s = 0; s < scene.springs.size(); ++s) {
-    const Spring& spring = scene.springs[s];
-    const Mat3<double>& C = mobilities.springs[s];
-    const Vec3<double>& n = at_q.springs[s].n;
-    const double mobility = n.isZero(0) ? C.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff() : n.dot(C * n);
-    take(s, false, spring.stiffness * mobility, spring.damping * mobility);
+  if (!scene.springs.empty()) {
+    AppliedForces<double> at_q(scene);
+    Eigen::VectorXd tau = Eigen::VectorXd::Zero(scene.nv);
+    const Eigen::VectorXd rest = tau;
+    std::vector<Vec6<double>> none(scene.pushes.size(), Vec6<double>::Zero());
+    add_applied_forces<double>(scene, q.data(), rest.data(), none, at_q, tau.data());
+    for (std::size_t s = 0; s < scene.springs.size(); ++s) {
+      const Spring& spring = scene.springs[s];
+      const Mat3<double>& C = mobilities.springs[s];
+      const Vec3<double>& n = at_q.springs[s].n;
+      const double mobility = n.isZero(0) ? C.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff() : n.dot(C * n);
+      take(static_cast<int>(s), -1, spring.stiffness * mobility, spring.damping * mobility);
+    }
   }
-  for (std::size_t s = 0; s < scene.joint_springs.size(); ++s) {
-    const JointSpring& spring = scene.joint_springs[s];
-    const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
-    const int i = robot.model->joints[spring.joint].idx_v;
-    const double mobility = mobilities.joints[robot.idx_v + i];
-    const double c = robot.model->damping.size() > 0 ? robot.model->damping[i] : 0;
-    take(s, true, spring.stiffness * mobility, c * mobility);
-  }
+  const JointForces joints(scene, pd);
+  for (int i = 0; i < scene.nv; ++i)
+    take(-1, i, joints.k[i] * mobilities.joints[i], joints.c[i] * mobilities.joints[i]);
   return out;
 }
 

@@ -6,12 +6,14 @@
 #include <limits>
 #include <stdexcept>
 
-#include "implicit_springs.hpp"
 #include "internal.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/algorithm/integrate.hpp"
+#include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
 #include "manycontact/model/suggestion.hpp"
+#include "manycontact/model/torques.hpp"
+#include "resisting_forces.hpp"
 
 namespace manycontact {
 
@@ -25,7 +27,10 @@ void integrate_scene(const Scene& scene, const Eigen::VectorXd& q, const Eigen::
 
 bool solve_stage(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const ConstVector& u,
                  SimulationData& data) {
-  const Status status = solve(scene, q, v, u, data.dynamics).status;
+  if (u.size() != scene.nu) throw std::invalid_argument("step: u does not fit the scene");
+  torques_of_motors(scene, u, data.tau);
+  if (data.pd.kp.size() > 0) add_pd_torques(scene, data.pd, q, v, data.tau);
+  const Status status = solve_tau(scene, q, v, data.tau, data.dynamics).status;
   data.worst = std::max(data.worst, status);
   return status != Status::kFailed;
 }
@@ -57,8 +62,8 @@ SimulationData::SimulationData(const Scene& scene, const ConstVector& q_, const 
   if (!(h > 0) || !std::isfinite(h)) throw std::invalid_argument("SimulationData: the step is not positive");
   if (has_applied_forces(scene)) applied = std::make_shared<AppliedForces<double>>(scene);
   if (!scene.springs.empty() || !scene.joint_springs.empty() ||
-      std::any_of(scene.robots.begin(), scene.robots.end(), [](const Robot& r) { return r.model->damping.size() > 0; }))
-    implicit = std::make_shared<ImplicitSprings>(scene);
+      std::any_of(scene.robots.begin(), scene.robots.end(), [](const Robot& r) { return has_friction(*r.model); }))
+    resisting = std::make_shared<ResistingForces>(scene);
   for (Eigen::VectorXd* x : {&next_q, &stage_q}) *x = q;
   left_q.setConstant(scene.nq, std::numeric_limits<double>::quiet_NaN());  // unlike any state
   left_v = v;
@@ -66,6 +71,7 @@ SimulationData::SimulationData(const Scene& scene, const ConstVector& q_, const 
 }
 
 StepStatus step(const Scene& scene, const ConstVector& u, SimulationData& data) {
+  internal::check_pd(scene, data.pd);
   const bool solved = data.integrator == Integrator::kRk4 ? internal::step_rk4(scene, u, data)
                                                           : internal::step_semi_implicit_euler(scene, u, data);
   if (!solved) return StepStatus::kSolverFailed;

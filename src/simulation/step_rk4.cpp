@@ -1,9 +1,45 @@
+#include <algorithm>
+#include <cmath>
+
 #include "internal.hpp"
+#include "manycontact/algorithm/applied_forces.hpp"
+#include "manycontact/algorithm/joint_friction.hpp"
+#include "manycontact/simulation/resisting_joints.hpp"
 
 namespace manycontact::internal {
 
+namespace {
+
+// Work and mean torques of what resists, at the stage's state, for the time dt of share `weight` of the step.
+void account_for_stage(const Scene& scene, double weight, SimulationData& d) {
+  const double dt = weight * d.h;
+  for (const Robot& robot : scene.robots) {
+    const Model& model = *robot.model;
+    for (Eigen::Index i = 0; i < model.damping.size(); ++i)
+      d.work.dampers -= dt * model.damping[i] * d.stage_v[robot.idx_v + i] * d.stage_v[robot.idx_v + i];
+    for (Eigen::Index i = 0; i < model.friction.size(); ++i) {
+      const double v = d.stage_v[robot.idx_v + i];
+      d.work.friction -= dt * model.friction[i] * std::tanh(v / kFrictionVelocity) * v;
+    }
+  }
+  if (std::any_of(scene.springs.begin(), scene.springs.end(), [](const Spring& s) { return s.damping > 0; })) {
+    d.tau.setZero();
+    add_applied_forces<double>(scene, d.stage_q.data(), d.stage_v.data(), d.dynamics.pushes, *d.applied, d.tau.data());
+    d.work.dampers += dt * power_of(scene, *d.applied).dampers;
+  }
+  if (d.pd.kp.size() == 0) return;
+  d.tau.setZero();
+  add_pd_torques(scene, d.pd, d.stage_q, d.stage_v, d.tau);
+  d.pd_torque += weight * d.tau;
+  d.work.pd += dt * d.tau.dot(d.stage_v);
+}
+
+}  // namespace
+
 bool step_rk4(const Scene& scene, const ConstVector& u, SimulationData& d) {
   constexpr double node[] = {0, 0.5, 0.5, 1}, weight[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+  d.work = {};
+  if (d.pd.kp.size() > 0) d.pd_torque.setZero(scene.nv);
   d.w_sum.setZero();
   d.v_sum.setZero();
   for (int s = 0; s < 4; ++s) {
@@ -22,6 +58,7 @@ bool step_rk4(const Scene& scene, const ConstVector& u, SimulationData& d) {
       keep_forces(d);
       watch_condition(scene, d.dynamics, d);
     }
+    account_for_stage(scene, weight[s], d);
     dexp_inverse(scene, d.w, d.stage_v, d.w_rate);
     d.v_rate = d.dynamics.a;
     d.w_sum += weight[s] * d.h * d.w_rate;

@@ -2,10 +2,9 @@
 
 #include "internal.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
-#include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
-#include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/model/torques.hpp"
+#include "resisting_forces.hpp"
 
 namespace manycontact::internal {
 
@@ -26,6 +25,46 @@ void want_contact_velocities(const Scene& scene, SimulationData& d) {
 
 }  // namespace
 
+namespace {
+
+// K v+ = tau + h w with all that resists: into the data of at_rest_with_joints. False when a solve failed.
+bool solve_to_the_end(const Scene& scene, SimulationData& d) {
+  if (!d.resisting) {
+    d.tau += d.h * d.w;
+    return solve_with_springs(scene, d.tau, d);
+  }
+  Eigen::VectorXd& b = d.resisting->b;
+  for (int k = 0; k < kMostSolves; ++k) {
+    b = d.tau + d.h * d.w;
+    ResistingJoints& joints = d.resisting->joints;
+    joints.set_inertias(scene, d.h);
+    joints.add_sliding(d.h, b);
+    if (!solve_with_springs(scene, b, d)) return false;
+    if (joints.settles(scene, d.dynamics, d.h, at_rest_with_joints(scene, d).data.a)) return true;
+  }
+  ++d.unsettled;
+  return true;
+}
+
+// Torques at the start of the step into w; what resists is made ready.
+void begin_forces(const Scene& scene, const ConstVector& u, SimulationData& d) {
+  torques_of_motors(scene, u, d.w);
+  if (!d.resisting && d.pd.kp.size() > 0) d.resisting = std::make_shared<ResistingForces>(scene);
+  add_loads(scene, d);
+  if (!d.resisting) return;
+  take_joints(scene, d);
+  if (d.resisting->springs) take_springs(scene, d);
+}
+
+void account_for_work(const Scene& scene, SimulationData& d) {
+  d.work = {};
+  if (!d.resisting) return;
+  account_for_joints(scene, d, d.next_v);
+  if (d.resisting->springs) account_for_springs(scene, d, d.next_v);
+}
+
+}  // namespace
+
 bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, SimulationData& d) {
   if (u.size() != scene.nu) throw std::invalid_argument("step: u does not fit the scene");
   if (d.dynamics.pushes.size() != scene.pushes.size())
@@ -34,34 +73,27 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
   d.at_rest.follow(scene, h);
   d.stage_v = d.v / -h;
   d.at_rest.inverse_dynamics_of(scene, d.q, d.v, d.stage_v, scene.gravity, d.tau);
-  torques_of_motors(scene, u, d.w);  // what motors, pushes and springs give
-  if (d.applied) add_applied_forces<double>(scene, d.q.data(), d.v.data(), d.dynamics.pushes, *d.applied, d.w.data());
   d.tau *= -h;  // M v - h h(q, v)
-  for (const Robot& robot : scene.robots)
-    add_friction(*robot.model, d.v.data() + robot.idx_v, d.tau.data() + robot.idx_v, h);
   want_contact_velocities(scene, d);
-  const bool taken = take_springs(scene, d);
-  const auto [rest, data] = at_rest_with_springs(scene, d);
-  Status status = Status::kFailed;
-  if (taken) {
-    begin_free_motion(scene, d.dynamics.active, d.w, h, d.at_rest.kin, d.free_groups);
-    d.tau += h * d.w;
-    status = solve_tau(rest, d.q, d.at_rest.zero, d.tau, d.wanted, data).status;
-    watch_condition(rest, data, d);
-    d.worst = std::max(d.worst, status);
-  }
+  begin_forces(scene, u, d);
+  begin_free_motion(scene, d.dynamics.active, d.w, h, d.at_rest.kin, d.free_groups);
+  const bool solved = solve_to_the_end(scene, d);
+  const auto [rest, data] = at_rest_with_joints(scene, d);
   if (&data != &d.dynamics) d.dynamics.a = data.a, d.dynamics.f = data.f, d.dynamics.report = data.report;
-  if (status == Status::kFailed) return false;
+  if (!solved) return false;
+  watch_condition(rest, data, d);
   keep_what_depends(data, d);
+  add_impulses_of_springs(scene, d);
   d.next_v = d.dynamics.a;
-  d.dynamics.a = (d.next_v - d.v) / h;
   d.dynamics.f /= h;
+  account_for_work(scene, d);
+  d.wanted = d.contact_v;
+  d.at_rest.contact_velocities_at(d.next_v, d.dynamics.f_offset, d.contact_v);
+  end_step(scene, d);
+  bound_energy(scene, d);
+  d.dynamics.a = (d.dynamics.a - d.v) / h;
   give_up_solution(d.dynamics);  // what it was solved at is not the state
   keep_forces(d);
-  d.w = h * d.next_v;
-  integrate_scene(scene, d.q, d.w, d.next_q);
-  d.at_rest.contact_velocities_at(d.next_v, d.dynamics.f_offset, d.contact_v);
-  end_free_motion(scene, d.next_q, d.next_v, d.at_rest.kin, d.free_groups);
   d.left_q = d.next_q, d.left_v = d.next_v, d.left_active = d.dynamics.active;
   return true;
 }

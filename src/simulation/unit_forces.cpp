@@ -31,34 +31,49 @@ Scene with_ends(const Scene& scene, std::vector<int> (&push)[2]) {
 
 }  // namespace
 
-int UnitTorques::number(const Scene& scene, const std::vector<char>& active, std::span<UnitForce> forces) {
-  islands_.resize(scene.robots.size());
-  count_.assign(scene.robots.size(), 0);
+void UnitTorques::find_islands(const Scene& scene, const std::vector<char>& active) {
   sparse::UnionFind islands(islands_);
-  const auto join = [&](const Attachment& A, const Attachment& B) {
-    if (A.robot >= 0 && B.robot >= 0) islands.join(A.robot, B.robot);
-  };
-  for (std::size_t c = 0; c < scene.contacts.size(); ++c)
-    if (active[c]) join(scene.contacts[c].A, scene.contacts[c].B);
-  for (const UnitForce& force : forces)
-    if (force.spring >= 0) join(scene.springs[force.spring].A, scene.springs[force.spring].B);
-  int most = 0;
-  for (UnitForce& force : forces) {
-    force.island =
-        islands.root(force.spring >= 0 ? scene.springs[force.spring].A.robot : robot_of(scene, force.coordinate));
-    force.number = count_[static_cast<std::size_t>(force.island)]++;
-    most = std::max(most, force.number + 1);
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    const Contact& contact = scene.contacts[c];
+    if (active[c] && moves(contact.A) && moves(contact.B)) islands.join(contact.A.robot, contact.B.robot);
   }
-  return most;
+  for (std::size_t s = 0; s < scene.springs.size(); ++s)
+    for (const int end : {0, 1}) {
+      const Attachment& at = end == 0 ? scene.springs[s].A : scene.springs[s].B;
+      island_of_end_[end][s] = moves(at) ? islands.root(at.robot) : -1;
+    }
+  for (std::size_t r = 0; r < scene.robots.size(); ++r) islands_[r] = islands.root(static_cast<int>(r));
+}
+
+void UnitTorques::give_number(UnitForce& force) {
+  force.number = count_[static_cast<std::size_t>(force.island)]++;
+  most_ = std::max(most_, force.number + 1);
+}
+
+void UnitTorques::add_forces(int spring, const Vec3<double>& direction, std::vector<UnitForce>& to) {
+  const int A = island_of(spring, 0), B = island_of(spring, 1);
+  to.push_back({spring, direction, -1, A});
+  give_number(to.back());
+  if (B < 0 || B == A) return;
+  to.push_back({spring, direction, -1, B});
+  give_number(to.back());
+}
+
+void UnitTorques::add_force(const Scene& scene, int coordinate, std::vector<UnitForce>& to) {
+  to.push_back({-1, Vec3<double>::Zero(), coordinate, islands_[static_cast<std::size_t>(robot_of(scene, coordinate))]});
+  give_number(to.back());
 }
 
 UnitTorques::UnitTorques(const Scene& scene)
-    : ends_(with_ends(scene, push_)),
+    : islands_(scene.robots.size()),
+      count_(scene.robots.size(), 0),
+      ends_(with_ends(scene, push_)),
       forces_(ends_),
       scratch_(forces_),
       robots_(scene.robots.size()),
       w_(ends_.pushes.size(), Vec6<double>::Zero()) {
   std::iota(robots_.begin(), robots_.end(), 0);
+  for (std::vector<int>& islands : island_of_end_) islands.assign(scene.springs.size(), -1);
   for (Eigen::VectorXd* x : {&rest_, &tau_, &joints_, &a_, &by_q_, &by_v_}) x->setZero(scene.nv);
   by_w_.setZero(static_cast<Eigen::Index>(6 * w_.size()));
 }
@@ -81,8 +96,9 @@ void UnitTorques::add(const UnitForce& force, double amount) {
     return;
   }
   for (const int end : {0, 1})
-    if (const int p = push_[end][static_cast<std::size_t>(force.spring)]; p >= 0)
-      w_[static_cast<std::size_t>(p)].head<3>() += (end == 0 ? amount : -amount) * force.direction;
+    if (force.island < 0 || island_of(force.spring, end) == force.island)
+      if (const int p = push_[end][static_cast<std::size_t>(force.spring)]; p >= 0)
+        w_[static_cast<std::size_t>(p)].head<3>() += (end == 0 ? amount : -amount) * force.direction;
 }
 
 const Eigen::VectorXd& UnitTorques::torques() {
@@ -100,11 +116,15 @@ void UnitTorques::look(const Eigen::VectorXd& a) {
 }
 
 double UnitTorques::along(const UnitForce& force) const {
-  if (force.spring < 0) return a_[force.coordinate];
+  return force.spring < 0 ? a_[force.coordinate] : along(force.spring, force.direction, force.island);
+}
+
+double UnitTorques::along(int spring, const Vec3<double>& direction, int island) const {
   double out = 0;
   for (const int end : {0, 1})
-    if (const int p = push_[end][static_cast<std::size_t>(force.spring)]; p >= 0)
-      out += (end == 0 ? 1 : -1) * force.direction.dot(by_w_.segment<3>(6 * p));
+    if (island < 0 || island_of(spring, end) == island)
+      if (const int p = push_[end][static_cast<std::size_t>(spring)]; p >= 0)
+        out += (end == 0 ? 1 : -1) * direction.dot(by_w_.segment<3>(6 * p));
   return out;
 }
 

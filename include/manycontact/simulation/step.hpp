@@ -6,10 +6,10 @@
 //     [ M  J^T     ] [ v+   ]   [ M v + h (tau - h(q, v))   ]
 //     [ J  -delta I] [ -h f ] = [ (1 - beta h) c - alpha h e ]      c+ = J(q) v+,   q+ = q (+) h v+
 //
-// tau = tau(q, v, u, w) is the torque of motors, friction, pushes and springs. Springs and joint dampers for
-// which an explicit step of 2 h would be unstable are evaluated at the end of the step. This adds h^2 k + h c to M
-// along them. It is stable for any h, and damps oscillations that are too fast for the step. Afterwards, the momentum
-// of bodies without connection to the world is corrected (simulation/momentum.hpp).
+// tau = tau(q, v, u, w) is the torque of motors and pushes at the start of the step. Resisting forces are those at its
+// end, for any h. Dampers, springs and PD laws add h^2 k + h c to M along them: oscillations that are too fast for the
+// step are damped. Joint friction follows Coulomb: it is at most F, and a joint sticks below 1e-6 rad/s or m/s.
+// Afterwards, the momentum of bodies without connection to the world is corrected (simulation/momentum.hpp).
 //
 // e is the contact's placement error. c is its velocity after the last step: J v initially, then J of the last
 // configuration times v. If e = c = 0, v+ is the velocity nearest to v + h a_free, in the mass-weighted norm, that the
@@ -25,8 +25,10 @@
 //     dw/dt = dexp^-1_w v,   dv/dt = a(q0 (+) w, v)
 //     dexp^-1_w v = v + [w, v]/2 + [w, [w, v]]/12 + O(|w|^4 |v|)
 //
-// v is expressed in the body's frame already and needs no correction. The truncation of the series changes a step by
-// O(h^5), as the scheme itself does. Without the brackets, floating bases and planar joints have order 2 only.
+// All forces are evaluated at the stages. Dampers, springs and PD laws bound the step size
+// (simulation/spring_steps.hpp), and joint friction is smoothed as in solve. v is expressed in the body's frame already
+// and needs no correction. The truncation of the series changes a step by O(h^5), as the scheme itself does. Without
+// the brackets, floating bases and planar joints have order 2 only.
 //
 // If the motion passes a configuration where J loses rank (a loop of joints in line), nearby stages turn their O(h^2)
 // constraint error into an impulse of arbitrary size. Every solve is correct, but energy jumps. The scene's damping
@@ -44,7 +46,7 @@ namespace manycontact {
 
 template <class S>
 struct AppliedForces;    // private to the module algorithm
-struct ImplicitSprings;  // private to this module
+struct ResistingForces;  // private to this module
 
 /// The result of a step.
 enum class StepStatus {
@@ -76,6 +78,19 @@ struct SceneAtRest {
   std::vector<ContactData<double>> contacts;
 };
 
+/// PD laws of joints: the torque kp (q_ref - q) + kd (v_ref - v) on velocity coordinates. All vectors have length nv, or
+/// all are empty if no joint has a PD law.
+struct PdLaws {
+  Eigen::VectorXd kp, kd;        // not negative [N m / rad, N m s / rad]; kp is 0 for joints of several coordinates
+  Eigen::VectorXd q_ref, v_ref;  // references at the end of the step [rad, rad/s]; RK4 uses them at all stages
+};
+
+/// Work of forces in a step, each force times the mean of the velocities before and after [J].
+struct StepWork {
+  double pd = 0, dampers = 0, friction = 0;  // PD laws; dampers in joints and between points; joint friction
+  double springs = 0;                        // energy that the step took from springs, beyond their change of energy
+};
+
 struct SimulationData {  // A simulation: state, step size, integrator, and the workspace of its solves. One per thread.
   /// Starts at q (nq), v (nv) with steps of h [s]. Throws std::invalid_argument for wrong sizes, and unless h is finite
   /// and positive.
@@ -96,6 +111,9 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
   SceneData dynamics;          // a, f and report of the last solve; with semi-implicit Euler a is a mean acceleration,
                                // and there are no derivatives. Between steps, dynamics.active may be switched
                                // (simulation/switch.hpp) and dynamics.pushes changed
+  PdLaws pd;                   // may be changed between steps
+  Eigen::VectorXd pd_torque;   // nv, set by step: mean torque of the PD laws [N m, N]
+  StepWork work;               // set by step
   Eigen::VectorXd f;           // set by step: contact forces at the state before it, rows as in Solution::f
   std::vector<int> f_offset;   // set by step: per contact its first row in f, or -1 if it was not active
   Eigen::VectorXd next_q, next_v;  // set by step: the state tried; after a successful step, the previous state
@@ -106,8 +124,9 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
   // Used by semi-implicit Euler.
   FreeGroups free_groups;
   std::shared_ptr<AppliedForces<double>> applied;  // nullptr if the scene has none
-  std::shared_ptr<ImplicitSprings> implicit;       // nullptr if the scene has neither springs nor dampers
-  Eigen::VectorXd contact_v;                       // c, rows as in f, for the current state and contacts
+  std::shared_ptr<ResistingForces> resisting;      // nullptr if there are no springs, dampers, friction and PD laws
+  long unsettled = 0;  // number of steps in which joint friction did not converge within 50 solves
+  Eigen::VectorXd contact_v;  // c, rows as in f, for the current state and contacts
   Eigen::VectorXd left_q, left_v;
   std::vector<char> left_active;
 

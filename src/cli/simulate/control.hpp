@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "manycontact/io/scene_file.hpp"
+#include "manycontact/simulation/step.hpp"
 
 namespace manycontact::cli {
 
@@ -24,7 +25,7 @@ class TimeTable {
   std::vector<double> t_, values_;
 };
 
-/// u(t, q, v) = torques(t) + kp (q_ref(t) - q) + kd (v_ref(t) - v)
+/// u(t) = torques(t), and the PD law kp (q_ref(t) - q) + kd (v_ref(t) - v), which a step takes (simulation/step.hpp).
 class Control {
  public:
   explicit Control(const SceneFile& file)
@@ -32,18 +33,24 @@ class Control {
   /// Columns "u:r0/knee": held until the next row. What has no column keeps the scene's torque, and all do before the
   /// first row.
   void read_torques(const std::string& path);
-  /// Towards columns "q:r0/knee" and "v:r0/knee", in between rows too; what has none: the scene's q, and 0. Throws
-  /// InputError where an actuated joint has several coordinates.
-  void follow(double kp, double kd, const std::optional<std::string>& reference);
+  /// Towards columns "q:r0/knee" and "v:r0/knee", in between rows too; what has none: the scene's q, and 0. gains:
+  /// "kp kd; r0/knee kp kd; ...", the first of all joints that are not named. Throws UsageError, and InputError where
+  /// an actuated joint has several coordinates.
+  void follow(const std::string& gains, const std::optional<std::string>& reference);
 
+  const Eigen::VectorXd& torques_at(double t);
+  /// Towards the reference at t.
+  void set_pd(double t, PdLaws& pd);
+  /// torques_at and what the PD law is at q, v.
   const Eigen::VectorXd& at(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
 
  private:
+  void for_all(double kp, double kd);
   const SceneFile& file_;
-  Eigen::VectorXd u_, q_, v_, out_;
+  Eigen::VectorXd u_, q_, v_, out_, kp_, kd_;  // kp_, kd_: nv
   std::optional<TimeTable> torques_, q_over_time_, v_over_time_;
   bool follows_ = false;
-  double kp_ = 0, kd_ = 0;
+  PdLaws pd_;
 };
 
 }  // namespace manycontact::cli

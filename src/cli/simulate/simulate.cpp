@@ -46,24 +46,6 @@ Integrator integrator_of(const Arguments& arguments) {
   return *integrator;
 }
 
-// "25 10" or "25,10".
-Gains two_numbers(const std::string& option, const std::string& names, const std::string& text,
-                  const std::string& otherwise = "") {
-  double x[2];
-  const char *at = text.data(), *end = at + text.size();
-  for (int k = 0; k < 2; ++k) {
-    while (at != end && (*at == ' ' || (k == 1 && *at == ','))) ++at;
-    const auto [next, error] = std::from_chars(at, end, x[k]);
-    if (error != std::errc() || !std::isfinite(x[k]) || x[k] < 0) at = nullptr;
-    if (!at) break;
-    at = next;
-  }
-  while (at && at != end && *at == ' ') ++at;
-  if (at != end)
-    throw UsageError("option " + option + " is '" + text + "', expected '" + names + "', neither below 0" + otherwise);
-  return {x[0], x[1]};
-}
-
 std::optional<Gains> gains_of(const Arguments& arguments, const Run& run) {
   const auto text = arguments.value("--gains");
   if (!text) return std::nullopt;
@@ -98,7 +80,21 @@ struct Around {
     for (std::size_t k = 0; k < sim.dynamics.pushes.size(); ++k)
       sim.dynamics.pushes[k] = wrenches.segment<6>(static_cast<Eigen::Index>(6 * k));
   }
+  /// These, and the PD law's reference at the end of the step from t, or in its middle, as the integrator takes it.
+  void act(double t, SimulationData& sim) {
+    push(t, sim);
+    control.set_pd(sim.integrator == Integrator::kRk4 ? t + sim.h / 2 : t + sim.h, sim.pd);
+  }
 };
+
+// What motors and PD laws exerted in the last step, on average.
+Eigen::VectorXd with_pd(const Scene& scene, const SimulationData& sim, Eigen::VectorXd u) {
+  if (sim.pd.kp.size() == 0) return u;
+  for (const Robot& robot : scene.robots)
+    for (int k = 0; k < robot.model->nu(); ++k)
+      u[robot.idx_u + k] += sim.pd_torque[robot.idx_v + robot.model->actuated[static_cast<std::size_t>(k)]];
+  return u;
+}
 
 // The forces at the last state, by a step that is taken back.
 void write_last_forces(const Scene& scene, Around& around, SimulationData& sim) {
@@ -106,8 +102,8 @@ void write_last_forces(const Scene& scene, Around& around, SimulationData& sim) 
   const long steps = sim.steps;
   const Status worst = sim.worst;
   const double t = sim.time();
-  around.push(t, sim);
-  if (step(scene, around.control.at(t, q, v), sim) == StepStatus::kOk) write_forces_row(t, scene, sim, *around.forces);
+  around.act(t, sim);
+  if (step(scene, around.control.torques_at(t), sim) == StepStatus::kOk) write_forces_row(t, scene, sim, *around.forces);
   sim.q = q, sim.v = v, sim.steps = steps, sim.worst = worst;
 }
 
@@ -151,11 +147,11 @@ void simulate(Scene& scene, Around& around, bool progress_always, SimulationData
     }
     const double t = sim.time();
     q = sim.q, v = sim.v;
-    const Eigen::VectorXd& u = around.control.at(t, q, v);
-    around.push(t, sim);
+    const Eigen::VectorXd& u = around.control.torques_at(t);
+    around.act(t, sim);
     run.stopped = step(scene, u, sim);
     if (run.stopped == StepStatus::kOk) {
-      around.watch.look(scene, t, q, v, u, sim);
+      around.watch.look(scene, t, q, v, with_pd(scene, sim, u), sim);
       if (around.forces && (sim.steps - 1) % run.every == 0) write_forces_row(t, scene, sim, *around.forces);
     }
     if (sim.steps % run.every == 0 && sim.steps != written) record(), written = sim.steps;
@@ -187,23 +183,36 @@ void print_advice(std::ostream& out, const Scene& scene, const SimulationData& s
        2);
 }
 
-// The spring that bears the smallest step, if h is too long for it.
-std::string spring_advice(const Scene& scene, const SimulationData& sim, const SpringStep& shortest) {
-  const bool implicit = sim.integrator == Integrator::kSemiImplicitEuler;
-  if (shortest.spring < 0 || shortest.largest >= (implicit ? 2 : 1) * sim.h) return "";
-  std::string who;
-  if (shortest.in_joint) {
-    const JointSpring& spring = scene.joint_springs[static_cast<std::size_t>(shortest.spring)];
+// What bears the smallest step: "spring rope", "joint arm/wrist, by its spring and PD law,".
+std::string name_of(const Scene& scene, const SimulationData& sim, const SpringStep& shortest) {
+  if (shortest.spring >= 0) return "spring " + scene.springs[static_cast<std::size_t>(shortest.spring)].name;
+  const int i = shortest.coordinate;
+  std::vector<std::string> by;
+  for (const JointSpring& spring : scene.joint_springs) {
     const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
-    who = "the spring of joint " + robot.name + "/" + robot.model->joints[spring.joint].name;
-  } else {
-    who = "spring " + scene.springs[static_cast<std::size_t>(shortest.spring)].name;
+    if (robot.idx_v + robot.model->joints[spring.joint].idx_v == i && spring.stiffness > 0) by.push_back("spring");
   }
-  if (implicit)
-    return who + " allows steps of " + number(shortest.largest) +
-           " s at most, for the initial inertia, and is integrated implicitly: oscillations that are too fast for "
-           "steps of " +
-           number(sim.h) + " s are damped";
+  for (const Robot& robot : scene.robots) {
+    const int own = i - robot.idx_v;
+    if (own < 0 || own >= robot.model->nv) continue;
+    const bool rk4 = sim.integrator == Integrator::kRk4;
+    if (rk4 && robot.model->damping.size() > 0 && robot.model->damping[own] > 0) by.push_back("damper");
+    if (rk4 && robot.model->friction.size() > 0 && robot.model->friction[own] > 0) by.push_back("friction");
+  }
+  if (sim.pd.kp.size() > 0 && (sim.pd.kp[i] > 0 || sim.pd.kd[i] > 0)) by.push_back("PD law");
+  std::string list;
+  for (std::size_t k = 0; k < by.size(); ++k)
+    list += (k == 0 ? "" : k + 1 == by.size() ? " and " : ", ") + by[k];
+  return "joint " + velocity_names(scene)[static_cast<std::size_t>(i)] + ", by its " + list + ",";
+}
+
+// That, if h is too long for it.
+std::string spring_advice(const Scene& scene, const SimulationData& sim, const SpringStep& shortest) {
+  if (!shortest.any() || shortest.largest >= sim.h) return "";
+  const std::string who = name_of(scene, sim, shortest);
+  if (sim.integrator == Integrator::kSemiImplicitEuler)
+    return who + " oscillates faster at the start than steps of " + number(sim.h) + " s can follow; that takes steps of " +
+           number(shortest.largest) + " s. The step is stable, and such oscillations are damped";
   return who + " is unstable with " + to_string(sim.integrator) + " beyond steps of " + number(shortest.largest) +
          " s, for the initial inertia";
 }
@@ -246,6 +255,8 @@ void print_summary(std::ostream& out, const SceneFile& file, const SimulationDat
   print_advice(out, file.scene, sim);
   const std::string springs = spring_advice(file.scene, sim, run.shortest);
   if (!springs.empty()) wrap(out, printable(springs), 2);
+  if (sim.unsettled > 0)
+    wrap(out, "in " + count(sim.unsettled, "step") + " joint friction did not settle: shorter steps may help", 2);
 }
 
 Json document(const SceneFile& file, const SimulationData& sim, const Around& around, const Run& run) {
@@ -259,7 +270,10 @@ Json document(const SceneFile& file, const SimulationData& sim, const Around& ar
       {"stopped", run.stopped == StepStatus::kOk ? Json(nullptr) : Json(failure(file.scene, sim, run.stopped))},
       {"energy", {run.start.energy(), run.end.energy()}},
       {"largest_position_drift", run.largest.position_drift}};
-  json["largest_step_of_springs"] = run.shortest.spring < 0 ? Json(nullptr) : Json(run.shortest.largest);
+  json["largest_step_of_springs"] = run.shortest.any() ? Json(run.shortest.largest) : Json(nullptr);
+  const std::string advice = spring_advice(file.scene, sim, run.shortest);
+  json["step_too_long"] = advice.empty() ? Json(nullptr) : Json(advice);
+  json["unsettled_friction"] = sim.unsettled;
   add_findings(file.scene, run.at_start, json);
   around.watch.add_to(json, file.scene);
   return json;
@@ -282,10 +296,7 @@ Around around_of(const Arguments& arguments, const SceneFile& file) {
   if (const auto torques = arguments.value("--torques")) out.control.read_torques(*torques);
   const auto pd = arguments.value("--pd"), reference = arguments.value("--reference");
   if (reference && !pd) throw UsageError("option --reference needs --pd");
-  if (pd) {
-    const Gains k = two_numbers("--pd", "kp kd", *pd);
-    out.control.follow(k.alpha, k.beta, reference);
-  }
+  if (pd) out.control.follow(*pd, reference);
   if (const auto text = arguments.value("--switch")) out.switches.emplace(*text, file);
   if (const auto forces = arguments.value("--forces")) out.forces = std::make_unique<CsvFile>(*forces, "--forces");
   return out;
@@ -316,7 +327,8 @@ int run_simulate(const Arguments& arguments) {
   run.view = recording_of(arguments, file.scene);
   SimulationData sim(file.scene, file.q, file.v, run.integrator, run.h, options);
   sim.condition_every = kConditionEvery;
-  run.shortest = shortest_spring_step(file.scene, sim.dynamics.active, file.q, run.integrator);
+  around.control.set_pd(0, sim.pd);
+  run.shortest = shortest_spring_step(file.scene, sim.pd, sim.dynamics.active, file.q, run.integrator);
   run.at_start.files = file.findings;
   run.at_start.misplaced = placement_errors(file.scene, sim.dynamics.active, file.q);
   run.at_start.moving = velocity_errors(file.scene, sim.dynamics.active, file.q, file.v);
@@ -332,13 +344,31 @@ int run_simulate(const Arguments& arguments) {
   if (json) write_json_file(document(file, sim, around, run), *json);
   finish_view(arguments, file, run.view, summary ? &std::cout : nullptr);
   if (run.stopped == StepStatus::kOk) return sim.worst <= Status::kInconsistent ? kExitOk : kExitUnsound;
+  const std::string advice = summary ? "" : spring_advice(file.scene, sim, run.shortest);
   std::cerr << "manycontact: " << printable(path) << ": stopped in step " << sim.steps + 1 << " of " << run.steps
             << ", at t = " << number(sim.time(), 6) << " s: " << printable(failure(file.scene, sim, run.stopped))
-            << "\n";
+            << (advice.empty() ? "" : "; " + printable(advice)) << "\n";
   return kExitUnsound;
 }
 
 }  // namespace
+
+Gains two_numbers(const std::string& option, const std::string& names, const std::string& text,
+                  const std::string& otherwise) {
+  double x[2];
+  const char *at = text.data(), *end = at + text.size();
+  for (int k = 0; k < 2; ++k) {
+    while (at != end && (*at == ' ' || (k == 1 && *at == ','))) ++at;
+    const auto [next, error] = std::from_chars(at, end, x[k]);
+    if (error != std::errc() || !std::isfinite(x[k]) || x[k] < 0) at = nullptr;
+    if (!at) break;
+    at = next;
+  }
+  while (at && at != end && *at == ' ') ++at;
+  if (at != end)
+    throw UsageError("option " + option + " is '" + text + "', expected '" + names + "', neither below 0" + otherwise);
+  return {x[0], x[1]};
+}
 
 const Command& simulate_command() {
   static const Command command{
@@ -360,9 +390,11 @@ const Command& simulate_command() {
         "CSV: t and columns u:robot/joint, constant from row to row; other joints, and times before the first row, "
         "have the scene's"},
        {"--pushes", "FILE",
-        "CSV: t and columns w:push[0] ... w:push[5], force and torque of the scene's <push>, constant from row to row; "
+       "CSV: t and columns w:push[0] ... w:push[5], force and torque of the scene's <push>, constant from row to row; "
         "other pushes, and times before the first row, have the scene's"},
-       {"--pd", "G", "'kp kd': adds kp (q_ref - q) + kd (v_ref - v) on actuated joints, towards the scene's q or"},
+       {"--pd", "G",
+        "'kp kd', or 'kp kd; robot/joint kp kd; ...' for joints with their own gains: adds kp (q_ref - q) + kd (v_ref - v) "
+        "on actuated joints, at the end of each step, towards the scene's q or"},
        {"--reference", "FILE", "CSV: t and columns q:robot/joint, v:robot/joint, as --out writes them"},
        {"--switch", "LIST",
         "contacts that open and close: '0.2 left off, 0.5 left on' (or here: constrained at the current placement); on "

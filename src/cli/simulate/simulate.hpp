@@ -12,6 +12,10 @@ namespace manycontact::cli {
 /// The same gains for every contact.
 void set_gains(Scene& scene, const Gains& gains);
 
+/// "25 10" or "25,10". Throws UsageError, "expected 'alpha beta'" + otherwise.
+Gains two_numbers(const std::string& option, const std::string& names, const std::string& text,
+                  const std::string& otherwise = "");
+
 /// t, q, v, drift, energy, momentum: the header, then a row per state.
 void write_trajectory_header(const Scene& scene, CsvFile& csv);
 void write_trajectory_row(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Invariants& at,

@@ -7,7 +7,6 @@
 #include "../text/describe.hpp"
 #include "../text/table.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
-#include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/analysis/names.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
 
@@ -25,18 +24,6 @@ double torque_power(const Scene& scene, const Eigen::VectorXd& u, const Eigen::V
   for (const Robot& robot : scene.robots)
     for (int k = 0; k < robot.model->nu(); ++k)
       power += u[robot.idx_u + k] * v[robot.idx_v + robot.model->actuated[static_cast<std::size_t>(k)]];
-  return power;
-}
-
-double friction_power(const Scene& scene, const Eigen::VectorXd& v) {
-  double power = 0;
-  Eigen::VectorXd tau;
-  for (const Robot& robot : scene.robots) {
-    if (!has_friction(*robot.model)) continue;
-    tau.setZero(robot.model->nv);
-    add_friction(*robot.model, v.data() + robot.idx_v, tau.data());
-    power += tau.dot(v.segment(robot.idx_v, robot.model->nv));
-  }
   return power;
 }
 
@@ -90,11 +77,11 @@ Watch::Watch(Watch&&) noexcept = default;
 void Watch::look(const Scene& scene, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                  const Eigen::VectorXd& u, const SimulationData& sim) {
   work_ += sim.h * (torque_power(scene, u, v) + torque_power(scene, u, sim.v)) / 2;
-  friction_work_ += sim.h * (friction_power(scene, v) + friction_power(scene, sim.v)) / 2;
+  friction_work_ += sim.work.friction + sim.work.dampers;
+  spring_work_ += sim.work.springs;
   if (applied_) {
     const AppliedPower before = applied_->at(scene, q, v, sim), after = applied_->at(scene, sim.q, sim.v, sim);
     push_work_ += sim.h * (before.pushes + after.pushes) / 2;
-    friction_work_ += sim.h * (before.dampers + after.dampers) / 2;
   }
   keep_dependent_as(sim.dynamics, posture_.rest.scene, posture_.dynamics);
   const ClosestPosture closest = follow_posture(scene, sim.dynamics.active, q, posture_);
@@ -163,8 +150,15 @@ void Watch::print(std::ostream& out, const SceneFile& file, const SimulationData
 
 void Watch::print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, const Invariants& start,
                          const Invariants& end, double most_kinetic) const {
-  const double gained = end.energy() - start.energy() - work_ - friction_work_ - push_work_;
-  if (!(std::abs(gained) > kGained * most_kinetic && std::abs(gained) > 1e-9 * std::abs(start.potential))) return;
+  if (spring_work_ < -kGained * std::max(most_kinetic, start.potential - end.potential))
+    wrap(out,
+         "steps of " + number(sim.h) + " s took " + number(-spring_work_) +
+             " J from springs that swing, as the end of a step has it; shorter steps take less, --integrator rk4 next to "
+             "nothing",
+         2);
+  const double gained = end.energy() - start.energy() - work_ - friction_work_ - push_work_ - spring_work_;
+  const double passed = std::abs(work_) + std::abs(friction_work_) + std::abs(push_work_) + std::abs(spring_work_);
+  if (!(std::abs(gained) > kGained * std::max(most_kinetic, passed) && std::abs(gained) > 1e-9 * std::abs(start.potential))) return;
   const std::string why = "steps of " + number(sim.h) +
                           " s are too long for this motion, or gains correct contacts that are out of place" +
                           (gained < 0 && scene.damping > 0 ? ", or --damping dissipates it" : "");
@@ -190,6 +184,7 @@ void Watch::add_to(Json& json, const Scene& scene) const {
   json["work_of_torques"] = work_;
   json["work_of_friction"] = friction_work_;
   json["work_of_pushes"] = push_work_;
+  json["taken_from_springs"] = -spring_work_;
   json["closest_to_singular"] = least_share_;
   json["closest_to_singular_time"] = share_time_;
   json["largest_condition"] = largest_condition_;

@@ -48,7 +48,7 @@ class Watch {
   struct Applied;
   std::unique_ptr<Applied> applied_;  // nullptr: the scene has none
 
-  double work_ = 0, friction_work_ = 0, push_work_ = 0;
+  double work_ = 0, friction_work_ = 0, push_work_ = 0, spring_work_ = 0;
   PostureData posture_;
   double least_share_ = 1, share_time_ = 0;  // the least sigma of its largest, and when
   double singular_time_ = -1;                // when it first was next to nothing, -1: never

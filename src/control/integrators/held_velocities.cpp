@@ -1,7 +1,6 @@
 #include "held_velocities.hpp"
 
 #include "manycontact/algorithm/crba.hpp"
-#include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/algorithm/rnea.hpp"
 #include "manycontact/algorithm/rnea_derivatives.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
@@ -27,8 +26,10 @@ void copy_what_may_change(const Scene& from, Scene& to) {
   }
 }
 
-Scene without_gravity(const Scene& from) {
-  Scene out = from;
+Scene without_gravity(const Scene& from, double h, ResistingJoints& joints) {
+  joints.vary = true;
+  (void)joints.find(from, {}, h);
+  Scene out = joints.with_inertias(from);
   out.gravity.setZero();
   drop_applied_forces(out);
   copy_what_may_change(from, out);
@@ -45,8 +46,9 @@ HeldVelocities::RobotWork::RobotWork(const Model& model)
       by_q(model.nv, model.nv),
       by_v(model.nv, model.nv) {}
 
-HeldVelocities::HeldVelocities(const DataCollector& of, std::size_t nw)
-    : scene(without_gravity(of.scene)),
+HeldVelocities::HeldVelocities(const DataCollector& of, std::size_t nw, double h)
+    : joints(of.scene),
+      scene(without_gravity(of.scene, h, joints)),
       solution(scene, of.solution.options),
       q(scene.nq),
       v(scene.nv),
@@ -56,7 +58,9 @@ HeldVelocities::HeldVelocities(const DataCollector& of, std::size_t nw)
       of_groups(scene, groups, 2 * scene.nv + static_cast<Eigen::Index>(nw)),
       q_next(scene.nq),
       v_next(scene.nv),
+      h_(h),
       dtau_(scene.nv, 2 * scene.nv + static_cast<Eigen::Index>(nw)) {
+  for (const Robot& robot : of.scene.robots) models_.push_back(robot.model);
   for (const Robot& robot : scene.robots) {
     kin.emplace_back(*robot.model);
     robots_.emplace_back(*robot.model);
@@ -119,13 +123,30 @@ void HeldVelocities::solve_at(const ConstVectorRef& x, double h, const DataColle
     inverse_dynamics<double>(model, kin[r], nullptr, {}, robots_[r].f, tau.segment(robot.idx_v, model.nv));
   }
   take_torques(of);
-  tau = torques_ - tau;
-  for (const Robot& robot : scene.robots) {  // solve adds that at s v
-    add_friction(*robot.model, v.data() + robot.idx_v, tau.data() + robot.idx_v);
-    add_friction(*robot.model, slow.data() + robot.idx_v, tau.data() + robot.idx_v, -1);
-  }
+  torques_of_motion_ = torques_ - tau;
   begin_free_motion(of.scene, solution.active, torques_, h, kin, groups);
-  (void)solve_tau(scene, q, slow, tau, solution);
+  for (const int i : joints.rubbing) joints.slip[i] = 0;  // the answer is the state's alone
+  joints.begun = false;
+  for (int k = 0; k < kMostSolves; ++k) {
+    joints.set_inertias(of.scene, h);
+    tau = torques_of_motion_;
+    for (int i = 0; i < scene.nv; ++i) tau[i] -= joints.inertia(i, h) / h * v[i];
+    joints.add_sliding(1, tau);
+    (void)solve_tau(scene, q, slow, tau, solution);
+    if (joints.rubbing.empty()) return;
+    v_next = v + h * solution.a;
+    if (joints.settles(of.scene, solution, h, v_next)) return;
+  }
+}
+
+bool HeldVelocities::serve(const DataCollector& of, double h) {
+  if (h != h_) return false;
+  for (std::size_t r = 0; r < models_.size(); ++r)
+    if (models_[r] != of.scene.robots[r].model) return false;
+  (void)joints.find(of.scene, {}, h);
+  if (!joints.fits(of.scene)) return false;
+  joints.added = joints.to_add;
+  return true;
 }
 
 void HeldVelocities::finish_step(const DataCollector& of, Eigen::VectorXd& xnext) {
@@ -135,7 +156,7 @@ void HeldVelocities::finish_step(const DataCollector& of, Eigen::VectorXd& xnext
   xnext << q_next, v_next;
 }
 
-// With G = [dtau/dx dtau/dw] - [bias_q bias_v 0] and friction:    F = [a_q, s a_v, 0] + a_tau G
+// With G = [dtau/dx dtau/dw] - [bias_q bias_v 0] and joints that resist:    F = [a_q, s a_v, 0] + a_tau G
 void HeldVelocities::differentiate_at(const DataCollector& of, Eigen::Ref<Eigen::MatrixXd> F) {
   const int nv = scene.nv;
   dtau_.setZero();
@@ -158,8 +179,7 @@ void HeldVelocities::differentiate_at(const DataCollector& of, Eigen::Ref<Eigen:
     const int o = robot.idx_v;
     dtau_.block(o, o, model.nv, model.nv) -= w.by_q;
     dtau_.block(o, nv + o, model.nv, model.nv) -= w.by_v;
-    for (int i = 0; has_friction(model) && i < model.nv; ++i)
-      dtau_(o + i, nv + o + i) += kSlow * friction_slope(model, i, slow[o + i]) - friction_slope(model, i, v[o + i]);
+    for (int i = o; i < o + model.nv; ++i) dtau_(i, nv + i) -= joints.inertia(i, h_) / h_;
   }
   const DerivativeData& all = differentiate(scene, solution, {true, true, true, false, true});
   for (std::size_t i = 0; i < all.islands.size(); ++i) {

@@ -6,13 +6,17 @@
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/simulation/momentum_derivatives.hpp"
+#include "manycontact/simulation/resisting_joints.hpp"
 
 namespace manycontact::internal {
 
 struct HeldVelocities {
-  /// Of these dynamics; nw controls.
-  HeldVelocities(const DataCollector& of, std::size_t nw);
+  /// Of these dynamics, in steps of h; nw controls.
+  HeldVelocities(const DataCollector& of, std::size_t nw, double h);
   HeldVelocities(const HeldVelocities&) = delete;
+
+  /// Whether they serve for these dynamics, as they are now, in steps of h.
+  bool serve(const DataCollector& of, double h);
 
   /// a, and the step's end: from dx = [h v + h^2 a; h a] of the caller to xnext. After the differential model's calc at
   /// x, which left its torques in `of`.
@@ -24,7 +28,8 @@ struct HeldVelocities {
   /// F: ndx x (ndx + nw) of the state before finish_step, made of that after it.
   void differentiate_finish(const DataCollector& of, double h, Eigen::MatrixXd& F);
 
-  Scene scene;  // of `of`, without gravity, contacts with beta / s
+  ResistingJoints joints;  // at the end of the step
+  Scene scene;             // of `of`, without gravity, with what joints add to M, contacts with beta / s
   SceneData solution;
   Eigen::VectorXd q, v, slow;  // x = (q, v); s v
   Eigen::VectorXd tau;         // on all coordinates, less the bias at v
@@ -42,6 +47,8 @@ struct HeldVelocities {
     RneaDerivatives rnea;
     Eigen::MatrixXd by_q, by_v;  // nv x nv: of the bias
   };
+  std::vector<std::shared_ptr<const Model>> models_;  // of the robots of `of`
+  double h_;
   void kinematics_at_start(const DataCollector& of);
   // torques_ with what pushes and springs add to the motors' at q, v; and their derivatives into dtau_dx_
   void take_torques(const DataCollector& of);
@@ -50,7 +57,7 @@ struct HeldVelocities {
     return applied_ ? dtau_dx_ : of.actuation->dtau_dx;
   }
   std::vector<RobotWork> robots_;
-  Eigen::VectorXd torques_;                         // nv: of motors, pushes and springs
+  Eigen::VectorXd torques_, torques_of_motion_;     // nv: of motors, pushes and springs; less the bias
   Eigen::SparseMatrix<double> dtau_dx_;             // nv x ndx: of these, where there are any; every entry has a place
   std::unique_ptr<AppliedForces<double>> applied_;  // nullptr: there are none
   std::unique_ptr<AppliedScratch> scratch_;

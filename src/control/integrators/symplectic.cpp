@@ -35,9 +35,8 @@ std::shared_ptr<DifferentialActionModelAbstract> of_contact_dynamics(
 }
 
 // The robots and contacts that the data were made for, or others by now.
-bool is_of(const HeldVelocities& held, const DataCollector& of) {
-  for (std::size_t r = 0; r < of.scene.robots.size(); ++r)
-    if (held.scene.robots[r].model != of.scene.robots[r].model) return false;
+bool is_of(HeldVelocities& held, const DataCollector& of, double h) {
+  if (!held.serve(of, h)) return false;
   const auto same = [](const Attachment& a, const Attachment& b) { return a.robot == b.robot && a.joint == b.joint; };
   for (std::size_t c = 0; c < of.scene.contacts.size(); ++c) {
     const Contact &a = held.scene.contacts[c], &b = of.scene.contacts[c];
@@ -70,7 +69,7 @@ SymplecticData::IntegratedActionDataSymplectic(SymplecticModel* model)
   dx.setZero(ndx);
   F.setZero(ndx, ndx + static_cast<Eigen::Index>(nw));
   Lwu.setZero(static_cast<Eigen::Index>(nw), model->get_nu());
-  held = std::make_unique<HeldVelocities>(dynamics_of(*differential), nw);
+  held = std::make_unique<HeldVelocities>(dynamics_of(*differential), nw, model->get_dt());
 }
 
 SymplecticData::~IntegratedActionDataSymplectic() = default;
@@ -81,7 +80,7 @@ void SymplecticModel::calc(const DataPtr& data, const ConstVectorRef& x, const C
   control_->calc(d.control, 0, u);
   differential_->calc(d.differential, x, d.control->w);
   const DataCollector& m = dynamics_of(*d.differential);
-  if (!is_of(*d.held, m)) d.held = std::make_unique<HeldVelocities>(m, control_->get_nw());
+  if (!is_of(*d.held, m, time_step_)) d.held = std::make_unique<HeldVelocities>(m, control_->get_nw(), time_step_);
   d.held->solve_at(x, time_step_, m);
   internal::calc_semi_implicit(*state_, x, time_step_, d.held->solution.a, *d.differential, with_cost_residual_, d);
   d.held->finish_step(m, d.xnext);

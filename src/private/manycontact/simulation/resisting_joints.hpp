@@ -1,0 +1,69 @@
+#pragma once
+// Forces of joints that resist motion, taken at the end of a semi-implicit Euler step of any length.
+//
+// The damper d, the spring k and the PD law of a joint act by -(d + h k) v+ beside what they are at the start, so that
+// M gets h d + h^2 k on its diagonal, as of a rotor's inertia. Coulomb's friction is the multiplier of v+ = 0 while that
+// is below h F. A joint that sticks gets the inertia h F / kStickVelocity, one that slides the constant force. Which
+// does what is found by Newton's method on
+//
+//     min  1/2 (v - v0)^T K (v - v0) + h F sum of huber(v),        huber' = clamp(v / kStickVelocity, -1, 1)
+//
+// with an exact line search: the function is convex and piecewise quadratic, so that finitely many solves end it. Where
+// every joint does what it did in the step before, one solve does.
+
+#include "manycontact/simulation/step.hpp"
+
+namespace manycontact::internal {
+
+/// Solves of a step at most, until friction settles.
+constexpr int kMostSolves = 50;
+/// A joint sticks below this speed [rad/s, m/s].
+constexpr double kStickVelocity = 1e-6;
+
+struct ResistingJoints {
+  explicit ResistingJoints(const Scene& scene);
+
+  // Per velocity coordinate.
+  Eigen::VectorXd damping;        // N m s / rad
+  Eigen::VectorXd friction;       // N m
+  std::vector<signed char> slip;  // 0: sticks; 1, -1: slides that way
+  Eigen::VectorXd added, to_add;  // h d + h^2 k: as solved with, and in this step
+  std::vector<int> rubbing;       // the coordinates with friction
+
+  bool vary = false;  // robots alike do not share models, so that what is added may change
+  std::vector<std::shared_ptr<Model>> models;  // per robot its own; nullptr: the scene's, or shared with other robots
+
+  // Newton's method, per entry of `rubbing`: v, K (v - v0), and the same after a solve.
+  bool begun = false;
+  Eigen::VectorXd speed, force, next_speed, next_force;
+  std::vector<int> island, order;  // whose line search is one; entries island by island
+
+  /// Whether joints resist at all in steps of h; to_add.
+  bool find(const Scene& scene, const PdLaws& pd, double h);
+  /// The scene with to_add in its armatures, and without dampers and friction.
+  Scene with_inertias(const Scene& scene);
+  /// Whether that scene serves for to_add, or another is to be made.
+  bool fits(const Scene& scene) const;
+
+  /// Before each solve: of joints that stick, the inertia; of `scene`.
+  void set_inertias(const Scene& scene, double h);
+  /// What is added to a coordinate's inertia then.
+  double inertia(int i, double h) const {
+    return added[i] + (friction[i] > 0 && slip[i] == 0 ? h * friction[i] / kStickVelocity : 0);
+  }
+  /// b -= scale F of joints that slide.
+  void add_sliding(double scale, Eigen::VectorXd& b) const {
+    for (const int i : rubbing) b[i] -= scale * slip[i] * friction[i];
+  }
+  /// After it: whether v+ (nv) is as joints slide or stick. If not, they do otherwise at the next solve. islands: of
+  /// `scene`, prepared.
+  [[nodiscard]] bool settles(const Scene& scene, const SceneData& islands, double h, const Eigen::VectorXd& v_next);
+};
+
+/// kp (q_ref - q) + kd (v_ref - v) added to tau (nv).
+void add_pd_torques(const Scene& scene, const PdLaws& pd, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                    Eigen::VectorXd& tau);
+/// Throws std::invalid_argument unless data.pd fits the scene.
+void check_pd(const Scene& scene, const PdLaws& pd);
+
+}  // namespace manycontact::internal

@@ -1,0 +1,94 @@
+// What springs between points do to the momentum of free groups.
+
+#include <algorithm>
+#include <numeric>
+#include <span>
+
+#include "manycontact/sparse/union_find.hpp"
+#include "momentum_steps.hpp"
+#include "resisting_forces.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+// C_next is C + h P_next / m, at any time.
+void add_impulse(FreeGroup& group, double h, const Vec3<double>& at, const Vec3<double>& impulse) {
+  const Vec3<double> C = group.Y.h / group.Y.m;
+  group.P_next += impulse;
+  group.L_next += (at - group.reference - C).cross(impulse);
+  group.C_next += h / group.Y.m * impulse;
+}
+
+int group_number(const FreeGroups& groups, const Attachment& at) {
+  if (!moves(at)) return groups.group[0];
+  return groups.group[static_cast<std::size_t>(groups.node[static_cast<std::size_t>(groups.first_body[at.robot] + at.joint)])];
+}
+
+// Gives groups that springs join the angular momentum `dL` about the world's origin, by turning them as one body.
+void turn_together(std::span<const int> members, const Vec3<double>& dL, double h, FreeGroups& groups) {
+  double mass = 0;
+  Vec3<double> first = Vec3<double>::Zero();
+  FreeGroup whole;  // in a plane if one of them is
+  const auto centre = [](const FreeGroup& group) { return Vec3<double>(group.reference + group.Y.h / group.Y.m); };
+  for (const int g : members) {
+    const FreeGroup& group = groups.groups[static_cast<std::size_t>(g)];
+    mass += group.Y.m, first += group.Y.m * centre(group);
+    if (group.in_plane) whole.in_plane = true, whole.normal = group.normal;
+  }
+  const Vec3<double> C = first / mass;
+  Mat3<double> I = Mat3<double>::Zero();
+  for (const int g : members) {
+    const FreeGroup& group = groups.groups[static_cast<std::size_t>(g)];
+    const Vec3<double> r = centre(group) - C;
+    I += group.Y.seen_at(-group.Y.h / group.Y.m).I;
+    I += group.Y.m * (r.squaredNorm() * Mat3<double>::Identity() - r * r.transpose());
+  }
+  const Vec3<double> dw = turn_for(whole, I, dL);
+  for (const int g : members) {
+    FreeGroup& group = groups.groups[static_cast<std::size_t>(g)];
+    const Vec3<double> at = centre(group);
+    add_impulse(group, h, at, group.Y.m * dw.cross(Vec3<double>(at - C)));
+    group.L_next += group.Y.seen_at(-group.Y.h / group.Y.m).I * dw;
+  }
+}
+
+}  // namespace
+
+void add_impulses_of_springs(const Scene& scene, SimulationData& d) {
+  FreeGroups& groups = d.free_groups;
+  if (!groups.any || !d.resisting || !d.resisting->springs) return;
+  ResistingSprings& s = *d.resisting->springs;
+  s.cluster.resize(groups.groups.size());
+  s.couple.assign(groups.groups.size(), Vec3<double>::Zero());
+  sparse::UnionFind clusters(s.cluster);
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    const Spring& spring = scene.springs[static_cast<std::size_t>(s.rows[i].spring)];
+    const int a = group_number(groups, spring.A), b = group_number(groups, spring.B);
+    if (a == b) continue;
+    const Vec3<double> impulse = s.p[static_cast<Eigen::Index>(i)] * s.rows[i].direction;
+    FreeGroup &A = groups.groups[static_cast<std::size_t>(a)], &B = groups.groups[static_cast<std::size_t>(b)];
+    const Vec3<double> at_A = place_of(spring.A, d.at_rest.kin), at_B = place_of(spring.B, d.at_rest.kin);
+    if (!A.tied) add_impulse(A, d.h, at_A, impulse);
+    if (!B.tied) add_impulse(B, d.h, at_B, -impulse);
+    if (A.tied || B.tied) continue;
+    clusters.join(a, b);
+    s.couple[static_cast<std::size_t>(a)] += (at_B - at_A).cross(impulse);  // what the pair gives, taken back
+  }
+  for (std::size_t g = 0; g < s.cluster.size(); ++g) {
+    const int root = clusters.root(static_cast<int>(g));
+    s.cluster[g] = root;
+    if (root != static_cast<int>(g)) s.couple[static_cast<std::size_t>(root)] += s.couple[g];
+  }
+  s.members.resize(s.cluster.size());
+  std::iota(s.members.begin(), s.members.end(), 0);
+  std::sort(s.members.begin(), s.members.end(),
+            [&](int a, int b) { return std::pair(s.cluster[a], a) < std::pair(s.cluster[b], b); });
+  for (std::size_t first = 0, end = 0; first < s.members.size(); first = end) {
+    while (end < s.members.size() && s.cluster[s.members[end]] == s.cluster[s.members[first]]) ++end;
+    const Vec3<double>& dL = s.couple[static_cast<std::size_t>(s.cluster[s.members[first]])];
+    if (end - first > 1 && !dL.isZero(0)) turn_together({s.members.data() + first, end - first}, dL, d.h, groups);
+  }
+}
+
+}  // namespace manycontact::internal

@@ -1,0 +1,65 @@
+// What joints that resist do in a semi-implicit Euler step.
+
+#include "internal.hpp"
+#include "resisting_forces.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+void make_scene(const Scene& scene, SimulationData& d) {
+  ResistingForces& r = *d.resisting;
+  r.joints.vary = r.made;  // what changes once may change again
+  r.made = true;
+  d.kept_active.clear();
+  r.at_rest.reset(), r.dynamics.reset();
+  const Scene with = r.joints.with_inertias(scene);
+  if (r.joints.added.isZero(0) && r.joints.rubbing.empty()) return;
+  r.at_rest = std::make_unique<SceneAtRest>(with);
+  r.dynamics = std::make_unique<SceneData>(r.at_rest->scene, d.dynamics.options);
+}
+
+}  // namespace
+
+AtRest at_rest_with_joints(const Scene& scene, SimulationData& d) {
+  if (!d.resisting || !d.resisting->dynamics) return {d.at_rest.scene, d.dynamics};
+  ResistingForces& r = *d.resisting;
+  r.at_rest->follow(scene, d.h);
+  r.dynamics->options = d.dynamics.options;
+  r.dynamics->active = d.dynamics.active;
+  return {r.at_rest->scene, *r.dynamics};
+}
+
+void take_joints(const Scene& scene, SimulationData& d) {
+  ResistingJoints& j = d.resisting->joints;
+  (void)j.find(scene, d.pd, d.h);
+  if (d.pd.kp.size() > 0) add_pd_torques(scene, d.pd, d.q, d.at_rest.zero, d.w);
+  if (!d.resisting->made || !j.fits(scene)) make_scene(scene, d);
+  j.added = j.to_add;
+  j.begun = false;
+}
+
+void account_for_joints(const Scene& scene, SimulationData& d, const Eigen::VectorXd& v_next) {
+  ResistingJoints& j = d.resisting->joints;
+  const double h = d.h;
+  d.stage_v = 0.5 * h * (d.v + v_next);  // torques times this are work
+  d.work.dampers -= (j.damping.array() * v_next.array() * d.stage_v.array()).sum();
+  for (const int i : j.rubbing) {
+    const double torque = -j.friction[i] * (j.slip[i] != 0 ? j.slip[i] : v_next[i] / kStickVelocity);
+    d.work.friction += torque * d.stage_v[i];
+  }
+  for (const JointSpring& spring : scene.joint_springs) {
+    const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
+    const Joint& joint = robot.model->joints[spring.joint];
+    const int i = robot.idx_v + joint.idx_v;
+    const double e = d.q[robot.idx_q + joint.idx_q] - spring.rest, moved = h * v_next[i];
+    d.work.springs += spring.stiffness * (moved * (e + moved / 2) - (e + moved) * d.stage_v[i]);
+  }
+  if (d.pd.kp.size() == 0) return;
+  d.pd_torque.setZero(scene.nv);
+  add_pd_torques(scene, d.pd, d.q, v_next, d.pd_torque);
+  d.pd_torque -= h * d.pd.kp.cwiseProduct(v_next);
+  d.work.pd += d.pd_torque.dot(d.stage_v);
+}
+
+}  // namespace manycontact::internal

@@ -1,0 +1,50 @@
+#pragma once
+// Memory of what a semi-implicit Euler step takes at its end.
+
+#include <optional>
+
+#include "manycontact/simulation/resisting_joints.hpp"
+#include "resisting_springs.hpp"
+
+namespace manycontact {
+
+namespace internal {
+
+/// Memory of bound_energy, per robot; energies are of the clusters of robots that springs and contacts join, at their
+/// first.
+struct BoundedEnergy {
+  std::vector<int> cluster;
+  std::vector<char> sprung;             // a spring acts on the cluster
+  Eigen::VectorXd before, after, size;  // J; before: with what was given in the step
+  Eigen::VectorXd share;                // of v+ that is left
+  Eigen::VectorXd mean, unbounded_v;    // nv
+};
+
+/// What semi-implicit Euler solves: the scene at rest, with what joints add to M.
+struct AtRest {
+  const Scene& scene;
+  SceneData& data;  // data.dynamics where they add nothing
+};
+AtRest at_rest_with_joints(const Scene& scene, SimulationData& data);
+
+/// Before a step's solves: adds what PD laws do at its start to data.w, and to M what all joints add at its end.
+void take_joints(const Scene& scene, SimulationData& data);
+/// After them: data.pd_torque and data.work of joints.
+void account_for_joints(const Scene& scene, SimulationData& data, const Eigen::VectorXd& v_next);
+
+}  // namespace internal
+
+struct ResistingForces {
+  explicit ResistingForces(const Scene& scene) : joints(scene) {
+    if (!scene.springs.empty()) springs.emplace(scene);
+  }
+  internal::ResistingJoints joints;
+  bool made = false;                     // the next two are
+  std::unique_ptr<SceneAtRest> at_rest;  // with the joints' inertias; nullptr: SimulationData::at_rest serves
+  std::unique_ptr<SceneData> dynamics;   // of that
+  std::optional<internal::ResistingSprings> springs;  // nullopt: there are none between points
+  internal::BoundedEnergy bounded;
+  Eigen::VectorXd b;                                  // nv: right-hand side
+};
+
+}  // namespace manycontact

@@ -1,0 +1,115 @@
+#include "manycontact/simulation/resisting_joints.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "resisting_forces.hpp"
+
+namespace manycontact::internal {
+
+namespace {
+
+bool rubs(const Robot& robot, const Eigen::VectorXd& friction) {
+  return !friction.segment(robot.idx_v, robot.model->nv).isZero(0);
+}
+
+std::shared_ptr<Model> own_model(const Robot& robot, const Eigen::VectorXd& added) {
+  auto model = std::make_shared<Model>(*robot.model);
+  model->frames.clear();
+  model->damping.resize(0), model->friction.resize(0);
+  model->armature += added.segment(robot.idx_v, model->nv);
+  return model;
+}
+
+}  // namespace
+
+// Robots alike share a model, unless friction changes theirs from solve to solve.
+Scene ResistingJoints::with_inertias(const Scene& scene) {
+  added = to_add;
+  Scene out = scene;
+  std::vector<std::size_t> first;  // of robots alike
+  models.assign(scene.robots.size(), nullptr);
+  for (std::size_t r = 0; r < scene.robots.size(); ++r) {
+    const Robot& robot = scene.robots[r];
+    const auto mine = added.segment(robot.idx_v, robot.model->nv);
+    if (rubs(robot, friction) || (vary && !mine.isZero(0))) {
+      out.robots[r].model = models[r] = own_model(robot, added);
+      continue;
+    }
+    if (mine.isZero(0)) continue;
+    const auto same = std::find_if(first.begin(), first.end(), [&](std::size_t other) {
+      const Robot& twin = scene.robots[other];
+      return twin.model == robot.model && added.segment(twin.idx_v, twin.model->nv) == mine;
+    });
+    if (same != first.end()) {
+      out.robots[r].model = out.robots[*same].model;
+      continue;
+    }
+    first.push_back(r);
+    out.robots[r].model = own_model(robot, added);
+  }
+  return out;
+}
+
+ResistingJoints::ResistingJoints(const Scene& scene)
+    : damping(Eigen::VectorXd::Zero(scene.nv)), friction(damping), slip(scene.nv, 0) {
+  for (const Robot& robot : scene.robots) {
+    const Model& model = *robot.model;
+    if (model.damping.size() > 0) damping.segment(robot.idx_v, model.nv) = model.damping;
+    if (model.friction.size() > 0) friction.segment(robot.idx_v, model.nv) = model.friction;
+  }
+  for (int i = 0; i < scene.nv; ++i)
+    if (friction[i] > 0) rubbing.push_back(i);
+}
+
+bool ResistingJoints::find(const Scene& scene, const PdLaws& pd, double h) {
+  to_add = h * damping;
+  for (const JointSpring& spring : scene.joint_springs) {
+    const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
+    to_add[robot.idx_v + robot.model->joints[spring.joint].idx_v] += h * h * spring.stiffness;
+  }
+  if (pd.kp.size() > 0) to_add += h * pd.kd + h * h * pd.kp;
+  return !rubbing.empty() || !to_add.isZero(0);
+}
+
+bool ResistingJoints::fits(const Scene& scene) const {
+  for (std::size_t r = 0; r < scene.robots.size(); ++r) {
+    const int at = scene.robots[r].idx_v, n = scene.robots[r].model->nv;
+    if (!models[r] && added.segment(at, n) != to_add.segment(at, n)) return false;
+  }
+  return true;
+}
+
+void ResistingJoints::set_inertias(const Scene& scene, double h) {
+  for (std::size_t r = 0; r < models.size(); ++r) {
+    if (!models[r]) continue;
+    const Robot& robot = scene.robots[r];
+    for (int i = 0; i < robot.model->nv; ++i)
+      models[r]->armature[i] = robot.model->armature[i] + inertia(robot.idx_v + i, h);
+  }
+}
+
+void add_pd_torques(const Scene& scene, const PdLaws& pd, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                    Eigen::VectorXd& tau) {
+  tau += pd.kd.cwiseProduct(pd.v_ref - v);
+  for (const Robot& robot : scene.robots)
+    for (const Joint& joint : robot.model->joints)
+      if (const int i = robot.idx_v + joint.idx_v; joint.nv() == 1 && pd.kp[i] != 0)
+        tau[i] += pd.kp[i] * (pd.q_ref[i] - q[robot.idx_q + joint.idx_q]);
+}
+
+void check_pd(const Scene& scene, const PdLaws& pd) {
+  const Eigen::Index n = pd.kp.size();
+  if (pd.kd.size() != n || pd.q_ref.size() != n || pd.v_ref.size() != n || (n != 0 && n != scene.nv))
+    throw std::invalid_argument("step: data.pd does not fit the scene, expected four vectors of nv numbers or of none");
+  if (n == 0) return;
+  if (!(pd.kp.minCoeff() >= 0 && pd.kd.minCoeff() >= 0))
+    throw std::invalid_argument("step: a gain in data.pd is negative or no number");
+  for (const Robot& robot : scene.robots)
+    for (const Joint& joint : robot.model->joints)
+      if (joint.nv() > 1 && !pd.kp.segment(robot.idx_v + joint.idx_v, joint.nv()).isZero(0))
+        throw std::invalid_argument("step: joint " + robot.name + "/" + joint.name +
+                                    " has several coordinates, expected no kp of it in data.pd");
+}
+
+}  // namespace manycontact::internal

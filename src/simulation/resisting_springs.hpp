@@ -1,0 +1,69 @@
+#pragma once
+// Springs and dampers between points, taken at the end of a semi-implicit Euler step of any length.
+//
+// With J the rate of a spring's ends along a direction, e its stretch and D = h^2 k + h c, the impulse is
+// p = -D (J v+ + g), g = h k e / D: the force -k (e + h J v+) - c J v+ of the step's end. A spring that pulls by T at
+// the length s is stiff across itself, too: there D = h^2 T / s. But where it turns with its bodies its force does as
+// well, and brakes nothing. So g = -r J v' across it, with v' the velocity at the start less what stretches springs and
+// r the share of what its ends do that is such a turn. With K the rest of the matrix and x0 what it gives without
+// springs,
+//
+//     (D^-1 + J K^-1 J^T) p = -(J x0 + g),        and then K v+ = b + J^T p.
+//
+// K^-1 J^T takes a solve for each end of a spring on an island, and one solve serves all islands. Islands are of robots
+// that contacts join, springs do not: the step of many bodies on springs costs in proportion to their number.
+
+#include <Eigen/Cholesky>
+#include <Eigen/SparseCholesky>
+
+#include "manycontact/simulation/step.hpp"
+#include "unit_forces.hpp"
+
+namespace manycontact::internal {
+
+struct ResistingSprings {
+  explicit ResistingSprings(const Scene& scene);
+
+  Scene loads;                                    // the scene without them: pushes and joints' springs act
+  std::shared_ptr<AppliedForces<double>> of_loads;  // nullptr: there are none
+  std::vector<double> mobility;                   // per spring: its bodies' alone, at least what moves [1/kg]
+
+  struct Row {
+    int spring;
+    Vec3<double> direction;  // in the world
+    double D, g, k, e;       // k, e: stiffness and stretch along it
+    double keeps;            // across a spring: how much of v' is kept, 0 ... 1; -1: along it
+  };
+  std::vector<Row> rows;
+  UnitTorques unit;
+  std::vector<UnitForce> ends;  // unit forces on the rows' ends
+  std::vector<int> row;         // of each
+  int numbers = 0;              // of `ends`: those of one number are on different islands
+  std::vector<int> asked;       // per robot: which of `ends` is asked for on its island, -1
+
+  Eigen::VectorXd p, rate;             // per row: impulse; J v+
+  Eigen::VectorXd stretching;          // per row: impulses that take what stretches springs
+  Eigen::MatrixXd C, with_D;           // J K^-1 J^T of few rows, and with D^-1
+  Eigen::LDLT<Eigen::MatrixXd> factor;
+  std::vector<Eigen::Triplet<double>> entries, own_entries;  // of many
+  Eigen::SparseMatrix<double> S;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_factor;
+  Eigen::VectorXd scratch, b, none;
+
+  // Groups of bodies that springs join, and the angular momentum that they are to be given back.
+  std::vector<int> cluster, members;
+  std::vector<Vec3<double>> couple;
+};
+
+/// Adds what pushes and joints' springs do at the start of the step to data.w; data.applied is at the state then.
+void add_loads(const Scene& scene, SimulationData& data);
+/// After it: the rows. Where a spring has no direction, data.w is NaN.
+void take_springs(const Scene& scene, SimulationData& data);
+/// K v+ = b with the springs' impulses: into the data of at_rest_with_joints. False when a solve failed.
+[[nodiscard]] bool solve_with_springs(const Scene& scene, const Eigen::VectorXd& b, SimulationData& data);
+/// After it: adds the impulses to the momentum that free groups will have.
+void add_impulses_of_springs(const Scene& scene, SimulationData& data);
+/// data.work of springs and dampers between points.
+void account_for_springs(const Scene& scene, SimulationData& data, const Eigen::VectorXd& v_next);
+
+}  // namespace manycontact::internal
