@@ -45,7 +45,7 @@ struct WithinTolerance::Work {
   std::vector<char> of_M;
   sparse::DependentRows rows;
   Eigen::VectorXd left;
-  double tolerance = 0;  // what those rows of J are off by [m]
+  double lever = 1, tolerance = 0;  // the largest [m]; what those rows of J are off by [m]
   std::vector<double> dq;  // to the nearest closed loop, in K's order
 };
 
@@ -238,7 +238,7 @@ double WithinTolerance::make_dependent(const Scene& scene, Workspace& work, cons
   if (!work_) work_ = std::make_unique<Work>();
   Work& w = *work_;
   take_island(scene, d, w);
-  const double L = largest_lever(work, d, w);
+  const double L = w.lever = largest_lever(work, d, w);
   const KktPattern& p = *d.shape->pattern(Order::kLeafToRoot);
   if (!find(scene, work, d, p, L, w)) return 0;
   for (const auto& cluster : w.rows.clusters) remove(work, d, p, cluster, w);
@@ -246,7 +246,12 @@ double WithinTolerance::make_dependent(const Scene& scene, Workspace& work, cons
   for (std::size_t n = 0; n + 1 < w.rows.Np.size(); ++n)
     largest = std::max(largest, std::accumulate(w.rows.Nx.begin() + w.rows.Np[n], w.rows.Nx.begin() + w.rows.Np[n + 1],
                                                 0.0, [](double sum, double x) { return sum + std::abs(x); }));
-  return largest * w.tolerance / L;
+  constexpr int kFactors = 4;  // of N^T J' v: N, what J changes by, and v, which changes J and is changed
+  return kFactors * largest * w.tolerance / L;
+}
+
+double WithinTolerance::inaccuracy(int coordinate) const {
+  return work_->turns[coordinate] ? work_->tolerance : work_->tolerance / work_->lever;
 }
 
 bool is_inexact(const Scene& scene, const IslandWork& d) {
