@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "manycontact/contact/motion_of.hpp"
+#include "manycontact/dynamics/keep_dependent.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/model/applied_forces.hpp"
@@ -37,6 +38,10 @@ class AtRest {
       : scene_(without_forces(scene)), data_(scene_, options), zero_(Eigen::VectorXd::Zero(scene.nv)) {
     data_.active = active;
     prepare(scene_, data_);
+  }
+  /// Of the contacts of an answer, whose rows depend where they do there.
+  AtRest(const Scene& scene, const SceneData& of) : AtRest(scene, active_of(of), of.options) {
+    keep_dependent_as(of, scene_, data_);
   }
 
   Eigen::Index rows() const { return data_.f.size(); }
@@ -83,6 +88,15 @@ class AtRest {
       w -= velocities(q, x);
     }
     return w;
+  }
+  /// What J may be off by turns such a part n of w, and a motion v that the contacts allow: J^T dn = -E^T n and
+  /// J dv = -E v, where |E| <= inaccuracy (inaccuracy_of). Per row, what n changes by for a sum |n_k| of 1: the
+  /// least-norm f with J^T f = E^T n. 0 where J is exact.
+  Eigen::VectorXd change_of_null(const Eigen::VectorXd& q, const Eigen::VectorXd& inaccuracy) {
+    if (inaccuracy.isZero(0)) return Eigen::VectorXd::Zero(rows());
+    const Eigen::VectorXd y = inaccuracy.cwiseProduct(mixed(inaccuracy.size(), 0).cwiseSign());
+    (void)solve_tau(scene_, q, zero_, y, errors(q), data_);
+    return data_.f;
   }
   /// v's part that the contacts allow, J v = 0; twice as well.
   Eigen::VectorXd allowed_part(const Eigen::VectorXd& q, Eigen::VectorXd v) {

@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kRankProbes = 2;
 constexpr double kNoChange = 1e-8;   // of B's terms: rounding
+constexpr int kFactors = 3;              // of B(z, y), each of which what J is off by may turn
 constexpr double kNoMotion = 1e-9;   // of what was projected: no motion is left
 constexpr double kMostLooked = 1e5;  // contacts times coordinates of an island whose coordinate is looked for
 
@@ -28,6 +29,7 @@ class Probe {
     plus_ = rest.bias(q, z_ + y_);
     minus_ = rest.bias(q, z_ - y_);
     terms_ = rest.bias_terms(q, z_ + y_) + rest.bias_terms(q, z_ - y_);
+    change_ = rest.change_of_null(q, inaccuracy_of(scene, data));
   }
 
   bool moves(std::size_t island) const {
@@ -86,16 +88,21 @@ class Probe {
     return largest;
   }
   bool counts(std::size_t island, const Eigen::VectorXd& b) const {
-    double size = 0;
-    internal::each_row(scene_, data_, island, [&](int row) { size += std::abs(n_[row]) * terms_[row]; });
-    return std::abs(product(island, b)) > kNoChange * size;
+    double size = 0, sum = 0, most_changed = 0, terms = 0;
+    internal::each_row(scene_, data_, island, [&](int row) {
+      size += std::abs(n_[row]) * terms_[row];
+      sum += std::abs(n_[row]);
+      most_changed = std::max(most_changed, std::abs(change_[row]));
+      terms = std::max(terms, terms_[row]);
+    });
+    return std::abs(product(island, b)) > kNoChange * size + kFactors * most_changed * sum * terms;
   }
 
   const Scene& scene_;
   const SceneData& data_;
   const Eigen::VectorXd& q_;
   internal::AtRest& rest_;
-  Eigen::VectorXd n_, z_, y_, zz_, plus_, minus_, terms_;  // dJ[z] z; J' v of z + y, of z - y; sizes
+  Eigen::VectorXd n_, z_, y_, zz_, plus_, minus_, terms_, change_;  // dJ[z] z; J' v of z + y, of z - y; sizes; of n
 };
 
 }  // namespace
@@ -111,7 +118,7 @@ std::vector<RankChange> rank_changes(const Scene& scene, const ConstVectorRef& a
   }
   if (dependent.empty()) return out;
   const Eigen::VectorXd q = at;
-  internal::AtRest rest(scene, internal::active_of(data), data.options);
+  internal::AtRest rest(scene, data);
   std::vector<Probe> probes;
   for (int k = 0; k < kRankProbes; ++k) probes.emplace_back(scene, data, q, rest, k);
   for (const std::size_t i : dependent) {

@@ -29,14 +29,19 @@ std::vector<char> unique_forces(const Scene& scene, const ConstVectorRef& q, con
       dependent.push_back(i);
   }
   if (dependent.empty()) return unique;
-  internal::AtRest rest(scene, internal::active_of(data), data.options);
+  internal::AtRest rest(scene, data);
+  const Eigen::VectorXd change = rest.change_of_null(q, inaccuracy_of(scene, data));
   for (int probe = 0; probe < kNullProbes; ++probe) {
     const Eigen::VectorXd w = rest.null_component(q, internal::mixed(data.f.size(), probe));
     for (const std::size_t i : dependent) {
-      double largest = 0;
-      internal::each_row(scene, data, i, [&](int row) { largest = std::max(largest, std::abs(w[row])); });
+      double largest = 0, sum = 0, most_changed = 0;
       internal::each_row(scene, data, i, [&](int row) {
-        if (!(std::abs(w[row]) <= kNoPart * largest)) unique[static_cast<std::size_t>(row)] = 0;
+        largest = std::max(largest, std::abs(w[row]));
+        sum += std::abs(w[row]);
+        most_changed = std::max(most_changed, std::abs(change[row]));
+      });
+      internal::each_row(scene, data, i, [&](int row) {
+        if (!(std::abs(w[row]) <= kNoPart * largest + most_changed * sum)) unique[static_cast<std::size_t>(row)] = 0;
       });
     }
   }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "manycontact/analysis/rank_changes.hpp"
 #include "support/dense.hpp"
 #include "support/methods.hpp"
 #include "support/scenes.hpp"
@@ -91,6 +92,20 @@ TEST(UniqueForces, NeedAnAnswer) {
   const SceneFile file = door("3d");
   SceneData data(file.scene);
   EXPECT_THROW((void)unique_forces(file.scene, file.q, data), std::logic_error);
+}
+
+// Within a scene's tolerance rows depend, and forces are unique, as in the scene that is exact.
+TEST(UniqueForces, AToleranceIsNoForceSharedAtWill) {
+  for (const std::string type : {"3d", "5d"}) {
+    const SceneFile exact = tilted_four_bar(0, type);
+    SceneFile file = tilted_four_bar(3e-6, type);
+    file.scene.tolerance = 1e-5;
+    SceneData data(file.scene);
+    (void)solve(file.scene, file.q, file.v, file.u, data);
+    ASSERT_EQ(data.report.rank, 2);
+    EXPECT_EQ(unique_forces(file.scene, file.q, data), unique_in(exact)) << type;
+    EXPECT_TRUE(rank_changes(file.scene, file.q, data).empty()) << type;
+  }
 }
 
 }  // namespace

@@ -1,23 +1,29 @@
-// Rows of J that depend on each other but for what the scene is not exact in are made to depend on each other.
+// Rows of J that depend on each other but for inaccuracy of the scene or drift are made to depend on each other.
 //
 // A closed loop drawn with four digits, or one that has drifted by 1e-6 m, has rows J_k = sum_j z_j J_j + r with a
-// small r where the mechanism has r = 0. Taken at its word it is locked, by forces that are 1 / |r| too large. With the
-// columns n_k = e_k - z of N (sparse/dependent_rows.hpp), each column c of J gives up its part in N:
+// small r where the mechanism has r = 0. Solved as they are, such rows lock the loop, by forces that are 1 / |r| too
+// large. With the columns n_k = e_k - z of N (sparse/dependent_rows.hpp), each column c of J loses its part in N:
 //
 //     J_c <- J_c - N_c (N_c^T N_c)^+ N_c^T J_c      N_c: those rows of N that column c has
 //
-// the least change within the pattern of J after which N^T J = 0. All that follows (factors, refinement, derivatives,
-// products, bounds) is of this J.
+// This is the least change within the pattern of J after which N^T J = 0. Factors, refinement, derivatives, products
+// and bounds are of this J.
 //
 // N is found by an LDL of [D J^T; J 0] with a diagonal D in place of M, since masses have no part in this: 1 for
 // coordinates in m, L^2 for those in rad, L being the largest lever. A dependence counts where it leaves no more than
-// the rows themselves are off by: |r_c| <= sum_j |n_j| times the tolerance, for turning (or of turning) that over L.
+// the rows themselves are off by: |r_c| <= sum_j |n_j| times the tolerance t. Rows and coordinates in rad are weighed
+// by L. There are two tolerances:
+//   - of the scene, for any number of rows;
+//   - of drift, for as many rows as depended at the start. The closed loop is nearest at q + dq, where dq solves
+//     [D J^T; J 0] [dq; y] = [0; -e] for the contact errors e and the rows kept. A joint between here and there turns
+//     the axes and the levers of J by |dq_j|, so that t = 2 L sum_j |dq_j|.
 
 #include "within_tolerance.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "../../internal.hpp"
@@ -39,6 +45,8 @@ struct WithinTolerance::Work {
   std::vector<char> of_M;
   sparse::DependentRows rows;
   Eigen::VectorXd left;
+  double lever = 1, tolerance = 0;  // the largest [m]; what those rows of J are off by [m]
+  std::vector<double> dq;  // to the nearest closed loop, in K's order
 };
 
 WithinTolerance::WithinTolerance() = default;
@@ -48,11 +56,8 @@ namespace {
 
 using Work = WithinTolerance::Work;
 
-constexpr double kRounding = 1e-14;     // of the terms of N^T J: depend in truth
-constexpr double kNoise = 1e-10;        // of N, of rows that it has no part in
-constexpr double kMostOfLever = 1e-2;   // more than that of the largest lever is no inaccuracy
-constexpr double kDrift = 10;           // how many misplacements of its contacts J may be off by
-constexpr double kLeastOfLever = 1e-9;  // what depended at the start and has drifted by less
+constexpr double kMost = 1e-2;  // of the largest lever: neither tolerance nor drift is larger (keep_dependent.hpp)
+constexpr double kNextPivot = 1e-2;  // from one try to the next, a digit of a row's length
 
 void fill_turning(const Model& model, char* turns) {
   for (const Joint& joint : model.joints) {
@@ -98,40 +103,65 @@ double largest_lever(const Workspace& work, const IslandWork& d, const Work& w) 
   return L > 0 && std::isfinite(L) ? L : 1;
 }
 
-// How far the contacts are from closed [m], angles times L.
-double misplacement(const Scene& scene, const Workspace& work, const IslandWork& d, double L) {
-  double largest = 0;
-  for (int c : d.island.contacts) {
-    const Eigen::VectorXd e = work.contacts[c].W * contact_error<double>(scene.contacts[c], work.contacts[c].G);
-    for (Eigen::Index i = 0; i < e.size(); ++i) largest = std::max(largest, (i < 3 ? 1 : L) * std::abs(e[i]));
-  }
-  return largest;
+void find_null_space(const KktPattern& p, Work& w) {
+  std::fill(w.row_scale.begin(), w.row_scale.end(), 1.0);
+  sparse::find_null_space(p.K, p.ldl, w.K.data(), w.of_M, w.row_scale.data(), w.L.data(), w.D.data(), w.rows);
 }
 
-void factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, double L, double left, Work& w) {
+// [D J^T; J 0] without the rows in w.rows.dropped, as if these were damped beyond all numbers.
+bool factorize_without_dropped(const KktPattern& p, Work& w) {
+  constexpr double kDamping = 1e200;
+  for (int k : w.rows.dropped) w.K[p.K.p[k + 1] - 1] = -kDamping;
+  const bool factorized = sparse::ldl_factor(p.K, p.ldl, w.K.data(), w.ldl, w.L.data(), w.D.data()) == p.size();
+  for (int k : w.rows.dropped) w.K[p.K.p[k + 1] - 1] = 0, w.D[k] = std::numeric_limits<double>::infinity();
+  return factorized;
+}
+
+// Drops rows with less than `left` of their pivot, or others in their place where those kept are much smaller. Whether
+// rows were dropped and N can be used.
+bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, double L, double left, Work& w) {
   w.K.assign(p.K.nonzeros(), 0.0);
   for (int c = 0; c < p.nv; ++c) w.K[p.K.p[p.iperm[c] + 1] - 1] = w.turns[c] ? L * L : 1;
   const int* slot = p.J_slot.data();
   for (int c : d.island.contacts)
     for (double value : work.contacts[c].J.reshaped()) w.K[*slot++] = value;
-  w.row_scale.assign(p.size(),
-                     0.0);  // so that all of a row is dropped where it is below sqrt(left) of what it could be
+  w.row_scale.assign(p.size(), 0.0);  // all of a row is dropped where it is below sqrt(left) of what it could be
   for (int r = 0; r < p.nc; ++r)
     w.row_scale[p.iperm[p.nv + r]] = std::sqrt(left) * (w.row[r] < 3 ? L : 1) / tolerance::kRank;
   w.L.resize(p.ldl.nonzeros()), w.D.resize(p.size());
-  w.rows.dropped.clear();
   w.of_M.assign(p.size(), 0);
   std::fill_n(w.of_M.begin(), p.nv, 1);  // leaf-to-root
   if (sparse::ldl_factor_dependent(p.K, p.ldl, w.K.data(), w.of_M, left, w.row_scale.data(), w.ldl, w.L.data(),
                                    w.D.data(), w.rows) != p.size())
     w.rows.dropped.clear();  // not finite
-  std::fill(w.row_scale.begin(), w.row_scale.end(), 1.0);
-  sparse::find_null_space(p.K, p.ldl, w.K.data(), w.of_M, w.row_scale.data(), w.L.data(), w.D.data(), w.rows);
+  if (w.rows.dropped.empty()) return false;
+  find_null_space(p, w);
+  if (w.rows.largest_entry <= tolerance::kLargestEntry) return true;
+  if (!sparse::exchange_rows(w.rows) || !factorize_without_dropped(p, w)) return false;
+  find_null_space(p, w);
+  return w.rows.largest_entry <= tolerance::kLargestEntry;
+}
+
+// What rows of J are off by where the contacts are not closed [m].
+double drift(const Scene& scene, const Workspace& work, const IslandWork& d, const KktPattern& p, double L, Work& w) {
+  w.dq.assign(p.size(), 0.0);
+  int row = 0;
+  for (int c : d.island.contacts) {
+    const Eigen::VectorXd e = work.contacts[c].W * contact_error<double>(scene.contacts[c], work.contacts[c].G);
+    for (double of_row : e) w.dq[p.iperm[p.nv + row++]] = -of_row;
+  }
+  sparse::ldl_solve(p.ldl, w.L.data(), w.D.data(), w.dq.data());
+  double most = 0;
+  for (const std::vector<int>& columns : d.shape->support().columns) {
+    double sum = 0;
+    for (int c : columns) sum += (w.turns[c] ? L : 1) * std::abs(w.dq[p.iperm[c]]);
+    most = std::max(most, 2 * sum);
+  }
+  return std::max(most, tolerance::kRank * L);
 }
 
 // Whether column n of N leaves no more than the tolerance.
-bool is_within(const Workspace& work, const IslandWork& d, const KktPattern& p, double L, double tolerance, int n,
-               Work& w) {
+bool is_within(const Workspace& work, const IslandWork& d, const KktPattern& p, double L, int n, Work& w) {
   w.left.setZero(p.nv);
   double of_points = 0, of_turning = 0;  // what a row in m and in rad is off by, for a coordinate in rad
   for (int k = w.rows.Np[n]; k < w.rows.Np[n + 1]; ++k) {
@@ -140,26 +170,27 @@ bool is_within(const Workspace& work, const IslandWork& d, const KktPattern& p, 
     const std::vector<int>& columns = d.shape->support().columns[contact];
     for (std::size_t j = 0; j < columns.size(); ++j)
       w.left[columns[j]] += w.rows.Nx[k] * of_row[static_cast<Eigen::Index>(j)];
-    (w.row[row] < 3 ? of_points : of_turning) += std::abs(w.rows.Nx[k]) * tolerance;
+    (w.row[row] < 3 ? of_points : of_turning) += std::abs(w.rows.Nx[k]) * w.tolerance;
   }
   for (int c = 0; c < p.nv; ++c)
     if (!(std::abs(w.left[c]) <= (w.turns[c] ? of_points : of_points / L) + of_turning / L)) return false;
   return true;
 }
 
-// The columns of N, `most` of them at most, or none. The more have to be told apart, the less may be left of a pivot.
-bool find(const Workspace& work, const IslandWork& d, const KktPattern& p, double L, double tolerance, int most,
-          Work& w) {
-  constexpr double kGenerous = 30, kStep = 1e-2, kMost = 1e-2;
-  const double turned = kGenerous * tolerance / L;
-  for (double left = std::clamp(turned * turned, tolerance::kPivotLeft, kMost);; left *= kStep) {
-    factorize(work, d, p, L, left, w);
+// The columns of N, or none. The more rows have to be told apart, the less may be left of a pivot.
+bool find(const Scene& scene, const Workspace& work, const IslandWork& d, const KktPattern& p, double L, Work& w) {
+  const double most = kMost * L, largest = d.depended > 0 ? most : std::min(scene.tolerance, most);
+  const double generous = tolerance::kLargestEntry * largest / L;
+  for (double left = generous * generous;; left *= kNextPivot) {
+    left = std::max(left, tolerance::kPivotLeft);
+    bool within = factorize(work, d, p, L, left, w);
+    if (w.rows.dropped.empty()) return false;
     const int count = static_cast<int>(w.rows.dropped.size());
-    if (count == 0) return false;
-    bool within = count <= most && w.rows.largest_entry <= tolerance::kLargestEntry;
-    for (int n = 0; within && n < count; ++n) within = is_within(work, d, p, L, tolerance, n, w);
-    if (within) return true;
-    if (left < tolerance::kPivotLeft) return false;
+    w.tolerance = scene.tolerance;
+    if (within && count <= d.depended) w.tolerance = std::max(w.tolerance, drift(scene, work, d, p, L, w));
+    w.tolerance = std::min(w.tolerance, most);
+    for (int n = 0; within && n < count; ++n) within = is_within(work, d, p, L, n, w);
+    if (within || left == tolerance::kPivotLeft) return within;
   }
 }
 
@@ -193,9 +224,9 @@ void remove(Workspace& work, const IslandWork& d, const KktPattern& p, const spa
     for (Eigen::Index i = 0; i < J_c.size(); ++i) J_c[i] = *entries[static_cast<std::size_t>(i)];
     const Eigen::MatrixXd N_c = N(in_N, Eigen::all);
     const Eigen::VectorXd left = N_c.transpose() * J_c, terms = N_c.cwiseAbs().transpose() * J_c.cwiseAbs();
-    if ((left.cwiseAbs().array() <= kRounding * terms.array()).all()) continue;  // depend in truth
+    if ((left.cwiseAbs().array() <= tolerance::kNullColumn * terms.array()).all()) continue;  // depend in truth
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(N_c.rows(), N_c.cols());
-    decomposition.setThreshold(kNoise);  // columns of N that are of other rows have rounding here
+    decomposition.setThreshold(tolerance::kRank);  // columns of N that are of other rows have rounding here
     const Eigen::VectorXd part = N_c * decomposition.compute(N_c).solve(J_c);
     for (Eigen::Index i = 0; i < J_c.size(); ++i) *entries[static_cast<std::size_t>(i)] -= part[i];
   }
@@ -207,21 +238,20 @@ double WithinTolerance::make_dependent(const Scene& scene, Workspace& work, cons
   if (!work_) work_ = std::make_unique<Work>();
   Work& w = *work_;
   take_island(scene, d, w);
-  const double L = largest_lever(work, d, w);
-  double tolerance = scene.tolerance;
-  int most = d.island.nc;
-  if (d.depended > 0)
-    if (const double drift = std::max(kDrift * misplacement(scene, work, d, L), kLeastOfLever * L); drift > tolerance)
-      tolerance = drift, most = d.depended;
-  tolerance = std::min(tolerance, kMostOfLever * L);
+  const double L = w.lever = largest_lever(work, d, w);
   const KktPattern& p = *d.shape->pattern(Order::kLeafToRoot);
-  if (!find(work, d, p, L, tolerance, most, w)) return 0;
+  if (!find(scene, work, d, p, L, w)) return 0;
   for (const auto& cluster : w.rows.clusters) remove(work, d, p, cluster, w);
   double largest = 0;  // sum |n_j|
   for (std::size_t n = 0; n + 1 < w.rows.Np.size(); ++n)
     largest = std::max(largest, std::accumulate(w.rows.Nx.begin() + w.rows.Np[n], w.rows.Nx.begin() + w.rows.Np[n + 1],
                                                 0.0, [](double sum, double x) { return sum + std::abs(x); }));
-  return largest * tolerance / L;
+  constexpr int kFactors = 4;  // of N^T J' v: N, what J changes by, and v, which changes J and is changed
+  return kFactors * largest * w.tolerance / L;
+}
+
+double WithinTolerance::inaccuracy(int coordinate) const {
+  return work_->turns[coordinate] ? work_->tolerance : work_->tolerance / work_->lever;
 }
 
 bool is_inexact(const Scene& scene, const IslandWork& d) {

@@ -18,6 +18,8 @@ class WithinTolerance {
   /// for the contacts' misplacements, changes J so that they do (within_tolerance.cpp). After evaluate. Returns what
   /// such rows may contradict each other by, beside the terms that they are computed from.
   double make_dependent(const Scene& scene, Workspace& work, const IslandWork& d);
+  /// After that: what entries of J in rows of lengths may be off by, at a coordinate of the island.
+  double inaccuracy(int coordinate) const;
 
   struct Work;
 
