@@ -48,8 +48,8 @@ INSTANTIATE_TEST_SUITE_P(Of, Piles, testing::Range(0, kCases), name_of);
 TEST_P(Piles, AreSolvedSparselyWithTheOraclesAnswers) {
   const Pile pile = case_of(GetParam()).pile;
   SceneData data(pile.scene), oracle(pile.scene, {Method::kDense, {}});
-  solve(pile.scene, pile.q, pile.v, pile.u, data);
-  solve(pile.scene, pile.q, pile.v, pile.u, oracle);
+  (void)solve(pile.scene, pile.q, pile.v, pile.u, data);
+  (void)solve(pile.scene, pile.q, pile.v, pile.u, oracle);
   ASSERT_GT(data.report.nc, 300);
   EXPECT_NE(data.report.islands[0].method, Method::kDense);
   EXPECT_EQ(data.report.status, oracle.report.status);
@@ -76,8 +76,8 @@ TEST(PilesOnAHub, AreSolvedInAnOrderThatStaysSparse) {
 TEST_P(Piles, HaveTheOraclesProducts) {
   const Pile pile = case_of(GetParam(), 0).pile;
   SceneData data(pile.scene), oracle(pile.scene, {Method::kDense, {}});
-  solve(pile.scene, pile.q, pile.v, pile.u, data);
-  solve(pile.scene, pile.q, pile.v, pile.u, oracle);
+  (void)solve(pile.scene, pile.q, pile.v, pile.u, data);
+  (void)solve(pile.scene, pile.q, pile.v, pile.u, oracle);
   EXPECT_EQ(data.report.status, oracle.report.status);
   EXPECT_LE(relative(data.a, oracle.a, 9.81), 1e-10);
   EXPECT_LE(relative(data.f, oracle.f), 1e-10);
@@ -98,7 +98,7 @@ TEST_P(Piles, HaveTheOraclesProducts) {
 TEST_P(Piles, HaveTheDerivativesOfTheirProducts) {
   const Pile pile = case_of(GetParam(), 0).pile;
   SceneData data(pile.scene);
-  solve(pile.scene, pile.q, pile.v, pile.u, data);
+  (void)solve(pile.scene, pile.q, pile.v, pile.u, data);
   std::mt19937 rng(6);
   const VectorXd dq = random_vector(pile.scene.nv, rng), dv = random_vector(pile.scene.nv, rng),
                  du = random_vector(pile.scene.nu, rng);
@@ -123,10 +123,10 @@ TEST_P(Piles, AllocateNothingAgain) {
 TEST_P(Piles, AnswersDependOnTheStateAlone) {
   const Pile pile = case_of(GetParam()).pile;
   SceneData data(pile.scene);
-  solve(pile.scene, pile.q, pile.v, pile.u, data);
+  (void)solve(pile.scene, pile.q, pile.v, pile.u, data);
   const VectorXd a = data.a, f = data.f;
-  solve(pile.scene, pile.q, (2 * pile.v).eval(), pile.u, data);
-  solve(pile.scene, pile.q, pile.v, pile.u, data);
+  (void)solve(pile.scene, pile.q, (2 * pile.v).eval(), pile.u, data);
+  (void)solve(pile.scene, pile.q, pile.v, pile.u, data);
   EXPECT_TRUE(a == data.a);
   EXPECT_TRUE(f == data.f);
 }

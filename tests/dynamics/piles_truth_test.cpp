@@ -19,7 +19,7 @@ TEST(PilesInQuad, AreTrue) {
         std::pair("grid", grid(6, ContactType::k6D, false))}) {
     SCOPED_TRACE(name);
     SceneData data(pile.scene);
-    solve(pile.scene, pile.q, pile.v, pile.u, data);
+    (void)solve(pile.scene, pile.q, pile.v, pile.u, data);
     const Truth<Quad> truth = solve_truth<Quad>(pile.scene, data.active, pile.q.cast<Quad>(), pile.v.cast<Quad>(),
                                                 pile.u.cast<Quad>());
     EXPECT_EQ(data.report.rank, truth.rank[0]);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "../internal.hpp"
 #include "manycontact/sparse/tolerances.hpp"
@@ -36,17 +35,17 @@ void expand_rows(const Reduction& r, std::size_t i, const From& from, To&& to) {
   for (std::size_t k = 0; k < solved.contacts.size(); ++k) {
     const int c = solved.contacts[k], first = solved.row_offset[k];
     const int rows = r.scene.contacts[static_cast<std::size_t>(c)].rows();
-    if (c < r.first_pair()) {
+    const PairRows* pair = r.pair_of(c);
+    if (!pair) {
       to.middleRows(row_of(own, c), rows) = from.middleRows(first, rows);
       continue;
     }
-    const PairRows& pair = *r.pairs[static_cast<std::size_t>(c - r.first_pair())];
     std::size_t unit = 0;
-    for (std::size_t m = 0; m < pair.contacts.size(); ++m) {
-      const auto& Q = pair.numbers.members[m].Q;
-      const int at = row_of(own, pair.contacts[m]);
+    for (std::size_t m = 0; m < pair->contacts.size(); ++m) {
+      const auto& Q = pair->numbers.members[m].Q;
+      const int at = row_of(own, pair->contacts[m]);
       for (Eigen::Index row = 0; row < Q.rows(); ++row, ++unit)
-        to.row(at + row).noalias() = (pair.unit[unit] * Q.row(row)) * from.middleRows(first, rows);
+        to.row(at + row).noalias() = (pair->unit[unit] * Q.row(row)) * from.middleRows(first, rows);
     }
   }
 }
@@ -68,12 +67,12 @@ void expand_panel(const Scene& scene, const Reduction& r, std::size_t i, const I
 double largest_share(const Reduction& r, std::size_t i) {
   double largest = 1;
   for (int c : island_of(*r.data, i).contacts) {
-    if (c < r.first_pair()) continue;
-    const PairRows& pair = *r.pairs[static_cast<std::size_t>(c - r.first_pair())];
+    const PairRows* pair = r.pair_of(c);
+    if (!pair) continue;
     std::size_t unit = 0;
-    for (const auto& member : pair.numbers.members)
+    for (const auto& member : pair->numbers.members)
       for (Eigen::Index row = 0; row < member.Q.rows(); ++row)
-        largest = std::max(largest, pair.unit[unit++] * member.Q.row(row).lpNorm<1>());
+        largest = std::max(largest, pair->unit[unit++] * member.Q.row(row).lpNorm<1>());
   }
   return largest;
 }

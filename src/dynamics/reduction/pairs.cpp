@@ -151,11 +151,10 @@ void number_islands(const Scene& scene, Reduction& r) {
     own.robots = solved.robots;
     own.contacts.clear();
     for (int c : solved.contacts)
-      if (c < r.first_pair())
-        own.contacts.push_back(c);
+      if (const PairRows* pair = r.pair_of(c))
+        own.contacts.insert(own.contacts.end(), pair->contacts.begin(), pair->contacts.end());
       else
-        for (int member : r.pairs[static_cast<std::size_t>(c - r.first_pair())]->contacts)
-          own.contacts.push_back(member);
+        own.contacts.push_back(c);
     std::sort(own.contacts.begin(), own.contacts.end());
     number_island(scene, own);
   }

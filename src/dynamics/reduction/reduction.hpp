@@ -47,6 +47,10 @@ struct Reduction {
   bool plain_is_current = false;      // of the answer at hand
 
   int first_pair() const { return static_cast<int>(scene.contacts.size() - pairs.size()); }
+  /// The rows of a contact of `scene`; nullptr where it is no pair.
+  const PairRows* pair_of(int c) const {
+    return c < first_pair() ? nullptr : pairs[static_cast<std::size_t>(c - first_pair())].get();
+  }
   /// use(contact of `scene`, rows) of pairs that are active.
   template <class Use>
   void each_pair(Use&& use) const {

@@ -63,23 +63,23 @@ void add_damped_contradictions(const SceneData& data, double damping, const Redu
 struct PairContradiction {
   bool reduced = false, contradicts = false;
 };
-PairContradiction contradiction_of(const Scene& scene, const SceneData& data, const Reduction& r, std::size_t island,
+PairContradiction contradiction_of(const SceneData& data, const Reduction& r, std::size_t island,
                                    std::span<const double> wanted) {
   PairContradiction out;
   const double terms = r.data->report.islands[island].contact_terms;
   for (int c : island_of(*r.data, island).contacts) {
-    if (c < r.first_pair()) continue;
+    const PairRows* pair = r.pair_of(c);
+    if (!pair) continue;
     out.reduced = true;
-    const PairRows& pair = *r.pairs[static_cast<std::size_t>(c - r.first_pair())];
-    const double *left = left_of_pair(r, c), of_left = left[pair.unit.size()];
+    const double *left = left_of_pair(r, c), of_left = left[pair->unit.size()];
     const auto y = r.prescribed.segment(wanted.empty() ? 0 : r.data->f_offset[static_cast<std::size_t>(c)],
                                         wanted.empty() ? 0 : r.scene.contacts[static_cast<std::size_t>(c)].rows());
-    each_member(data.f_offset, pair, [&](int from, int first, const auto& member) {
+    each_member(data.f_offset, *pair, [&](int from, int first, const auto& member) {
       for (Eigen::Index i = 0; i < member.Q.rows(); ++i) {
         double size = left[first + i], its_terms = of_left;
         if (!wanted.empty()) {
           const double asked =
-              wanted[static_cast<std::size_t>(from + i)] * pair.unit[static_cast<std::size_t>(first + i)];
+              wanted[static_cast<std::size_t>(from + i)] * pair->unit[static_cast<std::size_t>(first + i)];
           size -= asked - member.Q.row(i).dot(y);
           its_terms += y.template lpNorm<1>();
         }
@@ -89,7 +89,6 @@ PairContradiction contradiction_of(const Scene& scene, const SceneData& data, co
       }
     });
   }
-  (void)scene;
   return out;
 }
 
@@ -103,17 +102,17 @@ void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t 
               rows = r.scene.contacts[static_cast<std::size_t>(c)].rows();
     const auto dropped = static_cast<int>(
         std::count_if(solved.begin(), solved.end(), [&](int row) { return row >= at && row < at + rows; }));
-    if (c < r.first_pair()) {
+    const PairRows* pair = r.pair_of(c);
+    if (!pair) {
       for (int row : solved)
         if (row >= at && row < at + rows)
           report.dependent_rows.push_back(row - at + data.f_offset[static_cast<std::size_t>(c)]);
       continue;
     }
-    const PairRows& pair = *r.pairs[static_cast<std::size_t>(c - r.first_pair())];
     int keep = rows - dropped;
-    each_member(data.f_offset, pair, [&](int first, int own, const auto& member) {
+    each_member(data.f_offset, *pair, [&](int first, int own, const auto& member) {
       for (int i = 0; i < member.Q.rows(); ++i)
-        if (!pair.spans[static_cast<std::size_t>(own + i)] || keep-- <= 0) report.dependent_rows.push_back(first + i);
+        if (!pair->spans[static_cast<std::size_t>(own + i)] || keep-- <= 0) report.dependent_rows.push_back(first + i);
     });
   }
   std::sort(report.dependent_rows.begin(), report.dependent_rows.end());
@@ -133,7 +132,7 @@ void take_report(const Scene& scene, SceneData& data, const Reduction& r, std::s
       if (report.status != Status::kRegularised) report.rank = report.nc;
       continue;
     }
-    const PairContradiction of = contradiction_of(scene, data, r, i, wanted);
+    const PairContradiction of = contradiction_of(data, r, i, wanted);
     if (of.reduced && report.status == Status::kOk) report.status = Status::kRedundant;
     if (of.contradicts && report.status == Status::kRedundant) report.status = Status::kInconsistent;
     if (report.rank < report.nc) name_dependent_rows(data, r, i, report);
