@@ -1,10 +1,11 @@
-// Energy of steps in which springs move bodies by angles and distances that no linear force is right for.
+// Energy of steps in which springs move bodies by angles that no linear force is right for.
 //
-// Springs whose stretch a step takes out at once leave bodies that turn by radians in it. What is linear in such a step
-// is wrong then, and energy may grow from step to step. So robots that springs act on do not gain energy but for what
-// motors, pushes and contacts give: where they did, their velocities are made smaller, by as much as it takes. With
-// v+ = 0 nothing moves and nothing is gained, and what is free keeps its momentum (simulation/momentum.hpp) all the
-// same. Of steps that turn nothing by kFast nothing is asked.
+// What turns by an angle x in a step leaves a spring's line by s x^2 / 2, which a spring that is faster than the step
+// takes back at once, and bodies that turn by radians are wrong in everything that is linear: energy may grow from step
+// to step. So robots with such springs do not gain energy but for what motors, pushes and contacts give: where they did,
+// their velocities are made smaller, by as much as it takes. With v+ = 0 nothing moves and nothing is gained, and what
+// is free keeps its momentum (simulation/momentum.hpp) all the same. Of a spring counts what a step can make of its
+// energy, k e^2 / 2 / (1 + h^2 k / m).
 
 #include <cmath>
 
@@ -18,24 +19,32 @@ namespace manycontact::internal {
 
 namespace {
 
-constexpr double kFast = 0.2;        // rad; of a spring's length
-constexpr double kRounding = 1e-10;  // of the energies that are compared
-constexpr double kSmaller = 0.7;
+constexpr double kTurn = 0.02, kFarTurn = 0.2;  // rad; with springs faster than the step, and with any
+constexpr double kRounding = 1e-10;             // of the energies that are compared
+constexpr double kSmaller = 0.7;                // at least, at a time
 constexpr int kMostTrials = 60;
 
-bool turns_fast(const Scene& scene, const SimulationData& d) {
+// The farthest turn of a joint in the step.
+double turn_of(const Scene& scene, const SimulationData& d) {
+  double most = 0;
   for (const Robot& robot : scene.robots)
     for (const Joint& joint : robot.model->joints) {
       if (joint.type == JointType::kPrismatic) continue;
       const int n = joint.type == JointType::kFloating ? 3 : 1;  // coordinates that turn, the last
-      if (d.h * d.next_v.segment(robot.idx_v + joint.idx_v + joint.nv() - n, n).norm() > kFast) return true;
+      most = std::max(most, d.h * d.next_v.segment(robot.idx_v + joint.idx_v + joint.nv() - n, n).norm());
     }
-  if (!d.resisting->springs) return false;
+  return most;
+}
+
+bool turns_far(const Scene& scene, const SimulationData& d) {
+  const double turn = turn_of(scene, d);
+  if (turn > kFarTurn || !d.resisting->springs) return turn > kFarTurn;
   const ResistingSprings& s = *d.resisting->springs;
-  for (std::size_t i = 0; i < s.rows.size(); ++i)
-    if (d.h * std::abs(s.rate[static_cast<Eigen::Index>(i)]) >
-        kFast * d.applied->springs[static_cast<std::size_t>(s.rows[i].spring)].length)
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    const auto spring = static_cast<std::size_t>(s.rows[i].spring);
+    if (s.fast[spring] > 1 && std::max(turn, d.h * std::abs(s.rate[static_cast<Eigen::Index>(i)]) / d.applied->springs[spring].length) > kTurn)
       return true;
+  }
   return false;
 }
 
@@ -60,21 +69,26 @@ double& at_robot(Eigen::VectorXd& x, const BoundedEnergy& e, int robot) { return
 
 // Of each cluster at q, v; and the sum of the sizes of what it is made of.
 void find_energies(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
-                   std::vector<Kinematics<double>>& kin, BoundedEnergy& e, Eigen::VectorXd& energy) {
+                   const std::vector<double>& fast, std::vector<Kinematics<double>>& kin, BoundedEnergy& e,
+                   Eigen::VectorXd& energy) {
   kinematics_at(scene, q, v, kin);
   energy.setZero(scene.nrobots());
+  e.kinetic = energy;
   const auto add = [&](int robot, double x) {
     at_robot(energy, e, robot) += x;
     at_robot(e.size, e, robot) += std::abs(x);
   };
   for (int r = 0; r < scene.nrobots(); ++r) {
     const Robot& robot = scene.robots[r];
-    add(r, kinetic_energy<double>(*robot.model, kin[r], v.segment(robot.idx_v, robot.model->nv)));
+    const double kinetic = kinetic_energy<double>(*robot.model, kin[r], v.segment(robot.idx_v, robot.model->nv));
+    at_robot(e.kinetic, e, r) += kinetic;
+    add(r, kinetic);
     add(r, potential_energy<double>(kin[r], scene.gravity));
   }
-  for (const Spring& spring : scene.springs) {
+  for (std::size_t k = 0; k < scene.springs.size(); ++k) {
+    const Spring& spring = scene.springs[k];
     const double stretch = (place_of(spring.A, kin) - place_of(spring.B, kin)).norm() - spring.length;
-    add(spring.A.robot, spring.stiffness * stretch * stretch / 2);
+    add(spring.A.robot, spring.stiffness * stretch * stretch / 2 / (1 + fast[k]));
   }
   for (const JointSpring& spring : scene.joint_springs) {
     const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
@@ -109,14 +123,16 @@ bool make_smaller(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
   bool any = false;
   for (int r = 0; r < scene.nrobots(); ++r) {
     const int c = e.cluster[r];
-    if (!e.sprung[static_cast<std::size_t>(c)] || !(e.after[c] > e.before[c] + kRounding * e.size[c])) continue;
+    const double gained = e.after[c] - e.before[c];
+    if (!e.sprung[static_cast<std::size_t>(c)] || !(gained > kRounding * e.size[c])) continue;
     any = true;
-    e.unbounded_v.segment(scene.robots[r].idx_v, scene.robots[r].model->nv) *= kSmaller;
-    if (c == r) e.share[c] *= kSmaller;
+    const double left = 1 - 2 * gained / e.kinetic[c];  // of what moves, twice what was gained
+    const double share = std::max(kSmaller, left > 0 ? std::sqrt(left) : 0);
+    e.bounded_v.segment(scene.robots[r].idx_v, scene.robots[r].model->nv) *= share;
+    if (c == r) e.share[c] *= share;
   }
-  if (!any) return false;
-  d.next_v = e.unbounded_v;
-  return true;
+  if (any) d.next_v = e.bounded_v;
+  return any;
 }
 
 }  // namespace
@@ -128,23 +144,24 @@ void end_step(const Scene& scene, SimulationData& d) {
 }
 
 void bound_energy(const Scene& scene, SimulationData& d) {
-  if (!d.resisting || (scene.springs.empty() && scene.joint_springs.empty()) || !turns_fast(scene, d)) return;
+  if (!d.resisting || (scene.springs.empty() && scene.joint_springs.empty()) || !turns_far(scene, d)) return;
   BoundedEnergy& e = d.resisting->bounded;
   find_clusters(scene, d, e);
   e.size.setZero(scene.nrobots());
-  find_energies(scene, d.q, d.v, d.at_rest.kin, e, e.before);
+  const auto& fast = d.resisting->springs ? d.resisting->springs->fast : e.none;
+  find_energies(scene, d.q, d.v, fast, d.at_rest.kin, e, e.before);
   e.share.setOnes(scene.nrobots());
-  e.unbounded_v = d.dynamics.a;  // v+ before the momentum was seen to
+  e.bounded_v = d.dynamics.a;  // v+ before the momentum was seen to
   add_work(scene, d, e);
   double first = 0;
   for (int k = 0; k < kMostTrials; ++k) {
-    find_energies(scene, d.next_q, d.next_v, d.at_rest.kin, e, e.after);
+    find_energies(scene, d.next_q, d.next_v, fast, d.at_rest.kin, e, e.after);
     if (k == 0) first = e.after.sum();
     if (!make_smaller(scene, d, e)) break;
     end_step(scene, d);
   }
   d.work.springs += e.after.sum() - first;
-  d.dynamics.a = e.unbounded_v;
+  d.dynamics.a = e.bounded_v;
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
     if (const int at = d.dynamics.f_offset[c]; at >= 0)
       d.contact_v.segment(at, scene.contacts[c].rows()) *= e.share[e.cluster[scene.contacts[c].A.robot]];

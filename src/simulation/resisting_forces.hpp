@@ -15,9 +15,10 @@ namespace internal {
 struct BoundedEnergy {
   std::vector<int> cluster;
   std::vector<char> sprung;             // a spring acts on the cluster
-  Eigen::VectorXd before, after, size;  // J; before: with what was given in the step
+  Eigen::VectorXd before, after, size, kinetic;  // J; before: with what was given in the step
   Eigen::VectorXd share;                // of v+ that is left
-  Eigen::VectorXd mean, unbounded_v;    // nv
+  Eigen::VectorXd mean, bounded_v;      // nv
+  std::vector<double> none;
 };
 
 /// What semi-implicit Euler solves: the scene at rest, with what joints add to M.

@@ -120,12 +120,18 @@ bool is_across(const ResistingSprings::Row& row) { return row.keeps >= 0; }
 // J K^-1 J^T into C, or into entries where there are many rows.
 bool find_responses(const Scene& scene, SimulationData& d, ResistingSprings& s) {
   const auto n = static_cast<Eigen::Index>(s.rows.size());
-  if (n > kFewRows) {
-    s.entries.clear();
-    return each_response(scene, d, s, [&](int i, int j, double x) { s.entries.emplace_back(i, j, x); });
-  }
-  s.C.setZero(n, n);
-  return each_response(scene, d, s, [&](int i, int j, double x) { s.C(i, j) += x; });
+  const bool few = n <= kFewRows;
+  few ? (void)s.C.setZero(n, n) : s.entries.clear();
+  s.own.setZero(n);
+  if (!each_response(scene, d, s, [&](int i, int j, double x) {
+        few ? (void)(s.C(i, j) += x) : (void)s.entries.emplace_back(i, j, x);
+        if (i == j) s.own[i] += x;
+      }))
+    return false;
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (const ResistingSprings::Row& row = s.rows[static_cast<std::size_t>(i)]; !is_across(row))
+      s.fast[static_cast<std::size_t>(row.spring)] = d.h * d.h * row.k * s.own[i];
+  return true;
 }
 
 // x of (D^-1 + J K^-1 J^T) x = x, of the rows along springs or of all.
@@ -198,6 +204,7 @@ void add_loads(const Scene& scene, SimulationData& d) {
 void take_springs(const Scene& scene, SimulationData& d) {
   ResistingSprings& s = *d.resisting->springs;
   s.rows.clear(), s.ends.clear(), s.row.clear();
+  s.fast.assign(scene.springs.size(), 0);
   s.unit.find_islands(scene, d.dynamics.active);
   s.unit.begin_numbers();
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {

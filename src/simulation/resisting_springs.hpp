@@ -43,6 +43,8 @@ struct ResistingSprings {
 
   Eigen::VectorXd p, rate;             // per row: impulse; J v+
   Eigen::VectorXd stretching;          // per row: impulses that take what stretches springs
+  Eigen::VectorXd own;                 // per row: its entry on the diagonal of J K^-1 J^T
+  std::vector<double> fast;            // per spring: h^2 k J K^-1 J^T along it
   Eigen::MatrixXd C, with_D;           // J K^-1 J^T of few rows, and with D^-1
   Eigen::LDLT<Eigen::MatrixXd> factor;
   std::vector<Eigen::Triplet<double>> entries, own_entries;  // of many
