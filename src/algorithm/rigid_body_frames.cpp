@@ -1,6 +1,7 @@
 // Frames, the whole, and what joints carry, at the data's state.
 
 #include "manycontact/algorithm/energy.hpp"
+#include "manycontact/algorithm/frames.hpp"
 #include "rigid_body_memory.hpp"
 
 namespace manycontact {
@@ -66,10 +67,10 @@ Vec6d frame_acceleration(const RigidBodies& bodies, RigidBodyData& data, const A
 
 Vec6d frame_classical_acceleration(const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame,
                                    ReferenceFrame axes) {
-  return motion(
-      "frame_classical_acceleration", bodies, data, frame, [&](const Robot& robot, const Kinematics<double>& kin) {
-        return frame_classical_acceleration<double>(kin, robot.base, frame.joint, frame.placement, axes);
-      });
+  return motion("frame_classical_acceleration", bodies, data, frame,
+                [&](const Robot& robot, const Kinematics<double>& kin) {
+                  return frame_classical_acceleration<double>(kin, robot.base, frame.joint, frame.placement, axes);
+                });
 }
 
 Mat6X<double> frame_jacobian(const RigidBodies& bodies, const RigidBodyData& data, const Attachment& frame,

@@ -119,7 +119,7 @@ struct type_caster<Eigen::Matrix<double, R, C, O, MR, MC>> {
 };
 
 template <>
-struct type_caster<ConstVectorRef> {
+struct type_caster<manycontact::ConstVectorRef> {
   using Vector = ConstVectorRef;
   static constexpr auto name = const_name("numpy.ndarray");
   template <class>

@@ -7,6 +7,7 @@
 #include "manycontact/action/residuals/gravity_residuals.hpp"
 #include "manycontact/action/residuals/impulse_residuals.hpp"
 #include "manycontact/action/residuals/state_residuals.hpp"
+#include "manycontact/algorithm/frames.hpp"
 #include "shared.hpp"
 
 namespace manycontact::python {
@@ -105,8 +106,8 @@ void add_shared(py::module_& m) {
             const auto& f = s.frame(id);
             const Robot& robot = s.get().scene.robots[f.robot];
             Eigen::Matrix<double, 6, Eigen::Dynamic> J(6, robot.model->nv);
-            frame_jacobian<double>(*robot.model, s.get().kinematics(f.robot), robot.base, f.joint, f.placement,
-                                   type, J);
+            frame_jacobian<double>(*robot.model, s.get().kinematics(f.robot), robot.base, f.joint, f.placement, type,
+                                   J);
             Eigen::MatrixXd out = Eigen::MatrixXd::Zero(6, s.get().scene.nv);
             out.middleCols(robot.idx_v, robot.model->nv) = J;
             return out;

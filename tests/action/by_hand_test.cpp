@@ -3,6 +3,7 @@
 
 #include "action/residual_factory.hpp"
 #include "action/walker.hpp"
+#include "manycontact/algorithm/frames.hpp"
 
 namespace manycontact::test {
 namespace {

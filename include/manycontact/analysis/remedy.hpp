@@ -1,5 +1,5 @@
 #pragma once
-// What to do about a solution that is not `ok`.
+// Advice on solutions that are not `ok`.
 
 #include <string>
 
