@@ -13,6 +13,8 @@ namespace manycontact::internal {
 namespace {
 
 constexpr double kFelt = 1e-3;       // D J M^-1 J^T below which a row across a spring changes nothing to speak of
+constexpr double kNothing = 1e-12;   // of that, for a row that does nothing
+constexpr double kIdle = 1e-300;      // D of a row that is left out
 constexpr Eigen::Index kFewRows = 64;  // for a dense factor
 
 // J M^-1 J^T of a body alone, at most; what it is joined to makes it less.
@@ -75,13 +77,15 @@ void add_rows(const Scene& scene, const Spring& spring, int number, const Applie
   const AppliedForces<double>::OfSpring& at = forces.springs[static_cast<std::size_t>(number)];
   const double k = spring.stiffness, D = h * h * k + h * spring.damping, e = at.length - spring.length;
   const Vec3<double> n = at.length > 0 ? Vec3<double>(at.d / at.length) : Vec3<double>(Vec3<double>::UnitX());
-  if (D > 0) s.rows.push_back({number, n, D, h * k * e / D, k, e, -1});
+  if (D > 0) s.rows.push_back({number, n, D, h * k * e / D, k, e, -1, 0});
+  if (!(k > 0)) return;
   const double across = spring.length == 0 ? k : k * e / at.length;
-  if (!(across > 0) || (spring.length > 0 && !(h * h * across * mobility > kFelt))) return;
-  const double keeps = at.length > 0 ? turning(scene, spring, at, forces, h) : 0;
+  const bool idle = !(across > 0) || (spring.length > 0 && !(h * h * across * mobility > kFelt));
+  const double keeps = !idle && at.length > 0 ? turning(scene, spring, at, forces, h) : 0;
   const Vec3<double> first = n.unitOrthogonal();
   for (const Vec3<double>& direction : {first, Vec3<double>(n.cross(first))})
-    s.rows.push_back({number, direction, h * h * across, 0, across, 0, keeps});
+    s.rows.push_back({number, direction, idle ? kIdle : h * h * across, 0, idle ? 0 : across, 0, keeps,
+                      spring.length == 0 ? 0 : at.length});
 }
 
 bool solves(const Scene& scene, const Eigen::VectorXd& b, const Eigen::VectorXd& wanted, SimulationData& d) {
@@ -161,6 +165,27 @@ bool solve_rows(bool all, ResistingSprings& s, Eigen::VectorXd& x) {
   return true;
 }
 
+// D across springs by what they pull with at the end of the step, as far as it is known by the rows along them: a spring
+// that a step relaxes is not stiff across itself.
+bool take_tensions(const SimulationData& d, ResistingSprings& s) {
+  if (std::none_of(s.rows.begin(), s.rows.end(), is_across)) return true;
+  s.stretching = s.p;
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    double& x = s.stretching[static_cast<Eigen::Index>(i)];
+    x = is_across(s.rows[i]) ? 0 : x - s.rows[i].g;
+  }
+  if (!solve_rows(false, s, s.stretching)) return false;
+  double pull = 0;
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    ResistingSprings::Row& row = s.rows[i];
+    if (!is_across(row)) pull = -s.stretching[static_cast<Eigen::Index>(i)] / d.h;
+    if (!is_across(row) || row.length == 0 || row.D == kIdle) continue;
+    row.k = std::max(pull, 0.0) / row.length;
+    row.D = std::max(d.h * d.h * row.k, kNothing / std::max(s.own[static_cast<Eigen::Index>(i)], kNothing));
+  }
+  return true;
+}
+
 // g across springs: J of the velocity at the start less what stretches springs.
 bool keep_turning(const SimulationData& d, ResistingSprings& s) {
   const auto n = static_cast<Eigen::Index>(s.rows.size());
@@ -213,6 +238,7 @@ void take_springs(const Scene& scene, SimulationData& d) {
     const auto first = static_cast<int>(s.rows.size());
     add_rows(scene, scene.springs[k], static_cast<int>(k), *d.applied, d.h, s.mobility[k], s);
     for (int i = first; i < static_cast<int>(s.rows.size()); ++i) {
+      if (s.rows[static_cast<std::size_t>(i)].D == kIdle) continue;
       s.unit.add_forces(static_cast<int>(k), s.rows[static_cast<std::size_t>(i)].direction, s.ends);
       s.row.resize(s.ends.size(), i);
     }
@@ -232,7 +258,7 @@ bool solve_with_springs(const Scene& scene, const Eigen::VectorXd& b, Simulation
     const ResistingSprings::Row& row = s->rows[static_cast<std::size_t>(i)];
     s->p[i] = -s->unit.along(row.spring, row.direction, -1);
   }
-  if (!find_responses(scene, d, *s) || !keep_turning(d, *s)) return false;
+  if (!find_responses(scene, d, *s) || !take_tensions(d, *s) || !keep_turning(d, *s)) return false;
   for (Eigen::Index i = 0; i < n; ++i) s->p[i] -= s->rows[static_cast<std::size_t>(i)].g;
   if (!solve_rows(true, *s, s->p)) return false;
   s->unit.clear();

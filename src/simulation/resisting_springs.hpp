@@ -3,7 +3,7 @@
 //
 // With J the rate of a spring's ends along a direction, e its stretch and D = h^2 k + h c, the impulse is
 // p = -D (J v+ + g), g = h k e / D: the force -k (e + h J v+) - c J v+ of the step's end. A spring that pulls by T at
-// the length s is stiff across itself, too: there D = h^2 T / s. But where it turns with its bodies its force does as
+// the length s at the end of the step is stiff across itself, too: there D = h^2 T / s. But where it turns with its bodies its force does as
 // well, and brakes nothing. So g = -r J v' across it, with v' the velocity at the start less what stretches springs and
 // r the share of what its ends do that is such a turn. With K the rest of the matrix and x0 what it gives without
 // springs,
@@ -33,6 +33,7 @@ struct ResistingSprings {
     Vec3<double> direction;  // in the world
     double D, g, k, e;       // k, e: stiffness and stretch along it
     double keeps;            // across a spring: how much of v' is kept, 0 ... 1; -1: along it
+    double length;           // across a spring that has one at rest: its length now; 0 of others
   };
   std::vector<Row> rows;
   UnitTorques unit;

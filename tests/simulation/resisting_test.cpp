@@ -1,0 +1,166 @@
+// Forces that resist, taken at the end of a step: dampers, PD laws, joint friction, springs that turn.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "manycontact/algorithm/configuration.hpp"
+#include "simulation/scenes.hpp"
+
+namespace manycontact::test {
+namespace {
+
+using Eigen::VectorXd;
+
+constexpr double kMass = 2;
+
+// A mass on a slide across gravity, with a damper and friction in its joint.
+RandomScene slide(double damping, double friction, double v) {
+  RandomScene s;
+  Model model;
+  Joint joint;
+  joint.name = "slide";
+  joint.type = JointType::kPrismatic;
+  joint.axis = Vec3<double>::UnitX();
+  joint.inertia = Inertia<double>::from_com(kMass, Vec3<double>::Zero(), Mat3<double>::Identity());
+  joint.lower = joint.upper = joint.velocity_limit = joint.effort_limit = VectorXd::Zero(1);
+  model.joints = {joint};
+  model.frames = {{"mass", 0, {}, false, {}, "slide"}};
+  model.damping = VectorXd::Constant(1, damping);
+  model.friction = VectorXd::Constant(1, friction);
+  finalize(model);
+  add_robot(s.scene, "body", std::make_shared<const Model>(model));
+  s.q = VectorXd::Zero(1);
+  s.v = VectorXd::Constant(1, v);
+  s.u = VectorXd::Zero(1);
+  return s;
+}
+
+// v = v0 exp(-d t / m): the error falls at first order with the step, from h d / m = 1e-6 to 1e6, and energy falls.
+TEST(Resisting, DampersOfAllSizes) {
+  for (double ratio = 1e-6; ratio < 2e6; ratio *= 10)
+    for (const double near : {0.999, 1.001}) {
+      SCOPED_TRACE(ratio * near);
+      const double h = 1e-3, d = ratio * near * kMass / h;
+      const RandomScene s = slide(d, 0, 3);
+      const SimulationData coarse = simulated(s, Integrator::kSemiImplicitEuler, 8 * h, 8),
+                           fine = simulated(s, Integrator::kSemiImplicitEuler, 8 * h, 16);
+      const double run = 3 * kMass / d * -std::expm1(-d * 8 * h / kMass);
+      const auto error = [&](const SimulationData& sim) { return std::abs(sim.q[0] - run); };
+      EXPECT_LE(error(coarse), run * std::min(1.0, d * h / kMass) * 1.01 + 1e-15);
+      if (ratio < 0.02) {
+        EXPECT_NEAR(error(coarse) / error(fine), 2, 0.1);
+      }
+      EXPECT_NEAR(fine.v[0], 3 * std::pow(1 + d * h / 2 / kMass, -16), 1e-12);
+      EXPECT_LE(std::abs(fine.v[0]), 3);
+    }
+}
+
+// What a damper takes is what the mass loses.
+TEST(Resisting, WorkIsWhatTheStepDid) {
+  for (const double d : {1.0, 1e3, 1e6}) {
+    const RandomScene s = slide(d, 4, 3);
+    SimulationData sim(s.scene, s.q, s.v, Integrator::kSemiImplicitEuler, 1e-3);
+    for (int k = 0; k < 10; ++k) {
+      const double before = kMass * sim.v[0] * sim.v[0] / 2;
+      ASSERT_EQ(step(s.scene, s.u, sim), StepStatus::kOk);
+      EXPECT_NEAR(sim.work.dampers + sim.work.friction, kMass * sim.v[0] * sim.v[0] / 2 - before, 1e-13 * before);
+    }
+  }
+}
+
+// Friction slows what slides by F / m, stops it and keeps it while motors ask for less than F.
+TEST(Resisting, FrictionSlidesAndSticks) {
+  RandomScene s = slide(0, 4, 1);
+  SimulationData sim(s.scene, s.q, s.v, Integrator::kSemiImplicitEuler, 1e-2);
+  for (int k = 1; k <= 49; ++k) {
+    ASSERT_EQ(step(s.scene, s.u, sim), StepStatus::kOk);
+    EXPECT_NEAR(sim.v[0], 1 - 0.02 * k, 1e-12);
+  }
+  s.u[0] = 3.9;
+  for (int k = 0; k < 1000; ++k) ASSERT_EQ(step(s.scene, s.u, sim), StepStatus::kOk);
+  const double at = sim.q[0];
+  for (int k = 0; k < 1000; ++k) ASSERT_EQ(step(s.scene, s.u, sim), StepStatus::kOk);
+  EXPECT_NEAR(sim.q[0], at, 1e-5);
+  s.u[0] = 6;
+  ASSERT_EQ(step(s.scene, s.u, sim), StepStatus::kOk);
+  EXPECT_NEAR(sim.v[0], 0.01, 1e-6);  // 6 - 4 N on 2 kg
+  EXPECT_EQ(sim.unsettled, 0);
+}
+
+// A humanoid whose joints rub by more than its weight asks for stands still, held by its feet or in the air.
+TEST(Resisting, RobotsStand) {
+  for (const bool floats : {false, true}) {
+    RandomScene s = of_file(load_scene(MANYCONTACT_SOURCE_DIR "/models/humanoid_standing.xml"));
+    Model model = *s.scene.robots[0].model;
+    model.damping = VectorXd::Zero(model.nv);
+    model.friction = VectorXd::Constant(model.nv, 1e4);
+    model.friction.head<6>().setZero();
+    s.scene.robots[0].model = std::make_shared<const Model>(model);
+    s.u.setZero();
+    s.v.setZero();
+    if (floats)
+      for (Contact& contact : s.scene.contacts) contact.active = false;
+    const SimulationData sim = simulated(s, Integrator::kSemiImplicitEuler, 1, 100);
+    EXPECT_LE((sim.q - s.q).tail(s.scene.nu).cwiseAbs().maxCoeff(), 1e-5);
+    EXPECT_EQ(sim.unsettled, 0);
+  }
+}
+
+// m (v+ - v) = h (kp (q_ref - q - h v+) + kd (v_ref - v+)), for any gains.
+TEST(Resisting, PdLawsAreTakenAtTheEnd) {
+  const RandomScene s = slide(0, 0, 3);
+  for (const double kp : {0.0, 100.0, 1e9})
+    for (const double kd : {0.0, 10.0, 1e6}) {
+      const double h = 1e-2;
+      SimulationData sim(s.scene, s.q, s.v, Integrator::kSemiImplicitEuler, h);
+      const VectorXd one = VectorXd::Ones(1);
+      sim.pd = {kp * one, kd * one, 0.5 * one, 2 * one};
+      ASSERT_EQ(step(s.scene, s.u, sim), StepStatus::kOk);
+      EXPECT_NEAR(sim.v[0], (kMass * 3 + h * kp * 0.5 + h * kd * 2) / (kMass + h * kd + h * h * kp), 1e-10);
+      EXPECT_NEAR(sim.pd_torque[0], kMass * (sim.v[0] - 3) / h, 1e-5 * (1 + std::abs(sim.pd_torque[0])));
+    }
+  SimulationData sim(s.scene, s.q, s.v, Integrator::kSemiImplicitEuler, 1e-2);
+  sim.pd.kp = VectorXd::Constant(1, -1);
+  EXPECT_THROW((void)step(s.scene, s.u, sim), std::invalid_argument);
+}
+
+// Two links on one axis, a stiff spring stretched along it between them: it has no say in how they turn together.
+TEST(Resisting, SpringsDoNotBrakeWhatTurns) {
+  for (const bool floating : {true, false})
+    for (const double length : {0.9, 0.0}) {
+      RandomScene s;
+      Model model;
+      Joint root, along;
+      root.name = "root";
+      root.type = floating ? JointType::kFloating : JointType::kRevolute;
+      root.axis = Vec3<double>::UnitZ();
+      root.inertia = Inertia<double>::from_com(1, Vec3<double>::Zero(), Mat3<double>::Identity());
+      root.lower = root.upper = root.velocity_limit = root.effort_limit = VectorXd::Zero(floating ? 6 : 1);
+      along = root;
+      along.name = "along";
+      along.type = JointType::kRevolute;
+      along.axis = Vec3<double>::UnitX();
+      along.parent = 0;
+      along.lower = along.upper = along.velocity_limit = along.effort_limit = VectorXd::Zero(1);
+      model.floating_base = floating;
+      model.joints = {root, along};
+      model.frames = {{"a", 0, {}, false, {}, "root"}, {"b", 1, {}, false, {}, "along"}};
+      finalize(model);
+      add_robot(s.scene, "r", std::make_shared<const Model>(model));
+      s.scene.gravity.setZero();
+      add_spring(s.scene, {"spring", attach(s.scene, "r", "a", {Mat3<double>::Identity(), {-0.5, 0, 0}}),
+                           attach(s.scene, "r", "b", {Mat3<double>::Identity(), {0.5, 0, 0}}), 1e6, length});
+      s.q = neutral(s.scene);
+      s.v = VectorXd::Zero(s.scene.nv);
+      s.v[floating ? 5 : 0] = 1;
+      s.u = VectorXd::Zero(s.scene.nu);
+      const SimulationData sim = simulated(s, Integrator::kSemiImplicitEuler, 1, 100);
+      // Of a turn by x = 0.01 rad a step keeps 1 / (1 + x^4).
+      EXPECT_NEAR(sim.v[floating ? 5 : 0], 1, 100 * 1e-8);
+      EXPECT_NEAR(floating ? 2 * std::asin(sim.q[5]) : sim.q[0], 1, 100 * 1e-8);
+    }
+}
+
+}  // namespace
+}  // namespace manycontact::test
