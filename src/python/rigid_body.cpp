@@ -268,8 +268,9 @@ void add_body_frames(py::module_& m) {
       py::arg("bodies"), py::arg("data"), py::arg("joint"),
       "What a joint carries: the wrench (6) on its child body, force [N] and moment [N m] in the child frame, about "
       "its\n"
-      "origin, by the last rnea, nonlinear_effects or gravity_torques. With contacts: rnea with the accelerations of\n"
-      "solve and fext=contact_forces_on_bodies(...).");
+      "origin, by the last rnea, nonlinear_effects or gravity_torques. The child is the file's, whichever link is the\n"
+      "root. In a scene with contacts, pushes or springs: rnea with the accelerations of solve and\n"
+      "fext=forces_on_bodies(scene, q, v, data).");
 }
 
 template <class Get>
@@ -292,6 +293,12 @@ void add_wholes(py::module_& m) {
             "Its rate (6) [N, N m] at the data's v and a: the sum of all outer forces about the centre of mass.");
   add_whole(m, "kinetic_energy", &kinetic_energy, "[J], rotors included.");
   add_whole(m, "potential_energy", &potential_energy, "[J], zero at the world's origin.");
+}
+
+Matrix rows_of(const std::vector<Vec6<double>>& wrenches) {
+  Matrix out(static_cast<Eigen::Index>(wrenches.size()), 6);
+  for (std::size_t i = 0; i < wrenches.size(); ++i) out.row(static_cast<Eigen::Index>(i)) = wrenches[i].transpose();
+  return out;
 }
 
 std::vector<char> flags_or_scene(const Scene& scene, const py::object& active) {
@@ -320,13 +327,10 @@ void add_contact_rows(py::module_& m) {
   m.def(
       "contact_forces_on_bodies",
       [](const Scene& scene, const Input& q, const Input& f, const std::vector<int>& f_offset) {
-        const std::vector<Vec6<double>> on = contact_forces_on_bodies(scene, q, f, f_offset);
-        Matrix out(static_cast<Eigen::Index>(on.size()), 6);
-        for (std::size_t i = 0; i < on.size(); ++i) out.row(static_cast<Eigen::Index>(i)) = on[i].transpose();
-        return out;
+        return rows_of(contact_forces_on_bodies(scene, q, f, f_offset));
       },
       py::arg("scene"), py::arg("q"), py::arg("f"), py::arg("f_offset"),
-      "The forces f of contacts (SceneData.f, with its f_offset) at q (nq) as rnea's fext (njoints, 6).");
+      "The forces f of contacts alone (SceneData.f, with its f_offset) at q (nq) as rnea's fext (njoints, 6).");
 }
 
 }  // namespace

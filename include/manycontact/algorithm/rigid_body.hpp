@@ -8,10 +8,11 @@
 //
 // q: nq; v, a, tau: nv. SI units; motions and forces have their linear part first. The equations of motion are
 //
-//     M(q) a + h(q, v) = tau + sum J^T fext        h = C(q, v) v + g(q) - tau_f(v)
+//     M(q) a + h(q, v) = tau + sum J^T fext        h = C(q, v) v + g(q) - tau_f(v) - tau_s(q)
 //
-// with the armature on M's diagonal, and tau_f the damping and friction of joints where the model has them
-// (Model::damping), as in solve. fext: njoints forces on the bodies, robot by robot, each in its joint's child frame,
+// with the armature on M's diagonal, tau_f the damping and friction of joints where the model has them
+// (Model::damping), and tau_s the springs in joints of a scene (Scene::joint_springs), as in solve. A scene's pushes
+// and springs between points are fext (forces_on_bodies of contact/jacobian.hpp). fext: njoints forces on the bodies, robot by robot, each in its joint's child frame,
 // fixed to it when derivatives are taken; or none.
 //
 // Each algorithm leaves the data at its q and v (v = 0 where it takes none) and, where it takes accelerations, at
@@ -46,7 +47,7 @@ using ForcesOnBodies = std::span<const Vec6<double>>;  // njoints of them, or no
 const Eigen::VectorXd& rnea(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
                             const Eigen::Ref<const Eigen::VectorXd>& v, const Eigen::Ref<const Eigen::VectorXd>& a,
                             RigidBodyData& data, ForcesOnBodies fext = {});
-/// h(q, v), and g(q): the torques that hold the robots still.
+/// h(q, v), and g(q) - tau_s(q): the torques that hold the robots still.
 const Eigen::VectorXd& nonlinear_effects(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
                                          const Eigen::Ref<const Eigen::VectorXd>& v, RigidBodyData& data);
 const Eigen::VectorXd& gravity_torques(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
@@ -135,15 +136,17 @@ Eigen::Matrix3Xd center_of_mass_jacobian(const RigidBodies& bodies, RigidBodyDat
 Vec6<double> centroidal_momentum(const RigidBodies& bodies, RigidBodyData& data);
 Mat6X<double> centroidal_momentum_matrix(const RigidBodies& bodies, RigidBodyData& data);
 Vec6<double> centroidal_momentum_rate(const RigidBodies& bodies, RigidBodyData& data);
-/// J; rotors included; zero at the world's origin.
+/// J; rotors included; of weight, zero at the world's origin, and of the springs in joints.
 double kinetic_energy(const RigidBodies& bodies, RigidBodyData& data);
 double potential_energy(const RigidBodies& bodies, const RigidBodyData& data);
 
 // ---- joints --------------------------------------------------------------------------------------------------------
 
 /// What a joint carries: the wrench on its child body, force [N] and moment [N m] in the child frame and about its
-/// origin, by the last rnea, nonlinear_effects or gravity_torques. tau is its part along the joint, beside the rotor's
-/// inertia and friction. Throws std::logic_error after anything else.
+/// origin, by the last rnea, nonlinear_effects or gravity_torques. The child is the file's, whichever link is the root.
+/// tau is its part along the joint, without the rotor's inertia, friction and spring. What acts from outside counts
+/// where rnea is given it as fext: forces_on_bodies (contact/jacobian.hpp). Throws std::logic_error after anything
+/// else.
 Vec6<double> joint_wrench(const RigidBodies& bodies, const RigidBodyData& data, const BodyJoint& joint);
 
 }  // namespace manycontact

@@ -25,6 +25,10 @@ class RigidBodies {  // all robots of a scene, one of them, or a model alone
   int nq() const;                                                                      // numbers in q
   int nv() const;                                                                      // and in v
   int njoints() const;  // movable ones, floating bases included
+  /// The springs in joints of the scene, all of them: those of other robots too. None of a model alone.
+  std::span<const JointSpring> joint_springs() const {
+    return scene_ ? std::span<const JointSpring>(scene_->joint_springs) : std::span<const JointSpring>();
+  }
   /// The first robot's number in its scene; 0 of a model alone.
   int first() const { return first_; }
   /// First coordinate of one of robots() in q.
