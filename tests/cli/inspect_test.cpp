@@ -25,11 +25,11 @@ constexpr char kHumanoid[] = R"(<robot name="h" urdf="humanoid.urdf" base="float
 // Springs and pushes with their places, lengths and forces; what hangs on springs does not float free.
 TEST_F(Inspect, ListsSpringsAndPushes) {
   const std::string file =
-      scene("<robot name=\"load\" urdf=\"box.urdf\" base=\"floating\"/><spring name=\"rope\" frame=\"load/crate\" "
+      scene("<robot name=\"load\" urdf=\"box.urdf\" base=\"floating\"/><spring frame=\"load/crate\" "
             "xyz=\"0 0 2\" stiffness=\"100\" length=\"0.8\"/><push name=\"hand\" frame=\"load/crate\" force=\"1 2 3\"/>");
   const Outcome outcome = run({"inspect", file});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  expect_contains(outcome.out, "rope    load/crate  0 0 0  the world  0 0 2       2      0.8    120");
+  expect_contains(outcome.out, "load/crate  0 0 0  the world  0 0 2       2      0.8    120");
   expect_contains(outcome.out, "hand  load/crate  0 0 0  1 2 3   0 0 0  local");
   EXPECT_EQ(outcome.out.find("floats free"), std::string::npos) << outcome.out;
 }

@@ -11,7 +11,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr std::size_t kMostShown = 24;  // lines of a table
+constexpr std::size_t kMostListed = 24;  // lines of a table
 
 std::string three(const Vec3<double>& x) { return number(x[0]) + " " + number(x[1]) + " " + number(x[2]); }
 
@@ -44,14 +44,14 @@ class At {
 };
 
 void print_more(std::ostream& out, std::size_t all) {
-  if (all > kMostShown) out << "  ... and " << all - kMostShown << " more\n";
+  if (all > kMostListed) out << "  ... and " << all - kMostListed << " more\n";
 }
 
 void print_pushes(std::ostream& out, const Scene& scene, const At& at) {
   if (scene.pushes.empty()) return;
   out << "\nPushes: where they act [m], force [N] and torque [N m]\n";
   Table table({{"push", Table::kLeft}, {"on", Table::kLeft}, {"at"}, {"force"}, {"torque"}, {"axes", Table::kLeft}});
-  for (std::size_t k = 0; k < std::min(scene.pushes.size(), kMostShown); ++k) {
+  for (std::size_t k = 0; k < std::min(scene.pushes.size(), kMostListed); ++k) {
     const Push& push = scene.pushes[k];
     table.add({push.name, name_of(scene, push.at), three(at.place(push.at)), three(push.wrench.head<3>()),
                three(push.wrench.tail<3>()), push.reference_frame == ReferenceFrame::kLocal ? "local" : "world"});
@@ -71,7 +71,7 @@ void print_springs(std::ostream& out, const Scene& scene, const At& at) {
                {"length"},
                {"at rest"},
                {"force"}});
-  for (std::size_t k = 0; k < std::min(scene.springs.size(), kMostShown); ++k) {
+  for (std::size_t k = 0; k < std::min(scene.springs.size(), kMostListed); ++k) {
     const Spring& spring = scene.springs[k];
     const auto& now = at.forces.springs[k];
     table.add({spring.name, name_of(scene, spring.A), three(at.place(spring.A)), name_of(scene, spring.B),
@@ -87,7 +87,7 @@ void print_joint_springs(std::ostream& out, const SceneFile& file) {
   if (scene.joint_springs.empty()) return;
   out << "\nSprings in joints: at and at rest [rad, m], torque [N m, N]\n";
   Table table({{"joint", Table::kLeft}, {"at"}, {"at rest"}, {"torque"}});
-  for (std::size_t k = 0; k < std::min(scene.joint_springs.size(), kMostShown); ++k) {
+  for (std::size_t k = 0; k < std::min(scene.joint_springs.size(), kMostListed); ++k) {
     const JointSpring& spring = scene.joint_springs[k];
     const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
     const Joint& joint = robot.model->joints[spring.joint];
