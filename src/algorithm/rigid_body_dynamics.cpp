@@ -91,8 +91,8 @@ void take_forces(ForcesOnBodies& fext, RobotMemory& of) {
 }
 
 // ID at the state of kin, less friction and the springs in joints.
-void torques(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, const double* a, ForcesOnBodies fext, RigidBodyMemory& m,
-             Eigen::VectorXd& tau) {
+void torques(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, const double* a, ForcesOnBodies fext,
+             RigidBodyMemory& m, Eigen::VectorXd& tau) {
   each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int iv) {
     take_forces(fext, of);
     inverse_dynamics<double>(*robot.model, of.kin, a ? a + iv : nullptr, of.fext, of.f,

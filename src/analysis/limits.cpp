@@ -20,7 +20,8 @@ std::string to_string(Limited quantity) {
 
 namespace {
 
-// Beyond by more than the rounding of a number written at the limit: of the limit, and of the range where that is finite.
+// Beyond by more than the rounding of a number written at the limit: of the limit, and of the range where that is
+// finite.
 bool beyond(double x, double limit, double range) {
   return x > limit + 1e-9 * std::max(std::abs(limit), std::isfinite(range) ? range : 0);
 }

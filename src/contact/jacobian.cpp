@@ -98,7 +98,8 @@ std::vector<Vec6<double>> contact_forces_on_bodies(const Scene& scene, const Con
 std::vector<Vec6<double>> forces_on_bodies(const Scene& scene, const ConstRef& q, const ConstRef& v, const ConstRef& f,
                                            const std::vector<int>& f_offset, std::span<const Vec6<double>> pushes) {
   expect_numbers("forces_on_bodies", "v", v, scene.nv);
-  std::vector<Vec6<double>> out = contact_forces_on_bodies(scene, q, f, f_offset), wrenches(pushes.begin(), pushes.end());
+  std::vector<Vec6<double>> out = contact_forces_on_bodies(scene, q, f, f_offset),
+                            wrenches(pushes.begin(), pushes.end());
   if (pushes.empty())
     for (const Push& push : scene.pushes) wrenches.push_back(push.wrench);
   expect_size("forces_on_bodies", "pushes", static_cast<Eigen::Index>(wrenches.size()),
@@ -109,7 +110,8 @@ std::vector<Vec6<double>> forces_on_bodies(const Scene& scene, const ConstRef& q
   for (std::size_t r = 0; r < scene.robots.size(); first += scene.robots[r++].model->joints.size())
     if (applied.number[r] >= 0) {
       const auto& of = applied.robots[static_cast<std::size_t>(applied.number[r])];
-      for (const int i : of.joints) out[first + static_cast<std::size_t>(i)] += of.kin.oMi[i].inverse().act_force(of.f[i]);
+      for (const int i : of.joints)
+        out[first + static_cast<std::size_t>(i)] += of.kin.oMi[i].inverse().act_force(of.f[i]);
     }
   return out;
 }

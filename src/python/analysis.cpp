@@ -79,24 +79,25 @@ void add_violations(py::module_& m) {
   add_value(violation)
       .def_readonly("contact", &Violation::contact, "Its number in the scene.")
       .def_readonly("kind", &Violation::kind, "Violating")
-      .def_readonly("by", &Violation::by,
-                    "PULLS: the pull [N]; SLIPS: the force beyond the cone [N]; TIPS: from the centre of pressure to the\n"
-                    "box [m]; TURNS: [N m].")
+      .def_readonly(
+          "by", &Violation::by,
+          "PULLS: the pull [N]; SLIPS: the force beyond the cone [N]; TIPS: from the centre of pressure to the\n"
+          "box [m]; TURNS: [N m].")
       .def_readonly("needs", &Violation::needs, "SLIPS: the mu that would do.");
   m.def(
       "violations",
       [](const Scene& scene, const Raw& q, const Data& data) {
         fits("q", q, scene.nq);
         const SceneData& d = data.at_rest();
-        if (d.f_offset.size() != scene.contacts.size()) throw py::value_error("violations: the data are of another scene");
+        if (d.f_offset.size() != scene.contacts.size())
+          throw py::value_error("violations: the data are of another scene");
         return violations(scene, q.vector(), d.f, d.f_offset);
       },
       py::arg("scene"), py::arg("q"), py::arg("data"),
       "After solve at q (nq): a list of Violation, of the active contacts with a mu that pull, slip, tip or turn.");
-  add_enumeration<Limited>(m, "Limited", "limited quantity", "What a limit is of.",
-                           {{"POSITION", Limited::kPosition},
-                            {"VELOCITY", Limited::kVelocity},
-                            {"EFFORT", Limited::kEffort}});
+  add_enumeration<Limited>(
+      m, "Limited", "limited quantity", "What a limit is of.",
+      {{"POSITION", Limited::kPosition}, {"VELOCITY", Limited::kVelocity}, {"EFFORT", Limited::kEffort}});
   py::class_<LimitPassed> passed(m, "LimitPassed", "A coordinate beyond a limit of its robot's file.");
   add_value(passed)
       .def_readonly("robot", &LimitPassed::robot, "Its number.")
@@ -133,7 +134,8 @@ void add_forces_on_bodies(py::module_& m) {
         return out;
       },
       py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("data"),
-      "What acts on bodies from outside their joints at q (nq), v (nv), after solve: the forces of contacts, data.pushes\n"
+      "What acts on bodies from outside their joints at q (nq), v (nv), after solve: the forces of contacts, "
+      "data.pushes\n"
       "and the scene's springs between points, as rnea's fext (njoints, 6).");
 }
 
@@ -150,7 +152,8 @@ void add_unique_forces(py::module_& m) {
       },
       py::arg("scene"), py::arg("q"), py::arg("data"),
       "Per row of data.f, after solve at q (nq): True where the force is unique, False where contacts could share it\n"
-      "otherwise with the same accelerations. Those have the least norm, newton metres counted by Scene.moment_length.");
+      "otherwise with the same accelerations. Those have the least norm, newton metres counted by "
+      "Scene.moment_length.");
 }
 
 void add_rank_changes(py::module_& m) {

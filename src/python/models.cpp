@@ -134,21 +134,21 @@ void add_findings(py::module_& m) {
       });
 }
 
+using OneOrMany = std::variant<double, Eigen::VectorXd>;
+
 // Factors or values per joint or coordinate: one number for all, or as many.
-Eigen::VectorXd per(const char* name, const std::variant<double, Eigen::VectorXd>& given, Eigen::Index count) {
-  const Eigen::VectorXd x = given.index() == 0 ? Eigen::VectorXd(Eigen::VectorXd::Constant(count, std::get<0>(given)))
-                                               : std::get<1>(given);
+Eigen::VectorXd per(const char* name, const OneOrMany& given, Eigen::Index count) {
+  const Eigen::VectorXd x =
+      given.index() == 0 ? Eigen::VectorXd(Eigen::VectorXd::Constant(count, std::get<0>(given))) : std::get<1>(given);
   if (x.size() != count || !x.allFinite())
     throw py::value_error(std::string(name) + ": one finite number is expected, or " + std::to_string(count));
   return x;
 }
 
-using Numbers = std::variant<double, Eigen::VectorXd>;
-
 // A body larger by a factor about its joint's origin, all that is fixed on it with it.
-std::shared_ptr<Model> varied(const Model& of, const Numbers& mass, const Numbers& length,
-                              const std::optional<Numbers>& armature, const std::optional<Numbers>& damping,
-                              const std::optional<Numbers>& friction) {
+std::shared_ptr<Model> varied(const Model& of, const OneOrMany& mass, const OneOrMany& length,
+                              const std::optional<OneOrMany>& armature, const std::optional<OneOrMany>& damping,
+                              const std::optional<OneOrMany>& friction) {
   const Eigen::VectorXd masses = per("mass", mass, of.njoints()), lengths = per("length", length, of.njoints());
   if (!(masses.array() > 0).all() || !(lengths.array() > 0).all())
     throw py::value_error("mass, length: factors above 0 are expected");
@@ -164,10 +164,11 @@ std::shared_ptr<Model> varied(const Model& of, const Numbers& mass, const Number
     frame.placement.p *= lengths[frame.joint];
     scale(frame.inertia, masses[frame.joint], lengths[frame.joint]);
   }
-  const auto set = [&](const char* name, const std::optional<Numbers>& given, Eigen::VectorXd Model::*member) {
+  const auto set = [&](const char* name, const std::optional<OneOrMany>& given, Eigen::VectorXd Model::*member) {
     if (!given) return;
     (*out).*member = per(name, *given, of.nv);
-    if (!(((*out).*member).array() >= 0).all()) throw py::value_error(std::string(name) + ": no negative one is expected");
+    if (!(((*out).*member).array() >= 0).all())
+      throw py::value_error(std::string(name) + ": no negative one is expected");
   };
   set("armature", armature, &Model::armature);
   set("damping", damping, &Model::damping);
@@ -199,7 +200,8 @@ void add_robot_models(py::module_& m) {
       .def_readonly("armature", &Model::armature, "Reflected rotor inertia (nv) [kg m^2, kg].")
       .def("varied", &varied, py::kw_only(), py::arg("mass") = 1.0, py::arg("length") = 1.0,
            py::arg("armature") = py::none(), py::arg("damping") = py::none(), py::arg("friction") = py::none(),
-           "A model of the same joints with other numbers. mass, length: factors above 0, one or one for the body of each\n"
+           "A model of the same joints with other numbers. mass, length: factors above 0, one or one for the body of "
+           "each\n"
            "joint, whose size, with all that is fixed on it, is scaled about the joint's origin. armature, damping,\n"
            "friction: values, one or (nv); None: as they are.")
       .def("find_frame", &Model::find_frame, py::arg("name"), "Number of the frame, -1 if there is none.")

@@ -80,7 +80,8 @@ void add_box_qp(py::module_& m) {
       .def_readonly("x", &BoxQPSolution::x)
       .def_readonly("free_idx", &BoxQPSolution::free_idx)
       .def_readonly("clamped_idx", &BoxQPSolution::clamped_idx);
-  py::class_<BoxQP, std::shared_ptr<BoxQP>>(m, "BoxQP", "min 1/2 x'H x + q'x, lb <= x <= ub, by projected Newton steps.")
+  py::class_<BoxQP, std::shared_ptr<BoxQP>>(m, "BoxQP",
+                                            "min 1/2 x'H x + q'x, lb <= x <= ub, by projected Newton steps.")
       .def(py::init<std::size_t, std::size_t, double, double, double>(), py::arg("nx"), py::arg("maxiter") = 100,
            py::arg("th_acceptstep") = 0.1, py::arg("th_grad") = 1e-9, py::arg("reg") = 1e-9)
       .def(

@@ -391,10 +391,10 @@ TEST_P(RigidBody, SpringsInJointsAreAForceOfThePotential) {
   EXPECT_LE(difference_of(VectorXd(dq * w), VectorXd((after - before) / (2 * h))), 1e-4 * (1 + size_of(dq)));
   RigidBodyData alone{RigidBodies(scene, "middle")};
   const Robot& middle = scene.robots[1];
-  EXPECT_LE(difference_of(gravity_torques(RigidBodies(scene, "middle"),
-                                          q.segment(middle.idx_q, middle.model->nq), alone),
-                          g.segment(middle.idx_v, middle.model->nv)),
-            kClose * size_of(g));
+  EXPECT_LE(
+      difference_of(gravity_torques(RigidBodies(scene, "middle"), q.segment(middle.idx_q, middle.model->nq), alone),
+                    g.segment(middle.idx_v, middle.model->nv)),
+      kClose * size_of(g));
 }
 
 // Along the joint the wrench is the torque, but for the rotor and friction: and with forces on bodies too.

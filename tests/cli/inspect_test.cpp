@@ -24,9 +24,9 @@ constexpr char kHumanoid[] = R"(<robot name="h" urdf="humanoid.urdf" base="float
 
 // Springs and pushes with their places, lengths and forces; what hangs on springs does not float free.
 TEST_F(Inspect, ListsSpringsAndPushes) {
-  const std::string file =
-      scene("<robot name=\"load\" urdf=\"box.urdf\" base=\"floating\"/><spring frame=\"load/crate\" "
-            "xyz=\"0 0 2\" stiffness=\"100\" length=\"0.8\"/><push name=\"hand\" frame=\"load/crate\" force=\"1 2 3\"/>");
+  const std::string file = scene(
+      "<robot name=\"load\" urdf=\"box.urdf\" base=\"floating\"/><spring frame=\"load/crate\" "
+      "xyz=\"0 0 2\" stiffness=\"100\" length=\"0.8\"/><push name=\"hand\" frame=\"load/crate\" force=\"1 2 3\"/>");
   const Outcome outcome = run({"inspect", file});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   expect_contains(outcome.out, "load/crate  0 0 0  the world  0 0 2       2      0.8    120");

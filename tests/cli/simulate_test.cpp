@@ -68,10 +68,10 @@ TEST_F(Simulate, FollowsTheSlopeOfPositions) {
 
 // A contact that is switched on where its frames are not where it is held is told; here holds it where it is.
 TEST_F(Simulate, TellsWhatClosesAway) {
-  const std::string file =
-      scene("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"><joint name=\"root\" v=\"1 0 0 0 0 0\"/></robot>"
-            "<contact name=\"grip\" type=\"6d\" frame=\"b/crate\" active=\"false\"/>",
-            "gravity=\"0 0 0\"");
+  const std::string file = scene(
+      "<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"><joint name=\"root\" v=\"1 0 0 0 0 0\"/></robot>"
+      "<contact name=\"grip\" type=\"6d\" frame=\"b/crate\" active=\"false\"/>",
+      "gravity=\"0 0 0\"");
   for (const std::string what : {"on", "here"}) {
     const Outcome outcome = run(words(file, {"--switch", "0.05 grip " + what, "--json", path("r.json")}));
     EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -98,7 +98,8 @@ TEST_F(Simulate, KeepsWhatIsDoneWhenInterrupted) {
 }
 
 TEST_F(Simulate, LinesWithoutEndAreRefused) {
-  const std::string file = scene("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/><push name=\"p\" frame=\"b/crate\"/>");
+  const std::string file =
+      scene("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/><push name=\"p\" frame=\"b/crate\"/>");
   const Outcome outcome = run(words(file, {"--pushes", "/dev/zero"}));
   EXPECT_EQ(outcome.status, 2);
   expect_contains(outcome.err, "/dev/zero:1: is a line of more than 64 MB");

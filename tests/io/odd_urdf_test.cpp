@@ -194,11 +194,11 @@ TEST_F(OddUrdf, XacroIsRefused) {
 
 // What xacro leaves in shapes and colours has no part in the motion.
 TEST_F(OddUrdf, XacroInShapesIsTold) {
-  for (const char* inside : {"<visual><xacro:insert_block name=\"x\"/></visual>",
-                             "<collision><geometry><xacro:box/></geometry></collision>",
-                             "<visual><material name=\"m\"><xacro:colour/></material></visual>"}) {
-    const Read read = load(
-        folder_.write("shapes.urdf", "<robot name=\"r\">\n<link name=\"a\">\n" + std::string(inside) + "</link></robot>"));
+  for (const char* inside :
+       {"<visual><xacro:insert_block name=\"x\"/></visual>", "<collision><geometry><xacro:box/></geometry></collision>",
+        "<visual><material name=\"m\"><xacro:colour/></material></visual>"}) {
+    const Read read = load(folder_.write(
+        "shapes.urdf", "<robot name=\"r\">\n<link name=\"a\">\n" + std::string(inside) + "</link></robot>"));
     ASSERT_EQ(read.findings.size(), 1u) << inside;
     EXPECT_EQ(read.findings[0].kind, "unread");
     EXPECT_NE(read.findings[0].text.find("is not read: xacro left it"), std::string::npos) << read.findings[0].text;

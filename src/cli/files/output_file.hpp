@@ -17,8 +17,8 @@ bool is_standard_output(const std::string& path);
 bool is_written_straight(const std::string& path);
 
 /// The file of an option. It is written under a temporary name in the same folder, and renamed when it is whole: an
-/// older file of its name stays until then, and where the run fails or a signal ends it. All methods throw InputError where it cannot be
-/// written.
+/// older file of its name stays until then, and where the run fails or a signal ends it. All methods throw InputError
+/// where it cannot be written.
 class OutputFile : private std::streambuf {
  public:
   /// option: for the message; "" where there is none.

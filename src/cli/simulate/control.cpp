@@ -44,8 +44,8 @@ void TimeTable::at(double t, bool between, Eigen::VectorXd& x) const {
 }
 
 void TimeTable::slopes_at(double t, Eigen::VectorXd& slopes) const {
-  const std::size_t after = static_cast<std::size_t>(
-                        std::upper_bound(t_.begin(), t_.end(), t + 1e-9 * std::abs(t)) - t_.begin()),
+  const std::size_t after = static_cast<std::size_t>(std::upper_bound(t_.begin(), t_.end(), t + 1e-9 * std::abs(t)) -
+                                                     t_.begin()),
                     n = columns_.size();
   slopes.setZero(static_cast<Eigen::Index>(n));
   if (after == 0 || after == t_.size()) return;

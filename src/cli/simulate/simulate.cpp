@@ -216,8 +216,8 @@ std::string spring_advice(const Scene& scene, const SimulationData& sim, const S
 // "g closes 0.4 m away from where it holds", of the contact that is farthest.
 std::string closed_away(const Scene& scene, const Switches::ImpactEvent& blow) {
   const auto size = [](const PlacementError& e) { return std::max(e.position, e.angle); };
-  const PlacementError& worst = *std::max_element(
-      blow.away.begin(), blow.away.end(), [&](const auto& a, const auto& b) { return size(a) < size(b); });
+  const PlacementError& worst = *std::max_element(blow.away.begin(), blow.away.end(),
+                                                  [&](const auto& a, const auto& b) { return size(a) < size(b); });
   return "at t = " + number(blow.t, 4) + " s contact " + scene.contacts[worst.contact].name + " closes " +
          in_words(worst) + " away from where it holds" +
          (blow.away.size() > 1 ? ", and " + std::to_string(blow.away.size() - 1) + " more do" : "") +
@@ -267,18 +267,17 @@ void print_summary(std::ostream& out, const SceneFile& file, const SimulationDat
 }
 
 Json document(const SceneFile& file, const SimulationData& sim, const Around& around, const Run& run) {
-  Json json = {
-      {"scene", file.scene.name},
-      {"integrator", to_string(sim.integrator)},
-      {"step", sim.h},
-      {"steps", sim.steps},
-      {"time", sim.time()},
-      {"status", to_string(sim.worst)},
-      {"stopped", run.stopped != StepStatus::kOk ? Json(failure(file.scene, sim, run.stopped))
-                  : run.interrupted              ? Json(kInterrupted)
-                                                 : Json(nullptr)},
-      {"energy", {run.start.energy(), run.end.energy()}},
-      {"largest_position_drift", run.largest.position_drift}};
+  Json json = {{"scene", file.scene.name},
+               {"integrator", to_string(sim.integrator)},
+               {"step", sim.h},
+               {"steps", sim.steps},
+               {"time", sim.time()},
+               {"status", to_string(sim.worst)},
+               {"stopped", run.stopped != StepStatus::kOk ? Json(failure(file.scene, sim, run.stopped))
+                           : run.interrupted              ? Json(kInterrupted)
+                                                          : Json(nullptr)},
+               {"energy", {run.start.energy(), run.end.energy()}},
+               {"largest_position_drift", run.largest.position_drift}};
   json["largest_step_of_springs"] = run.shortest.spring < 0 ? Json(nullptr) : Json(run.shortest.largest);
   add_findings(file.scene, run.at_start, json);
   if (around.switches)
@@ -360,9 +359,8 @@ int run_simulate(const Arguments& arguments) {
   if (run.stopped == StepStatus::kOk && !run.interrupted)
     return sim.worst <= Status::kInconsistent ? kExitOk : kExitUnsound;
   std::cerr << "manycontact: " << printable(path) << ": stopped in step " << sim.steps + 1 << " of " << run.steps
-            << ", at t = " << number(sim.time(), 6) << " s: "
-            << printable(run.interrupted ? kInterrupted : failure(file.scene, sim, run.stopped))
-            << "\n";
+            << ", at t = " << number(sim.time(), 6)
+            << " s: " << printable(run.interrupted ? kInterrupted : failure(file.scene, sim, run.stopped)) << "\n";
   return kExitUnsound;
 }
 
@@ -405,7 +403,8 @@ const Command& simulate_command() {
        method_option(),
        order_option()},
       "Exit status: 0 ok, redundant, inconsistent; 1 regularised, or stopped before the end (solver failed, state not\n"
-      "finite, faster than 1e5 m/s or rad/s, or Ctrl-C): what was reached is written; 2 bad usage, bad input or output.\n",
+      "finite, faster than 1e5 m/s or rad/s, or Ctrl-C): what was reached is written; 2 bad usage, bad input or "
+      "output.\n",
       run_simulate};
   return command;
 }

@@ -92,8 +92,8 @@ void print_joint_springs(std::ostream& out, const SceneFile& file) {
     const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
     const Joint& joint = robot.model->joints[spring.joint];
     const double q = file.q[robot.idx_q + joint.idx_q];
-    table.add({robot.name + "/" + joint.name, number(q), number(spring.rest),
-               number(-spring.stiffness * (q - spring.rest))});
+    table.add(
+        {robot.name + "/" + joint.name, number(q), number(spring.rest), number(-spring.stiffness * (q - spring.rest))});
   }
   table.print(out);
   print_more(out, scene.joint_springs.size());
