@@ -91,8 +91,8 @@ AppliedForces<S>::AppliedForces(const Scene& scene)
 }
 
 template <class S>
-void add_applied_forces(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
-                        AppliedForces<S>& forces, S* tau) {
+void find_applied_wrenches(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
+                           AppliedForces<S>& forces) {
   using Map = Eigen::Map<const VecX<S>>;
   for (auto& of : forces.robots) {
     if (of.joints.empty()) continue;
@@ -115,6 +115,12 @@ void add_applied_forces(const Scene& scene, const S* q, const S* v, std::span<co
     if (spring.B.robot >= 0)
       forces.robots[forces.number[spring.B.robot]].f[spring.B.joint] -= wrench_at<S>(B.p, force, none);
   }
+}
+
+template <class S>
+void add_applied_forces(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
+                        AppliedForces<S>& forces, S* tau) {
+  find_applied_wrenches<S>(scene, q, v, w, forces);
   for (auto& of : forces.robots) {
     const Robot& robot = scene.robots[of.robot];
     S* torque = tau + robot.idx_v;
@@ -133,6 +139,10 @@ void add_applied_forces(const Scene& scene, const S* q, const S* v, std::span<co
 }
 
 template struct AppliedForces<InstantiatedScalar>;
+template void find_applied_wrenches<InstantiatedScalar>(const Scene&, const InstantiatedScalar*,
+                                                        const InstantiatedScalar*,
+                                                        std::span<const Vec6<InstantiatedScalar>>,
+                                                        AppliedForces<InstantiatedScalar>&);
 template void add_applied_forces<InstantiatedScalar>(const Scene&, const InstantiatedScalar*, const InstantiatedScalar*,
                                                      std::span<const Vec6<InstantiatedScalar>>,
                                                      AppliedForces<InstantiatedScalar>&, InstantiatedScalar*);

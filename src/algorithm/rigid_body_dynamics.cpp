@@ -20,9 +20,11 @@ RigidBodyData::RigidBodyData(const RigidBodies& bodies) : memory(std::make_uniqu
   RigidBodyMemory& m = *memory;
   for (const Robot& robot : bodies.robots()) m.robots.emplace_back(*robot.model);
   m.zero = m.v = m.a = m.tau = m.h = m.g = m.qdd = m.driving = Eigen::VectorXd::Zero(bodies.nv());
-  each_robot(bodies, m, [](const Robot& robot, RobotMemory& of, int, int) {
+  m.q.resize(bodies.nq());
+  each_robot(bodies, m, [&m](const Robot& robot, RobotMemory& of, int iq, int) {
     Eigen::VectorXd q = neutral(*robot.model);
     if (robot.model->floating_base) q.head<7>() = pose_of_placement(robot.base);
+    m.q.segment(iq, robot.model->nq) = q;
     forward_kinematics<double>(*robot.model, robot.base, q, of.kin);
   });
 }
@@ -61,6 +63,7 @@ void take(const RigidBodies& bodies, const ConstRef& q, const ConstRef* v, const
     if (v)
       forward_accelerations<double>(model, v->segment(iv, model.nv), a ? a + iv : nullptr, bodies.gravity(), of.kin);
   });
+  m.q = q;
   m.v = v ? *v : ConstRef(m.zero);
   m.a = Eigen::Map<const Eigen::VectorXd>(a ? a : m.zero.data(), m.zero.size());
 }
@@ -87,15 +90,16 @@ void take_forces(ForcesOnBodies& fext, RobotMemory& of) {
   fext = fext.subspan(of.f.size());
 }
 
-// ID at the state of kin, less friction.
-void torques(const RigidBodies& bodies, const ConstRef& v, const double* a, ForcesOnBodies fext, RigidBodyMemory& m,
-             Eigen::VectorXd& tau) {
+// ID at the state of kin, less friction and the springs in joints.
+void torques(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, const double* a, ForcesOnBodies fext,
+             RigidBodyMemory& m, Eigen::VectorXd& tau) {
   each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int iv) {
     take_forces(fext, of);
     inverse_dynamics<double>(*robot.model, of.kin, a ? a + iv : nullptr, of.fext, of.f,
                              tau.segment(iv, robot.model->nv));
     add_friction(*robot.model, v.data() + iv, tau.data() + iv, -1);
   });
+  each_joint_spring(bodies, [&](const JointSpring& s, int iq, int iv) { tau[iv] += s.stiffness * (q[iq] - s.rest); });
   m.carries = true;
 }
 
@@ -128,7 +132,7 @@ const Eigen::VectorXd& rnea(const RigidBodies& bodies, const ConstRef& q, const 
   internal::check_forces("rnea", bodies, fext);
   RigidBodyMemory& m = memory_of("rnea", bodies, data);
   internal::take(bodies, q, &v, a.data(), m);
-  internal::torques(bodies, v, a.data(), fext, m, m.tau);
+  internal::torques(bodies, q, v, a.data(), fext, m, m.tau);
   return m.tau;
 }
 
@@ -137,7 +141,7 @@ const Eigen::VectorXd& nonlinear_effects(const RigidBodies& bodies, const ConstR
   internal::check_state("nonlinear_effects", bodies, q, &v);
   RigidBodyMemory& m = memory_of("nonlinear_effects", bodies, data);
   internal::take(bodies, q, &v, nullptr, m);
-  internal::torques(bodies, v, nullptr, {}, m, m.h);
+  internal::torques(bodies, q, v, nullptr, {}, m, m.h);
   return m.h;
 }
 
@@ -146,7 +150,7 @@ const Eigen::VectorXd& gravity_torques(const RigidBodies& bodies, const ConstRef
   RigidBodyMemory& m = memory_of("gravity_torques", bodies, data);
   const ConstRef at_rest = m.zero;
   internal::take(bodies, q, &at_rest, nullptr, m);
-  internal::torques(bodies, at_rest, nullptr, {}, m, m.g);
+  internal::torques(bodies, q, at_rest, nullptr, {}, m, m.g);
   return m.g;
 }
 
@@ -156,6 +160,8 @@ const Eigen::VectorXd& aba(const RigidBodies& bodies, const ConstRef& q, const C
   internal::check_forces("aba", bodies, fext);
   RigidBodyMemory& m = memory_of("aba", bodies, data);
   m.driving = tau;
+  internal::each_joint_spring(
+      bodies, [&](const JointSpring& s, int iq, int iv) { m.driving[iv] -= s.stiffness * (q[iq] - s.rest); });
   each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int iq, int iv) {
     const Model& model = *robot.model;
     if (!of.aba) of.aba.emplace(model);
@@ -168,6 +174,7 @@ const Eigen::VectorXd& aba(const RigidBodies& bodies, const ConstRef& q, const C
   });
   m.composed = m.carries = false;
   m.moving = true;  // with the accelerations of a = 0
+  m.q = q;
   m.v = v;
   m.a.setZero();
   return m.qdd;
@@ -250,6 +257,7 @@ void dense_torques(const RigidBodies& bodies, const ConstRef& v, RigidBodyMemory
     unpack_inertia<double>(model, of.M.data(), out.da.block(iv, iv, model.nv, model.nv));
     for (int i = 0; i < model.nv; ++i) out.dv(iv + i, iv + i) += friction_slope(model, i, v[iv + i]);
   });
+  internal::each_joint_spring(bodies, [&](const JointSpring& s, int, int iv) { out.dq(iv, iv) += s.stiffness; });
 }
 
 }  // namespace

@@ -182,12 +182,28 @@ double kinetic_energy(const RigidBodies& bodies, RigidBodyData& data) {
 
 double potential_energy(const RigidBodies& bodies, const RigidBodyData& data) {
   double energy = 0;
-  for (const RobotMemory& of : memory_of("potential_energy", bodies, data).robots)
-    energy += potential_energy<double>(of.kin, bodies.gravity());
+  const RigidBodyMemory& m = memory_of("potential_energy", bodies, data);
+  for (const RobotMemory& of : m.robots) energy += potential_energy<double>(of.kin, bodies.gravity());
+  internal::each_joint_spring(bodies, [&](const JointSpring& s, int iq, int) {
+    energy += 0.5 * s.stiffness * (m.q[iq] - s.rest) * (m.q[iq] - s.rest);
+  });
   return energy;
 }
 
 // ---- joints --------------------------------------------------------------------------------------------------------
+
+namespace {
+
+// The frame of the file's child link where a joint is passed from it to the file's parent, which is the child in the
+// tree then; nullptr where the joint is passed as the file has it.
+const Frame* child_behind(const Model& model, int joint) {
+  const std::string& name = model.joints[joint].name;
+  for (const Frame& frame : model.frames)
+    if (frame.parent_joint == name) return frame.joint == model.joints[joint].parent ? &frame : nullptr;
+  return nullptr;
+}
+
+}  // namespace
 
 Vec6d joint_wrench(const RigidBodies& bodies, const RigidBodyData& data, const BodyJoint& joint) {
   const RigidBodyMemory& m = memory_of("joint_wrench", bodies, data);
@@ -197,7 +213,12 @@ Vec6d joint_wrench(const RigidBodies& bodies, const RigidBodyData& data, const B
   if (!m.carries)
     throw std::logic_error("joint_wrench: rnea, nonlinear_effects or gravity_torques has to be called before");
   const RobotMemory& of = m.robots[static_cast<std::size_t>(number)];
-  return of.kin.oMi[joint.joint].inverse().act_force(of.f[joint.joint]);
+  const Vec6d& on_subtree = of.f[joint.joint];
+  const Frame* child = child_behind(*robot->model, joint.joint);
+  if (!child) return of.kin.oMi[joint.joint].inverse().act_force(on_subtree);
+  const SE3<double> base{robot->base.R, robot->base.p - of.kin.origin(joint.joint)};
+  const SE3<double>& body = child->joint < 0 ? base : of.kin.oMi[child->joint];
+  return (body * child->placement).inverse().act_force(-on_subtree);
 }
 
 }  // namespace manycontact

@@ -33,6 +33,7 @@ struct RobotMemory {
 struct RigidBodyMemory {
   std::vector<RobotMemory> robots;
   Eigen::VectorXd zero, v, a;  // nv; v, a: of the state
+  Eigen::VectorXd q;           // nq, of the state
   bool moving = false;         // kin has v and a of the state; else it is at rest, and they are not computed
   bool composed = false;       // Yc is that of the state
   bool carries = false;        // f is that of the last inverse dynamics
@@ -57,6 +58,19 @@ void each_robot(const RigidBodies& bodies, RigidBodyMemory& m, Act&& act) {
   const std::span<const Robot> robots = bodies.robots();
   for (std::size_t r = 0; r < robots.size(); ++r)
     act(robots[r], m.robots[r], bodies.idx_q(robots[r]), bodies.idx_v(robots[r]));
+}
+
+/// act(spring, its coordinate in q, in v) for each spring in a joint of these robots.
+template <class Act>
+void each_joint_spring(const RigidBodies& bodies, Act&& act) {
+  const std::span<const Robot> robots = bodies.robots();
+  for (const JointSpring& spring : bodies.joint_springs()) {
+    const int r = spring.robot - bodies.first();
+    if (r < 0 || r >= static_cast<int>(robots.size())) continue;
+    const Robot& robot = robots[static_cast<std::size_t>(r)];
+    const Joint& joint = robot.model->joints[spring.joint];
+    act(spring, bodies.idx_q(robot) + joint.idx_q, bodies.idx_v(robot) + joint.idx_v);
+  }
 }
 
 /// kin.v and kin.a of the state.

@@ -18,7 +18,7 @@ constexpr double kNegligible = 1e-9;  // of the largest acceleration in the scen
 
 /// What the scene's state does with each robot.
 struct State {
-  std::vector<std::vector<char>> touched;  // per robot and joint: a contact acts on its body
+  std::vector<std::vector<char>> touched;  // per robot and joint: a contact or a spring acts on its body
   std::vector<char> robot_touched;
   double negligible = 0;  // an acceleration that counts as none
 };
@@ -30,6 +30,12 @@ State read_state(const Scene& scene, const SceneData& data) {
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
     for (const Attachment* a : {&scene.contacts[c].A, &scene.contacts[c].B}) {
       if (data.f_offset[c] < 0 || a->robot < 0) continue;
+      s.robot_touched[a->robot] = 1;
+      if (a->joint >= 0) s.touched[a->robot][a->joint] = 1;
+    }
+  for (const Spring& spring : scene.springs)
+    for (const Attachment* a : {&spring.A, &spring.B}) {
+      if (a->robot < 0) continue;
       s.robot_touched[a->robot] = 1;
       if (a->joint >= 0) s.touched[a->robot][a->joint] = 1;
     }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "manycontact/analysis/findings.hpp"
@@ -19,8 +20,11 @@ std::string to_string(LimitKind quantity) {
 
 namespace {
 
-// Beyond by more than the rounding of a number written at the limit.
-bool beyond(double x, double limit) { return x > limit + 1e-9 * std::abs(limit); }
+// Beyond by more than the rounding of a number written at the limit: of the limit, and of the range where that is
+// finite.
+bool beyond(double x, double limit, double range) {
+  return x > limit + 1e-9 * std::max(std::abs(limit), std::isfinite(range) ? range : 0);
+}
 
 void look_at(const Joint& joint, int k, LimitKind quantity, double x, LimitPassed found,
              std::vector<LimitPassed>& out) {
@@ -31,11 +35,12 @@ void look_at(const Joint& joint, int k, LimitKind quantity, double x, LimitPasse
       return;
     found.limit =
         x > 0.5 * (joint.lower[k] + joint.upper[k]) || !std::isfinite(joint.lower[k]) ? joint.upper[k] : joint.lower[k];
-    if (beyond(x, joint.upper[k]) || beyond(-x, -joint.lower[k])) out.push_back(found);
+    const double range = joint.upper[k] - joint.lower[k];
+    if (beyond(x, joint.upper[k], range) || beyond(-x, -joint.lower[k], range)) out.push_back(found);
     return;
   }
   const Eigen::VectorXd& limits = quantity == LimitKind::kVelocity ? joint.velocity_limit : joint.effort_limit;
-  if (limits.size() != joint.nv() || !(limits[k] > 0) || !beyond(std::abs(x), limits[k])) return;
+  if (limits.size() != joint.nv() || !(limits[k] > 0) || !beyond(std::abs(x), limits[k], 0)) return;
   found.limit = limits[k];
   out.push_back(found);
 }

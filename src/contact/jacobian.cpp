@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/contact/motion_of.hpp"
 #include "manycontact/model/expect_size.hpp"
 #include "manycontact/model/expect_state.hpp"
@@ -91,6 +92,27 @@ std::vector<Vec6<double>> contact_forces_on_bodies(const Scene& scene, const Con
     add(contact.A, on_A);
     add(contact.B, -d.G.act_force(on_A));  // in the axes of B', about its origin
   });
+  return out;
+}
+
+std::vector<Vec6<double>> forces_on_bodies(const Scene& scene, const ConstRef& q, const ConstRef& v, const ConstRef& f,
+                                           const std::vector<int>& f_offset, std::span<const Vec6<double>> pushes) {
+  expect_numbers("forces_on_bodies", "v", v, scene.nv);
+  std::vector<Vec6<double>> out = contact_forces_on_bodies(scene, q, f, f_offset),
+                            wrenches(pushes.begin(), pushes.end());
+  if (pushes.empty())
+    for (const Push& push : scene.pushes) wrenches.push_back(push.wrench);
+  expect_size("forces_on_bodies", "pushes", static_cast<Eigen::Index>(wrenches.size()),
+              static_cast<Eigen::Index>(scene.pushes.size()));
+  AppliedForces<double> applied(scene);
+  find_applied_wrenches<double>(scene, q.data(), v.data(), wrenches, applied);
+  std::size_t first = 0;  // body of each robot
+  for (std::size_t r = 0; r < scene.robots.size(); first += scene.robots[r++].model->joints.size())
+    if (applied.number[r] >= 0) {
+      const auto& of = applied.robots[static_cast<std::size_t>(applied.number[r])];
+      for (const int i : of.joints)
+        out[first + static_cast<std::size_t>(i)] += of.kin.oMi[i].inverse().act_force(of.f[i]);
+    }
   return out;
 }
 

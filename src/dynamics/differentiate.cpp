@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "internal.hpp"
+#include "manycontact/sparse/memory.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "systems/robots/derivatives.hpp"
 #include "workspace/threads.hpp"
@@ -125,6 +126,11 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
   if (w.reduction) return internal::differentiate_reduced(scene, data, wanted);
   const bool applied = internal::forces_are_applied(w);
   const DerivativeRequest request = applied ? internal::by_all_torques(wanted) : wanted;
+  double numbers = 0;
+  for (const auto& d : w.islands)
+    numbers += static_cast<double>(d->island.size()) * internal::columns_of(scene, d->island, request);
+  constexpr int kPanels = 2;  // the columns in the island's order, and in that of a factor
+  sparse::require_memory(kPanels * sizeof(double) * numbers);
   (void)internal::linearisation_of(scene, data);
   w.derivatives.islands.resize(w.islands.size());
   for (std::size_t i = 0; i < w.islands.size(); ++i) {

@@ -35,7 +35,7 @@ UrdfDetails check_urdf(const Element& robot);
 /// for the numbers of inertias that are missing: what is left out cannot make it fail. Changes the document.
 std::string text_for_urdfdom(XmlFile& file);
 
-/// Refuses elements of xacro, wherever they stand.
+/// Refuses elements of xacro, except in shapes and colours: those are told (tell_unread).
 void refuse_xacro(const Element& robot);
 
 /// Elements and attributes that act on the motion and are not read: loops, gears, springs, what is misspelt.

@@ -153,12 +153,51 @@ void look_at_joint(const Element& joint, Unread& unread) {
 
 }  // namespace
 
+namespace {
+
+// The prefixes that stand for xacro in this file.
+Names xacro_prefixes(const Element& robot) {
+  Names prefixes = {"xacro"};
+  for (const std::string& attribute : robot.attributes())
+    if (attribute.starts_with("xmlns:") && robot.required(attribute.c_str()).find("xacro") != std::string::npos)
+      prefixes.insert(attribute.substr(6));
+  return prefixes;
+}
+
+// Whether an element is to become others by xacro.
+bool is_xacro(const Element& e, const Names& prefixes) {
+  const std::string name = e.name();
+  const std::size_t colon = name.find(':');
+  return colon != std::string::npos && prefixes.count(name.substr(0, colon)) > 0;
+}
+
+// Shapes and colours, which have no part in the motion.
+bool is_only_seen(const Element& e) {
+  const std::string name = e.name();
+  return name == "visual" || name == "collision" || name == "material";
+}
+
+void tell_leftovers(const Element& of, const Names& prefixes, Unread& unread) {
+  for (auto e = of.child(); e; e = e->next(nullptr)) {
+    if (!is_only_seen(*e)) {
+      tell_leftovers(*e, prefixes, unread);
+      continue;
+    }
+    each_inside(*e, [&](const Element& inside) {
+      if (is_xacro(inside, prefixes)) unread.count(inside, name_of(*e), "<" + inside.name() + ">", ": xacro left it");
+    });
+  }
+}
+
+}  // namespace
+
 void tell_unread(const Element& robot, std::vector<Finding>& findings) {
   static const Names harmless = {
       "material",    "sensor",       "mujoco",        "frame",         "collision_filter_group", "group",
       "group_state", "end_effector", "virtual_joint", "passive_joint", "disable_collisions",     "ros2_control",
       "author",      "license",      "texture",       "kinematics"};
   Unread unread(findings);
+  tell_leftovers(robot, xacro_prefixes(robot), unread);
   for (auto e = robot.child(); e; e = e->next(nullptr)) {
     const std::string name = e->name();
     if (name == "link")
@@ -181,26 +220,17 @@ void tell_unread(const Element& robot, std::vector<Finding>& findings) {
 
 namespace {
 
-// The prefixes that stand for xacro in this file.
-Names xacro_prefixes(const Element& robot) {
-  Names prefixes = {"xacro"};
-  for (const std::string& attribute : robot.attributes())
-    if (attribute.starts_with("xmlns:") && robot.required(attribute.c_str()).find("xacro") != std::string::npos)
-      prefixes.insert(attribute.substr(6));
-  return prefixes;
+void refuse_xacro_inside(const Element& of, const Names& prefixes) {
+  for (auto e = of.child(); e; e = e->next(nullptr)) {
+    if (is_xacro(*e, prefixes))
+      e->fail("<" + e->name() + "> is xacro, from which a URDF is yet to be made, expected one: " +
+              "run `xacro ROBOT.urdf.xacro > ROBOT.urdf`");
+    if (!is_only_seen(*e)) refuse_xacro_inside(*e, prefixes);
+  }
 }
 
 }  // namespace
 
-void refuse_xacro(const Element& robot) {
-  const Names prefixes = xacro_prefixes(robot);
-  each_inside(robot, [&](const Element& e) {
-    const std::string name = e.name();
-    const std::size_t colon = name.find(':');
-    if (colon != std::string::npos && prefixes.count(name.substr(0, colon)))
-      e.fail("<" + name + "> is xacro, from which a URDF is yet to be made, expected one: " +
-             "run `xacro ROBOT.urdf.xacro > ROBOT.urdf`");
-  });
-}
+void refuse_xacro(const Element& robot) { refuse_xacro_inside(robot, xacro_prefixes(robot)); }
 
 }  // namespace manycontact::io

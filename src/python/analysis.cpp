@@ -10,6 +10,7 @@
 #include "manycontact/analysis/redistribute_forces.hpp"
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/analysis/unique_forces.hpp"
+#include "manycontact/contact/jacobian.hpp"
 
 namespace manycontact::python {
 
@@ -114,6 +115,28 @@ void add_violations(py::module_& m) {
         return limits_passed(scene, q.vector(), v.vector(), u.vector());
       },
       py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("u"), doc::limits_passed);
+}
+
+void add_forces_on_bodies(py::module_& m) {
+  m.def(
+      "forces_on_bodies",
+      [](const Scene& scene, const Raw& q, const Raw& v, const Data& data) {
+        fits("q", q, scene.nq);
+        fits("v", v, scene.nv);
+        const auto Q = q.vector();
+        const auto V = v.vector();
+        const std::vector<Vec6<double>> on = data.use([&](SceneData& d) {
+          if (d.serial == 0) throw std::logic_error("forces_on_bodies: solve first");
+          return forces_on_bodies(scene, Q, V, d.f, d.f_offset, d.pushes);
+        });
+        Eigen::MatrixXd out(static_cast<Eigen::Index>(on.size()), 6);
+        for (std::size_t i = 0; i < on.size(); ++i) out.row(static_cast<Eigen::Index>(i)) = on[i].transpose();
+        return out;
+      },
+      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("data"),
+      "What acts on bodies from outside their joints at q (nq), v (nv), after solve: the forces of contacts, "
+      "data.pushes\n"
+      "and the scene's springs between points, as rnea's fext (njoints, 6).");
 }
 
 void add_unique_forces(py::module_& m) {
@@ -264,6 +287,7 @@ void add_analysis(py::module_& m) {
   add_violations(m);
   add_unique_forces(m);
   add_redistribution(m);
+  add_forces_on_bodies(m);
   add_rank_changes(m);
   add_near_dependent(m);
   add_consistent(m);

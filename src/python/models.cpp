@@ -1,5 +1,8 @@
 // Placements and models: floors spatial and model, URDF files.
 
+#include <optional>
+#include <variant>
+
 #include "docs/scene.hpp"
 #include "manycontact/io/urdf.hpp"
 #include "manycontact/model/suggestion.hpp"
@@ -131,6 +134,49 @@ void add_findings(py::module_& m) {
       });
 }
 
+using OneOrMany = std::variant<double, Eigen::VectorXd>;
+
+// Factors or values per joint or coordinate: one number for all, or as many.
+Eigen::VectorXd per(const char* name, const OneOrMany& given, Eigen::Index count) {
+  const Eigen::VectorXd x =
+      given.index() == 0 ? Eigen::VectorXd(Eigen::VectorXd::Constant(count, std::get<0>(given))) : std::get<1>(given);
+  if (x.size() != count || !x.allFinite())
+    throw py::value_error(std::string(name) + ": one finite number is expected, or " + std::to_string(count));
+  return x;
+}
+
+// A body larger by a factor about its joint's origin, all that is fixed on it with it.
+std::shared_ptr<Model> varied(const Model& of, const OneOrMany& mass, const OneOrMany& length,
+                              const std::optional<OneOrMany>& armature, const std::optional<OneOrMany>& damping,
+                              const std::optional<OneOrMany>& friction) {
+  const Eigen::VectorXd masses = per("mass", mass, of.njoints()), lengths = per("length", length, of.njoints());
+  if (!(masses.array() > 0).all() || !(lengths.array() > 0).all())
+    throw py::value_error("mass, length: factors above 0 are expected");
+  auto out = std::make_shared<Model>(of);
+  const auto scale = [](Inertia<double>& Y, double m, double s) { Y.m *= m, Y.h *= m * s, Y.I *= m * s * s; };
+  for (int i = 0; i < of.njoints(); ++i) {
+    Joint& joint = out->joints[i];
+    scale(joint.inertia, masses[i], lengths[i]);
+    if (joint.parent >= 0) joint.placement.p *= lengths[joint.parent];
+  }
+  for (Frame& frame : out->frames) {
+    if (frame.joint < 0) continue;
+    frame.placement.p *= lengths[frame.joint];
+    scale(frame.inertia, masses[frame.joint], lengths[frame.joint]);
+  }
+  const auto set = [&](const char* name, const std::optional<OneOrMany>& given, Eigen::VectorXd Model::*member) {
+    if (!given) return;
+    (*out).*member = per(name, *given, of.nv);
+    if (!(((*out).*member).array() >= 0).all())
+      throw py::value_error(std::string(name) + ": no negative one is expected");
+  };
+  set("armature", armature, &Model::armature);
+  set("damping", damping, &Model::damping);
+  set("friction", friction, &Model::friction);
+  finalize(*out);
+  return out;
+}
+
 void add_robot_models(py::module_& m) {
   py::class_<Model, std::shared_ptr<Model>> model(m, "Model", "One robot or object: a kinematic tree. It is constant.");
   add_value(model)
@@ -157,6 +203,11 @@ void add_robot_models(py::module_& m) {
           },
           "Frames, by number or name.")
       .def_readonly("armature", &Model::armature, "Reflected rotor inertia (nv) [kg m^2, kg].")
+      .def("varied", &varied, py::kw_only(), py::arg("mass") = 1.0, py::arg("length") = 1.0,
+           py::arg("armature") = py::none(), py::arg("damping") = py::none(), py::arg("friction") = py::none(),
+           "Return a model of the same joints with other numbers. mass, length: factors above 0, one or one for the\n"
+           "body of each joint; a body is scaled, with all that is fixed on it, about the joint's origin. armature,\n"
+           "damping, friction: values, one or (nv); None leaves them as they are.")
       .def("find_frame", &Model::find_frame, py::arg("name"), "Return the number of the frame, or -1.")
       .def("find_joint", &Model::find_joint, py::arg("name"), "Return the number of the joint, or -1.")
       .def("mass", &Model::mass, "Return the total mass [kg].")

@@ -87,6 +87,7 @@ PYBIND11_MODULE(_manycontact, m) {
   add_costs(m);
   add_action(m);
   add_control(m);
+  add_twins(m);
   add_solvers(m);
   add_task(m);
   refuse_empty_objects(m);

@@ -76,6 +76,7 @@ void add_residual_models(py::module_& m);
 void add_costs(py::module_& m);
 void add_action(py::module_& m);
 void add_control(py::module_& m);
+void add_twins(py::module_& m);
 void add_solvers(py::module_& m);
 void add_task(py::module_& m);
 

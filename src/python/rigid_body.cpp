@@ -274,6 +274,12 @@ void add_wholes(py::module_& m) {
   add_whole(m, "potential_energy", &potential_energy, doc::potential_energy);
 }
 
+Matrix rows_of(const std::vector<Vec6<double>>& wrenches) {
+  Matrix out(static_cast<Eigen::Index>(wrenches.size()), 6);
+  for (std::size_t i = 0; i < wrenches.size(); ++i) out.row(static_cast<Eigen::Index>(i)) = wrenches[i].transpose();
+  return out;
+}
+
 std::vector<char> flags_or_scene(const Scene& scene, const py::object& active) {
   std::vector<char> flags;
   for (const Contact& contact : scene.contacts) flags.push_back(contact.active);
@@ -297,10 +303,7 @@ void add_contact_rows(py::module_& m) {
   m.def(
       "contact_forces_on_bodies",
       [](const Scene& scene, const Input& q, const Input& f, const std::vector<int>& f_offset) {
-        const std::vector<Vec6<double>> on = contact_forces_on_bodies(scene, q, f, f_offset);
-        Matrix out(static_cast<Eigen::Index>(on.size()), 6);
-        for (std::size_t i = 0; i < on.size(); ++i) out.row(static_cast<Eigen::Index>(i)) = on[i].transpose();
-        return out;
+        return rows_of(contact_forces_on_bodies(scene, q, f, f_offset));
       },
       py::arg("scene"), py::arg("q"), py::arg("f"), py::arg("f_offset"), doc::contact_forces_on_bodies);
 }

@@ -152,10 +152,31 @@ void add_contacts(py::module_& m) {
 
 // ---- scenes --------------------------------------------------------------------------------------------------------
 
+// Another model of the same structure: what is attached to one of the robot's frames stays there.
+void take_model(Scene& scene, std::size_t number, const std::shared_ptr<const Model>& model) {
+  const std::shared_ptr<const Model> old = scene.robots.at(number).model;
+  if (model == old) return;
+  if (!model || model->structure != old->structure)
+    throw py::value_error("model: one of the same joints is expected, as Model.varied makes it");
+  const auto follow = [&](Attachment& at) {
+    if (at.robot != static_cast<int>(number)) return;
+    const int from = old->find_frame(at.frame), to = model->find_frame(at.frame);
+    if (from < 0 || to < 0) return;
+    at.placement = model->frames[to].placement * old->frames[from].placement.inverse() * at.placement;
+  };
+  for (Contact& contact : scene.contacts) follow(contact.A), follow(contact.B);
+  for (Push& push : scene.pushes) follow(push.at);
+  for (Spring& spring : scene.springs) follow(spring.A), follow(spring.B);
+  scene.robots.at(number).model = model;
+}
+
 Items<Handle<Robot>> robots_of(const std::shared_ptr<Scene>& scene) {
   const auto robot = [scene](std::size_t k) {
     return Handle<Robot>([scene, k]() -> const Robot& { return scene->robots.at(k); },
-                         [scene, k](const Robot& robot) { scene->robots.at(k).base = robot.base; });
+                         [scene, k](const Robot& robot) {
+                           take_model(*scene, k, robot.model);
+                           scene->robots.at(k).base = robot.base;
+                         });
   };
   return {[scene] { return scene->robots.size(); }, robot,
           [scene](const std::string& name) {
@@ -170,8 +191,13 @@ void add_robots(py::module_& m) {
   py::class_<Held> c(m, "Robot", "An instance of a model in a scene.");
   c.def_property_readonly(
        "name", [](const Held& r) { return r.get().name; }, "Name.")
-      .def_property_readonly(
-          "model", [](const Held& r) { return std::const_pointer_cast<Model>(r.get().model); }, "Model.")
+      .def_property(
+          "model", [](const Held& r) { return std::const_pointer_cast<Model>(r.get().model); },
+          [](const Held& r, const std::shared_ptr<Model>& model) {
+            r.change([&](Robot& robot) { robot.model = model; });
+          },
+          "Model. Assign a model of the same joints, as Model.varied makes it; existing data become invalid. Contacts,\n"
+          "pushes and springs remain on the frames that they were made from.")
       .def_property_readonly(
           "idx_q", [](const Held& r) { return r.get().idx_q; }, "First coordinate in the scene's q.")
       .def_property_readonly(

@@ -369,6 +369,34 @@ TEST_P(RigidBody, RateOfMomentumIsTheSumOfOuterForces) {
   EXPECT_EQ(centroidal_momentum_rate(scene, data).norm(), 0);
 }
 
+// The springs in joints are forces of a potential, as weight is, in torques, accelerations and derivatives.
+TEST_P(RigidBody, SpringsInJointsAreAForceOfThePotential) {
+  int springs = 0;
+  for (const Joint& joint : scene.robots[1].model->joints)
+    if (joint.nv() == 1 && springs < 3) add_joint_spring(scene, "middle", joint.name, 40.0 + 3 * springs++, 0.2);
+  RigidBodyData data(scene);
+  const VectorXd g = gravity_torques(scene, q, data), w = random_vector(scene.nv, rng, 1);
+  constexpr double h = 1e-5;
+  const auto potential = [&](double t) {
+    forward_kinematics(scene, integrate(scene, q, VectorXd(t * w)), data);
+    return potential_energy(scene, data);
+  };
+  const double rate = (8 * (potential(h) - potential(-h)) - potential(2 * h) + potential(-2 * h)) / (12 * h);
+  EXPECT_NEAR(g.dot(w), rate, 1e-7 * (1 + std::abs(potential(0))));
+  const VectorXd tau = rnea(scene, q, v, a, data, fext);
+  EXPECT_LE(difference_of(aba(scene, q, v, tau, data, fext), a), 1e-8 * (1 + size_of(a)));
+  const MatrixXd dq = rnea_derivatives(scene, q, v, a, data, fext).dq;
+  const VectorXd before = rnea(scene, integrate(scene, q, VectorXd(-h * w)), v, a, data, fext);
+  const VectorXd after = rnea(scene, integrate(scene, q, VectorXd(h * w)), v, a, data, fext);
+  EXPECT_LE(difference_of(VectorXd(dq * w), VectorXd((after - before) / (2 * h))), 1e-4 * (1 + size_of(dq)));
+  RigidBodyData alone{RigidBodies(scene, "middle")};
+  const Robot& middle = scene.robots[1];
+  EXPECT_LE(
+      difference_of(gravity_torques(RigidBodies(scene, "middle"), q.segment(middle.idx_q, middle.model->nq), alone),
+                    g.segment(middle.idx_v, middle.model->nv)),
+      kClose * size_of(g));
+}
+
 // Along the joint the wrench is the torque, but for the rotor and friction: and with forces on bodies too.
 TEST_P(RigidBody, JointsCarryTheirTorque) {
   RigidBodyData data(scene);

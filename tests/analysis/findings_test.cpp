@@ -214,6 +214,24 @@ TEST(Limits, PositionVelocityEffort) {
   EXPECT_EQ(found[1].limit, joint.effort_limit[0]);
 }
 
+// A limit of 0 is passed by no rounding: what counts is judged beside the range.
+TEST(Limits, OfZeroAreNotPassedByRounding) {
+  SceneFile file = load_text("<scene><robot name=\"a\" urdf=\"arm.urdf\" base=\"fixed\"/></scene>");
+  auto model = std::make_shared<Model>(*file.scene.robots[0].model);
+  Joint& joint = model->joints[1];
+  joint.lower[0] = 0, joint.upper[0] = 2;
+  file.scene.robots[0].model = model;
+  const auto passed = [&](double q) {
+    file.q[joint.idx_q] = q;
+    return limits_passed(file.scene, file.q, file.v, file.u).size();
+  };
+  EXPECT_EQ(passed(-1e-19), 0u);
+  EXPECT_EQ(passed(-1e-12), 0u);
+  EXPECT_EQ(passed(-1e-6), 1u);
+  EXPECT_EQ(passed(2 + 1e-12), 0u);
+  EXPECT_EQ(passed(2 + 1e-6), 1u);
+}
+
 TEST(Contradictions, TellTheirSize) {
   // held at one point of the world with a velocity that the gains of two contacts want to change differently
   SceneFile file = load_text(

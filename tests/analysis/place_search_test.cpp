@@ -72,9 +72,9 @@ TEST(PlaceSearch, BendsWhatIsStretched) {
   for (const double x : {0.05, 0.5, -0.3, 1.19, -1.1})
     for (const auto& lengths : std::vector<std::vector<double>>{{0.5, 0.4, 0.3}, {0.3, 0.3, 0.3, 0.3}}) {
       const Arm arm(lengths, -2.8, 2.8);
-      const PlacedScene found =
-          place(arm.file.scene, arm.file.q, {pose_goal(frame_called(arm.file.scene, "r/tip"), Partial{x, 0.0, kAnywhere})},
-                {.restarts = 20});  // a target behind leads some to limits first
+      const PlacedScene found = place(arm.file.scene, arm.file.q,
+                                      {pose_goal(frame_called(arm.file.scene, "r/tip"), Partial{x, 0.0, kAnywhere})},
+                                      {.restarts = 20});  // a target behind leads some to limits first
       EXPECT_TRUE(found.met(kSearched)) << x << " " << lengths.size();
     }
 }

@@ -22,6 +22,18 @@ constexpr char kHumanoid[] = R"(<robot name="h" urdf="humanoid.urdf" base="float
   <joint name="left_knee" q="0.8"/> <joint name="right_knee" q="0.6"/> <joint name="left_elbow" q="-0.5" v="1"/></robot>
 )";
 
+// Springs and pushes with their places, lengths and forces; what hangs on springs does not float free.
+TEST_F(Inspect, ListsSpringsAndPushes) {
+  const std::string file = scene(
+      "<robot name=\"load\" urdf=\"box.urdf\" base=\"floating\"/><spring frame=\"load/crate\" "
+      "xyz=\"0 0 2\" stiffness=\"100\" length=\"0.8\"/><push name=\"hand\" frame=\"load/crate\" force=\"1 2 3\"/>");
+  const Outcome outcome = run({"inspect", file});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  expect_contains(outcome.out, "load/crate  0 0 0  the world  0 0 2       2      0.8    120");
+  expect_contains(outcome.out, "hand  load/crate  0 0 0  1 2 3   0 0 0  local");
+  EXPECT_EQ(outcome.out.find("floats free"), std::string::npos) << outcome.out;
+}
+
 TEST_F(Inspect, FeetOnCorners) {
   const std::string out = inspect(model("feet_on_corners.xml"));
   expect_contains(out, "the 24 contact rows of humanoid have rank 12");

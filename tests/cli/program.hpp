@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -88,6 +90,28 @@ class Program : public testing::Test {
     int status = 0;
     waitpid(child, &status, 0);
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out), read_text(err)};
+  }
+
+  /// The same, of a program that gets a signal once it has begun a file.
+  Outcome run_interrupted(const std::vector<std::string>& words, int signal) const {
+    const pid_t sender = fork();
+    if (sender == 0) {
+      for (int k = 0; k < 2000; ++k) {
+        usleep(10000);
+        if (parts().empty()) continue;
+        usleep(300000);
+        std::ifstream pid(path("pid.txt"));
+        int child = 0;
+        if (pid >> child) kill(child, signal);
+        break;
+      }
+      _exit(0);
+    }
+    std::vector<std::string> by_shell{"-c", "echo $$ > \"$0\"; exec \"$@\"", path("pid.txt"), MANYCONTACT_BINARY};
+    by_shell.insert(by_shell.end(), words.begin(), words.end());
+    Outcome outcome = run(by_shell, "/bin/sh");
+    waitpid(sender, nullptr, 0);
+    return outcome;
   }
 
   /// Files under the names they have until they are whole.

@@ -45,6 +45,66 @@ class Simulate : public Program {
   Csv trajectory() const { return Csv(path("t.csv")); }
 };
 
+// A reference without velocities is followed with the slope of its positions.
+TEST_F(Simulate, FollowsTheSlopeOfPositions) {
+  std::ofstream(path("pendulum.urdf"))
+      << "<robot name='p'><link name='w'/><link name='bob'><inertial><origin xyz='0 0 -0.5'/><mass value='2'/><inertia "
+         "ixx='0.1' ixy='0' ixz='0' iyy='0.1' iyz='0' izz='0.01'/></inertial></link><joint name='j' type='continuous'>"
+         "<parent link='w'/><child link='bob'/><axis xyz='0 1 0'/></joint></robot>";
+  const std::string file = scene("<robot name=\"p\" urdf=\"pendulum.urdf\"/>", "gravity=\"0 0 0\"");
+  std::map<std::string, double> end;
+  for (const std::string name : {"positions", "both"}) {
+    std::ofstream out(path(name + ".csv"));
+    out << (name == "both" ? "t,q:p/j,v:p/j\n0,0,1\n2,2,1\n" : "t,q:p/j\n0,0\n0.5,0.5\n2,2\n");
+    out.close();
+    const Outcome outcome = run({"simulate", file, "--time", "1", "--step", "1e-3", "--pd", "400 40", "--reference",
+                                 path(name + ".csv"), "--out", path("t.csv")});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    end[name] = trajectory().last("q:p/j");
+  }
+  EXPECT_NEAR(end["both"], 1, 1e-3);
+  EXPECT_NEAR(end["positions"], end["both"], 1e-9);
+}
+
+// A contact that is switched on where its frames are not where it is held is told; here holds it where it is.
+TEST_F(Simulate, TellsWhatClosesAway) {
+  const std::string file = scene(
+      "<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"><joint name=\"root\" v=\"1 0 0 0 0 0\"/></robot>"
+      "<contact name=\"grip\" type=\"6d\" frame=\"b/crate\" active=\"false\"/>",
+      "gravity=\"0 0 0\"");
+  for (const std::string what : {"on", "here"}) {
+    const Outcome outcome = run(words(file, {"--switch", "0.05 grip " + what, "--json", path("r.json")}));
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const std::string text = "contact grip closes 0.05 m away from where it holds";
+    EXPECT_EQ(outcome.out.find(text) != std::string::npos, what == "on") << outcome.out;
+    EXPECT_EQ(read_text(path("r.json")).find(text) != std::string::npos, what == "on");
+  }
+}
+
+// Ctrl-C, or kill, keeps the rows that there are; a file without an end has no other.
+TEST_F(Simulate, KeepsWhatIsDoneWhenInterrupted) {
+  const std::string file = scene("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>", "gravity=\"0 0 0\"");
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const Outcome outcome = run_interrupted({"simulate", file, "--time", "1e6", "--step", "0.001", "--every", "10",
+                                             "--out", path("t.csv"), "--json", path("r.json")},
+                                            signal);
+    EXPECT_EQ(outcome.status, 1) << outcome.err;
+    expect_contains(outcome.err, "interrupted");
+    EXPECT_GT(trajectory().rows, 1u);
+    expect_contains(read_text(path("r.json")), "\"stopped\": \"interrupted\"");
+    expect_no_parts();
+    std::filesystem::remove(path("t.csv"));
+  }
+}
+
+TEST_F(Simulate, LinesWithoutEndAreRefused) {
+  const std::string file =
+      scene("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/><push name=\"p\" frame=\"b/crate\"/>");
+  const Outcome outcome = run(words(file, {"--pushes", "/dev/zero"}));
+  EXPECT_EQ(outcome.status, 2);
+  expect_contains(outcome.err, "/dev/zero:1: is a line of more than 64 MB");
+}
+
 TEST_F(Simulate, WritesTheTrajectory) {
   for (const char* integrator : {"semi-implicit-euler", "rk4"}) {
     const Outcome outcome = run(words(model("humanoid_standing.xml"), {"--integrator", integrator, "--passive"}));

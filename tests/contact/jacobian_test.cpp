@@ -8,6 +8,7 @@
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/dynamics/solve.hpp"
+#include "support/applied.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -46,6 +47,30 @@ TEST(ContactJacobian, SolutionsObeyTheEquations) {
     const auto forces = contact_forces_on_bodies(s.scene, s.q, data.f, data.f_offset);
     EXPECT_LE(difference_of(rnea(s.scene, s.q, s.v, data.a, bodies, forces), tau), 1e-9 * size);
     EXPECT_GT(size_of(forces[0]) + size_of(forces.back()) + data.f.norm(), 0);
+  }
+}
+
+// With pushes and springs, of which those in joints are rnea's own: motors give the rest.
+TEST(ContactJacobian, ForcesOnBodiesAreAllFromOutsideTheJoints) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    std::mt19937 rng(seed);
+    RandomScene s = some_scene(seed);
+    add_random_forces(s.scene, rng);
+    SceneData data(s.scene);
+    ASSERT_EQ(solve(s.scene, s.q, s.v, s.u, data).status, Status::kOk);
+    data.pushes[1] *= 2;
+    ASSERT_EQ(solve(s.scene, s.q, s.v, s.u, data).status, Status::kOk);
+    RigidBodyData bodies(s.scene);
+    const auto forces = forces_on_bodies(s.scene, s.q, s.v, data.f, data.f_offset, data.pushes);
+    const VectorXd tau = rnea(s.scene, s.q, s.v, data.a, bodies, forces);
+    VectorXd motors = VectorXd::Zero(s.scene.nv);
+    for (const Robot& robot : s.scene.robots)
+      for (int k = 0; k < robot.model->nu(); ++k) motors[robot.idx_v + robot.model->actuated[k]] = s.u[robot.idx_u + k];
+    const double size = 1 + size_of(nonlinear_effects(s.scene, s.q, s.v, bodies)) + size_of(data.f);
+    EXPECT_LE(difference_of(tau, motors), 1e-9 * size);
+    EXPECT_LE(difference_of(aba(s.scene, s.q, s.v, motors, bodies, forces), data.a), 1e-8 * (1 + size_of(data.a)));
+    EXPECT_THROW((void)forces_on_bodies(s.scene, s.q, s.v, data.f, data.f_offset, {data.pushes.data(), 1}),
+                 std::invalid_argument);
   }
 }
 

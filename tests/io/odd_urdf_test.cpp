@@ -175,7 +175,7 @@ TEST_F(OddUrdf, WhatIsNotReadIsNamed) {
 TEST_F(OddUrdf, XacroIsRefused) {
   const std::string wanted = "run `xacro ROBOT.urdf.xacro > ROBOT.urdf`";
   for (const char* element : {"<xacro:include filename=\"x\"/>", "<xacro:if value=\"true\"/>", "<xacro:leg/>",
-                              "<link name=\"d\"><visual><xacro:insert_block name=\"x\"/></visual></link>"}) {
+                              "<link name=\"d\"><inertial><xacro:insert_block name=\"x\"/></inertial></link>"}) {
     const std::string said = refusal(robot("continuous", "", kInertial, element));
     EXPECT_EQ(said.find("2: <xacro:"), 0u) << said;
     EXPECT_NE(said.find(wanted), std::string::npos) << said;
@@ -189,6 +189,19 @@ TEST_F(OddUrdf, XacroIsRefused) {
       refusal(folder_.write("expanded.urdf",
                             "<robot name=\"r\" xmlns:xacro=\"http://wiki.ros.org/xacro\"><link name=\"a\"/></robot>")),
       "accepted");
+}
+
+// What xacro leaves in shapes and colours has no part in the motion.
+TEST_F(OddUrdf, XacroInShapesIsTold) {
+  for (const char* inside :
+       {"<visual><xacro:insert_block name=\"x\"/></visual>", "<collision><geometry><xacro:box/></geometry></collision>",
+        "<visual><material name=\"m\"><xacro:colour/></material></visual>"}) {
+    const Read read = load(folder_.write(
+        "shapes.urdf", "<robot name=\"r\">\n<link name=\"a\">\n" + std::string(inside) + "</link></robot>"));
+    ASSERT_EQ(read.findings.size(), 1u) << inside;
+    EXPECT_EQ(read.findings[0].kind, "unread");
+    EXPECT_NE(read.findings[0].text.find("is not read: xacro left it"), std::string::npos) << read.findings[0].text;
+  }
 }
 
 TEST_F(OddUrdf, FloatingJointsOfTheFileArePassive) {

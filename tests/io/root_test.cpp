@@ -5,6 +5,7 @@
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/analysis/load_scene.hpp"
+#include "manycontact/contact/jacobian.hpp"
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/io/input_error.hpp"
@@ -116,6 +117,14 @@ TEST(Root, IsTheSameRobotOnAFloatingBase) {
       VectorXd a2 = data2.a;
       copy_joints(file, data.a, model, a2, &Joint::idx_v, &Joint::nv);
       EXPECT_LT((data2.a - a2).norm(), 1e-10 * a2.norm());
+      RigidBodyData carried(filed), carried2(scene);
+      (void)rnea(filed, q, v, data.a, carried, forces_on_bodies(filed, q, v, data.f, data.f_offset));
+      (void)rnea(scene, q2, v2, data2.a, carried2, forces_on_bodies(scene, q2, v2, data2.f, data2.f_offset));
+      for (const std::string& name : joint_names(filed)) {
+        if (name == "root") continue;
+        const Vec6<double> wrench = joint_wrench(filed, carried, joint_called(filed, name));
+        EXPECT_LT((joint_wrench(scene, carried2, joint_called(scene, name)) - wrench).norm(), 1e-9 * wrench.norm());
+      }
       RigidBodyData at2(scene);
       forward_kinematics(filed, q, v, data.a, at);
       forward_kinematics(scene, q2, v2, data2.a, at2);

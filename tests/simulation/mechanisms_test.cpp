@@ -20,9 +20,7 @@ struct Bennett {
   double alpha, beta, a, b;
 
   double ratio() const { return std::sin((beta + alpha) / 2) / std::sin((beta - alpha) / 2); }
-  Eigen::Vector3d angles(double t) const {
-    return {t, 2 * std::atan2(ratio() * std::cos(t / 2), std::sin(t / 2)), -t};
-  }
+  Eigen::Vector3d angles(double t) const { return {t, 2 * std::atan2(ratio() * std::cos(t / 2), std::sin(t / 2)), -t}; }
   Eigen::Vector3d velocities(double t) const {  // by t
     const double T = std::tan(t / 2), k = ratio();
     return {1, -k * (1 + T * T) / (T * T + k * k), -1};

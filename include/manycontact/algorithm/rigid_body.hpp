@@ -9,11 +9,13 @@
 // q has nq entries; v, a and tau have nv. Units are SI; motions and forces have their linear part first. The equations
 // of motion are
 //
-//     M(q) a + h(q, v) = tau + sum J^T fext        h = C(q, v) v + g(q) - tau_f(v)
+//     M(q) a + h(q, v) = tau + sum J^T fext        h = C(q, v) v + g(q) - tau_f(v) - tau_s(q)
 //
 // The armature is on the diagonal of M. tau_f is the damping and friction of joints, if the model has them
-// (Model::damping). fext contains njoints forces on the bodies, robot by robot, each in its joint's child frame, or is
-// empty. In derivatives, each force is fixed to its body.
+// (Model::damping). tau_s is the torque of the springs in joints of a scene (Scene::joint_springs), as in solve. fext
+// contains njoints forces on the bodies, robot by robot, each in its joint's child frame, or is empty. In derivatives,
+// each force is fixed to its body. The forces of contacts, pushes and springs between points are computed by
+// forces_on_bodies (contact/jacobian.hpp).
 //
 // State of the data: each algorithm stores its q, its v (zero if it takes none) and its a (zero if it takes none). The
 // functions under "at the state of the data" refer to that state.
@@ -50,7 +52,7 @@ using ForcesOnBodies = std::span<const Vec6<double>>;  // njoints of them, or no
 /// The reference remains valid until the next call. Throws std::invalid_argument for wrong sizes.
 const Eigen::VectorXd& rnea(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
                             const ConstVectorRef& a, RigidBodyData& data, ForcesOnBodies fext = {});
-/// Compute h(q, v), and g(q), the torques (nv) [N m, N] that compensate gravity. The references remain valid until the
+/// Compute h(q, v), and g(q) - tau_s(q), the torques (nv) [N m, N] that compensate gravity and springs. The references remain valid until the
 /// next call of the same function. They throw std::invalid_argument for wrong sizes.
 const Eigen::VectorXd& nonlinear_effects(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
                                          RigidBodyData& data);
@@ -145,15 +147,18 @@ Eigen::Matrix3Xd center_of_mass_jacobian(const RigidBodies& bodies, RigidBodyDat
 Vec6<double> centroidal_momentum(const RigidBodies& bodies, RigidBodyData& data);
 Mat6X<double> centroidal_momentum_matrix(const RigidBodies& bodies, RigidBodyData& data);
 Vec6<double> centroidal_momentum_rate(const RigidBodies& bodies, RigidBodyData& data);
-/// Kinetic energy [J], rotors included, and potential energy [J], zero at the world's origin.
+/// Kinetic energy [J], rotors included, and potential energy [J] of weight, zero at the world's origin, and of the
+/// springs in joints.
 double kinetic_energy(const RigidBodies& bodies, RigidBodyData& data);
 double potential_energy(const RigidBodies& bodies, const RigidBodyData& data);
 
 // ---- joints --------------------------------------------------------------------------------------------------------
 
 /// The wrench that a joint transmits to its child body: force [N] and moment [N m], in the child frame and about its
-/// origin. It was computed by the last rnea, nonlinear_effects or gravity_torques. Its component along the joint is tau
-/// without the rotor's inertia and friction. Throws std::logic_error after any other function.
+/// origin. It was computed by the last rnea, nonlinear_effects or gravity_torques. The child is that of the file, for
+/// any root link. The component along the joint is tau without the rotor's inertia, friction and spring. External
+/// forces are included if rnea had them as fext: forces_on_bodies (contact/jacobian.hpp). Throws std::logic_error after
+/// any other function.
 Vec6<double> joint_wrench(const RigidBodies& bodies, const RigidBodyData& data, const BodyJoint& joint);
 
 }  // namespace manycontact

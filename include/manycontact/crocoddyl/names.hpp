@@ -590,6 +590,7 @@ using manycontact::fit_state;
 using manycontact::force_names;
 using manycontact::force_null_space;
 using manycontact::force_rows;
+using manycontact::forces_on_bodies;
 using manycontact::forward_accelerations;
 using manycontact::forward_kinematics;
 using manycontact::four;

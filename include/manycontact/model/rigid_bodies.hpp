@@ -26,6 +26,10 @@ class RigidBodies {  // all robots of a scene, one of them, or a model alone
   int nq() const;                                                                      // number of coordinates of q
   int nv() const;                                                                      // number of coordinates of v
   int njoints() const;  // movable joints, floating bases included
+  /// All springs in joints of the scene, those of other robots included. Empty for a model alone.
+  std::span<const JointSpring> joint_springs() const {
+    return scene_ ? std::span<const JointSpring>(scene_->joint_springs) : std::span<const JointSpring>();
+  }
   /// The first robot's number in its scene; 0 for a model alone.
   int first() const { return first_; }
   /// The first coordinate in q of one of robots().

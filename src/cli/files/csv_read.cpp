@@ -20,7 +20,7 @@ std::string_view trimmed(std::string_view text) {
 
 CsvReader::CsvReader(const std::string& path) : path_(path), stream_(path), t_(-INFINITY) {
   std::string line;
-  if (!std::getline(stream_, line)) fail("cannot be read or is empty, expected a CSV with a header");
+  if (!read_line(line)) fail("cannot be read or is empty, expected a CSV with a header");
   if (line.starts_with("\xFF\xFE") || line.starts_with("\xFE\xFF"))
     fail("is UTF-16 by its byte order mark, expected a CSV in UTF-8");
   if (line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
@@ -31,11 +31,24 @@ CsvReader::CsvReader(const std::string& path) : path_(path), stream_(path), t_(-
   (void)column("t");
 }
 
+// Of a device or a file that is no text a line may be endless.
+bool CsvReader::read_line(std::string& line) {
+  constexpr std::size_t kMost = std::size_t(1) << 26;
+  line.clear();
+  std::streambuf& in = *stream_.rdbuf();
+  for (int c = in.sbumpc();; c = in.sbumpc()) {
+    if (c == std::char_traits<char>::eof()) return !line.empty();
+    if (c == '\n') return true;
+    line += static_cast<char>(c);
+    if (line.size() > kMost) fail("is a line of more than 64 MB, expected a CSV");
+  }
+}
+
 bool CsvReader::next() {
   std::string line;
   do {
-    if (!std::getline(stream_, line)) return false;
     ++line_;
+    if (!read_line(line)) return --line_, false;
   } while (line.empty() || line == "\r");
   cells_ = cells_of(line);
   if (cells_.size() != names_.size())

@@ -36,6 +36,7 @@ class CsvReader {
   std::unordered_map<std::string, std::size_t> column_;
   double t_;
 
+  bool read_line(std::string& line);
   std::vector<std::string> cells_of(std::string_view line) const;
 };
 

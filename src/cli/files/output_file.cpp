@@ -49,6 +49,7 @@ OutputFile::OutputFile(std::string path, std::string option, std::string tempora
 
 OutputFile::~OutputFile() {
   if (!temporary_.empty()) unlink(temporary_.c_str());
+  until_whole_.reset();
   if (file_ >= 0) ::close(file_);
 }
 
@@ -66,6 +67,7 @@ void OutputFile::begin() {
   file_ = mkostemps(name.data(), static_cast<int>(kEnd.size()), O_CLOEXEC);
   if (file_ < 0) return;
   temporary_ = std::move(name);
+  until_whole_ = std::make_unique<RemovedBySignals>(temporary_);
   const mode_t mask = umask(0);
   umask(mask);
   (void)fchmod(file_, replaces ? old.st_mode & 0777 : 0666 & ~mask);  // not every file system has modes
@@ -115,6 +117,7 @@ void OutputFile::finish() {
 }
 
 void OutputFile::publish() {
+  until_whole_.reset();
   const std::string from = std::exchange(temporary_, "");
   if (from.empty() || rename(from.c_str(), target_.c_str()) == 0) return;
   throw InputError(path_, 1,

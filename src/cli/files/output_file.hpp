@@ -2,9 +2,12 @@
 // Files that have their names when they are whole.
 
 #include <cstdint>
+#include <memory>
 #include <ostream>
 #include <string>
 #include <vector>
+
+#include "../program/interrupt.hpp"
 
 namespace manycontact::cli {
 
@@ -14,8 +17,8 @@ bool is_standard_output(const std::string& path);
 bool is_written_straight(const std::string& path);
 
 /// The file of an option. It is written under a temporary name in the same folder, and renamed when it is whole: an
-/// older file of its name stays until then, and where the run fails. All methods throw InputError where it cannot be
-/// written.
+/// older file of its name stays until then, and where the run fails or a signal ends it. All methods throw InputError
+/// where it cannot be written.
 class OutputFile : private std::streambuf {
  public:
   /// option: for the message; "" where there is none.
@@ -49,6 +52,7 @@ class OutputFile : private std::streambuf {
   [[noreturn]] void refuse(int error) const;
 
   std::string path_, option_, target_, temporary_;
+  std::unique_ptr<RemovedBySignals> until_whole_;
   bool joined_ = false;
   int file_ = -1;
   std::vector<char> buffer_ = std::vector<char>(1 << 16);

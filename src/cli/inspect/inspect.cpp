@@ -11,6 +11,7 @@
 #include <map>
 
 #include "../program/command.hpp"
+#include "../text/applied.hpp"
 #include "../text/choice.hpp"
 #include "../text/findings.hpp"
 #include "../text/table.hpp"
@@ -38,6 +39,7 @@ int run_inspect(const Arguments& arguments) {
   print_notes(std::cout, file);
   print_joints(std::cout, file);
   print_contacts(std::cout, file);
+  print_applied_forces(std::cout, file);
   print_islands(std::cout, inspection);
   print_contact_groups(std::cout, inspection);
   print_costs(std::cout, inspection);

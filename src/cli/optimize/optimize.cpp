@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
 
 #include "../files/gnuplot.hpp"
 #include "../program/command.hpp"
+#include "../program/interrupt.hpp"
 #include "../text/table.hpp"
 #include "../view/view.hpp"
 #include "manycontact/analysis/load_scene.hpp"
@@ -17,28 +17,7 @@ namespace manycontact::cli {
 
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
-
 const std::vector<std::string> kFiles = {"--out", "--json", "--view", "--torques", "--forces"};
-
-// While it lives, the first Ctrl-C sets a flag; the second ends the program.
-class InterruptFlag {
- public:
-  InterruptFlag() {
-    interrupted = 0;
-    struct sigaction action = {};
-    action.sa_handler = [](int) { interrupted = 1; };
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
-    sigaction(SIGINT, &action, &before_);
-  }
-  ~InterruptFlag() { sigaction(SIGINT, &before_, nullptr); }
-  InterruptFlag(const InterruptFlag&) = delete;
-  InterruptFlag& operator=(const InterruptFlag&) = delete;
-  bool is_set() const { return interrupted != 0; }
-
- private:
-  struct sigaction before_ = {};
-};
 
 std::optional<TaskSolver> solver_of(const Arguments& arguments) {
   const auto name = arguments.value("--solver");

@@ -10,6 +10,7 @@
 
 #include "../text/table.hpp"
 #include "execute.hpp"
+#include "interrupt.hpp"
 #include "manycontact/io/input_error.hpp"
 #include "manycontact/sparse/memory.hpp"
 #include "manycontact/version.hpp"
@@ -81,6 +82,7 @@ void hold_standard_descriptors() {
 
 int run_program(const std::vector<Command>& commands, const std::vector<std::string>& words) {
   hold_standard_descriptors();
+  hear_signals();
   std::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is an error of the write that does it
   try {
     const int status = dispatch(commands, words);

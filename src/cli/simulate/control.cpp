@@ -61,6 +61,17 @@ void TimeTable::at(double t, bool between, Eigen::VectorXd& x) const {
     x[columns_[k]] = (1 - share) * values_[row * n + k] + share * values_[next * n + k];
 }
 
+void TimeTable::slopes_at(double t, Eigen::VectorXd& slopes) const {
+  const std::size_t after = static_cast<std::size_t>(std::upper_bound(t_.begin(), t_.end(), t + 1e-9 * std::abs(t)) -
+                                                     t_.begin()),
+                    n = columns_.size();
+  slopes.setZero(static_cast<Eigen::Index>(n));
+  if (after == 0 || after == t_.size()) return;
+  for (std::size_t k = 0; k < n; ++k)
+    slopes[static_cast<Eigen::Index>(k)] =
+        (values_[after * n + k] - values_[(after - 1) * n + k]) / (t_[after] - t_[after - 1]);
+}
+
 void Control::read_torques(const std::string& path) {
   torques_.emplace(path, "u:", torque_names(file_.scene));
   if (torques_->empty()) throw InputError(path, 1, "has no column of torques, expected columns like u:robot/joint");
@@ -98,6 +109,14 @@ void Control::follow(const std::string& gains, const std::optional<std::string>&
   v_over_time_.emplace(*reference, "v:", velocity_names(scene));
   if (q_over_time_->empty())
     throw InputError(*reference, 1, "has no column of positions, expected columns like q:robot/joint");
+  const std::vector<int>& given = v_over_time_->columns();
+  v_of_slope_.assign(q_over_time_->columns().size(), -1);
+  for (std::size_t k = 0; k < v_of_slope_.size(); ++k)
+    for (const Robot& robot : file_.scene.robots)
+      for (const Joint& joint : robot.model->joints)
+        if (joint.nv() == 1 && robot.idx_q + joint.idx_q == q_over_time_->columns()[k] &&
+            std::find(given.begin(), given.end(), robot.idx_v + joint.idx_v) == given.end())
+          v_of_slope_[k] = robot.idx_v + joint.idx_v;
 }
 
 void Control::for_all(double kp, double kd) {
@@ -121,6 +140,9 @@ void Control::set_pd(double t, PdLaws& pd) {
   if (!follows_) return;
   if (q_over_time_) q_over_time_->at(t, true, q_);
   if (v_over_time_) v_over_time_->at(t, true, v_);
+  if (q_over_time_) q_over_time_->slopes_at(t, slopes_);
+  for (std::size_t k = 0; k < v_of_slope_.size(); ++k)
+    if (v_of_slope_[k] >= 0) v_[v_of_slope_[k]] = slopes_[static_cast<Eigen::Index>(k)];
   pd.kp = kp_, pd.kd = kd_, pd.v_ref = v_;
   pd.q_ref.setZero(kp_.size());
   for (const Robot& robot : file_.scene.robots)

@@ -19,6 +19,10 @@ class TimeTable {
   /// Overwrites the coordinates that have a column, with their values at t: those of the last row that is not later,
   /// and nothing before the first; or, `between`, on the line between two rows, and the first before it.
   void at(double t, bool between, Eigen::VectorXd& x) const;
+  /// The slopes of these lines at t, 0 before the first row and from the last on; in the order of the columns.
+  void slopes_at(double t, Eigen::VectorXd& slopes) const;
+  /// The coordinates that have a column, in their order.
+  const std::vector<int>& columns() const { return columns_; }
 
  private:
   std::vector<int> columns_;  // coordinates
@@ -33,9 +37,9 @@ class Control {
   /// Columns "u:r0/knee": held until the next row. What has no column keeps the scene's torque, and all do before the
   /// first row.
   void read_torques(const std::string& path);
-  /// Towards columns "q:r0/knee" and "v:r0/knee", in between rows too; what has none: the scene's q, and 0. gains:
-  /// "kp kd; r0/knee kp kd; ...", the first of all joints that are not named. Throws UsageError, and InputError where
-  /// an actuated joint has several coordinates.
+  /// Towards columns "q:r0/knee" and "v:r0/knee", interpolated between rows. Without a v: column, the velocity is the
+  /// slope of q:; without both, the reference is the scene's q at rest. gains: "kp kd; r0/knee kp kd; ...", the first
+  /// for all joints that are not named. Throws UsageError, and InputError if an actuated joint has several coordinates.
   void follow(const std::string& gains, const std::optional<std::string>& reference);
 
   const Eigen::VectorXd& torques_at(double t);
@@ -47,7 +51,8 @@ class Control {
  private:
   void for_all(double kp, double kd);
   const SceneFile& file_;
-  Eigen::VectorXd u_, q_, v_, out_, kp_, kd_;  // kp_, kd_: nv
+  Eigen::VectorXd u_, q_, v_, out_, kp_, kd_, slopes_;  // kp_, kd_: nv
+  std::vector<int> v_of_slope_;  // per column of q_over_time_: coordinate of v that follows its slope, or -1
   std::optional<TimeTable> torques_, q_over_time_, v_over_time_;
   bool follows_ = false;
   PdLaws pd_;

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "../program/command.hpp"
+#include "../program/interrupt.hpp"
 #include "../program/progress.hpp"
 #include "../text/table.hpp"
 #include "../view/view.hpp"
@@ -22,6 +23,7 @@ namespace manycontact::cli {
 namespace {
 
 constexpr double kMostSteps = 1e9;
+const std::string kInterrupted = "interrupted";
 constexpr int kConditionEvery = 10;  // steps
 
 // What the command line asks for, and what came of it.
@@ -32,6 +34,7 @@ struct Run {
   int every = 1;
 
   StepStatus stopped = StepStatus::kOk;
+  bool interrupted = false;
   Invariants start, end, largest;  // largest: drift of the states written
   double seconds = 0;
   SpringStep shortest;  // at the start
@@ -124,6 +127,7 @@ void simulate(Scene& scene, Around& around, bool progress_always, SimulationData
                  .v = sim.v,
                  .active = sim.dynamics.active,
                  .u = u,
+                 .drift = Eigen::Vector2d(run.end.position_drift, run.end.velocity_drift),
                  .pushes = sim.dynamics.pushes},
                 *run.view);
     }
@@ -136,7 +140,8 @@ void simulate(Scene& scene, Around& around, bool progress_always, SimulationData
   const auto begin = std::chrono::steady_clock::now();
   long written = 0;
   Eigen::VectorXd q, v;
-  while (sim.steps < run.steps && run.stopped == StepStatus::kOk) {
+  const InterruptFlag interrupt;
+  while (sim.steps < run.steps && run.stopped == StepStatus::kOk && !run.interrupted) {
     const std::size_t blows = around.switches ? around.switches->blows().size() : 0;
     const bool switched = !around.switches || around.switches->apply(scene, sim, 1e-6 * sim.h);
     if (around.switches && around.switches->blows().size() > blows)
@@ -156,6 +161,7 @@ void simulate(Scene& scene, Around& around, bool progress_always, SimulationData
     }
     if (sim.steps % run.every == 0 && sim.steps != written) record(), written = sim.steps;
     progress.update(static_cast<double>(sim.steps));
+    run.interrupted = interrupt.is_set() && sim.steps < run.steps;
   }
   if (written != sim.steps) record();
   run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -217,13 +223,26 @@ std::string spring_advice(const Scene& scene, const SimulationData& sim, const S
          " s, for the initial inertia";
 }
 
-void print_impacts(std::ostream& out, const Around& around) {
+// "g closes 0.4 m away from where it holds", of the contact that is farthest.
+std::string closed_away(const Scene& scene, const Switches::ImpactEvent& blow) {
+  const auto size = [](const PlacementError& e) { return std::max(e.position, e.angle); };
+  const PlacementError& worst = *std::max_element(blow.away.begin(), blow.away.end(),
+                                                  [&](const auto& a, const auto& b) { return size(a) < size(b); });
+  return "at t = " + number(blow.t, 4) + " s contact " + scene.contacts[worst.contact].name + " closes " +
+         in_words(worst) + " away from where it holds" +
+         (blow.away.size() > 1 ? ", and " + std::to_string(blow.away.size() - 1) + " more do" : "") +
+         "; `here` holds it where it is";
+}
+
+void print_impacts(std::ostream& out, const Scene& scene, const Around& around) {
   if (!around.switches) return;
-  for (const Switches::ImpactEvent& blow : around.switches->blows())
+  for (const Switches::ImpactEvent& blow : around.switches->blows()) {
     wrap(out,
          "at t = " + number(blow.t, 4) + " s " + blow.contacts + " closed: the impact dissipated " +
              number(blow.jump.energy_lost) + " J",
          2);
+    if (!blow.away.empty()) wrap(out, printable(closed_away(scene, blow)), 2);
+  }
 }
 
 // Empty where every switch was done.
@@ -247,7 +266,7 @@ void print_summary(std::ostream& out, const SceneFile& file, const SimulationDat
   table.add({"work of torques", "", number(around.watch.work(), 6), "", "J; energy lost in impacts is subtracted"});
   if (!file.scene.pushes.empty()) table.add({"work of pushes", "", number(around.watch.work_of_pushes(), 6), "", "J"});
   table.print(out);
-  print_impacts(out, around);
+  print_impacts(out, file.scene, around);
   const std::string late = switches_not_reached(around, sim);
   if (!late.empty()) wrap(out, printable(late), 2);
   print_findings(out, file.scene, run.at_start);
@@ -260,21 +279,28 @@ void print_summary(std::ostream& out, const SceneFile& file, const SimulationDat
 }
 
 Json document(const SceneFile& file, const SimulationData& sim, const Around& around, const Run& run) {
-  Json json = {
-      {"scene", file.scene.name},
-      {"integrator", to_string(sim.integrator)},
-      {"step", sim.h},
-      {"steps", sim.steps},
-      {"time", sim.time()},
-      {"status", to_string(sim.worst)},
-      {"stopped", run.stopped == StepStatus::kOk ? Json(nullptr) : Json(failure(file.scene, sim, run.stopped))},
-      {"energy", {run.start.energy(), run.end.energy()}},
-      {"largest_position_drift", run.largest.position_drift}};
+  Json json = {{"scene", file.scene.name},
+               {"integrator", to_string(sim.integrator)},
+               {"step", sim.h},
+               {"steps", sim.steps},
+               {"time", sim.time()},
+               {"status", to_string(sim.worst)},
+               {"stopped", run.stopped != StepStatus::kOk ? Json(failure(file.scene, sim, run.stopped))
+                           : run.interrupted              ? Json(kInterrupted)
+                                                          : Json(nullptr)},
+               {"energy", {run.start.energy(), run.end.energy()}},
+               {"largest_position_drift", run.largest.position_drift}};
   json["largest_step_of_springs"] = run.shortest.any() ? Json(run.shortest.largest) : Json(nullptr);
   const std::string advice = spring_advice(file.scene, sim, run.shortest);
   json["step_too_long"] = advice.empty() ? Json(nullptr) : Json(advice);
   json["unsettled_friction"] = sim.unsettled;
   add_findings(file.scene, run.at_start, json);
+  if (around.switches)
+    for (const Switches::ImpactEvent& blow : around.switches->blows())
+      if (!blow.away.empty())
+        json["findings"].push_back({{"kind", "closes"},
+                                    {"name", file.scene.contacts[blow.away.front().contact].name},
+                                    {"text", closed_away(file.scene, blow)}});
   around.watch.add_to(json, file.scene);
   return json;
 }
@@ -343,10 +369,12 @@ int run_simulate(const Arguments& arguments) {
     std::cerr << "manycontact: " << printable(path + ": " + late) << "\n";
   if (json) write_json_file(document(file, sim, around, run), *json);
   finish_view(arguments, file, run.view, summary ? &std::cout : nullptr);
-  if (run.stopped == StepStatus::kOk) return sim.worst <= Status::kInconsistent ? kExitOk : kExitUnsound;
+  if (run.stopped == StepStatus::kOk && !run.interrupted)
+    return sim.worst <= Status::kInconsistent ? kExitOk : kExitUnsound;
   const std::string advice = summary ? "" : spring_advice(file.scene, sim, run.shortest);
   std::cerr << "manycontact: " << printable(path) << ": stopped in step " << sim.steps + 1 << " of " << run.steps
-            << ", at t = " << number(sim.time(), 6) << " s: " << printable(failure(file.scene, sim, run.stopped))
+            << ", at t = " << number(sim.time(), 6)
+            << " s: " << printable(run.interrupted ? kInterrupted : failure(file.scene, sim, run.stopped))
             << (advice.empty() ? "" : "; " + printable(advice)) << "\n";
   return kExitUnsound;
 }
@@ -390,12 +418,14 @@ const Command& simulate_command() {
         "CSV: t and columns u:robot/joint, constant from row to row; other joints, and times before the first row, "
         "have the scene's"},
        {"--pushes", "FILE",
-       "CSV: t and columns w:push[0] ... w:push[5], force and torque of the scene's <push>, constant from row to row; "
+        "CSV: t and columns w:push[0] ... w:push[5], force and torque of the scene's <push>, constant from row to row; "
         "other pushes, and times before the first row, have the scene's"},
        {"--pd", "G",
         "'kp kd', or 'kp kd; robot/joint kp kd; ...' for joints with their own gains: adds kp (q_ref - q) + kd (v_ref - v) "
         "on actuated joints, at the end of each step, towards the scene's q or"},
-       {"--reference", "FILE", "CSV: t and columns q:robot/joint, v:robot/joint, as --out writes them"},
+       {"--reference", "FILE",
+        "CSV: t and columns q:robot/joint, v:robot/joint, as --out writes them; missing velocities are the slopes of "
+        "the positions"},
        {"--switch", "LIST",
         "contacts that open and close: '0.2 left off, 0.5 left on' (or here: constrained at the current placement); on "
         "for an active contact stops its frames' velocity"},
@@ -407,7 +437,8 @@ const Command& simulate_command() {
        method_option(),
        order_option()},
       "Exit status: 0 ok, redundant, inconsistent; 1 regularised, or stopped before the end (solver failed, state not\n"
-      "finite, or faster than 1e5 m/s or rad/s): what was reached is written; 2 bad usage, bad input or output.\n",
+      "finite, faster than 1e5 m/s or rad/s, or Ctrl-C): what was reached is written; 2 bad usage, bad input or "
+      "output.\n",
       run_simulate};
   return command;
 }

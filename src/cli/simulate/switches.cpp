@@ -75,7 +75,8 @@ std::string Switches::not_reached() const {
 bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
   std::vector<char> active = sim.dynamics.active;
   std::vector<const Event*> closing;
-  std::set<const Event*> held;  // contacts that are on already
+  std::vector<char> on(active.size());  // by `on`, now
+  std::set<const Event*> held;          // contacts that are on already
   bool any = false;
   for (; done_ < events_.size() && events_[done_].t <= sim.time() + tolerance; ++done_) {
     const Event& event = events_[done_];
@@ -84,6 +85,7 @@ bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
     if (event.what != Event::kOff && active[static_cast<std::size_t>(event.first)]) held.insert(&event);
     for (int c = event.first; c < event.first + event.count; ++c) {
       active[static_cast<std::size_t>(c)] = event.what != Event::kOff;
+      on[static_cast<std::size_t>(c)] = event.what == Event::kOn;
       sim.dynamics.active[static_cast<std::size_t>(c)] = false;  // so that one that is on closes again
       if (event.what == Event::kHere)
         resolve_reference(scene, sim.q, true, true, scene.contacts[static_cast<std::size_t>(c)]);
@@ -96,7 +98,7 @@ bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
   for (const Event* event : closing)
     if (active[static_cast<std::size_t>(event->first)])  // not off at once
       closed.push_back(event->contact + (held.contains(event) ? " (on before)" : ""));
-  if (!closed.empty()) blows_.push_back({t, join(closed, 4), jump});
+  if (!closed.empty()) blows_.push_back({t, join(closed, 4), jump, placement_errors(scene, on, sim.q)});
   return jump.status != Status::kFailed;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // Contacts that come and go at given times: the option --switch.
 
+#include "manycontact/analysis/findings.hpp"
 #include "manycontact/io/scene_file.hpp"
 #include "manycontact/simulation/switch.hpp"
 
@@ -25,6 +26,7 @@ class Switches {
     double t = 0;
     std::string contacts;
     VelocityJump jump;
+    std::vector<PlacementError> away;  // those closed by `on`, where their frames are not where they are held
   };
   const std::vector<ImpactEvent>& blows() const { return blows_; }
 

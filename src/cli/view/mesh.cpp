@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 
 #include "../program/execute.hpp"
 #include "manycontact/io/input_error.hpp"
@@ -22,6 +23,10 @@ std::string shell_quoted(const std::string& text) {
 }  // namespace
 
 Mesh load_mesh(const std::string& path) {
+  constexpr std::uintmax_t kLargest = std::uintmax_t(1) << 28;
+  std::error_code error;
+  if (const std::uintmax_t size = std::filesystem::file_size(path, error); !error && size > kLargest)
+    throw InputError(path, 1, "is larger than 256 MB, expected a mesh of moderate size");
   const std::string reader = shell_quoted(program_beside("manycontact-mesh"));
   std::FILE* pipe = popen(("exec " + reader + " " + shell_quoted(path) + " 2>/dev/null").c_str(), "r");
   std::string out;

@@ -237,8 +237,8 @@ ValueError
 inline constexpr const char* joint_wrench =
     R"(Return the wrench that a joint transmits to its child body.
 
-It is that of the last rnea, nonlinear_effects or gravity_torques. With contacts, call rnea with
-the accelerations of solve and fext=contact_forces_on_bodies(...).
+It is that of the last rnea, nonlinear_effects or gravity_torques. In a scene with contacts, pushes
+or springs, call rnea with the accelerations of solve and fext=forces_on_bodies(scene, q, v, data).
 
 Parameters
 ----------

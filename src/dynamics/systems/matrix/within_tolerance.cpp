@@ -46,7 +46,7 @@ struct WithinTolerance::Work {
   sparse::DependentRows rows;
   Eigen::VectorXd left;
   double lever = 1, tolerance = 0;  // the largest [m]; what those rows of J are off by [m]
-  std::vector<double> dq;  // to the nearest closed loop, in K's order
+  std::vector<double> dq;           // to the nearest closed loop, in K's order
 };
 
 WithinTolerance::WithinTolerance() = default;
@@ -56,7 +56,7 @@ namespace {
 
 using Work = WithinTolerance::Work;
 
-constexpr double kMost = 1e-2;  // of the largest lever: neither tolerance nor drift is larger (keep_dependent.hpp)
+constexpr double kMost = 1e-2;       // of the largest lever: neither tolerance nor drift is larger (keep_dependent.hpp)
 constexpr double kNextPivot = 1e-2;  // from one try to the next, a digit of a row's length
 
 void fill_turning(const Model& model, char* turns) {

@@ -27,7 +27,7 @@ struct AppliedForces {
     std::vector<int> pushes, springs, joint_springs;  // on it; springs: with end A on it
     std::vector<int> joints;  // ascending: of the bodies that forces act on, and of those before them in the tree
     Kinematics<S> kin;        // velocities too; not of a robot with joints' springs alone
-    std::vector<Vec6<S>> f;   // njoints, of `joints`: on the body's subtree
+    std::vector<Vec6<S>> f;   // njoints, of `joints`: on the body; after add_applied_forces on its subtree
   };
   struct OfSpring {
     Vec3<S> d, n;   // from B to A in the world, and its direction
@@ -41,6 +41,12 @@ struct AppliedForces {
   std::vector<Vec6<S>> pushes;    // per push: on its body, in the tree frame
   std::vector<OfSpring> springs;  // per spring
 };
+
+/// The wrenches on bodies at q (nq), v (nv), of a wrench w per push: each robot's f, of the bodies in `joints`, in the
+/// tree frame. NaN on bodies of a spring whose ends coincide.
+template <class S>
+void find_applied_wrenches(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
+                           AppliedForces<S>& forces);
 
 /// tau += tau(q, v, w). q: nq; v, tau: nv; w: a wrench per push. NaN on robots with a spring whose ends coincide.
 template <class S>

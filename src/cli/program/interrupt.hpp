@@ -1,0 +1,33 @@
+#pragma once
+// Ctrl-C and `kill`: what is done is kept where a command says so, and no temporary file is left.
+
+#include <string>
+
+namespace manycontact::cli {
+
+/// From here on SIGINT, SIGTERM and SIGHUP end the program without its temporary files, unless they are ignored.
+void hear_signals();
+
+/// While one lives, the first of these signals sets a flag; the second ends the program.
+class InterruptFlag {
+ public:
+  InterruptFlag();
+  ~InterruptFlag();
+  InterruptFlag(const InterruptFlag&) = delete;
+  InterruptFlag& operator=(const InterruptFlag&) = delete;
+  bool is_set() const;
+};
+
+/// While it lives, a signal that ends the program removes the file of that name.
+class RemovedBySignals {
+ public:
+  explicit RemovedBySignals(const std::string& path);
+  ~RemovedBySignals();
+  RemovedBySignals(const RemovedBySignals&) = delete;
+  RemovedBySignals& operator=(const RemovedBySignals&) = delete;
+
+ private:
+  int slot_;
+};
+
+}  // namespace manycontact::cli

@@ -1,0 +1,111 @@
+#include "applied.hpp"
+
+#include <algorithm>
+
+#include "lines.hpp"
+#include "manycontact/algorithm/applied_forces.hpp"
+#include "manycontact/algorithm/frames.hpp"
+#include "table.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+constexpr std::size_t kMostListed = 24;  // lines of a table
+
+std::string three(const Vec3<double>& x) { return number(x[0]) + " " + number(x[1]) + " " + number(x[2]); }
+
+std::string name_of(const Scene& scene, const Attachment& at) {
+  if (at.robot < 0) return "the world";
+  const Robot& robot = scene.robots[static_cast<std::size_t>(at.robot)];
+  return robot.name + "/" + (at.frame.empty() ? robot.model->joints[at.joint].name : at.frame);
+}
+
+// The states of the forces at the file's q and v.
+class At {
+ public:
+  explicit At(const SceneFile& file) : scene_(file.scene), forces(file.scene) {
+    std::vector<Vec6<double>> wrenches;
+    for (const Push& push : scene_.pushes) wrenches.push_back(push.wrench);
+    find_applied_wrenches<double>(scene_, file.q.data(), file.v.data(), wrenches, forces);
+  }
+  Vec3<double> place(const Attachment& at) const {
+    if (at.robot < 0) return at.placement.p;
+    const Robot& robot = scene_.robots[static_cast<std::size_t>(at.robot)];
+    const auto& of = forces.robots[static_cast<std::size_t>(forces.number[static_cast<std::size_t>(at.robot)])];
+    return frame_placement<double>(of.kin, robot.base, at.joint, at.placement).p;
+  }
+
+ private:
+  const Scene& scene_;
+
+ public:
+  AppliedForces<double> forces;
+};
+
+void print_more(std::ostream& out, std::size_t all) {
+  if (all > kMostListed) out << "  ... and " << all - kMostListed << " more\n";
+}
+
+void print_pushes(std::ostream& out, const Scene& scene, const At& at) {
+  if (scene.pushes.empty()) return;
+  out << "\nPushes: where they act [m], force [N] and torque [N m]\n";
+  Table table({{"push", Table::kLeft}, {"on", Table::kLeft}, {"at"}, {"force"}, {"torque"}, {"axes", Table::kLeft}});
+  for (std::size_t k = 0; k < std::min(scene.pushes.size(), kMostListed); ++k) {
+    const Push& push = scene.pushes[k];
+    table.add({push.name, name_of(scene, push.at), three(at.place(push.at)), three(push.wrench.head<3>()),
+               three(push.wrench.tail<3>()), push.reference_frame == ReferenceFrame::kLocal ? "local" : "world"});
+  }
+  table.print(out);
+  print_more(out, scene.pushes.size());
+}
+
+void print_springs(std::ostream& out, const Scene& scene, const At& at) {
+  if (scene.springs.empty()) return;
+  out << "\nSprings: ends [m], length and length at rest [m], force [N], above 0 where it pulls the ends together\n";
+  Table table({{"spring", Table::kLeft},
+               {"on", Table::kLeft},
+               {"at"},
+               {"to", Table::kLeft},
+               {"at"},
+               {"length"},
+               {"at rest"},
+               {"force"}});
+  for (std::size_t k = 0; k < std::min(scene.springs.size(), kMostListed); ++k) {
+    const Spring& spring = scene.springs[k];
+    const auto& now = at.forces.springs[k];
+    table.add({spring.name, name_of(scene, spring.A), three(at.place(spring.A)), name_of(scene, spring.B),
+               three(at.place(spring.B)), number(now.length), number(spring.length),
+               number(spring.stiffness * now.length + now.t)});
+  }
+  table.print(out);
+  print_more(out, scene.springs.size());
+}
+
+void print_joint_springs(std::ostream& out, const SceneFile& file) {
+  const Scene& scene = file.scene;
+  if (scene.joint_springs.empty()) return;
+  out << "\nSprings in joints: at and at rest [rad, m], torque [N m, N]\n";
+  Table table({{"joint", Table::kLeft}, {"at"}, {"at rest"}, {"torque"}});
+  for (std::size_t k = 0; k < std::min(scene.joint_springs.size(), kMostListed); ++k) {
+    const JointSpring& spring = scene.joint_springs[k];
+    const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
+    const Joint& joint = robot.model->joints[spring.joint];
+    const double q = file.q[robot.idx_q + joint.idx_q];
+    table.add(
+        {robot.name + "/" + joint.name, number(q), number(spring.rest), number(-spring.stiffness * (q - spring.rest))});
+  }
+  table.print(out);
+  print_more(out, scene.joint_springs.size());
+}
+
+}  // namespace
+
+void print_applied_forces(std::ostream& out, const SceneFile& file) {
+  const At at(file);
+  print_pushes(out, file.scene, at);
+  print_springs(out, file.scene, at);
+  print_joint_springs(out, file);
+}
+
+}  // namespace manycontact::cli

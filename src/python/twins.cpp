@@ -1,0 +1,150 @@
+// Parts of Crocoddyl's that stand beside the others: thrusters, squashed controls, a bounded quadratic problem,
+// linear-quadratic differential models, and numerical twins, whose derivatives are central differences.
+
+#include "action.hpp"
+#include "manycontact/action/num_diff_parts.hpp"
+#include "manycontact/action/squashing.hpp"
+#include "manycontact/action/thrusters.hpp"
+#include "manycontact/control/box_qp.hpp"
+#include "manycontact/control/control_parametrization.hpp"
+#include "manycontact/control/diff_lqr.hpp"
+
+namespace manycontact::python {
+
+namespace {
+
+using Vector = Eigen::VectorXd;
+using Matrix = Eigen::MatrixXd;
+
+void add_thrusters(py::module_& m) {
+  add_enumeration<ThrusterType>(m, "ThrusterType", "type",
+                                "How a propeller turns: CW gives a torque along its thrust, CCW one against it.",
+                                {{"CW", CW}, {"CCW", CCW}});
+  py::class_<Thruster, std::shared_ptr<Thruster>>(m, "Thruster", "A propeller on the base, which pushes along its z.")
+      .def(py::init([](const SE3<double>& pose, double ctorque, ThrusterType type, double min, double max) {
+             return Thruster(pose, ctorque, type, min, max);
+           }),
+           py::arg("pose"), py::arg("ctorque"), py::arg_v("type", CW, "ThrusterType.CW"), py::arg("min_thrust") = 0.0,
+           py::arg_v("max_thrust", std::numeric_limits<double>::infinity(), "float('inf')"))
+      .def_readwrite("pose", &Thruster::pose, "In the base's frame.")
+      .def_readwrite("ctorque", &Thruster::ctorque, "Torque about the axis per thrust [m].")
+      .def_readwrite("type", &Thruster::type)
+      .def_readwrite("min_thrust", &Thruster::min_thrust, "[N]")
+      .def_readwrite("max_thrust", &Thruster::max_thrust, "[N]")
+      .def("__repr__", &text_of<Thruster>);
+  using Model = ActuationModelFloatingBaseThrusters;
+  py::class_<Model, ActuationModelAbstract, std::shared_ptr<Model>>(
+      m, "ActuationModelFloatingBaseThrusters", "u = [thrusts; torques of the actuated joints] of one robot.")
+      .def(py::init<std::shared_ptr<StateMultibody>, const std::vector<Thruster>&>(), py::arg("state").none(false),
+           py::arg("thrusters"))
+      .def_property("thrusters", &Model::get_thrusters, &Model::set_thrusters, "A list; as many when assigned.")
+      .def_property_readonly("nthrusters", &Model::get_nthrusters)
+      .def_property_readonly(
+          "Wthrust", [](const Model& x) { return x.get_Wthrust(); }, "(nv, nu): tau = W u.")
+      .def_property_readonly(
+          "S", [](const Model& x) { return x.get_S(); }, "(nv, nv): W times its pseudo-inverse.");
+}
+
+void add_squashing(py::module_& m) {
+  using Data = std::shared_ptr<SquashingDataAbstract>;
+  using Abstract = SquashingModelAbstract;
+  py::class_<SquashingDataAbstract, Data>(m, "SquashingDataAbstract")
+      .def_readonly("u", &SquashingDataAbstract::u, "(ns)")
+      .def_readonly("du_ds", &SquashingDataAbstract::du_ds, "(ns, ns)");
+  py::class_<Abstract, std::shared_ptr<Abstract>>(m, "SquashingModelAbstract", "u(s), s any numbers.")
+      .def("createData", &Abstract::createData)
+      .def("calc", &Abstract::calc, py::arg("data").none(false), py::arg("s"), "data.u.")
+      .def("calcDiff", &Abstract::calcDiff, py::arg("data").none(false), py::arg("s"), "data.du_ds.")
+      .def_property_readonly("ns", &Abstract::get_ns)
+      .def_property("s_lb", &Abstract::get_s_lb, &Abstract::set_s_lb, "Of s, for a barrier.")
+      .def_property("s_ub", &Abstract::get_s_ub, &Abstract::set_s_ub);
+  using Smooth = SquashingModelSmoothSat;
+  py::class_<Smooth, Abstract, std::shared_ptr<Smooth>>(m, "SquashingModelSmoothSat",
+                                                        "s between the bounds, smoothly within them beyond.")
+      .def(py::init<const ConstVectorRef&, const ConstVectorRef&, std::size_t>(), py::arg("u_lb"), py::arg("u_ub"),
+           py::arg("ns"))
+      .def_property("smooth", &Smooth::get_smooth, &Smooth::set_smooth)
+      .def_property_readonly("d", &Smooth::get_d);
+  using Model = ActuationSquashingModel;
+  py::class_<Model, ActuationModelAbstract, std::shared_ptr<Model>>(
+      m, "ActuationSquashingModel", "An actuation whose controls are squashed first: nu = ns.")
+      .def(py::init<std::shared_ptr<ActuationModelAbstract>, std::shared_ptr<Abstract>, std::size_t>(),
+           py::arg("actuation").none(false), py::arg("squashing").none(false), py::arg("nu"))
+      .def_property_readonly("squashing", &Model::get_squashing)
+      .def_property_readonly("actuation", &Model::get_actuation);
+}
+
+void add_box_qp(py::module_& m) {
+  py::class_<BoxQPSolution, std::shared_ptr<BoxQPSolution>>(m, "BoxQPSolution", "x, and which bounds are active.")
+      .def_readonly("Hff_inv", &BoxQPSolution::Hff_inv, "Inverse of H's rows and columns of the free components.")
+      .def_readonly("x", &BoxQPSolution::x)
+      .def_readonly("free_idx", &BoxQPSolution::free_idx)
+      .def_readonly("clamped_idx", &BoxQPSolution::clamped_idx);
+  py::class_<BoxQP, std::shared_ptr<BoxQP>>(m, "BoxQP",
+                                            "min 1/2 x'H x + q'x, lb <= x <= ub, by projected Newton steps.")
+      .def(py::init<std::size_t, std::size_t, double, double, double>(), py::arg("nx"), py::arg("maxiter") = 100,
+           py::arg("th_acceptstep") = 0.1, py::arg("th_grad") = 1e-9, py::arg("reg") = 1e-9)
+      .def(
+          "solve",
+          [](BoxQP& x, const Matrix& H, const Vector& q, const Vector& lb, const Vector& ub, const Vector& xinit) {
+            return BoxQPSolution(x.solve(H, q, lb, ub, xinit));
+          },
+          py::arg("H"), py::arg("q"), py::arg("lb"), py::arg("ub"), py::arg("xinit"),
+          "A BoxQPSolution. Where H is not positive definite on the free components, is_sound is False.")
+      .def_property_readonly("is_sound", &BoxQP::is_sound)
+      .def_property_readonly(
+          "solution", [](const BoxQP& x) { return BoxQPSolution(x.get_solution()); }, "A copy.")
+      .def_property_readonly("iter", &BoxQP::get_iter, "Newton steps of the last solve.")
+      .def_property("nx", &BoxQP::get_nx, &BoxQP::set_nx)
+      .def_property("maxiter", &BoxQP::get_maxiter, &BoxQP::set_maxiter)
+      .def_property("th_acceptstep", &BoxQP::get_th_acceptstep, &BoxQP::set_th_acceptstep)
+      .def_property("th_grad", &BoxQP::get_th_grad, &BoxQP::set_th_grad)
+      .def_property("reg", &BoxQP::get_reg, &BoxQP::set_reg)
+      .def_property("alphas", &BoxQP::get_alphas, &BoxQP::set_alphas);
+}
+
+void add_differential_lqr(py::module_& m) {
+  using Lqr = DifferentialActionModelLQR;
+  py::class_<Lqr, DifferentialActionModelAbstract, std::shared_ptr<Lqr>>(
+      m, "DifferentialActionModelLQR", "qdd = Aq q + Av v + B u + f, l = 1/2 x'Q x + 1/2 u'R u + x'N u + q'x + r'u.")
+      .def(py::init<const Matrix&, const Matrix&, const Matrix&, const Matrix&, const Matrix&, const Matrix&>(),
+           py::arg("Aq"), py::arg("Av"), py::arg("B"), py::arg("Q"), py::arg("R"), py::arg("N"))
+      .def(py::init<const Matrix&, const Matrix&, const Matrix&, const Matrix&, const Matrix&, const Matrix&,
+                    const Vector&, const Vector&, const Vector&>(),
+           py::arg("Aq"), py::arg("Av"), py::arg("B"), py::arg("Q"), py::arg("R"), py::arg("N"), py::arg("f"),
+           py::arg("q"), py::arg("r"))
+      .def(py::init<std::size_t, std::size_t, bool>(), py::arg("nq"), py::arg("nu"), py::arg("drift_free") = true)
+      .def_static("Random", &Lqr::Random, py::arg("nq"), py::arg("nu"), py::arg("ng") = 0, py::arg("nh") = 0)
+      .def_property_readonly("Aq", &Lqr::get_Aq)
+      .def_property_readonly("Av", &Lqr::get_Av)
+      .def_property_readonly("B", &Lqr::get_B)
+      .def_property_readonly("f", &Lqr::get_f);
+}
+
+// A twin of a part: the same values, and derivatives by central differences.
+template <class Twin, class Part>
+void add_twin(py::module_& m, const char* name, const char* argument) {
+  py::class_<Twin, Part, std::shared_ptr<Twin>>(m, name, "The same, with derivatives by central differences.")
+      .def(py::init([](const std::shared_ptr<Part>& part) { return std::make_shared<Twin>(part); }),
+           py::arg(argument).none(false))
+      .def_property(
+          "disturbance", [](const Twin& x) { return x.get_disturbance(); },
+          [](Twin& x, double disturbance) { x.set_disturbance(disturbance); }, "The step of the differences.");
+}
+
+}  // namespace
+
+void add_twins(py::module_& m) {
+  add_thrusters(m);
+  add_squashing(m);
+  add_box_qp(m);
+  add_differential_lqr(m);
+  add_twin<StateNumDiff, StateAbstract>(m, "StateNumDiff", "state");
+  add_twin<ActivationModelNumDiff, ActivationModelAbstract>(m, "ActivationModelNumDiff", "model");
+  add_twin<ActuationModelNumDiff, ActuationModelAbstract>(m, "ActuationModelNumDiff", "model");
+  add_twin<ResidualModelNumDiff, ResidualModelAbstract>(m, "ResidualModelNumDiff", "model");
+  add_twin<ControlParametrizationModelNumDiff, ControlParametrizationModelAbstract>(
+      m, "ControlParametrizationModelNumDiff", "model");
+}
+
+}  // namespace manycontact::python
