@@ -1,5 +1,5 @@
 #pragma once
-// All of the action floor: what a user of Crocoddyl looks for.
+// All headers of action models with Crocoddyl's API.
 
 #include "manycontact/action/activation.hpp"
 #include "manycontact/action/actuation.hpp"

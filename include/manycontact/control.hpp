@@ -1,5 +1,5 @@
 #pragma once
-// All of the control floor, and the action floor below it: what a user of Crocoddyl looks for.
+// All headers of optimal control with Crocoddyl's API, action models included.
 
 #include "manycontact/action.hpp"
 #include "manycontact/control/action_model.hpp"

@@ -1,11 +1,10 @@
 #pragma once
-// For programs written for Crocoddyl: everything under a namespace of that name, which programs may reopen, or use by
-// `using namespace crocoddyl`. Opt-in: no header of this library includes it.
+// For programs written for Crocoddyl: all names in a namespace `crocoddyl`, which programs may reopen or use. No header
+// of this library includes this one.
 //
-// Three things are as there, and not as in namespace manycontact: throw_pretty and its exception; stacks that warn on
-// std::cerr and go on where a part is added twice, or one is removed or switched that is not there; pseudoInverse.
-// Getters of action models give back the stacks as those of namespace manycontact, which throw: hold them by auto.
-// src/doc/coming_from.md says what else differs.
+// Three things are as in Crocoddyl, and not as in namespace manycontact: throw_pretty and its exception; stacks, which
+// warn on std::cerr and continue if a name is added twice, or does not exist; and pseudoInverse. Getters of action
+// models return the stacks of namespace manycontact, which throw: declare variables for them with auto.
 
 #include <Eigen/QR>
 #include <exception>
@@ -35,9 +34,9 @@
 
 namespace crocoddyl {
 
-using namespace names;  // not manycontact, where the stacks below have namesakes
+using namespace names;  // not namespace manycontact, which has stacks of the same names
 
-class Exception : public std::exception {  // of throw_pretty
+class Exception : public std::exception {  // thrown by throw_pretty
  public:
   Exception(const std::string& message, const char* file, const char* function, int line)
       : message_(message),
@@ -51,14 +50,14 @@ class Exception : public std::exception {  // of throw_pretty
   std::string message_, place_, what_;
 };
 
-/// Of a matrix of any rank: what is below its largest singular value times epsilon is zero.
+/// The pseudoinverse of a matrix of any rank. Singular values below the largest one times epsilon are treated as zero.
 inline Eigen::MatrixXd pseudoInverse(const Eigen::MatrixXd& a) {
   return a.completeOrthogonalDecomposition().pseudoInverse();
 }
 
 namespace internal {
 
-/// True where `parts` have one called so, or have none, as `expected`; else a warning.
+/// True if the existence of a part with the given name is as `expected`; otherwise prints a warning.
 template <class Parts>
 bool expect_named(const Parts& parts, const std::string& name, bool expected, const char* act, const char* what) {
   if (parts.contains(name) == expected) return true;
@@ -163,4 +162,4 @@ using ImpulseModelMultipleTpl = ImpulseModelMultiple;
 
 }  // namespace crocoddyl
 
-using crocoddyl::pseudoInverse;  // which is there in no namespace
+using crocoddyl::pseudoInverse;  // which has no namespace in Crocoddyl, too

@@ -1,6 +1,6 @@
 #pragma once
-// All it takes to load or build a scene, solve it, differentiate it and follow it through time. Crocoddyl's action
-// model and its optimal control have headers of their own, manycontact/action.hpp and manycontact/control.hpp.
+// Everything needed to load or build a scene, solve it, differentiate it and simulate it. Crocoddyl's action models and
+// optimal control have headers of their own, manycontact/action.hpp and manycontact/control.hpp.
 
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/algorithm/rigid_body.hpp"
@@ -10,6 +10,8 @@
 #include "manycontact/analysis/near_dependent.hpp"
 #include "manycontact/analysis/place.hpp"
 #include "manycontact/analysis/rank_changes.hpp"
+#include "manycontact/analysis/redistribute_forces.hpp"
+#include "manycontact/analysis/remedy.hpp"
 #include "manycontact/analysis/unique_forces.hpp"
 #include "manycontact/contact/jacobian.hpp"
 #include "manycontact/contact/reference.hpp"

@@ -15,7 +15,7 @@ namespace {
 using V3 = Vec3<double>;
 using Forces = AppliedForces<double>;
 
-double largest(const Eigen::Ref<const Eigen::VectorXd>& x) { return x.cwiseAbs().maxCoeff(); }
+double largest(const ConstVectorRef& x) { return x.cwiseAbs().maxCoeff(); }
 
 // Of motions or of forces, about the origin of a tree frame.
 struct Size {
@@ -164,7 +164,8 @@ class Sizes {
         const auto of_forces = [&s](const Size& f) { return s.linear * f.linear + s.angular * f.angular; };
         const int at = robot.idx_v + c;
         out_.tau[at] += of_forces(body.force);
-        out_.q[at] += of_forces(body.by_q) + x.angular * of_forces(body.force) + x.linear * s.angular * body.force.linear;
+        out_.q[at] +=
+            of_forces(body.by_q) + x.angular * of_forces(body.force) + x.linear * s.angular * body.force.linear;
         out_.v[at] += of_forces(body.by_v);
         if (reach > 0) out_.w[at] += s.at(reach);
       }

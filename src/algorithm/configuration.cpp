@@ -11,7 +11,7 @@ namespace manycontact {
 
 namespace {
 
-using ConstRef = Eigen::Ref<const Eigen::VectorXd>;
+using ConstRef = ConstVectorRef;
 
 }  // namespace
 
@@ -89,7 +89,7 @@ Eigen::VectorXd random_velocity(const RigidBodies& bodies, std::mt19937& generat
   return v;
 }
 
-void integrate(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, Eigen::Ref<Eigen::VectorXd> out) {
+void integrate(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, VectorRef out) {
   expect_configuration("integrate", "q", q, bodies);
   expect_numbers("integrate", "v", v, bodies.nv());
   expect_size("integrate", "out", out.size(), bodies.nq());
@@ -104,7 +104,7 @@ Eigen::VectorXd integrate(const RigidBodies& bodies, const ConstRef& q, const Co
   return out;
 }
 
-void difference(const RigidBodies& bodies, const ConstRef& q0, const ConstRef& q1, Eigen::Ref<Eigen::VectorXd> out) {
+void difference(const RigidBodies& bodies, const ConstRef& q0, const ConstRef& q1, VectorRef out) {
   expect_configuration("difference", "q0", q0, bodies);
   expect_configuration("difference", "q1", q1, bodies);
   expect_size("difference", "out", out.size(), bodies.nv());

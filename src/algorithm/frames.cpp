@@ -13,13 +13,13 @@ SE3<S> in_tree(const Kinematics<S>& kin, const SE3<double>& base, int joint, con
 
 // What turns motions in the tree frame into motions in the axes asked for, by act_inverse.
 template <class S>
-SE3<S> view(const Kinematics<S>& kin, int joint, const SE3<S>& M, FrameAxes axes) {
+SE3<S> view(const Kinematics<S>& kin, int joint, const SE3<S>& M, ReferenceFrame axes) {
   switch (axes) {
-    case FrameAxes::kLocal:
+    case ReferenceFrame::kLocal:
       return M;
-    case FrameAxes::kWorld:
+    case ReferenceFrame::kWorld:
       return {Mat3<S>::Identity(), Vec3<S>(-kin.origin(joint))};
-    case FrameAxes::kLocalWorldAligned:
+    case ReferenceFrame::kLocalWorldAligned:
       return {Mat3<S>::Identity(), M.p};
   }
   return M;
@@ -36,14 +36,14 @@ SE3<S> frame_placement(const Kinematics<S>& kin, const SE3<double>& base, int jo
 
 template <class S>
 Vec6<S> frame_velocity(const Kinematics<S>& kin, const SE3<double>& base, int joint, const SE3<double>& placement,
-                       FrameAxes axes) {
+                       ReferenceFrame axes) {
   if (joint < 0) return Vec6<S>::Zero();
   return view<S>(kin, joint, in_tree<S>(kin, base, joint, placement), axes).act_inverse(kin.v[joint]);
 }
 
 template <class S>
 Vec6<S> frame_acceleration(const Kinematics<S>& kin, const SE3<double>& base, int joint, const SE3<double>& placement,
-                           FrameAxes axes) {
+                           ReferenceFrame axes) {
   if (joint < 0) return Vec6<S>::Zero();
   return view<S>(kin, joint, in_tree<S>(kin, base, joint, placement), axes)
       .act_inverse(Vec6<S>(kin.a[joint] - kin.a_base));
@@ -51,7 +51,7 @@ Vec6<S> frame_acceleration(const Kinematics<S>& kin, const SE3<double>& base, in
 
 template <class S>
 Vec6<S> frame_classical_acceleration(const Kinematics<S>& kin, const SE3<double>& base, int joint,
-                                     const SE3<double>& placement, FrameAxes axes) {
+                                     const SE3<double>& placement, ReferenceFrame axes) {
   Vec6<S> a = frame_acceleration<S>(kin, base, joint, placement, axes);
   const Vec6<S> v = frame_velocity<S>(kin, base, joint, placement, axes);
   a.template head<3>() += Vec3<S>(v.template tail<3>()).cross(Vec3<S>(v.template head<3>()));
@@ -60,7 +60,7 @@ Vec6<S> frame_classical_acceleration(const Kinematics<S>& kin, const SE3<double>
 
 template <class S>
 void frame_jacobian(const Model& model, const Kinematics<S>& kin, const SE3<double>& base, int joint,
-                    const SE3<double>& placement, FrameAxes axes, Mat6XRef<S> J) {
+                    const SE3<double>& placement, ReferenceFrame axes, Mat6XRef<S> J) {
   J.setZero();
   if (joint < 0) return;
   const SE3<S> M = view<S>(kin, joint, in_tree<S>(kin, base, joint, placement), axes);
@@ -70,11 +70,11 @@ void frame_jacobian(const Model& model, const Kinematics<S>& kin, const SE3<doub
 
 using S = InstantiatedScalar;
 template SE3<S> frame_placement<S>(const Kinematics<S>&, const SE3<double>&, int, const SE3<double>&);
-template Vec6<S> frame_velocity<S>(const Kinematics<S>&, const SE3<double>&, int, const SE3<double>&, FrameAxes);
-template Vec6<S> frame_acceleration<S>(const Kinematics<S>&, const SE3<double>&, int, const SE3<double>&, FrameAxes);
+template Vec6<S> frame_velocity<S>(const Kinematics<S>&, const SE3<double>&, int, const SE3<double>&, ReferenceFrame);
+template Vec6<S> frame_acceleration<S>(const Kinematics<S>&, const SE3<double>&, int, const SE3<double>&, ReferenceFrame);
 template Vec6<S> frame_classical_acceleration<S>(const Kinematics<S>&, const SE3<double>&, int, const SE3<double>&,
-                                                 FrameAxes);
+                                                 ReferenceFrame);
 template void frame_jacobian<S>(const Model&, const Kinematics<S>&, const SE3<double>&, int, const SE3<double>&,
-                                FrameAxes, Mat6XRef<S>);
+                                ReferenceFrame, Mat6XRef<S>);
 
 }  // namespace manycontact

@@ -9,7 +9,7 @@ namespace {
 
 using V6 = Vec6<double>;
 using M6 = Mat6<double>;
-using ConstRef = Eigen::Ref<const Eigen::VectorXd>;
+using ConstRef = ConstVectorRef;
 using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;
 
 // SE(2) inside SE(3): coordinates x, y, and the angle about z.

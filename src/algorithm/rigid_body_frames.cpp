@@ -1,7 +1,6 @@
 // Frames, the whole, and what joints carry, at the data's state.
 
 #include "manycontact/algorithm/energy.hpp"
-#include "manycontact/algorithm/frame_axes.hpp"
 #include "rigid_body_memory.hpp"
 
 namespace manycontact {
@@ -55,13 +54,13 @@ SE3<double> frame_placement(const RigidBodies& bodies, const RigidBodyData& data
 
 Vec6d frame_velocity(const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame, ReferenceFrame axes) {
   return motion("frame_velocity", bodies, data, frame, [&](const Robot& robot, const Kinematics<double>& kin) {
-    return frame_velocity<double>(kin, robot.base, frame.joint, frame.placement, axes_of(axes));
+    return frame_velocity<double>(kin, robot.base, frame.joint, frame.placement, axes);
   });
 }
 
 Vec6d frame_acceleration(const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame, ReferenceFrame axes) {
   return motion("frame_acceleration", bodies, data, frame, [&](const Robot& robot, const Kinematics<double>& kin) {
-    return frame_acceleration<double>(kin, robot.base, frame.joint, frame.placement, axes_of(axes));
+    return frame_acceleration<double>(kin, robot.base, frame.joint, frame.placement, axes);
   });
 }
 
@@ -69,7 +68,7 @@ Vec6d frame_classical_acceleration(const RigidBodies& bodies, RigidBodyData& dat
                                    ReferenceFrame axes) {
   return motion(
       "frame_classical_acceleration", bodies, data, frame, [&](const Robot& robot, const Kinematics<double>& kin) {
-        return frame_classical_acceleration<double>(kin, robot.base, frame.joint, frame.placement, axes_of(axes));
+        return frame_classical_acceleration<double>(kin, robot.base, frame.joint, frame.placement, axes);
       });
 }
 
@@ -81,7 +80,7 @@ Mat6X<double> frame_jacobian(const RigidBodies& bodies, const RigidBodyData& dat
   Mat6X<double> J = Mat6X<double>::Zero(6, bodies.nv());
   if (robot)
     frame_jacobian<double>(*robot->model, m.robots[static_cast<std::size_t>(number)].kin, robot->base, frame.joint,
-                           frame.placement, axes_of(axes), J.middleCols(bodies.idx_v(*robot), robot->model->nv));
+                           frame.placement, axes, J.middleCols(bodies.idx_v(*robot), robot->model->nv));
   return J;
 }
 

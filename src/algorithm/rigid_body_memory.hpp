@@ -12,7 +12,7 @@
 
 namespace manycontact::internal {
 
-using ConstRef = Eigen::Ref<const Eigen::VectorXd>;
+using ConstRef = ConstVectorRef;
 
 /// Memory of one robot.
 struct RobotMemory {

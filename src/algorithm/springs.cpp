@@ -21,7 +21,7 @@ AppliedPower power_of(const Scene& scene, const AppliedForces<double>& forces) {
   return power;
 }
 
-double spring_length(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const Spring& spring) {
+double spring_length(const Scene& scene, const ConstVectorRef& q, const Spring& spring) {
   if (q.size() != scene.nq) throw std::invalid_argument("spring_length: q does not fit the scene");
   const auto end = [&](const Attachment& at) {
     if (at.robot < 0) return spring_end<double>(at, nullptr);
@@ -34,8 +34,7 @@ double spring_length(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>
   return between(end(spring.A), end(spring.B)).norm();
 }
 
-double energy_of_springs(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                         const std::vector<Kinematics<double>>& kin) {
+double energy_of_springs(const Scene& scene, const ConstVectorRef& q, const std::vector<Kinematics<double>>& kin) {
   double energy = 0;
   for (const Spring& spring : scene.springs) {
     const auto end = [&](const Attachment& at) {

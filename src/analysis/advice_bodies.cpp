@@ -89,15 +89,15 @@ void advise_idle(const Scene& scene, const SceneData& data, const State& s, int 
   int joints = 0;
   for (const auto& subtree : subtrees) joints += 1 + subtree.second;
   if (!s.robot_touched[r] && !model.floating_base && joints == model.njoints()) {
-    said.add("fixed to the world, at rest and touched by no contact: the scene's answer is the same without it", r);
+    said.add("fixed to the world, at rest and without contact: the solution of the scene is the same without it", r);
     return;
   }
-  if (!s.robot_touched[r] && model.floating_base) said.add("floats free, touched by no contact", r);
+  if (!s.robot_touched[r] && model.floating_base) said.add("floats freely, without contact", r);
   const std::vector<std::string> names = joint_names(model, subtrees);
   if (!names.empty())
     said.add(count(joints, "joint") +
-                 " could be locked (`<lock>`) without a change of the answer at this state, having no "
-                 "contact beyond, no velocity and no acceleration: " +
+                 " could be locked (`<lock>`) without a change of the solution at this state, having no contact "
+                 "beyond, no velocity and no acceleration: " +
                  join(names, 20),
              r);
 }
@@ -110,7 +110,8 @@ void advise_massless(const Scene& scene, int r, Said& said) {
   };
   const std::vector<std::string> names = joint_names(model, whole_subtrees(model, massless));
   if (!names.empty())
-    said.add("no mass beyond " + join(names, 20) + ": M is singular there but for armature, unless a contact holds it",
+    said.add("no mass beyond " + join(names, 20) +
+                 ": M is singular there except for armature, unless a contact constrains it",
              r);
 }
 

@@ -43,17 +43,17 @@ void advise_rows(const Subject& x, std::vector<std::string>& advice) {
   std::string text = "the " + std::to_string(x.island.nc) + " contact rows of " +
                      robot_names(x.scene, x.island.robots) + " have rank " + std::to_string(ranks.rank);
   if (n != x.island.nc - ranks.rank) {
-    advice.push_back(text + "; which rows are redundant hangs on the tolerance: they are nearly dependent");
+    advice.push_back(text + "; which rows are redundant depends on the tolerance: they are nearly dependent");
     return;
   }
   text += "; " + count(n, "row") + (n == 1 ? " is" : " are") +
-          " redundant, since the rows before hold the same: " + join(s.redundant, kMostItems) +
+          " redundant, since the preceding rows impose the same constraint: " + join(s.redundant, kMostItems) +
           and_more(x.kind.islands.size() - 1, "island");
   advice.push_back(text);
   if (any_only_just(ranks, x.island.contacts)) return;  // what is left would be as stuck
-  text = "the rows that are left hold the same: " + join(s.kept, kMostItems);
+  text = "the remaining rows impose the same constraint: " + join(s.kept, kMostItems);
   if (!s.dropped.empty()) text += "; to be dropped: " + join(s.dropped, kMostItems);
-  if (x.scene.damping > 0) text += " (the damping acts on every row: without some, the answer moves by as much)";
+  if (x.scene.damping > 0) text += " (the damping acts on every row: removing some changes the solution by as much)";
   advice.push_back(text);
 }
 
@@ -64,13 +64,14 @@ std::string advice_on(const Scene& scene, const BodyPair& p) {
   const std::string start = contacts + ", " + rows + ": ";
   switch (p.holds) {
     case Holds::kOneContact:
-      return start + "`" + scene.contacts[p.alone].name + "` alone holds the same";
+      return start + "`" + scene.contacts[p.alone].name + "` alone imposes the same constraint";
     case Holds::kSixD:
-      return start + "one 6D contact on " + frame + " holds the same";
+      return start + "one 6D contact on " + frame + " imposes the same constraint";
     case Holds::kThreeD:
-      return start + "one 3D contact on " + frame + ", at their common point, holds the same";
+      return start + "one 3D contact on " + frame + ", at their common point, imposes the same constraint";
     case Holds::kLine:
-      return start + "points on a line hold five motions, all but the turn about the line, and no single type does";
+      return start +
+             "points on a line constrain five motions, all but the rotation about the line, and no single type does";
     case Holds::kEach:
     case Holds::kFewerRows:
       break;
@@ -114,11 +115,11 @@ void advise_pairs(const Subject& x, std::vector<std::string>& advice) {
     sum += p.rank;
   }
   if (all && rows == ranks.rank && rows < x.island.nc)
-    advice.push_back("so simplified, " + count(rows, "row") + " hold what " + std::to_string(x.island.nc) +
-                     " do, and every one counts");
+    advice.push_back("after this change, " + count(rows, "row") + " replace " + std::to_string(x.island.nc) +
+                     " , and all are linearly independent");
   if (sum > ranks.rank)
     advice.push_back("the contact groups of " + robot_names(x.scene, x.island.robots) +
-                     " hold each other through the robots: their ranks add up to " + std::to_string(sum) +
+                     " are coupled through the robots: their ranks add up to " + std::to_string(sum) +
                      ", together they have " + std::to_string(ranks.rank));
 }
 
@@ -128,12 +129,10 @@ void advise_lighter(const Subject& x, std::vector<std::string>& advice) {
     const Contact& contact = x.scene.contacts[l.contact];
     std::string text = contact.name + " (" + to_string(contact.type) + ", " + count(contact.rows(), "row") +
                        ") has rank " + std::to_string(l.rank) +
-                       (l.only_just > 0 ? ", and " + count(l.only_just, "row") + " more that only just " +
-                                              (l.only_just == 1 ? "counts" : "count")
-                                        : "") +
+                       (l.only_just > 0 ? ", and " + count(l.only_just, "row") + " more, nearly dependent" : "") +
                        ": at this configuration its bodies cannot move in the other directions";
-    if (l.rank == 0) text += ", it holds nothing";
-    if (!l.type.empty()) text += "; " + l.type + " at the same frame holds the same there";
+    if (l.rank == 0) text += ", it imposes no constraint";
+    if (!l.type.empty()) text += "; " + l.type + " at the same frame imposes the same constraint there";
     advice.push_back(text + and_more(x.kind.islands.size() - 1, "island"));
   }
 }

@@ -64,9 +64,8 @@ int close_positions(const Scene& scene, const std::vector<char>& active, interna
 
 }  // namespace
 
-ConsistentState make_consistent(const Scene& scene, const std::vector<char>& active,
-                                const Eigen::Ref<const Eigen::VectorXd>& q, const Eigen::Ref<const Eigen::VectorXd>& v,
-                                const Options& options) {
+ConsistentState make_consistent(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
+                                const ConstVectorRef& v, const Options& options) {
   if (active.size() != scene.contacts.size() || q.size() != scene.nq || v.size() != scene.nv)
     throw std::invalid_argument("make_consistent: active, q or v does not fit the scene");
   expect_configuration("make_consistent", "q", q, scene);
@@ -84,8 +83,8 @@ ConsistentState make_consistent(const Scene& scene, const std::vector<char>& act
   return out;
 }
 
-ConsistentState make_consistent(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                const Eigen::Ref<const Eigen::VectorXd>& v, const Options& options) {
+ConsistentState make_consistent(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
+                                const Options& options) {
   std::vector<char> active;
   for (const Contact& contact : scene.contacts) active.push_back(contact.active);
   return make_consistent(scene, active, q, v, options);
@@ -112,10 +111,11 @@ void make_consistent(SceneFile& file) {
   const Scene& scene = file.scene;
   const ConsistentState found = make_consistent(scene, file.q, file.v);
   const auto refuse = [&](const std::string& what) {
-    throw InputError(file.path, file.consistent_line,
-                     "consistent is asked for, but " + what + ", expected contacts that can be met from this q and v");
+    throw InputError(
+        file.path, file.consistent_line,
+        "consistent=\"true\" is set, but " + what + ", expected contacts that can be satisfied near this q and v");
   };
-  if (found.status == Status::kFailed) refuse("a robot has no inertia there and no nearest state");
+  if (found.status == Status::kFailed) refuse("a robot has no inertia there, so that there is no nearest state");
   if (!found.misplaced.empty()) refuse(worst_in_words(scene, found.misplaced, "out of place"));
   if (!found.moving.empty()) refuse(worst_in_words(scene, found.moving, "moving"));
   const std::vector<std::string> names = velocity_names(scene);
@@ -125,7 +125,7 @@ void make_consistent(SceneFile& file) {
   file.v = found.v;
   if (moved.empty()) return;
   file.findings.push_back(
-      {"consistent", scene.name, "made to fit the contacts" + moved, file.path, file.consistent_line});
+      {"consistent", scene.name, "made consistent with the contacts" + moved, file.path, file.consistent_line});
 }
 
 }  // namespace manycontact

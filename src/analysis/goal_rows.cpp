@@ -112,10 +112,10 @@ GoalRows::GoalRows(const Scene& scene, const std::vector<Goal>& goals) : scene_(
     if (robot >= 0 && !kin_[robot]) kin_[robot] = std::make_unique<Kinematics<double>>(*scene.robots[robot].model);
   };
   for (const Goal& goal : goals) {
-    if (goal.of == Goal::Of::kFrame) need(goal.frame.robot);
-    if (goal.of == Goal::Of::kCenterOfMass) of_bodies_.try_emplace(goal.robot, bodies_of(scene, goal.robot));
+    if (goal.target == Goal::Target::kFrame) need(goal.frame.robot);
+    if (goal.target == Goal::Target::kCenterOfMass) of_bodies_.try_emplace(goal.robot, bodies_of(scene, goal.robot));
     for (const Attachment& frame : goal.from) need(frame.robot);
-    if (goal.of != Goal::Of::kContact) continue;
+    if (goal.target != Goal::Target::kContact) continue;
     need(scene.contacts[goal.contact].A.robot);
     need(scene.contacts[goal.contact].B.robot);
   }
@@ -149,17 +149,17 @@ void GoalRows::evaluate(bool with_jacobian) {
   left_.clear();
   for (const Goal& goal : goals_) {
     Rows rows{*this, with_jacobian, std::sqrt(goal.weight)};
-    switch (goal.of) {
-      case Goal::Of::kFrame:
+    switch (goal.target) {
+      case Goal::Target::kFrame:
         frame_rows(goal, rows);
         break;
-      case Goal::Of::kCenterOfMass:
+      case Goal::Target::kCenterOfMass:
         center_rows(goal, rows);
         break;
-      case Goal::Of::kJoint:
+      case Goal::Target::kJoint:
         joint_rows(goal, rows);
         break;
-      case Goal::Of::kContact:
+      case Goal::Target::kContact:
         contact_rows_of(goal, rows);
         break;
     }
@@ -178,7 +178,7 @@ void GoalRows::frame_rows(const Goal& goal, Rows& rows) {
   if (rows.with_jacobian) {
     chain = dof_chain(model, goal.frame.joint);
     J.resize(6, model.nv);
-    frame_jacobian<double>(model, k, robot.base, goal.frame.joint, goal.frame.placement, FrameAxes::kLocal, J);
+    frame_jacobian<double>(model, k, robot.base, goal.frame.joint, goal.frame.placement, ReferenceFrame::kLocal, J);
   }
   const Vec3d from = middle(goal.from);
   Vec3d off = Vec3d::Zero();
@@ -232,7 +232,7 @@ void GoalRows::take_middle(const std::vector<Attachment>& frames, int axis, int 
     const Robot& robot = scene_.robots[frame.robot];
     Mat6X<double> J(6, robot.model->nv);
     frame_jacobian<double>(*robot.model, kin(frame.robot), robot.base, frame.joint, frame.placement,
-                           FrameAxes::kLocalWorldAligned, J);
+                           ReferenceFrame::kLocalWorldAligned, J);
     for (const int i : dof_chain(*robot.model, frame.joint))
       rows.add(row, robot.idx_v + i, -J(axis, i) / static_cast<double>(frames.size()));
   }

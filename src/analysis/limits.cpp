@@ -5,13 +5,13 @@
 
 namespace manycontact {
 
-std::string to_string(Limited quantity) {
+std::string to_string(LimitKind quantity) {
   switch (quantity) {
-    case Limited::kPosition:
+    case LimitKind::kPosition:
       return "position";
-    case Limited::kVelocity:
+    case LimitKind::kVelocity:
       return "velocity";
-    case Limited::kEffort:
+    case LimitKind::kEffort:
       break;
   }
   return "effort";
@@ -22,10 +22,11 @@ namespace {
 // Beyond by more than the rounding of a number written at the limit.
 bool beyond(double x, double limit) { return x > limit + 1e-9 * std::abs(limit); }
 
-void look_at(const Joint& joint, int k, Limited quantity, double x, LimitPassed found, std::vector<LimitPassed>& out) {
+void look_at(const Joint& joint, int k, LimitKind quantity, double x, LimitPassed found,
+             std::vector<LimitPassed>& out) {
   found.quantity = quantity;
   found.value = x;
-  if (quantity == Limited::kPosition) {
+  if (quantity == LimitKind::kPosition) {
     if (joint.lower.size() != joint.nv() || joint.upper.size() != joint.nv() || !(joint.lower[k] < joint.upper[k]))
       return;
     found.limit =
@@ -33,7 +34,7 @@ void look_at(const Joint& joint, int k, Limited quantity, double x, LimitPassed 
     if (beyond(x, joint.upper[k]) || beyond(-x, -joint.lower[k])) out.push_back(found);
     return;
   }
-  const Eigen::VectorXd& limits = quantity == Limited::kVelocity ? joint.velocity_limit : joint.effort_limit;
+  const Eigen::VectorXd& limits = quantity == LimitKind::kVelocity ? joint.velocity_limit : joint.effort_limit;
   if (limits.size() != joint.nv() || !(limits[k] > 0) || !beyond(std::abs(x), limits[k])) return;
   found.limit = limits[k];
   out.push_back(found);
@@ -41,9 +42,8 @@ void look_at(const Joint& joint, int k, Limited quantity, double x, LimitPassed 
 
 }  // namespace
 
-std::vector<LimitPassed> limits_passed(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                       const Eigen::Ref<const Eigen::VectorXd>& v,
-                                       const Eigen::Ref<const Eigen::VectorXd>& u) {
+std::vector<LimitPassed> limits_passed(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
+                                       const ConstVectorRef& u) {
   expect_configuration("limits_passed", "q", q, scene);
   expect_numbers("limits_passed", "v", v, scene.nv);
   expect_numbers("limits_passed", "u", u, scene.nu);
@@ -53,10 +53,10 @@ std::vector<LimitPassed> limits_passed(const Scene& scene, const Eigen::Ref<cons
     for (const Joint& joint : robot.model->joints) {
       const int torque = robot.model->torque_of(joint);
       for (int k = 0; k < joint.nv() && joint.type != JointType::kFloating; ++k) {
-        const LimitPassed at{r, joint.idx_v + k, Limited::kPosition, 0, 0};
-        look_at(joint, k, Limited::kPosition, q[robot.idx_q + joint.idx_q + k], at, out);
-        look_at(joint, k, Limited::kVelocity, v[robot.idx_v + joint.idx_v + k], at, out);
-        if (torque >= 0) look_at(joint, k, Limited::kEffort, u[robot.idx_u + torque + k], at, out);
+        const LimitPassed at{r, joint.idx_v + k, LimitKind::kPosition, 0, 0};
+        look_at(joint, k, LimitKind::kPosition, q[robot.idx_q + joint.idx_q + k], at, out);
+        look_at(joint, k, LimitKind::kVelocity, v[robot.idx_v + joint.idx_v + k], at, out);
+        if (torque >= 0) look_at(joint, k, LimitKind::kEffort, u[robot.idx_u + torque + k], at, out);
       }
     }
   }

@@ -7,7 +7,7 @@
 
 namespace manycontact {
 
-std::vector<int> massless_coordinates(const Robot& robot, const Eigen::Ref<const Eigen::VectorXd>& q) {
+std::vector<int> massless_coordinates(const Robot& robot, const ConstVectorRef& q) {
   const Model& model = *robot.model;
   Kinematics<double> kin(model);
   std::vector<Inertia<double>> Yc;
@@ -45,12 +45,12 @@ std::string lacking(JointType type) {
 
 std::string why_massless(const Model& model, int i) {
   if (nothing_below(model, i)) return "no mass below it";
-  const std::string own = "what it carries lacks " + lacking(model.joints[i].type);
+  const std::string own = "its bodies lack " + lacking(model.joints[i].type);
   return model.subtree_end[i] == i + 1 ? own : own + ", and the joints below it move the rest alone";
 }
 
 // Joints, ascending.
-std::set<int> massless_of(const Robot& robot, const Eigen::Ref<const Eigen::VectorXd>& q) {
+std::set<int> massless_of(const Robot& robot, const ConstVectorRef& q) {
   const Model& model = *robot.model;
   std::set<int> joints;
   if (model.nv > 0 && model.M_begin.empty()) {
@@ -64,8 +64,7 @@ std::set<int> massless_of(const Robot& robot, const Eigen::Ref<const Eigen::Vect
 
 }  // namespace
 
-std::vector<MasslessJoint> massless_joints(const Scene& scene, const SceneData& data,
-                                           const Eigen::Ref<const Eigen::VectorXd>& q) {
+std::vector<MasslessJoint> massless_joints(const Scene& scene, const SceneData& data, const ConstVectorRef& q) {
   std::vector<MasslessJoint> out;
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
     const IslandReport& report = data.report.islands[i];

@@ -87,8 +87,7 @@ std::vector<RankGap> rank_gaps(const Scene& scene, const SceneData& data) {
   return out;
 }
 
-std::vector<NearDependent> near_dependent(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& at,
-                                          const SceneData& data) {
+std::vector<NearDependent> near_dependent(const Scene& scene, const ConstVectorRef& at, const SceneData& data) {
   if (data.serial == 0) throw std::logic_error("near_dependent: solve first");
   expect_configuration("near_dependent", "q", at, scene);
   std::vector<NearDependent> out;

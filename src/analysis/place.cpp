@@ -30,7 +30,7 @@ Goal pose_goal(const Attachment& frame, const Partial& position, const Partial& 
 
 Goal center_of_mass_goal(const Scene& scene, const Partial& position, const std::string& robot, double weight) {
   Goal goal;
-  goal.of = Goal::Of::kCenterOfMass;
+  goal.target = Goal::Target::kCenterOfMass;
   goal.name = robot.empty() ? "centre of mass" : "centre of mass of " + robot;
   goal.weight = weight;
   goal.position = position;
@@ -41,7 +41,7 @@ Goal center_of_mass_goal(const Scene& scene, const Partial& position, const std:
 Goal joint_goal(const Scene& scene, const std::string& joint, double value, double weight) {
   const BodyJoint found = joint_called(scene, joint);
   Goal goal;
-  goal.of = Goal::Of::kJoint;
+  goal.target = Goal::Target::kJoint;
   goal.name = joint;
   goal.weight = weight;
   goal.robot = found.robot;
@@ -52,7 +52,7 @@ Goal joint_goal(const Scene& scene, const std::string& joint, double value, doub
 
 Goal contact_goal(const Scene& scene, const std::string& contact, double weight) {
   Goal goal;
-  goal.of = Goal::Of::kContact;
+  goal.target = Goal::Target::kContact;
   goal.name = contact;
   goal.weight = weight;
   goal.contact = contact_called(scene, contact);
@@ -76,18 +76,18 @@ void check(const Scene& scene, const Goal& goal) {
   for (const Partial* numbers : {&goal.position, &goal.rpy})
     for (const auto& x : *numbers)
       if (x && !std::isfinite(*x)) refuse(goal, "has a number that is not finite");
-  switch (goal.of) {
-    case Goal::Of::kFrame:
+  switch (goal.target) {
+    case Goal::Target::kFrame:
       if (goal.frame.robot < 0 || goal.frame.robot >= scene.nrobots() || goal.frame.joint < -1 ||
           goal.frame.joint >= scene.robots[goal.frame.robot].model->njoints())
         refuse(goal, "is not of a frame on a robot of this scene");
       break;
-    case Goal::Of::kCenterOfMass:
+    case Goal::Target::kCenterOfMass:
       if (goal.robot >= scene.nrobots()) refuse(goal, "is not of a robot of this scene");
       if (!(total_mass(goal.robot < 0 ? RigidBodies(scene) : RigidBodies(scene, scene.robots[goal.robot].name)) > 0))
         refuse(goal, "is of robots without mass");
       break;
-    case Goal::Of::kJoint:
+    case Goal::Target::kJoint:
       if (goal.robot < 0 || goal.robot >= scene.nrobots() || goal.joint < 0 ||
           goal.joint >= scene.robots[goal.robot].model->njoints())
         refuse(goal, "is not of a joint of this scene");
@@ -95,7 +95,7 @@ void check(const Scene& scene, const Goal& goal) {
         refuse(goal, "is of a joint with several coordinates, expected one with one, or a frame's pose");
       if (!std::isfinite(goal.value)) refuse(goal, "has a number that is not finite");
       break;
-    case Goal::Of::kContact:
+    case Goal::Target::kContact:
       if (goal.contact < 0 || goal.contact >= static_cast<int>(scene.contacts.size()))
         refuse(goal, "is not of a contact of this scene");
       break;
@@ -116,7 +116,7 @@ Eigen::VectorXd elsewhere(const Scene& scene, const internal::PlaceSearch& searc
 
 }  // namespace
 
-PlacedScene place(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const std::vector<Goal>& goals,
+PlacedScene place(const Scene& scene, const ConstVectorRef& q, const std::vector<Goal>& goals,
                   const PlaceOptions& options) {
   expect_configuration("place", "q", q, scene);
   for (const Goal& goal : goals) check(scene, goal);

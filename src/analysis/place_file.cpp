@@ -42,7 +42,7 @@ std::string owner(const ScenePose& pose) {
                          ", expected poses that can be met together, within the joints' limits, from this q"
                          " (restarts of <scene> searches from others)";
   if (g >= poses.size())
-    throw InputError(file, line, "beside the poses contact " + quote(goals[g].name) + " stays out of place by " + by);
+    throw InputError(file, line, "with these poses contact " + quote(goals[g].name) + " remains out of place by " + by);
   throw InputError(poses[g].file, poses[g].line, owner(poses[g]) + " is missed by " + by);
 }
 
@@ -111,7 +111,7 @@ void place(SceneFile& file) {
   for (const internal::Leaning& robot : leaning(scene, q, file.poses, standing))
     file.findings.push_back({"pose", scene.robots[robot.robot].name,
                              "its centre of mass is " + text::number(robot.by) +
-                                 " m outside of its contacts: it cannot stand at the poses unless they pull",
+                                 " m outside of its contacts: it cannot balance in this configuration unless they pull",
                              file.poses[0].file, file.poses[0].line});
 }
 

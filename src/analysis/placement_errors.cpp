@@ -22,7 +22,7 @@ double angle_between(const Contact& contact, const Mat3<double>& G) {
 }  // namespace
 
 std::vector<PlacementError> placement_errors(const Scene& scene, const std::vector<char>& active,
-                                             const Eigen::Ref<const Eigen::VectorXd>& q) {
+                                             const ConstVectorRef& q) {
   expect_configuration("placement_errors", "q", q, scene);
   std::vector<PlacementError> out;
   internal::each_contact_at(scene, active, q, nullptr, [&](int c, const ContactData<double>& d) {
@@ -35,9 +35,8 @@ std::vector<PlacementError> placement_errors(const Scene& scene, const std::vect
   return out;
 }
 
-std::vector<VelocityError> velocity_errors(const Scene& scene, const std::vector<char>& active,
-                                           const Eigen::Ref<const Eigen::VectorXd>& q,
-                                           const Eigen::Ref<const Eigen::VectorXd>& v) {
+std::vector<VelocityError> velocity_errors(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
+                                           const ConstVectorRef& v) {
   expect_configuration("velocity_errors", "q", q, scene);
   expect_numbers("velocity_errors", "v", v, scene.nv);
   std::vector<VelocityError> out;

@@ -100,8 +100,7 @@ class Probe {
 
 }  // namespace
 
-std::vector<RankChange> rank_changes(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& at,
-                                     const SceneData& data) {
+std::vector<RankChange> rank_changes(const Scene& scene, const ConstVectorRef& at, const SceneData& data) {
   if (data.serial == 0) throw std::logic_error("rank_changes: solve first");
   expect_configuration("rank_changes", "q", at, scene);
   std::vector<RankChange> out;

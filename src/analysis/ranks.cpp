@@ -165,8 +165,8 @@ std::string lightest(const Contact& contact, const Eigen::MatrixXd& Jt, int rank
   Eigen::Index k = 0;
   if (rank == 1 && Jt.leftCols(3).colwise().norm().maxCoeff(&k) > least) return along[k];
   if (rank == 2 && rank_of_columns({0, 2}) == rank) return "2d (x and z)";
-  if (rank == 2 && rank_of_columns({0, 1}) == rank) return "2d, turned so that its y is along this z,";
-  if (rank == 2 && rank_of_columns({1, 2}) == rank) return "2d, turned so that its y is along this x,";
+  if (rank == 2 && rank_of_columns({0, 1}) == rank) return "2d, rotated so that its y is along this z,";
+  if (rank == 2 && rank_of_columns({1, 2}) == rank) return "2d, rotated so that its y is along this x,";
   if (holds_turning(contact.type) && rank <= 3 && rank_of_columns({0, 1, 2}) == rank) return "3d";
   return "";
 }

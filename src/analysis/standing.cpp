@@ -72,8 +72,7 @@ void stand_on(const Contact& contact, const SE3<double>& A, Ground& ground) {
     for (const double y : {-half[1], half[1]}) ground.corners.push_back((A.p + A.R * Vec3<double>(x, y, 0)).head<2>());
 }
 
-std::vector<Ground> grounds(const Scene& scene, const std::vector<bool>& active,
-                            const Eigen::Ref<const Eigen::VectorXd>& q) {
+std::vector<Ground> grounds(const Scene& scene, const std::vector<bool>& active, const ConstVectorRef& q) {
   std::vector<Ground> out(scene.robots.size());
   MotionOf kin(scene, q);
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
@@ -96,8 +95,7 @@ std::vector<Ground> grounds(const Scene& scene, const std::vector<bool>& active,
 
 }  // namespace
 
-std::vector<Leaning> leaning(const Scene& scene, const std::vector<bool>& active,
-                             const Eigen::Ref<const Eigen::VectorXd>& q) {
+std::vector<Leaning> leaning(const Scene& scene, const std::vector<bool>& active, const ConstVectorRef& q) {
   constexpr double kSole = 0.13;  // half a foot of people, of their centre of mass's height
   std::vector<Leaning> out;
   if (!(scene.gravity[2] < 0 && scene.gravity.head<2>().isZero(0))) return out;
@@ -123,7 +121,7 @@ Goal standing_goal(const Scene& scene, const Leaning& robot) {
   return goal;
 }
 
-std::vector<Goal> stance_goals(const Scene& scene, const Leaning& robot, const Eigen::Ref<const Eigen::VectorXd>& q) {
+std::vector<Goal> stance_goals(const Scene& scene, const Leaning& robot, const ConstVectorRef& q) {
   RigidBodyData data(scene);
   forward_kinematics(scene, q, data);
   Vec3<double> middle = Vec3<double>::Zero();
@@ -138,8 +136,7 @@ std::vector<Goal> stance_goals(const Scene& scene, const Leaning& robot, const E
   return out;
 }
 
-std::vector<Goal> posture_goals(const Scene& scene, const Leaning& robot, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                double weight) {
+std::vector<Goal> posture_goals(const Scene& scene, const Leaning& robot, const ConstVectorRef& q, double weight) {
   const Robot& own = scene.robots[robot.robot];
   std::vector<Goal> out;
   for (const Joint& joint : own.model->joints) {

@@ -17,14 +17,12 @@ struct Leaning {
 /// Of robots with a floating base under a gravity along the world's -z, which only contacts with the ground, flagged
 /// `active`, keep from falling. Where a contact carries moments and its box is not given it is taken as large as a
 /// foot.
-std::vector<Leaning> leaning(const Scene& scene, const std::vector<bool>& active,
-                             const Eigen::Ref<const Eigen::VectorXd>& q);
+std::vector<Leaning> leaning(const Scene& scene, const std::vector<bool>& active, const ConstVectorRef& q);
 
 /// The centre of mass above the middle of the feet; and these as far apart, horizontally, as they are at q.
 Goal standing_goal(const Scene& scene, const Leaning& robot);
-std::vector<Goal> stance_goals(const Scene& scene, const Leaning& robot, const Eigen::Ref<const Eigen::VectorXd>& q);
+std::vector<Goal> stance_goals(const Scene& scene, const Leaning& robot, const ConstVectorRef& q);
 /// The robot's joints and the axes of its base as they are at q, for little: of weight `weight` each.
-std::vector<Goal> posture_goals(const Scene& scene, const Leaning& robot, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                double weight);
+std::vector<Goal> posture_goals(const Scene& scene, const Leaning& robot, const ConstVectorRef& q, double weight);
 
 }  // namespace manycontact::internal

@@ -16,7 +16,7 @@ constexpr double kNoPart = 1e-9;  // of the largest component of a projection: r
 
 }  // namespace
 
-std::vector<char> unique_forces(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const SceneData& data) {
+std::vector<char> unique_forces(const Scene& scene, const ConstVectorRef& q, const SceneData& data) {
   if (data.serial == 0) throw std::logic_error("unique_forces: solve first");
   expect_configuration("unique_forces", "q", q, scene);
   std::vector<char> unique(static_cast<std::size_t>(data.f.size()), 1);

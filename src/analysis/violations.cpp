@@ -9,28 +9,28 @@
 
 namespace manycontact {
 
-std::string to_string(Violating kind) {
+std::string to_string(ViolationKind kind) {
   switch (kind) {
-    case Violating::kPulls:
+    case ViolationKind::kPulls:
       return "pulls";
-    case Violating::kSlips:
+    case ViolationKind::kSlips:
       return "slips";
-    case Violating::kTips:
+    case ViolationKind::kTips:
       return "tips";
-    case Violating::kTurns:
+    case ViolationKind::kTurns:
       break;
   }
   return "turns";
 }
 
-std::string unit_of(Violating kind) {
+std::string unit_of(ViolationKind kind) {
   switch (kind) {
-    case Violating::kPulls:
-    case Violating::kSlips:
+    case ViolationKind::kPulls:
+    case ViolationKind::kSlips:
       return "N";
-    case Violating::kTips:
+    case ViolationKind::kTips:
       return "m";
-    case Violating::kTurns:
+    case ViolationKind::kTurns:
       break;
   }
   return "N m";
@@ -43,7 +43,7 @@ constexpr double kRoundingOfForces = 1e-9;  // of the largest force on a contact
 // A contact's axes in the world.
 class AxesOf {
  public:
-  AxesOf(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q) : scene_(scene), kin_(scene, q) {}
+  AxesOf(const Scene& scene, const ConstVectorRef& q) : scene_(scene), kin_(scene, q) {}
   Mat3<double> operator()(const Attachment& at) {
     if (at.robot < 0) return at.placement.R;
     return frame_placement<double>(kin_.of(at.robot), scene_.robots[at.robot].base, at.joint, at.placement).R;
@@ -103,22 +103,21 @@ void judge_box(const Contact& contact, const double* f, int c, double rounding, 
   const double lever = std::max(X, Y);
   const double noise =
       rounding * lever + kRoundingOfForces * std::max({std::abs(f[3]), std::abs(f[4]), std::abs(f[5])});
-  if (beyond > noise) return out.push_back({c, Violating::kTips, n > 0 ? beyond / n : INFINITY});
+  if (beyond > noise) return out.push_back({c, ViolationKind::kTips, n > 0 ? beyond / n : INFINITY});
   const double torque = excess_torque(f, *contact.mu, X, Y);
-  if (torque > noise) out.push_back({c, Violating::kTurns, torque});
+  if (torque > noise) out.push_back({c, ViolationKind::kTurns, torque});
 }
 
 }  // namespace
 
-Eigen::Vector2d contact_pressure(const Scene& scene, int contact, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                 const Eigen::VectorXd& f) {
+Eigen::Vector2d contact_pressure(const Scene& scene, int contact, const ConstVectorRef& q, const Eigen::VectorXd& f) {
   AxesOf axes_of(scene, q);
   const Pressure p = pressure(scene.contacts[contact], f.data(), axes_of);
   return {p.normal, p.tangential};
 }
 
-std::vector<Violation> violations(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                  const Eigen::VectorXd& f, const std::vector<int>& f_offset) {
+std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, const Eigen::VectorXd& f,
+                                  const std::vector<int>& f_offset) {
   expect_configuration("violations", "q", q, scene);
   AxesOf axes_of(scene, q);
   const std::vector<double> largest = largest_forces(scene, f, f_offset);
@@ -132,12 +131,12 @@ std::vector<Violation> violations(const Scene& scene, const Eigen::Ref<const Eig
     const double rounding = kRoundingOfForces * std::max(largest[contact.A.robot], on_B);
     const double tangential = p.tangential;
     if (p.normal < -rounding) {
-      out.push_back({c, Violating::kPulls, -p.normal});
+      out.push_back({c, ViolationKind::kPulls, -p.normal});
       continue;
     }
     if (tangential > *contact.mu * p.normal + rounding)
-      out.push_back(
-          {c, Violating::kSlips, tangential - *contact.mu * p.normal, p.normal > 0 ? tangential / p.normal : INFINITY});
+      out.push_back({c, ViolationKind::kSlips, tangential - *contact.mu * p.normal,
+                     p.normal > 0 ? tangential / p.normal : INFINITY});
     if (!contact.box.isZero(0)) judge_box(contact, p.in_foot.data(), c, rounding, out);
   }
   return out;

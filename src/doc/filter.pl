@@ -19,6 +19,19 @@ sub plain {
   return join '', @parts;
 }
 
+# The group, a chapter of the reference (groups.dox), that a header's names are in.
+my ($header) = ($ARGV // '') =~ m{manycontact/(.*)};
+sub group_of {
+  my ($name) = @_;
+  return 'io' if $name =~ m{^(io/|analysis/load_scene)};
+  return 'derivatives' if $name =~ m{^(dynamics/(differentiate|derivatives|jvp|aligned_panel)|contact/derivatives|algorithm/rnea_derivatives)};
+  return 'scene' if $name =~ m{^(model/|contact/reference|analysis/(place|consistent))};
+  return 'rigid_bodies' if $name =~ m{^(algorithm|spatial)/};
+  return 'simulation' if $name =~ m{^simulation/};
+  return 'optimal_control' if $name =~ m{^(action|control|task|crocoddyl)};
+  return 'solve';
+}
+
 my ($in_file_comment, $in_member_comment) = (0, 0);
 my $column = 0;
 for my $i (0 .. $#lines) {
@@ -77,5 +90,12 @@ for my $i (0 .. $#lines + 1) {
     }
   }
   $start = -1;
+}
+if (defined $header) {
+  my $group = group_of($header);
+  for (@lines) {
+    s!^namespace manycontact \{$!namespace manycontact { /** \@addtogroup $group\n\@{ */!;
+    s!^\}  // namespace manycontact$!/** \@} */ }!;
+  }
 }
 print "$_\n" for @lines;

@@ -6,6 +6,19 @@
 
 namespace manycontact {
 
+namespace {
+
+// Of what was not requested there is no bound.
+void forget_unrequested(const DerivativeRequest& request, DerivativeBounds& b) {
+  if (!request.q) b.da_dq = b.dforces_dq = kNotEstimated;
+  if (!request.v) b.da_dv = b.dforces_dv = kNotEstimated;
+  if (!request.u) b.da_du = b.dforces_du = kNotEstimated;
+  if (!request.pushes) b.da_dw = b.dforces_dw = kNotEstimated;
+  if (!request.forces) b.dforces_dq = b.dforces_dv = b.dforces_du = b.dforces_dw = kNotEstimated;
+}
+
+}  // namespace
+
 double internal::inverse_norm(int n, const std::function<void(double*)>& solve) {
   constexpr int kSmall = 64;
   return n <= kSmall ? sparse::norm_1_by_columns(n, solve) : sparse::inverse_norm_1(n, solve);
@@ -38,6 +51,7 @@ std::vector<DerivativeBounds> estimate_derivative_errors(const Scene& scene, Sce
     DerivativeBounds bounds;
     if (internal::bound_derivatives(scene, data, w.threads.front(), d.matrix, of.islands[i], bounds)) out[i] = bounds;
   }
+  for (std::size_t i = 0; i < out.size(); ++i) forget_unrequested(of.islands[i].request, out[i]);
   return out;
 }
 

@@ -11,6 +11,7 @@
 #include "manycontact/model/torques.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "reduction/reduction.hpp"
+#include "solve_clock.hpp"
 #include "workspace/threads.hpp"
 
 namespace manycontact {
@@ -180,24 +181,32 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
 
 const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& u,
                     SceneData& data) {
+  internal::SolveClock clock;
   internal::begin("solve", scene, q, v, "u", u, scene.nu, data);
+  clock.prepared();
   internal::remake(data.tau, scene.nv);
   torques_of_motors(scene, u, data.tau);
-  return internal::solve_prepared(scene, q, v, data.tau, data);
+  internal::solve_prepared(scene, q, v, data.tau, data);
+  return clock.report(data.report);
 }
 
 const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                         SceneData& data) {
+  internal::SolveClock clock;
   internal::begin("solve_tau", scene, q, v, "tau", tau, scene.nv, data);
-  return internal::solve_prepared(scene, q, v, tau, data);
+  clock.prepared();
+  internal::solve_prepared(scene, q, v, tau, data);
+  return clock.report(data.report);
 }
 
 const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                         const ConstVector& prescribed, SceneData& data) {
+  internal::SolveClock clock;
   internal::begin("solve_tau", scene, q, v, "tau", tau, scene.nv, data);
+  clock.prepared();
   internal::check_size("solve_tau", "prescribed", prescribed.size(), data.f.size());
-  return internal::solve_prepared(scene, q, v, tau, data,
-                                  {prescribed.data(), static_cast<std::size_t>(prescribed.size())});
+  internal::solve_prepared(scene, q, v, tau, data, {prescribed.data(), static_cast<std::size_t>(prescribed.size())});
+  return clock.report(data.report);
 }
 
 }  // namespace manycontact

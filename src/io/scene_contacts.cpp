@@ -76,7 +76,7 @@ class ContactReader {
   void read_target(const Element& e, ContactElement& c) {
     const bool to_robot = c.ends.to_robot;
     for (const char* a : {"to_offset", "to_offset_quat_xyzw", "wrap"})
-      if (!to_robot && e.has(a)) e.where(a).fail(e.label(a) + " needs a target, expected a 'to' attribute beside it");
+      if (!to_robot && e.has(a)) e.where(a).fail(e.label(a) + " needs a target, expected also a 'to' attribute");
     for (const char* a : {"xyz", "quat_xyzw"})
       if (to_robot && e.has(a))
         e.where(a).fail(e.label(a) + " places a contact in the world, expected it without 'to', or to_offset");

@@ -85,7 +85,7 @@ class IncludeReader {
     const std::string path =
         written.is_absolute() ? written.string() : (std::filesystem::path(*here.file).parent_path() / written).string();
     if (std::count(open_.begin(), open_.end(), canonical(path)))
-      here.fail("the scene file " + quote(path) + " includes itself, expected no circle");
+      here.fail("the scene file " + quote(path) + " includes itself, expected no cycle");
     if (open_.size() > kDeepestInclude)
       here.fail("scene files are included more than " + std::to_string(kDeepestInclude) + " deep, expected fewer");
     if (out_.files.size() >= kMostFiles)
@@ -96,13 +96,13 @@ class IncludeReader {
     const Element root = read(path, text);
     // what an included scene says of the whole must be what holds
     if (root.has("gravity") && gravity_of(root) != gravity_of(into))
-      root.where("gravity").fail("gravity is another one in the scene that includes this, expected the same");
+      root.where("gravity").fail("gravity differs from that of the including scene, expected the same");
     for (const char* name : {"damping", "tolerance", "moment_length"})
       if (const double usual = name == std::string("moment_length") ? 1 : 0;
           root.has(name) && root.number(name, usual) != into.number(name, usual))
-        root.where(name).fail(std::string(name) + " is another one in the scene that includes this, expected the same");
+        root.where(name).fail(std::string(name) + " differs from that of the including scene, expected the same");
     if (consistent(root) && !consistent(into))
-      root.where("consistent").fail("consistent is asked for, and not by the scene that includes this, expected both");
+      root.where("consistent").fail("consistent=\"true\" is missing in the including scene, expected it in both");
   }
 
   SceneElements& out_;

@@ -75,8 +75,7 @@ void add_springs(const std::vector<Element>& elements, SceneFile& out) {
       e.fail(pair.to_robot ? "<spring> has both 'to' and xyz, expected one of them"
                            : "<spring> has neither 'to' nor xyz, expected a frame or a point of the world");
     for (const char* a : {"to_offset", "wrap"})
-      if (!pair.to_robot && e.has(a))
-        e.where(a).fail(e.label(a) + " needs a target, expected a 'to' attribute beside it");
+      if (!pair.to_robot && e.has(a)) e.where(a).fail(e.label(a) + " needs a target, expected also a 'to' attribute");
     Spring like;
     (void)e.required_number("stiffness");
     like.stiffness = number_from_0(e, "stiffness", 0);
@@ -107,7 +106,7 @@ void add_joint_springs(const std::vector<Element>& robots, SceneFile& out) {
     const RobotGroup& group = out.robot_groups[g];
     for (auto joint = robots[g].child("joint"); joint; joint = joint->next("joint")) {
       if (joint->has("rest") && !joint->has("stiffness"))
-        joint->where("rest").fail(joint->label("rest") + " needs a spring, expected a 'stiffness' attribute beside it");
+        joint->where("rest").fail(joint->label("rest") + " needs a spring, expected also a 'stiffness' attribute");
       if (!joint->has("stiffness")) continue;
       const double stiffness = number_from_0(*joint, "stiffness", 0), rest = joint->number("rest", 0);
       for (int i = 0; i < group.count; ++i)

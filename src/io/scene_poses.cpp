@@ -10,7 +10,7 @@ void read_three(const Element& e, const char* together, const std::array<const c
   for (std::size_t k = 0; k < 3; ++k) {
     if (all) *out[k] = (*all)[k];
     if (!e.has(apart[k])) continue;
-    if (all) e.where(apart[k]).fail(e.label(apart[k]) + " stands beside " + together + ", expected one of them");
+    if (all) e.where(apart[k]).fail(e.label(apart[k]) + " is given with " + together + ", expected one of them");
     *out[k] = e.required_number(apart[k]);
   }
 }
@@ -22,7 +22,7 @@ namespace {
 // The robot, or copies, whose centre of mass a pose is of.
 End read_center(const Element& e, EndReader& ends) {
   for (const char* a : {"frame", "offset", "rpy", "roll", "pitch", "yaw"})
-    if (e.has(a)) e.where(a).fail(e.label(a) + " stands beside com, expected the centre of mass's x, y, z alone");
+    if (e.has(a)) e.where(a).fail(e.label(a) + " is given with com, expected only x, y, z of the centre of mass");
   return ends.robot(e, "com", e.required("com"));
 }
 
@@ -48,7 +48,7 @@ void read_pose(const Element& e, const Scene& scene, EndReader& ends, std::vecto
   read_three(e, "rpy", {"roll", "pitch", "yaw"}, {&pose.roll, &pose.pitch, &pose.yaw});
   if (!(pose.x || pose.y || pose.z || pose.roll || pose.pitch || pose.yaw))
     e.fail("<pose> of " + quote(e.required(pose.center_of_mass ? "com" : "frame")) +
-           " asks for nothing, expected xyz, rpy or any of x, y, z, roll, pitch, yaw");
+           " requires nothing, expected xyz, rpy or any of x, y, z, roll, pitch, yaw");
   SE3<double> offset;
   if (const auto xyz = e.numbers<3>("offset")) offset.p = Vec3<double>(xyz->data());
   for (int i = 0; i < end.count; ++i) {

@@ -42,8 +42,7 @@ void read_name(const Element& e, RobotGroup& group) {
       e.where("copies").fail("copies of <robot> is " + quote(text) + ", expected a whole number from 1 to 1000000");
   }
   for (const char* a : {"arrange", "spacing"})
-    if (e.has(a) && !group.copied)
-      e.where(a).fail(e.label(a) + " needs copies, expected a 'copies' attribute beside it");
+    if (e.has(a) && !group.copied) e.where(a).fail(e.label(a) + " needs copies, expected also a 'copies' attribute");
 }
 
 void read_options(const Element& e, RobotElement& robot) {
@@ -245,7 +244,7 @@ void check_names(const SceneFile& file, const std::unordered_map<std::string, Wh
       here.fail("the copied robot " + quote(group.name) + " has the name of another robot, expected names used once");
     if (is_neighbour(group.name, copied) || (group.copied && is_neighbour(group.name + "0", copied)))
       here.fail("robot " + quote(group.name) +
-                " has a name that neighbours among copies go by, expected none that is " +
+                " has a name that is reserved for neighbours among copies, expected no name that is " +
                 "a copied robot's with '-' and a number");
   }
 }

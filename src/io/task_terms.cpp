@@ -190,9 +190,7 @@ void TermReader::read_reference(const Element& e, const char* attribute, TaskTer
     for (auto next = pose; next; next = next->next("pose")) read_pose(*next, scene_.scene, ends_, term.poses);
     return;
   }
-  if (pose)
-    pose->fail("<pose> in a <" + e.name() +
-               "> that does not ask for it, expected one of type state with reference=\"pose\"");
+  if (pose) pose->fail("<pose> in a <" + e.name() + "> without reference=\"pose\", expected one of type state with it");
   if (!e.has(attribute)) return;
   const auto list = parse_numbers(e.where(attribute), e.label(attribute), e.required(attribute),
                                   static_cast<std::size_t>(reference_size(term)));

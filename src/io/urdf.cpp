@@ -233,7 +233,7 @@ class Builder {
     if (link.inertial) frame.inertia = inertia_of(*link.inertial);
     if (place.joint >= 0 && frame.inertia.m < 0)
       tell("inertia", link.name, details_.link.at(link.name),
-           "the mass " + io::show(frame.inertia.m) + " kg, made good by what the link is merged with");
+           "the mass " + io::show(frame.inertia.m) + " kg, compensated by the bodies that the link is merged with");
     if (place.joint >= 0) model_.joints[place.joint].inertia += frame.inertia.transformed(place.placement);
     model_.frames.push_back(std::move(frame));
   }
@@ -251,11 +251,11 @@ class Builder {
         refuse("joint " + quote(joint.name) + " mimics " + quote(joint.mimic->joint_name) +
                ", expected none, for mimic=\"refuse\"");
       model_.notes.mimic.push_back(joint.name);
-      tell("mimic", joint.name, details.line, "<mimic> is not modelled: it moves on its own");
+      tell("mimic", joint.name, details.line, "<mimic> is not modelled: the joint moves independently");
     }
     if (joint.type == urdf::Joint::FLOATING && options_.floating_base && parent.joint == 0)
       tell("base", joint.name, details.line,
-           "a floating joint below the floating base: two bases, expected base=\"fixed\" beside this file");
+           "a floating joint below the floating base: two bases, expected base=\"fixed\" for this file");
     if (details.damping == 0 && details.friction == 0) return;
     if (!options_.model_dynamics) {
       model_.notes.dynamics.push_back(joint.name);
@@ -267,7 +267,7 @@ class Builder {
                ", expected a finite number, for dynamics=\"model\"");
       if (x < 0)
         tell("dynamics", joint.name, details.line,
-             "the damping or friction " + io::show(x) + ", which drives the joint, is taken as it is");
+             "the damping or friction " + io::show(x) + ", which drives the joint, is used as given");
     }
   }
 
@@ -281,7 +281,7 @@ class Builder {
     if (options_.refuse_inertia)
       throw InputError(path_, line, owner + verdict.odd + ", expected those of one, for inertia=\"refuse\"");
     tell("inertia", link, line,
-         "the body, with what is merged into it, has " + verdict.odd + "; computed with as they are");
+         "the body, with what is merged into it, has " + verdict.odd + "; they are used as given");
   }
 
   std::vector<std::string> joint_names() const {

@@ -40,7 +40,8 @@ InertiaVerdict judge_inertia(const Inertia<double>& Y) {
   // I_1 + I_2 - I_3 = 2 int x_3^2 dm >= 0
   if (Y.m > 0 && !(moments[0] + moments[1] - moments[2] >= -allowed))
     return {"", "the principal moments of inertia " + brief(moments[0]) + ", " + brief(moments[1]) + ", " +
-                    brief(moments[2]) + " kg m^2, which no body has: the last is above the sum of the others by " +
+                    brief(moments[2]) +
+                    " kg m^2, which violate the triangle inequality: the last exceeds the sum of the others by " +
                     brief(moments[2] - moments[0] - moments[1])};
   return {};
 }

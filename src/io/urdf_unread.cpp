@@ -44,8 +44,8 @@ class Unread {
   void finish() {
     for (const auto& [what, c] : counted_)
       findings_[c.finding].text =
-          what + (c.times > 1 ? ", here and in " + std::to_string(c.times - 1) + " more places," : "") +
-          " is not read" + c.because;
+          what + (c.times > 1 ? ", here and in " + std::to_string(c.times - 1) + " more places," : "") + " is ignored" +
+          c.because;
   }
 
  private:
@@ -72,8 +72,8 @@ bool constrains(const std::string& name) {
 
 void tell_constraint(const Element& e, Unread& unread) {
   unread.tell(e, name_of(e),
-              "<" + e.name() + "> acts on the motion and is not read: " +
-                  "what it holds together is free here, unless a contact of the scene holds it");
+              "<" + e.name() + "> influences the motion and is ignored: " +
+                  "the connected links are free here, unless a contact of the scene constrains them");
 }
 
 void look_into_gazebo(const Element& gazebo, Unread& unread) {
@@ -97,7 +97,7 @@ void look_into_transmission(const Element& transmission, Unread& unread) {
   each_inside(transmission, [&](const Element& e) {
     const std::string name = local_name(e.name());
     if ((name == "mechanicalReduction" || name == "gear_ratio" || name == "rotor_inertia") && !is_one(e))
-      unread.count(e, name_of(transmission), "<" + e.name() + ">", ": what motors add behind gears is `armature`");
+      unread.count(e, name_of(transmission), "<" + e.name() + ">", ": use `armature` for rotor inertia");
   });
 }
 

@@ -77,9 +77,9 @@ void Element::allow_children(std::initializer_list<const char*> known) const {
     const Where here{file_, node->GetLineNum()};
     if (const auto* e = node->ToElement()) {
       if (!among(e->Name(), known))
-        here.fail("<" + name() + "> holds an unknown element <" + e->Name() + ">, " + expected(e->Name(), known));
+        here.fail("<" + name() + "> contains an unknown element <" + e->Name() + ">, " + expected(e->Name(), known));
     } else if (node->ToText() && !words(node->Value()).empty()) {
-      here.fail("<" + name() + "> holds the text " + quote(node->Value()) + ", expected elements only");
+      here.fail("<" + name() + "> contains the text " + quote(node->Value()) + ", expected elements only");
     }
   }
 }
@@ -129,7 +129,7 @@ std::string Element::text() const {
   std::string all;
   for (const auto* node = element_->FirstChild(); node; node = node->NextSibling()) {
     if (node->ToElement())
-      Where{file_, node->GetLineNum()}.fail("<" + name() + "> holds an element <" + node->Value() +
+      Where{file_, node->GetLineNum()}.fail("<" + name() + "> contains an element <" + node->Value() +
                                             ">, expected numbers");
     if (node->ToText()) all += std::string(all.empty() ? "" : " ") + node->Value();
   }
@@ -165,7 +165,7 @@ XmlFile::XmlFile(std::string path, const std::string& bytes, const char* root_na
   const std::size_t zero = text.find('\0');
   if (zero != std::string::npos) {
     const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(zero), '\n');
-    throw InputError(path_, static_cast<int>(line), "holds a zero byte, expected UTF-8 text");
+    throw InputError(path_, static_cast<int>(line), "contains a zero byte, expected UTF-8 text");
   }
   if (words(text).empty()) throw InputError(path_, 1, "is empty, " + wanted);
   document_.Parse(text.data(), text.size());
@@ -178,7 +178,7 @@ XmlFile::XmlFile(std::string path, const std::string& bytes, const char* root_na
     throw InputError(path_, root->GetLineNum(), "has the root element <" + std::string(root->Name()) + ">, " + wanted);
   for (const auto* node = document_.FirstChild(); node; node = node->NextSibling())
     if (node->ToElement() && node != root)
-      throw InputError(path_, node->GetLineNum(), "goes on outside <" + std::string(root_name) + ">, " + wanted);
+      throw InputError(path_, node->GetLineNum(), "continues outside <" + std::string(root_name) + ">, " + wanted);
 }
 
 }  // namespace manycontact::io

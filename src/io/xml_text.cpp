@@ -156,12 +156,13 @@ class Characters {
   void check_character() {
     const Decoded c = utf8_at(text_, at_);
     if (c.length == 0)
-      fail("holds the byte " + hexadecimal(static_cast<unsigned char>(text_[at_])) + ", which is not UTF-8, expected " +
+      fail("contains the byte " + hexadecimal(static_cast<unsigned char>(text_[at_])) +
+           ", which is not UTF-8, expected " +
            (declared_ ? "text in the encoding that the file declares"
                       : "UTF-8, or another encoding declared as in <?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>"));
-    if (c.character == 0) fail("holds a zero byte, expected UTF-8 text");
+    if (c.character == 0) fail("contains a zero byte, expected UTF-8 text");
     if (!is_xml_character(c.character))
-      fail("holds the character " + hexadecimal(c.character) + ", which XML does not have, expected none");
+      fail("contains the character " + hexadecimal(c.character) + ", which XML does not allow, expected none");
     advance(c.length);
   }
 

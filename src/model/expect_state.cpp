@@ -7,7 +7,7 @@
 
 namespace manycontact {
 
-using ConstRef = Eigen::Ref<const Eigen::VectorXd>;
+using ConstRef = ConstVectorRef;
 
 namespace {
 

@@ -55,21 +55,21 @@ void resized_member(Class& c, const char* name, M member, const char* doc) {
 template <class Class>
 void add_action_data(Class& c) {
   using T = typename Class::type;
-  c.def_readwrite("cost", &T::cost, "By calc.");
-  member_view(c, "Fu", &T::Fu, "By calcDiff: derivative of the dynamics by u.");
-  member_view(c, "Fx", &T::Fx, "By calcDiff: derivative of the dynamics by x, on the tangent space.");
-  member_view(c, "Lx", &T::Lx, "(ndx): by calcDiff.");
-  member_view(c, "Lu", &T::Lu, "(nu): by calcDiff.");
-  member_view(c, "Lxx", &T::Lxx, "(ndx, ndx): by calcDiff.");
-  member_view(c, "Lxu", &T::Lxu, "(ndx, nu): by calcDiff.");
-  member_view(c, "Luu", &T::Luu, "(nu, nu): by calcDiff.");
-  resized_member(c, "r", &T::r, "(nr): by calc.");
-  resized_member(c, "g", &T::g, "(ng), lb <= g <= ub: by calc.");
-  resized_member(c, "h", &T::h, "(nh), h = 0: by calc.");
-  resized_member(c, "Gx", &T::Gx, "(ng, ndx): by calcDiff.");
-  resized_member(c, "Gu", &T::Gu, "(ng, nu): by calcDiff.");
-  resized_member(c, "Hx", &T::Hx, "(nh, ndx): by calcDiff.");
-  resized_member(c, "Hu", &T::Hu, "(nh, nu): by calcDiff.");
+  c.def_readwrite("cost", &T::cost, "Cost; set by calc.");
+  member_view(c, "Fu", &T::Fu, "Derivative of the dynamics with respect to u; set by calcDiff.");
+  member_view(c, "Fx", &T::Fx, "Derivative of the dynamics with respect to x, on the tangent space; set by calcDiff.");
+  member_view(c, "Lx", &T::Lx, "Gradient of the cost (ndx); set by calcDiff.");
+  member_view(c, "Lu", &T::Lu, "Gradient of the cost (nu); set by calcDiff.");
+  member_view(c, "Lxx", &T::Lxx, "Hessian of the cost (ndx, ndx); set by calcDiff.");
+  member_view(c, "Lxu", &T::Lxu, "Hessian of the cost (ndx, nu); set by calcDiff.");
+  member_view(c, "Luu", &T::Luu, "Hessian of the cost (nu, nu); set by calcDiff.");
+  resized_member(c, "r", &T::r, "Residuals (nr); set by calc.");
+  resized_member(c, "g", &T::g, "Inequality constraints (ng), g_lb <= g <= g_ub; set by calc.");
+  resized_member(c, "h", &T::h, "Equality constraints (nh), h = 0; set by calc.");
+  resized_member(c, "Gx", &T::Gx, "Derivative of g (ng, ndx); set by calcDiff.");
+  resized_member(c, "Gu", &T::Gu, "Derivative of g (ng, nu); set by calcDiff.");
+  resized_member(c, "Hx", &T::Hx, "Derivative of h (nh, ndx); set by calcDiff.");
+  resized_member(c, "Hu", &T::Hu, "Derivative of h (nh, nu); set by calcDiff.");
 }
 
 /// What action models, differential or not, have in common. Data: of the abstract class.
@@ -78,40 +78,44 @@ void add_action_model(Class& c) {
   using T = typename Class::type;
   using Shared = std::shared_ptr<Data>;
   using Control = std::optional<Eigen::VectorXd>;
-  c.def_property_readonly("state", &T::get_state)
-      .def_property_readonly("nu", &T::get_nu)
-      .def_property_readonly("nr", &T::get_nr)
-      .def_property_readonly("ng", &T::get_ng)
-      .def_property_readonly("nh", &T::get_nh)
-      .def_property_readonly("ng_T", &T::get_ng_T)
-      .def_property_readonly("nh_T", &T::get_nh_T)
-      .def_property_readonly("has_control_limits", &T::get_has_control_limits)
+  c.def_property_readonly("state", &T::get_state, "StateAbstract that it was made for.")
+      .def_property_readonly("nu", &T::get_nu, "Number of controls.")
+      .def_property_readonly("nr", &T::get_nr, "Number of rows of the residual.")
+      .def_property_readonly("ng", &T::get_ng, "Number of inequality constraints.")
+      .def_property_readonly("nh", &T::get_nh, "Number of equality constraints.")
+      .def_property_readonly("ng_T", &T::get_ng_T, "Number of inequality constraints in a terminal node.")
+      .def_property_readonly("nh_T", &T::get_nh_T, "Number of equality constraints in a terminal node.")
+      .def_property_readonly("has_control_limits", &T::get_has_control_limits,
+                             "Whether any limit of controls is finite.")
       .def_property(
-          "u_lb", &T::get_u_lb, [](T& x, const Bounds& b) { x.set_u_lb(b.x); }, "(nu)")
+          "u_lb", &T::get_u_lb, [](T& x, const Bounds& b) { x.set_u_lb(b.x); },
+          "Lower limits of controls (nu); -inf: none.")
       .def_property(
-          "u_ub", &T::get_u_ub, [](T& x, const Bounds& b) { x.set_u_ub(b.x); }, "(nu)")
+          "u_ub", &T::get_u_ub, [](T& x, const Bounds& b) { x.set_u_ub(b.x); },
+          "Upper limits of controls (nu); inf: none.")
       .def_property(
-          "g_lb", &T::get_g_lb, [](T& x, const Bounds& b) { x.set_g_lb(b.x); }, "(ng)")
+          "g_lb", &T::get_g_lb, [](T& x, const Bounds& b) { x.set_g_lb(b.x); }, "Lower bounds of g (ng).")
       .def_property(
-          "g_ub", &T::get_g_ub, [](T& x, const Bounds& b) { x.set_g_ub(b.x); }, "(ng)")
-      .def("createData", &T::createData, Unlocked())
+          "g_ub", &T::get_g_ub, [](T& x, const Bounds& b) { x.set_g_ub(b.x); }, "Upper bounds of g (ng).")
+      .def("createData", &T::createData, Unlocked(), "Create data of this model.")
       .def(
           "calc",
           [](T& x, const Shared& data, const ConstVectorRef& state, const Control& u) {
             u ? x.calc(data, state, *u) : x.calc(data, state);
           },
           py::arg("data").none(false), py::arg("x"), py::arg("u") = py::none(), Unlocked(),
-          "Dynamics, cost and constraints at x (nx), u (nu); without u those of a terminal node.")
+          "Compute dynamics, cost and constraints at x (nx), u (nu); without u those of a terminal node.")
       .def(
           "calcDiff",
           [](T& x, const Shared& data, const ConstVectorRef& state, const Control& u) {
             u ? x.calcDiff(data, state, *u) : x.calcDiff(data, state);
           },
           py::arg("data").none(false), py::arg("x"), py::arg("u") = py::none(), Unlocked(),
-          "Derivatives at the last calc.")
+          "Compute the derivatives at the last calc.")
       .def("quasiStatic", &T::quasiStatic_x, py::arg("data").none(false), py::arg("x"), py::arg("maxiter") = 100,
-           py::arg("tol") = 1e-9, Unlocked(), "Controls (nu) that keep x (nx) still.")
-      .def("checkData", &T::checkData, py::arg("data"), Unlocked(), "Whether the data serve this model.")
+           py::arg("tol") = 1e-9, Unlocked(), "Compute controls (nu) that keep x (nx) at rest.")
+      .def("checkData", &T::checkData, py::arg("data"), Unlocked(),
+           "Return whether the data were created by a model of this kind, with the same sizes.")
       .def("__str__", &text_of<T>);
 }
 

@@ -1,9 +1,13 @@
 // What a careful reader asks of a state, and states that fit their contacts: floor analysis.
 
+#include "docs/analysis.hpp"
+
 #include "data.hpp"
+#include "docs/place.hpp"
 #include "manycontact/analysis/consistent.hpp"
 #include "manycontact/analysis/near_dependent.hpp"
 #include "manycontact/analysis/rank_changes.hpp"
+#include "manycontact/analysis/redistribute_forces.hpp"
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/analysis/unique_forces.hpp"
 
@@ -29,20 +33,21 @@ std::vector<char> flags_of(const Scene& scene, const py::object& active) {
 }
 
 void add_errors(py::module_& m) {
-  py::class_<PlacementError> place(m, "PlacementError", "A contact whose frames do not stand where it holds them.");
+  py::class_<PlacementError> place(m, "PlacementError",
+                                   "A contact whose frames are not where the contact requires them.");
   add_value(place)
-      .def_readonly("contact", &PlacementError::contact, "Its number in the scene.")
-      .def_readonly("position", &PlacementError::position, "[m]")
-      .def_readonly("angle", &PlacementError::angle, "[rad]; 0 for points.")
+      .def_readonly("contact", &PlacementError::contact, "Number of the contact in the scene.")
+      .def_readonly("position", &PlacementError::position, "Position error [m].")
+      .def_readonly("angle", &PlacementError::angle, "Angle error [rad]; 0 for points.")
       .def("__repr__", [](const PlacementError& e) {
         return "<PlacementError of contact " + std::to_string(e.contact) + ": " + text::number(e.position) + " m, " +
                text::number(e.angle) + " rad>";
       });
-  py::class_<VelocityError> velocity(m, "VelocityError", "A contact whose frames move against each other.");
+  py::class_<VelocityError> velocity(m, "VelocityError", "A contact whose frames move relative to each other.");
   add_value(velocity)
-      .def_readonly("contact", &VelocityError::contact, "Its number in the scene.")
-      .def_readonly("linear", &VelocityError::linear, "[m/s]")
-      .def_readonly("angular", &VelocityError::angular, "[rad/s]; 0 for points.")
+      .def_readonly("contact", &VelocityError::contact, "Number of the contact in the scene.")
+      .def_readonly("linear", &VelocityError::linear, "Linear velocity [m/s].")
+      .def_readonly("angular", &VelocityError::angular, "Angular velocity [rad/s]; 0 for points.")
       .def("__repr__", [](const VelocityError& e) {
         return "<VelocityError of contact " + std::to_string(e.contact) + ": " + text::number(e.linear) + " m/s, " +
                text::number(e.angular) + " rad/s>";
@@ -53,9 +58,7 @@ void add_errors(py::module_& m) {
         fits("q", q, scene.nq);
         return placement_errors(scene, flags_of(scene, active), q.vector());
       },
-      py::arg("scene"), py::arg("q"), py::arg("active") = py::none(),
-      "Contacts out of place at q (nq) by 1e-6 m or rad or more: a list of PlacementError.\n"
-      "active: one bool per contact; by default as the scene has them.");
+      py::arg("scene"), py::arg("q"), py::arg("active") = py::none(), doc::placement_errors);
   m.def(
       "velocity_errors",
       [](const Scene& scene, const Raw& q, const Raw& v, const py::object& active) {
@@ -63,46 +66,45 @@ void add_errors(py::module_& m) {
         fits("v", v, scene.nv);
         return velocity_errors(scene, flags_of(scene, active), q.vector(), v.vector());
       },
-      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("active") = py::none(),
-      "Contacts that v (nv) at q (nq) moves although they are held, by 1e-6 m/s or rad/s or more: a list of\n"
-      "VelocityError. make_consistent mends them.");
+      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("active") = py::none(), doc::velocity_errors);
 }
 
 void add_violations(py::module_& m) {
-  add_enumeration<Violating>(m, "Violating", "way to violate", "What a contact does that none can which only pushes.",
-                             {{"PULLS", Violating::kPulls},
-                              {"SLIPS", Violating::kSlips},
-                              {"TIPS", Violating::kTips},
-                              {"TURNS", Violating::kTurns}});
-  py::class_<Violation> violation(m, "Violation", "A contact with a mu whose force no contact that only pushes bears.");
+  add_enumeration<ViolationKind>(m, "ViolationKind", "way to violate",
+                                 "How a contact force violates the conditions of a unilateral contact.",
+                                 {{"PULLS", ViolationKind::kPulls},
+                                  {"SLIPS", ViolationKind::kSlips},
+                                  {"TIPS", ViolationKind::kTips},
+                                  {"TURNS", ViolationKind::kTurns}});
+  py::class_<Violation> violation(m, "Violation", "A contact force that a unilateral contact cannot exert.");
   add_value(violation)
-      .def_readonly("contact", &Violation::contact, "Its number in the scene.")
-      .def_readonly("kind", &Violation::kind, "Violating")
-      .def_readonly("by", &Violation::by,
-                    "PULLS: the pull [N]; SLIPS: the force beyond the cone [N]; TIPS: from the centre of pressure to the\n"
-                    "box [m]; TURNS: [N m].")
-      .def_readonly("needs", &Violation::needs, "SLIPS: the mu that would do.");
+      .def_readonly("contact", &Violation::contact, "Number of the contact in the scene.")
+      .def_readonly("kind", &Violation::kind, "ViolationKind.")
+      .def_readonly(
+          "by", &Violation::by,
+          "PULLS: the pull [N]; SLIPS: the force outside the cone [N]; TIPS: distance of the centre of pressure from\n"
+          "the box [m]; TURNS: excess torque [N m].")
+      .def_readonly("needs", &Violation::needs, "SLIPS: the coefficient of friction that would be sufficient.");
   m.def(
       "violations",
       [](const Scene& scene, const Raw& q, const Data& data) {
         fits("q", q, scene.nq);
         const SceneData& d = data.at_rest();
-        if (d.f_offset.size() != scene.contacts.size()) throw py::value_error("violations: the data are of another scene");
+        if (d.f_offset.size() != scene.contacts.size())
+          throw py::value_error("violations: the data are of another scene");
         return violations(scene, q.vector(), d.f, d.f_offset);
       },
-      py::arg("scene"), py::arg("q"), py::arg("data"),
-      "After solve at q (nq): a list of Violation, of the active contacts with a mu that pull, slip, tip or turn.");
-  add_enumeration<Limited>(m, "Limited", "limited quantity", "What a limit is of.",
-                           {{"POSITION", Limited::kPosition},
-                            {"VELOCITY", Limited::kVelocity},
-                            {"EFFORT", Limited::kEffort}});
-  py::class_<LimitPassed> passed(m, "LimitPassed", "A coordinate beyond a limit of its robot's file.");
+      py::arg("scene"), py::arg("q"), py::arg("data"), doc::violations);
+  add_enumeration<LimitKind>(
+      m, "LimitKind", "limited quantity", "The quantity that exceeds a limit.",
+      {{"POSITION", LimitKind::kPosition}, {"VELOCITY", LimitKind::kVelocity}, {"EFFORT", LimitKind::kEffort}});
+  py::class_<LimitPassed> passed(m, "LimitPassed", "A coordinate that exceeds a limit of its robot's file.");
   add_value(passed)
-      .def_readonly("robot", &LimitPassed::robot, "Its number.")
-      .def_readonly("dof", &LimitPassed::dof, "Of that robot's velocity coordinates.")
-      .def_readonly("quantity", &LimitPassed::quantity, "Limited")
-      .def_readonly("value", &LimitPassed::value)
-      .def_readonly("limit", &LimitPassed::limit);
+      .def_readonly("robot", &LimitPassed::robot, "Number of the robot.")
+      .def_readonly("dof", &LimitPassed::dof, "Number of the coordinate in that robot's v.")
+      .def_readonly("quantity", &LimitPassed::quantity, "LimitKind: position, velocity or effort.")
+      .def_readonly("value", &LimitPassed::value, "Value that exceeds the limit.")
+      .def_readonly("limit", &LimitPassed::limit, "The limit.");
   m.def(
       "limits_passed",
       [](const Scene& scene, const Raw& q, const Raw& v, const Raw& u) {
@@ -111,8 +113,7 @@ void add_violations(py::module_& m) {
         fits("u", u, scene.nu);
         return limits_passed(scene, q.vector(), v.vector(), u.vector());
       },
-      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("u"),
-      "A list of LimitPassed: what of q (nq), v (nv), u (nu) is beyond the joints' limits.");
+      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("u"), doc::limits_passed);
 }
 
 void add_unique_forces(py::module_& m) {
@@ -126,23 +127,56 @@ void add_unique_forces(py::module_& m) {
         std::copy(unique.begin(), unique.end(), out.mutable_data());
         return out;
       },
-      py::arg("scene"), py::arg("q"), py::arg("data"),
-      "Per row of data.f, after solve at q (nq): True where the force is unique, False where contacts could share it\n"
-      "otherwise with the same accelerations. Those have the least norm, newton metres counted by Scene.moment_length.");
+      py::arg("scene"), py::arg("q"), py::arg("data"), doc::unique_forces);
+}
+
+std::optional<Eigen::VectorXd> vector_or_none(const char* name, const std::optional<Raw>& given, Eigen::Index n) {
+  if (!given) return std::nullopt;
+  fits(name, *given, static_cast<int>(n));
+  return Eigen::VectorXd(given->vector());
+}
+
+void add_redistribution(py::module_& m) {
+  m.def(
+      "force_null_space",
+      [](const Scene& scene, const Raw& q, const Data& data) {
+        fits("q", q, scene.nq);
+        const auto Q = q.vector();
+        return scipy_csc(data.use([&](SceneData& d) { return force_null_space(scene, Q, d); }));
+      },
+      py::arg("scene"), py::arg("q"), py::arg("data"), doc::force_null_space);
+  m.def(
+      "redistribute_forces",
+      [](const Scene& scene, const Raw& q, const Data& data, const std::optional<Raw>& reference,
+         const std::optional<Raw>& weights) -> Vector {
+        fits("q", q, scene.nq);
+        const auto Q = q.vector();
+        const Eigen::Index n = data.at_rest().f.size();
+        const auto towards = vector_or_none("reference", reference, n), w = vector_or_none("weights", weights, n);
+        return data.use([&](SceneData& d) {
+          return redistribute_forces(scene, Q, d, towards.value_or(Vector()), w.value_or(Vector()));
+        });
+      },
+      py::arg("scene"), py::arg("q"), py::arg("data"), py::arg("reference") = py::none(),
+      py::arg("weights") = py::none(), doc::redistribute_forces);
 }
 
 void add_rank_changes(py::module_& m) {
-  py::class_<RankChange> c(m, "RankChange", "An island whose contact rows have less rank here than beside.");
+  py::class_<RankChange> c(
+      m, "RankChange", "An island whose constraint rows have a smaller rank here than at neighbouring configurations.");
   add_value(c)
-      .def_readonly("island", &RankChange::island, "Its number.")
-      .def_readonly("singular", &RankChange::singular,
-                    "The posture is singular: a is that of it alone, no derivative exists. False: rows depend on each\n"
-                    "other while loops are closed; derivatives exist along their motions, not across them.")
-      .def_readonly("rank", &RankChange::rank)
-      .def_readonly("rows", &RankChange::rows)
-      .def_readonly("contacts", &RankChange::contacts, "Numbers of those whose rows depend on each other.")
-      .def_readonly("coordinate", &RankChange::coordinate,
-                    "Of v: held beside q and not here, most of all; -1: the island is too large.");
+      .def_readonly("island", &RankChange::island, "Number of the island.")
+      .def_readonly(
+          "singular", &RankChange::singular,
+          "True: the configuration is singular, and no derivative exists. False: rows are dependent only while loops\n"
+          "are closed, and derivatives exist along such motions.")
+      .def_readonly("rank", &RankChange::rank, "Rank of the constraint rows.")
+      .def_readonly("rows", &RankChange::rows, "Number of constraint rows.")
+      .def_readonly("contacts", &RankChange::contacts, "Numbers of the contacts with dependent rows.")
+      .def_readonly(
+          "coordinate", &RankChange::coordinate,
+          "Coordinate of v that is constrained most at neighbouring configurations, but not here; -1: the island is\n"
+          "too large.");
   m.def(
       "rank_changes",
       [](const Scene& scene, const Raw& q, const Data& data) {
@@ -150,21 +184,22 @@ void add_rank_changes(py::module_& m) {
         const auto Q = q.vector();
         return data.use([&](SceneData& d) { return rank_changes(scene, Q, d); });
       },
-      py::arg("scene"), py::arg("q"), py::arg("data"),
-      "After solve at q (nq): a list of RankChange, of islands whose contact rows depend on each other here and not\n"
-      "beside it, where derivatives do not exist.");
+      py::arg("scene"), py::arg("q"), py::arg("data"), doc::rank_changes);
 }
 
 void add_near_dependent(py::module_& m) {
-  py::class_<NearDependent> c(m, "NearDependent", "Rows of an island that only just count, and what would be without.");
+  py::class_<NearDependent> c(m, "NearDependent", "Nearly dependent rows of an island, and the solution without them.");
   add_value(c)
-      .def_readonly("island", &NearDependent::island, "Its number.")
-      .def_readonly("rows", &NearDependent::rows, "Of data.f, ascending.")
-      .def_readonly("left", &NearDependent::left, "What the rows before leave of the least of them, of its size.")
-      .def_readonly("times", &NearDependent::times, "The largest force beside the loads.")
-      .def_readonly("coordinate", &NearDependent::coordinate, "Of v, whose acceleration changes most without them,")
-      .def_readonly("acceleration", &NearDependent::acceleration, "from [m/s^2, rad/s^2]")
-      .def_readonly("without", &NearDependent::without, "to.");
+      .def_readonly("island", &NearDependent::island, "Number of the island.")
+      .def_readonly("rows", &NearDependent::rows, "Nearly dependent rows, as indices of data.f, ascending.")
+      .def_readonly(
+          "left", &NearDependent::left,
+          "Smallest relative residual of these rows after projection on the complement of the preceding rows.")
+      .def_readonly("times", &NearDependent::times, "Ratio of the largest force to the loads.")
+      .def_readonly("coordinate", &NearDependent::coordinate,
+                    "Coordinate of v whose acceleration changes most without these rows.")
+      .def_readonly("acceleration", &NearDependent::acceleration, "Its acceleration with the rows [m/s^2, rad/s^2].")
+      .def_readonly("without", &NearDependent::without, "Its acceleration without the rows [m/s^2, rad/s^2].");
   m.def(
       "near_dependent",
       [](const Scene& scene, const Raw& q, const Data& data) {
@@ -172,20 +207,17 @@ void add_near_dependent(py::module_& m) {
         const auto Q = q.vector();
         return data.use([&](SceneData& d) { return near_dependent(scene, Q, d); });
       },
-      py::arg("scene"), py::arg("q"), py::arg("data"),
-      "After solve at q (nq): a list of NearDependent, of islands with rows of which the ones before leave less than "
-      "a\n"
-      "thousandth, but more than rounding.");
-  py::class_<RankGap> gap(m, "RankGap", "How near the decision was which rows of an island depend on each other.");
+      py::arg("scene"), py::arg("q"), py::arg("data"), doc::near_dependent);
+  py::class_<RankGap> gap(m, "RankGap", "How reliable the rank decision of an island was.");
   add_value(gap)
-      .def_readonly("known", &RankGap::known, "False: damping decides, the island failed or is too large.")
-      .def_readonly("least_kept", &RankGap::least_kept,
-                    "What is left of the row that counts of which least is, of its size.")
+      .def_readonly("known", &RankGap::known, "False: damping decides, or the island failed or is too large.")
+      .def_readonly("least_kept", &RankGap::least_kept, "Smallest relative residual of an accepted row.")
       .def_readonly("most_dropped", &RankGap::most_dropped,
-                    "Of the row that does not count of which most is; at least eps.")
-      .def_readonly("kept", &RankGap::kept, "That row of data.f; -1: there is none.")
-      .def_readonly("dropped", &RankGap::dropped, "That row; -1: all count.")
-      .def_property_readonly("gap", &RankGap::gap, "least_kept / most_dropped; below 1000 either could be the other.");
+                    "Largest relative residual of a rejected row; at least the machine precision.")
+      .def_readonly("kept", &RankGap::kept, "Index of that accepted row in data.f; -1: there is none.")
+      .def_readonly("dropped", &RankGap::dropped, "Index of that rejected row in data.f; -1: no row was rejected.")
+      .def_property_readonly("gap", &RankGap::gap,
+                             "least_kept / most_dropped; below 1000 the decision is not reliable.");
   m.def(
       "rank_gap",
       [](const Scene& scene, const Data& data, std::size_t island) {
@@ -194,20 +226,22 @@ void add_near_dependent(py::module_& m) {
           return rank_gap(scene, d, island);
         });
       },
-      py::arg("scene"), py::arg("data"), py::arg("island"), "RankGap of an island, after solve.");
+      py::arg("scene"), py::arg("data"), py::arg("island"), doc::rank_gap);
 }
 
 void add_consistent(py::module_& m) {
-  py::class_<ConsistentState> c(m, "ConsistentState", "A state that fits its contacts, and what it lacks.");
+  py::class_<ConsistentState> c(m, "ConsistentState",
+                                "A state that is consistent with its contacts, and its remaining errors.");
   add_value(c)
       .def_property_readonly(
           "q", [](const ConsistentState& x) { return x.q; }, "Configuration (nq); a copy.")
       .def_property_readonly(
           "v", [](const ConsistentState& x) { return x.v; }, "Velocity (nv); a copy.")
-      .def_readonly("status", &ConsistentState::status, "The worst Status of its solves.")
-      .def_readonly("steps", &ConsistentState::steps, "Of Gauss-Newton, on positions.")
-      .def_readonly("misplaced", &ConsistentState::misplaced, "List of PlacementError: what could not be closed.")
-      .def_readonly("moving", &ConsistentState::moving, "List of VelocityError: what still moves.")
+      .def_readonly("status", &ConsistentState::status, "Worst Status of its solves.")
+      .def_readonly("steps", &ConsistentState::steps, "Number of Gauss-Newton steps for the configuration.")
+      .def_readonly("misplaced", &ConsistentState::misplaced,
+                    "List of PlacementError: contacts that could not be brought into place.")
+      .def_readonly("moving", &ConsistentState::moving, "List of VelocityError: contacts that still move.")
       .def_property_readonly("consistent", &ConsistentState::consistent, "Whether both lists are empty.");
   m.def(
       "make_consistent",
@@ -220,10 +254,7 @@ void add_consistent(py::module_& m) {
         return make_consistent(scene, flags, Q, V, options);
       },
       py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("active") = py::none(),
-      py::arg_v("options", Options(), "Options()"),
-      "The nearest state to q (nq), v (nv) found in which contacts are in place and nothing moves against them: the\n"
-      "least change in the kinetic metric, by Gauss-Newton on positions and one projection of velocities. What cannot\n"
-      "be closed from there is listed in the ConsistentState. active: one bool per contact; by default the scene's.");
+      py::arg_v("options", Options(), "Options()"), doc::make_consistent);
 }
 
 }  // namespace
@@ -232,6 +263,7 @@ void add_analysis(py::module_& m) {
   add_errors(m);
   add_violations(m);
   add_unique_forces(m);
+  add_redistribution(m);
   add_rank_changes(m);
   add_near_dependent(m);
   add_consistent(m);

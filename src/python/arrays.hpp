@@ -119,8 +119,8 @@ struct type_caster<Eigen::Matrix<double, R, C, O, MR, MC>> {
 };
 
 template <>
-struct type_caster<Eigen::Ref<const Eigen::VectorXd>> {
-  using Vector = Eigen::Ref<const Eigen::VectorXd>;
+struct type_caster<ConstVectorRef> {
+  using Vector = ConstVectorRef;
   static constexpr auto name = const_name("numpy.ndarray");
   template <class>
   using cast_op_type = const Vector&;

@@ -4,6 +4,8 @@
 #include <mutex>
 #include <span>
 
+#include "docs/derivatives.hpp"
+#include "docs/solve.hpp"
 #include "manycontact/dynamics/batch.hpp"
 #include "objects.hpp"
 
@@ -124,52 +126,44 @@ Products batch_of_products(const Scene& scene, py::handle q, py::handle v, py::h
 
 void add_batch_data(py::module_& m) {
   using Batch = std::shared_ptr<BatchData>;
-  py::class_<BatchData, Batch>(m, "BatchData", "The memory of the threads that solve many states of one scene.")
+  py::class_<BatchData, Batch>(m, "BatchData", "The workspace of the threads that solve many states of one scene.")
       .def(py::init([](const Scene& scene, int threads, const Options& options) {
              return std::make_shared<BatchData>(scene, checked_threads(threads), options);
            }),
            py::arg("scene"), py::arg("threads") = 0, py::arg_v("options", Options(), "Options()"),
-           "threads: 0, as many as OpenMP would take.")
+           "Make data for a scene; threads=0 uses as many threads as OpenMP offers.")
       .def_property(
           "options",
           [](const Batch& b) {
             return Handle<Options>([b]() -> const Options& { return b->options; },
                                    [b](const Options& options) { b->options = options; });
           },
-          [](BatchData& b, const Options& options) { b.options = options; })
+          [](BatchData& b, const Options& options) { b.options = options; }, "Options of the solves.")
       .def_property(
           "active", [](py::object self) { return flags_view(self.cast<BatchData&>().active, self); },
           [](BatchData& b, py::handle values) { set_flags("BatchData.active", values, b.active); },
-          "One bool per contact of the scene, as SceneData.active.")
+          "One bool per contact of the scene, as in SceneData.active.")
       .def_property(
           "pushes", [](py::object self) { return wrenches_view(self.cast<BatchData&>().pushes, self); },
           [](BatchData& b, py::handle values) { set_wrenches("BatchData.pushes", values, b.pushes); },
-          "A wrench (6) per push of the scene, in all states; as SceneData.pushes.");
+          "One wrench (6) per push of the scene, the same for all states, as in SceneData.pushes.");
 }
 
 void add_batch_functions(py::module_& m) {
-  const char* const states =
-      "\n\nQ: (n, nq), V: (n, nv), U: (n, nu), one state per row. status: int8 (n), int(Status). States that fail,\n"
-      "those with numbers that are not finite too, are NaN; the others are solved all the same. Bit by bit the "
-      "numbers\n"
-      "of solve, for any number of threads. Ctrl-C is heard between some hundreds of states.";
   m.def(
       "solve_batch",
       [](const Scene& scene, py::object Q, py::object V, py::object U, BatchData& batch) {
         const Solutions s = batch_of_solutions(scene, Q, V, U, batch, false);
         return std::make_tuple(s.a, s.f, s.status);
       },
-      py::arg("scene"), py::arg("Q"), py::arg("V"), py::arg("U"), py::arg("batch"),
-      (std::string("(A, F, status): accelerations (n, nv) and forces (n, rows) of many states.") + states).c_str());
+      py::arg("scene"), py::arg("Q"), py::arg("V"), py::arg("U"), py::arg("batch"), doc::solve_batch);
   m.def(
       "differentiate_batch",
       [](const Scene& scene, py::object Q, py::object V, py::object U, BatchData& batch) {
         const Solutions s = batch_of_solutions(scene, Q, V, U, batch, true);
         return std::make_tuple(s.a, s.f, s.derivatives, s.status);
       },
-      py::arg("scene"), py::arg("Q"), py::arg("V"), py::arg("U"), py::arg("batch"),
-      (std::string("(A, F, D, status): with derivatives D (n, nv + rows, 2 nv + nu) of [a; f] by [q v u].") + states)
-          .c_str());
+      py::arg("scene"), py::arg("Q"), py::arg("V"), py::arg("U"), py::arg("batch"), doc::differentiate_batch);
   m.def(
       "vjp_batch",
       [](const Scene& scene, py::object Q, py::object V, py::object U, py::object WA, py::object WF, BatchData& batch) {
@@ -177,9 +171,7 @@ void add_batch_functions(py::module_& m) {
         return std::make_tuple(p.q, p.v, p.u, p.status);
       },
       py::arg("scene"), py::arg("Q"), py::arg("V"), py::arg("U"), py::arg("WA"), py::arg("WF"), py::arg("batch"),
-      (std::string("(WQ, WV, WU, status): rows of WA (n, nv), WF (n, rows) times the derivatives at each state.") +
-       states)
-          .c_str());
+      doc::vjp_batch);
   m.def(
       "vjp_batch_with_pushes",
       [](const Scene& scene, py::object Q, py::object V, py::object U, py::object WA, py::object WF, BatchData& batch) {
@@ -187,7 +179,7 @@ void add_batch_functions(py::module_& m) {
         return std::make_tuple(p.q, p.v, p.u, p.w, p.status);
       },
       py::arg("scene"), py::arg("Q"), py::arg("V"), py::arg("U"), py::arg("WA"), py::arg("WF"), py::arg("batch"),
-      "(WQ, WV, WU, WW, status): vjp_batch, and by the wrenches of the scene's pushes, 6 numbers each.");
+      doc::vjp_batch_with_pushes);
 }
 
 }  // namespace

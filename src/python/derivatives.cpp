@@ -1,8 +1,11 @@
 // Derivatives and products: floor dynamics.
 
+#include "docs/derivatives.hpp"
+
 #include <optional>
 
 #include "data.hpp"
+#include "docs/solve.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/views.hpp"
@@ -99,46 +102,59 @@ py::object kkt_matrix(const Scene& scene, const Data& data, int island) {
 }
 
 void add_derivative_classes(py::module_& m) {
-  py::class_<DerivativeRequest> request(m, "DerivativeRequest",
-                                        "What to compute; what is not asked for costs nothing.");
+  py::class_<DerivativeRequest> request(
+      m, "DerivativeRequest", "What to differentiate with respect to; columns that are not requested cost nothing.");
   add_value(request)
       .def(py::init([](bool q, bool v, bool u, bool forces, bool tau, bool pushes) {
              return DerivativeRequest{q, v, u, forces, tau, pushes};
            }),
            py::kw_only(), py::arg("q") = true, py::arg("v") = true, py::arg("u") = true, py::arg("forces") = true,
-           py::arg("tau") = false, py::arg("pushes") = false,
-           "forces: dforces_*. tau: da_du and dforces_du by the torques on all nv coordinates, not the nu actuated.\n"
-           "pushes: da_dw and dforces_dw.")
-      .def_readwrite("q", &DerivativeRequest::q)
-      .def_readwrite("v", &DerivativeRequest::v)
-      .def_readwrite("u", &DerivativeRequest::u)
-      .def_readwrite("forces", &DerivativeRequest::forces)
-      .def_readwrite("tau", &DerivativeRequest::tau)
-      .def_readwrite("pushes", &DerivativeRequest::pushes);
+           py::arg("tau") = false, py::arg("pushes") = false, "Make a request; see the attributes.")
+      .def_readwrite("q", &DerivativeRequest::q, "Whether to differentiate with respect to q.")
+      .def_readwrite("v", &DerivativeRequest::v, "Whether to differentiate with respect to v.")
+      .def_readwrite("u", &DerivativeRequest::u, "Whether to differentiate with respect to u.")
+      .def_readwrite("forces", &DerivativeRequest::forces, "Whether to compute dforces_*.")
+      .def_readwrite("tau", &DerivativeRequest::tau,
+                     "Whether u means the torques of all nv coordinates instead of the nu actuated ones.")
+      .def_readwrite("pushes", &DerivativeRequest::pushes,
+                     "Whether to differentiate with respect to the wrenches of pushes.");
 
   py::class_<IslandBlocks>(
       m, "IslandDerivatives",
-      "One island's blocks, in its order: robots ascending, contacts ascending (see island_of); q on the tangent\n"
-      "space. Each is an array on the library's memory, not copied; arrays keep their numbers when the scene is "
-      "solved\n"
-      "and differentiated again. ValueError once the scene was solved again and not differentiated.")
-      .def_property_readonly("da_dq", block_property(&IslandDerivatives::da_dq), "(nv, nv) of the island.")
-      .def_property_readonly("da_dv", block_property(&IslandDerivatives::da_dv), "(nv, nv)")
-      .def_property_readonly("da_du", block_property(&IslandDerivatives::da_du), "(nv, nu)")
-      .def_property_readonly("dforces_dq", block_property(&IslandDerivatives::dforces_dq), "(nc, nv)")
-      .def_property_readonly("dforces_dv", block_property(&IslandDerivatives::dforces_dv), "(nc, nv)")
-      .def_property_readonly("dforces_du", block_property(&IslandDerivatives::dforces_du), "(nc, nu)")
+      "Derivatives of one island, in its order: robots ascending, contacts ascending (see island_of).\n"
+      "\n"
+      "The arrays share the library's memory; they keep their numbers when the scene is solved and\n"
+      "differentiated again.\n"
+      "Reading an attribute raises ValueError if the scene was solved again but not differentiated.")
+      .def_property_readonly("da_dq", block_property(&IslandDerivatives::da_dq),
+                             "Derivative of the accelerations with respect to q (nv, nv), on the tangent space.")
+      .def_property_readonly("da_dv", block_property(&IslandDerivatives::da_dv),
+                             "Derivative of the accelerations with respect to v (nv, nv).")
+      .def_property_readonly("da_du", block_property(&IslandDerivatives::da_du),
+                             "Derivative of the accelerations with respect to u (nv, nu).")
+      .def_property_readonly("dforces_dq", block_property(&IslandDerivatives::dforces_dq),
+                             "Derivative of the contact forces with respect to q (nc, nv), on the tangent space.")
+      .def_property_readonly("dforces_dv", block_property(&IslandDerivatives::dforces_dv),
+                             "Derivative of the contact forces with respect to v (nc, nv).")
+      .def_property_readonly("dforces_du", block_property(&IslandDerivatives::dforces_du),
+                             "Derivative of the contact forces with respect to u (nc, nu).")
       .def_property_readonly(
           "da_dw", [](const IslandBlocks& b) { return copy(b.get().da_dw()); },
-          "(nv, 6 pushes) by the wrenches of `pushes`, where they were asked for; a copy.")
+          "Derivative of the accelerations with respect to the wrenches of `pushes` (nv, 6 per push), if requested;\n"
+          "a copy.")
       .def_property_readonly(
-          "dforces_dw", [](const IslandBlocks& b) { return copy(b.get().dforces_dw()); }, "(nc, 6 pushes); a copy.")
+          "dforces_dw", [](const IslandBlocks& b) { return copy(b.get().dforces_dw()); },
+          "Derivative of the contact forces with respect to the wrenches of `pushes` (nc, 6 per push), if requested;\n"
+          "a copy.")
       .def_property_readonly(
           "pushes", [](const IslandBlocks& b) { return b.get().pushes; },
-          "Numbers of the scene's pushes on the island's robots, where they were asked for.")
-      .def_property_readonly("nv", [](const IslandBlocks& b) { return b.get().nv; })
-      .def_property_readonly("nc", [](const IslandBlocks& b) { return b.get().nc; })
-      .def_property_readonly("nu", [](const IslandBlocks& b) { return b.get().nu; });
+          "Numbers of the scene's pushes on the island's robots, if requested.")
+      .def_property_readonly(
+          "nv", [](const IslandBlocks& b) { return b.get().nv; }, "Number of velocity coordinates.")
+      .def_property_readonly(
+          "nc", [](const IslandBlocks& b) { return b.get().nc; }, "Number of constraint rows.")
+      .def_property_readonly(
+          "nu", [](const IslandBlocks& b) { return b.get().nu; }, "Number of actuated coordinates of the island.");
 
   struct Islands : Derivatives {};
   py::class_<Islands>(m, "IslandDerivativesList", "A sequence of IslandDerivatives.")
@@ -151,33 +167,42 @@ void add_derivative_classes(py::module_& m) {
             return IslandBlocks{x.data, static_cast<std::size_t>(i < 0 ? i + n : i)};
           },
           py::arg("island"));
-  py::class_<Derivatives>(m, "DerivativeData", "Derivatives by differentiate: blocks per island.")
+  py::class_<Derivatives>(m, "DerivativeData", "The result of differentiate: blocks per island.")
       .def_property_readonly(
-          "islands", [](const Derivatives& x) { return Islands{{x.data}}; }, "One entry per island of the report.");
+          "islands", [](const Derivatives& x) { return Islands{{x.data}}; },
+          "One IslandDerivatives per island of the report.");
 
-  py::class_<DerivativeBounds> bounds(m, "DerivativeBounds",
-                                      "Bounds of the largest errors of an island's derivatives, each relative to the "
-                                      "largest entry of its matrix: above\n"
-                                      "1 where all of it is rounding, inf where there is no bound.");
-  bounds.def_readonly("da_dq", &DerivativeBounds::da_dq)
-      .def_readonly("da_dv", &DerivativeBounds::da_dv)
-      .def_readonly("da_du", &DerivativeBounds::da_du)
-      .def_readonly("dforces_dq", &DerivativeBounds::dforces_dq)
-      .def_readonly("dforces_dv", &DerivativeBounds::dforces_dv)
-      .def_readonly("dforces_du", &DerivativeBounds::dforces_du)
-      .def_readonly("da_dw", &DerivativeBounds::da_dw)
-      .def_readonly("dforces_dw", &DerivativeBounds::dforces_dw);
+  py::class_<DerivativeBounds> bounds(
+      m, "DerivativeBounds",
+      "Bounds of the largest errors of an island's derivatives, each relative to the largest entry of its\n"
+      "matrix.\n"
+      "\n"
+      "A bound is above 1 if all entries may be rounding errors, and inf if no bound is known.");
+  bounds.def_readonly("da_dq", &DerivativeBounds::da_dq, "Bound for da_dq.")
+      .def_readonly("da_dv", &DerivativeBounds::da_dv, "Bound for da_dv.")
+      .def_readonly("da_du", &DerivativeBounds::da_du, "Bound for da_du.")
+      .def_readonly("dforces_dq", &DerivativeBounds::dforces_dq, "Bound for dforces_dq.")
+      .def_readonly("dforces_dv", &DerivativeBounds::dforces_dv, "Bound for dforces_dv.")
+      .def_readonly("dforces_du", &DerivativeBounds::dforces_du, "Bound for dforces_du.")
+      .def_readonly("da_dw", &DerivativeBounds::da_dw, "Bound for da_dw.")
+      .def_readonly("dforces_dw", &DerivativeBounds::dforces_dw, "Bound for dforces_dw.");
 
   py::class_<SceneDerivatives, std::shared_ptr<SceneDerivatives>> dense(
-      m, "SceneDerivatives", "The scene's matrices, in the order of its v, u and of data.f.");
-  member_view(dense, "da_dq", &SceneDerivatives::da_dq, "(nv, nv)");
-  member_view(dense, "da_dv", &SceneDerivatives::da_dv, "(nv, nv)");
-  member_view(dense, "da_du", &SceneDerivatives::da_du, "(nv, nu)");
-  member_view(dense, "dforces_dq", &SceneDerivatives::dforces_dq, "(rows of f, nv)");
-  member_view(dense, "dforces_dv", &SceneDerivatives::dforces_dv, "(rows of f, nv)");
-  member_view(dense, "dforces_du", &SceneDerivatives::dforces_du, "(rows of f, nu)");
-  member_view(dense, "da_dw", &SceneDerivatives::da_dw, "(nv, 6 pushes), where they were asked for");
-  member_view(dense, "dforces_dw", &SceneDerivatives::dforces_dw, "(rows of f, 6 pushes)");
+      m, "SceneDerivatives", "The derivatives of the whole scene, in the order of its v, u and of data.f.");
+  member_view(dense, "da_dq", &SceneDerivatives::da_dq, "Derivative of the accelerations with respect to q (nv, nv).");
+  member_view(dense, "da_dv", &SceneDerivatives::da_dv, "Derivative of the accelerations with respect to v (nv, nv).");
+  member_view(dense, "da_du", &SceneDerivatives::da_du, "Derivative of the accelerations with respect to u (nv, nu).");
+  member_view(dense, "dforces_dq", &SceneDerivatives::dforces_dq,
+              "Derivative of the contact forces with respect to q (rows of f, nv).");
+  member_view(dense, "dforces_dv", &SceneDerivatives::dforces_dv,
+              "Derivative of the contact forces with respect to v (rows of f, nv).");
+  member_view(dense, "dforces_du", &SceneDerivatives::dforces_du,
+              "Derivative of the contact forces with respect to u (rows of f, nu).");
+  member_view(dense, "da_dw", &SceneDerivatives::da_dw,
+              "Derivative of the accelerations with respect to wrenches of pushes (nv, 6 per push), if requested.");
+  member_view(dense, "dforces_dw", &SceneDerivatives::dforces_dw,
+              "Derivative of the contact forces with respect to wrenches of pushes (rows of f, 6 per push), if\n"
+              "requested.");
 }
 
 void add_differentiate(py::module_& m) {
@@ -186,8 +211,7 @@ void add_differentiate(py::module_& m) {
       [](const Scene& scene, const Data& data) {
         return data.use([&](SceneData& d) { return estimate_derivative_errors(scene, d); });
       },
-      py::arg("scene"), py::arg("data"),
-      "After differentiate: bounds of the relative errors of each island's derivatives, by a few solves.");
+      py::arg("scene"), py::arg("data"), doc::estimate_derivative_errors);
   m.def(
       "differentiate",
       [](const Scene& scene, const std::shared_ptr<Data>& data, const DerivativeRequest& request) {
@@ -195,34 +219,23 @@ void add_differentiate(py::module_& m) {
         return Derivatives{data};
       },
       py::arg("scene"), py::arg("data").none(false), py::arg_v("request", DerivativeRequest(), "DerivativeRequest()"),
-      "Derivatives of data.a and data.f at the last solve, with its factor, as blocks per island:\n\n"
-      "    mc.differentiate(scene, data).islands[0].da_dq       # (nv, nv) of island 0\n\n"
-      "f is held constant in each contact's own frame while the dynamics are differentiated; q is on the tangent "
-      "space.\n"
-      "Where contacts are redundant, dforces_* are those of the least-norm forces. Blocks of failed islands are NaN.\n"
-      "Raises ValueError before the first solve, after contacts were switched, and for data of another scene.");
+      doc::differentiate);
   m.def(
       "dense_derivatives",
       [](const Scene& scene, const Data& data) {
         return std::make_shared<SceneDerivatives>(data.use([&](SceneData& d) { return dense_derivatives(scene, d); }));
       },
-      py::arg("scene"), py::arg("data"), "After differentiate: the derivatives as dense matrices of the whole scene.");
+      py::arg("scene"), py::arg("data"), doc::dense_derivatives);
   m.def(
       "sparse_derivatives",
       [](const Scene& scene, const Data& data) {
         return scipy_csc(data.use([&](SceneData& d) { return sparse_derivatives(scene, d); }));
       },
-      py::arg("scene"), py::arg("data"),
-      "After differentiate: one scipy.sparse.csc_matrix of the whole scene, rows [a; f], columns [q | v | u | w] "
-      "(those\n"
-      "asked for).");
+      py::arg("scene"), py::arg("data"), doc::sparse_derivatives);
   m.def(
       "release_derivatives", [](const Data& data) { data.use([](SceneData& d) { release_derivatives(d); }); },
-      py::arg("data"), "Gives back the memory of derivatives.");
-  m.def(
-      "matrix_of", &kkt_matrix, py::arg("scene"), py::arg("data"), py::arg("island") = -1,
-      "After solve: K = [M J^T; J -delta I] as a scipy.sparse.csc_matrix, rows and columns [a; f] in the order of the\n"
-      "scene; of one island in its own order.");
+      py::arg("data"), doc::release_derivatives);
+  m.def("matrix_of", &kkt_matrix, py::arg("scene"), py::arg("data"), py::arg("island") = -1, doc::matrix_of);
   m.def(
       "jvp",
       [](const Scene& scene, const Data& data, const Vector& dq, const Vector& dv, const Vector& du,
@@ -237,8 +250,7 @@ void add_differentiate(py::module_& m) {
         return std::make_pair(std::move(da), std::move(df));
       },
       py::arg("scene"), py::arg("data"), py::arg("dq"), py::arg("dv"), py::arg("du"), py::arg("dw") = py::none(),
-      "(da, df) = the derivatives at the last solve times (dq, dv, du, dw), of nv, nv, nu and 6 numbers per push; da:\n"
-      "(nv), df: (rows of f). No matrix is formed.");
+      doc::jvp);
   m.def(
       "vjp",
       [](const Scene& scene, const Data& data, const Vector& wa, const Vector& wf) {
@@ -246,9 +258,7 @@ void add_differentiate(py::module_& m) {
         data.use([&](SceneData& d) { vjp(scene, d, wa, wf, wq, wv, wu); });
         return std::make_tuple(std::move(wq), std::move(wv), std::move(wu));
       },
-      py::arg("scene"), py::arg("data"), py::arg("wa"), py::arg("wf"),
-      "(wq, wv, wu) = (wa, wf) times the derivatives at the last solve; wa: (nv), wf: (rows of f). No matrix is "
-      "formed.");
+      py::arg("scene"), py::arg("data"), py::arg("wa"), py::arg("wf"), doc::vjp);
   m.def(
       "vjp_with_pushes",
       [](const Scene& scene, const Data& data, const Vector& wa, const Vector& wf) {
@@ -256,8 +266,7 @@ void add_differentiate(py::module_& m) {
         data.use([&](SceneData& d) { vjp(scene, d, wa, wf, wq, wv, wu, ww); });
         return std::make_tuple(std::move(wq), std::move(wv), std::move(wu), std::move(ww));
       },
-      py::arg("scene"), py::arg("data"), py::arg("wa"), py::arg("wf"),
-      "(wq, wv, wu, ww): vjp, and by the wrenches of the scene's pushes, 6 numbers each.");
+      py::arg("scene"), py::arg("data"), py::arg("wa"), py::arg("wf"), doc::vjp_with_pushes);
 }
 
 }  // namespace

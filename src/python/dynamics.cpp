@@ -3,6 +3,7 @@
 #include <variant>
 
 #include "data.hpp"
+#include "docs/solve.hpp"
 #include "manycontact/algorithm/frames.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
 #include "manycontact/dynamics/views.hpp"
@@ -59,39 +60,39 @@ Handle<Options> options_in(const std::shared_ptr<Data>& data) {
 
 void add_data(py::module_& m) {
   py::class_<Data, std::shared_ptr<Data>>(
-      m, "SceneData",
-      "The variable part of a scene: what is asked, the answer, and the memory it is worked out in. One per thread.")
+      m, "SceneData", "The variable part of a scene: inputs, the solution, and the workspace. Use one per thread.")
       .def(py::init([](const Scene& scene, const Options& options) {
              return Data(std::make_shared<SceneData>(scene, options));
            }),
            py::arg("scene"), py::arg_v("options", Options(), "Options()"))
-      .def_property("options", &options_in,
-                    [](const Data& d, const Options& options) { d.at_rest().options = options; })
+      .def_property(
+          "options", &options_in, [](const Data& d, const Options& options) { d.at_rest().options = options; },
+          "Options of the solves.")
       .def_property(
           "active", [](const std::shared_ptr<Data>& d) { return flags_view(d->at_rest().active, py::cast(d)); },
           [](const Data& d, py::handle values) { set_flags("SceneData.active", values, d.at_rest().active); },
-          "One bool per contact of the scene: write data.active[i] = False to switch a contact.")
+          "One bool per contact of the scene; data.active[i] = False switches a contact off.")
       .def_property(
           "pushes", [](const std::shared_ptr<Data>& d) { return wrenches_view(d->at_rest().pushes, py::cast(d)); },
           [](const Data& d, py::handle values) { set_wrenches("SceneData.pushes", values, d.at_rest().pushes); },
-          "A wrench (6) per push of the scene, force and torque [N, N m]: write data.pushes[i] = ... to change one.")
+          "One wrench (6) per push of the scene [N, N m]; data.pushes[i] = ... changes one.")
       .def_property_readonly(
           "a", [](const Data& d) { return d.at_rest().a; }, "Accelerations (nv) [m/s^2, rad/s^2]; a copy.")
       .def_property_readonly(
           "f", [](const Data& d) { return d.at_rest().f; },
-          "Contact forces (rows of the active contacts) on A, in each contact's reference frame\n"
-          "[N, N m]; a copy.")
+          "Contact forces on A (one entry per constraint row of the active contacts), in each contact's reference\n"
+          "frame [N, N m]; a copy.")
       .def_property_readonly(
-          "v", [](const Data& d) { return d.at_rest().v; }, "The velocity (nv) solved at; a copy.")
+          "v", [](const Data& d) { return d.at_rest().v; }, "Velocity (nv) of the last solve; a copy.")
       .def_property_readonly(
-          "tau", [](const Data& d) { return d.at_rest().tau; }, "The torques (nv) solved at; a copy.")
+          "tau", [](const Data& d) { return d.at_rest().tau; }, "Torques (nv) of the last solve; a copy.")
       .def_property_readonly(
-          "serial", [](const Data& d) { return d.at_rest().serial; }, "Number of the solve; 0: there is no answer.")
+          "serial", [](const Data& d) { return d.at_rest().serial; }, "Number of the solve; 0: there is no solution.")
       .def_property_readonly(
           "f_offset", [](const Data& d) { return d.at_rest().f_offset; },
-          "Per contact its first row in f, -1 when not active.")
+          "Per contact: its first row in f, or -1 if it is not active.")
       .def_property_readonly(
-          "report", [](const Data& d) { return d.at_rest().report; }, "Report; a copy.");
+          "report", [](const Data& d) { return d.at_rest().report; }, "Report of the last solve; a copy.");
 }
 
 void add_solutions(py::module_& m) {
@@ -104,18 +105,7 @@ void add_solutions(py::module_& m) {
         const auto Q = q.vector(), V = v.vector(), U = u.vector();
         return Report(data.use([&](SceneData& d) -> const Report& { return solve(scene, Q, V, U, d); }));
       },
-      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("u"), py::arg("data"),
-      "Contact forward dynamics: accelerations data.a (nv) and contact forces data.f of the scene at\n\n"
-      "q: configuration (nq) [m, rad; unit quaternions x, y, z, w],\n"
-      "v: velocity (nv) [m/s, rad/s; of floating bases in their own frames, linear first],\n"
-      "u: torques of the actuated coordinates (nu) [N m; N for prismatic joints],\n\n"
-      "    [ M  J^T     ] [  a ]   [ S^T u + J_F^T w + tau_s(q, v) - h ]\n"
-      "    [ J  -delta I] [ -f ] = [              -a0                  ]\n\n"
-      "w: the wrenches data.pushes at the frames F of the scene's pushes; tau_s: springs and friction of joints;\n"
-      "per island, by data.options.method. Returns a Report, whose status says what the answer is worth; a and f of\n"
-      "failed islands are NaN. Raises ValueError where sizes do not fit the scene, numbers are not finite, or the "
-      "data\n"
-      "are of another scene. Other Python threads run meanwhile.");
+      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("u"), py::arg("data"), doc::solve);
   m.def(
       "solve_tau",
       [](const Scene& scene, const Raw& q, const Raw& v, const Raw& tau, const Data& data) {
@@ -125,11 +115,10 @@ void add_solutions(py::module_& m) {
         const auto Q = q.vector(), V = v.vector(), T = tau.vector();
         return Report(data.use([&](SceneData& d) -> const Report& { return solve_tau(scene, Q, V, T, d); }));
       },
-      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("tau"), py::arg("data"),
-      "solve with torques tau (nv) on every velocity coordinate, floating bases included.");
+      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("tau"), py::arg("data"), doc::solve_tau);
   m.def(
       "prepare", [](const Scene& scene, const Data& data) { data.use([&](SceneData& d) { prepare(scene, d); }); },
-      py::arg("scene"), py::arg("data"), "Finds the islands of data.active and sets up their systems; solve does it.");
+      py::arg("scene"), py::arg("data"), doc::prepare);
   m.def(
       "estimate_condition",
       [](const Scene& scene, const Data& data) {
@@ -138,8 +127,7 @@ void add_solutions(py::module_& m) {
           return d.report;
         });
       },
-      py::arg("scene"), py::arg("data"),
-      "After solve: the 1-norm condition number of each island's K, into the report, which is returned.");
+      py::arg("scene"), py::arg("data"), doc::estimate_condition);
   m.def(
       "estimate_errors",
       [](const Scene& scene, const Data& data) {
@@ -148,8 +136,7 @@ void add_solutions(py::module_& m) {
           return d.report;
         });
       },
-      py::arg("scene"), py::arg("data"),
-      "After solve: bounds of the relative errors of each island's a and f, into the report, which is returned.");
+      py::arg("scene"), py::arg("data"), doc::estimate_errors);
   m.def(
       "quasi_static",
       [](const Scene& scene, const Raw& q, const std::shared_ptr<Data>& data) -> Vector {
@@ -159,22 +146,18 @@ void add_solutions(py::module_& m) {
         const py::gil_scoped_release unlocked;
         return quasi_static(scene, Q);
       },
-      py::arg("scene"), py::arg("q"), py::arg("data") = py::none(),
-      "Torques u (nu) [N m, N] that hold the scene still at q (nq): the u part of the minimum-norm least-squares\n"
-      "solution of [S^T J^T] [u; f] = h(q, 0). With data: their active contacts; a later derivative needs a new "
-      "solve.");
-  m.def("lanes_here", &lanes_here, "The levels of instructions that run on this processor, widest first.");
+      py::arg("scene"), py::arg("q"), py::arg("data") = py::none(), doc::quasi_static);
+  m.def("lanes_here", &lanes_here, doc::lanes_here);
   m.def(
       "force_names", [](const Scene& scene, const Data& data) { return force_names(scene, data.at_rest()); },
-      py::arg("scene"), py::arg("data"), "'left[0]' for each row of data.f.");
+      py::arg("scene"), py::arg("data"), doc::force_names);
   m.def(
       "contact_force",
       [](const Scene& scene, const Data& data, const std::variant<int, std::string>& contact) -> Vector {
         const int* number = std::get_if<int>(&contact);
         return data.force_of(scene, number ? *number : contact_called(scene, std::get<std::string>(contact)));
       },
-      py::arg("scene"), py::arg("data"), py::arg("contact"),
-      "What a contact, by its name or number, exerts on A, in its reference frame [N, N m]; a copy.");
+      py::arg("scene"), py::arg("data"), py::arg("contact"), doc::contact_force);
 }
 
 // ---- views ---------------------------------------------------------------------------------------------------------
@@ -186,30 +169,30 @@ int robot_number(const Scene& scene, const std::string& name) {
 }
 
 void add_views(py::module_& m) {
-  py::class_<Island> island(m, "Island", "Robots joined by active contacts between bodies that move.");
+  py::class_<Island> island(m, "Island", "Robots that are coupled by active contacts.");
   add_value(island)
-      .def_readonly("robots", &Island::robots, "Numbers in the scene, ascending.")
-      .def_readonly("contacts", &Island::contacts, "Numbers of the active ones, ascending.")
-      .def_readonly("dof_offset", &Island::dof_offset, "Per robot its first velocity coordinate in the island.")
-      .def_readonly("row_offset", &Island::row_offset, "Per contact its first row in the island.")
-      .def_readonly("nv", &Island::nv)
-      .def_readonly("nc", &Island::nc);
+      .def_readonly("robots", &Island::robots, "Numbers of the robots in the scene, ascending.")
+      .def_readonly("contacts", &Island::contacts, "Numbers of the active contacts in the scene, ascending.")
+      .def_readonly("dof_offset", &Island::dof_offset, "Per robot: its first velocity coordinate in the island.")
+      .def_readonly("row_offset", &Island::row_offset, "Per contact: its first constraint row in the island.")
+      .def_readonly("nv", &Island::nv, "Number of velocity coordinates.")
+      .def_readonly("nc", &Island::nc, "Number of constraint rows.");
   m.def(
-      "island_count", [](const Data& data) { return island_count(data.at_rest()); }, py::arg("data"));
+      "island_count", [](const Data& data) { return island_count(data.at_rest()); }, py::arg("data"),
+      doc::island_count);
   m.def(
       "island_of",
       [](const Data& data, std::size_t i) {
         if (i >= island_count(data.at_rest())) throw py::value_error("island_of: there is no such island");
         return island_of(data.at_rest(), i);
       },
-      py::arg("data"), py::arg("island"), "Robots and contacts of an island; a copy.");
+      py::arg("data"), py::arg("island"), doc::island_of);
   m.def(
       "update_kinematics",
       [](const Scene& scene, const Vector& q, const Vector& v, const Data& data) {
         data.use([&](SceneData& d) { update_kinematics(scene, q, v, d); });
       },
-      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("data"),
-      "Places and velocities of all robots at q (nq), v (nv), for frame_placement; gives up the solution.");
+      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("data"), doc::update_kinematics);
   m.def(
       "frame_placement",
       [](const Scene& scene, const Data& data, const std::string& robot, const std::string& frame) {
@@ -221,11 +204,10 @@ void add_views(py::module_& m) {
         const Frame& f = owner.model->frames[number];
         return frame_placement<double>(kinematics_of(data.at_rest(), r), owner.base, f.joint, f.placement);
       },
-      py::arg("scene"), py::arg("data"), py::arg("robot"), py::arg("frame"),
-      "The placement oMf in the world of a robot's frame, at the q solved at or of update_kinematics.");
+      py::arg("scene"), py::arg("data"), py::arg("robot"), py::arg("frame"), doc::scene_frame_placement);
   m.def(
       "complete", [](const Scene& scene, const Data& data) { data.use([&](SceneData& d) { complete(scene, d); }); },
-      py::arg("scene"), py::arg("data"), "After solve: what robots that stood in SIMD lanes would have left behind.");
+      py::arg("scene"), py::arg("data"), doc::complete);
 }
 
 }  // namespace

@@ -70,7 +70,7 @@ void add_enumeration(py::module_& m, const char* name, const char* what, const s
     if (!has_words || word.find(' ') != std::string::npos) word = plain(python);
     Names<E>::members.push_back({value, word, python});
   }
-  const std::string text = doc + " Taken by name too: '" + Names<E>::members.front().word + "'.";
+  const std::string text = doc + "\n\nFunctions also accept names, such as '" + Names<E>::members.front().word + "'.";
   py::enum_<E> e(m, name, text.c_str());
   for (const auto& [python, value] : members) e.value(python, value);
   const auto text_of_member = [](E x) -> std::string {
@@ -80,6 +80,7 @@ void add_enumeration(py::module_& m, const char* name, const char* what, const s
     return "?";
   };
   e.def("__str__", text_of_member, py::prepend());
+  e.attr("value").attr("__doc__") = "Number of the member.";
 }
 
 /// Takes strings too.
@@ -120,6 +121,6 @@ MANYCONTACT_ENUMERATION(manycontact::StopReason)
 MANYCONTACT_ENUMERATION(manycontact::VerboseLevel)
 MANYCONTACT_ENUMERATION(manycontact::ConeAxes)
 MANYCONTACT_ENUMERATION(manycontact::TaskSolver)
-MANYCONTACT_ENUMERATION(manycontact::Violating)
-MANYCONTACT_ENUMERATION(manycontact::Limited)
+MANYCONTACT_ENUMERATION(manycontact::ViolationKind)
+MANYCONTACT_ENUMERATION(manycontact::LimitKind)
 #undef MANYCONTACT_ENUMERATION

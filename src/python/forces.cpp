@@ -1,5 +1,6 @@
 // Pushes and springs of scenes.
 
+#include "docs/scene.hpp"
 #include "handle.hpp"
 #include "manycontact/model/suggestion.hpp"
 #include "objects.hpp"
@@ -66,9 +67,11 @@ void set_wrenches(const char* name, py::handle values, std::vector<Vec6<double>>
 void add_force_classes(py::module_& m) {
   py::class_<Handle<Push>> push(
       m, "Push",
-      "A wrench from outside on a body, at a frame: see attach(). That of a scene\n"
-      "(scene.pushes['wind']) changes the scene when it is assigned to; SceneData.pushes what "
-      "data are solved with.");
+      "An external wrench on a body, at a frame; see attach().\n"
+      "\n"
+      "Assigning to the attributes of scene.pushes['wind'] changes the scene. SceneData.pushes contains the\n"
+      "wrenches of\n"
+      "a solve.");
   push.def(
       py::init([](const std::string& name, const Attachment& at, ReferenceFrame frame, const Vec6<double>& wrench) {
         return Handle<Push>(Push{name, at, frame, wrench});
@@ -76,44 +79,45 @@ void add_force_classes(py::module_& m) {
       py::kw_only(), py::arg("name"), py::arg("at"),
       py::arg_v("reference_frame", ReferenceFrame::kLocal, "ReferenceFrame.LOCAL"),
       py::arg("wrench") = Vec6<double>(Vec6<double>::Zero()),
-      "at: Attachment on a robot. wrench: force and torque about the frame's origin (6) [N, N m], in the frame's "
-      "axes\n"
-      "(LOCAL) or the world's (WORLD, LOCAL_WORLD_ALIGNED: the same).");
-  handle_field(push, "name", &Push::name);
-  handle_field(push, "at", &Push::at, "Attachment; of a scene with data: its placement may change, not its body.");
+      "Make a push. wrench contains force and torque about the frame's origin (6) [N, N m], in the frame's axes\n"
+      "(LOCAL)\n"
+      "or the world's (WORLD and LOCAL_WORLD_ALIGNED are the same).");
+  handle_field(push, "name", &Push::name, "Name.");
+  handle_field(push, "at", &Push::at, "Attachment. Its placement may change while data are in use, but not its body.");
   handle_field(push, "reference_frame", &Push::reference_frame, "ReferenceFrame: axes of the wrench.");
-  handle_field(push, "wrench", &Push::wrench, "(6) [N, N m]; of new data.");
+  handle_field(push, "wrench", &Push::wrench, "Force and torque (6) [N, N m]; initial value of new data.");
   add_value(push);
   add_items<Handle<Push>>(m, "PushList", "A scene's pushes, by number or name.", true);
 
-  py::class_<Handle<Spring>> spring(m, "Spring",
-                                    "A spring and damper between two points. It pulls A to B with the force\n"
-                                    "stiffness (s - length) + damping ds/dt, s the distance between the points.");
+  py::class_<Handle<Spring>> spring(
+      m, "Spring",
+      "A spring and damper between two points.\n"
+      "\n"
+      "It pulls A towards B with the force stiffness (s - length) + damping ds/dt, where s is the distance of\n"
+      "the points.");
   spring.def(py::init([](const std::string& name, const Attachment& A, const Attachment& B, double stiffness,
                          double length, double damping) {
                return Handle<Spring>(Spring{name, A, B, stiffness, length, damping});
              }),
              py::kw_only(), py::arg("name"), py::arg("A"), py::arg_v("B", Attachment(), "Attachment()"),
              py::arg("stiffness"), py::arg("length") = 0.0, py::arg("damping") = 0.0,
-             "stiffness [N/m], length at rest [m], damping [N s/m]. B may be in the world.");
-  handle_field(spring, "name", &Spring::name);
-  handle_field(spring, "A", &Spring::A, "Attachment");
-  handle_field(spring, "B", &Spring::B, "Attachment");
-  handle_field(spring, "stiffness", &Spring::stiffness, "[N/m]");
-  handle_field(spring, "length", &Spring::length, "At rest [m].");
-  handle_field(spring, "damping", &Spring::damping, "[N s/m]");
+             "Make a spring: stiffness [N/m], length at rest [m], damping [N s/m]. B may be in the world.");
+  handle_field(spring, "name", &Spring::name, "Name.");
+  handle_field(spring, "A", &Spring::A, "Attachment of one end.");
+  handle_field(spring, "B", &Spring::B, "Attachment of the other end.");
+  handle_field(spring, "stiffness", &Spring::stiffness, "Stiffness [N/m].");
+  handle_field(spring, "length", &Spring::length, "Length at rest [m].");
+  handle_field(spring, "damping", &Spring::damping, "Damping [N s/m].");
   add_value(spring);
   add_items<Handle<Spring>>(m, "SpringList", "A scene's springs between points, by number or name.", true);
 }
 
 void add_forces(py::module_& m) {
-  m.def("add_push", &add_push, py::arg("scene"), py::arg("push"), "Appends a push; returns its number.");
-  m.def("add_spring", &add_spring, py::arg("scene"), py::arg("spring"), "Appends a spring; returns its number.");
+  m.def("add_push", &add_push, py::arg("scene"), py::arg("push"), doc::add_push);
+  m.def("add_spring", &add_spring, py::arg("scene"), py::arg("spring"), doc::add_spring);
   m.def("add_joint_spring", &add_joint_spring, py::arg("scene"), py::arg("robot"), py::arg("joint"),
-        py::arg("stiffness"), py::arg("rest") = 0.0,
-        "Appends a spring in a joint of one coordinate, the torque -stiffness (q - rest) [N m/rad, rad; N/m, m];\n"
-        "returns its number.");
-  m.def("push_names", &push_names, py::arg("scene"), "'wind[0]' ... 'wind[5]' of each push.");
+        py::arg("stiffness"), py::arg("rest") = 0.0, doc::add_joint_spring);
+  m.def("push_names", &push_names, py::arg("scene"), doc::push_names);
 }
 
 }  // namespace manycontact::python

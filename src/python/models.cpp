@@ -1,5 +1,6 @@
 // Placements and models: floors spatial and model, URDF files.
 
+#include "docs/scene.hpp"
 #include "manycontact/io/urdf.hpp"
 #include "manycontact/model/suggestion.hpp"
 #include "objects.hpp"
@@ -27,42 +28,40 @@ Placement placement_of_quaternion(const Eigen::Vector4d& q, const Eigen::Vector3
 
 void add_placements(py::module_& m) {
   py::class_<Placement> c(
-      m, "SE3",
-      "A placement aMb: x_a = R x_b + p maps coordinates in frame b to frame a. A value, which does\n"
-      "not change: SE3(M.R, p) is a new one.");
+      m, "SE3", "A placement aMb: x_a = R x_b + p converts coordinates from frame b to frame a. It is immutable.");
   add_value(c)
       .def(py::init(&placement), py::arg_v("R", Eigen::Matrix3d(Eigen::Matrix3d::Identity()), "numpy.eye(3)"),
            py::arg("p") = Eigen::Vector3d(Eigen::Vector3d::Zero()),
-           "R: rotation matrix (3, 3); p: translation (3) [m].")
+           "Make a placement from a rotation matrix (3, 3) and a translation (3) [m].")
       .def_static("from_quaternion", &placement_of_quaternion, py::arg("xyzw"),
                   py::arg("p") = Eigen::Vector3d(Eigen::Vector3d::Zero()),
-                  "Of a unit quaternion (x, y, z, w) and a translation (3) [m].")
+                  "Make a placement from a unit quaternion (x, y, z, w) and a translation (3) [m].")
       .def_static("Identity", &Placement::Identity)
       .def_property_readonly(
           "R", [](const Placement& M) { return copy(M.R); },
-          "Rotation matrix (3, 3); an array of its own, since scipy's Rotation.from_matrix takes no other.")
+          "Rotation matrix (3, 3); a copy of its own, as scipy's Rotation.from_matrix requires.")
       .def_property_readonly(
           "p", [](const Placement& M) -> Eigen::Vector3d { return M.p; }, "Translation (3) [m].")
       .def_property_readonly(
-          "rotation", [](const Placement& M) { return copy(M.R); }, "R.")
+          "rotation", [](const Placement& M) { return copy(M.R); }, "Pinocchio's name of R.")
       .def_property_readonly(
-          "translation", [](const Placement& M) -> Eigen::Vector3d { return M.p; }, "p.")
+          "translation", [](const Placement& M) -> Eigen::Vector3d { return M.p; }, "Pinocchio's name of p.")
       .def_property_readonly(
           "quaternion", [](const Placement& M) { return quaternion_of_rotation<double>(M.R); },
           "Unit quaternion (x, y, z, w), w >= 0.")
       .def("inverse", &Placement::inverse, "bMa.")
       .def(
-          "__mul__", [](const Placement& a, const Placement& b) { return a * b; }, "aMc = aMb bMc.")
+          "__mul__", [](const Placement& a, const Placement& b) { return a * b; }, "Return the product aMc = aMb bMc.")
       .def(
           "act", [](const Placement& M, const Vec6<double>& v) -> Vec6<double> { return M.act(v); }, py::arg("motion"),
-          "The motion (6, linear first) in a of one given in b.")
+          "Convert a motion (6, linear part first) from frame b to frame a.")
       .def(
           "act_inverse", [](const Placement& M, const Vec6<double>& v) -> Vec6<double> { return M.act_inverse(v); },
-          py::arg("motion"), "The motion in b of one given in a.")
+          py::arg("motion"), "Convert a motion (6, linear part first) from frame a to frame b.")
       .def(
           "act_force", [](const Placement& M, const Vec6<double>& f) -> Vec6<double> { return M.act_force(f); },
-          py::arg("force"), "The force (6, linear first) in a of one given in b.")
-      .def("action", &Placement::action, "The matrix (6, 6) of act.")
+          py::arg("force"), "Convert a force (6, linear part first) from frame b to frame a.")
+      .def("action", &Placement::action, "Return the matrix (6, 6) of act.")
       .def("__repr__", [](const Placement& M) {
         const auto x = pose_of_placement(M);
         std::ostringstream out;
@@ -82,79 +81,85 @@ Items<std::shared_ptr<T>> items_of(const std::shared_ptr<Model>& model, std::vec
 }
 
 void add_joints(py::module_& m) {
-  add_enumeration<JointType>(m, "JointType", "type of joint", "How a joint moves.",
+  add_enumeration<JointType>(m, "JointType", "type of joint", "Types of joints.",
                              {{"REVOLUTE", JointType::kRevolute},
                               {"PRISMATIC", JointType::kPrismatic},
                               {"FLOATING", JointType::kFloating},
                               {"PLANAR", JointType::kPlanar}});
 
   py::class_<Joint, std::shared_ptr<Joint>> joint(
-      m, "Joint", "A joint and the body it carries. The joint frame is the child frame at q = 0.");
+      m, "Joint", "A joint and the body that it moves. The joint frame is the child frame at q = 0.");
   add_value(joint)
-      .def_readonly("name", &Joint::name)
-      .def_readonly("type", &Joint::type)
+      .def_readonly("name", &Joint::name, "Name.")
+      .def_readonly("type", &Joint::type, "JointType.")
       .def_readonly("parent", &Joint::parent, "Number of the parent joint; -1: the robot's base.")
       .def_readonly("idx_q", &Joint::idx_q, "First coordinate in the model's q.")
       .def_readonly("idx_v", &Joint::idx_v, "First coordinate in the model's v.")
-      .def_property_readonly("nq", &Joint::nq)
-      .def_property_readonly("nv", &Joint::nv)
-      .def_readonly("placement", &Joint::placement, "Of the joint frame in the parent joint's frame.")
+      .def_property_readonly("nq", &Joint::nq, "Number of coordinates in q.")
+      .def_property_readonly("nv", &Joint::nv, "Number of coordinates in v.")
+      .def_readonly("placement", &Joint::placement, "Placement of the joint frame in the parent joint's frame (SE3).")
       .def_readonly("axis", &Joint::axis, "Unit vector (3) in the joint frame.")
       .def_property_readonly(
-          "mass", [](const Joint& j) { return j.inertia.m; }, "Of the body [kg].")
-      .def_readonly("lower", &Joint::lower, "Position limits (nv) [rad, m], infinite where there are none.")
-      .def_readonly("upper", &Joint::upper)
-      .def_readonly("velocity_limit", &Joint::velocity_limit, "(nv) [rad/s, m/s].")
-      .def_readonly("effort_limit", &Joint::effort_limit, "(nv) [N m, N].");
+          "mass", [](const Joint& j) { return j.inertia.m; }, "Mass of the body [kg].")
+      .def_readonly("lower", &Joint::lower, "Lower position limits (nv) [rad, m]; -inf: none.")
+      .def_readonly("upper", &Joint::upper, "Upper position limits (nv) [rad, m]; inf: none.")
+      .def_readonly("velocity_limit", &Joint::velocity_limit, "Velocity limits (nv) [rad/s, m/s]; inf: none.")
+      .def_readonly("effort_limit", &Joint::effort_limit, "Effort limits (nv) [N m, N]; inf: none.");
 
-  py::class_<Frame, std::shared_ptr<Frame>> frame(m, "Frame", "A named frame fixed on a joint's body: a link.");
+  py::class_<Frame, std::shared_ptr<Frame>> frame(m, "Frame",
+                                                  "A named frame that is fixed to a joint's body, such as a link.");
   add_value(frame)
-      .def_readonly("name", &Frame::name)
+      .def_readonly("name", &Frame::name, "Name.")
       .def_readonly("joint", &Frame::joint, "Number of the joint; -1: fixed to the robot's base.")
-      .def_readonly("placement", &Frame::placement, "In the joint's frame.");
+      .def_readonly("placement", &Frame::placement, "Placement in the joint's frame (SE3).");
 
   add_items<std::shared_ptr<Joint>>(m, "JointList", "A model's joints, by number or name.", true);
   add_items<std::shared_ptr<Frame>>(m, "FrameList", "A model's frames, by number or name.", true);
 }
 
 void add_findings(py::module_& m) {
-  py::class_<Finding> finding(m, "Finding", "Something odd but usable, and how it is taken.");
+  py::class_<Finding> finding(m, "Finding", "Questionable but usable input, and how it is interpreted.");
   add_value(finding)
       .def_readonly("kind", &Finding::kind,
-                    "'inertia', 'limits', 'unread', 'mimic', 'dynamics', 'passive', 'base', 'consistent'.")
-      .def_readonly("name", &Finding::name, "Of the joint, link or other element.")
-      .def_readonly("text", &Finding::text)
-      .def_readonly("file", &Finding::file)
-      .def_readonly("line", &Finding::line)
+                    "'inertia', 'limits', 'unread', 'mimic', 'dynamics', 'passive', 'base', 'consistent' or 'pose'.")
+      .def_readonly("name", &Finding::name, "Name of the joint, link or other element.")
+      .def_readonly("text", &Finding::text, "What the file contains, and how it is interpreted.")
+      .def_readonly("file", &Finding::file, "Path of the file.")
+      .def_readonly("line", &Finding::line, "Line in the file.")
       .def("__repr__", [](const Finding& f) {
         return f.file + ":" + std::to_string(f.line) + ": " + f.kind + ": " + f.name + ": " + f.text;
       });
 }
 
 void add_robot_models(py::module_& m) {
-  py::class_<Model, std::shared_ptr<Model>> model(m, "Model", "One robot or object: a kinematic tree. Constant.");
+  py::class_<Model, std::shared_ptr<Model>> model(m, "Model", "One robot or object: a kinematic tree. It is constant.");
   add_value(model)
-      .def_readonly("name", &Model::name)
-      .def_readonly("floating_base", &Model::floating_base)
-      .def_readonly("nq", &Model::nq)
-      .def_readonly("nv", &Model::nv)
-      .def_property_readonly("nu", &Model::nu, "Actuated coordinates: all but a floating base and passive joints.")
-      .def_property_readonly("joints",
-                             [](const std::shared_ptr<Model>& x) {
-                               auto joints = items_of(x, &Model::joints, &Model::find_joint);
-                               joints.none = [x](const std::string& name) { return no_joint(*x, name); };
-                               return joints;
-                             })
-      .def_property_readonly("frames",
-                             [](const std::shared_ptr<Model>& x) {
-                               auto frames = items_of(x, &Model::frames, &Model::find_frame);
-                               frames.none = [x](const std::string& name) { return no_frame(x->name, *x, name); };
-                               return frames;
-                             })
+      .def_readonly("name", &Model::name, "Name.")
+      .def_readonly("floating_base", &Model::floating_base, "Whether joint 0 is a floating base.")
+      .def_readonly("nq", &Model::nq, "Number of configuration coordinates.")
+      .def_readonly("nv", &Model::nv, "Number of velocity coordinates.")
+      .def_property_readonly("nu", &Model::nu,
+                             "Number of actuated coordinates: all except those of a floating base and passive joints.")
+      .def_property_readonly(
+          "joints",
+          [](const std::shared_ptr<Model>& x) {
+            auto joints = items_of(x, &Model::joints, &Model::find_joint);
+            joints.none = [x](const std::string& name) { return no_joint(*x, name); };
+            return joints;
+          },
+          "Joints, by number or name.")
+      .def_property_readonly(
+          "frames",
+          [](const std::shared_ptr<Model>& x) {
+            auto frames = items_of(x, &Model::frames, &Model::find_frame);
+            frames.none = [x](const std::string& name) { return no_frame(x->name, *x, name); };
+            return frames;
+          },
+          "Frames, by number or name.")
       .def_readonly("armature", &Model::armature, "Reflected rotor inertia (nv) [kg m^2, kg].")
-      .def("find_frame", &Model::find_frame, py::arg("name"), "Number of the frame, -1 if there is none.")
-      .def("find_joint", &Model::find_joint, py::arg("name"), "Number of the joint, -1 if there is none.")
-      .def("mass", &Model::mass, "Total mass [kg].")
+      .def("find_frame", &Model::find_frame, py::arg("name"), "Return the number of the frame, or -1.")
+      .def("find_joint", &Model::find_joint, py::arg("name"), "Return the number of the joint, or -1.")
+      .def("mass", &Model::mass, "Return the total mass [kg].")
       .def("__repr__", [](const Model& x) { return "<Model '" + x.name + "', nv = " + std::to_string(x.nv) + ">"; });
 
   m.def(
@@ -173,20 +178,7 @@ void add_robot_models(py::module_& m) {
       py::arg("locked") = std::map<std::string, double>(), py::arg("refuse_mimic") = false,
       py::arg("passive") = std::set<std::string>(), py::arg("model_dynamics") = false,
       py::arg("refuse_inertia") = false, py::arg("actuated") = std::set<std::string>(),
-      py::arg("joint_damping") = std::map<std::string, double>(), py::arg("root") = "",
-      "A robot from a URDF file.\n\n"
-      "floating_base: joint 0 is then 'root', carrying the root link.\n"
-      "armature: reflected rotor inertia of every joint [kg m^2; kg for prismatic joints].\n"
-      "joint_armature: {joint: [numbers]} overrides it. locked: {joint: position} freezes joints.\n"
-      "passive: joints without torques. model_dynamics: the URDF's damping and friction of joints.\n"
-      "refuse_inertia: principal moments that no body has are an error, not a finding.\n"
-      "actuated: floating joints of the file that have torques; by default they are passive.\n"
-      "joint_damping: {joint: damping} in place of the URDF's. root: the link that is the root in place of the "
-      "file's;\n"
-      "joints between the two are passed backwards, and their q, v, torques and limits keep their meaning.\n"
-      "What is odd but usable is taken, and told by urdf_findings.\n"
-      "Joints are numbered depth first, children in byte order of their names.\n"
-      "Raises InputError (a ValueError) for the file, ValueError for options that do not fit.");
+      py::arg("joint_damping") = std::map<std::string, double>(), py::arg("root") = "", doc::load_urdf);
   m.def(
       "urdf_findings",
       [](const std::string& path, bool floating_base) {
@@ -196,8 +188,7 @@ void add_robot_models(py::module_& m) {
         (void)load_urdf(path, options, &findings);
         return findings;
       },
-      py::arg("path"), py::kw_only(), py::arg("floating_base") = false,
-      "List of Finding: what load_urdf finds odd in a file and takes nevertheless, by line.");
+      py::arg("path"), py::kw_only(), py::arg("floating_base") = false, doc::urdf_findings);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // How to solve, and what an answer is worth: floors kkt and dynamics.
 
+#include "manycontact/analysis/remedy.hpp"
 #include "objects.hpp"
 
 namespace manycontact::python {
@@ -7,13 +8,13 @@ namespace manycontact::python {
 namespace {
 
 void add_enumerations(py::module_& m) {
-  add_enumeration<Status>(m, "Status", "status", "What an answer is worth, from good to bad; int(status) is 0 ... 4.",
+  add_enumeration<Status>(m, "Status", "status", "The status of a solution, from good to bad; int(status) is 0 ... 4.",
                           {{"OK", Status::kOk},
                            {"REDUNDANT", Status::kRedundant},
                            {"INCONSISTENT", Status::kInconsistent},
                            {"REGULARISED", Status::kRegularised},
                            {"FAILED", Status::kFailed}});
-  add_enumeration<Method>(m, "Method", "method", "Ways of solving an island's system.",
+  add_enumeration<Method>(m, "Method", "method", "Methods for an island's system.",
                           {{"DENSE", Method::kDense},
                            {"DENSE_SCHUR", Method::kDenseSchur},
                            {"SPARSE_LDL", Method::kSparseLdl},
@@ -23,15 +24,16 @@ void add_enumerations(py::module_& m) {
                            {"SPARSE_BODIES", Method::kSparseBodies},
                            {"AUTO", Method::kAuto}});
   add_enumeration<Order>(
-      m, "Order", "order", "Where the contact rows go among the joints.",
+      m, "Order", "order", "The place of the constraint rows in the elimination order.",
       {{"LEAF_TO_ROOT", Order::kLeafToRoot}, {"CONTACTS_EARLY", Order::kContactsEarly}, {"CAMD", Order::kCamd}});
-  add_enumeration<Lanes>(m, "Lanes", "level of lanes", "Instructions for robots side by side in SIMD lanes.",
+  add_enumeration<Lanes>(m, "Lanes", "level of lanes", "SIMD instructions for batches of robots.",
                          {{"AUTO", Lanes::kAuto},
                           {"OFF", Lanes::kOff},
                           {"BASELINE", Lanes::kBaseline},
                           {"AVX2", Lanes::kAvx2},
                           {"AVX512", Lanes::kAvx512}});
-  add_enumeration<Reason>(m, "Reason", "reason", "Why an island was answered otherwise than asked for, or not at all.",
+  add_enumeration<Reason>(m, "Reason", "reason",
+                          "Why another method than the requested one was used, or why there is no solution.",
                           {{"NONE", Reason::kNone},
                            {"ZERO_PIVOT", Reason::kZeroPivot},
                            {"WRONG_INERTIA", Reason::kWrongInertia},
@@ -49,19 +51,22 @@ void add_enumerations(py::module_& m) {
 
 void add_how_to_solve(py::module_& m) {
   using Held = Handle<Options>;
-  py::class_<Held> c(m, "Options", "How to solve. data.options is the data's own: assigning to it changes them.");
+  py::class_<Held> c(m, "Options",
+                     "Options of a solve. Assigning to the attributes of data.options changes those of the data.");
   c.def(py::init([](Method method, std::optional<Order> order, Lanes lanes, int threads, bool reduce_pairs) {
           return Held(Options{method, order, lanes, threads, reduce_pairs});
         }),
         py::arg_v("method", Method::kAuto, "'auto'"), py::arg("order") = py::none(),
         py::arg_v("lanes", Lanes::kAuto, "'auto'"), py::arg("threads") = 1, py::arg("reduce_pairs") = true,
-        "order: None for the order of least predicted cost. threads: inside a call; 0: as many as OpenMP would take.");
+        "Make options; see the attributes.");
   handle_field(c, "method", &Options::method, "Method, or its name: 'sparse-ldl', 'dense', ...");
-  handle_field(c, "order", &Options::order, "Order, or None: the one of least predicted cost.");
-  handle_field(c, "lanes", &Options::lanes, "Lanes");
-  handle_field(c, "threads", &Options::threads, "Of OpenMP, inside a call of solve, differentiate, jvp, vjp.");
+  handle_field(c, "order", &Options::order, "Order, or None: the order of least predicted cost.");
+  handle_field(c, "lanes", &Options::lanes, "Lanes: SIMD instructions for batches of robots.");
+  handle_field(
+      c, "threads", &Options::threads,
+      "Number of OpenMP threads inside a call of solve, differentiate, jvp or vjp; 0: as many as OpenMP offers.");
   handle_field(c, "reduce_pairs", &Options::reduce_pairs,
-               "Whether rows of several contacts between the same two bodies are reduced to six at most.");
+               "Whether rows of several contacts between the same two bodies are reduced to at most six.");
   add_value(c).def("__repr__", [](const Held& h) {
     const Options& o = h.get();
     return "Options('" + to_string(o.method) + "'" + (o.order ? ", '" + to_string(*o.order) + "'" : "") +
@@ -73,49 +78,74 @@ void add_how_to_solve(py::module_& m) {
 
 void add_reports(py::module_& m) {
   using Island = std::shared_ptr<IslandReport>;
-  py::class_<IslandReport, Island> island(m, "IslandReport", "What the answer of one island is worth.");
+  py::class_<IslandReport, Island> island(m, "IslandReport", "Status and accuracy of the solution of one island.");
   add_value(island)
-      .def_readonly("status", &IslandReport::status)
-      .def_readonly("method", &IslandReport::method, "The one that answered.")
-      .def_readonly("order", &IslandReport::order)
-      .def_readonly("reason", &IslandReport::reason)
-      .def_readonly("changed_order", &IslandReport::changed_order)
-      .def_readonly("nv", &IslandReport::nv)
-      .def_readonly("nc", &IslandReport::nc)
-      .def_readonly("rank", &IslandReport::rank, "Of J; with damping, nc.")
-      .def_readonly("dependent_rows", &IslandReport::dependent_rows, "Rows of data.f that depend on the others.")
-      .def_readonly("factor_nonzeros", &IslandReport::factor_nonzeros)
-      .def_readonly("refinement_steps", &IslandReport::refinement_steps)
-      .def_readonly("residual_dynamics", &IslandReport::residual_dynamics, "Relative.")
-      .def_readonly("residual_contact", &IslandReport::residual_contact, "Relative.")
-      .def_readonly("backward_error", &IslandReport::backward_error, "Relative.")
-      .def_readonly("condition", &IslandReport::condition, "1-norm, of K, by estimate_condition; else 0.")
-      .def_readonly("error_acceleration", &IslandReport::error_acceleration, "Bound, relative, by estimate_errors.")
-      .def_readonly("error_forces", &IslandReport::error_forces, "Bound, relative, by estimate_errors.");
+      .def_readonly("status", &IslandReport::status, "Status of the island's solution.")
+      .def_readonly("method", &IslandReport::method, "Method that computed the solution.")
+      .def_readonly("order", &IslandReport::order, "Elimination order of that method, if it has one.")
+      .def_readonly("reason", &IslandReport::reason, "Reason of the last change of order or method, or of the failure.")
+      .def_readonly("changed_order", &IslandReport::changed_order,
+                    "Whether the chosen order was not accurate, and leaf-to-root was used instead.")
+      .def_readonly("nv", &IslandReport::nv, "Number of velocity coordinates.")
+      .def_readonly("nc", &IslandReport::nc, "Number of constraint rows.")
+      .def_readonly("rank", &IslandReport::rank, "Rank of J; with damping nc; 0 if failed.")
+      .def_readonly("dependent_rows", &IslandReport::dependent_rows,
+                    "Rows of data.f that depend on the others, ascending.")
+      .def_readonly("factor_nonzeros", &IslandReport::factor_nonzeros, "Number of nonzeros of the factor L.")
+      .def_readonly("refinement_steps", &IslandReport::refinement_steps, "Number of steps of iterative refinement.")
+      .def_readonly("residual_dynamics", &IslandReport::residual_dynamics,
+                    "Relative residual of M a + h = tau + J^T f.")
+      .def_readonly("residual_contact", &IslandReport::residual_contact, "Relative residual of J a + a0 + delta f = 0.")
+      .def_readonly("backward_error", &IslandReport::backward_error,
+                    "Relative change of K and the right-hand side that makes the solution exact.")
+      .def_readonly("condition", &IslandReport::condition,
+                    "1-norm condition number of K, set by estimate_condition; NaN before.")
+      .def_readonly("error_acceleration", &IslandReport::error_acceleration,
+                    "Bound of the relative error of the accelerations, set by estimate_errors; NaN before.")
+      .def_readonly("error_forces", &IslandReport::error_forces,
+                    "Bound of the relative error of the forces, set by estimate_errors; NaN before.");
+
+  island.def_property_readonly(
+      "remedy", [](const IslandReport& r) { return remedy(r); },
+      "What to do about the status, in words; empty for ok.");
+  py::class_<SolveTimes> times(m, "SolveTimes", "Times of a solve.");
+  add_value(times)
+      .def_readonly("setup", &SolveTimes::setup, "Time to find islands and analyse new ones [us].")
+      .def_readonly("solve", &SolveTimes::solve, "Time of the solve itself [us].");
 
   add_items<Island>(m, "IslandReportList", "A report's islands.", false);
   using Whole = std::shared_ptr<Report>;
   py::class_<Report, Whole> whole(m, "Report",
-                                  "What an answer is worth: the worst island, sums and maxima over islands.");
+                                  "Status and accuracy of a solution: the worst island, sums and maxima over islands.");
   add_value(whole)
-      .def_readonly("status", &Report::status)
-      .def_readonly("method", &Report::method, "The one asked for.")
-      .def_property_readonly("islands",
-                             [](const Whole& r) {
-                               return Items<Island>{[r] { return r->islands.size(); },
-                                                    [r](std::size_t k) { return Island(r, &r->islands[k]); }};
-                             })
-      .def_readonly("nv", &Report::nv)
-      .def_readonly("nc", &Report::nc)
-      .def_readonly("rank", &Report::rank)
-      .def_readonly("factor_nonzeros", &Report::factor_nonzeros)
-      .def_readonly("refinement_steps", &Report::refinement_steps)
-      .def_readonly("residual_dynamics", &Report::residual_dynamics, "Relative, largest.")
-      .def_readonly("residual_contact", &Report::residual_contact, "Relative, largest.")
-      .def_readonly("backward_error", &Report::backward_error, "Relative, largest.")
-      .def_readonly("condition", &Report::condition, "Largest, by estimate_condition; else 0.")
-      .def_readonly("error_acceleration", &Report::error_acceleration, "Bound, relative, by estimate_errors.")
-      .def_readonly("error_forces", &Report::error_forces, "Bound, relative, by estimate_errors.")
+      .def_readonly("status", &Report::status, "Status of the worst island.")
+      .def_readonly("method", &Report::method, "Method that was requested.")
+      .def_property_readonly(
+          "islands",
+          [](const Whole& r) {
+            return Items<Island>{[r] { return r->islands.size(); },
+                                 [r](std::size_t k) { return Island(r, &r->islands[k]); }};
+          },
+          "One IslandReport per island.")
+      .def_readonly("nv", &Report::nv, "Number of velocity coordinates.")
+      .def_readonly("nc", &Report::nc, "Number of constraint rows of the active contacts.")
+      .def_readonly("rank", &Report::rank, "Sum of the ranks of the islands.")
+      .def_readonly("factor_nonzeros", &Report::factor_nonzeros, "Sum over the islands.")
+      .def_readonly("refinement_steps", &Report::refinement_steps, "Sum over the islands.")
+      .def_readonly("residual_dynamics", &Report::residual_dynamics,
+                    "Largest relative residual of M a + h = tau + J^T f.")
+      .def_readonly("residual_contact", &Report::residual_contact,
+                    "Largest relative residual of J a + a0 + delta f = 0.")
+      .def_readonly("backward_error", &Report::backward_error, "Largest backward error of the islands.")
+      .def_readonly("condition", &Report::condition,
+                    "Largest 1-norm condition number of the islands, set by estimate_condition; NaN before.")
+      .def_readonly("error_acceleration", &Report::error_acceleration,
+                    "Largest bound of the islands, set by estimate_errors; NaN before.")
+      .def_readonly("error_forces", &Report::error_forces,
+                    "Largest bound of the islands, set by estimate_errors; NaN before.")
+      .def_readonly("times", &Report::times, "SolveTimes of the last solve; comparisons of reports ignore them.")
+      .def_property_readonly(
+          "remedy", [](const Report& r) { return remedy(r); }, "What to do about the status, in words; empty for ok.")
       .def("__repr__", [](const Report& r) {
         return "<Report: " + to_string(r.status) + ", " + std::to_string(r.islands.size()) +
                (r.islands.size() == 1 ? " island" : " islands") + ", nv = " + std::to_string(r.nv) +

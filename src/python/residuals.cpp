@@ -7,7 +7,6 @@
 #include "manycontact/action/residuals/gravity_residuals.hpp"
 #include "manycontact/action/residuals/impulse_residuals.hpp"
 #include "manycontact/action/residuals/state_residuals.hpp"
-#include "manycontact/algorithm/frame_axes.hpp"
 #include "shared.hpp"
 
 namespace manycontact::python {
@@ -62,12 +61,15 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> acceleration_derivatives(const DataC
 void add_shared(py::module_& m) {
   py::class_<Shared, std::shared_ptr<Shared>>(
       m, "DataCollector",
-      "What a residual or a cost sees of its action model, while calc, calcDiff and createData run; copies.")
+      "The data of an action model that residuals and costs depend on, while calc, calcDiff and createData run;\n"
+      "copies.")
       .def_property_readonly(
-          "acceleration", [](const Shared& s) { return s.get().solution.a; }, "(nv); running nodes.")
+          "acceleration", [](const Shared& s) { return s.get().solution.a; },
+          "Accelerations (nv) [m/s^2, rad/s^2], in running nodes.")
       .def_property_readonly(
-          "tau", [](const Shared& s) { return s.get().actuation->tau; }, "(nv)")
-      .def_property_readonly("report", [](const Shared& s) { return s.get().solution.report; })
+          "tau", [](const Shared& s) { return s.get().actuation->tau; }, "Torques (nv) [N m, N]; set by calc.")
+      .def_property_readonly(
+          "report", [](const Shared& s) { return s.get().solution.report; }, "Report of the solve.")
       .def(
           "contact_force",
           [](const Shared& s, const std::string& name) -> Vector {
@@ -76,10 +78,10 @@ void add_shared(py::module_& m) {
             if (found == contacts.end()) throw py::value_error("there is no contact '" + name + "'");
             return found->second->f;
           },
-          py::arg("name"), "In the contact's reference frame, on A [N, N m].")
+          py::arg("name"), "Return the force on A in the contact's reference frame [N, N m].")
       .def(
           "acceleration_derivatives", [](const Shared& s) { return acceleration_derivatives(s.get()); },
-          "(da/dx (nv, ndx), da/du (nv, nu)); in calcDiff of running nodes.")
+          "Return da/dx (nv, ndx) and da/du (nv, nu), in calcDiff of running nodes.")
       .def(
           "frame_placement",
           [](const Shared& s, std::size_t id) {
@@ -87,16 +89,16 @@ void add_shared(py::module_& m) {
             return frame_placement<double>(s.get().kinematics(f.robot), s.get().scene.robots[f.robot].base, f.joint,
                                            f.placement);
           },
-          py::arg("id"), "oMf at x.")
+          py::arg("id"), "Return the placement oMf (SE3) of a frame at x.")
       .def(
           "frame_velocity",
           [](const Shared& s, std::size_t id, ReferenceFrame type) -> Vec6<double> {
             const auto& f = s.frame(id);
             return frame_velocity<double>(s.get().kinematics(f.robot), s.get().scene.robots[f.robot].base, f.joint,
-                                          f.placement, axes_of(type));
+                                          f.placement, type);
           },
           py::arg("id"), py::arg_v("type", ReferenceFrame::kLocal, "ReferenceFrame.LOCAL"),
-          "Spatial velocity (6), linear first.")
+          "Return the spatial velocity (6) of a frame, linear part first.")
       .def(
           "frame_jacobian",
           [](const Shared& s, std::size_t id, ReferenceFrame type) {
@@ -104,13 +106,13 @@ void add_shared(py::module_& m) {
             const Robot& robot = s.get().scene.robots[f.robot];
             Eigen::Matrix<double, 6, Eigen::Dynamic> J(6, robot.model->nv);
             frame_jacobian<double>(*robot.model, s.get().kinematics(f.robot), robot.base, f.joint, f.placement,
-                                   axes_of(type), J);
+                                   type, J);
             Eigen::MatrixXd out = Eigen::MatrixXd::Zero(6, s.get().scene.nv);
             out.middleCols(robot.idx_v, robot.model->nv) = J;
             return out;
           },
           py::arg("id"), py::arg_v("type", ReferenceFrame::kLocal, "ReferenceFrame.LOCAL"),
-          "(6, nv): frame_velocity = J v.");
+          "Return the Jacobian (6, nv) of a frame: frame_velocity = J v.");
 }
 
 void check_jacobian(const char* name, const Eigen::MatrixXd& J, Eigen::Index rows, Eigen::Index cols) {
@@ -125,8 +127,12 @@ py::array whole(py::object self, Eigen::MatrixXd ResidualDataAbstract::*member,
   auto& d = self.cast<ResidualDataAbstract&>();
   return (d.*member).size() > 0 ? view(d.*member, self, true) : read_only(copy((d.*made)()));
 }
-py::array get_Rx(py::object self) { return whole(std::move(self), &ResidualDataAbstract::Rx, &ResidualDataAbstract::whole_Rx); }
-py::array get_Ru(py::object self) { return whole(std::move(self), &ResidualDataAbstract::Ru, &ResidualDataAbstract::whole_Ru); }
+py::array get_Rx(py::object self) {
+  return whole(std::move(self), &ResidualDataAbstract::Rx, &ResidualDataAbstract::whole_Rx);
+}
+py::array get_Ru(py::object self) {
+  return whole(std::move(self), &ResidualDataAbstract::Ru, &ResidualDataAbstract::whole_Ru);
+}
 
 // The whole matrix into the blocks' rows and columns.
 void set_Rx(ResidualDataAbstract& d, const Eigen::MatrixXd& J) {
@@ -153,7 +159,7 @@ auto residual(py::module_& m, const char* name, const char* doc) {
 
 // Cones are the residual's own, which setting their members changes; other references are copies.
 template <class T, class Class>
-void with_reference(Class& c, const char* doc = "") {
+void with_reference(Class& c, const char* doc) {
   using X = std::decay_t<decltype(std::declval<T&>().get_reference())>;
   using Given = std::conditional_t<is_matrix<X> || std::is_same_v<X, SE3<double>>, X, const X&>;
   c.def_property(
@@ -163,31 +169,33 @@ void with_reference(Class& c, const char* doc = "") {
 
 void add_residual_base(py::module_& m) {
   using Abstract = ResidualModelAbstract;
-  py::class_<Dependence> dependence(m, "Dependence", "What a residual depends on; what is not said costs nothing.");
+  py::class_<Dependence> dependence(m, "Dependence", "The variables that a residual depends on; others cost nothing.");
   add_value(dependence)
       .def(py::init([](bool q, bool v, bool u, bool acceleration, bool forces) {
              return Dependence{q, v, u, acceleration, forces};
            }),
            py::kw_only(), py::arg("q") = false, py::arg("v") = false, py::arg("u") = false,
            py::arg("acceleration") = false, py::arg("forces") = false)
-      .def_readwrite("q", &Dependence::q)
-      .def_readwrite("v", &Dependence::v)
-      .def_readwrite("u", &Dependence::u)
-      .def_readwrite("acceleration", &Dependence::acceleration)
-      .def_readwrite("forces", &Dependence::forces);
+      .def_readwrite("q", &Dependence::q, "On the configuration.")
+      .def_readwrite("v", &Dependence::v, "On the velocity.")
+      .def_readwrite("u", &Dependence::u, "On the controls.")
+      .def_readwrite("acceleration", &Dependence::acceleration, "On accelerations, and therefore on q, v and u.")
+      .def_readwrite("forces", &Dependence::forces, "On contact forces, and therefore on q, v and u.");
 
-  py::class_<ResidualDataAbstract, std::shared_ptr<ResidualDataAbstract>> data(m, "ResidualDataAbstract");
-  data.def_property("Rx", &get_Rx, &set_Rx, "dr/dx (nr, ndx): a copy; assign the whole matrix.")
-      .def_property("Ru", &get_Ru, &set_Ru, "dr/du (nr, nu): a copy; assign the whole matrix.")
+  py::class_<ResidualDataAbstract, std::shared_ptr<ResidualDataAbstract>> data(
+      m, "ResidualDataAbstract", "The value of a residual and its derivatives.");
+  data.def_property("Rx", &get_Rx, &set_Rx, "Derivative dr/dx (nr, ndx); a copy: assign the whole matrix.")
+      .def_property("Ru", &get_Ru, &set_Ru, "Derivative dr/du (nr, nu); a copy: assign the whole matrix.")
       .def_property_readonly(
           "shared", [](const ResidualDataAbstract& d) { return Scope::shared_of(&d); },
           "DataCollector, while calc and calcDiff run.");
-  member_view(data, "r", &ResidualDataAbstract::r, "(nr): by calc.");
+  member_view(data, "r", &ResidualDataAbstract::r, "Value (nr); set by calc.");
 
   py::class_<Abstract, PyResidual, std::shared_ptr<Abstract>> model(
       m, "ResidualModelAbstract",
       "r(x, u). Derive from it: calc(self, data, x, u) sets data.r; calcDiff(self, data, x, u) sets data.Rx, data.Ru.\n"
-      "u is zero in terminal nodes. data.shared has the robots' kinematics. createData(self, shared) may return data of a\n"
+      "u is zero in terminal nodes. data.shared has the robots' kinematics. createData(self, shared) may return data "
+      "of a\n"
       "class derived from ResidualDataAbstract.");
   data.def(py::init([](const Abstract& model, const std::shared_ptr<Shared>& shared) {
              return std::make_shared<ResidualDataAbstract>(&model, shared->collector());
@@ -199,19 +207,19 @@ void add_residual_base(py::module_& m) {
       .def(
           "createData",
           [](Abstract& x, const std::shared_ptr<Shared>& shared) { return x.createData(shared->collector()); },
-          py::arg("shared").none(false), "ResidualDataAbstract; for a createData of one's own.")
-      .def_property_readonly("state", &Abstract::get_state)
-      .def_property_readonly("nr", &Abstract::get_nr)
-      .def_property_readonly("nu", &Abstract::get_nu)
-      .def_property_readonly("q_dependent", &Abstract::get_q_dependent)
-      .def_property_readonly("v_dependent", &Abstract::get_v_dependent)
-      .def_property_readonly("u_dependent", &Abstract::get_u_dependent)
+          py::arg("shared").none(false), "Make a ResidualDataAbstract, for an overridden createData.")
+      .def_property_readonly("state", &Abstract::get_state, "StateAbstract that it was made for.")
+      .def_property_readonly("nr", &Abstract::get_nr, "Number of rows of the residual.")
+      .def_property_readonly("nu", &Abstract::get_nu, "Number of controls.")
+      .def_property_readonly("q_dependent", &Abstract::get_q_dependent, "Whether it depends on q.")
+      .def_property_readonly("v_dependent", &Abstract::get_v_dependent, "Whether it depends on v.")
+      .def_property_readonly("u_dependent", &Abstract::get_u_dependent, "Whether it depends on u.")
       .def("__str__", &text_of<Abstract>);
 }
 
 // (state, id, reference, nu) and (state, id, reference).
 template <class T, class Reference>
-void frame_and_reference(py::module_& m, const char* name, const char* reference, const char* doc) {
+void frame_and_reference(py::module_& m, const char* name, const char* reference, const char* doc, const char* of) {
   auto c = residual<T>(m, name, doc);
   c.def(py::init<State, std::size_t, const Reference&, std::size_t>(), py::arg("state"), py::arg("id"),
         py::arg(reference), py::arg("nu"))
@@ -219,111 +227,128 @@ void frame_and_reference(py::module_& m, const char* name, const char* reference
       .def_property("id", &T::get_id, &T::set_id, "Number of the frame: state.pinocchio.getFrameId(name).");
   if constexpr (std::is_base_of_v<ContactResidual, T>)
     c.def_property("axes", &T::get_axes, &T::set_axes,
-                   "In whose axes the cone is given, 'contact' at first: 'foot', 'world' or 'other' (those of B').")
+                   "Axes of the cone, initially 'contact'; also 'foot', 'world' or 'other' (those of B').")
         .def_property("contact", &T::get_contact, &T::set_contact,
-                      "Which of several contacts on that frame, by its name; '' for the only one.");
-  with_reference<T>(c);
+                      "Name of the contact, if there are several on that frame; '' for the only one.");
+  with_reference<T>(c, of);
 }
 
 void add_residuals_of_states(py::module_& m) {
   {
-    auto c = residual<ResidualModelState>(m, "ResidualModelState", "x (-) xref (ndx).");
+    auto c = residual<ResidualModelState>(m, "ResidualModelState", "The state error x (-) xref (ndx).");
     c.def(py::init<State, const Vector&, std::size_t>(), py::arg("state"), py::arg("xref"), py::arg("nu"))
         .def(py::init<State, const Vector&>(), py::arg("state"), py::arg("xref"))
         .def(py::init<State, std::size_t>(), py::arg("state"), py::arg("nu"))
         .def(py::init<State>(), py::arg("state"));
-    with_reference<ResidualModelState>(c, "(nx)");
+    with_reference<ResidualModelState>(c, "Reference state (nx).");
   }
   {
-    auto c = residual<ResidualModelControl>(m, "ResidualModelControl", "u - uref (nu) [N m, N].");
+    auto c = residual<ResidualModelControl>(m, "ResidualModelControl", "The control error u - uref (nu) [N m, N].");
     c.def(py::init<State, const Vector&>(), py::arg("state"), py::arg("uref"))
         .def(py::init<State, std::size_t>(), py::arg("state"), py::arg("nu"))
         .def(py::init<State>(), py::arg("state"));
-    with_reference<ResidualModelControl>(c, "(nu)");
+    with_reference<ResidualModelControl>(c, "Reference controls (nu).");
   }
   {
     using Actuation = std::shared_ptr<ActuationModelAbstract>;
-    auto c = residual<ResidualModelJointEffort>(m, "ResidualModelJointEffort", "Joint efforts - uref (nu) [N m, N].");
+    auto c = residual<ResidualModelJointEffort>(m, "ResidualModelJointEffort",
+                                                "The error of joint efforts, u - uref (nu) [N m, N].");
     c.def(py::init<State, Actuation, const Vector&, std::size_t>(), py::arg("state"), py::arg("actuation"),
           py::arg("uref"), py::arg("nu"))
         .def(py::init<State, Actuation, const Vector&>(), py::arg("state"), py::arg("actuation"), py::arg("uref"))
         .def(py::init<State, Actuation, std::size_t>(), py::arg("state"), py::arg("actuation"), py::arg("nu"))
         .def(py::init<State, Actuation>(), py::arg("state"), py::arg("actuation"));
-    with_reference<ResidualModelJointEffort>(c, "(nu)");
+    with_reference<ResidualModelJointEffort>(c, "Reference efforts (nu) [N m, N].");
   }
   {
-    auto c = residual<ResidualModelJointAcceleration>(m, "ResidualModelJointAcceleration", "a - aref (nv).");
+    auto c = residual<ResidualModelJointAcceleration>(m, "ResidualModelJointAcceleration",
+                                                      "The acceleration error a - aref (nv) [m/s^2, rad/s^2].");
     c.def(py::init<State, const Vector&, std::size_t>(), py::arg("state"), py::arg("aref"), py::arg("nu"))
         .def(py::init<State, std::size_t>(), py::arg("state"), py::arg("nu"))
         .def(py::init<State>(), py::arg("state"));
-    with_reference<ResidualModelJointAcceleration>(c, "(nv)");
+    with_reference<ResidualModelJointAcceleration>(c, "Reference accelerations (nv) [m/s^2, rad/s^2].");
   }
   {
-    auto c = residual<ResidualModelCoMPosition>(m, "ResidualModelCoMPosition",
-                                                "c - cref [m], of the scene, or of one robot by its number.");
+    auto c = residual<ResidualModelCoMPosition>(
+        m, "ResidualModelCoMPosition",
+        "The error c - cref (3) [m] of the centre of mass of the scene, or of one robot by its number.");
     c.def(py::init<State, const Eigen::Vector3d&, std::size_t, int>(), py::arg("state"), py::arg("cref"), py::arg("nu"),
           py::arg("robot") = -1)
         .def(py::init<State, const Eigen::Vector3d&>(), py::arg("state"), py::arg("cref"));
-    with_reference<ResidualModelCoMPosition>(c, "(3) [m]");
+    with_reference<ResidualModelCoMPosition>(c, "Reference position (3) [m].");
   }
   {
     auto c = residual<ResidualModelCentroidalMomentum>(
         m, "ResidualModelCentroidalMomentum",
-        "Momentum - href, world axes: linear [N s], angular about the CoM [N m s].");
+        "The momentum minus href (6), in world axes: linear [N s], angular about the centre of mass [N m s].");
     c.def(py::init<State, const Vec6<double>&, std::size_t, int>(), py::arg("state"), py::arg("href"), py::arg("nu"),
           py::arg("robot") = -1)
         .def(py::init<State, const Vec6<double>&>(), py::arg("state"), py::arg("href"));
-    with_reference<ResidualModelCentroidalMomentum>(c, "(6)");
+    with_reference<ResidualModelCentroidalMomentum>(c, "Reference momentum (6) [N s, N m s].");
   }
 }
 
 void add_residuals_of_frames(py::module_& m) {
   frame_and_reference<ResidualModelFramePlacement, SE3<double>>(m, "ResidualModelFramePlacement", "pref",
-                                                                "log6(pref^-1 oMf) (6).");
+                                                                "The placement error log6(pref^-1 oMf) (6) of a frame.",
+                                                                "Reference placement in the world (SE3).");
   frame_and_reference<ResidualModelFrameTranslation, Eigen::Vector3d>(m, "ResidualModelFrameTranslation", "xref",
-                                                                      "p - xref (3) [m].");
-  frame_and_reference<ResidualModelFrameRotation, Eigen::Matrix3d>(m, "ResidualModelFrameRotation", "Rref",
-                                                                   "log3(Rref^T R) (3) [rad].");
+                                                                      "The position error p - xref (3) [m] of a frame.",
+                                                                      "Reference position in the world (3) [m].");
+  frame_and_reference<ResidualModelFrameRotation, Eigen::Matrix3d>(
+      m, "ResidualModelFrameRotation", "Rref", "The rotation error log3(Rref^T R) (3) [rad] of a frame.",
+      "Reference rotation in the world (3, 3).");
   {
-    auto c = residual<ResidualModelFrameVelocity>(m, "ResidualModelFrameVelocity", "The frame's velocity - vref (6).");
+    auto c = residual<ResidualModelFrameVelocity>(m, "ResidualModelFrameVelocity",
+                                                  "The velocity error v - vref (6) [m/s, rad/s] of a frame.");
     c.def(py::init<State, std::size_t, const Vec6<double>&, ReferenceFrame, std::size_t>(), py::arg("state"),
           py::arg("id"), py::arg("vref"), py::arg("type"), py::arg("nu"))
         .def(py::init<State, std::size_t, const Vec6<double>&, ReferenceFrame>(), py::arg("state"), py::arg("id"),
              py::arg("vref"), py::arg("type"))
-        .def_property("id", &ResidualModelFrameVelocity::get_id, &ResidualModelFrameVelocity::set_id)
-        .def_property("type", &ResidualModelFrameVelocity::get_type, &ResidualModelFrameVelocity::set_type);
-    with_reference<ResidualModelFrameVelocity>(c, "(6)");
+        .def_property("id", &ResidualModelFrameVelocity::get_id, &ResidualModelFrameVelocity::set_id,
+                      "Number of the frame: state.pinocchio.getFrameId(name).")
+        .def_property("type", &ResidualModelFrameVelocity::get_type, &ResidualModelFrameVelocity::set_type,
+                      "ReferenceFrame of the velocity.");
+    with_reference<ResidualModelFrameVelocity>(c, "Reference velocity (6) [m/s, rad/s].");
   }
 }
 
 void add_residuals_of_contacts(py::module_& m) {
   add_enumeration<ConeAxes>(m, "ConeAxes", "axes",
-                            "In whose axes a cone is given: its contact's, A's, the world's, B's.",
+                            "The axes of a cone: those of its contact, of A, of the world, or of B'.",
                             {{"CONTACT", ConeAxes::kContact},
                              {"FOOT", ConeAxes::kFoot},
                              {"WORLD", ConeAxes::kWorld},
                              {"OTHER", ConeAxes::kOther}});
   {
-    auto c = residual<ResidualModelContactForce>(m, "ResidualModelContactForce", "f - fref (nc) [N, N m].");
+    auto c = residual<ResidualModelContactForce>(m, "ResidualModelContactForce",
+                                                 "The contact force error f - fref (nc) [N, N m].");
     c.def(py::init<State, std::size_t, const Vec6<double>&, std::size_t, std::size_t>(), py::arg("state"),
           py::arg("id"), py::arg("fref"), py::arg("nc"), py::arg("nu"))
         .def(py::init<State, std::size_t, const Vec6<double>&, std::size_t>(), py::arg("state"), py::arg("id"),
              py::arg("fref"), py::arg("nc"));
-    with_reference<ResidualModelContactForce>(c, "(6)");
+    with_reference<ResidualModelContactForce>(c, "Reference wrench (6) [N, N m].");
   }
-  frame_and_reference<ResidualModelContactFrictionCone, FrictionCone>(m, "ResidualModelContactFrictionCone", "fref",
-                                                                      "A f of a friction cone (nf + 1).");
-  frame_and_reference<ResidualModelContactWrenchCone, WrenchCone>(m, "ResidualModelContactWrenchCone", "fref",
-                                                                  "A f of a wrench cone (nf + 13).");
-  frame_and_reference<ResidualModelContactCoPPosition, CoPSupport>(m, "ResidualModelContactCoPPosition", "cref",
-                                                                   "A f of a support polygon (4).");
-  residual<ResidualModelControlGrav>(m, "ResidualModelControlGrav", "tau - g(q) (nv).")
+  frame_and_reference<ResidualModelContactFrictionCone, FrictionCone>(
+      m, "ResidualModelContactFrictionCone", "fref", "The product A f of a friction cone and a contact force (nf + 1).",
+      "FrictionCone.");
+  frame_and_reference<ResidualModelContactWrenchCone, WrenchCone>(
+      m, "ResidualModelContactWrenchCone", "fref", "The product A f of a wrench cone and a contact wrench (nf + 13).",
+      "WrenchCone.");
+  frame_and_reference<ResidualModelContactCoPPosition, CoPSupport>(
+      m, "ResidualModelContactCoPPosition", "cref", "The product A f of a support polygon and a contact wrench (4).",
+      "CoPSupport.");
+  residual<ResidualModelControlGrav>(m, "ResidualModelControlGrav",
+                                     "The torques minus those that compensate gravity, tau - g(q) (nv) [N m, N].")
       .def(py::init<State, std::size_t>(), py::arg("state"), py::arg("nu"))
       .def(py::init<State>(), py::arg("state"));
-  residual<ResidualModelContactControlGrav>(m, "ResidualModelContactControlGrav", "tau - (g(q) - J^T f) (nv).")
+  residual<ResidualModelContactControlGrav>(
+      m, "ResidualModelContactControlGrav",
+      "The torques minus those that compensate gravity with contacts, tau - (g(q) - J^T f) (nv) [N m, N].")
       .def(py::init<State, std::size_t>(), py::arg("state"), py::arg("nu"))
       .def(py::init<State>(), py::arg("state"));
-  residual<ResidualModelImpulseCoM>(m, "ResidualModelImpulseCoM", "The jump of the CoM's velocity (3) [m/s].")
+  residual<ResidualModelImpulseCoM>(m, "ResidualModelImpulseCoM",
+                                    "The jump of the velocity of the centre of mass (3) [m/s].")
       .def(py::init<State>(), py::arg("state"));
 }
 

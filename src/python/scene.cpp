@@ -1,5 +1,7 @@
 // Scenes, their contacts and files: floors model, contact (references) and analysis.
 
+#include "docs/scene.hpp"
+
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/model/suggestion.hpp"
@@ -65,7 +67,8 @@ void end_of_contact(py::class_<Handle<Contact>>& c, const char* name, Attachment
 
 void add_attachments(py::module_& m) {
   py::class_<Handle<Attachment>> c(m, "Attachment",
-                                   "A place on a joint's body of a robot, or in the world: see attach().\n"
+                                   "A frame on a joint's body of a robot, or in the world; see attach().\n"
+                                   "\n"
                                    "Attachment(placement=M) is the placement M in the world.");
   c.def(py::init([](int robot, int joint, const Placement& placement, const std::string& frame) {
           return Handle<Attachment>(Attachment{robot, joint, placement, frame});
@@ -79,8 +82,9 @@ void add_attachments(py::module_& m) {
           "Number of the joint of its model; -1: its fixed base.")
       .def_property_readonly(
           "frame", [](const Handle<Attachment>& h) { return h.get().frame; },
-          "Name of the frame it was made from; empty where unknown.");
-  handle_field(c, "placement", &Attachment::placement, "Of the contact's frame on that body; assign a new SE3.");
+          "Name of the frame that it was made from; empty if unknown.");
+  handle_field(c, "placement", &Attachment::placement,
+               "Placement of the frame on that body (SE3); assign a new SE3 to change it.");
   add_value(c);
 }
 
@@ -95,52 +99,54 @@ Handle<Contact> make_contact(const std::string& name, ContactType type, Referenc
 }
 
 void add_contacts(py::module_& m) {
-  add_enumeration<ContactType>(m, "ContactType", "type of contact", "Which motions of frame A a contact holds.",
+  add_enumeration<ContactType>(m, "ContactType", "type of contact",
+                               "What a contact constrains: a point, a frame, or a hinge.",
                                {{"CONTACT_1D", ContactType::k1D},
                                 {"CONTACT_2D", ContactType::k2D},
                                 {"CONTACT_3D", ContactType::k3D},
                                 {"CONTACT_5D", ContactType::k5D},
                                 {"CONTACT_6D", ContactType::k6D}});
-  add_enumeration<ReferenceFrame>(m, "ReferenceFrame", "reference frame", "Axes, by Pinocchio's names.",
+  add_enumeration<ReferenceFrame>(m, "ReferenceFrame", "reference frame",
+                                  "Axes of forces and velocities, with Pinocchio's names.",
                                   {{"LOCAL", ReferenceFrame::kLocal},
                                    {"WORLD", ReferenceFrame::kWorld},
                                    {"LOCAL_WORLD_ALIGNED", ReferenceFrame::kLocalWorldAligned}});
   for (const char* name : {"LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED"}) m.attr(name) = m.attr("ReferenceFrame").attr(name);
   add_attachments(m);
 
-  py::class_<Handle<Contact>> c(m, "Contact",
-                                "A bilateral contact: frame A on a robot, B' on another body or in the world.\n"
-                                "That of a scene (scene.contacts[0]) changes the scene when it is assigned to.");
+  py::class_<Handle<Contact>> c(
+      m, "Contact",
+      "A bilateral contact between frame A on a robot and frame B' on another body or in the world.\n"
+      "\n"
+      "Assigning to the attributes of scene.contacts[0] changes the scene.");
   c.def(py::init(&make_contact), py::kw_only(), py::arg("name"),
         py::arg_v("type", ContactType::k6D, "ContactType.CONTACT_6D"),
         py::arg_v("reference_frame", ReferenceFrame::kLocal, "ReferenceFrame.LOCAL"), py::arg("A"),
         py::arg_v("B", Attachment(), "Attachment()"), py::arg("axis") = Eigen::Vector3d(Eigen::Vector3d::UnitZ()),
         py::arg("alpha") = 0.0, py::arg("beta") = 0.0, py::arg("active") = true, py::arg("mu") = py::none(),
         py::arg("normal") = py::none(), py::arg("box") = Eigen::Vector2d(Eigen::Vector2d::Zero()),
-        "reference_frame: of the force, of 1D's and 2D's components, and of their derivatives.\n"
-        "axis: of 1D contacts, the component held (3), in the reference frame; of 5D contacts, the hinge's.\n"
-        "alpha [1/s^2], beta [1/s]: stabilisation gains.\n"
-        "mu: friction coefficient of a contact that only pushes. normal: out of the surface (3), in the world, or in "
-        "the\n"
-        "axes of B' on a body. box: length and width of a 6D one's support (2) [m].");
-  handle_field(c, "name", &Contact::name);
-  handle_field(c, "type", &Contact::type, "ContactType; of a scene with data: make new data.");
-  handle_field(c, "reference_frame", &Contact::reference_frame, "ReferenceFrame");
-  end_of_contact(c, "A", &Contact::A, "Attachment; of a scene with data: make new data.");
-  end_of_contact(c, "B", &Contact::B, "Attachment; its placement may change under data in use.");
-  handle_field(c, "axis", &Contact::axis, "(3), unit; of a scene with data: make new data.");
-  handle_field(c, "alpha", &Contact::alpha, "[1/s^2]");
-  handle_field(c, "beta", &Contact::beta, "[1/s]");
-  handle_field(c, "mu", &Contact::mu, "Friction coefficient of a contact that only pushes; None: it may pull.");
+        "Make a contact; see the attributes.");
+  handle_field(c, "name", &Contact::name, "Name.");
+  handle_field(c, "type", &Contact::type, "ContactType. After a change make new SceneData.");
+  handle_field(c, "reference_frame", &Contact::reference_frame,
+               "ReferenceFrame of the force and, for 1D and 2D contacts, of the constraint rows.");
+  end_of_contact(c, "A", &Contact::A, "Attachment of frame A. After a change make new SceneData.");
+  end_of_contact(c, "B", &Contact::B, "Attachment of frame B'; its placement may change while data are in use.");
+  handle_field(c, "axis", &Contact::axis, "Unit vector (3). After a change make new SceneData.");
+  handle_field(c, "alpha", &Contact::alpha, "Stabilisation gain of position errors [1/s^2].");
+  handle_field(c, "beta", &Contact::beta, "Stabilisation gain of velocities [1/s].");
+  handle_field(c, "mu", &Contact::mu, "Coefficient of friction of a unilateral contact; None: the contact may pull.");
   handle_field(
       c, "normal", &Contact::normal,
-      "Out of the surface (3): in the world, or in B' axes where B is on a body; None: the world's z for points, "
-      "A's own z for 6D.");
-  handle_field(c, "box", &Contact::box, "Length and width of a 6D contact's support (2) [m]; zero: none.");
-  handle_field(c, "active", &Contact::active, "At the start, of new data; SceneData.active switches it later.");
-  c.def_property_readonly("rows", [](const Handle<Contact>& h) { return h.get().rows(); });
+      "Direction out of the surface (3), in the world, or in the axes of B' if B is on a body. None: the world's\n"
+      "z for points, A's own z for 6D.");
+  handle_field(c, "box", &Contact::box, "Length and width of the support area of a 6D contact (2) [m]; zero: none.");
+  handle_field(c, "active", &Contact::active, "Initial flag of new data; SceneData.active switches the contact later.");
+  c.def_property_readonly(
+      "rows", [](const Handle<Contact>& h) { return h.get().rows(); }, "Number of constraint rows, 1 to 6.");
   add_value(c);
-  add_items<Handle<Contact>>(m, "ContactList", "A scene's contacts, by number or name; assigning to them changes it.",
+  add_items<Handle<Contact>>(m, "ContactList",
+                             "A scene's contacts, by number or name. Assigning to their attributes changes the scene.",
                              true);
 }
 
@@ -162,17 +168,20 @@ Items<Handle<Robot>> robots_of(const std::shared_ptr<Scene>& scene) {
 void add_robots(py::module_& m) {
   using Held = Handle<Robot>;
   py::class_<Held> c(m, "Robot", "An instance of a model in a scene.");
-  c.def_property_readonly("name", [](const Held& r) { return r.get().name; })
-      .def_property_readonly("model", [](const Held& r) { return std::const_pointer_cast<Model>(r.get().model); })
+  c.def_property_readonly(
+       "name", [](const Held& r) { return r.get().name; }, "Name.")
+      .def_property_readonly(
+          "model", [](const Held& r) { return std::const_pointer_cast<Model>(r.get().model); }, "Model.")
       .def_property_readonly(
           "idx_q", [](const Held& r) { return r.get().idx_q; }, "First coordinate in the scene's q.")
       .def_property_readonly(
           "idx_v", [](const Held& r) { return r.get().idx_v; }, "First coordinate in the scene's v.")
       .def_property_readonly(
           "idx_u", [](const Held& r) { return r.get().idx_u; }, "First torque in the scene's u.");
-  handle_field(c, "base", &Robot::base,
-               "SE3 in the world: where a fixed base stands, where a floating one starts (neutral()). Contacts stay\n"
-               "where they are.");
+  handle_field(
+      c, "base", &Robot::base,
+      "Placement in the world (SE3): of a fixed base, or of a floating base in neutral(). Contacts do not move\n"
+      "with it.");
   add_value(c);
   add_items<Held>(m, "RobotList", "A scene's robots, by number or name.", true);
 }
@@ -191,19 +200,24 @@ void change_contact(const std::shared_ptr<Scene>& scene, const std::string& name
 void add_scene(py::module_& m) {
   py::class_<Scene, std::shared_ptr<Scene>> c(
       m, "Scene",
-      "Robots and the contacts among them and with the world. Under data in use may change: gravity, damping, where\n"
-      "fixed bases stand, of a contact B's placement, gains and reference frame, and of pushes and springs all but\n"
-      "their bodies; else new data are needed.");
+      "Robots, and the contacts among them and with the world.\n"
+      "\n"
+      "While data are in use, these may change: gravity, damping, placements of fixed bases, the placement of B,\n"
+      "gains\n"
+      "and reference frame of a contact, and everything of pushes and springs except their bodies. Other changes\n"
+      "need\n"
+      "new data.");
   c.def(py::init([](const std::string& name) {
           Scene scene;
           scene.name = name;
           return scene;
         }),
         py::arg("name") = "")
-      .def_readwrite("name", &Scene::name)
+      .def_readwrite("name", &Scene::name, "Name.")
       .def_property(
           "gravity", [](py::object self) { return view(self.cast<Scene&>().gravity, self, true); },
-          [](Scene& s, const Eigen::Vector3d& g) { s.gravity = g; }, "(3) [m/s^2]; an array on the scene's own.")
+          [](Scene& s, const Eigen::Vector3d& g) { s.gravity = g; },
+          "Gravity (3) [m/s^2]; an array that shares the scene's memory.")
       .def_property(
           "damping", [](const Scene& s) { return s.damping; },
           [](Scene& s, double damping) {
@@ -211,7 +225,7 @@ void add_scene(py::module_& m) {
               throw py::value_error("Scene.damping: a finite number >= 0 is expected");
             s.damping = damping;
           },
-          "delta >= 0 on the diagonal of J M^-1 J^T [1/kg].")
+          "Damping delta >= 0 on the diagonal of J M^-1 J^T [1/kg].")
       .def_property(
           "tolerance", [](const Scene& s) { return s.tolerance; },
           [](Scene& s, double tolerance) {
@@ -219,8 +233,8 @@ void add_scene(py::module_& m) {
               throw py::value_error("Scene.tolerance: a finite number >= 0 is expected");
             s.tolerance = tolerance;
           },
-          "How exact lengths are [m], and over the largest lever angles [rad]: contact rows that depend on each other\n"
-          "but for that are dependent. 0: exact to rounding.")
+          "Geometric tolerance [m]; for angles it is divided by the longest moment arm. Rows that are dependent to\n"
+          "within it are treated as dependent. 0: exact up to rounding errors.")
       .def_property(
           "moment_length", [](const Scene& s) { return s.moment_length; },
           [](Scene& s, double length) {
@@ -228,9 +242,8 @@ void add_scene(py::module_& m) {
               throw py::value_error("Scene.moment_length: a finite length > 0 is expected");
             s.moment_length = length;
           },
-          "A moment of a contact counts as the force that makes it at this lever [m]: in forces of least norm, and "
-          "turns\n"
-          "beside displacements in least squares.")
+          "Length L [m] that weights moments against forces: least-norm contact forces minimise sum f^2 + sum (m /\n"
+          "L)^2.")
       .def_property_readonly("robots", &robots_of, "Robots, by number or name.")
       .def_property_readonly("contacts", &contacts_of, "Contacts, by number or name: scene.contacts['left'].mu = 0.5.")
       .def_property_readonly("pushes", &pushes_of, "Pushes, by number or name.")
@@ -240,15 +253,16 @@ void add_scene(py::module_& m) {
           [](const std::shared_ptr<Scene>& s, const std::string& name) {
             return contact_of_scene(s, static_cast<std::size_t>(contact_called(*s, name)));
           },
-          py::arg("name"), "The contact of that name, as scene.contacts[name].")
+          py::arg("name"), "Return the contact with the given name, as scene.contacts[name].")
       .def("change_contact", &change_contact, py::arg("name"), py::kw_only(), py::arg("placement") = py::none(),
            py::arg("gains") = py::none(), py::arg("reference_frame") = py::none(),
-           "What may change of a contact under data in use: B's placement, gains (alpha, beta), the reference frame.")
-      .def_readonly("nq", &Scene::nq)
-      .def_readonly("nv", &Scene::nv)
-      .def_readonly("nu", &Scene::nu)
-      .def_readonly("robot_index", &Scene::robot_index, "{name: number}; a copy.")
-      .def_readonly("contact_index", &Scene::contact_index, "{name: number}; a copy.");
+           "Change the placement of B, the gains (alpha, beta) or the reference frame of a contact, while data are in\n"
+           "use.")
+      .def_readonly("nq", &Scene::nq, "Number of configuration coordinates.")
+      .def_readonly("nv", &Scene::nv, "Number of velocity coordinates.")
+      .def_readonly("nu", &Scene::nu, "Number of actuated coordinates.")
+      .def_readonly("robot_index", &Scene::robot_index, "Dictionary {name: number}; a copy.")
+      .def_readonly("contact_index", &Scene::contact_index, "Dictionary {name: number}; a copy.");
   add_value(c).def("__repr__", [](const Scene& s) {
     return "<Scene '" + s.name + "': " + std::to_string(s.robots.size()) + " robots, nv = " + std::to_string(s.nv) +
            ", " + std::to_string(s.contacts.size()) + " contacts>";
@@ -262,46 +276,43 @@ void add_configurations(py::module_& m) {
         if (!model) throw py::value_error("add_robot: a model is expected, not None");
         return add_robot(scene, name, std::move(model), base);
       },
-      py::arg("scene"), py::arg("name"), py::arg("model"), py::arg_v("base", Placement(), "SE3()"),
-      "Appends a robot; returns its number. base: where its base stands (fixed), or where neutral(scene) starts it.");
+      py::arg("scene"), py::arg("name"), py::arg("model"), py::arg_v("base", Placement(), "SE3()"), doc::add_robot);
   m.def("attach", &attach, py::arg("scene"), py::arg("robot"), py::arg("frame"),
-        py::arg_v("offset", Placement(), "SE3()"), "The attachment of a robot's frame, with an offset on it.");
-  m.def("add_contact", &add_contact, py::arg("scene"), py::arg("contact"), "Appends a contact; returns its number.");
-  m.def("configuration_names", &configuration_names, py::arg("scene"), "Names of q: 'r0/knee', 'r0/root[0]'.");
-  m.def("velocity_names", &velocity_names, py::arg("scene"), "Names of v.");
-  m.def("torque_names", &torque_names, py::arg("scene"), "Names of u.");
-  m.def("q_index", &q_index, py::arg("scene"), py::arg("robot"), py::arg("joint"), "First coordinate of a joint in q.");
-  m.def("v_index", &v_index, py::arg("scene"), py::arg("robot"), py::arg("joint"), "First coordinate of a joint in v.");
-  m.def("u_index", &u_index, py::arg("scene"), py::arg("robot"), py::arg("joint"), "First torque of a joint in u.");
+        py::arg_v("offset", Placement(), "SE3()"), doc::attach);
+  m.def("add_contact", &add_contact, py::arg("scene"), py::arg("contact"), doc::add_contact);
+  m.def("configuration_names", &configuration_names, py::arg("scene"), doc::configuration_names);
+  m.def("velocity_names", &velocity_names, py::arg("scene"), doc::velocity_names);
+  m.def("torque_names", &torque_names, py::arg("scene"), doc::torque_names);
+  m.def("q_index", &q_index, py::arg("scene"), py::arg("robot"), py::arg("joint"), doc::q_index);
+  m.def("v_index", &v_index, py::arg("scene"), py::arg("robot"), py::arg("joint"), doc::v_index);
+  m.def("u_index", &u_index, py::arg("scene"), py::arg("robot"), py::arg("joint"), doc::u_index);
 
-  m.def("resolve_references", &resolve_references, py::arg("scene"), py::arg("q"),
-        "Moves B' of every contact onto A at configuration q (nq): there they all hold.");
+  m.def("resolve_references", &resolve_references, py::arg("scene"), py::arg("q"), doc::resolve_references);
 }
 
 void add_files(py::module_& m) {
-  py::class_<SceneFile, std::shared_ptr<SceneFile>> c(m, "SceneFile", "A scene from a file, with its state.");
-  c.def_readonly("path", &SceneFile::path)
-      .def_readonly("files", &SceneFile::files, "Read for it: path, scenes it includes, URDFs.")
-      .def_property_readonly("scene",
-                             [](const std::shared_ptr<SceneFile>& f) { return std::shared_ptr<Scene>(f, &f->scene); });
+  py::class_<SceneFile, std::shared_ptr<SceneFile>> c(
+      m, "SceneFile", "A scene from a file, with its configuration, velocity and torques.");
+  c.def_readonly("path", &SceneFile::path, "Path of the file.")
+      .def_readonly("files", &SceneFile::files, "All files read: path, included scenes, URDFs.")
+      .def_property_readonly(
+          "scene", [](const std::shared_ptr<SceneFile>& f) { return std::shared_ptr<Scene>(f, &f->scene); }, "Scene.");
   member_view(c, "q", &SceneFile::q, "Configuration (nq) [m, rad, quaternions].");
   member_view(c, "v", &SceneFile::v, "Velocity (nv) [m/s, rad/s].");
-  member_view(c, "u", &SceneFile::u, "Torques of actuated joints (nu) [N m, N].");
+  member_view(c, "u", &SceneFile::u, "Torques of the actuated coordinates (nu) [N m, N].");
   c.def_property_readonly(
       "findings", [](const SceneFile& f) { return f.findings; },
-      "List of Finding: what reading the robots' files found odd; names as 'robot/joint'.");
+      "List of Finding: questionable input in the robots' files, with names such as 'robot/joint'.");
   add_value(c);
   m.def(
       "load_scene", [](const std::string& path) { return std::make_shared<SceneFile>(load_scene(path)); },
-      py::arg("path"), Unlocked(),
-      "A scene from its XML file, with q, v, u. Raises InputError (a ValueError) \"FILE:LINE: what is wrong\".");
+      py::arg("path"), Unlocked(), doc::load_scene);
   m.def(
       "load_scene_text",
       [](const std::string& text, const std::string& path) {
         return std::make_shared<SceneFile>(load_scene_text(text, path));
       },
-      py::arg("text"), py::arg("path") = "scene.xml", Unlocked(),
-      "A scene from XML text, as if it stood in the file `path`: URDF files are found relative to that.");
+      py::arg("text"), py::arg("path") = "scene.xml", Unlocked(), doc::load_scene_text);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 // A scene through time: floor simulation.
 
+#include "docs/simulation.hpp"
+
 #include <variant>
 
 #include "data.hpp"
@@ -89,46 +91,48 @@ Trajectory simulate(const Scene& scene, py::handle u, Simulation& simulation, lo
 }
 
 void add_steps(py::module_& m) {
-  add_enumeration<Integrator>(m, "Integrator", "integrator", "Both on the manifold of configurations.",
+  add_enumeration<Integrator>(m, "Integrator", "integrator", "Time stepping schemes on the manifold of configurations.",
                               {{"SEMI_IMPLICIT_EULER", Integrator::kSemiImplicitEuler}, {"RK4", Integrator::kRk4}});
-  add_enumeration<StepStatus>(m, "StepStatus", "status of a step", "What became of a step.",
+  add_enumeration<StepStatus>(m, "StepStatus", "status of a step", "The result of a step.",
                               {{"OK", StepStatus::kOk},
                                {"SOLVER_FAILED", StepStatus::kSolverFailed},
                                {"NOT_FINITE", StepStatus::kNotFinite},
                                {"TOO_FAST", StepStatus::kTooFast}});
 
-  py::class_<Simulation>(m, "SimulationData", "A scene on its way through time, contacts held as the scene says.")
+  py::class_<Simulation>(m, "SimulationData",
+                         "A simulation of a scene: its state, step size, integrator and workspace.")
       .def(py::init([](const Scene& scene, const Vector& q, const Vector& v, Integrator integrator, double h,
                        const Options& options) { return Simulation(scene, q, v, integrator, h, options); }),
            py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("integrator"), py::arg("h"),
            py::arg_v("options", Options(), "Options()"),
-           "Starts at q (nq), v (nv). integrator: 'semi-implicit-euler' or 'rk4'; h: step [s].")
+           "Start at q (nq), v (nv), with the integrator 'semi-implicit-euler' or 'rk4' and the step h [s].")
       .def_property(
           "q", [](const Simulation& s) { return s.at_rest().q; },
           [](const Simulation& s, const Vector& q) { put("q", q, s.changeable().q); },
-          "Configuration (nq); assign a whole one to go on from there.")
+          "Configuration (nq); assign a whole vector to continue from there.")
       .def_property(
           "v", [](const Simulation& s) { return s.at_rest().v; },
           [](const Simulation& s, const Vector& v) { put("v", v, s.changeable().v); },
-          "Velocity (nv); assign a whole one to go on from there.")
-      .def_property_readonly("integrator", [](const Simulation& s) { return s.at_rest().integrator; })
-      .def_property_readonly("steps", [](const Simulation& s) { return s.at_rest().steps; })
+          "Velocity (nv); assign a whole vector to continue from there.")
       .def_property_readonly(
-          "time", [](const Simulation& s) { return s.at_rest().time(); }, "[s]")
+          "integrator", [](const Simulation& s) { return s.at_rest().integrator; }, "Integrator.")
       .def_property_readonly(
-          "h", [](const Simulation& s) { return s.at_rest().h; }, "[s]")
+          "steps", [](const Simulation& s) { return s.at_rest().steps; }, "Number of completed steps.")
       .def_property_readonly(
-          "worst", [](const Simulation& s) { return s.at_rest().worst; }, "Status of all solves.")
+          "time", [](const Simulation& s) { return s.at_rest().time(); }, "Time since the start [s].")
+      .def_property_readonly(
+          "h", [](const Simulation& s) { return s.at_rest().h; }, "Step size [s].")
+      .def_property_readonly(
+          "worst", [](const Simulation& s) { return s.at_rest().worst; }, "Worst Status of all solves.")
       .def_property(
           "velocity_limit", [](const Simulation& s) { return s.at_rest().velocity_limit; },
           [](const Simulation& s, double limit) { s.changeable().velocity_limit = limit; },
-          "[m/s, rad/s]; a step beyond it is StepStatus.TOO_FAST.")
+          "Largest velocity [m/s, rad/s]; a faster step is StepStatus.TOO_FAST.")
       .def_property_readonly(
           "dynamics", [](const Simulation& s) { return s.dynamics; },
-          "SceneData of the last solve; dynamics.active may be switched between steps, dynamics.pushes "
-          "changed.");
+          "SceneData of the last solve. Between steps dynamics.active may be switched, and dynamics.pushes changed.");
 
-  py::class_<Trajectory> trajectory(m, "Trajectory", "States at the start and after every so many steps, by simulate.");
+  py::class_<Trajectory> trajectory(m, "Trajectory", "The states that simulate recorded.");
   add_value(trajectory)
       .def_property_readonly(
           "t", [](const Trajectory& x) { return read_only(py::array_t<double>(x.t.size(), x.t.data())); },
@@ -137,7 +141,7 @@ void add_steps(py::module_& m) {
           "q", [](const Trajectory& x) { return stack(x.q, x.q.front().size()); }, "Configurations (n, nq).")
       .def_property_readonly(
           "v", [](const Trajectory& x) { return stack(x.v, x.v.front().size()); }, "Velocities (n, nv).")
-      .def_readonly("status", &Trajectory::status, "StepStatus of the last step; not OK: it stopped there.");
+      .def_readonly("status", &Trajectory::status, "StepStatus of the last step; not OK: the simulation ended early.");
 }
 
 void add_step_functions(py::module_& m) {
@@ -148,24 +152,22 @@ void add_step_functions(py::module_& m) {
         const auto U = u.vector();
         return simulation.dynamics->use([&](SceneData&) { return step(scene, U, *simulation.data); });
       },
-      py::arg("scene"), py::arg("u"), py::arg("data"),
-      "One step with torques u (nu). Where it is not StepStatus.OK the state stays what it was: see failure().");
+      py::arg("scene"), py::arg("u"), py::arg("data"), doc::step);
   m.def("simulate", &simulate, py::arg("scene"), py::arg("u"), py::arg("data"), py::arg("steps"), py::arg("every") = 1,
-        "Steps on from data's state with torques u, (nu) or (steps, nu), until a step is not OK; returns the\n"
-        "Trajectory, which has the start, every `every`-th state and the last. Ctrl-C ends it.");
+        doc::simulate);
   m.def(
       "contact_force",
       [](const Scene& scene, const Simulation& simulation, const std::variant<int, std::string>& contact) -> Vector {
         return std::visit([&](const auto& c) -> Vector { return contact_force(scene, simulation.at_rest(), c); },
                           contact);
       },
-      py::arg("scene"), py::arg("data"), py::arg("contact"),
-      "What a contact, by its name or number, exerted on A in the last step, in its reference frame [N, N m]; a copy.");
-  py::class_<VelocityJump> jump(m, "VelocityJump", "What an impact did.");
+      py::arg("scene"), py::arg("data"), py::arg("contact"), doc::step_contact_force);
+  py::class_<VelocityJump> jump(m, "VelocityJump", "The result of an impact.");
   add_value(jump)
-      .def_readonly("status", &VelocityJump::status, "Status of its solve; 'failed': only the set of contacts changed.")
-      .def_readonly("energy_lost", &VelocityJump::energy_lost, "[J]")
-      .def_readonly("impulse", &VelocityJump::impulse, "Rows of the active contacts, on A [N s, N m s].");
+      .def_readonly("status", &VelocityJump::status,
+                    "Status of its solve; 'failed': only the set of contacts was changed.")
+      .def_readonly("energy_lost", &VelocityJump::energy_lost, "Kinetic energy that was lost [J].")
+      .def_readonly("impulse", &VelocityJump::impulse, "Impulses on A (rows of the active contacts) [N s, N m s].");
   m.def(
       "switch_contacts",
       [](const Scene& scene, py::handle active, const Simulation& simulation) {
@@ -173,27 +175,28 @@ void add_step_functions(py::module_& m) {
         set_flags("active", active, flags);
         return simulation.dynamics->use([&](SceneData&) { return switch_contacts(scene, flags, *simulation.data); });
       },
-      py::arg("scene"), py::arg("active"), py::arg("data"),
-      "Between steps: sets which contacts hold (one bool each). Where one closes, data.v becomes the nearest velocity\n"
-      "that they allow, in the kinetic metric: an impact without restitution. Returns a VelocityJump.");
+      py::arg("scene"), py::arg("active"), py::arg("data"), doc::switch_contacts);
   m.def(
       "failure",
       [](const Scene& scene, const Simulation& simulation, StepStatus status) {
         if (simulation.at_rest().v.size() != scene.nv) throw py::value_error("failure: the data are of another scene");
         return failure(scene, simulation.at_rest(), status);
       },
-      py::arg("scene"), py::arg("data"), py::arg("status"), "Why a step was not OK, in words.");
+      py::arg("scene"), py::arg("data"), py::arg("status"), doc::failure);
 }
 
 void add_invariants(py::module_& m) {
-  py::class_<Invariants> kept(m, "Invariants", "What exact motion keeps.");
+  py::class_<Invariants> kept(m, "Invariants", "Quantities that exact motion conserves.");
   add_value(kept)
-      .def_readonly("position_drift", &Invariants::position_drift, "Largest error of active contacts [m, rad].")
-      .def_readonly("velocity_drift", &Invariants::velocity_drift, "max |J v| [m/s, rad/s].")
-      .def_readonly("kinetic", &Invariants::kinetic, "[J]")
-      .def_readonly("potential", &Invariants::potential, "[J], zero at the world's origin.")
-      .def_property_readonly("energy", &Invariants::energy, "[J]")
-      .def_readonly("momentum", &Invariants::momentum, "About the world's origin (6): linear [N s], angular [N m s].");
+      .def_readonly("position_drift", &Invariants::position_drift,
+                    "Largest placement error of the active contacts [m, rad].")
+      .def_readonly("velocity_drift", &Invariants::velocity_drift,
+                    "Largest velocity of the active contacts, max |J v| [m/s, rad/s].")
+      .def_readonly("kinetic", &Invariants::kinetic, "Kinetic energy [J].")
+      .def_readonly("potential", &Invariants::potential, "Potential energy [J], zero at the world's origin.")
+      .def_property_readonly("energy", &Invariants::energy, "Sum of kinetic and potential energy [J].")
+      .def_readonly("momentum", &Invariants::momentum,
+                    "Momentum about the world's origin (6): linear [N s], angular [N m s].");
   m.def(
       "invariants",
       [](const Scene& scene, const std::vector<bool>& active, const Vector& q, const Vector& v) {
@@ -203,17 +206,16 @@ void add_invariants(py::module_& m) {
         InvariantsData data(scene);
         return invariants(scene, std::vector<char>(active.begin(), active.end()), q, v, data);
       },
-      py::arg("scene"), py::arg("active"), py::arg("q"), py::arg("v"),
-      "Drift, energy and momentum at q (nq), v (nv), with the contacts flagged active (one bool each).");
+      py::arg("scene"), py::arg("active"), py::arg("q"), py::arg("v"), doc::invariants);
 
-  py::class_<Gains> gains(m, "Gains", "Of a contact's stabilisation; alpha, beta = gains.");
+  py::class_<Gains> gains(m, "Gains", "Stabilisation gains of a contact; alpha, beta = gains.");
   add_value(gains)
       .def(py::init([](double alpha, double beta) {
              return Gains{alpha, beta};
            }),
            py::arg("alpha") = 0.0, py::arg("beta") = 0.0)
-      .def_readwrite("alpha", &Gains::alpha, "[1/s^2]")
-      .def_readwrite("beta", &Gains::beta, "[1/s]")
+      .def_readwrite("alpha", &Gains::alpha, "Gain of position errors [1/s^2].")
+      .def_readwrite("beta", &Gains::beta, "Gain of velocities [1/s].")
       .def("__iter__", [](const Gains& g) { return py::iter(py::make_tuple(g.alpha, g.beta)); })
       .def("__repr__", [](const Gains& g) {
         return "Gains(" + std::string(py::str(py::float_(g.alpha))) + ", " + std::string(py::str(py::float_(g.beta))) +
@@ -221,13 +223,13 @@ void add_invariants(py::module_& m) {
       });
   m.def(
       "recommended_gains", [](Integrator i, double h) { return recommended_gains(i, h); }, py::arg("integrator"),
-      py::arg("h"), "Gains for steps of h [s].");
+      py::arg("h"), doc::recommended_gains);
   m.def(
       "error_growth", [](Integrator i, const Gains& g, double h) { return error_growth(i, g, h); },
-      py::arg("integrator"), py::arg("gains"), py::arg("h"), "What a contact's error is multiplied by per step.");
+      py::arg("integrator"), py::arg("gains"), py::arg("h"), doc::error_growth);
   m.def(
       "largest_stable_step", [](Integrator i, const Gains& g) { return largest_stable_step(i, g); },
-      py::arg("integrator"), py::arg("gains"), "[s]");
+      py::arg("integrator"), py::arg("gains"), doc::largest_stable_step);
 }
 
 }  // namespace

@@ -2,12 +2,14 @@
 // Plain structures as Python's values: copied, compared, pickled, member by member. What has a member that is no data
 // (a function) raises where it is pickled.
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
 #include "handle.hpp"
+#include "manycontact/dynamics/report.hpp"
 #include "manycontact/model/model.hpp"
 #include "members.hpp"
 
@@ -35,6 +37,10 @@ template <class T>
 bool equal(const T& a, const T& b) {
   if constexpr (is_matrix<T>) {
     return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
+  } else if constexpr (std::is_floating_point_v<T>) {
+    return a == b || (std::isnan(a) && std::isnan(b));  // as of what was not estimated
+  } else if constexpr (std::is_same_v<T, SolveTimes>) {
+    return true;  // measured
   } else if constexpr (std::is_same_v<T, SharedModel>) {
     return a == b || (a && b && equal(*a, *b));
   } else if constexpr (is_vector<T>) {

@@ -173,7 +173,8 @@ void Run::solve(SolverAbstract& solver, const SolverDDP& inner) {
     out.direction = sparse->direction();
   }
   if (inner.has_rolled_out())
-    out.remarks.push_back("no step closed the gaps: from the motion of the guess's torques within the limits");
+    out.remarks.push_back(
+        "no step closed the gaps: continued from the motion of the guess's torques within the limits");
 }
 
 void Run::with_constraints() {
@@ -243,7 +244,7 @@ void leave_stationary_guess(Run& run) {
   const TaskSolution stayed = run.out;
   run.out.xs = std::move(xs);
   run.out.us = std::move(us);
-  run.out.remarks.push_back("the guess was stationary, but no minimum: from beside it");
+  run.out.remarks.push_back("the guess was stationary, but no minimum: started from a nearby point");
   go_on(run);
 }
 
@@ -263,7 +264,7 @@ void take_limits(Run& run) {
   box.out.blocks = run.out.blocks;
   box.out.iterations = run.out.iterations;
   box.out.remarks = run.out.remarks;
-  box.out.remarks.push_back("the constraints only bound torques: as limits, by box-fddp");
+  box.out.remarks.push_back("the constraints only bound torques: treated as limits, by box-fddp");
   box();
   run.problem.problem->calc(box.out.xs, box.out.us);
   box.out.violations = violations(run.problem);
@@ -286,8 +287,8 @@ void take_dense_recursion(Run& run) {
   dense.us = run.problem.us;
   dense.multipliers = run.problem.multipliers;
   run.problem = std::move(dense);
-  run.out.remarks.push_back("directions by blocks ended with \"" + run.out.reason +
-                            "\": from there by the dense recursion");
+  run.out.remarks.push_back("block-wise search directions ended with \"" + run.out.reason +
+                            "\": continued with the dense recursion");
   go_on(run);
 }
 

@@ -39,7 +39,7 @@ Point point_at(const Scene& scene, const Attachment& at, const Eigen::VectorXd& 
   if (at.joint < 0) return out;
   const Eigen::VectorXd v = x.segment(scene.nq + robot.idx_v, robot.model->nv);
   forward_accelerations<double>(*robot.model, v, nullptr, scene.gravity, kin);
-  out.v = frame_velocity<double>(kin, robot.base, at.joint, at.placement, FrameAxes::kLocalWorldAligned).head<3>();
+  out.v = frame_velocity<double>(kin, robot.base, at.joint, at.placement, ReferenceFrame::kLocalWorldAligned).head<3>();
   return out;
 }
 
@@ -77,7 +77,7 @@ std::vector<PlanClosing> closings(const TaskFile& task, const Vectors& xs) {
 std::vector<PlanLimit> limits_passed(const TaskFile& task, const Vectors& xs, const Vectors& us) {
   const Scene& scene = task.scene.scene;
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(scene.nu);
-  std::map<std::tuple<int, int, Limited>, PlanLimit> worst;
+  std::map<std::tuple<int, int, LimitKind>, PlanLimit> worst;
   const auto beyond = [](const LimitPassed& l) { return std::abs(l.value - l.limit); };
   for (std::size_t t = 0; t < xs.size(); ++t) {
     const bool driven = t < us.size() && us[t].size() == none.size();

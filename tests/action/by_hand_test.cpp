@@ -3,7 +3,6 @@
 
 #include "action/residual_factory.hpp"
 #include "action/walker.hpp"
-#include "manycontact/algorithm/frame_axes.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -241,7 +240,8 @@ TEST(ContactsByHand, AreTheActions) {
     const Robot& robot = motion.scene.robots[0];
     for (std::size_t j = 0; j < by_hand->fext.size(); ++j) {
       Mat6X<double> J(6, robot.model->nv);
-      frame_jacobian<double>(*robot.model, motion.motion[0], robot.base, static_cast<int>(j), {}, FrameAxes::kLocal, J);
+      frame_jacobian<double>(*robot.model, motion.motion[0], robot.base, static_cast<int>(j), {},
+                             ReferenceFrame::kLocal, J);
       by_fext += J.transpose() * by_hand->fext[j].toVector();
     }
     EXPECT_LT(twin_difference(by_fext, torque), 1e-12);

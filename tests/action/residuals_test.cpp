@@ -179,9 +179,9 @@ TEST(ResidualValues, AreThoseOfTheScene) {
     }
     if (const auto* model = dynamic_cast<ResidualModelFrameVelocity*>(named.residual.get())) {
       const auto& f = p.state->get_model()->frames[model->get_id()];
-      const FrameAxes axes = model->get_type() == LOCAL   ? FrameAxes::kLocal
-                             : model->get_type() == WORLD ? FrameAxes::kWorld
-                                                          : FrameAxes::kLocalWorldAligned;
+      const ReferenceFrame axes = model->get_type() == LOCAL   ? ReferenceFrame::kLocal
+                                  : model->get_type() == WORLD ? ReferenceFrame::kWorld
+                                                               : ReferenceFrame::kLocalWorldAligned;
       const Vec6<double> v = frame_velocity<double>(shared.kinematics(f.robot), shared.scene.robots[f.robot].base,
                                                     f.joint, f.placement, axes);
       EXPECT_LT((r + model->get_reference() - v).norm(), 1e-13 * (1 + v.norm())) << named.name;

@@ -12,7 +12,7 @@
 namespace manycontact {
 namespace {
 
-constexpr FrameAxes kAxes[] = {FrameAxes::kLocal, FrameAxes::kWorld, FrameAxes::kLocalWorldAligned};
+constexpr ReferenceFrame kAxes[] = {ReferenceFrame::kLocal, ReferenceFrame::kWorld, ReferenceFrame::kLocalWorldAligned};
 
 struct FramesTest : testing::TestWithParam<bool> {
   std::mt19937 rng{7};
@@ -48,7 +48,7 @@ struct FramesTest : testing::TestWithParam<bool> {
 
 TEST_P(FramesTest, JacobianTimesVelocityIsTheVelocity) {
   const Kinematics<Quad> kin = at(0);
-  for (FrameAxes axes : kAxes) {
+  for (ReferenceFrame axes : kAxes) {
     Mat6X<Quad> J(6, model.nv);
     frame_jacobian<Quad>(model, kin, base, joint, placement, axes, J);
     const Vec6<Quad> velocity = frame_velocity<Quad>(kin, base, joint, placement, axes);
@@ -63,16 +63,17 @@ TEST_P(FramesTest, VelocityAndClassicalAccelerationAreThoseOfTheOrigin) {
   const Kinematics<Quad> kin = at(0);
   const Vec3<Quad> velocity = (origin(h) - origin(-h)) / (2 * h);
   const Vec3<Quad> acceleration = (origin(h) - 2 * origin(0) + origin(-h)) / (h * h);
-  const Vec6<Quad> v0 = frame_velocity<Quad>(kin, base, joint, placement, FrameAxes::kLocalWorldAligned);
-  const Vec6<Quad> a0 = frame_classical_acceleration<Quad>(kin, base, joint, placement, FrameAxes::kLocalWorldAligned);
+  const Vec6<Quad> v0 = frame_velocity<Quad>(kin, base, joint, placement, ReferenceFrame::kLocalWorldAligned);
+  const Vec6<Quad> a0 =
+      frame_classical_acceleration<Quad>(kin, base, joint, placement, ReferenceFrame::kLocalWorldAligned);
   EXPECT_LT(static_cast<double>((v0.head<3>() - velocity).norm() / velocity.norm()), 1e-14);
   EXPECT_LT(static_cast<double>((a0.head<3>() - acceleration).norm() / acceleration.norm()), 1e-12);
 }
 
 TEST_P(FramesTest, SpatialAccelerationIsTheDerivativeOfSpatialVelocity) {
   const Quad h(1e-12);
-  for (FrameAxes axes :
-       {FrameAxes::kLocal, FrameAxes::kWorld}) {  // those in which the components' derivative is spatial
+  for (ReferenceFrame axes :
+       {ReferenceFrame::kLocal, ReferenceFrame::kWorld}) {  // those in which the components' derivative is spatial
     const auto velocity = [&](const Quad& t) { return frame_velocity<Quad>(at(t), base, joint, placement, axes); };
     const Vec6<Quad> difference = (velocity(h) - velocity(-h)) / (2 * h);
     const Vec6<Quad> a = frame_acceleration<Quad>(at(0), base, joint, placement, axes);

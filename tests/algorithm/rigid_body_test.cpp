@@ -279,9 +279,9 @@ TEST_P(RigidBody, FramesMove) {
   Attachment frame = frame_called(scene, "middle/link" + std::to_string(robot.model->njoints() - 1));
   frame.placement = random_placement(rng);
   for (const ReferenceFrame axes : kAllAxes) {
-    const FrameAxes quads = axes == ReferenceFrame::kLocal   ? FrameAxes::kLocal
-                            : axes == ReferenceFrame::kWorld ? FrameAxes::kWorld
-                                                             : FrameAxes::kLocalWorldAligned;
+    const ReferenceFrame quads = axes == ReferenceFrame::kLocal   ? ReferenceFrame::kLocal
+                                 : axes == ReferenceFrame::kWorld ? ReferenceFrame::kWorld
+                                                                  : ReferenceFrame::kLocalWorldAligned;
     const auto velocity = [&](const Quad& t) {
       return frame_velocity<Quad>(along(robot, t).kin, robot.base, frame.joint, frame.placement, quads);
     };

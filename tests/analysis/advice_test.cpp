@@ -69,11 +69,12 @@ TEST(Kinds, DifferInTheirRanks) {
 TEST(Advice, OnCorners) {
   const Advised s{load_scene(model("feet_on_corners.xml"))};
   for (const char* part :
-       {"the 24 contact rows of humanoid have rank 12; 12 rows are redundant, since the rows before hold the same: "
+       {"the 24 contact rows of humanoid have rank 12; 12 rows are redundant, since the preceding rows impose the same "
+        "constraint: "
         "left_2[1], left_3[0]",
         "to be dropped: left_4, right_4",
-        "left_1 .. left_4, 12 rows of rank 6: one 6D contact on `humanoid/left_sole` holds the same",
-        "so simplified, 12 rows hold what 24 do, and every one counts"})
+        "left_1 .. left_4, 12 rows of rank 6: one 6D contact on `humanoid/left_sole` imposes the same constraint",
+        "after this change, 12 rows replace 24, and all are linearly independent"})
     EXPECT_TRUE(says(s.contacts, part)) << part << "\n" << all(s.contacts);
   EXPECT_TRUE(says(s.bodies, "humanoid: 20 joints could be locked")) << all(s.bodies);
 }
@@ -122,7 +123,7 @@ TEST(Advice, OnBodiesThatNothingMoves) {
     <robot name="busy" urdf="arm.urdf" base="fixed"><joint name="shoulder_yaw" v="1"/></robot>
     <robot name="box" urdf="box.urdf" base="floating" copies="5"/></scene>)")};
   EXPECT_TRUE(says(s.bodies, "idle: fixed to the world, at rest and touched by no contact")) << all(s.bodies);
-  EXPECT_TRUE(says(s.bodies, "box0 .. box4: floats free, touched by no contact")) << all(s.bodies);
+  EXPECT_TRUE(says(s.bodies, "box0 .. box4: floats freely, without contact")) << all(s.bodies);
   EXPECT_FALSE(says(s.bodies, "busy: fixed")) << all(s.bodies);
 }
 

@@ -76,16 +76,16 @@ TEST(Violations, PullAndSlip) {
   EXPECT_TRUE(judged(point, {3, 4, 10}).empty());  // |t| = 5 = mu n
   auto found = judged(point, {6, 8, 10});
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].kind, Violating::kSlips);
+  EXPECT_EQ(found[0].kind, ViolationKind::kSlips);
   EXPECT_NEAR(found[0].by, 5, 1e-12);
   EXPECT_NEAR(found[0].needs, 1, 1e-12);
   found = judged(point, {6, 8, -10});
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].kind, Violating::kPulls);
+  EXPECT_EQ(found[0].kind, ViolationKind::kPulls);
   EXPECT_NEAR(found[0].by, 10, 1e-12);
   EXPECT_TRUE(judged(one_contact(ContactType::k1D, 0), {1}).empty());
-  EXPECT_EQ(judged(one_contact(ContactType::k1D, 0), {-1}).at(0).kind, Violating::kPulls);
-  EXPECT_EQ(judged(one_contact(ContactType::k2D, 0.5), {2, 3}).at(0).kind, Violating::kSlips);
+  EXPECT_EQ(judged(one_contact(ContactType::k1D, 0), {-1}).at(0).kind, ViolationKind::kPulls);
+  EXPECT_EQ(judged(one_contact(ContactType::k2D, 0.5), {2, 3}).at(0).kind, ViolationKind::kSlips);
   EXPECT_TRUE(judged(one_contact(ContactType::k2D, 0.7), {2, 3}).empty());
   Scene without = point;
   without.contacts[0].mu.reset();
@@ -134,9 +134,9 @@ TEST(Violations, TheNormalOfAnotherBody) {
         "to_offset_quat_xyzw=\"0 0 0 1\"/></scene>");
     const Vec3<double> n = rotation_about<double>(Vec3<double>::UnitY(), 0.5) * -Vec3<double>::UnitX();
     EXPECT_TRUE(violations(file.scene, file.q, Eigen::VectorXd(n), {0}).empty());
-    EXPECT_EQ(violations(file.scene, file.q, Eigen::VectorXd(-n), {0}).at(0).kind, Violating::kPulls);
+    EXPECT_EQ(violations(file.scene, file.q, Eigen::VectorXd(-n), {0}).at(0).kind, ViolationKind::kPulls);
     EXPECT_EQ(violations(file.scene, file.q, Eigen::VectorXd(Vec3<double>::UnitY()), {0}).at(0).kind,
-              Violating::kSlips);
+              ViolationKind::kSlips);
   }
 }
 
@@ -157,14 +157,14 @@ TEST(Violations, TipAndTurn) {
   EXPECT_TRUE(judged(sole, {0, 0, 100, 4.9, 9.9, 0}).empty());
   auto found = judged(sole, {0, 0, 100, 0, -13, 0});  // centre of pressure 0.13 m ahead
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].kind, Violating::kTips);
+  EXPECT_EQ(found[0].kind, ViolationKind::kTips);
   EXPECT_NEAR(found[0].by, 0.03, 1e-12);
   EXPECT_NEAR(judged(sole, {0, 0, 100, 6, 0, 0}).at(0).by, 0.01, 1e-12);
   // no other force: torque up to mu n (X + Y) = 0.5 * 100 * 0.15
   EXPECT_TRUE(judged(sole, {0, 0, 100, 0, 0, 7.4}).empty());
   found = judged(sole, {0, 0, 100, 0, 0, -8});
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].kind, Violating::kTurns);
+  EXPECT_EQ(found[0].kind, ViolationKind::kTurns);
   EXPECT_NEAR(found[0].by, 0.5, 1e-12);
 }
 
@@ -201,7 +201,7 @@ TEST(Limits, PositionVelocityEffort) {
   const std::string begin = "<joint name=\"" + joint.name + "\" ";
   auto found = passed(begin + "q" + quoted(joint.upper[0] + 0.25) + "/>");
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].quantity, Limited::kPosition);
+  EXPECT_EQ(found[0].quantity, LimitKind::kPosition);
   EXPECT_EQ(found[0].dof, joint.idx_v);
   EXPECT_NEAR(found[0].value - found[0].limit, 0.25, 1e-5);
   found = passed(begin + "q" + quoted(joint.lower[0] - 0.25) + "/>");
@@ -209,8 +209,8 @@ TEST(Limits, PositionVelocityEffort) {
   EXPECT_EQ(found[0].limit, joint.lower[0]);
   found = passed(begin + "v" + quoted(-2 * joint.velocity_limit[0]) + " u" + quoted(3 * joint.effort_limit[0]) + "/>");
   ASSERT_EQ(found.size(), 2u);
-  EXPECT_EQ(found[0].quantity, Limited::kVelocity);
-  EXPECT_EQ(found[1].quantity, Limited::kEffort);
+  EXPECT_EQ(found[0].quantity, LimitKind::kVelocity);
+  EXPECT_EQ(found[1].quantity, LimitKind::kEffort);
   EXPECT_EQ(found[1].limit, joint.effort_limit[0]);
 }
 

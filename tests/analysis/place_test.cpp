@@ -223,7 +223,7 @@ TEST(Place, SaysWhatIsWrong) {
   EXPECT_NE(refused(pose_goal({-1, -1, {}}, SE3<double>{})).find("not of a frame"), std::string::npos);
   EXPECT_NE(refused(pose_goal({7, 0, {}}, SE3<double>{})).find("not of a frame"), std::string::npos);
   goal = Goal();
-  goal.of = Goal::Of::kContact;
+  goal.target = Goal::Target::kContact;
   goal.contact = 3;
   EXPECT_NE(refused(goal).find("not of a contact"), std::string::npos);
   EXPECT_THROW((void)contact_goal(scene, "left"), std::invalid_argument);
@@ -391,7 +391,7 @@ TEST(Poses, ThatLeaveContactsOpenAreRefused) {
     FAIL();
   } catch (const InputError& e) {
     EXPECT_EQ(e.line, 2);
-    EXPECT_NE(e.message.find("contact 'pin' stays out of place by 2 m"), std::string::npos) << e.message;
+    EXPECT_NE(e.message.find("contact 'pin' remains out of place by 2 m"), std::string::npos) << e.message;
   }
 }
 

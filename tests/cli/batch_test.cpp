@@ -174,8 +174,8 @@ TEST_F(Batch, BadFilesAreOneLine) {
       {with("(2, ", "(99999999999999999999, "), "has a header that is none of NumPy's"},
       {with("(2, ", "(4611686018427387904, "), "more than any file has"},
       {with("(2, " + c + ")", "(" + std::to_string(2 * cols) + ",)"), "has 1 dimensions, not two or three"},
-      {good + numbers.substr(8), "bytes of numbers where its shape says"},
-      {good + numbers + "x", "bytes of numbers where its shape says"},
+      {good + numbers.substr(8), "bytes of numbers where its shape requires"},
+      {good + numbers + "x", "bytes of numbers where its shape requires"},
       {npy(dictionary({cols, 2})) + numbers, "has shape (" + c + ", 2), expected (states, " + c + "): q "},
       {npy(dictionary({1, 2, cols})) + numbers, "has shape (1, 2, " + c + "), expected (states, " + c + ")"},
   };

@@ -31,9 +31,12 @@ TEST_F(Inspect, FeetOnCorners) {
       "right_4[0], right_4[1], right_4[2]");
   expect_contains(out, "left_1, left_2 as 2d (x and z), left_3 as 1d along z, right_1");
   expect_contains(out, "to be dropped: left_4, right_4");
-  expect_contains(out, "left_1 .. left_4, 12 rows of rank 6: one 6D contact on `humanoid/left_sole` holds the same");
-  expect_contains(out, "right_1 .. right_4, 12 rows of rank 6: one 6D contact on `humanoid/right_sole` holds the same");
-  expect_contains(out, "12 rows hold what 24 do");
+  expect_contains(
+      out, "left_1 .. left_4, 12 rows of rank 6: one 6D contact on `humanoid/left_sole` imposes the same constraint");
+  expect_contains(
+      out,
+      "right_1 .. right_4, 12 rows of rank 6: one 6D contact on `humanoid/right_sole` imposes the same constraint");
+  expect_contains(out, "12 rows replace 24");
 }
 
 // Following the advice changes no acceleration.
@@ -78,10 +81,11 @@ TEST_F(Inspect, DuplicatesAreOneContact) {
     <contact name="p1" type="2d" frame="h/left_hand"/> <contact name="p2" type="1d" axis="0 1 0" frame="h/left_hand"/>
     <contact name="p3" type="1d" axis="1 1 1" frame="h/left_hand"/>
     <contact name="off" type="6d" frame="h/right_hand" active="false"/>)"));
-  expect_contains(out, "d1, d2, 6 rows of rank 3: `d1` alone holds the same");
-  expect_contains(
-      out, "p1, p2, p3, 4 rows of rank 3: one 3D contact on `h/left_hand`, at their common point, holds the same");
-  expect_contains(out, "6 rows hold what 10 do");
+  expect_contains(out, "d1, d2, 6 rows of rank 3: `d1` alone imposes the same constraint");
+  expect_contains(out,
+                  "p1, p2, p3, 4 rows of rank 3: one 3D contact on `h/left_hand`, at their common point, imposes the "
+                  "same constraint");
+  expect_contains(out, "6 rows replace 10");
   expect_contains(out, "contacts not active: off");
 }
 
@@ -89,7 +93,8 @@ TEST_F(Inspect, SoundScenesGetNoAdviceOnContacts) {
   for (const char* name : {"humanoid_standing.xml", "humanoid_hands_and_feet.xml", "quadruped_loop.xml",
                            "two_humanoids_carry_beam.xml", "arm_pushes_box.xml", "herd.xml", "ring_of_humanoids.xml"}) {
     const std::string out = inspect(model(name));
-    for (const char* part : {"redundant", "holds the same", "have rank", "has rank"}) expect_lacks(out, part);
+    for (const char* part : {"redundant", "imposes the same constraint", "have rank", "has rank"})
+      expect_lacks(out, part);
     for (const std::string& line : lines_of(out)) EXPECT_TRUE(line.size() <= 100 || line.starts_with("Scene ")) << line;
   }
 }
@@ -184,7 +189,7 @@ TEST_F(Inspect, IdleRobotsAndJoints) {
     <robot name="box" urdf="box.urdf" base="floating"/>)",
                                         "gravity=\"0 0 0\""));
   expect_contains(out, "idle: fixed to the world, at rest and touched by no contact");
-  expect_contains(out, "box: floats free, touched by no contact");
+  expect_contains(out, "box: floats freely, without contact");
   expect_lacks(out, "busy: fixed to the world");
   expect_contains(inspect(model("feet_on_corners.xml")), "20 joints could be locked");
 }

@@ -42,10 +42,9 @@ TEST_F(OddFiles, AnInertiaThatNoBodyHas) {
   EXPECT_EQ(f.at("file"), path("odd.urdf"));
   EXPECT_EQ(f.at("line"), 3);
   for (const char* command : {"solve", "inspect"})
-    expect_contains(
-        run({command, odd}).out,
-        "To look at inertia: r/upper (odd.urdf:3): the body, with what is merged into it, has the principal "
-        "moments of inertia 0.0019, 0.0085, 0.0106 kg m^2, which no body has");
+    expect_contains(run({command, odd}).out,
+                    "Warnings inertia: r/upper (odd.urdf:3): the body, with what is merged into it, has the principal "
+                    "moments of inertia 0.0019, 0.0085, 0.0106 kg m^2, which no body has");
   const Outcome refused = run({"solve", arm(link, joint, "inertia=\"refuse\"")});
   EXPECT_EQ(refused.status, 2);
   EXPECT_EQ(refused.err.find("manycontact: " + path("odd.urdf") + ":3: link 'upper' and what is merged into it have "),
@@ -85,18 +84,17 @@ TEST_F(OddFiles, ASingularInertiaSaysWhy) {
   const std::string y = "type=\"continuous\"><axis xyz=\"0 1 0\"/>";
   EXPECT_EQ(why("", y), "r/j: no mass below it");
   EXPECT_EQ(why("<inertial><mass value=\"1\"/></inertial>", y),
-            "r/j: what it carries lacks a moment of inertia about its axis");
+            "r/j: its bodies lack a moment of inertia about its axis");
   EXPECT_EQ(why("<inertial><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial>", "type=\"prismatic\">"),
-            "r/j: what it carries lacks mass");
-  EXPECT_EQ(
-      why("", y, "",
-          "<link name=\"l\">" + body(1, 1, 1) +
-              "</link><joint name=\"k\" type=\"continuous\"><parent link=\"upper\"/><child link=\"l\"/><axis "
-              "xyz=\"0 1 0\"/></joint>"),
-      "r/j: what it carries lacks a moment of inertia about its axis, and the joints below it move the rest alone");
+            "r/j: its bodies lack mass");
+  EXPECT_EQ(why("", y, "",
+                "<link name=\"l\">" + body(1, 1, 1) +
+                    "</link><joint name=\"k\" type=\"continuous\"><parent link=\"upper\"/><child link=\"l\"/><axis "
+                    "xyz=\"0 1 0\"/></joint>"),
+            "r/j: its bodies lack a moment of inertia about its axis, and the joints below it move the rest alone");
   // two bases
   EXPECT_EQ(why(body(1, 1, 1), "type=\"floating\">", "base=\"floating\""),
-            "r/root: what it carries lacks mass or a moment of inertia, and the joints below it move the rest alone");
+            "r/root: its bodies lack mass or a moment of inertia, and the joints below it move the rest alone");
   expect_contains(run({"solve", path("scene.xml")}).out,
                   "base: r/j (odd.urdf:4): a floating joint below the floating base: two bases");
 }

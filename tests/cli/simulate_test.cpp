@@ -103,7 +103,7 @@ TEST_F(Simulate, PushesAndSprings) {
   const std::string stiff = scene(box + spring + "1e9\"/>");
   const Outcome taken = run(words(stiff));
   EXPECT_EQ(taken.status, 0);
-  expect_contains(taken.out, "spring rope bears steps of 0.00016 s at most");
+  expect_contains(taken.out, "spring rope allows steps of 0.00016 s at most");
   expect_contains(run(words(stiff, {"--integrator", "rk4"})).out, "spring rope is unstable with rk4 beyond steps of");
 }
 

@@ -251,12 +251,12 @@ TEST_F(View, CapsulesAndMeshes) {
       "scale=\"1 2 3\"/></geometry></visual>";
   robot("one.urdf", mesh);
   EXPECT_EQ(view(one).scene["models"][0]["shapes"][1]["shape"], "capsule");
-  expect_contains(out, "capsules stand for 1 mesh: package://parts/m/tip.obj (not found)");
+  expect_contains(out, "capsules represent 1 mesh: package://parts/m/tip.obj (not found)");
   std::filesystem::create_directories(path("parts/m"));
   std::ofstream(path("parts/m/tip.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1/1 2/1 4/1\n";
   const ViewPage page = view(one);
   if (!reads_meshes()) {
-    expect_contains(out, "capsules stand for 1 mesh: ");
+    expect_contains(out, "capsules represent 1 mesh: ");
     expect_contains(out, "install libassimp-dev");
     GTEST_SKIP() << "built without assimp";
   }
@@ -378,7 +378,7 @@ TEST_F(View, BadInput) {
     for (const std::string& t : times) csv << t << row << "\n";
     csv.close();
     one_line({"view", scene, "--out", v, "--trajectory", path("t.csv"), "--forces", path("bad.csv")},
-             path("bad.csv") + ":" + std::to_string(line) + ": holds forces at t = ");
+             path("bad.csv") + ":" + std::to_string(line) + ": contains forces at t = ");
   }
 }
 

@@ -52,7 +52,7 @@ struct Point {
     Kinematics<double> kin(model);
     forward_kinematics<double>(model, robot.base, s.q.segment(robot.idx_q, model.nq), kin);
     forward_accelerations<double>(model, s.v.segment(robot.idx_v, model.nv), nullptr, Vec3<double>::Zero(), kin);
-    const FrameAxes axes = FrameAxes::kLocalWorldAligned;
+    const ReferenceFrame axes = ReferenceFrame::kLocalWorldAligned;
     place = frame_placement<double>(kin, robot.base, at.joint, at.placement);
     velocity = frame_velocity<double>(kin, robot.base, at.joint, at.placement, axes);
     Mat6X<double> own(6, model.nv);

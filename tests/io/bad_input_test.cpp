@@ -100,7 +100,7 @@ TEST_F(BadInput, FilesThatAreNotXml) {
   expect_scene_error("<scene", 1, "is not XML");
   expect_scene_error("<!-- nothing -->", 1, "has no element");
   expect_scene_error("\n<robot/>", 2, "has the root element <robot>, expected XML with one root element <scene>");
-  expect_scene_error("<scene/>\n<scene/>", 2, "goes on outside <scene>");
+  expect_scene_error("<scene/>\n<scene/>", 2, "continues outside <scene>");
   expect_scene_error("<scene/>\nmore", 2, "is not XML");
   expect_scene_error(std::string("<scene>\n\0</scene>", 17), 2, "zero byte");
   std::string deep = "<scene>";
@@ -172,13 +172,13 @@ TEST_F(BadInput, Robots) {
       {R"(copies="2" spacing="-1")", "", 3, "spacing of <robot> is -1, expected 0 or more"},
       {R"(arrange="line")", "", 3, "arrange of <robot> needs copies"},
       {R"(spacing="1")", "", 3, "spacing of <robot> needs copies"},
-      {"", "text", 3, "<robot> holds the text 'text"},
-      {"", "<link/>", 4, "<robot> holds an unknown element <link>"},
+      {"", "text", 3, "<robot> contains the text 'text"},
+      {"", "<link/>", 4, "<robot> contains an unknown element <link>"},
       {"", "<joint q=\"1\"/>", 4, "<joint> has no attribute 'name'"},
       {"", "<joint name=\"x\" q=\"1\"/>", 4, "the robot has no joint 'x', expected one of 'root', 'r', 'p'"},
       {"", "<joint name=\"f\" q=\"1\"/>", 4, "joint 'f' is fixed"},
       {"", "<joint name=\"r\" at=\"1\"/>", 4, "<joint> has an unknown attribute 'at'"},
-      {"", "<joint name=\"r\"><q/></joint>", 4, "<joint> holds an unknown element <q>, expected none"},
+      {"", "<joint name=\"r\"><q/></joint>", 4, "<joint> contains an unknown element <q>, expected none"},
       {"", "<joint name=\"r\" q=\"1 2\"/>", 4, "q of joint 'r' has 2 numbers, expected 1"},
       {"", "<joint name=\"p\" q=\"1\"/>", 4, "q of joint 'p' has 1 number, expected 3"},
       {"", "<joint name=\"root\" u=\"1\"/>", 4, "joint 'root' is the floating base"},
@@ -199,7 +199,7 @@ TEST_F(BadInput, Robots) {
       {"", "<v/>", 4, "<v> of robot 'a' has 0 numbers, expected 10"},
       {"", "<u>1 2 3 4 5</u>", 4, "<u> of robot 'a' has 5 numbers, expected 4"},
       {"", "<u>1 2 3 x</u>", 4, "'x' is not a number"},
-      {"", "<u>1 2 <b/> 3 4</u>", 4, "<u> holds an element <b>, expected numbers"},
+      {"", "<u>1 2 <b/> 3 4</u>", 4, "<u> contains an element <b>, expected numbers"},
       {"", "<u a=\"1\">1 2 3 4</u>", 4, "<u> has an unknown attribute 'a', expected none"},
       {"", "<u>1 2 3 4</u>\n<u>1 2 3 4</u>", 5, "robot 'a' has a second <u>"},
       {"", "<u>1 2 3 4</u>\n<joint name=\"r\" u=\"1\"/>", 5, "joint 'r' has u=, and <u> gives it too"},
@@ -484,8 +484,8 @@ TEST_F(BadInput, Poses) {
   expect_scene_error(robot + "<pose frame=\"b\" z=\"0\"/></scene>", 2, "expected robot/link");
   expect_scene_error(robot + "<pose frame=\"r/a\" z=\"0\"/></scene>", 2, "which cannot move, expected one that does");
   expect_scene_error(robot + "<pose frame=\"r/b\" xyz=\"0 0 1\"\n z=\"0\"/></scene>", 3,
-                     "stands beside xyz, expected one of them");
-  expect_scene_error(robot + "<pose frame=\"r/b\" yaw=\"1\" rpy=\"0 0 1\"/></scene>", 2, "stands beside rpy");
+                     "is given with xyz, expected one of them");
+  expect_scene_error(robot + "<pose frame=\"r/b\" yaw=\"1\" rpy=\"0 0 1\"/></scene>", 2, "is given with rpy");
   expect_scene_error(robot + "<pose frame=\"r/b\" z=\"low\"/></scene>", 2, "low");
   expect_scene_error(robot + "<pose frame=\"r/b\" xyz=\"0 1\"/></scene>", 2, "has 2 numbers, expected 3");
   expect_scene_error(robot + "<pose frame=\"r/b\" z=\"0\" weight=\"1\"/></scene>", 2, "weight");

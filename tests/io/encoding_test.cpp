@@ -68,8 +68,8 @@ TEST_F(Encoding, Refused) {
   for (const char* bytes :
        {"\xFC", "\xC3", "\xC0\xAF", "\xED\xA0\x80", "\xF8\x88\x80\x80\x80", "\xF4\x90\x80\x80", "\x80"})
     EXPECT_EQ(read(robot("", "x"s + bytes)).find("3: holds the "), 0u) << read(robot("", "x"s + bytes));
-  EXPECT_EQ(read(robot(declared("ascii"), "\xFC")).find("3: holds the byte 0xfc"), 0u);
-  EXPECT_EQ(read(robot("", "x\x01y")).find("3: holds the character 0x1"), 0u);
+  EXPECT_EQ(read(robot(declared("ascii"), "\xFC")).find("3: contains the byte 0xfc"), 0u);
+  EXPECT_EQ(read(robot("", "x\x01y")).find("3: contains the character 0x1"), 0u);
   for (const char* reference : {"&#0;", "&#xD800;", "&#55296;", "&#xDFFF;", "&#1;", "&#xFFFE;", "&#x110000;",
                                 "&#99999999999999999999;", "&#;", "&#x;", "&#-1;", "&#xZZ;"}) {
     const std::string said = read(robot("", "x"s + reference));
@@ -80,7 +80,7 @@ TEST_F(Encoding, Refused) {
 // Nothing of a comment is read.
 TEST_F(Encoding, CommentsMayHoldAnything) {
   EXPECT_EQ(read(robot("<!-- \xFClmotor &#0; &#xD800; \x01 -->", "x")), "x");
-  EXPECT_EQ(read(robot("<!--\n\n-->", "\xFC")).find("5: holds the byte 0xfc"), 0u);  // lines go on
+  EXPECT_EQ(read(robot("<!--\n\n-->", "\xFC")).find("5: contains the byte 0xfc"), 0u);  // lines go on
 }
 
 TEST_F(Encoding, OfScenes) {

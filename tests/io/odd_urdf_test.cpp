@@ -146,21 +146,20 @@ TEST_F(OddUrdf, WhatIsNotReadIsNamed) {
         "<drake:linear_spring_damper name=\"x\"/>"}) {
     const std::string out = said(element);
     EXPECT_EQ(out.find("unread x:6|"), 0u) << element << "\n" << out;
-    EXPECT_NE(out.find("acts on the motion and is not read"), std::string::npos) << out;
+    EXPECT_NE(out.find("influences the motion and is ignored"), std::string::npos) << out;
   }
   // several of one kind are one finding
-  EXPECT_EQ(said("<thing/><thing/>\n<thing/>"), "unread thing:6|<thing>, here and in 2 more places, is not read\n");
-  EXPECT_EQ(said("", "<joint_properties friction=\"1\"/>"), "unread j:5|<joint_properties> in <joint> is not read\n");
-  EXPECT_EQ(said("", "<origin xyz=\"1 0 0\" quat_xyzw=\"0 0 0 1\"/>"),
-            "unread j:5|quat_xyzw of <origin> is not read\n");
+  EXPECT_EQ(said("<thing/><thing/>\n<thing/>"), "unread thing:6|<thing>, here and in 2 more places, is ignored\n");
+  EXPECT_EQ(said("", "<joint_properties friction=\"1\"/>"), "unread j:5|<joint_properties> in <joint> is ignored\n");
+  EXPECT_EQ(said("", "<origin xyz=\"1 0 0\" quat_xyzw=\"0 0 0 1\"/>"), "unread j:5|quat_xyzw of <origin> is ignored\n");
   EXPECT_EQ(said("", "<dynamics damping=\"0\" spring_stiffness=\"3\"/>"),
-            "unread j:5|spring_stiffness of <dynamics> is not read\n");
+            "unread j:5|spring_stiffness of <dynamics> is ignored\n");
   EXPECT_EQ(said("", "<axis xyz=\"1 0 0\"/><axis xyz=\"0 1 0\"/>"),
-            "unread j:5|a second <axis> in <joint> is not read\n");
-  EXPECT_EQ(said("", "", kInertial), "unread b:4|a second <inertial> in <link> is not read\n");
+            "unread j:5|a second <axis> in <joint> is ignored\n");
+  EXPECT_EQ(said("", "", kInertial), "unread b:4|a second <inertial> in <link> is ignored\n");
   EXPECT_EQ(said("<transmission name=\"x\"><joint name=\"j\"/><actuator name=\"m\"><mechanicalReduction>100"
                  "</mechanicalReduction></actuator></transmission>"),
-            "unread x:6|<mechanicalReduction> is not read: what motors add behind gears is `armature`\n");
+            "unread x:6|<mechanicalReduction> is ignored: use `armature` for rotor inertia\n");
   EXPECT_EQ(said("<gazebo reference=\"j\"><springStiffness>3</springStiffness></gazebo>").find("unread j:6|"), 0u);
   // what does not act on the motion is passed over
   EXPECT_EQ(

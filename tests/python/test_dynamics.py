@@ -8,7 +8,7 @@ import threading
 import manycontact as mc
 import numpy as np
 import pytest
-from conftest import GOLDEN, MODELS
+from conftest import GOLDEN, MODELS, ROOT
 
 SCENES = [MODELS / (name + ".xml") for name in ("humanoid_standing", "feet_on_corners", "two_humanoids_carry_beam")]
 SCENES += sorted(GOLDEN.glob("*.xml"))
@@ -40,7 +40,12 @@ def test_the_programs_numbers(scene, program, tmp_path):
 def test_report(humanoid):
     file, data = humanoid
     report = mc.solve(file.scene, file.q, file.v, file.u, data)
-    assert report.condition == 0 and report.islands[0].nv == 38 and report.rank == 12
+    for of in (report, report.islands[0]):  # what was not estimated is not 0
+        assert all(np.isnan(x) for x in (of.condition, of.error_acceleration, of.error_forces))
+    assert report.islands[0].nv == 38 and report.rank == 12
+    assert report.times.solve > 0 and report.times.setup >= 0
+    assert report.remedy == "" and report.islands[0].remedy == ""
+    assert report == mc.solve(file.scene, file.q, file.v, file.u, data)  # times are not compared
     assert report.residual_dynamics < 1e-12
     assert mc.estimate_condition(file.scene, data).condition > 1
     assert 0 < mc.estimate_errors(file.scene, data).error_acceleration
@@ -48,7 +53,35 @@ def test_report(humanoid):
     bounds = mc.estimate_derivative_errors(file.scene, data)
     assert len(bounds) == len(data.report.islands)
     assert 0 < bounds[0].da_dq < 1e-6 and 0 < bounds[0].dforces_du < 1e-6
-    assert report.condition == 0  # a copy
+    assert np.isnan(report.condition)  # a copy
+    mc.differentiate(file.scene, data, mc.DerivativeRequest(u=False))
+    bounds = mc.estimate_derivative_errors(file.scene, data)
+    assert 0 < bounds[0].da_dq < 1e-6 and np.isnan(bounds[0].da_du) and np.isnan(bounds[0].da_dw)
+
+
+def test_redistributed_forces():
+    """Against the null space of J^T: the same J^T f, at the least weighted distance."""
+    file = mc.load_scene_text(
+        """<scene><robot name="b" urdf="box.urdf" base="floating"/>
+        <contact name="lower" type="3d" frame="b/crate" offset="-0.2 0 -0.2"/>
+        <contact name="upper" type="3d" frame="b/crate" offset="-0.2 0 0.2"/></scene>""",
+        str(ROOT / "models" / "door.xml"),
+    )
+    data = mc.SceneData(file.scene)
+    report = mc.solve(file.scene, file.q, file.v, file.u, data)
+    assert str(report.status) == "redundant" and "redistribute_forces" in report.remedy
+    J = mc.contact_jacobian(file.scene, file.q)
+    N = mc.force_null_space(file.scene, file.q, data).toarray()
+    assert N.shape == (6, 1)
+    np.testing.assert_allclose(J.T @ N, 0, atol=1e-12)
+    reference, weights = np.array([0, 0, 100, 0, 0, 0.0]), np.array([1, 1, 4, 1, 1, 1.0])
+    f = mc.redistribute_forces(file.scene, file.q, data, reference, weights)
+    np.testing.assert_allclose(J.T @ f, J.T @ data.f, atol=1e-9)
+    np.testing.assert_allclose(N.T @ (weights * (f - reference)), 0, atol=1e-9)
+    np.testing.assert_allclose(mc.redistribute_forces(file.scene, file.q, data), data.f, atol=1e-9)
+    for wrong in ({"reference": [1.0]}, {"weights": [1.0] * 5}, {"weights": [0.0] * 6}, {"reference": [np.nan] * 6}):
+        with pytest.raises(ValueError):
+            mc.redistribute_forces(file.scene, file.q, data, **wrong)
 
 
 def test_arrays_on_derivatives_keep_their_numbers(humanoid):

@@ -295,11 +295,11 @@ def test_violations_and_limits(humanoid):
     mc.solve(scene, file.q, file.v, mc.quasi_static(scene, file.q), data)
     found = mc.violations(scene, file.q, data)
     assert found and all(x.by > 0 and x.contact in (0, 1) for x in found)
-    assert mc.Violating.SLIPS in {x.kind for x in found}
+    assert mc.ViolationKind.SLIPS in {x.kind for x in found}
     assert mc.limits_passed(scene, file.q, file.v, u) == []
     file.v[:] = 100
     passed = mc.limits_passed(scene, file.q, file.v, u)
-    assert passed and passed[0].quantity == mc.Limited.VELOCITY and abs(passed[0].value) == 100
+    assert passed and passed[0].quantity == mc.LimitKind.VELOCITY and abs(passed[0].value) == 100
 
 
 def test_switch_contacts(humanoid):

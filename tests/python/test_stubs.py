@@ -54,6 +54,40 @@ def test_everything_is_documented():
         assert "::" not in member.__doc__, name
 
 
+def parameters(doc):
+    """Names in the signature of a function with one overload."""
+    signature = doc.partition(") -> ")[0].partition("(")[2]
+    return re.findall(r"(?:^|, )(\w+): ", re.sub(r"\[[^\]]*\]", "", signature))
+
+
+def test_functions_are_documented_in_numpydoc_layout():
+    seen = 0
+    for name, member in vars(mc).items():
+        if name.startswith("_") or not inspect.isbuiltin(member):
+            continue
+        doc = member.__doc__
+        if parameters(doc) and "Overloaded" not in doc:
+            seen += 1
+            section = doc.partition("Parameters\n")[2].partition("\nReturns\n")[0].partition("\nRaises\n")[0]
+            assert re.findall(r"(?m)^ *(\w+)(?: : .*)$", section) == parameters(doc), name
+        assert ("Returns\n" in doc) == ("-> None" not in doc), name
+        summary = doc.partition("\n\n")[2].partition("\n")[0] if "Overloaded" not in doc else "."
+        assert summary.endswith((".", ":")) or "without contacts" in summary, f"{name}: {summary}"
+    assert seen > 90
+
+
+def test_every_property_has_a_text():
+    seen = 0
+    for name, cls in vars(mc).items():
+        if name.startswith("_") or not inspect.isclass(cls) or not cls.__module__.startswith("manycontact"):
+            continue
+        for key, member in vars(cls).items():
+            if isinstance(member, property) and not key.startswith("_"):
+                seen += 1
+                assert (member.__doc__ or "").strip(), f"{name}.{key}"
+    assert seen > 400
+
+
 def test_help_of_solve():
     text = mc.solve.__doc__
     for part in ("(nq)", "(nv)", "(nu)", "N m", "Report", "ValueError"):

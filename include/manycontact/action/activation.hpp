@@ -1,5 +1,5 @@
 #pragma once
-// a(r): what a residual costs. Names and interface of Crocoddyl; all Hessians are diagonal.
+// Activations a(r): the cost of a residual. Names and interface are Crocoddyl's; all Hessians are diagonal.
 
 #include <memory>
 
@@ -7,95 +7,104 @@
 
 namespace manycontact {
 
-struct ActivationDataAbstract {  // a(r), its gradient and Hessian
+struct ActivationDataAbstract {  // The value a(r), its gradient and its Hessian.
+  /// Allocates the data for nr rows.
   explicit ActivationDataAbstract(std::size_t nr)
       : Ar(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(nr))), Arr(static_cast<Eigen::Index>(nr)) {
     Arr.setZero();
   }
   virtual ~ActivationDataAbstract() = default;
-  double a_value = 0;                                 // by calc
-  Eigen::VectorXd Ar;                                 // nr: by calcDiff
-  Eigen::DiagonalMatrix<double, Eigen::Dynamic> Arr;  // nr: by calcDiff
+  double a_value = 0;                                 // set by calc
+  Eigen::VectorXd Ar;                                 // nr: set by calcDiff
+  Eigen::DiagonalMatrix<double, Eigen::Dynamic> Arr;  // nr: set by calcDiff
 };
 
-class ActivationModelAbstract {  // a(r): a cost's function of its residual
+class ActivationModelAbstract {  // A cost as a function a(r) of the residual.
  public:
-  explicit ActivationModelAbstract(std::size_t nr) : nr_(nr) {}
+  explicit ActivationModelAbstract(std::size_t nr) : nr_(nr) {}  // nr: number of rows
   virtual ~ActivationModelAbstract() = default;
+  /// Computes data->a_value from the residual r (nr).
   virtual void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) = 0;
+  /// Computes data->Ar and data->Arr at the last calc.
   virtual void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) = 0;
+  /// Creates data of this model; one per thread.
   virtual std::shared_ptr<ActivationDataAbstract> createData() { return std::make_shared<ActivationDataAbstract>(nr_); }
-  std::size_t get_nr() const { return nr_; }
-  virtual void print(std::ostream& os) const;
+  std::size_t get_nr() const { return nr_; }   // number of rows of the residual
+  virtual void print(std::ostream& os) const;  // prints type and sizes
 
  protected:
   std::size_t nr_;
 };
-std::ostream& operator<<(std::ostream& os, const ActivationModelAbstract& model);
+std::ostream& operator<<(std::ostream& os, const ActivationModelAbstract& model);  // prints it as `print` does
 
-/// 1/2 |r|^2
+/// The activation 1/2 |r|^2.
 class ActivationModelQuad : public ActivationModelAbstract {
  public:
-  explicit ActivationModelQuad(std::size_t nr) : ActivationModelAbstract(nr) {}
+  explicit ActivationModelQuad(std::size_t nr) : ActivationModelAbstract(nr) {}  // nr: number of rows
   void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
   void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
   void print(std::ostream& os) const override;
 };
 
-/// 1/2 sum w_i r_i^2
+/// The activation 1/2 sum w_i r_i^2.
 class ActivationModelWeightedQuad : public ActivationModelAbstract {
  public:
+  /// Throws std::invalid_argument for numbers out of range.
   explicit ActivationModelWeightedQuad(const Eigen::VectorXd& weights);
   void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
   void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  const Eigen::VectorXd& get_weights() const { return weights_; }
-  void set_weights(const Eigen::VectorXd& weights);
+  const Eigen::VectorXd& get_weights() const { return weights_; }  // one weight per row
+  void set_weights(const Eigen::VectorXd& weights);                // throws std::invalid_argument for a wrong size
   void print(std::ostream& os) const override;
 
  private:
   Eigen::VectorXd weights_;
 };
 
-/// lb <= r <= ub, each finite pair drawn in to the middle by the factor beta in [0, 1].
+/// Bounds lb <= r <= ub. Each finite pair is contracted towards its middle by the factor beta in [0, 1].
 struct ActivationBounds {
+  /// Throws std::invalid_argument for numbers out of range.
   ActivationBounds(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, double beta = 1);
   Eigen::VectorXd lb, ub;
   double beta;
 };
 
-/// 1/2 |min(r - lb, 0)|^2 + 1/2 |max(r - ub, 0)|^2
+/// The activation 1/2 |min(r - lb, 0)|^2 + 1/2 |max(r - ub, 0)|^2.
 class ActivationModelQuadraticBarrier : public ActivationModelAbstract {
  public:
+  /// Throws std::invalid_argument for numbers out of range.
   explicit ActivationModelQuadraticBarrier(const ActivationBounds& bounds)
       : ActivationModelAbstract(static_cast<std::size_t>(bounds.lb.size())), bounds_(bounds) {}
   void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
   void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  const ActivationBounds& get_bounds() const { return bounds_; }
-  void set_bounds(const ActivationBounds& bounds);
+  const ActivationBounds& get_bounds() const { return bounds_; }  // the bounds
+  void set_bounds(const ActivationBounds& bounds);                // throws std::invalid_argument for a wrong size
   void print(std::ostream& os) const override;
 
  protected:
   ActivationBounds bounds_;
 };
 
-/// The same of w_i r_i outside its bounds: 1/2 |w min(r - lb, 0)|^2 + 1/2 |w max(r - ub, 0)|^2. (Its Hessian is w^2; in
-/// Crocoddyl 3.0 it is w.)
+/// The activation 1/2 |w min(r - lb, 0)|^2 + 1/2 |w max(r - ub, 0)|^2. (Its Hessian is w^2; in Crocoddyl 3.0 it is w.)
 class ActivationModelWeightedQuadraticBarrier : public ActivationModelQuadraticBarrier {
  public:
+  /// Throws std::invalid_argument for numbers out of range.
   ActivationModelWeightedQuadraticBarrier(const ActivationBounds& bounds, const Eigen::VectorXd& weights);
   void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
   void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  const Eigen::VectorXd& get_weights() const { return weights_; }
-  void set_weights(const Eigen::VectorXd& weights);
+  const Eigen::VectorXd& get_weights() const { return weights_; }  // one weight per row
+  void set_weights(const Eigen::VectorXd& weights);                // throws std::invalid_argument for a wrong size
   void print(std::ostream& os) const override;
 
  private:
   Eigen::VectorXd weights_;
 };
 
-/// sum sqrt(eps + r_i^2), eps > 0. (Its Hessian is eps / sqrt(eps + r^2)^3; in Crocoddyl 3.0 eps is missing there.)
+/// The activation sum sqrt(eps + r_i^2), eps > 0. (Its Hessian is eps / sqrt(eps + r^2)^3; Crocoddyl 3.0 lacks eps
+/// there.)
 class ActivationModelSmooth1Norm : public ActivationModelAbstract {
  public:
+  /// Throws std::invalid_argument for numbers out of range.
   explicit ActivationModelSmooth1Norm(std::size_t nr, double eps = 1);
   void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
   void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
@@ -107,10 +116,11 @@ class ActivationModelSmooth1Norm : public ActivationModelAbstract {
 using ActivationModelSmoothNorm1 = ActivationModelSmooth1Norm;
 using ActivationModelSmoothAbs = ActivationModelSmooth1Norm;
 
-/// sqrt(eps + |r|^2), eps > 0. Its Hessian's diagonal is the Hessian's smallest eigenvalue, eps / sqrt(eps + |r|^2)^3.
-/// (In Crocoddyl 3.0 eps is missing there.)
+/// The activation sqrt(eps + |r|^2), eps > 0. The diagonal of its Hessian is the smallest eigenvalue of the true
+/// Hessian, eps / sqrt(eps + |r|^2)^3. (Crocoddyl 3.0 lacks eps there.)
 class ActivationModelSmooth2Norm : public ActivationModelAbstract {
  public:
+  /// Throws std::invalid_argument for numbers out of range.
   explicit ActivationModelSmooth2Norm(std::size_t nr, double eps = 1);
   void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
   void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
@@ -120,15 +130,16 @@ class ActivationModelSmooth2Norm : public ActivationModelAbstract {
   double eps_;
 };
 
-/// 1/2 (|r| - alpha)^2 where |r| < alpha, else zero; alpha >= 0. Hessian: the diagonal of the true one, or that of
-/// Gauss-Newton, r_i^2 / |r|^2. Where r = 0 it has a kink, and both derivatives are taken as zero (Crocoddyl: NaN).
+/// The activation 1/2 (|r| - alpha)^2 if |r| < alpha, otherwise zero; alpha >= 0. Its Hessian is the diagonal of the
+/// true one, or that of Gauss-Newton, r_i^2 / |r|^2. At the kink r = 0 both derivatives are zero (Crocoddyl: NaN).
 class ActivationModel2NormBarrier : public ActivationModelAbstract {
  public:
+  /// Throws std::invalid_argument for numbers out of range.
   explicit ActivationModel2NormBarrier(std::size_t nr, double alpha = 0.1, bool true_hessian = false);
   void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
   void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  double get_alpha() const { return alpha_; }
-  void set_alpha(double alpha);
+  double get_alpha() const { return alpha_; }  // the parameter alpha
+  void set_alpha(double alpha);                // throws std::invalid_argument for values out of range
   void print(std::ostream& os) const override;
 
  private:
@@ -136,28 +147,30 @@ class ActivationModel2NormBarrier : public ActivationModelAbstract {
   bool true_hessian_;
 };
 
-/// 1 - exp(-|r|^2 / alpha), alpha > 0. Hessian: the diagonal of the true one.
+/// The activation 1 - exp(-|r|^2 / alpha), alpha > 0. Its Hessian is the diagonal of the true one.
 class ActivationModelQuadFlatExp : public ActivationModelAbstract {
  public:
+  /// Throws std::invalid_argument for numbers out of range.
   explicit ActivationModelQuadFlatExp(std::size_t nr, double alpha = 1);
   void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
   void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  double get_alpha() const { return alpha_; }
-  void set_alpha(double alpha);
+  double get_alpha() const { return alpha_; }  // the parameter alpha
+  void set_alpha(double alpha);                // throws std::invalid_argument for values out of range
   void print(std::ostream& os) const override;
 
  private:
   double alpha_;
 };
 
-/// log(1 + |r|^2 / alpha), alpha > 0. Hessian: the diagonal of the true one.
+/// The activation log(1 + |r|^2 / alpha), alpha > 0. Its Hessian is the diagonal of the true one.
 class ActivationModelQuadFlatLog : public ActivationModelAbstract {
  public:
+  /// Throws std::invalid_argument for numbers out of range.
   explicit ActivationModelQuadFlatLog(std::size_t nr, double alpha = 1);
   void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
   void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  double get_alpha() const { return alpha_; }
-  void set_alpha(double alpha);
+  double get_alpha() const { return alpha_; }  // the parameter alpha
+  void set_alpha(double alpha);                // throws std::invalid_argument for values out of range
   void print(std::ostream& os) const override;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
-// tau(x, u): how controls become torques on the velocity coordinates. Interface of Crocoddyl's ActuationModelAbstract;
-// the matrices are sparse, so that a scene of many robots does not pay n^2.
+// Actuations tau(x, u), which convert controls to torques on the velocity coordinates. The interface is that of
+// Crocoddyl's ActuationModelAbstract. Matrices are sparse, so that the cost for many robots is not quadratic.
 
 #include <Eigen/SparseCore>
 
@@ -10,7 +10,7 @@ namespace manycontact {
 
 class ActuationModelAbstract;
 
-/// A sparse matrix that reads and is written as a dense one where an actuation written for Crocoddyl does so.
+/// A sparse matrix that code written for Crocoddyl can read and write like a dense one.
 class ActuationMatrix : public Eigen::SparseMatrix<double> {
  public:
   using Base = Eigen::SparseMatrix<double>;
@@ -25,68 +25,73 @@ class ActuationMatrix : public Eigen::SparseMatrix<double> {
     Base::operator=(dense.derived().sparseView());
     return *this;
   }
-  double& operator()(Eigen::Index i, Eigen::Index j) { return coeffRef(i, j); }  // there is an entry from then on
-  double operator()(Eigen::Index i, Eigen::Index j) const { return coeff(i, j); }
+  double& operator()(Eigen::Index i, Eigen::Index j) { return coeffRef(i, j); }    // creates the entry
+  double operator()(Eigen::Index i, Eigen::Index j) const { return coeff(i, j); }  // the entry, or 0 if there is none
+  /// Whether all entries are zero.
   bool isZero(double precision = Eigen::NumTraits<double>::dummy_precision()) const {
     return Eigen::MatrixXd(*this).isZero(precision);
   }
+  /// The dense difference.
   friend Eigen::MatrixXd operator-(const ActuationMatrix& a, const ActuationMatrix& b) {
     return Eigen::MatrixXd(a) - Eigen::MatrixXd(b);
   }
 };
 
-struct ActuationDataAbstract {  // tau and its derivatives
-  explicit ActuationDataAbstract(const ActuationModelAbstract* model);
+struct ActuationDataAbstract {                                          // The torques tau and their derivatives.
+  explicit ActuationDataAbstract(const ActuationModelAbstract* model);  // allocates the data of the model
   virtual ~ActuationDataAbstract() = default;
 
-  Eigen::VectorXd tau;        // nv: by calc
-  Eigen::VectorXd u;          // nu: by commands
-  ActuationMatrix dtau_dx;    // nv x ndx: by calcDiff
-  ActuationMatrix dtau_du;    // nv x nu: by calcDiff
-  ActuationMatrix Mtau;       // nu x nv: by torqueTransform
+  Eigen::VectorXd tau;        // nv: set by calc
+  Eigen::VectorXd u;          // nu: set by commands
+  ActuationMatrix dtau_dx;    // nv x ndx: set by calcDiff
+  ActuationMatrix dtau_du;    // nv x nu: set by calcDiff
+  ActuationMatrix Mtau;       // nu x nv: set by torqueTransform
   std::vector<bool> tau_set;  // nv: actuated coordinates
 };
 
-class ActuationModelAbstract {  // tau(x, u): torques on all coordinates
+class ActuationModelAbstract {  // A function tau(x, u): the torques on all velocity coordinates.
  public:
+  /// Throws std::invalid_argument for a state of another kind.
   ActuationModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu);
   virtual ~ActuationModelAbstract() = default;
 
-  /// data->tau.
+  /// Computes data->tau (nv) from x (nx) and u (nu).
   virtual void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
                     const ConstVectorRef& u) = 0;
-  /// Without control: nothing to do.
+  /// Does nothing without controls.
   virtual void calc(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&) {}
-  /// data->dtau_dx, dtau_du.
+  /// Computes data->dtau_dx and data->dtau_du.
   virtual void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
                         const ConstVectorRef& u) = 0;
   virtual void calcDiff(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&) {}
-  /// data->u: the controls that give tau where the actuation can.
+  /// Computes data->u: the controls that give the torques tau (nv), as far as the actuation allows.
   virtual void commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
                         const ConstVectorRef& tau) = 0;
-  /// data->Mtau: u = Mtau tau. By default the pseudo-inverse of dtau_du at (x, u), which it computes.
+  /// Computes data->Mtau with u = Mtau tau. By default it is the pseudoinverse of dtau_du at (x, u), which is computed
+  /// first.
   virtual void torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
                                const ConstVectorRef& u);
   virtual std::shared_ptr<ActuationDataAbstract> createData() { return std::make_shared<ActuationDataAbstract>(this); }
 
-  /// Where each control is the torque of one coordinate: that coordinate, for each of the nu; empty otherwise. Lets the
-  /// derivatives be written in place without a product.
+  /// If each control is the torque of one coordinate: these coordinates, one for each of the nu; otherwise empty.
+  /// Derivatives are then written in place without a product.
   virtual const std::vector<int>& selection() const { return selection_; }
 
-  std::size_t get_nu() const { return nu_; }
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
-  virtual void print(std::ostream& os) const;
+  std::size_t get_nu() const { return nu_; }                                  // number of controls
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
+  virtual void print(std::ostream& os) const;                                 // prints type and sizes
 
  protected:
+  /// Throws std::invalid_argument for wrong sizes of x and u.
   void check(const char* where, const ConstVectorRef& x, const ConstVectorRef& u) const;
   std::size_t nu_;
   std::shared_ptr<StateAbstract> state_;
   std::vector<int> selection_;
 };
-std::ostream& operator<<(std::ostream& os, const ActuationModelAbstract& model);
+std::ostream& operator<<(std::ostream& os, const ActuationModelAbstract& model);  // prints it as `print` does
 
-/// u is the torque of a selection of coordinates. A class derived from it, or from those below, that has a calc or
-/// calcDiff of its own is called as any actuation: its selection() is empty.
+/// An actuation whose u are the torques of selected coordinates. A derived class with its own calc or calcDiff is
+/// treated as a general actuation: its selection() is empty.
 class ActuationModelSelection : public ActuationModelAbstract {
  public:
   void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
@@ -104,20 +109,23 @@ class ActuationModelSelection : public ActuationModelAbstract {
   void print(std::ostream& os) const override;
 
  protected:
+  /// selection: the actuated coordinates.
   ActuationModelSelection(std::shared_ptr<StateAbstract> state, std::vector<int> selection, std::string name);
   std::string name_;
 };
 
-/// Every coordinate, floating bases and passive joints included: nu = nv.
+/// Actuates every coordinate, floating bases and passive joints included: nu = nv.
 class ActuationModelFull : public ActuationModelSelection {
  public:
+  /// Throws std::invalid_argument for a state of another kind.
   explicit ActuationModelFull(std::shared_ptr<StateAbstract> state);
 };
 
-/// The actuated coordinates of every robot: all but floating bases and passive joints, the u of `solve`. All of them
-/// where no robot has either.
+/// Actuates the coordinates of the u of `solve`: all except those of floating bases and passive joints. If no robot has
+/// such coordinates, all are actuated.
 class ActuationModelFloatingBase : public ActuationModelSelection {
  public:
+  /// Throws std::invalid_argument for a state of another kind.
   explicit ActuationModelFloatingBase(std::shared_ptr<StateMultibody> state);
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// A sparse matrix that is a sum of small dense blocks, with a pattern that is laid out once.
+// A sparse matrix that is a sum of small dense blocks, whose pattern is computed once.
 
 #include <Eigen/SparseCore>
 #include <vector>
@@ -8,24 +8,26 @@
 
 namespace manycontact {
 
-class BlockSparse {  // a sparse matrix of dense blocks
+class BlockSparse {  // A sparse matrix made of dense blocks.
  public:
-  /// Forgets all blocks.
+  /// Removes all blocks.
   void clear() { planned_.clear(); }
-  /// Announces a block; returns its number. rows[i], cols[j]: places of the block's rows and columns.
+  /// Adds a block to the pattern; returns its number. rows[i], cols[j]: places of the block's rows and columns.
   std::size_t plan(const std::vector<int>& rows, const std::vector<int>& cols);
+  /// The number of blocks.
   std::size_t size() const { return planned_.size(); }
-  /// Makes the pattern of all blocks.
+  /// Computes the pattern of all blocks.
   void finish(int rows, int cols);
 
+  /// Sets all values to zero.
   void set_zero();
-  /// Where the first number of a block is among the matrix's values.
+  /// The index of a block's first number among the values of the matrix.
   std::size_t entry(std::size_t block) const { return static_cast<std::size_t>(planned_[block].slots[0]); }
-  /// matrix += weight * values at the block's places. values: rows x cols of the block.
+  /// Computes matrix += weight * values at the places of a block. values: rows x cols of the block.
   template <class Derived>
   void add(std::size_t block, double weight, const Eigen::MatrixBase<Derived>& values) {
     double* A = matrix.valuePtr();
-    Eigen::Index at = 0;  // in values, by columns
+    Eigen::Index at = 0;  // in values, column by column
     for (const Run& run : planned_[block].runs) {
       const Eigen::Index i = at % values.rows(), j = at / values.rows();
       for (int k = 0; k < run.count; ++k) A[run.slot + k] += weight * values(i + k, j);
@@ -33,7 +35,7 @@ class BlockSparse {  // a sparse matrix of dense blocks
     }
   }
 
-  /// The same of some rows of `values`, as many as the block has.
+  /// Adds selected rows of `values`, as many as the block has.
   template <class Derived>
   void add(std::size_t block, double weight, const Eigen::MatrixBase<Derived>& values, const std::vector<int>& rows) {
     double* A = matrix.valuePtr();
@@ -46,12 +48,12 @@ class BlockSparse {  // a sparse matrix of dense blocks
 
  private:
   struct Run {
-    int slot, count;  // entries of one column in slots that follow each other
+    int slot, count;  // entries of one column in consecutive slots
   };
   struct Block {
     std::vector<int> rows, cols;
-    std::vector<int> slots;  // of each entry, by columns
-    std::vector<Run> runs;   // the same
+    std::vector<int> slots;  // of each entry, column by column
+    std::vector<Run> runs;   // consecutive slots of these
   };
   std::vector<Block> planned_;
 };

@@ -1,7 +1,8 @@
 #pragma once
-// Linear inequalities lb <= A f <= ub on a contact force, or wrench, f: friction, and the centre of pressure inside the
-// foot. Names, A and bounds of Crocoddyl's cones. R: the cone's axes (z: the normal) in the axes of f. Setters take
-// effect at update(). Bad numbers throw std::invalid_argument (Crocoddyl replaces them and warns).
+// Linear inequalities lb <= A f <= ub for a contact force or wrench f: friction, and the centre of pressure inside the
+// foot. Names, A and bounds are those of Crocoddyl's cones. R contains the cone's axes (z: the normal) in the axes of
+// f. Setters take effect with update(). Numbers out of range throw std::invalid_argument (Crocoddyl replaces them and
+// warns).
 
 #include <iosfwd>
 #include <limits>
@@ -10,31 +11,31 @@
 
 namespace manycontact {
 
-/// nf facets, then the normal force: nf + 1 rows on f (3).
+/// A friction cone with nf facets, followed by the normal force: nf + 1 rows for f (3).
 class FrictionCone {
  public:
   using MatrixX3s = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
-  /// mu >= 0; nf even; inner_appr: facets inside the round cone rather than around it. Forces in N.
+  /// mu >= 0; nf even. inner_appr: the facets are inside the round cone rather than around it. Forces in N.
   FrictionCone(const Eigen::Matrix3d& R, double mu, std::size_t nf = 4, bool inner_appr = true, double min_nforce = 0,
                double max_nforce = std::numeric_limits<double>::infinity());
   FrictionCone() : FrictionCone(Eigen::Matrix3d::Identity(), 0.7) {}
   void update();
 
-  const MatrixX3s& get_A() const { return A_; }
-  const Eigen::VectorXd& get_lb() const { return lb_; }
-  const Eigen::VectorXd& get_ub() const { return ub_; }
-  std::size_t get_nf() const { return nf_; }
-  const Eigen::Matrix3d& get_R() const { return R_; }
-  double get_mu() const { return mu_; }
-  bool get_inner_appr() const { return inner_; }
-  double get_min_nforce() const { return min_; }
-  double get_max_nforce() const { return max_; }
-  void set_R(const Eigen::Matrix3d& R) { R_ = R; }
-  void set_mu(double mu);
-  void set_inner_appr(bool inner_appr) { inner_ = inner_appr; }
-  void set_min_nforce(double min_nforce);
-  void set_max_nforce(double max_nforce);
+  const MatrixX3s& get_A() const { return A_; }                  // the matrix of the inequalities
+  const Eigen::VectorXd& get_lb() const { return lb_; }          // lower bounds
+  const Eigen::VectorXd& get_ub() const { return ub_; }          // upper bounds
+  std::size_t get_nf() const { return nf_; }                     // number of facets
+  const Eigen::Matrix3d& get_R() const { return R_; }            // the cone's axes
+  double get_mu() const { return mu_; }                          // coefficient of friction
+  bool get_inner_appr() const { return inner_; }                 // whether the facets are inside the round cone
+  double get_min_nforce() const { return min_; }                 // smallest normal force [N]
+  double get_max_nforce() const { return max_; }                 // largest normal force [N]
+  void set_R(const Eigen::Matrix3d& R) { R_ = R; }               // takes effect with update()
+  void set_mu(double mu);                                        // not negative; takes effect with update()
+  void set_inner_appr(bool inner_appr) { inner_ = inner_appr; }  // takes effect with update()
+  void set_min_nforce(double min_nforce);                        // takes effect with update() [N]
+  void set_max_nforce(double max_nforce);                        // takes effect with update() [N]
 
  private:
   std::size_t nf_;
@@ -45,15 +46,15 @@ class FrictionCone {
   MatrixX3s A_;
   Eigen::VectorXd lb_, ub_;
 };
-std::ostream& operator<<(std::ostream& os, const FrictionCone& cone);
+std::ostream& operator<<(std::ostream& os, const FrictionCone& cone);  // prints it as `print` does
 
-/// The friction cone, centre of pressure inside the box and yaw torque of a rectangular foot: nf + 13 rows on the
-/// wrench [force; moment] at the box' centre.
+/// The friction cone, centre of pressure inside the box, and yaw torque of a rectangular foot: nf + 13 rows for the
+/// wrench [force; moment] at the centre of the box.
 class WrenchCone {
  public:
   using MatrixX6s = Eigen::Matrix<double, Eigen::Dynamic, 6>;
 
-  /// box: length and width [m]; an infinite side limits nothing (its rows are zero).
+  /// box: length and width [m]; an infinite side gives no limit (its rows are zero).
   WrenchCone(const Eigen::Matrix3d& R, double mu, const Eigen::Vector2d& box, std::size_t nf = 4,
              bool inner_appr = true, double min_nforce = 0,
              double max_nforce = std::numeric_limits<double>::infinity());
@@ -62,22 +63,22 @@ class WrenchCone {
                    Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity())) {}
   void update();
 
-  const MatrixX6s& get_A() const { return A_; }
-  const Eigen::VectorXd& get_lb() const { return lb_; }
-  const Eigen::VectorXd& get_ub() const { return ub_; }
-  std::size_t get_nf() const { return friction_.get_nf(); }
-  const Eigen::Matrix3d& get_R() const { return friction_.get_R(); }
-  const Eigen::Vector2d& get_box() const { return box_; }
-  double get_mu() const { return friction_.get_mu(); }
-  bool get_inner_appr() const { return friction_.get_inner_appr(); }
-  double get_min_nforce() const { return friction_.get_min_nforce(); }
-  double get_max_nforce() const { return friction_.get_max_nforce(); }
-  void set_R(const Eigen::Matrix3d& R) { friction_.set_R(R); }
-  void set_box(const Eigen::Vector2d& box);
-  void set_mu(double mu) { friction_.set_mu(mu); }
-  void set_inner_appr(bool inner_appr) { friction_.set_inner_appr(inner_appr); }
-  void set_min_nforce(double min_nforce) { friction_.set_min_nforce(min_nforce); }
-  void set_max_nforce(double max_nforce) { friction_.set_max_nforce(max_nforce); }
+  const MatrixX6s& get_A() const { return A_; }                         // the matrix of the inequalities
+  const Eigen::VectorXd& get_lb() const { return lb_; }                 // lower bounds
+  const Eigen::VectorXd& get_ub() const { return ub_; }                 // upper bounds
+  std::size_t get_nf() const { return friction_.get_nf(); }             // number of facets
+  const Eigen::Matrix3d& get_R() const { return friction_.get_R(); }    // the cone's axes
+  const Eigen::Vector2d& get_box() const { return box_; }               // length and width [m]
+  double get_mu() const { return friction_.get_mu(); }                  // coefficient of friction
+  bool get_inner_appr() const { return friction_.get_inner_appr(); }    // whether the facets are inside the round cone
+  double get_min_nforce() const { return friction_.get_min_nforce(); }  // smallest normal force [N]
+  double get_max_nforce() const { return friction_.get_max_nforce(); }  // largest normal force [N]
+  void set_R(const Eigen::Matrix3d& R) { friction_.set_R(R); }          // takes effect with update()
+  void set_box(const Eigen::Vector2d& box);                             // takes effect with update() [m]
+  void set_mu(double mu) { friction_.set_mu(mu); }                      // not negative; takes effect with update()
+  void set_inner_appr(bool inner_appr) { friction_.set_inner_appr(inner_appr); }    // takes effect with update()
+  void set_min_nforce(double min_nforce) { friction_.set_min_nforce(min_nforce); }  // takes effect with update() [N]
+  void set_max_nforce(double max_nforce) { friction_.set_max_nforce(max_nforce); }  // takes effect with update() [N]
 
  private:
   FrictionCone friction_;
@@ -85,26 +86,26 @@ class WrenchCone {
   MatrixX6s A_;
   Eigen::VectorXd lb_, ub_;
 };
-std::ostream& operator<<(std::ostream& os, const WrenchCone& cone);
+std::ostream& operator<<(std::ostream& os, const WrenchCone& cone);  // prints it as `print` does
 
-/// Centre of pressure inside the box: 4 rows on the wrench. As in Crocoddyl the length bounds the moment about y, the
-/// width that about x.
+/// The centre of pressure inside the box: 4 rows for the wrench. As in Crocoddyl, the length bounds the moment about y,
+/// the width the moment about x.
 class CoPSupport {
  public:
   using Matrix46s = Eigen::Matrix<double, 4, 6>;
 
-  CoPSupport(const Eigen::Matrix3d& R, const Eigen::Vector2d& box);
-  CoPSupport(const WrenchCone& cone) : CoPSupport(cone.get_R(), cone.get_box()) {}
+  CoPSupport(const Eigen::Matrix3d& R, const Eigen::Vector2d& box);                 // box: length and width [m]
+  CoPSupport(const WrenchCone& cone) : CoPSupport(cone.get_R(), cone.get_box()) {}  // the cone's axes
   CoPSupport() : CoPSupport(WrenchCone()) {}
-  void update();
+  void update();  // computes A and the bounds
 
-  const Matrix46s& get_A() const { return A_; }
-  const Eigen::Vector4d& get_lb() const { return lb_; }
-  const Eigen::Vector4d& get_ub() const { return ub_; }
-  const Eigen::Vector2d& get_box() const { return box_; }
-  const Eigen::Matrix3d& get_R() const { return R_; }
-  void set_R(const Eigen::Matrix3d& R) { R_ = R; }
-  void set_box(const Eigen::Vector2d& box);
+  const Matrix46s& get_A() const { return A_; }            // the matrix of the inequalities
+  const Eigen::Vector4d& get_lb() const { return lb_; }    // lower bounds
+  const Eigen::Vector4d& get_ub() const { return ub_; }    // upper bounds
+  const Eigen::Vector2d& get_box() const { return box_; }  // length and width [m]
+  const Eigen::Matrix3d& get_R() const { return R_; }      // the cone's axes
+  void set_R(const Eigen::Matrix3d& R) { R_ = R; }         // takes effect with update()
+  void set_box(const Eigen::Vector2d& box);                // takes effect with update() [m]
 
  private:
   Eigen::Matrix3d R_;
@@ -112,6 +113,6 @@ class CoPSupport {
   Matrix46s A_;
   Eigen::Vector4d lb_, ub_;
 };
-std::ostream& operator<<(std::ostream& os, const CoPSupport& support);
+std::ostream& operator<<(std::ostream& os, const CoPSupport& support);  // prints it as `print` does
 
 }  // namespace manycontact

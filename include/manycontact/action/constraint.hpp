@@ -1,5 +1,5 @@
 #pragma once
-// Constraints on residuals, and their stack. Names and interface of Crocoddyl.
+// Constraints on residuals, and stacks of them. Names and interface are Crocoddyl's.
 
 #include "manycontact/action/diff_action.hpp"
 #include "manycontact/action/residual.hpp"
@@ -8,47 +8,48 @@ namespace manycontact {
 
 class ConstraintModelResidual;
 
-/// One constraint at one x, u, by hand.
+/// The values of one constraint at one x, u, evaluated standalone.
 struct ConstraintDataResidual {
-  ConstraintDataResidual(ConstraintModelResidual* model, DataCollector* shared);
+  ConstraintDataResidual(ConstraintModelResidual* model, DataCollector* shared);  // allocates the data of the model
   DataCollector* shared;
   std::shared_ptr<ResidualDataAbstract> residual;
-  Eigen::VectorXd g, h;    // ng, nh: by calc
-  Eigen::MatrixXd Gx, Gu;  // ng x ndx, ng x nu: by calcDiff
-  Eigen::MatrixXd Hx, Hu;  // nh x ndx, nh x nu: by calcDiff
+  Eigen::VectorXd g, h;    // ng, nh: set by calc
+  Eigen::MatrixXd Gx, Gu;  // ng x ndx, ng x nu: set by calcDiff
+  Eigen::MatrixXd Hx, Hu;  // nh x ndx, nh x nu: set by calcDiff
 };
 using ConstraintDataAbstract = ConstraintDataResidual;
 
-/// lower <= r(x, u) <= upper; components whose bounds are equal are equality constraints h = r - lower. A constraint of
-/// one's own is this one of a residual of one's own: the stack evaluates residuals, and a derived class does not compile.
+/// A constraint lower <= r(x, u) <= upper. Components with equal bounds are equality constraints h = r - lower. For a
+/// constraint of your own, write a residual: stacks evaluate residuals, so that this class is final.
 class ConstraintModelResidual final {
  public:
-  /// In terminal nodes too, unless `T_act` is false or the residual needs controls, accelerations or forces.
+  /// The constraint also applies to terminal nodes, unless `T_act` is false or the residual needs controls,
+  /// accelerations or forces. Throws std::invalid_argument for bounds of a wrong size.
   ConstraintModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual,
                           const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, bool T_act = true);
-  /// r = 0.
+  /// The constraint r = 0.
   ConstraintModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual,
                           bool T_act = true);
 
-  /// By hand: data->g, data->h; then their Jacobians.
+  /// Standalone: compute data->g and data->h, and then their Jacobians.
   void calc(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x, const ConstVectorRef& u);
   void calc(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x);
   void calcDiff(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x, const ConstVectorRef& u);
   void calcDiff(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x);
   std::shared_ptr<ConstraintDataResidual> createData(DataCollector* shared);
 
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
-  const std::shared_ptr<ResidualModelAbstract>& get_residual() const { return residual_; }
-  std::size_t get_nu() const { return residual_->get_nu(); }
-  std::size_t get_ng() const { return inequalities_.size(); }
-  std::size_t get_nh() const { return equalities_.size(); }
-  bool get_T_constraint() const { return T_; }
-  const Eigen::VectorXd& get_lb() const { return lb_; }  // nr
-  const Eigen::VectorXd& get_ub() const { return ub_; }
-  /// Components of r that are inequalities, equalities; ascending.
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
+  const std::shared_ptr<ResidualModelAbstract>& get_residual() const { return residual_; }  // the residual
+  std::size_t get_nu() const { return residual_->get_nu(); }                                // number of controls
+  std::size_t get_ng() const { return inequalities_.size(); }  // number of inequality constraints
+  std::size_t get_nh() const { return equalities_.size(); }    // number of equality constraints
+  bool get_T_constraint() const { return T_; }                 // whether it applies to terminal nodes
+  const Eigen::VectorXd& get_lb() const { return lb_; }        // nr
+  const Eigen::VectorXd& get_ub() const { return ub_; }        // upper bounds
+  /// The components of r that are inequalities, and equalities; ascending.
   const std::vector<int>& get_inequalities() const { return inequalities_; }
-  const std::vector<int>& get_equalities() const { return equalities_; }
-  void print(std::ostream& os) const;
+  const std::vector<int>& get_equalities() const { return equalities_; }  // indices of equalities
+  void print(std::ostream& os) const;                                     // prints type and sizes
 
  private:
   void pick_values(ConstraintDataResidual& data) const;
@@ -59,22 +60,22 @@ class ConstraintModelResidual final {
   std::vector<int> inequalities_, equalities_;
   bool T_;
 };
-std::ostream& operator<<(std::ostream& os, const ConstraintModelResidual& model);
+std::ostream& operator<<(std::ostream& os, const ConstraintModelResidual& model);  // prints it as `print` does
 
 using ConstraintModelAbstract = ConstraintModelResidual;
 
-struct ConstraintItem {  // a constraint by its name, and whether it is active
+struct ConstraintItem {  // A constraint, its name, and whether it is active.
   std::string name;
   std::shared_ptr<ConstraintModelAbstract> constraint;
   bool active = true;
 };
 
-/// g, h and their Jacobians are written into the action's data; by hand they are data of their own.
+/// The values of a stack. g, h and their Jacobians are those of the action's data; standalone they are its own.
 struct ConstraintDataManager {
-  /// Views on out's, or on those that shareMemory was given: by hand. Jacobians where out has dense ones.
+  /// Views of the data in `out`, or standalone of those given to shareMemory. Jacobians only if `out` has dense ones.
   Eigen::Map<Eigen::VectorXd> g{nullptr, 0}, h{nullptr, 0};
   Eigen::Map<Eigen::MatrixXd> Gx{nullptr, 0, 0}, Gu{nullptr, 0, 0}, Hx{nullptr, 0, 0}, Hu{nullptr, 0, 0};
-  /// From now on g, ..., Hu are those of an action's data, which must live as long.
+  /// Makes g, ..., Hu views of an action's data, which must outlive this object.
   template <class ActionData>
   void shareMemory(ActionData* data) {
     new (&g) Eigen::Map<Eigen::VectorXd>(data->g.data(), data->g.size());
@@ -84,7 +85,8 @@ struct ConstraintDataManager {
     new (&Hx) Eigen::Map<Eigen::MatrixXd>(data->Hx.data(), data->Hx.rows(), data->Hx.cols());
     new (&Hu) Eigen::Map<Eigen::MatrixXd>(data->Hu.data(), data->Hu.rows(), data->Hu.cols());
   }
-  /// An action's data with room for its model's constraints, of a running or a terminal node, and shared.
+  /// Resizes an action's data for its model's constraints, of a running or a terminal node, and makes g, ..., Hu views
+  /// of them.
   template <class ActionModel, class ActionData>
   void resize(ActionModel* model, ActionData* data, bool running_node = true) {
     const auto ng = static_cast<Eigen::Index>(running_node ? model->get_ng() : model->get_ng_T());
@@ -96,75 +98,78 @@ struct ConstraintDataManager {
     data->Hx.conservativeResize(nh, ndx), data->Hu.conservativeResize(nh, nu);
     shareMemory(data);
   }
-  /// The data's own, of a running or a terminal node. Evaluation does this itself.
+  /// Resizes the stack's own data, for a running or a terminal node. Evaluation does this itself.
   template <class Manager>
   void resize(Manager* model, bool running_node = true) {
     model->lay_out(*this, !running_node);
   }
 
   std::map<std::string, std::shared_ptr<ResidualDataAbstract>> constraints;
-  std::vector<std::shared_ptr<ResidualModelAbstract>> of;  // the residuals they were created by
+  std::vector<std::shared_ptr<ResidualModelAbstract>> of;  // the residuals that created them
   DataCollector* shared = nullptr;
-  std::size_t version = 0, status = 0;  // of the model when last laid out
+  std::size_t version = 0, status = 0;  // those of the model when the blocks were set up
   bool terminal = false;
   DifferentialActionDataAbstract* out = nullptr;
-  std::unique_ptr<DifferentialActionDataAbstract> own;  // by hand: out
-  // Parts of the residuals' blocks that are rows of g, and of h.
+  std::unique_ptr<DifferentialActionDataAbstract> own;  // standalone: `out`
+  // The parts of the residuals' blocks that are rows of g, and of h.
+  /// One part of a block.
   struct Part {
-    std::size_t block = 0;             // of the residual
+    std::size_t block = 0;             // number of the residual's block
     std::vector<int> from, to;         // rows of the block, rows of g (of h)
-    std::size_t xplan = 0, uplan = 0;  // in the sparse matrices
+    std::size_t xplan = 0, uplan = 0;  // block numbers in the sparse matrices
   };
   std::map<std::string, std::vector<Part>> g_parts, h_parts;
 };
 
-class ConstraintModelManager {  // a stack of constraints by their names
+class ConstraintModelManager {  // A stack of constraints with names.
  public:
   using ConstraintModelContainer = std::map<std::string, std::shared_ptr<ConstraintItem>>;
 
+  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   ConstraintModelManager(std::shared_ptr<StateAbstract> state, std::size_t nu);
   explicit ConstraintModelManager(std::shared_ptr<StateAbstract> state);  // nu = nv
 
-  /// Throw std::invalid_argument for a name that is taken (unknown), a constraint of another state or nu.
+  /// They throw std::invalid_argument for a name that exists already (or does not exist), and for a constraint with
+  /// another state or nu.
   void addConstraint(const std::string& name, std::shared_ptr<ConstraintModelAbstract> constraint, bool active = true);
   void removeConstraint(const std::string& name);
   void changeConstraintStatus(const std::string& name, bool active);
   bool getConstraintStatus(const std::string& name) const;
 
-  /// out->g, out->h (of a terminal node without u); then their Jacobians. They are resized when the active set, or the
-  /// kind of node, has changed.
+  /// Compute out->g and out->h (without u: of a terminal node), and then their Jacobians. These are resized if the
+  /// active set, or the kind of node, has changed.
   void calc(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x, const ConstVectorRef& u);
   void calc(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x);
   void calcDiff(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x, const ConstVectorRef& u);
   void calcDiff(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x);
   std::shared_ptr<ConstraintDataManager> createData(DataCollector* shared, DifferentialActionDataAbstract* out);
-  std::shared_ptr<ConstraintDataManager> createData(DataCollector* shared);  // by hand
-  /// Lays out the residuals' blocks again (the islands changed), and the sizes of out's vectors and matrices.
+  std::shared_ptr<ConstraintDataManager> createData(DataCollector* shared);  // standalone
+  /// Sets up the residuals' blocks again after the islands changed, and resizes the vectors and matrices in out.
   void lay_out(ConstraintDataManager& data, bool terminal) const;
 
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
-  const ConstraintModelContainer& get_constraints() const { return constraints_; }
-  std::size_t get_nu() const { return nu_; }
-  std::size_t get_ng() const { return ng_; }  // of the active constraints
-  std::size_t get_nh() const { return nh_; }
-  std::size_t get_ng_T() const { return ng_T_; }  // of those that hold in a terminal node
-  std::size_t get_nh_T() const { return nh_T_; }
-  const Eigen::VectorXd& get_lb() const { return lb_; }  // ng
-  const Eigen::VectorXd& get_ub() const { return ub_; }
-  const Eigen::VectorXd& get_lb_T() const { return lb_T_; }  // ng_T: of a terminal node's g
-  const Eigen::VectorXd& get_ub_T() const { return ub_T_; }
-  const std::set<std::string>& get_active_set() const { return active_set_; }
-  const std::set<std::string>& get_inactive_set() const { return inactive_set_; }
-  std::size_t get_version() const { return version_; }  // of the set of constraints
-  std::size_t get_status() const { return status_; }    // counts switches
-  void print(std::ostream& os) const;
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }        // the state that it was made for
+  const ConstraintModelContainer& get_constraints() const { return constraints_; }  // the constraints
+  std::size_t get_nu() const { return nu_; }                                        // number of controls
+  std::size_t get_ng() const { return ng_; }                                        // of the active constraints
+  std::size_t get_nh() const { return nh_; }                                        // number of equality constraints
+  std::size_t get_ng_T() const { return ng_T_; }             // of those that apply to a terminal node
+  std::size_t get_nh_T() const { return nh_T_; }             // number of equality constraints in a terminal node
+  const Eigen::VectorXd& get_lb() const { return lb_; }      // ng
+  const Eigen::VectorXd& get_ub() const { return ub_; }      // upper bounds
+  const Eigen::VectorXd& get_lb_T() const { return lb_T_; }  // ng_T: bounds of a terminal node's g
+  const Eigen::VectorXd& get_ub_T() const { return ub_T_; }  // upper bounds of a terminal node's g
+  const std::set<std::string>& get_active_set() const { return active_set_; }      // names of the active ones
+  const std::set<std::string>& get_inactive_set() const { return inactive_set_; }  // names of the inactive ones
+  std::size_t get_version() const { return version_; }  // changes with the set of constraints
+  std::size_t get_status() const { return status_; }    // counts switches of constraints
+  void print(std::ostream& os) const;                   // prints type and sizes
 
  private:
   void count();
   bool holds(const ConstraintItem& item, bool terminal) const;
   template <class F>
   void for_each_holding(ConstraintDataManager& data, bool terminal, F&& f) const;
-  /// Throws std::invalid_argument where a constraint was replaced since the data were created.
+  /// Throws std::invalid_argument if a constraint was replaced since the data were created.
   void check_residuals(const char* where, const ConstraintDataManager& data) const;
   void prepare(const char* where, ConstraintDataManager& data, const ConstVectorRef& x, bool terminal) const;
   void stack_values(ConstraintDataManager& data, bool terminal) const;
@@ -175,6 +180,6 @@ class ConstraintModelManager {  // a stack of constraints by their names
   Eigen::VectorXd lb_, ub_, lb_T_, ub_T_;
   std::set<std::string> active_set_, inactive_set_;
 };
-std::ostream& operator<<(std::ostream& os, const ConstraintModelManager& model);
+std::ostream& operator<<(std::ostream& os, const ConstraintModelManager& model);  // prints it as `print` does
 
 }  // namespace manycontact

@@ -4,8 +4,8 @@
 //     [ M  J^T     ] [  a ]   [ tau(x, u) - h ]
 //     [ J  -delta I] [ -f ] = [     -a0       ]        delta = JMinvJt_damping
 //
-// Interface of Crocoddyl's DifferentialActionModelContactFwdDynamics and of sobec's; solved and differentiated by
-// dynamics/solve.hpp and differentiate.hpp.
+// The interface is that of Crocoddyl's DifferentialActionModelContactFwdDynamics, and of sobec's. The equations are
+// solved by dynamics/solve.hpp and differentiated by dynamics/differentiate.hpp.
 
 #include <iosfwd>
 
@@ -17,10 +17,11 @@ namespace manycontact {
 
 struct DifferentialActionDataContactFwdDynamics;
 namespace internal {
-enum class Stage { kFresh, kRunning, kTerminal };  // what the last calc on the data was
+enum class Stage { kFresh, kRunning, kTerminal };  // kind of the last calc with the data
 }
 
-class DifferentialActionModelContactFwdDynamics : public DifferentialActionModelAbstract {  // dynamics and costs
+/// A node with contact dynamics, costs and constraints.
+class DifferentialActionModelContactFwdDynamics : public DifferentialActionModelAbstract {
  public:
   using ActuationModelAbstract = manycontact::ActuationModelAbstract;
   using Base = DifferentialActionModelAbstract;
@@ -28,11 +29,11 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   using ContactModelMultiple = manycontact::ContactModelMultiple;
   using CostModelSum = manycontact::CostModelSum;
   using Data = DifferentialActionDataContactFwdDynamics;
-  using crocoContactModelMultiple = manycontact::ContactModelMultiple;  // by sobec's name
+  using crocoContactModelMultiple = manycontact::ContactModelMultiple;  // sobec's name
   using StateMultibody = manycontact::StateMultibody;
 
-  /// enable_force: compute the derivatives of the contact forces; they are computed as well when a cost or a constraint
-  /// needs them. Throws std::invalid_argument when the parts do not belong together or the damping is negative.
+  /// enable_force: compute the derivatives of contact forces; they are also computed if a cost or a constraint needs
+  /// them. Throws std::invalid_argument if the parts do not belong together, or the damping is negative.
   DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody> state,
                                             std::shared_ptr<ActuationModelAbstract> actuation,
                                             std::shared_ptr<ContactModelMultiple> contacts,
@@ -45,49 +46,49 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
                                             std::shared_ptr<ConstraintModelManager> constraints,
                                             double JMinvJt_damping = 0, bool enable_force = false);
 
-  /// What the answer is worth is in the data's report(); a failed solve leaves NaN.
+  /// Computes accelerations, forces, costs and constraints. The data's report() contains status and accuracy; a failed
+  /// solve gives NaN.
   void calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
-  /// Touches neither accelerations nor forces.
+  /// Computes costs and constraints of a terminal node. Accelerations and forces remain unchanged.
   void calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) override;
-  /// Derivatives at the x, u of the last calc, whatever x, u are given. Throw std::logic_error unless that calc was of
-  /// the same kind, with the same costs and constraints active.
+  /// Computes the derivatives at the x, u of the last calc, for any x, u given. Throw std::logic_error unless that calc
+  /// was of the same kind, with the same active costs and constraints.
   void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
                 const ConstVectorRef& u) override;
   void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) override;
   std::shared_ptr<DifferentialActionDataAbstract> createData() override;
   bool checkData(const std::shared_ptr<DifferentialActionDataAbstract>& data) override;
-  /// The u part of the minimum-norm least-squares solution of [dtau/du  J^T] [u; f] = h(q, 0); maxiter and tol are not
-  /// needed. x's velocity must be zero.
+  /// Computes the u part of the minimum-norm least-squares solution of [dtau/du  J^T] [u; f] = h(q, 0). maxiter and tol
+  /// are ignored. The velocity in x must be zero.
   void quasiStatic(const std::shared_ptr<DifferentialActionDataAbstract>& data, VectorRef u, const ConstVectorRef& x,
                    std::size_t maxiter = 100, double tol = 1e-9) override;
   void print(std::ostream& os) const override;
 
-  const std::shared_ptr<ActuationModelAbstract>& get_actuation() const { return actuation_; }
-  const std::shared_ptr<ContactModelMultiple>& get_contacts() const { return contacts_; }
-  const std::shared_ptr<CostModelSum>& get_costs() const { return costs_; }
+  const std::shared_ptr<ActuationModelAbstract>& get_actuation() const { return actuation_; }      // the actuation
+  const std::shared_ptr<ContactModelMultiple>& get_contacts() const { return contacts_; }          // the contacts
+  const std::shared_ptr<CostModelSum>& get_costs() const { return costs_; }                        // the costs
   const std::shared_ptr<ConstraintModelManager>& get_constraints() const { return constraints_; }  // may be null
-  const Multibody& get_pinocchio() const { return *multibody_->get_model(); }
-  const Multibody& get_model() const { return *multibody_->get_model(); }
-  /// nv; replaces the model's, for data created from then on as well as for data at hand.
+  const Multibody& get_pinocchio() const { return *multibody_->get_model(); }  // the robots; Crocoddyl's name
+  const Multibody& get_model() const { return *multibody_->get_model(); }      // the robots
+  /// The armature (nv) [kg m^2, kg]. It replaces the model's, in new and existing data.
   const Eigen::VectorXd& get_armature() const { return armature_; }
-  void set_armature(const Eigen::VectorXd& armature);
-  double get_damping_factor() const { return damping_; }
-  void set_damping_factor(double damping);
-  bool get_enable_force() const { return enable_force_; }
-  /// Method and order of the solves, of data created from now on.
+  void set_armature(const Eigen::VectorXd& armature);      // throws std::invalid_argument for a wrong size
+  double get_damping_factor() const { return damping_; }   // JMinvJt_damping [1/kg]
+  void set_damping_factor(double damping);                 // not negative, or std::invalid_argument is thrown
+  bool get_enable_force() const { return enable_force_; }  // whether derivatives of forces are always computed
+  /// Method and order of the solves, for data created afterwards.
   const Options& get_options() const { return options_; }
-  void set_options(const Options& options) { options_ = options; }
-  /// Where motions start (nx; empty, as at first: anywhere). Contact rows that depend on each other there, as those of
-  /// closed mechanisms with more rows than they need, do so in all solves of data created from now on, also where
-  /// integration has taken the state off the closed loop by as little as it does.
+  void set_options(const Options& options) { options_ = options; }  // for data created afterwards
+  /// The initial state of motions (nx); empty: not specified, as initially. Constraint rows that are dependent there,
+  /// as in closed mechanisms with redundant rows, are treated as dependent in all solves of data created afterwards.
+  /// This remains so if integration errors have slightly opened the loop.
   const Eigen::VectorXd& get_start() const { return start_; }
-  void set_start(const Eigen::VectorXd& x0);
+  void set_start(const Eigen::VectorXd& x0);  // throws std::invalid_argument for a wrong size
 
-  /// Wrenches of the pushes of the state's scene, which act in the solves [N, N m]; at first the scene's.
+  /// The wrenches of the pushes of the state's scene, which act in the solves [N, N m]; initially those of the scene.
   const std::vector<Vec6<double>>& get_pushes() const { return pushes_; }
-  /// For data created from then on as well as for data at hand. Throws std::invalid_argument unless there is one per
-  /// push.
+  /// Sets one wrench per push, for new and existing data. Throws std::invalid_argument for another number.
   void set_pushes(const std::vector<Vec6<double>>& pushes);
 
   std::size_t get_nr() const override { return costs_->get_nr(); }
@@ -95,8 +96,8 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   std::size_t get_nh() const override { return constraints_ ? constraints_->get_nh() : 0; }
   std::size_t get_ng_T() const override { return constraints_ ? constraints_->get_ng_T() : 0; }
   std::size_t get_nh_T() const override { return constraints_ ? constraints_->get_nh_T() : 0; }
-  /// Those of the active constraints; or what set_g_lb, set_g_ub gave, until constraints are added, removed or
-  /// switched.
+  /// The bounds of the active constraints; or those given to set_g_lb, set_g_ub, until constraints are added, removed
+  /// or switched.
   const Eigen::VectorXd& get_g_lb() const override;
   const Eigen::VectorXd& get_g_ub() const override;
   const Eigen::VectorXd& get_g_lb_T() const override { return constraints_ ? constraints_->get_lb_T() : g_lb_; }
@@ -111,8 +112,8 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
                 const ConstVectorRef& x) const;
   bool needs_forces() const;
   void check_stage(const Data& data, internal::Stage stage) const;
-  // Data of a model that is gone must not pass for those of one at its address; a copy, which shares the parts, may use
-  // them.
+  // Identifies the model: data of a deleted model must not be accepted by another model at the same address. A copy,
+  // which shares the parts, may use them.
   std::shared_ptr<const void> identity_ = std::make_shared<char>();
   std::shared_ptr<StateMultibody> multibody_;
   std::shared_ptr<ActuationModelAbstract> actuation_;
@@ -120,26 +121,29 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   std::shared_ptr<CostModelSum> costs_;
   std::shared_ptr<ConstraintModelManager> constraints_;
   Eigen::VectorXd armature_;
-  std::shared_ptr<const std::vector<std::shared_ptr<const Model>>> models_;  // the robots' models with that armature
+  std::shared_ptr<const std::vector<std::shared_ptr<const Model>>> models_;  // the robots' models with this armature
   double damping_;
   bool enable_force_;
   Options options_;
   Eigen::VectorXd start_;
   std::vector<Vec6<double>> pushes_;
   static constexpr std::size_t kNeverSet = static_cast<std::size_t>(-1);
-  std::size_t g_lb_status_ = kNeverSet, g_ub_status_ = kNeverSet;  // of the constraints, at set_g_lb, set_g_ub
+  /// of the constraints, when set_g_lb, set_g_ub were called
+  std::size_t g_lb_status_ = kNeverSet, g_ub_status_ = kNeverSet;
 };
 
+/// Data of DifferentialActionModelContactFwdDynamics.
 struct DifferentialActionDataContactFwdDynamics : DifferentialActionDataAbstract {
+  /// Allocates the data of the model.
   explicit DifferentialActionDataContactFwdDynamics(DifferentialActionModelContactFwdDynamics* model);
 
   std::unique_ptr<DataCollector> multibody;  // scene, solution, torques, contacts
   std::shared_ptr<CostDataSum> costs;
   std::shared_ptr<ConstraintDataManager> constraints;
-  /// Status, rank, residuals of the last calc(data, x, u).
+  /// Status, rank and residuals of the last calc(data, x, u).
   const Report& report() const { return multibody->solution.report; }
 
-  // Kept by the model.
+  // Maintained by the model.
   internal::Stage stage = internal::Stage::kFresh;
   std::shared_ptr<const void> owner;  // the model's identity
   std::size_t contacts_version = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// Costs a(r(x, u)) and their weighted sum, with Gauss-Newton Hessians. Names and interface of Crocoddyl.
+// Costs a(r(x, u)) and their weighted sum, with Gauss-Newton Hessians. Names and interface are Crocoddyl's.
 
 #include "manycontact/action/activation.hpp"
 #include "manycontact/action/cost_derivatives.hpp"
@@ -10,62 +10,66 @@ namespace manycontact {
 
 class CostModelAbstract;
 
-struct CostDataAbstract {  // one cost at one x, u
-  CostDataAbstract(CostModelAbstract* model, DataCollector* shared);
+struct CostDataAbstract {                                             // The values of one cost at one x, u.
+  CostDataAbstract(CostModelAbstract* model, DataCollector* shared);  // allocates the data of the model
   virtual ~CostDataAbstract() = default;
   DataCollector* shared;
   double cost = 0;
-  std::shared_ptr<const ResidualModelAbstract> of_residual;  // the models that made the data
+  std::shared_ptr<const ResidualModelAbstract> of_residual;  // the models that created the data
   std::shared_ptr<const ActivationModelAbstract> of_activation;
   std::shared_ptr<ActivationDataAbstract> activation;
   std::shared_ptr<ResidualDataAbstract> residual;
-  /// True of a class that a user derived: its calcDiff writes Lx, Lu, Lxx, Lxu and Luu, which the sum takes. Otherwise
-  /// the sum reads the blocks of the residual.
+  /// True for a user-defined class: its calcDiff computes Lx, Lu, Lxx, Lxu and Luu, which the sum adds. Otherwise the
+  /// sum reads the blocks of the residual.
   const bool own;
-  /// Derivatives of this cost alone, without its weight, by calcDiff: ndx, nu, ndx x ndx, ndx x nu, nu x nu. They have
-  /// no size in the data of an action model unless the cost is a user's own; there by whole_derivatives.
+  /// Derivatives of this cost alone, without its weight, set by calcDiff: ndx, nu, ndx x ndx, ndx x nu, nu x nu. In the
+  /// data of an action model they are empty, unless the class is user-defined; call whole_derivatives instead.
   Eigen::VectorXd Lx, Lu;
   Eigen::MatrixXd Lxx, Lxu, Luu;
-  /// The same, after calcDiff: for looking at, made anew at each call.
+  /// Computes the derivatives after calcDiff, for inspection; allocates at each call.
   CostDerivatives whole_derivatives() const;
 };
 using CostDataResidual = CostDataAbstract;
 
-/// l(x, u), the base of all costs. A class derived from it, or from CostModelResidual, is called by the sum as
-/// Crocoddyl's are: calc sets data->cost, calcDiff sets data->Lx, Lu, Lxx, Lxu and Luu, which are zero at first. Its
-/// Hessians are dense: a residual of one's own (residual.hpp), whose rows depend on few coordinates, costs less.
+/// A cost l(x, u), the base of all costs. A sum calls a user-defined class derived from it, or from CostModelResidual,
+/// as Crocoddyl does: calc sets data->cost, and calcDiff sets data->Lx, Lu, Lxx, Lxu and Luu, which are initially zero.
+/// Its Hessians are dense. A user-defined residual (residual.hpp), whose rows depend on few coordinates, costs less.
 class CostModelAbstract {
  public:
+  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::shared_ptr<ResidualModelAbstract> residual);
-  /// With the activation 1/2 |r|^2.
+  /// Uses the activation 1/2 |r|^2.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual);
-  /// Without a residual: calc may write data->residual->r, of the activation's nr numbers (none without an activation).
-  /// nu: default nv.
+  /// Without a residual: calc may write data->residual->r, with the activation's nr numbers (none without an
+  /// activation). nu: by default nv.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::size_t nu);
+  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation);
+  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu);
+  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   explicit CostModelAbstract(std::shared_ptr<StateAbstract> state);
   virtual ~CostModelAbstract() = default;
 
-  /// data->cost.
+  /// Computes data->cost.
   virtual void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
                     const ConstVectorRef& u) = 0;
-  /// Of a terminal node: at u = 0 unless a class has it.
+  /// Computes the cost of a terminal node: by default that at u = 0.
   virtual void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);
-  /// After calc. Throws std::logic_error unless a class has it.
+  /// Computes the derivatives after calc. Throws std::logic_error unless a class overrides it.
   virtual void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
                         const ConstVectorRef& u);
-  /// Of a terminal node, where Lx and Lxx are taken.
+  /// Computes Lx and Lxx for a terminal node.
   virtual void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);
   virtual std::shared_ptr<CostDataAbstract> createData(DataCollector* shared);
 
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
-  const std::shared_ptr<ActivationModelAbstract>& get_activation() const { return activation_; }
-  const std::shared_ptr<ResidualModelAbstract>& get_residual() const { return residual_; }
-  std::size_t get_nu() const { return residual_->get_nu(); }
-  virtual void print(std::ostream& os) const;
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
+  const std::shared_ptr<ActivationModelAbstract>& get_activation() const { return activation_; }  // the activation
+  const std::shared_ptr<ResidualModelAbstract>& get_residual() const { return residual_; }        // the residual
+  std::size_t get_nu() const { return residual_->get_nu(); }                                      // number of controls
+  virtual void print(std::ostream& os) const;  // prints type and sizes
 
  protected:
   std::shared_ptr<StateAbstract> state_;
@@ -73,19 +77,21 @@ class CostModelAbstract {
   std::shared_ptr<ResidualModelAbstract> residual_;
   Eigen::VectorXd unone_;  // nu zeros
 };
-std::ostream& operator<<(std::ostream& os, const CostModelAbstract& model);
+std::ostream& operator<<(std::ostream& os, const CostModelAbstract& model);  // prints it as `print` does
 
-class CostModelResidual : public CostModelAbstract {  // a(r(x, u))
+class CostModelResidual : public CostModelAbstract {  // The cost a(r(x, u)) of a residual.
  public:
+  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   CostModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::shared_ptr<ResidualModelAbstract> residual)
       : CostModelAbstract(std::move(state), std::move(activation), std::move(residual)) {}
+  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   CostModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual)
       : CostModelAbstract(std::move(state), std::move(residual)) {}
 
   void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) override;
-  /// Jacobians of the residual, derivatives of the activation.
+  /// Computes the Jacobians of the residual and the derivatives of the activation.
   void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
                 const ConstVectorRef& u) override;
   void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) override;
@@ -96,27 +102,27 @@ class CostModelResidual : public CostModelAbstract {  // a(r(x, u))
   void finish_derivatives(CostDataAbstract& data, bool terminal) const;
 };
 
-struct CostItem {  // a cost by its name, with its weight, and whether it is active
+struct CostItem {  // A cost, its name, its weight, and whether it is active.
   std::string name;
   std::shared_ptr<CostModelAbstract> cost;
   double weight = 1;
   bool active = true;
 };
 
-struct CostDataSum {                    // the sum's value and derivatives
-  double cost = 0;                      // by calc
-  CostDerivatives* derivatives = &own;  // by calcDiff, where the sum is an action model's
-  /// By calcDiff: views on those derivatives; by hand on the data's own, or on those that shareMemory was given.
+struct CostDataSum {                    // The sum's value and derivatives.
+  double cost = 0;                      // set by calc
+  CostDerivatives* derivatives = &own;  // set by calcDiff, if the sum belongs to an action model
+  /// Views of those derivatives, set by calcDiff; standalone of the sum's own, or of those given to shareMemory.
   Eigen::Map<Eigen::VectorXd> Lx{nullptr, 0}, Lu{nullptr, 0};
   Eigen::Map<Eigen::MatrixXd> Lxx{nullptr, 0, 0}, Lxu{nullptr, 0, 0}, Luu{nullptr, 0, 0};
   std::map<std::string, std::shared_ptr<CostDataAbstract>> costs;
   DataCollector* shared = nullptr;
-  std::size_t version = 0;      // of the model's set of costs
-  CostGroups groups;            // by lay_out
-  std::vector<double> weights;  // scratch of calcDiff
+  std::size_t version = 0;      // changes with the model's set of costs
+  CostGroups groups;            // set by lay_out
+  std::vector<double> weights;  // workspace of calcDiff
   CostDerivatives own;
 
-  /// From now on Lx, ..., Luu are those of an action's data, which must live as long.
+  /// Makes Lx, ..., Luu views of an action's data, which must outlive this object.
   template <class ActionData>
   void shareMemory(ActionData* data) {
     new (&Lx) Eigen::Map<Eigen::VectorXd>(data->Lx.data(), data->Lx.size());
@@ -130,38 +136,41 @@ struct CostDataSum {                    // the sum's value and derivatives
   CostDataSum(const CostDataSum&) = delete;  // derivatives may point to own
 };
 
-class CostModelSum {  // a weighted sum of costs by their names
+class CostModelSum {  // A weighted sum of costs with names.
  public:
   using CostModelContainer = std::map<std::string, std::shared_ptr<CostItem>>;
 
+  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu);
   explicit CostModelSum(std::shared_ptr<StateAbstract> state);  // nu = nv
 
-  /// Throw std::invalid_argument for a name that is taken (unknown), a cost of another state or nu.
+  /// They throw std::invalid_argument for a name that exists already (or does not exist), and for a cost with another
+  /// state or nu.
   void addCost(const std::string& name, std::shared_ptr<CostModelAbstract> cost, double weight, bool active = true);
   void removeCost(const std::string& name);
   void changeCostStatus(const std::string& name, bool active);
   bool getCostStatus(const std::string& name) const;
 
-  /// data->cost and, with weights, data->derivatives of the active costs.
+  /// Compute data->cost and, with weights, data->derivatives of the active costs.
   void calc(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x, const ConstVectorRef& u);
   void calc(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x);
   void calcDiff(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x, const ConstVectorRef& u);
   void calcDiff(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x);
-  /// The derivatives go into `out` when it is given, of the right sizes; else the sum is evaluated by hand.
+  /// The derivatives are stored in `out`, if given, which must have the right sizes; otherwise the sum is evaluated
+  /// standalone.
   std::shared_ptr<CostDataSum> createData(DataCollector* shared, CostDerivatives* out = nullptr);
-  /// Lays out the residuals' blocks again (the islands changed) and the patterns of data->derivatives.
+  /// Sets up the residuals' blocks again after the islands changed, and the patterns of data->derivatives.
   void lay_out(CostDataSum& data) const;
 
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
-  const CostModelContainer& get_costs() const { return costs_; }
-  std::size_t get_nu() const { return nu_; }
-  std::size_t get_nr() const { return nr_; }              // of the active costs
-  std::size_t get_nr_total() const { return nr_total_; }  // of all
-  const std::set<std::string>& get_active_set() const { return active_set_; }
-  const std::set<std::string>& get_inactive_set() const { return inactive_set_; }
-  std::size_t get_version() const { return version_; }
-  void print(std::ostream& os) const;
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }       // the state that it was made for
+  const CostModelContainer& get_costs() const { return costs_; }                   // the costs
+  std::size_t get_nu() const { return nu_; }                                       // number of controls
+  std::size_t get_nr() const { return nr_; }                                       // of the active costs
+  std::size_t get_nr_total() const { return nr_total_; }                           // of all costs
+  const std::set<std::string>& get_active_set() const { return active_set_; }      // names of the active ones
+  const std::set<std::string>& get_inactive_set() const { return inactive_set_; }  // names of the inactive ones
+  std::size_t get_version() const { return version_; }                             // changes with the set of costs
+  void print(std::ostream& os) const;                                              // prints type and sizes
 
  private:
   void count(const CostItem& item);
@@ -173,6 +182,6 @@ class CostModelSum {  // a weighted sum of costs by their names
   std::size_t nu_, nr_ = 0, nr_total_ = 0, version_ = 0;
   std::set<std::string> active_set_, inactive_set_;
 };
-std::ostream& operator<<(std::ostream& os, const CostModelSum& model);
+std::ostream& operator<<(std::ostream& os, const CostModelSum& model);  // prints it as `print` does
 
 }  // namespace manycontact

@@ -3,15 +3,18 @@
 
 namespace manycontact {
 
-/// Which of the large matrices are filled: dense ones as in Crocoddyl, their sparse twins, or both. kPanel: Hessians as
-/// with kSparse, and of the dynamics none, which are read where they were computed (DifferentialActionDataAbstract's
-/// panel): the least memory and time, for what IntegratedActionModelEuler makes of one robot.
+/// Which large matrices are computed: dense ones as in Crocoddyl, sparse ones, or both. With kPanel, Hessians are
+/// sparse, and derivatives of the dynamics are read in place (DifferentialActionDataAbstract::panel). This takes the
+/// least memory and time for an IntegratedActionModelEuler of one robot.
 enum class MatrixStorage { kBoth, kDense, kSparse, kPanel };
+/// Whether dense matrices are computed.
 constexpr bool has_dense(MatrixStorage s) { return s == MatrixStorage::kBoth || s == MatrixStorage::kDense; }
+/// Whether sparse Hessians are computed.
 constexpr bool has_blocks(MatrixStorage s) { return s != MatrixStorage::kDense; }
 
-/// Derivatives of a cost. Dense matrices that are switched off have no size, sparse ones no blocks.
+/// Derivatives of a cost. Dense matrices that are disabled have no size, sparse ones no blocks.
 struct CostDerivatives {
+  /// Allocates the matrices for ndx and nu coordinates.
   void resize(std::size_t ndx, std::size_t nu, MatrixStorage storage);
   MatrixStorage storage = MatrixStorage::kBoth;
   Eigen::VectorXd Lx, Lu;         // ndx, nu

@@ -1,5 +1,5 @@
 #pragma once
-// Blocks of residuals that touch the same columns: their Gauss-Newton Hessians sum w Rx^T Arr Rx, ... are one product.
+// Blocks of residuals with the same columns: their Gauss-Newton Hessians sum w Rx^T Arr Rx, ... are one product.
 
 #include <vector>
 
@@ -10,24 +10,27 @@ namespace manycontact {
 
 struct CostDataAbstract;
 
+/// Blocks with the same columns.
 struct CostGroup {
   std::vector<int> xcols, ucols;
+  /// One block of the group.
   struct Member {
     const CostDataAbstract* cost;
     std::size_t index, block;  // of the cost in the stack, of the block in its residual
   };
   std::vector<Member> members;
+  /// Consecutive columns.
   struct Run {
-    int first, at, count;  // columns first, first + 1, ... are the group's at, at + 1, ...
+    int first, at, count;  // columns first, first + 1, ... are columns at, at + 1, ... of the group
   };
   std::vector<Run> xruns, uruns;
   std::size_t xx = 0, xu = 0, uu = 0;  // its blocks in the sparse matrices
 };
 
-/// A row that depends on one coordinate alone.
+/// A row that depends on one coordinate only.
 struct CostSquare {
   const CostDataAbstract* cost;
-  const RowMajorMatrix* J;  // of the block, one column; null where the row's is `constant`
+  const RowMajorMatrix* J;  // of the block, one column; null if the row's is `constant`
   double constant;
   int at;           // the row in the block
   int index;        // of the cost in the stack
@@ -36,18 +39,19 @@ struct CostSquare {
   std::size_t entry;  // its block, then its entry, in the sparse matrix
 };
 
-/// A cost of a class of a user's own, whose derivatives are whole matrices.
+/// A cost of a user-defined class, whose derivatives are whole matrices.
 struct OwnCost {
   const CostDataAbstract* cost;
-  std::size_t index;               // of the cost in the stack
+  std::size_t index;                   // of the cost in the stack
   std::size_t xx = 0, xu = 0, uu = 0;  // its blocks in the sparse matrices
 };
 
+/// All groups of a stack of costs.
 struct CostGroups {
-  /// Groups the blocks of the stack's costs, and lays out's sparse matrices out, of ndx and nu columns.
+  /// Groups the blocks of the stack's costs, and sets up the sparse matrices of out, for ndx and nu coordinates.
   void lay_out(const std::vector<const CostDataAbstract*>& costs, int ndx, int nu, CostDerivatives& out);
-  /// Adds weighted gradients and Hessians to out; of a terminal node those by x alone. weights: per cost of the stack,
-  /// 0 where it is inactive.
+  /// Adds weighted gradients and Hessians to out; in a terminal node only those with respect to x. weights: one per
+  /// cost of the stack, 0 if it is inactive.
   void add(const std::vector<double>& weights, bool terminal, CostDerivatives& out);
 
   std::vector<CostGroup> groups;
@@ -59,7 +63,7 @@ struct CostGroups {
   void add_own(const std::vector<double>& weights, bool terminal, CostDerivatives& out) const;
   void take_squares(const CostGroup& group);
   void add_squares(const std::vector<double>& weights, bool terminal, CostDerivatives& out) const;
-  std::size_t most_ = 0, widest_ = 0;  // numbers of the largest group's rows; its columns
+  std::size_t most_ = 0, widest_ = 0;  // largest number of entries of a group's rows, and of its columns
 };
 
 }  // namespace manycontact

@@ -1,5 +1,5 @@
 #pragma once
-// Interface of Crocoddyl's DifferentialActionModelAbstract: continuous dynamics, cost and constraints of one node.
+// The interface of Crocoddyl's DifferentialActionModelAbstract: continuous dynamics, cost and constraints of one node.
 
 #include <limits>
 
@@ -10,35 +10,37 @@ namespace manycontact {
 
 class DifferentialActionModelAbstract;
 
-/// Sizes in terms of the model; dense matrices that are switched off have none. `_sparse` are the twins.
+/// The results of a node, with the sizes of the model. Disabled dense matrices are empty. The `_sparse` functions
+/// return their sparse counterparts.
 struct DifferentialActionDataAbstract : CostDerivatives {
-  DifferentialActionDataAbstract() = default;  // room for nothing
+  DifferentialActionDataAbstract() = default;  // allocates nothing
+  /// Allocates the data of the model.
   explicit DifferentialActionDataAbstract(const DifferentialActionModelAbstract* model);
   virtual ~DifferentialActionDataAbstract() = default;
 
-  double cost = 0;         // by calc
-  Eigen::VectorXd xout;    // nv: accelerations, by calc(data, x, u)
-  Eigen::MatrixXd Fx, Fu;  // nv x ndx, nv x nu: by calcDiff(data, x, u)
+  double cost = 0;         // set by calc
+  Eigen::VectorXd xout;    // nv: accelerations, set by calc(data, x, u)
+  Eigen::MatrixXd Fx, Fu;  // nv x ndx, nv x nu: set by calcDiff(data, x, u)
   Eigen::VectorXd r;       // nr: residuals of the active costs, stacked in the order of their names
-  Eigen::VectorXd g, h;    // ng, nh: by calc; equality constraints h = 0
+  Eigen::VectorXd g, h;    // ng, nh: set by calc; equality constraints are h = 0
   Eigen::MatrixXd Gx, Gu;  // ng x ndx, ng x nu
   Eigen::MatrixXd Hx, Hu;  // nh x ndx, nh x nu
 
-  PanelView panel{nullptr, 0, 0, Eigen::OuterStride<>(0)};  // [Fx Fu] by rows with kPanel: by calcDiff(data, x, u)
+  PanelView panel{nullptr, 0, 0, Eigen::OuterStride<>(0)};  // [Fx Fu] by rows with kPanel: set by calcDiff(data, x, u)
 
   BlockSparse Fx_blocks, Fu_blocks, Gx_blocks, Gu_blocks, Hx_blocks, Hu_blocks;
-  const Eigen::SparseMatrix<double>& Fx_sparse() const { return Fx_blocks.matrix; }
-  const Eigen::SparseMatrix<double>& Fu_sparse() const { return Fu_blocks.matrix; }
-  const Eigen::SparseMatrix<double>& Lxx_sparse() const { return Lxx_blocks.matrix; }
-  const Eigen::SparseMatrix<double>& Lxu_sparse() const { return Lxu_blocks.matrix; }
-  const Eigen::SparseMatrix<double>& Luu_sparse() const { return Luu_blocks.matrix; }
-  const Eigen::SparseMatrix<double>& Gx_sparse() const { return Gx_blocks.matrix; }
-  const Eigen::SparseMatrix<double>& Gu_sparse() const { return Gu_blocks.matrix; }
-  const Eigen::SparseMatrix<double>& Hx_sparse() const { return Hx_blocks.matrix; }
-  const Eigen::SparseMatrix<double>& Hu_sparse() const { return Hu_blocks.matrix; }
+  const Eigen::SparseMatrix<double>& Fx_sparse() const { return Fx_blocks.matrix; }    // the sparse counterpart
+  const Eigen::SparseMatrix<double>& Fu_sparse() const { return Fu_blocks.matrix; }    // the sparse counterpart
+  const Eigen::SparseMatrix<double>& Lxx_sparse() const { return Lxx_blocks.matrix; }  // the sparse counterpart
+  const Eigen::SparseMatrix<double>& Lxu_sparse() const { return Lxu_blocks.matrix; }  // the sparse counterpart
+  const Eigen::SparseMatrix<double>& Luu_sparse() const { return Luu_blocks.matrix; }  // the sparse counterpart
+  const Eigen::SparseMatrix<double>& Gx_sparse() const { return Gx_blocks.matrix; }    // the sparse counterpart
+  const Eigen::SparseMatrix<double>& Gu_sparse() const { return Gu_blocks.matrix; }    // the sparse counterpart
+  const Eigen::SparseMatrix<double>& Hx_sparse() const { return Hx_blocks.matrix; }    // the sparse counterpart
+  const Eigen::SparseMatrix<double>& Hu_sparse() const { return Hu_blocks.matrix; }    // the sparse counterpart
 };
 
-class DifferentialActionModelAbstract {  // a node in continuous time
+class DifferentialActionModelAbstract {  // A node in continuous time.
  public:
   using Scalar = double;
   using MathBase = manycontact::MathBase;
@@ -47,61 +49,64 @@ class DifferentialActionModelAbstract {  // a node in continuous time
   using StateAbstract = manycontact::StateAbstract;
   using DifferentialActionDataAbstract = manycontact::DifferentialActionDataAbstract;
 
+  /// Throws std::invalid_argument for null pointers and numbers out of range.
   DifferentialActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr = 0,
                                   std::size_t ng = 0, std::size_t nh = 0);
   virtual ~DifferentialActionModelAbstract() = default;
 
-  /// Acceleration, cost and constraints.
+  /// Computes accelerations, cost and constraints. x: nx, u: nu. Throws std::invalid_argument for wrong sizes.
   virtual void calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
                     const ConstVectorRef& u) = 0;
-  /// Cost and constraints of a terminal node: those that depend on the state alone.
+  /// Computes cost and constraints of a terminal node, which depend on the state alone.
   virtual void calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x);
-  /// Derivatives at the last calc.
+  /// Computes the derivatives at the last calc.
   virtual void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
                         const ConstVectorRef& u) = 0;
   virtual void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x);
   virtual std::shared_ptr<DifferentialActionDataAbstract> createData();
   virtual bool checkData(const std::shared_ptr<DifferentialActionDataAbstract>& data);
 
-  /// Controls that keep x still, v = 0. By default Gauss-Newton on xout: at most maxiter steps, until |xout| <= tol.
+  /// Computes controls u (nu) that keep x at rest, with v = 0. By default it makes Gauss-Newton steps on xout: at most
+  /// maxiter, until |xout| <= tol.
   virtual void quasiStatic(const std::shared_ptr<DifferentialActionDataAbstract>& data, VectorRef u,
                            const ConstVectorRef& x, std::size_t maxiter = 100, double tol = 1e-9);
   Eigen::VectorXd quasiStatic_x(const std::shared_ptr<DifferentialActionDataAbstract>& data, const Eigen::VectorXd& x,
                                 std::size_t maxiter = 100, double tol = 1e-9);
   virtual void print(std::ostream& os) const;
 
-  std::size_t get_nu() const { return nu_; }
-  virtual std::size_t get_nr() const { return nr_; }
-  virtual std::size_t get_ng() const { return ng_; }
-  virtual std::size_t get_nh() const { return nh_; }
-  virtual std::size_t get_ng_T() const { return get_ng(); }
-  virtual std::size_t get_nh_T() const { return get_nh(); }
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
-  virtual const Eigen::VectorXd& get_g_lb() const { return g_lb_; }
-  virtual const Eigen::VectorXd& get_g_ub() const { return g_ub_; }
-  /// Of a terminal node's g.
+  std::size_t get_nu() const { return nu_; }                 // number of controls
+  virtual std::size_t get_nr() const { return nr_; }         // number of rows of the residual
+  virtual std::size_t get_ng() const { return ng_; }         // number of inequality constraints
+  virtual std::size_t get_nh() const { return nh_; }         // number of equality constraints
+  virtual std::size_t get_ng_T() const { return get_ng(); }  // number of inequality constraints in a terminal node
+  virtual std::size_t get_nh_T() const { return get_nh(); }  // number of equality constraints in a terminal node
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
+  virtual const Eigen::VectorXd& get_g_lb() const { return g_lb_; }           // lower bounds of g
+  virtual const Eigen::VectorXd& get_g_ub() const { return g_ub_; }           // upper bounds of g
+  /// Bounds of g in a terminal node.
   virtual const Eigen::VectorXd& get_g_lb_T() const { return get_g_lb(); }
-  virtual const Eigen::VectorXd& get_g_ub_T() const { return get_g_ub(); }
-  const Eigen::VectorXd& get_u_lb() const { return u_lb_; }
-  const Eigen::VectorXd& get_u_ub() const { return u_ub_; }
-  bool get_has_control_limits() const { return has_control_limits_; }
-  /// Throw std::invalid_argument on a wrong size.
+  virtual const Eigen::VectorXd& get_g_ub_T() const { return get_g_ub(); }  // upper bounds of g in a terminal node
+  const Eigen::VectorXd& get_u_lb() const { return u_lb_; }                 // lower limits of controls; infinite: none
+  const Eigen::VectorXd& get_u_ub() const { return u_ub_; }                 // upper limits of controls; infinite: none
+  bool get_has_control_limits() const { return has_control_limits_; }       // whether any limit of controls is finite
+  /// They throw std::invalid_argument for a wrong size.
   virtual void set_g_lb(const Eigen::VectorXd& g_lb);
-  virtual void set_g_ub(const Eigen::VectorXd& g_ub);
-  void set_u_lb(const Eigen::VectorXd& u_lb);
-  void set_u_ub(const Eigen::VectorXd& u_ub);
-  /// For data created from now on.
+  virtual void set_g_ub(const Eigen::VectorXd& g_ub);  // throws std::invalid_argument for a wrong size
+  void set_u_lb(const Eigen::VectorXd& u_lb);          // throws std::invalid_argument for a wrong size
+  void set_u_ub(const Eigen::VectorXd& u_ub);          // throws std::invalid_argument for a wrong size
+  /// Which matrices data created afterwards contain.
   MatrixStorage get_storage() const { return storage_; }
-  void set_storage(MatrixStorage storage) { storage_ = storage; }
+  void set_storage(MatrixStorage storage) { storage_ = storage; }  // for data created afterwards
 
  protected:
-  void update_has_control_limits();
-  std::size_t nu_, nr_, ng_, nh_;  // of a model with stacks of costs, constraints: as at construction; getters follow
+  void update_has_control_limits();  // called after the bounds have changed
+  std::size_t nu_, nr_, ng_, nh_;    // with stacks of costs or constraints: values at construction; getters return
+                                     // current ones
   std::shared_ptr<StateAbstract> state_;
   Eigen::VectorXd g_lb_, g_ub_, u_lb_, u_ub_, unone_;
   bool has_control_limits_ = false;
   MatrixStorage storage_ = MatrixStorage::kBoth;
 };
-std::ostream& operator<<(std::ostream& os, const DifferentialActionModelAbstract& model);
+std::ostream& operator<<(std::ostream& os, const DifferentialActionModelAbstract& model);  // prints it as `print` does
 
 }  // namespace manycontact

@@ -1,5 +1,5 @@
 #pragma once
-// Names that code written for Crocoddyl expects, and the checks every public member makes.
+// Names that code written for Crocoddyl expects, and checks of arguments.
 
 #include <Eigen/Core>
 #include <memory>
@@ -10,7 +10,7 @@
 
 namespace manycontact {
 
-using FrameIndex = std::size_t;  // a frame of a Multibody, over all its robots
+using FrameIndex = std::size_t;  // number of a frame of a Multibody, over all its robots
 
 inline constexpr ReferenceFrame LOCAL = ReferenceFrame::kLocal;
 inline constexpr ReferenceFrame WORLD = ReferenceFrame::kWorld;
@@ -24,6 +24,7 @@ inline constexpr ContactType Contact6D = ContactType::k6D;
 using Motion = Vec6<double>;  // [linear; angular]
 using Force = Vec6<double>;
 
+/// Crocoddyl's names of matrix types.
 struct MathBase {
   using Scalar = double;
   using Vector2s = Eigen::Vector2d;
@@ -36,20 +37,18 @@ struct MathBase {
   using Quaternions = Eigen::Quaterniond;
 };
 
-using ConstVectorRef = Eigen::Ref<const Eigen::VectorXd>;
-using VectorRef = Eigen::Ref<Eigen::VectorXd>;
 using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using PanelView = Eigen::Map<const RowMajorMatrix, 0, Eigen::OuterStride<>>;
 
-/// Throws std::invalid_argument "where: what has 3 numbers, 7 expected" when they differ.
+/// Throws std::invalid_argument "where: what has 3 numbers, 7 expected" if the numbers differ.
 inline void check_size(const char* where, const char* what, Eigen::Index given, std::size_t expected) {
   if (given != static_cast<Eigen::Index>(expected))
     throw std::invalid_argument(std::string(where) + ": " + what + " has " + std::to_string(given) + " numbers, " +
                                 std::to_string(expected) + " expected");
 }
 
-/// Throws std::invalid_argument when there are no data.
+/// Throws std::invalid_argument if `data` is null.
 template <class Data>
 Data& check_data(const char* where, const std::shared_ptr<Data>& data) {
   if (data == nullptr)
@@ -58,7 +57,7 @@ Data& check_data(const char* where, const std::shared_ptr<Data>& data) {
   return *data;
 }
 
-/// Throws std::invalid_argument "where: what" when the condition does not hold. The first allocates nothing.
+/// Throws std::invalid_argument "where: what" if the condition is false. The first overload allocates nothing.
 inline void require(bool condition, const char* where, const char* what) {
   if (!condition) throw std::invalid_argument(std::string(where) + ": " + what);
 }
@@ -68,7 +67,7 @@ inline void require(bool condition, const std::string& where, const std::string&
 
 namespace internal {
 
-/// The data as a model's own kind; throws std::invalid_argument when they are null or of another.
+/// Casts data to a model's own type; throws std::invalid_argument if they are null or of another type.
 template <class Data, class Base>
 Data& own_data(const char* where, const std::shared_ptr<Base>& data) {
   Data* own = dynamic_cast<Data*>(&check_data(where, data));
@@ -77,7 +76,7 @@ Data& own_data(const char* where, const std::shared_ptr<Base>& data) {
   return *own;
 }
 
-/// part; throws std::invalid_argument where there is none. what: "a model".
+/// Returns part; throws std::invalid_argument if it is null. what: "a model".
 template <class Part>
 const std::shared_ptr<Part>& given(const char* where, const std::shared_ptr<Part>& part, const char* what = "a model") {
   if (part == nullptr)

@@ -1,47 +1,49 @@
 #pragma once
-// Impulses by Crocoddyl's names and constructors, and their stack: which frames' velocities an impact stops (or turns
-// back). Each is the rows J of a contact at rest; the equations are solved by control/impulse_fwddyn.hpp.
+// Impulses with Crocoddyl's names and constructors, and stacks of them. An impulse stops or reverses the velocity of a
+// frame. It has the rows J of a contact at rest; control/impulse_fwddyn.hpp solves the equations.
 
 #include "manycontact/action/contact.hpp"
 
 namespace manycontact {
 
-/// Jc, f (the impulse on A, N s or N m s), df_dx; a0 = 0, and da0_dx is d(J w)/dq with w = v+ + e v held constant.
+/// The data of an impulse: Jc, f (the impulse on A [N s, N m s]), df_dx; a0 = 0, and da0_dx is d(J w)/dq with constant
+/// w = v+ + e v.
 using ImpulseDataAbstract = ContactDataAbstract;
 
-/// By hand: those of ContactDataMultiple, and more.
+/// Standalone: members of ContactDataMultiple, and more.
 struct ImpulseDataMultiple : ContactDataMultiple {
   std::map<std::string, std::shared_ptr<ImpulseDataAbstract>>& impulses = contacts;
-  Eigen::MatrixXd dv0_dq;     // nc_total x nv: by calcDiff
-  Eigen::VectorXd vnext;      // nv: by updateVelocity
-  Eigen::MatrixXd dvnext_dx;  // nv x ndx: by updateVelocityDiff
+  Eigen::MatrixXd dv0_dq;     // nc_total x nv: set by calcDiff
+  Eigen::VectorXd vnext;      // nv: set by updateVelocity
+  Eigen::MatrixXd dvnext_dx;  // nv x ndx: set by updateVelocityDiff
 };
 
-/// What an impact stops. As of contacts, classes below alone derive from it.
+/// An impulse. As for contacts, only the classes below derive from it.
 class ImpulseModelAbstract {
  public:
   virtual ~ImpulseModelAbstract() = default;
 
-  /// By hand, at the motion of `data->pinocchio` (x is not read): Jc; then dv0_dq.
+  /// Standalone, at the motion in `data->pinocchio` (x is ignored): compute Jc, and then dv0_dq.
   void calc(const std::shared_ptr<ImpulseDataAbstract>& data, const ConstVectorRef& x) const;
   void calcDiff(const std::shared_ptr<ImpulseDataAbstract>& data, const ConstVectorRef& x) const;
-  /// By hand: f = impulse (nc) and fext; df_dx (nc x ndx).
+  /// Standalone: set f = impulse (nc) and fext; set df_dx (nc x ndx).
   void updateForce(const std::shared_ptr<ImpulseDataAbstract>& data, const Eigen::VectorXd& impulse) const;
   void updateForceDiff(const std::shared_ptr<ImpulseDataAbstract>& data, const Eigen::MatrixXd& df_dx) const;
   void setZeroForce(const std::shared_ptr<ImpulseDataAbstract>& data) const;
   void setZeroForceDiff(const std::shared_ptr<ImpulseDataAbstract>& data) const;
   std::shared_ptr<ImpulseDataAbstract> createData(MultibodyData* data) const;
 
+  /// The state that it was made for.
   const std::shared_ptr<StateMultibody>& get_state() const { return contact_->get_state(); }
-  std::size_t get_nc() const { return contact_->get_nc(); }
-  std::size_t get_nu() const { return 0; }
-  FrameIndex get_id() const { return contact_->get_id(); }
-  ReferenceFrame get_type() const { return contact_->get_type(); }
-  void set_id(FrameIndex id) { contact_->set_id(id); }
-  void set_type(ReferenceFrame type) { contact_->set_type(type); }
-  /// Whose rows the impulse has.
+  std::size_t get_nc() const { return contact_->get_nc(); }         // number of constraint rows
+  std::size_t get_nu() const { return 0; }                          // number of controls
+  FrameIndex get_id() const { return contact_->get_id(); }          // number of the frame
+  ReferenceFrame get_type() const { return contact_->get_type(); }  // the reference frame
+  void set_id(FrameIndex id) { contact_->set_id(id); }              // selects another frame
+  void set_type(ReferenceFrame type) { contact_->set_type(type); }  // selects another reference frame
+  /// The contact with the same rows.
   const std::shared_ptr<ContactModelAbstract>& get_contact() const { return contact_; }
-  virtual void print(std::ostream& os) const;
+  virtual void print(std::ostream& os) const;  // prints type and sizes
 
  private:
   friend class ImpulseModel3D;
@@ -52,78 +54,87 @@ class ImpulseModelAbstract {
   const char* name_;
   std::shared_ptr<ContactModelAbstract> contact_;
 };
-std::ostream& operator<<(std::ostream& os, const ImpulseModelAbstract& model);
+std::ostream& operator<<(std::ostream& os, const ImpulseModelAbstract& model);  // prints it as `print` does
 
-/// A point's velocity.
+/// Stops the velocity of a point.
 class ImpulseModel3D final : public ImpulseModelAbstract {
  public:
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ImpulseModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, ReferenceFrame type = ReferenceFrame::kLocal);
 };
 
-/// A frame's velocity.
+/// Stops the velocity of a frame.
 class ImpulseModel6D final : public ImpulseModelAbstract {
  public:
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ImpulseModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, ReferenceFrame type = ReferenceFrame::kLocal);
 };
 
-/// The relative velocity of two bodies' frames, as ContactModelBetweenBodies has it: the jolt in what robots hold.
+/// Stops the relative velocity of two bodies' frames, as in ContactModelBetweenBodies.
 class ImpulseModelBetweenBodies final : public ImpulseModelAbstract {
  public:
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ImpulseModelBetweenBodies(std::shared_ptr<StateMultibody> state, ContactType contact_type, FrameIndex id,
                             FrameIndex to, const SE3<double>& offset = {}, ReferenceFrame type = ReferenceFrame::kLocal,
                             const Eigen::Vector3d& axis = Eigen::Vector3d::UnitZ());
 };
 
-/// The rows of a contact as a scene has it: any attachment, offsets included.
+/// The rows of a contact as in a scene: any attachment, offsets included.
 class ImpulseModelOfScene final : public ImpulseModelAbstract {
  public:
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ImpulseModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact);
 };
 
-struct ImpulseItem {  // an impulse by its name, and whether it is active
+struct ImpulseItem {  // An impulse, its name, and whether it is active.
   std::string name;
   std::shared_ptr<ImpulseModelAbstract> impulse;
-  bool active = true;  // by changeImpulseStatus
+  bool active = true;  // set by changeImpulseStatus
 };
 
-/// The impulses of an action model, by name; their rows stack in the order of names.
+/// The impulses of an action model, by name. Their rows are stacked in the order of names.
 class ImpulseModelMultiple {
  public:
   using ImpulseModelContainer = std::map<std::string, std::shared_ptr<ImpulseItem>>;
   using ImpulseDataContainer = std::map<std::string, std::shared_ptr<ImpulseDataAbstract>>;
 
+  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   explicit ImpulseModelMultiple(std::shared_ptr<StateMultibody> state);
 
-  /// Throw std::invalid_argument for a name that is taken (unknown), an impulse of another state.
+  /// They throw std::invalid_argument for a name that exists already (or does not exist), and for an impulse with
+  /// another state.
   void addImpulse(const std::string& name, std::shared_ptr<ImpulseModelAbstract> impulse, bool active = true);
   void removeImpulse(const std::string& name);
   void changeImpulseStatus(const std::string& name, bool active);
   bool getImpulseStatus(const std::string& name) const;
 
-  /// By hand, of the active impulses: as ImpulseModelAbstract's, and stacked.
+  /// Standalone: evaluate the active impulses as ImpulseModelAbstract does, and stack the results.
   void calc(const std::shared_ptr<ImpulseDataMultiple>& data, const ConstVectorRef& x) const;
   void calcDiff(const std::shared_ptr<ImpulseDataMultiple>& data, const ConstVectorRef& x) const;
-  /// impulse: nc; df_dx: nc x ndx. Inactive ones get zero.
+  /// Set the impulses (nc) and their derivatives (nc x ndx). Inactive ones are set to zero.
   void updateForce(const std::shared_ptr<ImpulseDataMultiple>& data, const Eigen::VectorXd& impulse) const;
   void updateForceDiff(const std::shared_ptr<ImpulseDataMultiple>& data, const Eigen::MatrixXd& df_dx) const;
   void updateVelocity(const std::shared_ptr<ImpulseDataMultiple>& data, const Eigen::VectorXd& vnext) const;
   void updateVelocityDiff(const std::shared_ptr<ImpulseDataMultiple>& data, const Eigen::MatrixXd& dvnext_dx) const;
   std::shared_ptr<ImpulseDataMultiple> createData(MultibodyData* data) const;
 
+  /// The state that it was made for.
   const std::shared_ptr<StateMultibody>& get_state() const { return contacts_->get_state(); }
-  const ImpulseModelContainer& get_impulses() const { return impulses_; }
-  std::size_t get_nc() const { return contacts_->get_nc(); }              // rows of the active impulses
-  std::size_t get_nc_total() const { return contacts_->get_nc_total(); }  // rows of all
+  const ImpulseModelContainer& get_impulses() const { return impulses_; }  // the impulses
+  std::size_t get_nc() const { return contacts_->get_nc(); }               // rows of the active impulses
+  std::size_t get_nc_total() const { return contacts_->get_nc_total(); }   // rows of all impulses
+  /// Names of the active ones.
   const std::set<std::string>& get_active_set() const { return contacts_->get_active_set(); }
+  /// Names of the inactive ones.
   const std::set<std::string>& get_inactive_set() const { return contacts_->get_inactive_set(); }
-  /// Whose rows the impulses have.
+  /// The stack of contacts with the same rows.
   const std::shared_ptr<ContactModelMultiple>& get_contacts() const { return contacts_; }
-  void print(std::ostream& os) const;
+  void print(std::ostream& os) const;  // prints type and sizes
 
  private:
   ImpulseModelContainer impulses_;
   std::shared_ptr<ContactModelMultiple> contacts_;
 };
-std::ostream& operator<<(std::ostream& os, const ImpulseModelMultiple& model);
+std::ostream& operator<<(std::ostream& os, const ImpulseModelMultiple& model);  // prints it as `print` does
 
 }  // namespace manycontact

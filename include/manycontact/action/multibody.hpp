@@ -1,6 +1,6 @@
 #pragma once
-// The rigid-body model behind a state: the robots of a scene, and their frames under one numbering. What
-// `pinocchio::Model` is to Crocoddyl.
+// The rigid-body model of a state: the robots of a scene, and all their frames with consecutive numbers. It corresponds
+// to `pinocchio::Model` in Crocoddyl.
 
 #include <memory>
 
@@ -8,30 +8,30 @@
 
 namespace manycontact {
 
-class Multibody {  // robots and frames of a scene: pinocchio::Model to Crocoddyl
+class Multibody {  // The robots and frames of a scene.
  public:
   /// A frame: robot, joint (-1: its fixed base) and placement on that joint's body.
   struct BodyFrame {
-    std::string name;  // "frame" when there is one robot, else "robot/frame"
+    std::string name;  // "frame" if there is one robot, else "robot/frame"
     int robot = 0, joint = -1;
     SE3<double> placement;
   };
 
-  /// The robots and gravity of a scene; its contacts and damping are left out (see contacts_of_scene in contact.hpp).
+  /// The robots and gravity of a scene. Its contacts and damping are left out; see contacts_of_scene in contact.hpp.
   explicit Multibody(const Scene& scene);
-  /// One robot; a fixed base stands at `base`.
+  /// One robot. base: placement of a fixed base.
   explicit Multibody(std::shared_ptr<const Model> model, const SE3<double>& base = {});
 
   int nq = 0, nv = 0;
   std::vector<BodyFrame> frames;
   Eigen::VectorXd armature;     // nv
-  Eigen::VectorXd effortLimit;  // nv; infinite where the file gives none, and on floating bases
+  Eigen::VectorXd effortLimit;  // nv; infinite if the file has none, and for floating bases
 
-  const Scene& scene() const { return scene_; }
-  /// "left_sole" when there is one robot, "r0/left_sole"; a joint's name is its link's, unless a link has that name.
-  /// Throws std::invalid_argument for an unknown name.
+  const Scene& scene() const { return scene_; }  // the robots, with their gravity
+  /// The number of a frame: "r0/left_sole", or "left_sole" if there is one robot. The name of a joint gives the frame
+  /// of its link, unless a link has that name. getFrameId throws std::invalid_argument for an unknown name.
   FrameIndex getFrameId(const std::string& name) const;
-  bool existFrame(const std::string& name) const;
+  bool existFrame(const std::string& name) const;  // whether there is a frame with this name
 
  private:
   void index();

@@ -1,8 +1,8 @@
 #pragma once
-// Numerical twins of an action model's parts: derivatives by central differences, for users' own parts, and for tests.
-// By Crocoddyl's names. The step is absolute on tangents, relative to max(1, |u_i|) in u. Parts evaluated by hand see
-// more than x and u: set_reevals takes what brings that up to date, called with each x, u before the part's calc, and
-// at last with the point itself.
+// Parts of an action model whose derivatives are central differences of another part. They are meant for user-defined
+// parts, and for tests; the names are Crocoddyl's. The step is absolute on tangent spaces, relative to max(1, |u_i|) in
+// u. Standalone parts depend on more than x and u: set_reevals takes functions that update these data. They are called
+// with each x, u before the part's calc, and finally at the point itself.
 
 #include <cmath>
 #include <functional>
@@ -15,7 +15,7 @@ namespace manycontact {
 
 namespace internal {
 
-/// The step of a twin.
+/// The step of the differences.
 class Step {
  public:
   double get_disturbance() const { return step_; }
@@ -26,7 +26,7 @@ class Step {
   double step_ = std::cbrt(std::numeric_limits<double>::epsilon());
 };
 
-/// What a twin by hand calls before its part.
+/// The functions that are called before a standalone part is evaluated.
 class Reevaluation {
  public:
   using ReevaluationFunction = std::function<void(const Eigen::VectorXd& x, const Eigen::VectorXd& u)>;
@@ -41,10 +41,10 @@ class Reevaluation {
 
 }  // namespace internal
 
-/// Jdiff, Jintegrate and JintegrateTransport of any state; the rest is the state's own.
+/// Differentiates Jdiff, Jintegrate and JintegrateTransport of any state; everything else is the state's own.
 class StateNumDiff : public StateAbstract, public internal::Step {
  public:
-  explicit StateNumDiff(std::shared_ptr<StateAbstract> state);
+  explicit StateNumDiff(std::shared_ptr<StateAbstract> state);  // state: the one that is differentiated
   Eigen::VectorXd zero() const override { return state_model_->zero(); }
   Eigen::VectorXd rand() const override { return state_model_->rand(); }
   void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const override;
@@ -60,30 +60,33 @@ class StateNumDiff : public StateAbstract, public internal::Step {
   std::shared_ptr<StateAbstract> state_model_;
 };
 
-/// Ar, and of the Hessian the diagonal.
+/// Differentiates an activation: Ar, and the diagonal of the Hessian.
 class ActivationModelNumDiff : public ActivationModelAbstract, public internal::Step {
  public:
+  /// model: the one that is differentiated.
   explicit ActivationModelNumDiff(std::shared_ptr<ActivationModelAbstract> model);
   void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
   void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
   std::shared_ptr<ActivationDataAbstract> createData() override;
+  /// The model that is differentiated.
   const std::shared_ptr<ActivationModelAbstract>& get_model() const { return model_; }
 
  private:
   std::shared_ptr<ActivationModelAbstract> model_;
 };
 
-/// Of the twin.
+/// Data of ActivationModelNumDiff.
 struct ActivationDataNumDiff : ActivationDataAbstract {
-  explicit ActivationDataNumDiff(const ActivationModelNumDiff* model);
+  explicit ActivationDataNumDiff(const ActivationModelNumDiff* model);  // allocates the data of the model
   std::shared_ptr<ActivationDataAbstract> data_0;
   Eigen::MatrixXd Arr_;  // nr x nr: the whole Hessian
 };
 
-/// dtau_dx, dtau_du; Mtau is the pseudo-inverse of dtau_du, of whose singular values those within the differences'
-/// accuracy are zero.
+/// Differentiates an actuation: dtau_dx, dtau_du. Mtau is the pseudoinverse of dtau_du; singular values within the
+/// accuracy of the differences are zero.
 class ActuationModelNumDiff : public ActuationModelAbstract, public internal::Step {
  public:
+  /// model: the one that is differentiated.
   explicit ActuationModelNumDiff(std::shared_ptr<ActuationModelAbstract> model);
   void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
@@ -96,21 +99,23 @@ class ActuationModelNumDiff : public ActuationModelAbstract, public internal::St
   void torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
                        const ConstVectorRef& u) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
+  /// The model that is differentiated.
   const std::shared_ptr<ActuationModelAbstract>& get_model() const { return model_; }
 
  private:
   std::shared_ptr<ActuationModelAbstract> model_;
 };
 
-/// Of the twin.
+/// Data of ActuationModelNumDiff.
 struct ActuationDataNumDiff : ActuationDataAbstract {
-  explicit ActuationDataNumDiff(const ActuationModelNumDiff* model);
+  explicit ActuationDataNumDiff(const ActuationModelNumDiff* model);  // allocates the data of the model
   std::shared_ptr<ActuationDataAbstract> data_0;
 };
 
-/// Rx, Ru.
+/// Differentiates a residual: Rx, Ru.
 class ResidualModelNumDiff : public ResidualModelAbstract, public internal::Step, public internal::Reevaluation {
  public:
+  /// model: the one that is differentiated.
   explicit ResidualModelNumDiff(const std::shared_ptr<ResidualModelAbstract>& model);
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
@@ -119,32 +124,37 @@ class ResidualModelNumDiff : public ResidualModelAbstract, public internal::Step
                 const ConstVectorRef& u) override;
   void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) override;
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
+  /// The model that is differentiated.
   const std::shared_ptr<ResidualModelAbstract>& get_model() const { return model_; }
 
  private:
   std::shared_ptr<ResidualModelAbstract> model_;
 };
 
-/// Of the twin.
+/// Data of ResidualModelNumDiff.
 struct ResidualDataNumDiff : ResidualDataAbstract {
-  ResidualDataNumDiff(const ResidualModelNumDiff* model, DataCollector* shared);
+  ResidualDataNumDiff(const ResidualModelNumDiff* model, DataCollector* shared);  // allocates the data of the model
   std::shared_ptr<ResidualDataAbstract> data_0;
 };
 
-/// Lx, Lu; Hessians of Gauss-Newton, by the residual's differences.
+/// Differentiates a cost: Lx, Lu. Hessians are Gauss-Newton's, with differences of the residual.
 class CostModelNumDiff : public internal::Step, public internal::Reevaluation {
  public:
-  explicit CostModelNumDiff(const std::shared_ptr<CostModelAbstract>& model);
+  explicit CostModelNumDiff(const std::shared_ptr<CostModelAbstract>& model);  // model: the one that is differentiated
+  /// Evaluates the model.
   void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);
+  void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);  // evaluates the model
+  /// Computes the derivatives by central differences.
   void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  /// Computes the derivatives by central differences.
   void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);
-  /// Data by hand.
+  /// Creates standalone data.
   std::shared_ptr<CostDataAbstract> createData(DataCollector* shared);
-  const std::shared_ptr<CostModelAbstract>& get_model() const { return model_; }
+  const std::shared_ptr<CostModelAbstract>& get_model() const { return model_; }  // the model that is differentiated
+  /// The state that it was made for.
   const std::shared_ptr<StateAbstract>& get_state() const { return model_->get_state(); }
-  std::size_t get_nu() const { return model_->get_nu(); }
-  bool get_with_gauss_approx() const { return true; }
+  std::size_t get_nu() const { return model_->get_nu(); }  // number of controls
+  bool get_with_gauss_approx() const { return true; }      // whether Hessians are Gauss-Newton's
 
  private:
   template <class Calc>
@@ -153,18 +163,25 @@ class CostModelNumDiff : public internal::Step, public internal::Reevaluation {
   std::shared_ptr<CostModelAbstract> model_;
 };
 
-/// Gx, Gu, Hx, Hu.
+/// Differentiates a constraint: Gx, Gu, Hx, Hu.
 class ConstraintModelNumDiff : public internal::Step, public internal::Reevaluation {
  public:
+  /// model: the one that is differentiated.
   explicit ConstraintModelNumDiff(const std::shared_ptr<ConstraintModelAbstract>& model);
+  /// Evaluates the model.
   void calc(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calc(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x);
+  void calc(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x);  // evaluates the model
+  /// Computes the derivatives by central differences.
   void calcDiff(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  /// Computes the derivatives by central differences.
   void calcDiff(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x);
+  /// Creates data of this model; one per thread.
   std::shared_ptr<ConstraintDataAbstract> createData(DataCollector* shared);
+  /// The model that is differentiated.
   const std::shared_ptr<ConstraintModelAbstract>& get_model() const { return model_; }
+  /// The state that it was made for.
   const std::shared_ptr<StateAbstract>& get_state() const { return model_->get_state(); }
-  std::size_t get_nu() const { return model_->get_nu(); }
+  std::size_t get_nu() const { return model_->get_nu(); }  // number of controls
 
  private:
   template <class Calc>
@@ -173,14 +190,16 @@ class ConstraintModelNumDiff : public internal::Step, public internal::Reevaluat
   std::shared_ptr<ConstraintModelAbstract> model_;
 };
 
-/// da0_dx, at the motion that reevals leave.
+/// Differentiates a contact: da0_dx, at the motion that the reevaluations compute.
 class ContactModelNumDiff : public internal::Step, public internal::Reevaluation {
  public:
+  /// model: the one that is differentiated.
   explicit ContactModelNumDiff(const std::shared_ptr<ContactModelAbstract>& model);
-  void calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x);
+  void calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x);  // evaluates the model
+  /// Computes the derivatives by central differences.
   void calcDiff(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x);
-  std::shared_ptr<ContactDataAbstract> createData(MultibodyData* data);
-  const std::shared_ptr<ContactModelAbstract>& get_model() const { return model_; }
+  std::shared_ptr<ContactDataAbstract> createData(MultibodyData* data);  // creates data of this model; one per thread
+  const std::shared_ptr<ContactModelAbstract>& get_model() const { return model_; }  // the model that is differentiated
 
  private:
   std::shared_ptr<ContactModelAbstract> model_;

@@ -1,7 +1,7 @@
 #pragma once
-// r(x, u), the base of all residuals. Interface of Crocoddyl's ResidualModelAbstract, except that action models keep
-// Jacobians as blocks of the rows and columns they touch. Whole matrices Rx, Ru are there too where a residual is
-// evaluated by hand (collector.hpp), and of a user's own that is written for Crocoddyl.
+// A residual r(x, u), the base of all residuals. The interface is that of Crocoddyl's ResidualModelAbstract, except
+// that action models store Jacobians as blocks of the rows and columns that are not zero. Whole matrices Rx, Ru exist
+// if a residual is evaluated standalone (collector.hpp), and for user-defined residuals written for Crocoddyl.
 
 #include "manycontact/action/collector.hpp"
 
@@ -9,85 +9,89 @@ namespace manycontact {
 
 class ResidualModelAbstract;
 
-/// Rows of a residual and everything they depend on. The blocks of a residual have disjoint rows.
+/// Rows of a residual and all coordinates they depend on. The blocks of a residual have disjoint rows.
 struct ResidualBlock {
-  ResidualBlock(std::vector<int> rows, std::vector<int> xcols, std::vector<int> ucols);
-  std::vector<int> rows;   // in nr
-  std::vector<int> xcols;  // in ndx
-  std::vector<int> ucols;  // in nu
-  RowMajorMatrix Rx, Ru;   // rows x xcols, rows x ucols
-  bool constant = false;   // set by lay_out, and by nobody else
+  ResidualBlock(std::vector<int> rows, std::vector<int> xcols, std::vector<int> ucols);  // allocates Rx and Ru
+  std::vector<int> rows;                                                                 // indices in nr
+  std::vector<int> xcols;                                                                // indices in ndx
+  std::vector<int> ucols;                                                                // indices in nu
+  RowMajorMatrix Rx, Ru;                                                                 // rows x xcols, rows x ucols
+  bool constant = false;                                                                 // set by lay_out only
 };
 
-struct ResidualDataAbstract {  // r and its Jacobians as blocks
-  ResidualDataAbstract(const ResidualModelAbstract* model, DataCollector* shared);
+struct ResidualDataAbstract {  // The value r and its Jacobians as blocks.
+  ResidualDataAbstract(const ResidualModelAbstract* model, DataCollector* shared);  // allocates the data of the model
   virtual ~ResidualDataAbstract() = default;
 
   DataCollector* shared;
-  Eigen::VectorXd r;                  // nr: by calc
-  std::vector<ResidualBlock> blocks;  // by calcDiff; laid out by lay_out
-  /// The whole matrices, nr x ndx and nr x nu, by calcDiff. Without a size in the data of an action model.
+  Eigen::VectorXd r;                  // nr: set by calc
+  std::vector<ResidualBlock> blocks;  // set by calcDiff; their rows and columns by lay_out
+  /// The whole matrices, nr x ndx and nr x nu, set by calcDiff. Empty in the data of an action model.
   Eigen::MatrixXd Rx, Ru;
-  /// The same from the blocks: for looking at, made anew at each call.
+  /// Assemble the whole matrices from the blocks, for inspection; they allocate at each call.
   Eigen::MatrixXd whole_Rx() const;
-  Eigen::MatrixXd whole_Ru() const;
+  Eigen::MatrixXd whole_Ru() const;  // assembles the whole matrix of controls
 
  private:
   std::size_t ndx_, nu_;
 };
 
-/// What a residual depends on; what is not said costs nothing.
+/// The variables that a residual depends on. Others cost nothing.
 struct Dependence {
   bool q = false, v = false, u = false;
-  bool acceleration = false;  // on xout, and so on all of q, v, u
-  bool forces = false;        // on contact forces, and so on all of q, v, u: their derivatives are computed
+  bool acceleration = false;  // on xout, and therefore on all of q, v, u
+  bool forces = false;        // on contact forces, and therefore on all of q, v, u: their derivatives are computed
 };
 
-class ResidualModelAbstract {  // r(x, u)
+class ResidualModelAbstract {  // A function r(x, u).
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu, Dependence on);
-  /// Crocoddyl's, for a residual of one's own whose calcDiff writes data->Rx and data->Ru. nu: default nv.
+  /// Crocoddyl's constructor, for a user-defined residual whose calcDiff writes data->Rx and data->Ru. nu: by default
+  /// nv.
   ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu, bool q_dependent = true,
                         bool v_dependent = true, bool u_dependent = true);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, bool q_dependent = true,
                         bool v_dependent = true, bool u_dependent = true);
   virtual ~ResidualModelAbstract() = default;
 
-  /// data->r.
+  /// Computes data->r.
   virtual void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
                     const ConstVectorRef& u) = 0;
-  /// Of a terminal node. By default r(x) where r depends on x alone, else zero: there are no accelerations, forces or
-  /// controls there.
+  /// Computes the residual in a terminal node. By default it is r(x) if r depends on x alone, and otherwise zero, since
+  /// there are no accelerations, forces or controls.
   virtual void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x);
-  /// Rx and Ru of data->blocks, by differentiate, and where data have them the whole matrices; after calc.
+  /// Computes Rx and Ru of data->blocks with `differentiate`, and if the data contain them the whole matrices; call it
+  /// after calc.
   virtual void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
                         const ConstVectorRef& u);
   virtual void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x);
   virtual std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared);
 
-  /// Lays out data.blocks; called by createData and again when the islands change (a contact was switched). By default
-  /// one block of everything.
+  /// Sets up data.blocks. createData calls it, and it is called again if the islands change because a contact was
+  /// switched. By default there is one block with everything.
   virtual void lay_out(ResidualDataAbstract& data) const;
-  /// False when the data must be laid out again: they are of another frame, say.
+  /// False if the blocks must be set up again, for example because the frame has changed.
   virtual bool fits(const ResidualDataAbstract&) const { return true; }
-  /// Fills the blocks of the data with the whole matrices, where calcDiff wrote those alone: of Crocoddyl's
-  /// constructor.
+  /// Copies the whole matrices to the blocks, for residuals with Crocoddyl's constructor, whose calcDiff writes the
+  /// matrices.
   void take_whole(ResidualDataAbstract& data) const;
 
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }
-  std::size_t get_nr() const { return nr_; }
-  std::size_t get_nu() const { return nu_; }
-  bool get_q_dependent() const { return on_.q || on_.acceleration || on_.forces; }
-  bool get_v_dependent() const { return on_.v || on_.acceleration || on_.forces; }
-  bool get_u_dependent() const { return on_.u || on_.acceleration || on_.forces; }
-  const Dependence& depends_on() const { return on_; }
-  virtual void print(std::ostream& os) const;
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }        // the state that it was made for
+  std::size_t get_nr() const { return nr_; }                                        // number of rows of the residual
+  std::size_t get_nu() const { return nu_; }                                        // number of controls
+  bool get_q_dependent() const { return on_.q || on_.acceleration || on_.forces; }  // whether it depends on q
+  bool get_v_dependent() const { return on_.v || on_.acceleration || on_.forces; }  // whether it depends on v
+  bool get_u_dependent() const { return on_.u || on_.acceleration || on_.forces; }  // whether it depends on u
+  const Dependence& depends_on() const { return on_; }                              // the variables that it depends on
+  virtual void print(std::ostream& os) const;                                       // prints type and sizes
 
  protected:
-  /// Rx and Ru of data->blocks. Throws std::logic_error unless a residual has it, or a calcDiff of its own.
+  /// Computes Rx and Ru of data->blocks. Throws std::logic_error unless a residual overrides it, or calcDiff.
   virtual void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
                              const ConstVectorRef& u);
-  /// Of a terminal node.
+  /// Computes Rx for a terminal node.
   virtual void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x);
   std::shared_ptr<StateAbstract> state_;
   std::size_t nr_, nu_;
@@ -96,8 +100,8 @@ class ResidualModelAbstract {  // r(x, u)
 
  private:
   friend struct ResidualDataAbstract;
-  bool whole_ = false;  // by Crocoddyl's constructor
+  bool whole_ = false;  // constructed by Crocoddyl's constructor
 };
-std::ostream& operator<<(std::ostream& os, const ResidualModelAbstract& model);
+std::ostream& operator<<(std::ostream& os, const ResidualModelAbstract& model);  // prints it as `print` does
 
 }  // namespace manycontact

@@ -1,6 +1,6 @@
 #pragma once
-// Controls within bounds without constraints: tau(x, u) = actuation(x, squashing(s)), s any number. Names and interface
-// of Crocoddyl's SquashingModelSmoothSat and ActuationSquashingModel.
+// Bounded controls without constraints: tau(x, u) = actuation(x, squashing(s)), with s unbounded. Names and interface
+// are those of Crocoddyl's SquashingModelSmoothSat and ActuationSquashingModel.
 
 #include "manycontact/action/actuation.hpp"
 
@@ -8,54 +8,58 @@ namespace manycontact {
 
 class SquashingModelAbstract;
 
-/// u and its derivative.
+/// The controls u and their derivative.
 struct SquashingDataAbstract {
-  explicit SquashingDataAbstract(const SquashingModelAbstract* model);
+  explicit SquashingDataAbstract(const SquashingModelAbstract* model);  // allocates the data of the model
   virtual ~SquashingDataAbstract() = default;
-  Eigen::VectorXd u;      // ns: by calc
-  Eigen::MatrixXd du_ds;  // ns x ns: by calcDiff
+  Eigen::VectorXd u;      // ns: set by calc
+  Eigen::MatrixXd du_ds;  // ns x ns: set by calcDiff
 };
 
-class SquashingModelAbstract {  // u(s)
+class SquashingModelAbstract {  // A function u(s).
  public:
   /// Throws std::invalid_argument for ns = 0.
   explicit SquashingModelAbstract(std::size_t ns);
   virtual ~SquashingModelAbstract() = default;
+  /// Computes data->u from s (ns).
   virtual void calc(const std::shared_ptr<SquashingDataAbstract>& data, const ConstVectorRef& s) = 0;
+  /// Computes data->du_ds.
   virtual void calcDiff(const std::shared_ptr<SquashingDataAbstract>& data, const ConstVectorRef& s) = 0;
+  /// Creates data of this model; one per thread.
   virtual std::shared_ptr<SquashingDataAbstract> createData() { return std::make_shared<SquashingDataAbstract>(this); }
 
-  std::size_t get_ns() const { return ns_; }
-  const Eigen::VectorXd& get_s_lb() const { return s_lb_; }
-  const Eigen::VectorXd& get_s_ub() const { return s_ub_; }
-  void set_s_lb(const Eigen::VectorXd& s_lb) { s_lb_ = s_lb; }
-  void set_s_ub(const Eigen::VectorXd& s_ub) { s_ub_ = s_ub; }
+  std::size_t get_ns() const { return ns_; }                    // number of squashed controls
+  const Eigen::VectorXd& get_s_lb() const { return s_lb_; }     // lower bounds of s
+  const Eigen::VectorXd& get_s_ub() const { return s_ub_; }     // upper bounds of s
+  void set_s_lb(const Eigen::VectorXd& s_lb) { s_lb_ = s_lb; }  // for a barrier
+  void set_s_ub(const Eigen::VectorXd& s_ub) { s_ub_ = s_ub; }  // for a barrier
 
  protected:
   std::size_t ns_;
-  Eigen::VectorXd u_lb_, u_ub_, s_lb_, s_ub_;  // of u; of s, for a barrier on it
+  Eigen::VectorXd u_lb_, u_ub_, s_lb_, s_ub_;  // bounds of u; bounds of s, for a barrier
 };
 
-/// u = 1/2 (lb + ub + sqrt((s - lb)^2 + d^2) - sqrt((s - ub)^2 + d^2)), d = smooth (ub - lb): s between the bounds,
-/// smoothly held within them beyond.
+/// The function u = 1/2 (lb + ub + sqrt((s - lb)^2 + d^2) - sqrt((s - ub)^2 + d^2)), d = smooth (ub - lb). It is close
+/// to s between the bounds, and saturates smoothly outside.
 class SquashingModelSmoothSat : public SquashingModelAbstract {
  public:
-  /// Finite bounds, lb < ub, of ns numbers; else std::invalid_argument.
+  /// Bounds must be finite, with lb < ub and ns numbers; otherwise std::invalid_argument is thrown.
   SquashingModelSmoothSat(const ConstVectorRef& u_lb, const ConstVectorRef& u_ub, std::size_t ns);
   void calc(const std::shared_ptr<SquashingDataAbstract>& data, const ConstVectorRef& s) override;
   void calcDiff(const std::shared_ptr<SquashingDataAbstract>& data, const ConstVectorRef& s) override;
-  double get_smooth() const { return smooth_; }  // at first 0.1
-  void set_smooth(double smooth);                // not negative
-  const Eigen::VectorXd& get_d() const { return d_; }
+  double get_smooth() const { return smooth_; }        // initially 0.1
+  void set_smooth(double smooth);                      // not negative
+  const Eigen::VectorXd& get_d() const { return d_; }  // d, one number per control
 
  private:
   double smooth_ = 0.1;
   Eigen::VectorXd d_;
 };
 
-/// An actuation whose controls are squashed first: nu = ns.
+/// An actuation with squashed controls: nu = ns.
 class ActuationSquashingModel : public ActuationModelAbstract {
  public:
+  /// Nu must be the number of squashed controls.
   ActuationSquashingModel(std::shared_ptr<ActuationModelAbstract> actuation,
                           std::shared_ptr<SquashingModelAbstract> squashing, std::size_t nu);
   void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
@@ -64,22 +68,22 @@ class ActuationSquashingModel : public ActuationModelAbstract {
   void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
                 const ConstVectorRef& u) override;
   using ActuationModelAbstract::calcDiff;
-  /// u = Mtau tau, Mtau at the controls that the actuation alone would take.
+  /// Computes u = Mtau tau, with Mtau at the controls that the actuation alone would use.
   void commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
                 const ConstVectorRef& tau) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
   void print(std::ostream& os) const override;
-  const std::shared_ptr<SquashingModelAbstract>& get_squashing() const { return squashing_; }
-  const std::shared_ptr<ActuationModelAbstract>& get_actuation() const { return actuation_; }
+  const std::shared_ptr<SquashingModelAbstract>& get_squashing() const { return squashing_; }  // the function u(s)
+  const std::shared_ptr<ActuationModelAbstract>& get_actuation() const { return actuation_; }  // the actuation
 
  private:
   std::shared_ptr<SquashingModelAbstract> squashing_;
   std::shared_ptr<ActuationModelAbstract> actuation_;
 };
 
-/// Of both its parts.
+/// Data of ActuationSquashingModel.
 struct ActuationSquashingData : ActuationDataAbstract {
-  explicit ActuationSquashingData(const ActuationSquashingModel* model);
+  explicit ActuationSquashingData(const ActuationSquashingModel* model);  // allocates the data of the model
   std::shared_ptr<SquashingDataAbstract> squashing;
   std::shared_ptr<ActuationDataAbstract> actuation;
 };

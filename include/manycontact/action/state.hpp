@@ -1,72 +1,81 @@
 #pragma once
-// The state x = [q; v] of a scene, nx = nq + nv, and its tangent dx = [dq; dv], ndx = 2 nv; dq lives in each joint's
-// own child frame. Interface of Crocoddyl's StateAbstract and StateMultibody. Wrong sizes throw std::invalid_argument.
+// The state x = [q; v] of a scene, nx = nq + nv, and its tangent vectors dx = [dq; dv], ndx = 2 nv. dq is expressed in
+// each joint's own child frame. The interfaces are those of Crocoddyl's StateAbstract and StateMultibody. Wrong sizes
+// throw std::invalid_argument.
 
 #include "manycontact/action/multibody.hpp"
 
 namespace manycontact {
 
+/// Selects derivatives with respect to the first argument, the second, or both.
 enum Jcomponent { both = 0, first = 1, second = 2 };
+/// How a result is stored: set, added, or subtracted.
 enum AssignmentOp { setto, addto, rmfrom };
 
-class StateAbstract {  // a manifold: differences and sums
+class StateAbstract {  // A manifold with differences and sums.
  public:
-  StateAbstract(std::size_t nx, std::size_t ndx);
+  StateAbstract(std::size_t nx, std::size_t ndx);  // sizes of a state and of a tangent vector
   virtual ~StateAbstract() = default;
 
-  virtual Eigen::VectorXd zero() const = 0;
-  virtual Eigen::VectorXd rand() const = 0;
-  /// dxout = x1 (-) x0.
+  virtual Eigen::VectorXd zero() const = 0;  // the neutral state (nx)
+  virtual Eigen::VectorXd rand() const = 0;  // A random state (nx)
+  /// Computes dxout = x1 (-) x0.
   virtual void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const = 0;
-  /// xout = x (+) dx.
+  /// Computes xout = x (+) dx.
   virtual void integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const = 0;
-  /// Jfirst = d diff/dx0, Jsecond = d diff/dx1 (ndx x ndx); those not asked for are left alone.
+  /// Computes Jfirst = d diff/dx0 and Jsecond = d diff/dx1 (ndx x ndx). Matrices that are not requested remain
+  /// unchanged.
   virtual void Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, MatrixRef Jfirst, MatrixRef Jsecond,
                      Jcomponent firstsecond = both) const = 0;
-  /// Jfirst = d integrate/dx, Jsecond = d integrate/d(dx); set, added or subtracted.
+  /// Computes Jfirst = d integrate/dx and Jsecond = d integrate/d(dx); sets, adds or subtracts them.
   virtual void Jintegrate(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jfirst, MatrixRef Jsecond,
                           Jcomponent firstsecond = both, AssignmentOp op = setto) const = 0;
-  /// Jin (ndx rows) <- J Jin with J the `first` or `second` of Jintegrate.
+  /// Computes Jin (ndx rows) <- J Jin, with J the `first` or `second` derivative of Jintegrate.
   virtual void JintegrateTransport(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jin,
                                    Jcomponent firstsecond) const = 0;
 
-  Eigen::VectorXd diff_dx(const ConstVectorRef& x0, const ConstVectorRef& x1) const;
-  Eigen::VectorXd integrate_x(const ConstVectorRef& x, const ConstVectorRef& dx) const;
+  Eigen::VectorXd diff_dx(const ConstVectorRef& x0, const ConstVectorRef& x1) const;     // the result of diff
+  Eigen::VectorXd integrate_x(const ConstVectorRef& x, const ConstVectorRef& dx) const;  // the result of integrate
+  /// The results of Jdiff.
   std::vector<Eigen::MatrixXd> Jdiff_Js(const ConstVectorRef& x0, const ConstVectorRef& x1,
                                         Jcomponent firstsecond = both) const;
+  /// The results of Jintegrate.
   std::vector<Eigen::MatrixXd> Jintegrate_Js(const ConstVectorRef& x, const ConstVectorRef& dx,
                                              Jcomponent firstsecond = both) const;
 
-  std::size_t get_nx() const { return nx_; }
-  std::size_t get_ndx() const { return ndx_; }
-  std::size_t get_nq() const { return nq_; }
-  std::size_t get_nv() const { return nv_; }
-  const Eigen::VectorXd& get_lb() const { return lb_; }
-  const Eigen::VectorXd& get_ub() const { return ub_; }
-  bool get_has_limits() const { return has_limits_; }
-  void set_lb(const Eigen::VectorXd& lb);
-  void set_ub(const Eigen::VectorXd& ub);
+  std::size_t get_nx() const { return nx_; }             // numbers of a state
+  std::size_t get_ndx() const { return ndx_; }           // numbers of a tangent vector
+  std::size_t get_nq() const { return nq_; }             // numbers of a configuration
+  std::size_t get_nv() const { return nv_; }             // velocity coordinates
+  const Eigen::VectorXd& get_lb() const { return lb_; }  // lower bounds
+  const Eigen::VectorXd& get_ub() const { return ub_; }  // upper bounds
+  bool get_has_limits() const { return has_limits_; }    // whether any bound is finite
+  void set_lb(const Eigen::VectorXd& lb);                // throws std::invalid_argument for a wrong size
+  void set_ub(const Eigen::VectorXd& ub);                // throws std::invalid_argument for a wrong size
 
  protected:
-  void update_has_limits();
+  void update_has_limits();  // called after the bounds have changed
   std::size_t nx_, ndx_, nq_, nv_;
   Eigen::VectorXd lb_, ub_;  // nx
   bool has_limits_ = false;
 };
 
-/// Whether parts made for one of the states serve with the other: they are the same, or of the same Multibody.
+/// Whether parts made for one of the states can be used with the other: they are the same, or have the same Multibody.
 bool same_space(const StateAbstract& a, const StateAbstract& b);
 
-class StateMultibody : public StateAbstract {  // x = [q; v] of a scene
+class StateMultibody : public StateAbstract {  // The state x = [q; v] of a scene.
  public:
-  /// The bounds are the URDF's joint and velocity limits, infinite where it gives none.
+  /// The bounds are the URDF's joint and velocity limits, infinite if it has none.
   explicit StateMultibody(std::shared_ptr<const Multibody> model);
+  /// The robots of a scene, or a single robot.
   explicit StateMultibody(const Scene& scene) : StateMultibody(std::make_shared<const Multibody>(scene)) {}
+  /// The robots of a scene, or a single robot.
   explicit StateMultibody(std::shared_ptr<const Model> model)
       : StateMultibody(std::make_shared<const Multibody>(std::move(model))) {}
 
   Eigen::VectorXd zero() const override;
-  /// q within the joints' limits where these are finite, else within +-pi (+-1 m), any orientation; v within +-1.
+  /// A random state: q within the joints' limits if these are finite, else within +-pi (+-1 m), with any orientation; v
+  /// within +-1.
   Eigen::VectorXd rand() const override;
   void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const override;
   void integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const override;
@@ -77,8 +86,8 @@ class StateMultibody : public StateAbstract {  // x = [q; v] of a scene
   void JintegrateTransport(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jin,
                            Jcomponent firstsecond) const override;
 
-  const std::shared_ptr<const Multibody>& get_pinocchio() const { return model_; }
-  const std::shared_ptr<const Multibody>& get_model() const { return model_; }
+  const std::shared_ptr<const Multibody>& get_pinocchio() const { return model_; }  // the robots; Crocoddyl's name
+  const std::shared_ptr<const Multibody>& get_model() const { return model_; }      // the robots
 
  private:
   std::shared_ptr<const Multibody> model_;

@@ -1,33 +1,36 @@
 #pragma once
-// A floating base driven by thrusters, as a multicopter: u = [thrusts; torques of the actuated joints]. Names and
-// interface of Crocoddyl's ActuationModelFloatingBaseThrusters.
+// A floating base with thrusters, as in a multicopter: u = [thrusts; torques of the actuated joints]. Names and
+// interface are those of Crocoddyl's ActuationModelFloatingBaseThrusters.
 
 #include "manycontact/action/actuation.hpp"
 
 namespace manycontact {
 
-enum ThrusterType { CW = 0, CCW };  // how the propeller turns: CW gives a torque along its thrust, CCW one against it
+/// The direction of rotation of a propeller. CW gives a torque along the thrust, CCW one against it.
+enum ThrusterType { CW = 0, CCW };
 
 /// A propeller on the base.
 struct Thruster {
+  /// torque: per thrust [m]; min, max: bounds of the thrust [N].
   Thruster(const SE3<double>& at, double torque, ThrusterType turning = CW, double min = 0,
            double max = std::numeric_limits<double>::infinity())
       : pose(at), ctorque(torque), type(turning), min_thrust(min), max_thrust(max) {}
+  /// torque: per thrust [m]; min, max: bounds of the thrust [N].
   explicit Thruster(double torque, ThrusterType turning = CW, double min = 0,
                     double max = std::numeric_limits<double>::infinity())
       : Thruster(SE3<double>{}, torque, turning, min, max) {}
 
-  SE3<double> pose;  // in the base's frame; it pushes along its z
+  SE3<double> pose;  // in the base's frame; the thrust is along its z
   double ctorque;    // torque about that axis per thrust [m]
   ThrusterType type;
-  double min_thrust, max_thrust;  // N: bounds for u, which an action model does not take over
+  double min_thrust, max_thrust;  // N: bounds of u, which an action model does not use by itself
 };
-std::ostream& operator<<(std::ostream& os, const Thruster& thruster);
+std::ostream& operator<<(std::ostream& os, const Thruster& thruster);  // prints it as `print` does
 
-/// tau of a floating base with thrusters, W u.
+/// The torques tau = W u of a floating base with thrusters.
 class ActuationModelFloatingBaseThrusters : public ActuationModelAbstract {
  public:
-  /// Throws std::invalid_argument unless the state is of one robot with a floating base.
+  /// Throws std::invalid_argument unless the state has one robot with a floating base.
   ActuationModelFloatingBaseThrusters(std::shared_ptr<StateMultibody> state, const std::vector<Thruster>& thrusters);
   void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
@@ -35,7 +38,7 @@ class ActuationModelFloatingBaseThrusters : public ActuationModelAbstract {
   void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
                 const ConstVectorRef& u) override;
   using ActuationModelAbstract::calcDiff;
-  /// The u of least norm that comes nearest to tau.
+  /// Computes the least-squares u of least norm.
   void commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
                 const ConstVectorRef& tau) override;
   void torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
@@ -43,12 +46,12 @@ class ActuationModelFloatingBaseThrusters : public ActuationModelAbstract {
   std::shared_ptr<ActuationDataAbstract> createData() override;
   void print(std::ostream& os) const override;
 
-  const std::vector<Thruster>& get_thrusters() const { return thrusters_; }
-  std::size_t get_nthrusters() const { return thrusters_.size(); }
-  /// As many as before; data follow at their next calc, calcDiff, commands or torqueTransform.
+  const std::vector<Thruster>& get_thrusters() const { return thrusters_; }  // the propellers
+  std::size_t get_nthrusters() const { return thrusters_.size(); }           // number of propellers
+  /// Their number must not change. Data follow at their next calc, calcDiff, commands or torqueTransform.
   void set_thrusters(const std::vector<Thruster>& thrusters);
   const Eigen::MatrixXd& get_Wthrust() const { return W_; }  // nv x nu: tau = W u
-  const Eigen::MatrixXd& get_S() const { return S_; }        // nv x nv: W times its pseudo-inverse
+  const Eigen::MatrixXd& get_S() const { return S_; }        // nv x nv: W times its pseudoinverse
 
  private:
   void update(ActuationDataAbstract& data) const;

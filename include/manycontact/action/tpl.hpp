@@ -1,6 +1,5 @@
 #pragma once
-// Every class of this floor under the name that code written for Crocoddyl may spell out, StateMultibodyTpl<double>.
-// The only scalar is double.
+// The names with template arguments that code for Crocoddyl may use, such as StateMultibodyTpl<double>.
 
 #include <concepts>
 

@@ -1,6 +1,7 @@
 #pragma once
-// Configurations of a scene, one robot or a model (model/rigid_bodies.hpp): where to start, and the manifold they live
-// on (algorithm/integrate.hpp per joint). q: nq, v: nv; std::invalid_argument where solve would refuse them.
+// Configurations of a scene, one robot or a model (model/rigid_bodies.hpp), and operations on their manifold. q has nq
+// entries [m, rad, unit quaternions], v has nv entries [m, rad]. All functions are thread-safe and take linear time.
+// They throw std::invalid_argument for wrong sizes, and for configurations that solve would refuse.
 
 #include <random>
 
@@ -8,44 +9,42 @@
 
 namespace manycontact {
 
-/// Joints at zero, floating bases where Robot::base has them.
+/// The configuration with all joints at zero and floating bases at Robot::base.
 Eigen::VectorXd neutral(const RigidBodies& bodies);
 
-/// Uniform within the joints' limits. Where there are none: angles within +-pi, displacements within +-1 m; with one
-/// limit alone, within that range from it. Floating bases within +-1 m of Robot::base; any orientation.
+/// Samples a configuration uniformly within the joints' limits. Without limits, angles are within +-pi and
+/// displacements within +-1 m; with one limit, values are within that range from it. Floating bases are within +-1 m of
+/// Robot::base, with any orientation.
 Eigen::VectorXd random_configuration(const RigidBodies& bodies, std::mt19937& generator);
 
-/// Uniform within the joints' velocity limits; where there are none, within +-1 m/s, rad/s.
+/// Samples velocities uniformly within the joints' limits; without limits, within +-1 m/s or rad/s.
 Eigen::VectorXd random_velocity(const RigidBodies& bodies, std::mt19937& generator);
 
-/// q (+) v: reached from q by the velocity v held for unit time. `out` may be q.
-void integrate(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-               const Eigen::Ref<const Eigen::VectorXd>& v, Eigen::Ref<Eigen::VectorXd> out);
-Eigen::VectorXd integrate(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                          const Eigen::Ref<const Eigen::VectorXd>& v);
+/// Computes q (+) v: the configuration reached from q with the constant velocity v in unit time. `out` (nq) may be q.
+void integrate(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v, VectorRef out);
+Eigen::VectorXd integrate(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v);
 
-/// q1 (-) q0: the v with integrate(bodies, q0, v) = q1.
-void difference(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q0,
-                const Eigen::Ref<const Eigen::VectorXd>& q1, Eigen::Ref<Eigen::VectorXd> out);
-Eigen::VectorXd difference(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q0,
-                           const Eigen::Ref<const Eigen::VectorXd>& q1);
+/// Computes q1 (-) q0: the velocity v (nv) with integrate(bodies, q0, v) = q1.
+void difference(const RigidBodies& bodies, const ConstVectorRef& q0, const ConstVectorRef& q1, VectorRef out);
+Eigen::VectorXd difference(const RigidBodies& bodies, const ConstVectorRef& q0, const ConstVectorRef& q1);
 
-/// q0 (+) share (q1 (-) q0): q0 at 0, q1 at 1, at constant velocity between.
-Eigen::VectorXd interpolate(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q0,
-                            const Eigen::Ref<const Eigen::VectorXd>& q1, double share);
+/// Computes q0 (+) share (q1 (-) q0), which is q0 for share = 0 and q1 for share = 1, with constant velocity between.
+Eigen::VectorXd interpolate(const RigidBodies& bodies, const ConstVectorRef& q0, const ConstVectorRef& q1,
+                            double share);
 
-struct IntegrateDerivatives {  // Of q (+) v, nv x nv each, on the tangent spaces at q and q (+) v.
+/// The derivatives of q (+) v with respect to q and v, nv x nv each, on the tangent spaces at q and q (+) v.
+struct IntegrateDerivatives {
   Eigen::MatrixXd dq, dv;
 };
-/// Both at once.
-IntegrateDerivatives integrate_derivatives(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                           const Eigen::Ref<const Eigen::VectorXd>& v);
+/// Computes both derivatives of integrate(bodies, q, v). Allocates dense matrices.
+IntegrateDerivatives integrate_derivatives(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v);
 
-struct DifferenceDerivatives {  // Of q1 (-) q0, nv x nv each, on the tangent spaces at q0 and q1.
+/// The derivatives of q1 (-) q0 with respect to q0 and q1, nv x nv each, on the tangent spaces at q0 and q1.
+struct DifferenceDerivatives {
   Eigen::MatrixXd dq0, dq1;
 };
-/// Both at once.
-DifferenceDerivatives difference_derivatives(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q0,
-                                             const Eigen::Ref<const Eigen::VectorXd>& q1);
+/// Computes both derivatives of difference(bodies, q0, q1). Allocates dense matrices.
+DifferenceDerivatives difference_derivatives(const RigidBodies& bodies, const ConstVectorRef& q0,
+                                             const ConstVectorRef& q1);
 
 }  // namespace manycontact

@@ -1,25 +1,25 @@
 #pragma once
-// The configuration manifold of one robot. Tangent vectors live in each joint's own child frame.
+// The configuration manifold of one robot. Tangent vectors are expressed in each joint's own child frame.
 
 #include "manycontact/model/model.hpp"
 
 namespace manycontact {
 
-/// out = q (+) v: the configuration reached from q by the velocity v held for unit time. q, out: nq; v: nv.
+/// Computes out = q (+) v: the configuration reached from q with the constant velocity v in unit time. q, out: nq; v:
+/// nv.
 template <class S>
 void integrate(const Model& model, const ConstVecRef<S>& q, const ConstVecRef<S>& v, VecRef<S> out);
 
-/// out = q1 (-) q0: the v with integrate(q0, v) = q1. q0, q1: nq; out: nv.
+/// Computes out = q1 (-) q0: the velocity v with integrate(q0, v) = q1. q0, q1: nq; out: nv.
 template <class S>
 void difference(const Model& model, const ConstVecRef<S>& q0, const ConstVecRef<S>& q1, VecRef<S> out);
 
-/// The block of one joint, nv x nv, of d(q (+) v)/dv, or with `of_q` of d(q (+) v)/dq: no other is not zero. v: the
-/// joint's. By q on the tangent spaces there and at q (+) v.
-void joint_integrate_derivative(const Joint& joint, const Eigen::Ref<const Eigen::VectorXd>& v, bool of_q,
-                                Eigen::Ref<Eigen::MatrixXd> J);
+/// Computes the block J (nv x nv of the joint) of d(q (+) v)/dv, or of d(q (+) v)/dq if `of_q`. All other blocks are
+/// zero. v contains the joint's coordinates. Derivatives with respect to q are on the tangent spaces at q and q (+) v.
+void joint_integrate_derivative(const Joint& joint, const ConstVectorRef& v, bool of_q, Eigen::Ref<Eigen::MatrixXd> J);
 
-/// The same of d(q1 (-) q0)/dq1, or with `of_q0` of d(q1 (-) q0)/dq0. v: q1 (-) q0 of the joint.
-void joint_difference_derivative(const Joint& joint, const Eigen::Ref<const Eigen::VectorXd>& v, bool of_q0,
+/// Computes the block J of d(q1 (-) q0)/dq1, or of d(q1 (-) q0)/dq0 if `of_q0`. v is q1 (-) q0 of the joint.
+void joint_difference_derivative(const Joint& joint, const ConstVectorRef& v, bool of_q0,
                                  Eigen::Ref<Eigen::MatrixXd> J);
 
 }  // namespace manycontact

@@ -1,23 +1,27 @@
 #pragma once
-// Dynamics and kinematics of robots without contacts, in doubles: what Pinocchio's users reach for. The first argument
-// is a scene, one of its robots, or a model (model/rigid_bodies.hpp); data belong to what they were made for.
+// Dynamics and kinematics of robots without contacts, in double precision, much as in Pinocchio. The first argument is
+// a scene, one of its robots, or a model (model/rigid_bodies.hpp).
 //
 //     RigidBodyData data(scene);
 //     const Eigen::VectorXd& tau = rnea(scene, q, v, a, data);
 //     const Vec6<double> foot = frame_velocity(scene, data, frame_called(scene, "talos/left_sole"));
 //
-// q: nq; v, a, tau: nv. SI units; motions and forces have their linear part first. The equations of motion are
+// q has nq entries; v, a and tau have nv. Units are SI; motions and forces have their linear part first. The equations
+// of motion are
 //
 //     M(q) a + h(q, v) = tau + sum J^T fext        h = C(q, v) v + g(q) - tau_f(v)
 //
-// with the armature on M's diagonal, and tau_f the damping and friction of joints where the model has them
-// (Model::damping), as in solve. fext: njoints forces on the bodies, robot by robot, each in its joint's child frame,
-// fixed to it when derivatives are taken; or none.
+// The armature is on the diagonal of M. tau_f is the damping and friction of joints, if the model has them
+// (Model::damping). fext contains njoints forces on the bodies, robot by robot, each in its joint's child frame, or is
+// empty. In derivatives, each force is fixed to its body.
 //
-// Each algorithm leaves the data at its q and v (v = 0 where it takes none) and, where it takes accelerations, at
-// those, else at a = 0; what stands under "at the data's state" is of that. Returned references hold until the next
-// call of the same function. Nothing is allocated after the first call but by functions that return a value. All throw
-// std::invalid_argument where sizes do not fit, solve would refuse q or v, or the data are of other robots.
+// State of the data: each algorithm stores its q, its v (zero if it takes none) and its a (zero if it takes none). The
+// functions under "at the state of the data" refer to that state.
+//
+// Lifetime: returned references remain valid until the next call of the same function. Threads: all functions are
+// thread-safe for distinct data. Memory: after the first call, only functions that return a value allocate. Errors: all
+// functions throw std::invalid_argument for wrong sizes, for q or v that solve would refuse, and for data of other
+// robots. Cost is linear in the number of joints unless stated otherwise.
 
 #include <span>
 
@@ -29,10 +33,10 @@ namespace internal {
 struct RigidBodyMemory;
 }
 
-struct RigidBodyData {                                // State and memory of these functions; one per thread.
+struct RigidBodyData {                                // State and workspace of these functions; one per thread.
   explicit RigidBodyData(const RigidBodies& bodies);  // at the neutral configuration, at rest
   ~RigidBodyData();
-  RigidBodyData(RigidBodyData&&) noexcept;  // moved from, it is of no robots
+  RigidBodyData(RigidBodyData&&) noexcept;  // the moved-from data belong to no robots
   RigidBodyData& operator=(RigidBodyData&&) noexcept;
 
   std::unique_ptr<internal::RigidBodyMemory> memory;
@@ -42,108 +46,114 @@ struct RigidBodyData {                                // State and memory of the
 
 using ForcesOnBodies = std::span<const Vec6<double>>;  // njoints of them, or none
 
-/// tau = M a + h - sum J^T fext: the torques that give a.
-const Eigen::VectorXd& rnea(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                            const Eigen::Ref<const Eigen::VectorXd>& v, const Eigen::Ref<const Eigen::VectorXd>& a,
-                            RigidBodyData& data, ForcesOnBodies fext = {});
-/// h(q, v), and g(q): the torques that hold the robots still.
-const Eigen::VectorXd& nonlinear_effects(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                         const Eigen::Ref<const Eigen::VectorXd>& v, RigidBodyData& data);
-const Eigen::VectorXd& gravity_torques(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                       RigidBodyData& data);
-/// a = M^-1 (tau - h + sum J^T fext), by articulated bodies. NaN for a robot whose M is singular
-/// (massless_coordinates of analysis/findings.hpp says where).
-const Eigen::VectorXd& aba(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                           const Eigen::Ref<const Eigen::VectorXd>& v, const Eigen::Ref<const Eigen::VectorXd>& tau,
-                           RigidBodyData& data, ForcesOnBodies fext = {});
-/// M: nv x nv, symmetric; zero between robots. Throws std::length_error for trees too deep for it.
-const Eigen::MatrixXd& crba(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q, RigidBodyData& data);
-/// M^-1 X for the columns of X (nv rows), by M = L^T D L along the trees; neither M nor its inverse is formed. NaN for
-/// robots whose M is singular.
-Eigen::MatrixXd inverse_inertia_times(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
+/// Computes the torques tau = M a + h - sum J^T fext (nv) [N m, N] that cause the accelerations a (inverse dynamics).
+/// The reference remains valid until the next call. Throws std::invalid_argument for wrong sizes.
+const Eigen::VectorXd& rnea(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
+                            const ConstVectorRef& a, RigidBodyData& data, ForcesOnBodies fext = {});
+/// Compute h(q, v), and g(q), the torques (nv) [N m, N] that compensate gravity. The references remain valid until the
+/// next call of the same function. They throw std::invalid_argument for wrong sizes.
+const Eigen::VectorXd& nonlinear_effects(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
+                                         RigidBodyData& data);
+const Eigen::VectorXd& gravity_torques(const RigidBodies& bodies, const ConstVectorRef& q, RigidBodyData& data);
+/// Computes a = M^-1 (tau - h + sum J^T fext) (nv) [m/s^2, rad/s^2] with the articulated-body algorithm. The result is
+/// NaN for a robot whose M is singular; massless_coordinates (analysis/findings.hpp) finds the joints that cause it.
+/// Throws std::invalid_argument for wrong sizes.
+const Eigen::VectorXd& aba(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
+                           const ConstVectorRef& tau, RigidBodyData& data, ForcesOnBodies fext = {});
+/// Computes M (nv x nv), symmetric, with zero blocks between robots. Cost: nv^2 memory. Throws std::length_error for
+/// trees too deep for it, std::invalid_argument for a wrong size.
+const Eigen::MatrixXd& crba(const RigidBodies& bodies, const ConstVectorRef& q, RigidBodyData& data);
+/// Computes M^-1 X for a matrix X with nv rows, with the factorization M = L^T D L along the trees. Neither M nor its
+/// inverse is formed. Rows of robots whose M is singular are NaN. Throws std::invalid_argument for wrong sizes.
+Eigen::MatrixXd inverse_inertia_times(const RigidBodies& bodies, const ConstVectorRef& q,
                                       const Eigen::Ref<const Eigen::MatrixXd>& X, RigidBodyData& data);
-/// C: nv x nv, the one of which dM/dt - 2 C is skew (Christoffel's). Source: Echeandia, Wensing, Numerical methods to
-/// compute the Coriolis matrix and Christoffel symbols for rigid-body systems, J. Comput. Nonlinear Dynam. 16 (2021).
-Eigen::MatrixXd coriolis_matrix(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                const Eigen::Ref<const Eigen::VectorXd>& v, RigidBodyData& data);
+/// Computes C (nv x nv), with Christoffel symbols, so that dM/dt - 2 C is skew-symmetric. Cost: nv^2 memory. Throws
+/// std::invalid_argument for wrong sizes. Source: Echeandia, Wensing, Numerical methods to compute the Coriolis matrix
+/// and Christoffel symbols for rigid-body systems, J. Comput. Nonlinear Dynam. 16 (2021).
+Eigen::MatrixXd coriolis_matrix(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
+                                RigidBodyData& data);
 
-struct TorqueDerivatives {  // Of rnea's tau, nv x nv each; by q on the tangent space.
+/// The derivatives of rnea's tau, nv x nv each. Those with respect to q are on the tangent space.
+struct TorqueDerivatives {
   Eigen::MatrixXd dq, dv, da;
 };
-/// All three, with fext fixed to the bodies.
-const TorqueDerivatives& rnea_derivatives(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                          const Eigen::Ref<const Eigen::VectorXd>& v,
-                                          const Eigen::Ref<const Eigen::VectorXd>& a, RigidBodyData& data,
-                                          ForcesOnBodies fext = {});
-struct AccelerationDerivatives {  // Of aba's a, nv x nv each; dtau is M^-1.
+/// Computes the derivatives of rnea(bodies, q, v, a, data, fext). Each fext is fixed to its body. The reference remains
+/// valid until the next call. Throws std::invalid_argument for wrong sizes.
+const TorqueDerivatives& rnea_derivatives(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
+                                          const ConstVectorRef& a, RigidBodyData& data, ForcesOnBodies fext = {});
+/// The derivatives of aba's a, nv x nv each. Those with respect to q are on the tangent space; dtau is M^-1.
+struct AccelerationDerivatives {
   Eigen::MatrixXd dq, dv, dtau;
 };
-/// All three, likewise.
-const AccelerationDerivatives& aba_derivatives(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                               const Eigen::Ref<const Eigen::VectorXd>& v,
-                                               const Eigen::Ref<const Eigen::VectorXd>& tau, RigidBodyData& data,
+/// Computes the derivatives of aba(bodies, q, v, tau, data, fext). Each fext is fixed to its body. The reference
+/// remains valid until the next call. Cost: O(nv^3) per tree. Throws std::invalid_argument for wrong sizes.
+const AccelerationDerivatives& aba_derivatives(const RigidBodies& bodies, const ConstVectorRef& q,
+                                               const ConstVectorRef& v, const ConstVectorRef& tau, RigidBodyData& data,
                                                ForcesOnBodies fext = {});
 
 // ---- state ---------------------------------------------------------------------------------------------------------
 
-/// Takes the data to q; with v = 0, a = 0 where these are not given.
-void forward_kinematics(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q, RigidBodyData& data);
-void forward_kinematics(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                        const Eigen::Ref<const Eigen::VectorXd>& v, RigidBodyData& data);
-void forward_kinematics(const RigidBodies& bodies, const Eigen::Ref<const Eigen::VectorXd>& q,
-                        const Eigen::Ref<const Eigen::VectorXd>& v, const Eigen::Ref<const Eigen::VectorXd>& a,
+/// Sets the state of the data to q, v and a; v and a are zero if they are not given. Throw std::invalid_argument for
+/// wrong sizes.
+void forward_kinematics(const RigidBodies& bodies, const ConstVectorRef& q, RigidBodyData& data);
+void forward_kinematics(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
                         RigidBodyData& data);
+void forward_kinematics(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
+                        const ConstVectorRef& a, RigidBodyData& data);
 
-// ---- frames, at the data's state -----------------------------------------------------------------------------------
-// Axes: local: the frame's own, at its origin; world: the world's, at the world's origin; local_world_aligned: the
-// world's, at the frame's origin. frame: by frame_called or attach; one of the world stands still.
+// ---- frames, at the state of the data ------------------------------------------------------------------------------
+// `axes` selects the reference frame. Local: the frame's axes, at its origin. World: the world's axes, at the world's
+// origin. Local_world_aligned: the world's axes, at the frame's origin. `frame` is a result of frame_called or attach;
+// a frame of the world is at rest.
 
-/// oMf, in the world.
+/// The placement oMf of a frame in the world.
 SE3<double> frame_placement(const RigidBodies& bodies, const RigidBodyData& data, const Attachment& frame);
-/// Spatial velocity, linear [m/s], angular [rad/s].
+/// Computes the spatial velocity of a frame: linear [m/s], angular [rad/s].
 Vec6<double> frame_velocity(const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame,
                             ReferenceFrame axes = ReferenceFrame::kLocal);
-/// Spatial acceleration; and the classical one, whose linear part is the acceleration of the frame's origin as a point.
+/// Compute the spatial and the classical acceleration of a frame [m/s^2, rad/s^2]. The linear part of the classical one
+/// is the acceleration of the frame's origin as a point.
 Vec6<double> frame_acceleration(const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame,
                                 ReferenceFrame axes = ReferenceFrame::kLocal);
 Vec6<double> frame_classical_acceleration(const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame,
                                           ReferenceFrame axes = ReferenceFrame::kLocal);
-/// J, 6 x nv: frame_velocity = J v.
+/// Computes the Jacobian J (6 x nv) of a frame, with frame_velocity = J v. Allocates the result.
 Mat6X<double> frame_jacobian(const RigidBodies& bodies, const RigidBodyData& data, const Attachment& frame,
                              ReferenceFrame axes = ReferenceFrame::kLocal);
-/// (dJ/dt) v: what frame_velocity's numbers change by in time where a = 0. In local and world axes that is the spatial
-/// acceleration there, in local_world_aligned ones the classical.
+/// Computes the bias acceleration (dJ/dt) v of a frame: the rate of frame_velocity for a = 0. In local and world axes
+/// it is the spatial acceleration, in local_world_aligned axes the classical one.
 Vec6<double> frame_drift(const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame,
                          ReferenceFrame axes = ReferenceFrame::kLocal);
 
-// ---- the whole, at the data's state --------------------------------------------------------------------------------
-// Of all bodies that move together, in the world's axes; those merged into a fixed base are not part of a model. NaN
-// where there is no mass.
+// ---- quantities of the whole, at the state of the data -------------------------------------------------------------
+// They refer to all bodies that move, in the world's axes. Bodies merged into a fixed base are not part of a model.
+// Results are NaN if there is no mass.
 
-/// kg
+/// The total mass of the moving bodies [kg].
 double total_mass(const RigidBodies& bodies);
-/// m
+/// The centre of mass in the world [m].
 Vec3<double> center_of_mass(const RigidBodies& bodies, const RigidBodyData& data);
-/// m/s
+/// The velocity of the centre of mass [m/s].
 Vec3<double> center_of_mass_velocity(const RigidBodies& bodies, RigidBodyData& data);
-/// m/s^2
+/// The acceleration of the centre of mass [m/s^2].
 Vec3<double> center_of_mass_acceleration(const RigidBodies& bodies, RigidBodyData& data);
-/// 3 x nv: the velocity of the centre of mass is J v.
+/// The Jacobian J (3 x nv) of the centre of mass: its velocity is J v. Allocates the result.
 Eigen::Matrix3Xd center_of_mass_jacobian(const RigidBodies& bodies, RigidBodyData& data);
-/// Momentum about the centre of mass: linear [N s], angular [N m s]; the matrix A with momentum = A v (6 x nv), and the
-/// rate dA/dt v + A a [N, N m], which is the sum of all outer forces about it. Rotors (armature) have none.
+/// Momentum about the centre of mass, linear [N s] and angular [N m s]; the matrix A (6 x nv) with momentum = A v; and
+/// the rate dA/dt v + A a [N, N m], which equals the sum of all external forces about the centre of mass. Rotors
+/// (armature) do not contribute.
 Vec6<double> centroidal_momentum(const RigidBodies& bodies, RigidBodyData& data);
 Mat6X<double> centroidal_momentum_matrix(const RigidBodies& bodies, RigidBodyData& data);
 Vec6<double> centroidal_momentum_rate(const RigidBodies& bodies, RigidBodyData& data);
-/// J; rotors included; zero at the world's origin.
+/// Kinetic energy [J], rotors included, and potential energy [J], zero at the world's origin.
 double kinetic_energy(const RigidBodies& bodies, RigidBodyData& data);
 double potential_energy(const RigidBodies& bodies, const RigidBodyData& data);
 
 // ---- joints --------------------------------------------------------------------------------------------------------
 
-/// What a joint carries: the wrench on its child body, force [N] and moment [N m] in the child frame and about its
-/// origin, by the last rnea, nonlinear_effects or gravity_torques. tau is its part along the joint, beside the rotor's
-/// inertia and friction. Throws std::logic_error after anything else.
+/// The wrench that a joint transmits to its child body: force [N] and moment [N m], in the child frame and about its
+/// origin. It was computed by the last rnea, nonlinear_effects or gravity_torques. Its component along the joint is tau
+/// without the rotor's inertia and friction. Throws std::logic_error after any other function.
 Vec6<double> joint_wrench(const RigidBodies& bodies, const RigidBodyData& data, const BodyJoint& joint);
 
 }  // namespace manycontact

@@ -1,45 +1,44 @@
 #pragma once
-// A state that fits its contacts: they are in place, and nothing moves against them. With e the contacts' errors of
-// placement (contact/rows.hpp, its alpha term) and J their rows,
+// Computes a state that is consistent with the contacts: their placement errors and velocities are zero. With e the
+// placement errors (contact/rows.hpp, the alpha term) and J the constraint rows,
 //
-//     q := q (+) dq     min dq^T M dq   over the dq with least |J dq + e|    again and again, until e is rounding
+//     q := q (+) dq     min dq^T M dq   over the dq with least |J dq + e|    repeated until e is a rounding error
 //     v := v + dv       min dv^T M dv   over the dv with least |J dv + J v|  once, at that q
 //
-// Each is a solve of the scene at rest, without gravity, of which the contacts ask for a motion: [M J^T; J 0],
-// redundant contacts included. The first is Gauss-Newton's method, each step the least motion in the kinetic metric;
-// where |e| does not fall, the contacts are damped until it does (Levenberg and Marquardt): [M J^T; J -delta I]. The
-// second is what an impact does to v (simulation/switch.hpp).
+// Each step is a solve of the scene at rest, without gravity, with a prescribed motion of the contacts: [M J^T; J 0].
+// It works for redundant contacts, too. The iteration for q is Gauss-Newton's method with the least step in the
+// mass-weighted norm. If |e| does not decrease, the contacts are damped until it does (Levenberg-Marquardt): [M J^T; J
+// -delta I]. The computation of v is that of an impact (simulation/switch.hpp).
 //
-// Metres and radians count alike in |e|. Limits of joints are not looked at.
+// |e| adds metres and radians with equal weights. Limits of joints are ignored.
 
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/io/scene_file.hpp"
 
 namespace manycontact {
 
-struct ConsistentState {                  // The state found, and what it lacks.
+struct ConsistentState {                  // The state found, and its remaining errors.
   Eigen::VectorXd q, v;                   // nq, nv
-  Status status = Status::kOk;            // the worst of its solves; kFailed: it was given up there
-  int steps = 0;                          // of Gauss-Newton
-  std::vector<PlacementError> misplaced;  // contacts that could not be put in place from where they were
+  Status status = Status::kOk;            // the worst status of its solves; kFailed: the computation ended there
+  int steps = 0;                          // Gauss-Newton steps
+  std::vector<PlacementError> misplaced;  // contacts that could not be brought into place
   std::vector<VelocityError> moving;      // contacts that still move
 
-  /// Whether contacts are in place and nothing moves against them.
+  /// Whether all contacts are in place and none of them moves.
   bool consistent() const { return misplaced.empty() && moving.empty(); }
 };
 
-/// The nearest state to q (nq), v (nv) found that the contacts flagged `active` allow. Where they cannot all be in
-/// place, or not be reached from here, q is where |e| was least, and they are listed. Throws std::invalid_argument
-/// unless sizes fit.
-ConsistentState make_consistent(const Scene& scene, const std::vector<char>& active,
-                                const Eigen::Ref<const Eigen::VectorXd>& q, const Eigen::Ref<const Eigen::VectorXd>& v,
+/// Finds a state near q (nq), v (nv) that is consistent with the contacts flagged `active`. If they cannot all be
+/// brought into place from here, q is where |e| was least, and the contacts are listed. Throws std::invalid_argument
+/// for wrong sizes. Allocates; each step costs a solve. Thread-safe.
+ConsistentState make_consistent(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
+                                const ConstVectorRef& v, const Options& options = {});
+/// Uses the contacts that are active in the scene.
+ConsistentState make_consistent(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                                 const Options& options = {});
-/// The same with the contacts that the scene has active.
-ConsistentState make_consistent(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                const Eigen::Ref<const Eigen::VectorXd>& v, const Options& options = {});
 
-/// For a scene file that asks for it by consistent="true": makes its q, v so, with a finding of kind "consistent" that
-/// says what moved. Throws InputError where contacts stay out of place or moving, or a robot has no inertia there.
+/// Makes q and v of a scene file with consistent="true" consistent, and adds a finding of kind "consistent" that states
+/// what moved. Throws InputError if contacts remain out of place or moving, or if a robot has no inertia there.
 void make_consistent(SceneFile& file);
 
 }  // namespace manycontact

@@ -1,7 +1,7 @@
 #pragma once
-// What a careful reader asks of a scene and its answer, and what no status says: contacts that start out of place or
-// with a velocity they do not allow, that pull, slip, tip or turn where a one-sided contact could not, that contradict
-// each other and by how much; joints beyond their limits, joints that carry nothing.
+// Checks of a scene and its solution that no status covers. They find contacts that start out of place or moving,
+// forces that a unilateral contact cannot exert, contradicting contacts, exceeded joint limits, and joints without
+// inertia.
 
 #include <string>
 #include <vector>
@@ -10,111 +10,114 @@
 
 namespace manycontact {
 
-/// Placement errors below this are how files round their numbers [m, rad].
+/// Smaller placement errors are attributed to rounded numbers in files [m, rad].
 constexpr double kPlacementError = 1e-6;
 
-/// A contact whose frames A and B' do not stand where it holds them.
+/// A contact whose frames A and B' are not where the contact requires them.
 struct PlacementError {
   int contact = 0;
-  double position = 0;  // m: |p_A - p_B'| along the rows held
-  double angle = 0;     // rad: between A's and B's axes (6D), between their hinges' (5D); 0 for points
+  double position = 0;  // m: |p_A - p_B'| along the constraint rows
+  double angle = 0;     // rad: between the axes of A and B (6D), or between the hinge axes (5D); 0 for points
 };
 
-/// Of the contacts flagged `active`, those out of place at q (scene.nq) by kPlacementError or more.
+/// Lists those contacts flagged `active` whose placement error at q (scene.nq) is kPlacementError or more. Throws
+/// std::invalid_argument for wrong sizes. Thread-safe.
 std::vector<PlacementError> placement_errors(const Scene& scene, const std::vector<char>& active,
-                                             const Eigen::Ref<const Eigen::VectorXd>& q);
+                                             const ConstVectorRef& q);
 
-/// "0.1 m and 0.02 rad", without what is negligible.
+/// Describes an error: "0.1 m and 0.02 rad", without negligible parts.
 std::string in_words(const PlacementError& error);
 
-/// Velocities below this are how files round their numbers [m/s, rad/s].
+/// Smaller velocity errors are attributed to rounded numbers in files [m/s, rad/s].
 constexpr double kVelocityError = 1e-6;
 
-/// A contact whose frames move against each other: J v is not zero, so it opens or slides although it is held.
+/// A contact whose frames move relative to each other: J v is not zero, although the contact is bilateral.
 struct VelocityError {
   int contact = 0;
-  double linear = 0, angular = 0;  // m/s, rad/s: |J v| over its linear and its angular rows
+  double linear = 0, angular = 0;  // m/s, rad/s: |J v| for its linear and its angular rows
 };
 
-/// Of the contacts flagged `active`, those that v (scene.nv) at q (scene.nq) moves by kVelocityError or more.
-/// make_consistent (analysis/consistent.hpp) mends them.
-std::vector<VelocityError> velocity_errors(const Scene& scene, const std::vector<char>& active,
-                                           const Eigen::Ref<const Eigen::VectorXd>& q,
-                                           const Eigen::Ref<const Eigen::VectorXd>& v);
+/// Lists those contacts flagged `active` that move by kVelocityError or more at q (scene.nq), v (scene.nv). To correct
+/// q and v, use make_consistent (analysis/consistent.hpp). Throws std::invalid_argument for wrong sizes. Thread-safe.
+std::vector<VelocityError> velocity_errors(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
+                                           const ConstVectorRef& v);
 
-/// "0.5 m/s and 0.1 rad/s", likewise.
+/// Describes an error: "0.5 m/s and 0.1 rad/s", without negligible parts.
 std::string in_words(const VelocityError& error);
 
-/// What a unilateral contact with friction cannot do.
-enum class Violating { kPulls, kSlips, kTips, kTurns };
+/// The ways in which a contact force can violate the conditions of a unilateral contact with friction.
+enum class ViolationKind { kPulls, kSlips, kTips, kTurns };
 /// "pulls", "slips", "tips", "turns".
-std::string to_string(Violating kind);
-/// Of Violation::by: "N", "N", "m", "N m".
-std::string unit_of(Violating kind);
+std::string to_string(ViolationKind kind);
+/// The unit of Violation::by: "N", "N", "m", "N m".
+std::string unit_of(ViolationKind kind);
 
-struct Violation {  // A force that no unilateral contact bears, and how far beyond.
+struct Violation {  // A contact force that a unilateral contact cannot exert, and by how much.
   int contact = 0;
-  Violating kind = Violating::kPulls;
-  double by = 0;     // above 0, how far beyond what it bears: N of pull; N of tangential force; m from the centre of
-                     // pressure to the box; N m of torque about the normal
-  double needs = 0;  // kSlips: the mu that would do
+  ViolationKind kind = ViolationKind::kPulls;
+  double by = 0;     // above 0, the excess: N of pull; N of tangential force; m from the centre of pressure to the box;
+                     // N m of torque about the normal
+  double needs = 0;  // kSlips: the friction coefficient that would be sufficient
 };
 
-/// Of the active contacts with a mu, those whose forces f at q (scene.nq; f_offset: as in Solution) no unilateral
-/// contact bears, in the scene's order. With n the force along the contact's normal (contact/normal.hpp), t the
-/// tangential one, and, in A's axes, (c_x, c_y) = (-m_y, m_x) / n the centre of pressure, l and w the sides of the box:
+/// Lists the active contacts with a mu whose forces f at q (scene.nq) no unilateral contact can exert, in the scene's
+/// order. f and f_offset are those of Solution. Let n be the force along the contact's normal, t the tangential force,
+/// and (c_x, c_y) = (-m_y, m_x) / n the centre of pressure in A's axes. With l, w the sides of the box:
 ///
 ///     pulls: n < 0    slips: |t| > mu n    tips: |c_x| > l / 2 or |c_y| > w / 2
-///     turns: m_z beyond what friction at the box's four corners gives (friction pyramid |t_x|, |t_y| <= mu n)
+///     turns: m_z exceeds the friction at the four corners of the box (friction pyramid |t_x|, |t_y| <= mu n)
 ///
-/// A contact that pulls does nothing else. What is below 1e-9 of the largest force on its robots counts as rounding.
-/// Source of the last: Caron, Pham, Nakamura, Stability of surface contacts for humanoid robots, ICRA 2015.
-std::vector<Violation> violations(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                  const Eigen::VectorXd& f, const std::vector<int>& f_offset);
+/// For a contact that pulls, nothing else is tested. Forces below 1e-9 of the largest force on the same robots are
+/// treated as rounding errors. Throws std::invalid_argument for wrong sizes. Thread-safe. Source of the last condition:
+/// Caron, Pham, Nakamura, Stability of surface contacts for humanoid robots, ICRA 2015.
+std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, const Eigen::VectorXd& f,
+                                  const std::vector<int>& f_offset);
 
-/// What a contact of a linear force f (its rows) presses with at q (scene.nq): along its normal, and across it [N].
-Eigen::Vector2d contact_pressure(const Scene& scene, int contact, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                 const Eigen::VectorXd& f);
+/// The normal and the tangential component [N] of the linear force f (its rows) of a contact at q (scene.nq).
+Eigen::Vector2d contact_pressure(const Scene& scene, int contact, const ConstVectorRef& q, const Eigen::VectorXd& f);
 
-enum class Limited { kPosition, kVelocity, kEffort };
+/// The quantity that exceeds a limit.
+enum class LimitKind { kPosition, kVelocity, kEffort };
 /// "position", "velocity", "effort".
-std::string to_string(Limited quantity);
+std::string to_string(LimitKind quantity);
 
-/// A coordinate beyond a limit of the robot's file.
+/// A coordinate that exceeds a limit of the robot's file.
 struct LimitPassed {
-  int robot = 0, dof = 0;  // of that robot's velocity coordinates
-  Limited quantity = Limited::kPosition;
+  int robot = 0, dof = 0;  // one of that robot's velocity coordinates
+  LimitKind quantity = LimitKind::kPosition;
   double value = 0, limit = 0;
 };
 
-/// At q, v, u (nq, nv, nu). Files write a velocity or effort of 0, or an empty range, where they know none: no limit.
-std::vector<LimitPassed> limits_passed(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                       const Eigen::Ref<const Eigen::VectorXd>& v,
-                                       const Eigen::Ref<const Eigen::VectorXd>& u);
+/// Lists exceeded limits at q (nq), v (nv), u (nu). A velocity or effort limit of 0, or an empty range, means no limit,
+/// since files contain them if the limit is unknown. Throws std::invalid_argument for wrong sizes. Thread-safe.
+std::vector<LimitPassed> limits_passed(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
+                                       const ConstVectorRef& u);
 
-/// How far a contact's acceleration is from what it asks for: |J a + a0 + delta f| over its linear and angular rows.
+/// The difference between a contact's acceleration and the required one: |J a + a0 + delta f| for its linear and
+/// angular rows.
 struct Contradiction {
   int contact = 0;
   double linear = 0, angular = 0;  // m/s^2, rad/s^2
 };
 
-/// Of the contacts of inconsistent islands, those that are missed by more than 1e-8 of the worst, which comes first.
-/// After solve.
+/// Lists the contacts of inconsistent islands, the worst first. Those with less than 1e-8 of the worst residual are
+/// left out. Call it after solve; throws std::logic_error before.
 std::vector<Contradiction> contradictions(const Scene& scene, const SceneData& data);
 
-/// Coordinates of a robot at q (its nq) in which its joint-space inertia, armature included, has nothing: pivots of its
-/// leaf-to-root elimination that are rounding. Throws std::length_error for trees too deep for a joint-space inertia.
-std::vector<int> massless_coordinates(const Robot& robot, const Eigen::Ref<const Eigen::VectorXd>& q);
+/// Finds the coordinates of a robot at q (its nq) without joint-space inertia, armature included. The pivots of its
+/// leaf-to-root elimination are rounding errors there. Throws std::length_error for trees too deep for a joint-space
+/// inertia.
+std::vector<int> massless_coordinates(const Robot& robot, const ConstVectorRef& q);
 
-/// A joint that makes the joint-space inertia singular, and why.
+/// A joint that makes the joint-space inertia singular, and the cause.
 struct MasslessJoint {
   std::string joint;  // "r0/wrist"
-  std::string why;    // no mass below it; or a moment of inertia that is missing; or what the joints below leave to it
+  std::string why;    // no mass below it, or a missing moment of inertia, or no inertia left by the joints below
 };
 
-/// Of all robots in islands that failed for want of inertia, each joint once. Of trees too deep for a joint-space
-/// inertia those alone that have no mass below them. After solve.
-std::vector<MasslessJoint> massless_joints(const Scene& scene, const SceneData& data,
-                                           const Eigen::Ref<const Eigen::VectorXd>& q);
+/// Lists such joints for all robots in islands that failed for lack of inertia, each joint once. For trees too deep for
+/// a joint-space inertia, only joints without mass below them are found. Call it after solve at q (nq); throws
+/// std::logic_error before.
+std::vector<MasslessJoint> massless_joints(const Scene& scene, const SceneData& data, const ConstVectorRef& q);
 
 }  // namespace manycontact

@@ -5,17 +5,19 @@ namespace manycontact {
 
 struct TaskFile;  // io/task_file.hpp
 
-/// read_scene; q and v by fit_state; and the torques of robots with u="gravity" by quasi_static
-/// (dynamics/quasi_static.hpp) at that q. Throws InputError.
+/// Reads a scene file with read_scene, computes q and v with fit_state, and computes the torques of robots with
+/// u="gravity" with quasi_static (dynamics/quasi_static.hpp) at that q. The result is independent of the file. Throws
+/// InputError. Thread-safe.
 SceneFile load_scene(const std::string& path);
-/// The same of read_scene_text.
+/// Does the same for XML text, as read_scene_text does.
 SceneFile load_scene_text(const std::string& text, const std::string& path);
 
-/// Where the file asks for them, the q of its poses (analysis/place.hpp), then consistent q, v
-/// (analysis/consistent.hpp). Throws InputError. For scenes that read_scene has read.
+/// Computes the q of the poses in a scene file (analysis/place.hpp), then consistent q and v (analysis/consistent.hpp),
+/// if the file requests them. The scene must come from read_scene. Throws InputError.
 void fit_state(SceneFile& file);
-/// The same for the scene of a task that read_task has read, and the references that are poses: postures found from the
-/// scene's q that meet them, and hold the contacts that the scene or the start of the task has put in their places.
+/// Does the same for the scene of a task read by read_task, and for references given as poses. Their configurations
+/// meet the poses, start from the scene's q, and keep the contacts in place whose placement is known at the start of
+/// the task.
 void fit_state(TaskFile& task);
 
 }  // namespace manycontact

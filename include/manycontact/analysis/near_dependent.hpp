@@ -1,7 +1,7 @@
 #pragma once
-// How near the decision was which contact rows depend on each other, and what rows that only just count cost. A loop
-// whose file rounds pi/2 to 1.5708 is no plane mechanism: a row that says nothing in the plane keeps 4e-6 of its
-// length, counts, and holds still what should move, by forces of thousands of times the loads.
+// How reliable the rank decision was, and the effect of nearly dependent rows. An example is a planar loop whose file
+// rounds pi/2 to 1.5708. A row that is redundant in the plane keeps 4e-6 of its norm, is accepted as independent, and
+// blocks the mechanism with forces of thousands of times the loads.
 
 #include <vector>
 
@@ -9,38 +9,39 @@
 
 namespace manycontact {
 
-/// Of a row's size: rows of which the ones before leave less, but more than rounding, only just count.
+/// A row is nearly dependent if its component orthogonal to the preceding rows is less than this share of its norm, but
+/// more than rounding error.
 constexpr double kOnlyJust = 1e-3;
-/// Least row kept beside largest row dropped: below this the one could as well be the other.
+/// Below this ratio of the smallest accepted to the largest rejected row, the rank decision is not reliable.
 constexpr double kCloseGap = 1e3;
 
-struct RankGap {       // Of an island.
-  bool known = false;  // false: damping decides, the island failed, is too large or has no rows
-  double least_kept =
-      1;  // what rows before it leave of the row kept that has least, of its size (contact/row_scale.hpp)
-  double most_dropped = 0;  // and of the row dropped that has most; at least eps, which is what rounding leaves of rows
-  int kept = -1, dropped = -1;  // these rows, of f; -1: there is none
+struct RankGap {          // How reliable the rank decision of an island was.
+  bool known = false;     // false: damping decides, or the island failed, is too large, or has no rows
+  double least_kept = 1;  // smallest relative residual of an accepted row: its norm after projection on the complement
+                          // of the rows before it, divided by its size
+  double most_dropped = 0;      // largest relative residual of a rejected row; at least eps, the rounding error of rows
+  int kept = -1, dropped = -1;  // these rows, as indices of f; -1: there is none
 
-  /// Least kept beside most dropped.
+  /// The ratio of the smallest accepted to the largest rejected residual.
   double gap() const { return least_kept / most_dropped; }
 };
-/// After a solve. Dense, left out where nv nc^2 is above 1e9.
+/// Computes the gap of an island after a solve, with dense matrices. The result is unknown if nv nc^2 exceeds 1e9.
+/// Throws std::logic_error before a solve.
 RankGap rank_gap(const Scene& scene, const SceneData& data, std::size_t island);
-/// The same of every island.
+/// Computes the gaps of all islands.
 std::vector<RankGap> rank_gaps(const Scene& scene, const SceneData& data);
 
-struct NearDependent {  // Rows of an island that only just count, and what would be without them.
+struct NearDependent {  // Nearly dependent rows of an island, and the solution without them.
   std::size_t island = 0;
-  std::vector<int> rows;  // of f, ascending
-  double left = 0;        // what is left of the least of them, of its size
-  double times = 0;       // the island's largest force beside its loads: torques, and the forces there would be
-                          // without these rows; infinite where there are none
-  int coordinate = -1;    // of v, whose acceleration changes most without them ...
-  double acceleration = 0, without = 0;  // ... from, to [m/s^2, rad/s^2]
+  std::vector<int> rows;  // indices of f, ascending
+  double left = 0;        // smallest relative residual of these rows
+  double times = 0;       // ratio of the island's largest force to its loads; the loads are torques, and the forces
+                          // without these rows; infinite if there are none
+  int coordinate = -1;    // the coordinate of v whose acceleration changes most without the rows
+  double acceleration = 0, without = 0;  // its acceleration with and without the rows [m/s^2, rad/s^2]
 };
-/// After a solve at q (nq): islands with rows that only just count. A solve of the scene at rest for each of these.
+/// Lists the islands with nearly dependent rows after a solve at q (nq). Each takes one solve of the scene at rest.
 /// Throws std::logic_error before a solve.
-std::vector<NearDependent> near_dependent(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                          const SceneData& data);
+std::vector<NearDependent> near_dependent(const Scene& scene, const ConstVectorRef& q, const SceneData& data);
 
 }  // namespace manycontact

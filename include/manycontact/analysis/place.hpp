@@ -1,25 +1,24 @@
 #pragma once
-// Inverse kinematics of a scene: a configuration that meets goals, within the joints' limits. With e the goals' errors
-// and J their derivatives, both times the root of a goal's weight,
+// Inverse kinematics of a scene: finds a configuration that meets goals, within the joints' limits. With e the errors
+// of the goals and J their derivatives, both times the square root of a goal's weight, it repeats
 //
 //     q := q (+) dq        min |J dq + e|^2 + mu |dq|^2        lower <= q + dq <= upper
 //
-// again and again: Gauss and Newton's steps, damped by mu as Levenberg and Marquardt do. Of the coordinates that are
-// not at a limit a step is
+// These are Gauss-Newton steps, damped by mu (Levenberg-Marquardt). For coordinates that are not at a limit, a step is
 //
 //     dq = -J^T y        (J J^T + mu 1) y = e + J_limited dq_limited
 //
-// and that matrix is sparse: goals meet only where they are on one robot or on robots that contacts join. Which
-// coordinates a limit holds is found by block pivoting, which ends at the step's one minimum. Source: Judice, Pires, A
+// and that matrix is sparse: two goals are coupled only if they are on one robot, or on robots that contacts couple.
+// Block pivoting finds the coordinates at a limit; it ends at the unique minimum of the step. Source: Judice, Pires, A
 // block principal pivoting algorithm for large-scale strictly monotone linear complementarity problems, Computers &
 // Operations Research 21 (1994).
 //
-// Where these steps gain little, because much of e remains, Newton's take over, with the Hessian of |e|^2 by
-// conjugate gradients. Where |e| is stationary and not zero the search steps aside by a millimetre and a milliradian
-// and goes on: straight knees and elbows, as of the neutral q, are saddles.
+// If these steps converge slowly because a large error remains, Newton steps replace them; the Hessian of |e|^2 is
+// applied by conjugate gradients. If |e| is stationary and not zero, the search continues from a point one millimetre
+// and one milliradian away. Straight knees and elbows, as in the neutral q, are saddle points.
 //
-// Goals that contradict each other share what is left by their weights. What is found is near where the search starts,
-// and the nearest of several minima, not the best of all: `restarts` look further.
+// The errors of contradicting goals are distributed according to their weights. The result is a local minimum near the
+// start; `restarts` searches from other configurations.
 
 #include <array>
 #include <optional>
@@ -31,73 +30,78 @@ namespace manycontact {
 
 struct TaskFile;  // io/task_file.hpp
 
-/// Three numbers of which some may be left open: {std::nullopt, std::nullopt, 0.0} asks for z = 0.
+/// Three numbers, some of which may be open: {std::nullopt, std::nullopt, 0.0} requires z = 0 only.
 using Partial = std::array<std::optional<double>, 3>;
 
-/// What is wanted of a configuration; by the functions below.
+/// A goal for a configuration; made by the functions below.
 struct Goal {
-  enum class Of { kFrame, kCenterOfMass, kJoint, kContact };
-  Of of = Of::kFrame;
-  std::string name;  // for reports
+  /// The object that the goal refers to.
+  enum class Target { kFrame, kCenterOfMass, kJoint, kContact };
+  Target target = Target::kFrame;
+  std::string name;  // for error messages
   double weight = 1;
 
-  Attachment frame = {};              // kFrame
+  Attachment frame = {};              // kFrame, on a body that may move
   Partial position = {};              // kFrame, kCenterOfMass: x, y, z in the world [m]
-  std::vector<Attachment> from = {};  // if any: position is from the middle of these frames' origins
-  Partial rpy = {};                   // kFrame: its axes turned about the world's x, then y, then z [rad], as in URDF
-  std::optional<Mat3<double>> axes = {};  // kFrame: all of them, in the world; then without rpy
-  int robot = -1;                         // kCenterOfMass: -1: of the whole scene; kJoint
-  int joint = -1;                         // kJoint: a revolute or prismatic one
+  std::vector<Attachment> from = {};  // if any: the position is relative to the mean of these frames' origins
+  Partial rpy = {};  // kFrame: rotations of its axes about the world's x, then y, then z [rad], as in URDF
+  std::optional<Mat3<double>> axes = {};  // kFrame: all axes, in the world; rpy is then unused
+  int robot = -1;                         // kCenterOfMass: -1 for the whole scene; kJoint: its robot
+  int joint = -1;                         // kJoint: a revolute or prismatic joint
   double value = 0;                       // kJoint [rad, m]
-  int contact = -1;                       // kContact: its frames are to stand where it holds them
+  int contact = -1;                       // kContact: its frames are to have the placement that it requires
 };
 
-/// A frame's place in the world: all of it, or what of x, y, z [m] and roll, pitch, yaw [rad] is given. Roll and pitch
-/// without yaw say how the frame is tilted ({0, 0, open}: its z is up); other incomplete angles are those of rpy, which
-/// have no meaning at a pitch of pi/2. frame: by frame_called or attach, of a robot.
+/// A goal for the placement of a frame in the world, complete, or only given components of x, y, z [m] and roll, pitch,
+/// yaw [rad]. Roll and pitch without yaw define the tilt of the frame ({0, 0, open}: its z is up). Other incomplete
+/// angles are those of rpy, which are singular at a pitch of pi/2. frame: a frame of a robot, from frame_called or
+/// attach.
 Goal pose_goal(const Attachment& frame, const SE3<double>& placement, double weight = 1);
 Goal pose_goal(const Attachment& frame, const Partial& position, const Partial& rpy = {}, double weight = 1);
-/// The centre of mass of the scene, or of one of its robots [m].
+/// A goal for the centre of mass of the scene, or of one robot [m]. Throws std::invalid_argument for an unknown robot.
 Goal center_of_mass_goal(const Scene& scene, const Partial& position, const std::string& robot = "", double weight = 1);
-/// The position of a joint with one coordinate [rad, m]; "r0/knee".
+/// A goal for the position of a joint with one coordinate [rad, m], such as "r0/knee". Throws std::invalid_argument for
+/// another joint.
 Goal joint_goal(const Scene& scene, const std::string& joint, double value, double weight = 1);
-/// A contact of the scene, active or not, is in place.
+/// A goal for a contact of the scene, active or not: that it is in place. Throws std::invalid_argument for an unknown
+/// name.
 Goal contact_goal(const Scene& scene, const std::string& contact, double weight = 1);
 
-struct GoalLeft {       // How far a goal is from being met.
+struct GoalLeft {       // The remaining error of a goal.
   double position = 0;  // m
   double angle = 0;     // rad
 };
 
-struct PlaceOptions {        // When the search ends, and how often it starts.
-  int iterations = 100;      // steps tried at most, from each start
-  double tolerance = 1e-12;  // met: no row of e is more, times the root of its weight, or than rounding of places there
-  int restarts = 0;          // further starts while goals are missed: random joints within limits, bases as in q
-  unsigned seed = 0;         // of these
+struct PlaceOptions {        // When the search ends, and from how many configurations it starts.
+  int iterations = 100;      // largest number of steps from each start
+  double tolerance = 1e-12;  // a goal is met if every row of e, times the root of its weight, is below this or below
+                             // the rounding errors
+  int restarts = 0;          // further starts while goals are not met: random joints within limits, bases as in q
+  unsigned seed = 0;         // of the random starts
 };
 
-struct PlacedScene {           // The configuration found, and what it lacks.
+struct PlacedScene {           // The configuration found, and its remaining errors.
   Eigen::VectorXd q;           // nq, within the limits
-  int iterations = 0;          // steps tried, from all starts
-  std::vector<GoalLeft> left;  // by goal
+  int iterations = 0;          // steps from all starts
+  std::vector<GoalLeft> left;  // per goal
 
-  /// Whether every goal is met but for `error` [m, rad].
+  /// Whether the remaining errors of all goals are at most `error` [m, rad].
   bool met(double error = 1e-9) const;
 };
 
-/// From q (nq), which is brought within the limits first; a joint whose limits are equal stays there. Throws
-/// std::invalid_argument for a size, a number, a robot, joint or contact that does not fit.
-PlacedScene place(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const std::vector<Goal>& goals,
+/// Searches from q (nq), which is moved within the limits first. A joint whose limits are equal does not move. Throws
+/// std::invalid_argument for a wrong size or number, or an unknown robot, joint or contact. Allocates. Thread-safe.
+PlacedScene place(const Scene& scene, const ConstVectorRef& q, const std::vector<Goal>& goals,
                   const PlaceOptions& options = {});
 
-/// For a scene file with <pose> elements: finds the q that they ask for, from the file's; where consistent="true"
-/// stands too, with the active contacts in place whose B' the file says. Contacts that leave B' out are held where
-/// their frames are then. Adds a finding of kind "pose" that says what moved. Throws InputError, by the worst pose,
-/// where they cannot all be met within limits from there.
+/// Computes the q required by the <pose> elements of a scene file, starting from the file's q. With consistent="true",
+/// it also brings active contacts into place whose B' is in the file; contacts without B' are constrained at the
+/// placement found. Adds a finding of kind "pose" that states what moved. If the poses cannot all be met within the
+/// limits, throws InputError for the worst pose.
 void place(SceneFile& file);
 
-/// The references of a task's terms that are poses, as fit_state (analysis/load_scene.hpp), from the scene's q. Throws
-/// InputError, by the worst pose.
+/// Computes the references of a task's terms that are given as poses, from the scene's q; see fit_state in
+/// analysis/load_scene.hpp. Throws InputError for the worst pose if they cannot be met.
 void place_references(TaskFile& task);
 
 }  // namespace manycontact

@@ -1,17 +1,19 @@
 #pragma once
-// Postures in which contact rows depend on each other that are independent beside them. With n a vector of rows with
-// J^T n = 0, z a motion with J z = 0 and B(z, y) = n^T dJ[z] y, the change of J along z, the rank of J beside q is that
-// at q, to first order, where B vanishes:
+// Detects configurations at which J loses rank: constraint rows are dependent there, but independent at neighbouring
+// configurations. Let n be a vector with J^T n = 0, z a motion with J z = 0, and dJ[z] the
+// change of J along z. Let B(z, y) = n^T dJ[z] y. If B vanishes, the rank is locally constant to first order.
+// Otherwise:
 //
-//     B(z, z) is not 0   the posture is singular: a loop lies flat, a leg is stretched. The rows that depend on each
-//     other
-//                        here hold one motion more beside it; a is that of this posture alone, no derivative exists
-//     B(z, y) is not 0   for motions y that contacts do not allow: rows depend on each other only while loops are
-//                        closed (Bennett's, Bricard's mechanisms). a is that of all states the mechanism comes to;
-//                        derivatives along these exist, across them they do not
+//     B(z, z) is not 0   The configuration is singular, as in a flat loop or a stretched leg. The dependent rows
+//     constrain
+//                        one motion more in its neighbourhood. The accelerations are valid for this configuration
+//                        alone, and no derivative exists.
+//     B(z, y) is not 0   for a motion y that violates the contacts. Rows are dependent only while loops are closed, as
+//                        in Bennett's and Bricard's mechanisms. The accelerations are valid for all reachable states.
+//                        Derivatives exist along these, but not across them.
 //
-// J' v = dJ[v] v is what contact rows give at v, and B follows from it for z + y and z - y. Random n, z and y see it
-// unless it vanishes for all.
+// J' v = dJ[v] v is the bias of the constraint rows at v, and B follows from its values for z + y and z - y. Random n,
+// z and y detect a change unless B vanishes for all of them.
 
 #include <vector>
 
@@ -19,17 +21,18 @@
 
 namespace manycontact {
 
-struct RankChange {           // Of an island.
-  std::size_t island = 0;     // its number
-  bool singular = false;      // along motions that contacts allow; false: only where they are broken
-  int rank = 0, rows = 0;     // at q
-  std::vector<int> contacts;  // those whose rows depend on each other, ascending
-  int coordinate = -1;  // of v: which the rows hold beside q and not here, most of all; -1: the island is too large
+struct RankChange {        // A change of rank of an island.
+  std::size_t island = 0;  // number of the island
+  bool singular = false;   // true: along motions that the contacts allow; false: only along motions that violate them
+  int rank = 0, rows = 0;  // at q
+  std::vector<int> contacts;  // the contacts with dependent rows, ascending
+  int coordinate = -1;  // the coordinate of v that the rows constrain most at neighbouring configurations but not here;
+                        // -1: the island is too large
 };
 
-/// Islands whose rank changes at q (nq), that of the last solve. None where rows are independent, damping hides their
-/// rank or the island failed. A few solves of the scene at rest. Throws std::logic_error before a solve.
-std::vector<RankChange> rank_changes(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                     const SceneData& data);
+/// Lists the islands whose rank changes at q (nq), the configuration of the last solve. Islands with independent rows,
+/// damping, or a failed solve are left out. Takes a few solves of the scene at rest. Throws std::logic_error before a
+/// solve.
+std::vector<RankChange> rank_changes(const Scene& scene, const ConstVectorRef& q, const SceneData& data);
 
 }  // namespace manycontact

@@ -1,5 +1,5 @@
 #pragma once
-// Which contact forces are what they are, and which are shared at will among contacts that depend on each other.
+// Which contact forces are unique, and which are distributed arbitrarily among redundant contacts.
 
 #include <vector>
 
@@ -7,17 +7,18 @@
 
 namespace manycontact {
 
-/// Per row of data.f: 1 where every f with the same J^T f has this component, so that it is *the* force there; 0 where
-/// f of least norm is a choice among many, because the null space of J^T has a part in it, and where there is no
-/// answer. A door on two balls: the horizontal forces are unique, how they share the weight is not.
+/// Returns one flag per row of data.f. A flag is 1 if every f with the same J^T f has this component. It is 0 if the
+/// least-norm f is one choice among many, because the null space of J^T has a component there, and if there is no
+/// solution. Example: of a door on two ball joints, the horizontal forces are unique, the distribution of the weight is
+/// not.
 ///
-/// The norm adds squares of newtons and newton metres alike. With J's rows in other units, other forces are least;
-/// those that are unique stay what they are.
+/// The norm adds squares of newtons and newton metres, weighted by Scene::moment_length. Other weights change the
+/// least-norm forces, but not those that are unique. To choose other forces, see redistribute_forces in
+/// analysis/redistribute_forces.hpp.
 ///
-/// After solve at q (nq). With damping every force is unique: that of the damped system. Where rows depend, by solves
-/// of the scene at rest: the part of w that no motion has, w - J x with the least |J x - w|, is w's projection on the
-/// null space; a component that it is nothing of for several w of mixed size has no part in it. Throws std::logic_error
-/// before a solve.
-std::vector<char> unique_forces(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const SceneData& data);
+/// Call it after solve at q (nq). With damping every force is unique. Otherwise random vectors w are projected on the
+/// null space of J^T, by solves of the scene at rest: the projection is w - J x with the least |J x - w|. Component i
+/// is unique if entry i of every projection is zero. Throws std::logic_error before a solve.
+std::vector<char> unique_forces(const Scene& scene, const ConstVectorRef& q, const SceneData& data);
 
 }  // namespace manycontact

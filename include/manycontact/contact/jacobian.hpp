@@ -1,6 +1,6 @@
 #pragma once
-// The contacts of a scene as one matrix and one vector, and their forces on the bodies, for code that has equations of
-// its own (a whole-body controller):
+// The contacts of a scene as one matrix and one vector, and their forces on the bodies, for code with equations of its
+// own, such as a whole-body controller:
 //
 //     J a + a0 = 0        M a + h = S^T u + J^T f
 
@@ -8,21 +8,23 @@
 
 namespace manycontact {
 
-/// J of the contacts flagged `active` (empty: as the scene has them), dense: their rows in the scene's order, nv
-/// columns. At q (nq). Rows are in each contact's reference frame (contact/rows.hpp). Throws std::invalid_argument
-/// unless sizes fit, as all here.
-Eigen::MatrixXd contact_jacobian(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                 const std::vector<char>& active = {});
+/// Computes the dense Jacobian J of the active contacts at q (nq). Its rows are those of the contacts in the scene's
+/// order, each in its contact's reference frame (contact/rows.hpp); it has nv columns. `active` has one flag per
+/// contact; if it is empty, the flags of the scene are used. The function computes the kinematics and allocates the
+/// result at each call. Throws std::invalid_argument for wrong sizes. Thread-safe.
+Eigen::MatrixXd contact_jacobian(const Scene& scene, const ConstVectorRef& q, const std::vector<char>& active = {});
 
-/// a0 at q, v, by row [m/s^2, rad/s^2]: dJ/dt v, and what gains ask for: alpha times the error and beta J v.
-Eigen::VectorXd contact_drift(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                              const Eigen::Ref<const Eigen::VectorXd>& v, const std::vector<char>& active = {});
+/// Computes the bias a0 of the constraint rows at q (nq) and v (nv) [m/s^2, rad/s^2]: dJ/dt v plus the stabilisation
+/// terms, alpha times the error and beta times J v. It has one entry per row of contact_jacobian, computes the
+/// kinematics at each call, and allocates. Throws std::invalid_argument for wrong sizes. Thread-safe.
+Eigen::VectorXd contact_drift(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
+                              const std::vector<char>& active = {});
 
-/// The forces f of contacts (rows as Solution::f, with its f_offset: -1 where a contact is not active) as wrenches on
-/// all bodies, robot by robot, in the child frames, at q (nq): rnea's fext (algorithm/rigid_body.hpp). With them
-/// rnea(q, v, a) gives the torques alone, and joint_wrench what joints carry.
-std::vector<Vec6<double>> contact_forces_on_bodies(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                                                   const Eigen::Ref<const Eigen::VectorXd>& f,
+/// Converts contact forces to wrenches on the bodies at q (nq): the fext of rnea (algorithm/rigid_body.hpp), one per
+/// joint, robot by robot, in the child frames. f and f_offset are those of Solution; f_offset is -1 if a contact is not
+/// active. With them rnea(q, v, a) returns the motor torques alone, and joint_wrench the load of joints. Allocates.
+/// Throws std::invalid_argument for wrong sizes. Thread-safe.
+std::vector<Vec6<double>> contact_forces_on_bodies(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& f,
                                                    const std::vector<int>& f_offset);
 
 }  // namespace manycontact

@@ -7,21 +7,22 @@
 
 namespace manycontact {
 
-/// Moves B' of `contact` onto A at configuration q (the scene's nq), so that the placement error is zero: its origin
-/// when `position`, its axes when `orientation`. contact: as for add_contact, before or after it. Throws
-/// std::invalid_argument unless q is a configuration: scene.nq finite numbers, quaternions of unit length within 1e-6.
-void resolve_reference(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, bool position, bool orientation,
-                       Contact& contact);
+/// Sets the reference placement of a contact: moves B' to the placement of A at the configuration q (scene.nq), so that
+/// the error is zero. Its origin is moved if `position`, its axes are rotated if `orientation`. The contact need not be
+/// part of the scene yet. Throws std::invalid_argument unless q has scene.nq finite numbers, and quaternions of unit
+/// length within 1e-6.
+void resolve_reference(const Scene& scene, const ConstVectorRef& q, bool position, bool orientation, Contact& contact);
 
-/// The same for every contact of the scene, origin and axes: at q they all hold. What files leave out is resolved so.
-/// SceneData in use see the new places.
-void resolve_references(Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q);
+/// Sets the reference placement of every contact of the scene, origin and axes, so that all errors are zero at q
+/// (scene.nq). References that a scene file leaves out are set like this. Existing SceneData use the new placements.
+/// Throws as above.
+void resolve_references(Scene& scene, const ConstVectorRef& q);
 
-/// The same for many contacts of one scene at one q, both of which must outlive it: the places of the two robots met
-/// last are kept.
+/// Sets the reference placements of many contacts of one scene at one q. It keeps references to both, so that they must
+/// outlive it. The kinematics of the last two robots are cached.
 class ReferenceResolver {
  public:
-  ReferenceResolver(const Scene& scene, const Eigen::VectorXd& q);  // q: as resolve_reference
+  ReferenceResolver(const Scene& scene, const Eigen::VectorXd& q);  // q: scene.nq entries
   void resolve(bool position, bool orientation, Contact& contact);  // as resolve_reference
 
  private:
@@ -33,7 +34,7 @@ class ReferenceResolver {
     int robot = -1;
     std::unique_ptr<Kinematics<double>> kin;
   };
-  std::array<Places, 2> known_;  // the one met last first
+  std::array<Places, 2> known_;  // the most recent one first
 };
 
 }  // namespace manycontact

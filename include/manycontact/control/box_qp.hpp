@@ -1,6 +1,6 @@
 #pragma once
-// minimise 1/2 x^T H x + q^T x with lb <= x <= ub, H positive definite, by projected Newton steps (Bertsekas, SIAM J.
-// Control Optim. 1982; Tassa et al., ICRA 2014). Interface, algorithm and defaults of Crocoddyl 3.0's BoxQP.
+// Minimises 1/2 x^T H x + q^T x with lb <= x <= ub, H positive definite, by projected Newton steps (Bertsekas, SIAM J.
+// Control Optim. 1982; Tassa et al., ICRA 2014). Interface, algorithm and defaults are those of Crocoddyl 3.0's BoxQP.
 
 #include <Eigen/Cholesky>
 #include <vector>
@@ -9,43 +9,43 @@
 
 namespace manycontact {
 
-struct BoxQPSolution {      // x, and which bounds are active
+struct BoxQPSolution {      // The minimum x, and the components at a bound.
   Eigen::MatrixXd Hff_inv;  // inverse of H's rows and columns of the free components
   Eigen::VectorXd x;
   std::vector<std::size_t> free_idx, clamped_idx;
 };
 
-class BoxQP {  // min 1/2 x^T H x + q^T x, lb <= x <= ub
+class BoxQP {  // The solver of one quadratic problem with bounds.
  public:
-  /// nx: number of unknowns; reg is added to the diagonal of H. Throws std::invalid_argument for numbers out of range.
+  /// nx: number of unknowns. reg is added to the diagonal of H. Throws std::invalid_argument for numbers out of range.
   explicit BoxQP(std::size_t nx, std::size_t maxiter = 100, double th_acceptstep = 0.1, double th_grad = 1e-9,
                  double reg = 1e-9);
 
-  /// From xinit. Where H is not positive definite on the free components, is_sound() is false and x of no use. Throws
-  /// std::invalid_argument on wrong sizes.
+  /// Solves the problem from xinit. If H is not positive definite on the free components, is_sound() is false, and x is
+  /// unusable. The reference remains valid until the next call. Throws std::invalid_argument for wrong sizes.
   const BoxQPSolution& solve(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, const Eigen::VectorXd& lb,
                              const Eigen::VectorXd& ub, const Eigen::VectorXd& xinit);
-  /// The same without Hff_inv, and without taking memory; false where it fails.
+  /// Solves the problem without Hff_inv, and without allocating; returns false if it fails.
   [[nodiscard]] bool minimise(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, const Eigen::VectorXd& lb,
                               const Eigen::VectorXd& ub, const Eigen::VectorXd& xinit);
   bool is_sound() const { return sound_; }
-  /// inverse (nx x nx) = that of H on the free components, zero elsewhere; after either of them.
+  /// Sets inverse (nx x nx) to that of H on the free components, and zero elsewhere. Call it after solve or minimise.
   void free_inverse(Eigen::MatrixXd& inverse);
   const BoxQPSolution& get_solution() const { return solution_; }
 
-  std::size_t get_nx() const { return nx_; }
-  std::size_t get_maxiter() const { return maxiter_; }
-  std::size_t get_iter() const { return iter_; }  // Newton steps of the last solve
-  double get_th_acceptstep() const { return th_acceptstep_; }
-  double get_th_grad() const { return th_grad_; }
-  double get_reg() const { return reg_; }
-  const std::vector<double>& get_alphas() const { return alphas_; }
-  void set_nx(std::size_t nx);
-  void set_maxiter(std::size_t maxiter) { maxiter_ = maxiter; }
-  void set_th_acceptstep(double th_acceptstep);  // in (0, 0.5)
-  void set_th_grad(double th_grad);              // >= 0
-  void set_reg(double reg);                      // >= 0
-  void set_alphas(const std::vector<double>& alphas);
+  std::size_t get_nx() const { return nx_; }                   // numbers of a state
+  std::size_t get_maxiter() const { return maxiter_; }         // largest number of Newton steps
+  std::size_t get_iter() const { return iter_; }               // Newton steps of the last solve
+  double get_th_acceptstep() const { return th_acceptstep_; }  // share of the expected reduction that accepts a step
+  double get_th_grad() const { return th_grad_; }              // threshold of the gradient for convergence
+  double get_reg() const { return reg_; }                      // added to the diagonal of H
+  const std::vector<double>& get_alphas() const { return alphas_; }  // step lengths that are tried
+  void set_nx(std::size_t nx);                                       // number of unknowns
+  void set_maxiter(std::size_t maxiter) { maxiter_ = maxiter; }      // largest number of Newton steps
+  void set_th_acceptstep(double th_acceptstep);                      // in (0, 0.5)
+  void set_th_grad(double th_grad);                                  // >= 0
+  void set_reg(double reg);                                          // >= 0
+  void set_alphas(const std::vector<double>& alphas);  // positive and decreasing, or std::invalid_argument is thrown
 
  private:
   void sort_components(const Eigen::VectorXd& lb, const Eigen::VectorXd& ub);

@@ -1,5 +1,5 @@
 #pragma once
-// Callbacks that print and that log each iteration.
+// Callbacks that print or record each iteration.
 
 #include <iosfwd>
 #include <string>
@@ -8,21 +8,22 @@
 
 namespace manycontact {
 
-/// Columns: _0 cost, stop, |grad|, preg, step, dV expected and found; _1 also merit and gaps; _2 also dreg; _3 also
-/// violations of g and h; _4 also the merit's reductions.
+/// Columns: _0 cost, stop, |grad|, preg, step, dV expected and actual; _1 also merit and gaps; _2 also dreg; _3 also
+/// violations of g and h; _4 also the reductions of the merit.
 enum VerboseLevel { _0 = 0, _1, _2, _3, _4 };
 
-/// One line for each iteration, on standard output unless another stream is given. Crocoddyl's CallbackVerbose.
+/// Prints one line for each iteration, on standard output unless another stream is given. Crocoddyl's CallbackVerbose.
 class CallbackVerbose : public CallbackAbstract {
  public:
-  explicit CallbackVerbose(VerboseLevel level = _4, int precision = 3);
+  explicit CallbackVerbose(VerboseLevel level = _4, int precision = 3);  // precision: number of digits
+  /// precision: number of digits.
   explicit CallbackVerbose(std::ostream& out, VerboseLevel level = _4, int precision = 3);
   void operator()(SolverAbstract& solver) override;
 
-  VerboseLevel get_level() const { return level_; }
-  void set_level(VerboseLevel level) { level_ = level; }
-  int get_precision() const { return precision_; }
-  void set_precision(int precision);  // >= 0, or std::invalid_argument
+  VerboseLevel get_level() const { return level_; }       // the columns
+  void set_level(VerboseLevel level) { level_ = level; }  // selects the columns
+  int get_precision() const { return precision_; }        // number of digits
+  void set_precision(int precision);                      // not negative, or std::invalid_argument is thrown
 
  private:
   std::ostream* out_;
@@ -30,7 +31,7 @@ class CallbackVerbose : public CallbackAbstract {
   int precision_;
 };
 
-/// Keeps what each iteration reports, by the names of Crocoddyl's CallbackLogger (in Python).
+/// Records each iteration, with the names of Crocoddyl's CallbackLogger (in Python).
 class CallbackLogger : public CallbackAbstract {
  public:
   void operator()(SolverAbstract& solver) override;

@@ -1,10 +1,10 @@
 #pragma once
-// Controls w(t) within one integration step, t in [0, 1] of its length, as a polynomial whose parameters are the
+// Controls w(t) within one integration step, t in [0, 1] of its length. They are polynomials whose parameters are the
 // control u of the node:
 //
 //     w = sum_k c_k(t) u_k,    u = [u_0; u_1; ...], each of nw numbers.
 //
-// Crocoddyl's ControlParametrizationModelPolyZero, PolyOne and PolyTwoRK.
+// The classes are Crocoddyl's ControlParametrizationModelPolyZero, PolyOne and PolyTwoRK.
 
 #include <array>
 
@@ -12,38 +12,42 @@
 
 namespace manycontact {
 
+/// The number of stages of a Runge-Kutta method.
 enum RKType { two = 2, three = 3, four = 4 };
 
 class ControlParametrizationModelAbstract;
 
+/// Controls at one time, and their derivative.
 struct ControlParametrizationDataAbstract {
+  /// Allocates the data of the model.
   explicit ControlParametrizationDataAbstract(const ControlParametrizationModelAbstract* model);
   virtual ~ControlParametrizationDataAbstract() = default;
 
-  Eigen::VectorXd w;      // nw: by calc
-  Eigen::VectorXd u;      // nu: by params
-  Eigen::MatrixXd dw_du;  // nw x nu: by calcDiff
+  Eigen::VectorXd w;      // nw: set by calc
+  Eigen::VectorXd u;      // nu: set by params
+  Eigen::MatrixXd dw_du;  // nw x nu: set by calcDiff
 };
 
+/// Controls within a step as a function of parameters.
 class ControlParametrizationModelAbstract {
  public:
   using Data = std::shared_ptr<ControlParametrizationDataAbstract>;
 
-  ControlParametrizationModelAbstract(std::size_t nw, std::size_t nu) : nw_(nw), nu_(nu) {}
+  ControlParametrizationModelAbstract(std::size_t nw, std::size_t nu) : nw_(nw), nu_(nu) {}  // numbers of w and of u
   virtual ~ControlParametrizationModelAbstract() = default;
 
-  /// data->w at the time t.
+  /// Computes data->w at the time t in [0, 1] for the parameters u (nu).
   virtual void calc(const Data& data, double t, const ConstVectorRef& u) const = 0;
-  /// data->dw_du at the t of the last calc.
+  /// Computes data->dw_du at the t of the last calc.
   virtual void calcDiff(const Data& data, double t, const ConstVectorRef& u) const = 0;
   virtual Data createData();
   virtual bool checkData(const Data& data);
-  /// data->u of the constant control w.
+  /// Computes data->u for the constant control w (nw).
   virtual void params(const Data& data, double t, const ConstVectorRef& w) const = 0;
-  /// Bounds on u that keep w within its own (of PolyTwoRK at the nodes only).
+  /// Computes bounds of u that keep w within its own bounds (for PolyTwoRK at the nodes only).
   virtual void convertBounds(const ConstVectorRef& w_lb, const ConstVectorRef& w_ub, VectorRef u_lb,
                              VectorRef u_ub) const = 0;
-  /// out = A dw_du (out = dw_du^T A), at the t of the last calc; set, added or subtracted.
+  /// Computes out = A dw_du, or out = dw_du^T A, at the t of the last calc; sets, adds or subtracts it.
   virtual void multiplyByJacobian(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A, MatrixRef out,
                                   AssignmentOp op = setto) const = 0;
   virtual void multiplyJacobianTransposeBy(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A, MatrixRef out,
@@ -51,19 +55,20 @@ class ControlParametrizationModelAbstract {
   Eigen::MatrixXd multiplyByJacobian_J(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A) const;
   Eigen::MatrixXd multiplyJacobianTransposeBy_J(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A) const;
 
-  std::size_t get_nw() const { return nw_; }
-  std::size_t get_nu() const { return nu_; }
+  std::size_t get_nw() const { return nw_; }  // number of controls w
+  std::size_t get_nu() const { return nu_; }  // number of controls
 
  protected:
   std::size_t nw_, nu_;
 };
 
+/// Data of the polynomials.
 struct ControlParametrizationDataPoly : ControlParametrizationDataAbstract {
   using ControlParametrizationDataAbstract::ControlParametrizationDataAbstract;
   std::array<double, 3> c{};  // coefficients at the t of the last calc
 };
 
-/// The polynomials have all but the coefficients in common.
+/// The common base of the polynomials, which differ in their coefficients.
 class ControlParametrizationModelPoly : public ControlParametrizationModelAbstract {
  public:
   void calc(const Data& data, double t, const ConstVectorRef& u) const override;
@@ -79,45 +84,49 @@ class ControlParametrizationModelPoly : public ControlParametrizationModelAbstra
                                    AssignmentOp op = setto) const override;
 
  protected:
+  /// terms: number of coefficients.
   ControlParametrizationModelPoly(std::size_t nw, std::size_t terms)
       : ControlParametrizationModelAbstract(nw, terms * nw), terms_(terms) {}
-  virtual std::array<double, 3> coefficients(double t) const = 0;
+  virtual std::array<double, 3> coefficients(double t) const = 0;  // the coefficients at the time t
   std::size_t terms_;
 };
 
-/// w = u.
+/// Constant controls: w = u.
 class ControlParametrizationModelPolyZero : public ControlParametrizationModelPoly {
  public:
+  /// nw: number of controls.
   explicit ControlParametrizationModelPolyZero(std::size_t nw) : ControlParametrizationModelPoly(nw, 1) {}
 
  private:
   std::array<double, 3> coefficients(double) const override { return {1, 0, 0}; }
 };
 
-/// Linear: u_0 at t = 0, u_1 at t = 1/2.
+/// Linear controls: u_0 at t = 0, u_1 at t = 1/2.
 class ControlParametrizationModelPolyOne : public ControlParametrizationModelPoly {
  public:
+  /// nw: number of controls.
   explicit ControlParametrizationModelPolyOne(std::size_t nw) : ControlParametrizationModelPoly(nw, 2) {}
 
  private:
   std::array<double, 3> coefficients(double t) const override { return {1 - 2 * t, 2 * t, 0}; }
 };
 
-/// Quadratic through the times at which the integrator looks: 0, 1/3, 2/3 (three) or 0, 1/2, 1 (four). There is none
-/// for `two`, which throws std::invalid_argument.
+/// Quadratic controls through the integrator's stage times: 0, 1/3, 2/3 (three) or 0, 1/2, 1 (four). `two` throws
+/// std::invalid_argument.
 class ControlParametrizationModelPolyTwoRK : public ControlParametrizationModelPoly {
  public:
-  ControlParametrizationModelPolyTwoRK(std::size_t nw, RKType rktype);
+  ControlParametrizationModelPolyTwoRK(std::size_t nw, RKType rktype);  // nw: number of controls
 
  private:
   std::array<double, 3> coefficients(double t) const override;
   RKType rktype_;
 };
 
-/// A numerical twin: dw_du by central differences, of steps relative to max(1, |u_i|). For controls of one's own, and
-/// for tests.
+/// Computes dw_du of another model by central differences, with steps relative to max(1, |u_i|). It is meant for
+/// user-defined controls, and for tests.
 class ControlParametrizationModelNumDiff : public ControlParametrizationModelAbstract, public internal::Step {
  public:
+  /// model: the one that is differentiated.
   explicit ControlParametrizationModelNumDiff(std::shared_ptr<ControlParametrizationModelAbstract> model);
   void calc(const Data& data, double t, const ConstVectorRef& u) const override;
   void calcDiff(const Data& data, double t, const ConstVectorRef& u) const override;
@@ -129,13 +138,16 @@ class ControlParametrizationModelNumDiff : public ControlParametrizationModelAbs
                           AssignmentOp op = setto) const override;
   void multiplyJacobianTransposeBy(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A, MatrixRef out,
                                    AssignmentOp op = setto) const override;
+  /// The model that is differentiated.
   const std::shared_ptr<ControlParametrizationModelAbstract>& get_model() const { return model_; }
 
  private:
   std::shared_ptr<ControlParametrizationModelAbstract> model_;
 };
 
+/// Data of ControlParametrizationModelNumDiff.
 struct ControlParametrizationDataNumDiff : ControlParametrizationDataAbstract {
+  /// Allocates the data of the model.
   explicit ControlParametrizationDataNumDiff(const ControlParametrizationModelNumDiff* model);
   std::shared_ptr<ControlParametrizationDataAbstract> data_0;
 };

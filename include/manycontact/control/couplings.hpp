@@ -1,25 +1,27 @@
 #pragma once
-// Couplings of a node's parts: contacts between bodies of different parts (robots that hold each other).
+// Couplings of a node's subproblems: contacts between bodies of different subproblems, as between robots that carry an
+// object together.
 //
-// Values are the whole scene's: accelerations a and forces of all contacts. Derivatives keep each coupling's wrench w
-// as a variable of its own, in world axes about a point that stands still (A's origin at the state at hand), so that a
-// part answers to its own state and to the wrenches on it, and to nothing else:
+// Values are those of the whole scene: accelerations a and forces of all contacts. Derivatives treat each coupling's
+// wrench w as a separate variable, in world axes about a fixed point (A's current origin). A subproblem then depends on
+// its own state and on the wrenches on it, and on nothing else:
 //
-//     dx_i' = A_i dx_i + B_i [du_i; dw]           of a node of part i's robots alone (its own contacts solved there)
-//     sum over both ends i of a coupling:  C_i dx_i + D_i [du_i; dw] = 0       r2 = J a + a0 + delta f = 0
+//     dx_i' = A_i dx_i + B_i [du_i; dw]           of a node of the robots of subproblem i (its own contacts solved
+//     there) sum over both ends i of a coupling:  C_i dx_i + D_i [du_i; dw] = 0       r2 = J a + a0 + delta f = 0
 //
-// C_i, D_i: the share of part i in the coupling's rows, relative acceleration of its frames and stabilisation,
+// C_i, D_i are the contributions of subproblem i to the coupling's rows, relative acceleration of its frames and
+// stabilisation:
 //
-//     C_i = J_i da_i/dx_i + (rows' drift by x_i),    D_i = J_i da_i/d[u_i; w].
+//     C_i = J_i da_i/dx_i + (derivative of the rows' bias with respect to x_i),    D_i = J_i da_i/d[u_i; w].
 //
-// A force that were fixed to A's frame instead would make B's torques depend on A's state (contact/derivatives.hpp).
-// All couplings have six numbers w. A contact of m < 6 rows transmits F = W^T f only, so that the wrench that moves
-// with A has no part in the complement N of W's rows; these are the other 6 - m rows of the coupling,
+// If the force were fixed to A's frame, B's torques would depend on A's state (contact/derivatives.hpp). All couplings
+// have six numbers w. A contact of m < 6 rows transmits F = W^T f only. The wrench that moves with A therefore has no
+// component in the complement N of W's rows; this gives the other 6 - m rows of the coupling,
 //
-//     N (X^T w - (J_A dq_A) x* F + (turning of a world-aligned frame)) = 0.
+//     N (X^T w - (J_A dq_A) x* F + (rotation of a world-aligned frame)) = 0.
 //
-// Eliminating dw gives the whole scene's derivatives exactly, Gauss-Newton Hessians of the costs included: a cost of
-// part i is a function of (x_i, u_i, w). This is the structure that the couplings of lq/problem.hpp are for.
+// Elimination of dw gives the exact derivatives of the whole scene, including Gauss-Newton Hessians of the costs: a
+// cost of subproblem i is a function of (x_i, u_i, w).
 
 #include "manycontact/control/parts.hpp"
 #include "manycontact/control/wrenches.hpp"
@@ -28,39 +30,40 @@
 
 namespace manycontact {
 
-/// A contact between two parts, A's and B's.
+/// A contact between two subproblems, those of A and B.
 struct Coupling {
   int contact = 0, part_a = 0, part_b = 0;
 };
-/// The active contacts between robots of different parts. Throws std::invalid_argument for one whose A or B cannot
-/// move. robots: of each part.
+/// Lists the active contacts between robots of different subproblems. robots: those of each subproblem. Throws
+/// std::invalid_argument for a contact whose A or B cannot move.
 std::vector<Coupling> couplings_between(const Scene& scene, const std::vector<std::vector<int>>& robots);
-/// What acts on a part, coupling by coupling, for its ActuationModelWrenches.
+/// The wrenches that act on a subproblem, coupling by coupling, for its ActuationModelWrenches.
 std::vector<WrenchEnd> wrench_ends(const Scene& scene, const std::vector<Coupling>& couplings,
                                    const std::vector<std::vector<int>>& robots, int part);
 
-/// Of parts whose models are IntegratedActionModelEuler of a DifferentialActionModelContactFwdDynamics of their robots
-/// and the contacts among these, actuated by ActuationModelWrenches: its controls are [u; wrenches]. Or that within an
-/// augmented Lagrangian (augmented_action.hpp).
+/// The couplings of a node. The subproblems' models are IntegratedActionModelEuler of a
+/// DifferentialActionModelContactFwdDynamics of their robots, with the contacts among these. They are actuated by
+/// ActuationModelWrenches, with controls [u; wrenches]. They may be within an augmented Lagrangian
+/// (augmented_action.hpp).
 class Couplings {
  public:
-  /// Throws std::invalid_argument where parts and scene do not fit.
+  /// Throws std::invalid_argument if the subproblems do not fit the scene.
   Couplings(Scene scene, const std::vector<ActionPart>& parts);
 
-  const Scene& scene() const { return scene_; }
-  const std::vector<Coupling>& couplings() const { return couplings_; }
-  /// Per part: the couplings that hold it, in the order of its wrenches.
+  const Scene& scene() const { return scene_; }                          // the robots, with their gravity
+  const std::vector<Coupling>& couplings() const { return couplings_; }  // in the order of their contacts
+  /// Per subproblem: its couplings, in the order of its wrenches.
   const std::vector<std::vector<int>>& couplings_of_parts() const { return couplings_of_; }
-  const std::string& name(std::size_t coupling) const;
-  /// On A, in the contact's reference frame, as of the last solve.
+  const std::string& name(std::size_t coupling) const;  // name of the contact
+  /// The force on A of a coupling at the last solve, in the contact's reference frame [N, N m].
   Eigen::VectorXd force(std::size_t coupling, const CouplingData& data) const;
 
-  /// The whole scene's dynamics, and from them the wrenches on the parts: into d.u.
+  /// Solves the dynamics of the whole scene, and stores the wrenches on the subproblems in d.u.
   void solve(const std::vector<ActionPart>& parts, const ConstVectorRef& x, const ConstVectorRef& u,
              ActionDataParts& d) const;
-  /// C and D, after calcDiff of the parts.
+  /// Computes C and D, after calcDiff of the subproblems.
   void differentiate(const std::vector<ActionPart>& parts, ActionDataParts& d) const;
-  /// d's matrices, which are the node's: with the wrenches eliminated.
+  /// Computes the matrices of the node in `d`, with the wrenches eliminated.
   void condense(const std::vector<ActionPart>& parts, ActionDataParts& d) const;
 
  private:
@@ -68,35 +71,38 @@ class Couplings {
   Scene scene_;
   std::vector<Coupling> couplings_;
   std::vector<std::vector<int>> couplings_of_;
-  std::vector<int> local_robot_;  // per robot of the scene: its number in its part
+  std::vector<int> local_robot_;  // per robot of the scene: its number in its subproblem
 };
 
-struct CouplingData {  // of a node, coupling by coupling
-  CouplingData(const Couplings& of, const std::vector<ActionPart>& parts);
+struct CouplingData {                                                       // The couplings' data of a node.
+  CouplingData(const Couplings& of, const std::vector<ActionPart>& parts);  // allocates the data
 
-  std::vector<Eigen::MatrixXd> C, D;  // per part: its share in the rows of its couplings, six each: by differentiate
-  SceneData solution;                 // of the whole scene: by solve
+  std::vector<Eigen::MatrixXd> C, D;  // per subproblem: its contribution to the rows of its couplings, six each: set by
+                                      // differentiate
+  SceneData solution;                 // of the whole scene: set by solve
+  /// The workspace of one robot.
   struct OfRobot {
-    explicit OfRobot(const Model& model) : kin(model), terms(model) {}
-    Kinematics<double> kin;  // at the solution: by solve
-    RneaDerivatives terms;   // of which the motion's are used: by differentiate
+    explicit OfRobot(const Model& model) : kin(model), terms(model) {}  // allocates the workspace
+    Kinematics<double> kin;                                             // at the solution: set by solve
+    RneaDerivatives terms;                                              // those of the motion: set by differentiate
   };
-  std::vector<std::unique_ptr<OfRobot>> robots;  // those that couplings hold
+  std::vector<std::unique_ptr<OfRobot>> robots;  // those that couplings act on
+  /// The workspace of one coupling.
   struct OfCoupling {
     ContactSupport support;
-    ContactData<double> rows;        // at the solution: by solve
-    ContactDerivatives derivatives;  // by differentiate
+    ContactData<double> rows;        // at the solution: set by solve
+    ContactDerivatives derivatives;  // set by differentiate
   };
   std::vector<OfCoupling> couplings;
 };
 
-/// Gradients of l(x, u) + next^T x'(x, u) + y^T [g; h](x, u) of a node with couplings, the wrenches eliminated, at the
-/// data's last calcDiff; of a terminal node gu is left alone. y: of the node's constraints, or none. Throws nothing;
-/// not finite where couplings depend on each other.
+/// Computes the gradients of l(x, u) + next^T x'(x, u) + y^T [g; h](x, u) of a node with couplings, with the wrenches
+/// eliminated, at the data's last calcDiff. For a terminal node gu is unchanged. y: multipliers of the node's
+/// constraints, or empty. The result is not finite if couplings are redundant.
 void coupled_gradient(const ActionModelParts& model, const ActionDataParts& data, const Eigen::VectorXd& next,
                       bool terminal, const Eigen::VectorXd& y, Eigen::VectorXd& gx, Eigen::VectorXd& gu);
-/// The same by other means, for those who judge an answer: how the wrenches answer to x and u is the whole scene's
-/// dynamics differentiated (vjp), not the couplings' rows C, D. After calc(data, x, u) and calcDiff.
+/// Computes the same gradients in another way, to check a solution: the derivatives of the wrenches are those of the
+/// whole scene's dynamics (vjp), not of the couplings' rows C, D. Call it after calc(data, x, u) and calcDiff.
 void scene_gradient(const ActionModelParts& model, ActionDataParts& data, const Eigen::VectorXd& next, bool terminal,
                     const Eigen::VectorXd& y, Eigen::VectorXd& gx, Eigen::VectorXd& gu);
 

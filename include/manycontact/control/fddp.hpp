@@ -1,22 +1,23 @@
 #pragma once
-// Feasibility-driven DDP: a step of length s < 1 from a candidate with gaps leaves (1 - s) of them, and may increase
-// the cost while they close. Interface, algorithm and defaults of Crocoddyl 3.0's SolverFDDP (Mastalli et al., ICRA
-// 2020).
+// Feasibility-driven DDP. A step of length s < 1 from a candidate with gaps leaves (1 - s) of them, and may increase
+// the cost until they are closed. Interface, algorithm and defaults are those of Crocoddyl 3.0's SolverFDDP (Mastalli
+// et al., ICRA 2020).
 
 #include "manycontact/control/ddp.hpp"
 
 namespace manycontact {
 
-class SolverFDDP : public SolverDDP {  // DDP that starts anywhere: gaps close on the way
+class SolverFDDP : public SolverDDP {  // DDP that accepts any initial guess: the iterations close its gaps.
  public:
   using SolverDDP::SolverDDP;
 
   const Eigen::Vector2d& expectedImprovement() override;
-  /// The parts of the expected improvement that do not depend on the step tried.
+  /// Computes the terms of the expected improvement that do not depend on the step.
   void updateExpectedImprovement();
   void forwardPass(double steplength) override;
+  /// Share of an expected increase of the cost that is accepted.
   double get_th_acceptnegstep() const { return th_acceptnegstep_; }
-  void set_th_acceptnegstep(double th_acceptnegstep);  // >= 0
+  void set_th_acceptnegstep(double th_acceptnegstep);  // not negative
 
  protected:
   void prepareImprovement() override { updateExpectedImprovement(); }

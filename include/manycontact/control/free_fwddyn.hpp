@@ -5,8 +5,10 @@
 
 namespace manycontact {
 
-class DifferentialActionModelFreeFwdDynamics : public DifferentialActionModelContactFwdDynamics {  // no contacts
+/// Forward dynamics without contacts.
+class DifferentialActionModelFreeFwdDynamics : public DifferentialActionModelContactFwdDynamics {
  public:
+  /// Throws std::invalid_argument if the parts do not belong together.
   DifferentialActionModelFreeFwdDynamics(std::shared_ptr<StateMultibody> state,
                                          std::shared_ptr<ActuationModelAbstract> actuation,
                                          std::shared_ptr<CostModelSum> costs,

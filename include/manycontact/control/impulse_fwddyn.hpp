@@ -1,16 +1,16 @@
 #pragma once
-// An impact: the velocity jumps, the configuration stays, and there are no controls.
+// An impact: the velocity jumps, the configuration does not change, and there are no controls.
 //
 //     [ M  J^T     ] [   v+    ]   [   M v   ]
 //     [ J  -delta I] [ -Lambda ] = [ -e J v  ]        e = r_coeff, delta = JMinvJt_damping
 //
-// Interface of Crocoddyl's ActionModelImpulseFwdDynamics. In w = v+ + e v it is contact forward dynamics at rest,
-// without gravity, with torques (1 + e) M v:
+// The interface is that of Crocoddyl's ActionModelImpulseFwdDynamics. With w = v+ + e v these are the equations of
+// contact forward dynamics at rest, without gravity, with torques (1 + e) M v:
 //
 //     [ M  J^T     ] [    w    ]   [ (1 + e) M v ]
 //     [ J  -delta I] [ -Lambda ] = [      0      ]
 //
-// and as such it is solved and differentiated, redundant impulses included.
+// They are solved and differentiated as such, including redundant impulses.
 
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/action/impulse.hpp"
@@ -23,7 +23,7 @@ namespace internal {
 class ImpactActuation;
 }
 
-class ActionModelImpulseFwdDynamics : public ActionModelAbstract {  // an impact: the velocity jumps
+class ActionModelImpulseFwdDynamics : public ActionModelAbstract {  // A node with an impact.
  public:
   using Base = ActionModelAbstract;
   using Data = ActionDataImpulseFwdDynamics;
@@ -32,8 +32,8 @@ class ActionModelImpulseFwdDynamics : public ActionModelAbstract {  // an impact
   using ImpulseModelMultiple = manycontact::ImpulseModelMultiple;
   using StateMultibody = manycontact::StateMultibody;
 
-  /// costs, constraints: of nu = 0. enable_force changes nothing: the impulses' derivatives are always computed.
-  /// Throws std::invalid_argument when the parts do not belong together, r_coeff or the damping are negative or not
+  /// costs and constraints have nu = 0. enable_force has no effect: the derivatives of impulses are always computed.
+  /// Throws std::invalid_argument if the parts do not belong together, or r_coeff or the damping are negative or not
   /// finite.
   ActionModelImpulseFwdDynamics(std::shared_ptr<StateMultibody> state, std::shared_ptr<ImpulseModelMultiple> impulses,
                                 std::shared_ptr<CostModelSum> costs, double r_coeff = 0, double JMinvJt_damping = 0,
@@ -43,38 +43,40 @@ class ActionModelImpulseFwdDynamics : public ActionModelAbstract {  // an impact
                                 std::shared_ptr<ConstraintModelManager> constraints, double r_coeff = 0,
                                 double JMinvJt_damping = 0, bool enable_force = false);
 
-  /// What the answer is worth is in the data's report(); a failed solve leaves NaN.
+  /// Computes v+, impulses, costs and constraints. The data's report() contains status and accuracy; a failed solve
+  /// gives NaN.
   void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  /// The velocity jumps here too, as in Crocoddyl; residuals of impulses are zero.
+  /// The velocity jumps in a terminal node, too, as in Crocoddyl; residuals of impulses are zero.
   void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
-  /// At the x of the last calc. Throw std::logic_error unless that calc was of the same kind, with the same costs and
-  /// constraints active.
+  /// Computes the derivatives at the x of the last calc. Throw std::logic_error unless that calc was of the same kind,
+  /// with the same active costs and constraints.
   void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x,
                 const ConstVectorRef& u) override;
   void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
   /// Throws std::invalid_argument for residuals of controls or accelerations, which an impact does not have.
   std::shared_ptr<ActionDataAbstract> createData() override;
   bool checkData(const std::shared_ptr<ActionDataAbstract>& data) override;
-  /// Nothing to do: there are no controls.
+  /// Does nothing, since there are no controls.
   void quasiStatic(const std::shared_ptr<ActionDataAbstract>& data, VectorRef u, const ConstVectorRef& x,
                    std::size_t maxiter = 100, double tol = 1e-9) override;
   void print(std::ostream& os) const override;
 
-  const std::shared_ptr<ImpulseModelMultiple>& get_impulses() const { return impulses_; }
-  const std::shared_ptr<CostModelSum>& get_costs() const { return costs_; }
+  const std::shared_ptr<ImpulseModelMultiple>& get_impulses() const { return impulses_; }          // the impulses
+  const std::shared_ptr<CostModelSum>& get_costs() const { return costs_; }                        // the costs
   const std::shared_ptr<ConstraintModelManager>& get_constraints() const { return constraints_; }  // may be null
-  const Multibody& get_pinocchio() const { return *multibody_->get_model(); }
-  const Multibody& get_model() const { return *multibody_->get_model(); }
-  /// nv; replaces the model's, for data at hand too.
+  const Multibody& get_pinocchio() const { return *multibody_->get_model(); }  // the robots; Crocoddyl's name
+  const Multibody& get_model() const { return *multibody_->get_model(); }      // the robots
+  /// The armature (nv) [kg m^2, kg], which replaces the model's, also in existing data.
   const Eigen::VectorXd& get_armature() const { return dynamics_->get_armature(); }
-  void set_armature(const Eigen::VectorXd& armature);
-  double get_restitution_coefficient() const { return r_coeff_; }
-  void set_restitution_coefficient(double r_coeff);
-  double get_damping_factor() const { return dynamics_->get_damping_factor(); }
+  void set_armature(const Eigen::VectorXd& armature);              // throws std::invalid_argument for a wrong size
+  double get_restitution_coefficient() const { return r_coeff_; }  // the coefficient e
+  void set_restitution_coefficient(double r_coeff);                // not negative, or std::invalid_argument is thrown
+  double get_damping_factor() const { return dynamics_->get_damping_factor(); }  // JMinvJt_damping [1/kg]
+  /// Not negative, or std::invalid_argument is thrown.
   void set_damping_factor(double damping) { dynamics_->set_damping_factor(damping); }
-  /// Method and order of the solves, of data created from now on.
+  /// Method and order of the solves, for data created afterwards.
   const Options& get_options() const { return dynamics_->get_options(); }
-  void set_options(const Options& options) { dynamics_->set_options(options); }
+  void set_options(const Options& options) { dynamics_->set_options(options); }  // for data created afterwards
 
   std::size_t get_nr() const override { return costs_->get_nr(); }
   std::size_t get_ng() const override { return constraints_ ? constraints_->get_ng() : 0; }
@@ -102,24 +104,24 @@ class ActionModelImpulseFwdDynamics : public ActionModelAbstract {  // an impact
   double r_coeff_ = 0;
 };
 
-struct ActionDataImpulseFwdDynamics : ActionDataAbstract {  // of an impact
-  explicit ActionDataImpulseFwdDynamics(ActionModelImpulseFwdDynamics* model);
+struct ActionDataImpulseFwdDynamics : ActionDataAbstract {  // Data of ActionModelImpulseFwdDynamics.
+  explicit ActionDataImpulseFwdDynamics(ActionModelImpulseFwdDynamics* model);  // allocates the data of the model
 
   std::shared_ptr<DifferentialActionDataContactFwdDynamics> dynamics;
-  DataCollector* multibody;  // its: impulses by name in contacts, velocity after in impact
+  DataCollector* multibody;  // that of `dynamics`: impulses by name in contacts, velocity after the impact in impact
   std::shared_ptr<CostDataSum> costs;
   std::shared_ptr<ConstraintDataManager> constraints;
   std::shared_ptr<DifferentialActionDataAbstract> terms;  // derivatives of costs and constraints
-  /// Status, rank, residuals of the last calc.
+  /// Status, rank and residuals of the last calc.
   const Report& report() const { return dynamics->report(); }
 
-  // Kept by the model.
+  // Maintained by the model.
   internal::Stage stage = internal::Stage::kFresh;
-  Eigen::VectorXd x_rest, v;       // [q; 0] and the velocity before, of the last calc
+  Eigen::VectorXd x_rest, v;       // [q; 0], and the velocity before the impact, at the last calc
   Eigen::VectorXd x;               // of the last calc
   std::vector<bool> status;        // of the costs, then of the constraints, at the last calc
-  std::vector<bool> laid_out;      // status of the impulses that the residuals' blocks are laid out for
-  std::vector<FrameIndex> frames;  // theirs then
+  std::vector<bool> laid_out;      // status of the impulses that the residuals' blocks were made for
+  std::vector<FrameIndex> frames;  // their frames at that time
 };
 
 }  // namespace manycontact

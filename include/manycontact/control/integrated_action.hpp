@@ -1,20 +1,20 @@
 #pragma once
-// A differential action model integrated over one time step h: interface of Crocoddyl's IntegratedActionModelAbstract.
-// The cost is h times that of the differential model (of RK the weighted sum over its stages); a terminal node's,
-// calc(data, x), is not scaled. Constraints are those at the step's start.
+// A differential action model integrated over one time step h, with the interface of Crocoddyl's
+// IntegratedActionModelAbstract. The cost is h times that of the differential model (with RK the weighted sum over its
+// stages); that of a terminal node, calc(data, x), is not scaled. Constraints are those at the beginning of the step.
 
 #include "manycontact/control/action_model.hpp"
 #include "manycontact/control/control_parametrization.hpp"
 
 namespace manycontact {
 
-class IntegratedActionModelAbstract : public ActionModelAbstract {  // a differential model over one step
+class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differential model integrated over one step.
  public:
   using DifferentialActionModelAbstract = manycontact::DifferentialActionModelAbstract;
   using ControlParametrizationModelAbstract = manycontact::ControlParametrizationModelAbstract;
 
-  /// time_step in s; `with_cost_residual`: data->r has the costs' residuals. Throws std::invalid_argument when the
-  /// step is negative or not finite (Crocoddyl takes 1e-3 then), or the control's nw is not the model's nu.
+  /// time_step in s. with_cost_residual: data->r contains the costs' residuals. Throws std::invalid_argument if the
+  /// step is negative or not finite (Crocoddyl uses 1e-3 then), and if the control's nw is not the model's nu.
   IntegratedActionModelAbstract(std::shared_ptr<DifferentialActionModelAbstract> model,
                                 std::shared_ptr<ControlParametrizationModelAbstract> control, double time_step = 1e-3,
                                 bool with_cost_residual = true);
@@ -32,13 +32,15 @@ class IntegratedActionModelAbstract : public ActionModelAbstract {  // a differe
   const Eigen::VectorXd& get_g_ub_T() const override { return differential_->get_g_ub_T(); }
   void set_g_lb(const Eigen::VectorXd& g_lb) override { differential_->set_g_lb(g_lb); }
   void set_g_ub(const Eigen::VectorXd& g_ub) override { differential_->set_g_ub(g_ub); }
+  /// The model in continuous time.
   const std::shared_ptr<DifferentialActionModelAbstract>& get_differential() const { return differential_; }
+  /// The parametrization of the controls.
   const std::shared_ptr<ControlParametrizationModelAbstract>& get_control() const { return control_; }
-  double get_dt() const { return time_step_; }
-  void set_dt(double dt);
+  double get_dt() const { return time_step_; }  // the step [s]
+  void set_dt(double dt);                       // throws std::invalid_argument if it is negative or not finite [s]
 
  protected:
-  void print_as(const char* name, std::ostream& os) const;
+  void print_as(const char* name, std::ostream& os) const;  // prints it with another name
   std::shared_ptr<DifferentialActionModelAbstract> differential_;
   std::shared_ptr<ControlParametrizationModelAbstract> control_;
   double time_step_, time_step2_;  // h, h^2

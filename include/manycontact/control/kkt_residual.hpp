@@ -1,34 +1,35 @@
 #pragma once
-// How far a candidate is from the optimality conditions of a shooting problem.
+// The residual of a candidate in the optimality conditions of a shooting problem.
 
 #include "manycontact/control/shooting.hpp"
 
 namespace manycontact {
 
-/// The largest violation of the optimality conditions at states, controls, multipliers l_0 ... l_T of the dynamics and
-/// y_0 ... y_T of the constraints c = [g; h], lo <= c <= hi (of h: zeros), with P the projection onto [lo, hi]:
+/// Computes the largest violation of the optimality conditions, for states, controls, multipliers l_0 ... l_T of the
+/// dynamics and y_0 ... y_T of the constraints c = [g; h], lo <= c <= hi (of h: zeros), with P the projection onto [lo,
+/// hi]:
 ///
 ///     gaps               x0 (-) x_0,  f_t(x_t, u_t) (-) x_(t+1)
 ///     stationarity in x  lx_t + fx_t^T l_(t+1) + cx_t^T y_t - l_t,  lx_T + cx_T^T y_T - l_T
 ///     stationarity in u  lu_t + fu_t^T l_(t+1) + cu_t^T y_t
 ///     constraints        c - P(c + y):  bounds, signs of y (>= 0 at an upper bound) and complementarity
 ///
-/// Where the problem has limits on controls and they are used, the third is u - min(max(u - that, u_lb), u_ub). No y:
-/// constraints are left out. The nodes are evaluated, with derivatives, at xs, us. Infinite where a number is not
-/// finite. Throws std::invalid_argument where sizes do not fit.
+/// If `limits`, and the problem has limits on controls, the third is u - min(max(u - that, u_lb), u_ub). Without
+/// constraint_multipliers, constraints are left out. The nodes are evaluated, with derivatives, at xs, us. The result
+/// is infinite if a number is not finite. Throws std::invalid_argument for wrong sizes.
 double kkt_residual(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
                     const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& multipliers,
                     bool limits, const std::vector<Eigen::VectorXd>& constraint_multipliers = {});
 
-/// The multipliers l of the dynamics for which the residuals r of stationarity are least, |r|^2 = sum |r_x|^2 + |r_u|^2
-/// (Nocedal & Wright, Numerical Optimization, 18.3). They are those of the linear-quadratic problem
+/// Computes the multipliers l of the dynamics that minimise the residuals r of stationarity, |r|^2 = sum |r_x|^2 +
+/// |r_u|^2 (Nocedal & Wright, Numerical Optimization, 18.3). They are those of the linear-quadratic problem
 ///
 ///     minimise  sum_t lx_t^T dx_t + lu_t^T du_t + 1/2 |dx_t|^2 + 1/2 |du_t|^2    with  dx_0 = 0,
 ///     dx_(t+1) = fx_t dx_t + fu_t du_t,
 ///
-/// whose solution is -r, the gradient projected onto the motions that the dynamics allow; controls that stand at a
-/// limit are left out where limits are used. With others, the gradients of a solver's value function say, a candidate
-/// seems further from a solution than it is. The nodes are evaluated, with derivatives, at xs, us.
+/// whose solution is -r, the gradient projected onto the motions that the dynamics allow. With `limits`, controls at a
+/// limit are left out. Other multipliers, such as gradients of a solver's value function, make a candidate seem farther
+/// from a solution than it is. The nodes are evaluated, with derivatives, at xs, us.
 std::vector<Eigen::VectorXd> least_squares_multipliers(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
                                                        const std::vector<Eigen::VectorXd>& us, bool limits);
 

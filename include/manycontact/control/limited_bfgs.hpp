@@ -1,11 +1,11 @@
 #pragma once
-// Limited-memory BFGS about a given inverse Hessian H0: the product r = H g by two loops over the last pairs of steps s
-// and changes y of the gradient (Nocedal & Wright, Numerical Optimization, algorithm 7.4),
+// Limited-memory BFGS for a given inverse Hessian H0. The product r = H g takes two loops over the last pairs of steps
+// s and changes y of the gradient (Nocedal & Wright, Numerical Optimization, algorithm 7.4),
 //
 //     q = g;     a_i = s_i^T q / s_i^T y_i,   q <- q - a_i y_i      newest pair first
 //     r = H0 q;  b_i = y_i^T r / s_i^T y_i,   r <- r + (a_i - b_i) s_i    oldest pair first
 //
-// H is positive definite as H0 is, since pairs without positive curvature are not taken.
+// H is positive definite if H0 is, since pairs without positive curvature are not added.
 
 #include <Eigen/Core>
 #include <vector>
@@ -14,22 +14,24 @@
 
 namespace manycontact {
 
-class LimitedBfgs {  // inverse Hessians learnt from gradients
+class LimitedBfgs {  // An inverse Hessian estimated from gradients.
  public:
-  using Vectors = std::vector<Eigen::VectorXd>;  // a number for each variable, by node
+  using Vectors = std::vector<Eigen::VectorXd>;  // a vector for each node
 
-  /// most: pairs that are kept, > 0.
+  /// most: largest number of pairs, above 0.
   explicit LimitedBfgs(std::size_t most = 20) : most_(most) {}
 
-  /// Takes the memory of vectors of these sizes.
+  /// Allocates the memory for vectors of these sizes.
   void reserve(const Vectors& sizes);
+  /// Removes all pairs.
   void forget() { count_ = 0; }
-  /// s = step * direction, y = g_next - g. Without positive curvature nothing is added.
+  /// Adds the pair s = step * direction, y = g_next - g. Without positive curvature nothing is added.
   void add(double step, const Vectors& direction, const Vectors& g, const Vectors& g_next);
-  /// The first loop: q, which is g before. Then H0 is the caller's to apply, and `finish` the second loop on r.
+  /// The first loop, from q = g. Afterwards the caller applies H0, and calls `finish` for the second loop on r.
   void begin(Vectors& q);
   void finish(Vectors& r) const;
 
+  /// The number of stored pairs.
   std::size_t pairs() const { return count_; }
 
  private:
@@ -43,7 +45,7 @@ class LimitedBfgs {  // inverse Hessians learnt from gradients
   std::vector<Pair> pairs_;
 };
 
-/// Sum over the nodes of a_t^T b_t.
+/// The sum of a_t^T b_t over the nodes.
 double dot(const std::vector<Eigen::VectorXd>& a, const std::vector<Eigen::VectorXd>& b);
 
 }  // namespace manycontact

@@ -1,14 +1,15 @@
 #pragma once
-// A numerical twin of an action model: its derivatives by central differences. For users' own models, and for tests.
+// An action model whose derivatives are central differences of another model. It is meant for user-defined models, and
+// for tests.
 
 #include "manycontact/control/action_model.hpp"
 
 namespace manycontact {
 
-class ActionModelNumDiff : public ActionModelAbstract {  // a node's derivatives by central differences
+class ActionModelNumDiff : public ActionModelAbstract {  // A node with derivatives by central differences.
  public:
-  /// with_gauss_approx: Hessians Rx^T Rx, ... of the residuals, right for costs 1/2 |r|^2; otherwise second differences
-  /// of the cost.
+  /// with_gauss_approx: Hessians are Rx^T Rx, ... of the residuals, which is right for costs 1/2 |r|^2. Otherwise they
+  /// are second differences of the cost.
   explicit ActionModelNumDiff(std::shared_ptr<ActionModelAbstract> model, bool with_gauss_approx = false);
 
   void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
@@ -20,11 +21,11 @@ class ActionModelNumDiff : public ActionModelAbstract {  // a node's derivatives
   void quasiStatic(const std::shared_ptr<ActionDataAbstract>& data, VectorRef u, const ConstVectorRef& x,
                    std::size_t maxiter = 100, double tol = 1e-9) override;
 
-  const std::shared_ptr<ActionModelAbstract>& get_model() const { return model_; }
-  /// The step, absolute in x's tangent, relative to max(1, |u_i|) in u.
+  const std::shared_ptr<ActionModelAbstract>& get_model() const { return model_; }  // the model that is differentiated
+  /// The step of the differences: absolute in x's tangent space, relative to max(1, |u_i|) in u.
   double get_disturbance() const { return step_; }
-  void set_disturbance(double disturbance);
-  bool get_with_gauss_approx() const { return gauss_; }
+  void set_disturbance(double disturbance);              // throws std::invalid_argument unless it is positive
+  bool get_with_gauss_approx() const { return gauss_; }  // whether Hessians are Gauss-Newton's
 
   std::size_t get_nr() const override { return model_->get_nr(); }
   std::size_t get_ng() const override { return model_->get_ng(); }
@@ -45,9 +46,9 @@ class ActionModelNumDiff : public ActionModelAbstract {  // a node's derivatives
   double step_;
 };
 
-struct ActionDataNumDiff : ActionDataAbstract {  // of the twin
-  explicit ActionDataNumDiff(ActionModelNumDiff* model);
-  std::shared_ptr<ActionDataAbstract> data_0, data_step;  // of the model, at the point and beside it
+struct ActionDataNumDiff : ActionDataAbstract {           // Data of ActionModelNumDiff.
+  explicit ActionDataNumDiff(ActionModelNumDiff* model);  // allocates the data of the model
+  std::shared_ptr<ActionDataAbstract> data_0, data_step;  // of the model, at the point and at a displaced point
   Eigen::MatrixXd Rx, Ru;                                 // nr x ndx, nr x nu
 };
 

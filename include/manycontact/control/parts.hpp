@@ -1,61 +1,63 @@
 #pragma once
-// A node of parts: the states, controls and costs of some robots each. With x_i, u_i a part's own,
+// A node made of subproblems: the states, controls and costs of some robots each. With x_i, u_i those of subproblem i,
 //
-//     x' = (f_1(x_1, u_1), f_2(x_2, u_2), ...),    l = sum_i l_i(x_i, u_i),
+//     x' = (f_1(x_1, u_1), f_2(x_2, u_2), ...),    l = sum_i l_i(x_i, u_i).
 //
-// where parts never meet, so that fx, fu and the Hessians are block diagonal: of each part's size they are, and linear
-// in the parts together. Parts that hold each other have couplings besides (couplings.hpp): each f_i and l_i then also
-// depends on the wrenches on the part, which follow from the states and controls of all.
+// Subproblems without contacts between them are decoupled. Then fx, fu and the Hessians are block diagonal, so that the
+// cost is linear in the number of subproblems. Otherwise they have couplings (couplings.hpp): each f_i and l_i also
+// depends on the wrenches on the subproblem, which follow from the states and controls of all.
 
 #include "manycontact/action/diff_action.hpp"
 #include "manycontact/control/shooting.hpp"
 
 namespace manycontact {
 
-struct ActionPart {  // one part of a scene, and where its coordinates are
+struct ActionPart {  // One subproblem of a scene, and the places of its coordinates.
   std::shared_ptr<ActionModelAbstract> model;
-  std::vector<int> x, dx, u;     // which coordinates of the node's are the part's, in the part's order
-  std::vector<int> robots = {};  // of a node with couplings: of its scene, in the order of the model's
+  std::vector<int> x, dx, u;     // coordinates of the node that belong to the subproblem, in its order
+  std::vector<int> robots = {};  // with couplings: numbers in the node's scene, in the order of the subproblem's model
 };
 
 class Couplings;
 struct CouplingData;
 
-struct ActionDataParts : ActionDataAbstract {  // of such a node, part by part
+struct ActionDataParts : ActionDataAbstract {  // Data of ActionModelParts, subproblem by subproblem.
   using ActionDataAbstract::ActionDataAbstract;
   std::vector<std::shared_ptr<ActionDataAbstract>> parts;
-  std::vector<Eigen::VectorXd> x, u;        // of each part, as last given; u with the wrenches on it
-  std::shared_ptr<CouplingData> couplings;  // null without
+  std::vector<Eigen::VectorXd> x, u;        // of each subproblem, as last given; u includes the wrenches on it
+  std::shared_ptr<CouplingData> couplings;  // null without couplings
 
   bool has_matrices() const override { return Fx.size() > 0; }
 };
 
-class ActionModelParts : public ActionModelAbstract {  // parts of a scene as one node
+class ActionModelParts : public ActionModelAbstract {  // Subproblems of a scene as one node.
  public:
-  /// state: of all parts. Each coordinate of x, dx, u is one part's, else std::invalid_argument. g and h are the
-  /// parts', one after the other; their bounds and control limits are the parts' at construction. There is no r (nr =
-  /// 0).
+  /// Makes a node of decoupled subproblems. state: of all of them. Each coordinate of x, dx, u belongs to one
+  /// subproblem, otherwise std::invalid_argument is thrown. g and h are concatenated; their bounds and the control
+  /// limits are those of the subproblems at construction. There is no r (nr = 0).
   ActionModelParts(std::shared_ptr<StateAbstract> state, std::size_t nu, std::vector<ActionPart> parts);
-  /// With couplings: the scene's active contacts between robots of different parts. scene: the state's robots, with the
-  /// contacts that its flags say active, and damping. Controls are the scene's torques, limited by the joints' efforts.
-  /// A part's model is what couplings.hpp says, else std::invalid_argument.
+  /// Makes a node with couplings: the scene's active contacts between robots of different subproblems. scene: the
+  /// state's robots, with its damping, and contacts of which those with the flag are active. Controls are the scene's
+  /// torques, limited by the joints' efforts. Throws std::invalid_argument for models other than those described in
+  /// couplings.hpp.
   ActionModelParts(std::shared_ptr<StateMultibody> state, Scene scene, std::vector<ActionPart> parts);
 
   using ActionModelAbstract::calc;
   using ActionModelAbstract::calcDiff;
   void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
-  /// Of the parts' data as they are: parts may have been evaluated on their own since.
+  /// Collects derivatives from the subproblems' data as they are, which may have been evaluated separately.
   void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x,
                 const ConstVectorRef& u) override;
   void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
   std::shared_ptr<ActionDataAbstract> createData() override;
-  /// Around data of the parts' models, which are evaluated with it.
+  /// Creates data that contain given data of the subproblems' models, which are evaluated with them.
   std::shared_ptr<ActionDataAbstract> createData(std::vector<std::shared_ptr<ActionDataAbstract>> parts);
   bool checkData(const std::shared_ptr<ActionDataAbstract>& data) override;
-  /// Cost, xnext, g and h, of the parts' data as they are; forces of couplings stay those of the last calc.
+  /// Collects cost, xnext, g and h from the subproblems' data as they are. Forces of couplings remain those of the last
+  /// calc.
   void collect(const std::shared_ptr<ActionDataAbstract>& data) const;
-  /// By each part's; with couplings by the node's own derivatives.
+  /// Uses each subproblem's quasiStatic; with couplings, the node's own derivatives.
   void quasiStatic(const std::shared_ptr<ActionDataAbstract>& data, VectorRef u, const ConstVectorRef& x,
                    std::size_t maxiter = 100, double tol = 1e-9) override;
   void print(std::ostream& os) const override;
@@ -63,16 +65,16 @@ class ActionModelParts : public ActionModelAbstract {  // parts of a scene as on
   const Eigen::VectorXd& get_g_lb_T() const override { return g_lb_T_; }
   const Eigen::VectorXd& get_g_ub_T() const override { return g_ub_T_; }
 
-  const std::vector<ActionPart>& get_parts() const { return parts_; }
-  /// Null of parts that never meet.
+  const std::vector<ActionPart>& get_parts() const { return parts_; }  // the subproblems
+  /// Null for decoupled subproblems.
   const std::shared_ptr<const Couplings>& get_couplings() const { return couplings_; }
-  /// The same node of other models, in the same places, with this one's limits and storage.
+  /// Makes the same node with other models in the same places, with the limits and storage of this one.
   std::shared_ptr<ActionModelParts> with_models(std::vector<ActionPart> parts) const;
-  /// kDense (at first): the node's data hold its derivatives as dense matrices too, for any solver, with the wrenches
-  /// of couplings eliminated. kSparse: only the parts' data hold theirs, which SolverSparse reads; Lx, Lu and the
-  /// matrices of the node's are empty. Of data created from then on.
+  /// For data created afterwards. kDense (initially): the node's data also contain dense derivatives, for any solver,
+  /// with the wrenches of couplings eliminated. kSparse: only the subproblems' data contain derivatives, which
+  /// SolverSparse reads; Lx, Lu and the node's matrices are empty.
   void set_storage(MatrixStorage storage);
-  MatrixStorage get_storage() const { return storage_; }
+  MatrixStorage get_storage() const { return storage_; }  // which matrices the data contain
 
  private:
   void take_values(const ConstVectorRef& x, ActionDataParts& data) const;
@@ -85,19 +87,19 @@ class ActionModelParts : public ActionModelAbstract {  // parts of a scene as on
   MatrixStorage storage_ = MatrixStorage::kDense;
 };
 
-/// A shooting problem of one part alone; its nodes' data are the whole problem's.
+/// A shooting problem of one subproblem; its nodes' data are those of the whole problem.
 struct ShootingPart {
   std::shared_ptr<ShootingProblem> problem;
   std::vector<int> x, dx;           // as in ActionPart
-  std::vector<std::vector<int>> u;  // by running node
+  std::vector<std::vector<int>> u;  // per running node
 };
 
-/// The parts of a problem whose nodes are ActionModelParts without couplings, of the same x and dx in each, else
-/// std::invalid_argument. A problem without any such node is one part. They follow no later change of the problem's
-/// nodes.
+/// Separates a problem whose nodes are ActionModelParts without couplings, with the same x and dx in each node.
+/// Otherwise throws std::invalid_argument. A problem without any such node has one subproblem. Later changes of the
+/// problem's nodes have no effect on the result.
 std::vector<ShootingPart> separate(const ShootingProblem& problem);
 
-/// The part's numbers: part = whole(index), and back.
+/// Copy the numbers of a subproblem: part = whole(index), or whole(index) = part.
 void gather(const Eigen::VectorXd& whole, const std::vector<int>& index, Eigen::VectorXd& part);
 void scatter(const Eigen::VectorXd& part, const std::vector<int>& index, Eigen::VectorXd& whole);
 

@@ -1,5 +1,5 @@
 #pragma once
-// Explicit Runge-Kutta methods of two, three (Heun's) and four stages: with y_0 = x,
+// Explicit Runge-Kutta methods with two, three (Heun's) and four stages: with y_0 = x,
 //
 //     y_i = x (+) c_i h k_(i-1),    k_i = [v(y_i); a(y_i, w(c_i))],
 //     x'  = x (+) h sum_i b_i k_i,  cost = h sum_i b_i l(y_i, w(c_i))
@@ -15,11 +15,14 @@
 
 namespace manycontact {
 
-class IntegratedActionModelRK : public IntegratedActionModelAbstract {  // of 2, 3 or 4 stages
+/// A differential model integrated with 2, 3 or 4 stages.
+class IntegratedActionModelRK : public IntegratedActionModelAbstract {
  public:
+  /// Throws std::invalid_argument for null pointers and numbers out of range.
   IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model,
                           std::shared_ptr<ControlParametrizationModelAbstract> control, RKType rktype,
                           double time_step = 1e-3, bool with_cost_residual = true);
+  /// Throws std::invalid_argument for null pointers and numbers out of range.
   IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model, RKType rktype,
                           double time_step = 1e-3, bool with_cost_residual = true);
 
@@ -34,25 +37,25 @@ class IntegratedActionModelRK : public IntegratedActionModelAbstract {  // of 2,
                    std::size_t maxiter = 100, double tol = 1e-9) override;
   void print(std::ostream& os) const override;
 
-  std::size_t get_ni() const { return c_.size(); }               // stages
+  std::size_t get_ni() const { return c_.size(); }               // number of stages
   const std::vector<double>& get_weights() const { return b_; }  // of the stages, in the step and in the cost
 
  private:
   std::vector<double> c_, b_;
 };
 
-struct IntegratedActionDataRK : ActionDataAbstract {  // of such a node
-  explicit IntegratedActionDataRK(IntegratedActionModelRK* model);
+struct IntegratedActionDataRK : ActionDataAbstract {                // Data of IntegratedActionModelRK.
+  explicit IntegratedActionDataRK(IntegratedActionModelRK* model);  // allocates the data of the model
 
-  // Of each stage.
+  // These members have one entry per stage.
   std::vector<std::shared_ptr<DifferentialActionDataAbstract>> differential;
   std::vector<std::shared_ptr<ControlParametrizationDataAbstract>> control;
-  std::vector<double> integral;                 // its cost
+  std::vector<double> integral;                 // cost of the stage
   std::vector<Eigen::VectorXd> ki, y, ws;       // ndx, nx, nw
   std::vector<Eigen::VectorXd> dx_rk;           // ndx: y_i = x (+) dx_rk_i
-  std::vector<Eigen::MatrixXd> dki_dx, dki_du;  // ndx x ndx, ndx x nu: by calcDiff
-  std::vector<Eigen::MatrixXd> dyi_dx, dyi_du;  // ndx x ndx, ndx x nu: by calcDiff
-  Eigen::VectorXd dx;                           // ndx: the step, by calc
+  std::vector<Eigen::MatrixXd> dki_dx, dki_du;  // ndx x ndx, ndx x nu: set by calcDiff
+  std::vector<Eigen::MatrixXd> dyi_dx, dyi_du;  // ndx x ndx, ndx x nu: set by calcDiff
+  Eigen::VectorXd dx;                           // ndx: the step, set by calc
 
   // Workspace of calcDiff, of one stage: l_xx y_x; l_xx y_u + l_xw w_u; l_ww w_u; w_u^T l_ww w_u; w_u^T l_w.
   Eigen::MatrixXd Lxx_dx, Lxu_i, Lwu, Luu_i;

@@ -1,10 +1,10 @@
 #pragma once
-// The optimal control problem over T running nodes and a terminal one,
+// The optimal control problem with T running nodes and a terminal node,
 //
 //     minimise  sum_t l_t(x_t, u_t) + l_T(x_T)    with  x_0 given,  x_(t+1) = f_t(x_t, u_t).
 //
-// Interface of Crocoddyl's ShootingProblem. Nodes are evaluated in parallel over `get_nthreads()` threads; every number
-// is the same for any number of threads.
+// The interface is that of Crocoddyl's ShootingProblem. Nodes are evaluated in parallel with `get_nthreads()` threads.
+// Results do not depend on the number of threads.
 
 #include <iosfwd>
 #include <limits>
@@ -16,14 +16,15 @@ namespace manycontact {
 
 namespace internal {
 
-/// The time that a loop over nodes took the last time, of all threads together.
+/// The time of the last loop over nodes, summed over all threads.
 struct LoopTime {
   double seconds = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace internal
 
-class ShootingProblem {  // x0, running nodes, a terminal one
+/// An initial state, running nodes and a terminal node. Not thread-safe: its data belong to one solve at a time.
+class ShootingProblem {
  public:
   using ActionModelAbstract = manycontact::ActionModelAbstract;
   using ActionDataAbstract = manycontact::ActionDataAbstract;
@@ -31,64 +32,72 @@ class ShootingProblem {  // x0, running nodes, a terminal one
   using Models = std::vector<std::shared_ptr<ActionModelAbstract>>;
   using Datas = std::vector<std::shared_ptr<ActionDataAbstract>>;
 
-  /// Throw std::invalid_argument when there is no running model, or states differ in nx, ndx or from x0's size.
+  /// Throw std::invalid_argument if there is no running model, or if states differ in nx or ndx, or from the size of
+  /// x0.
   ShootingProblem(const Eigen::VectorXd& x0, const Models& running_models,
                   std::shared_ptr<ActionModelAbstract> terminal_model);
   ShootingProblem(const Eigen::VectorXd& x0, const Models& running_models,
                   std::shared_ptr<ActionModelAbstract> terminal_model, const Datas& running_datas,
                   std::shared_ptr<ActionDataAbstract> terminal_data);
 
-  /// Every node at xs (T + 1), us (T); returns the total cost.
+  /// Evaluates every node at xs (T + 1 states), us (T controls); returns the total cost. Throws std::invalid_argument
+  /// for wrong sizes.
   double calc(const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us);
-  /// Every node's derivatives at the last calc; returns the total cost.
+  /// Computes the derivatives of every node at the last calc; returns the total cost.
   double calcDiff(const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us);
-  /// Node t alone, as calc and calcDiff evaluate it at xs[t], us[t].
+  /// Evaluate node t alone, as calc and calcDiff do, at xs[t], us[t].
   void calc_node(std::size_t t, const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us);
   void calcDiff_node(std::size_t t, const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us);
-  /// Of the last calc, in the nodes' order.
+  /// The total cost of the last calc, added in the order of the nodes.
   double total_cost() const;
-  /// xs (T + 1) from x0 on.
+  /// Simulates the controls us (T) from x0; xs receives T + 1 states.
   void rollout(const std::vector<Eigen::VectorXd>& us, std::vector<Eigen::VectorXd>& xs);
   std::vector<Eigen::VectorXd> rollout_us(const std::vector<Eigen::VectorXd>& us);
-  /// Controls that keep each of the T states xs still.
+  /// Computes controls that keep each of the T states xs at rest.
   void quasiStatic(std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& xs);
   std::vector<Eigen::VectorXd> quasiStatic_xs(const std::vector<Eigen::VectorXd>& xs);
 
-  /// Drops the first running node and appends one at the end.
+  /// Shifts the horizon by one node (receding horizon): removes the first running node and appends one at the end. The
+  /// other nodes keep their data. The caller shifts the initial guess of the next solve. Without data, new ones are
+  /// created.
   void circularAppend(std::shared_ptr<ActionModelAbstract> model, std::shared_ptr<ActionDataAbstract> data);
   void circularAppend(std::shared_ptr<ActionModelAbstract> model);
-  /// Replaces node i; i = T: the terminal one.
+  /// Replace node i; i = T is the terminal node.
   void updateNode(std::size_t i, std::shared_ptr<ActionModelAbstract> model, std::shared_ptr<ActionDataAbstract> data);
   void updateModel(std::size_t i, std::shared_ptr<ActionModelAbstract> model);
 
-  std::size_t get_T() const { return running_models_.size(); }
-  const Eigen::VectorXd& get_x0() const { return x0_; }
-  const Models& get_runningModels() const { return running_models_; }
+  std::size_t get_T() const { return running_models_.size(); }         // number of running nodes
+  const Eigen::VectorXd& get_x0() const { return x0_; }                // the initial state
+  const Models& get_runningModels() const { return running_models_; }  // the running nodes
+  /// The terminal node.
   const std::shared_ptr<ActionModelAbstract>& get_terminalModel() const { return terminal_model_; }
-  const Datas& get_runningDatas() const { return running_datas_; }
+  const Datas& get_runningDatas() const { return running_datas_; }  // data of the running nodes
+  /// Data of the terminal node.
   const std::shared_ptr<ActionDataAbstract>& get_terminalData() const { return terminal_data_; }
-  /// Node t <= T, T the terminal one.
+  /// Node t <= T, where T is the terminal node.
   const std::shared_ptr<ActionModelAbstract>& model(std::size_t t) const {
     return t < get_T() ? running_models_[t] : terminal_model_;
   }
+  /// Data of node t.
   const std::shared_ptr<ActionDataAbstract>& data(std::size_t t) const {
     return t < get_T() ? running_datas_[t] : terminal_data_;
   }
-  /// Whether node t is evaluated by x alone: the terminal one. Running nodes without controls are evaluated at (x, u)
-  /// with an empty u: they move.
+  /// Whether node t depends on x alone, as the terminal node does. Running nodes without controls are evaluated at (x,
+  /// u) with an empty u, because their state changes.
   bool by_state_alone(std::size_t t) const { return t == get_T(); }
-  std::size_t get_nx() const { return nx_; }
-  std::size_t get_ndx() const { return ndx_; }
-  std::size_t get_nu_max() const;
-  std::size_t get_nthreads() const { return nthreads_; }
-  void set_x0(const Eigen::VectorXd& x0);
-  /// With new data; there may be more or fewer than before.
+  std::size_t get_nx() const { return nx_; }              // numbers of a state
+  std::size_t get_ndx() const { return ndx_; }            // numbers of a tangent vector
+  std::size_t get_nu_max() const;                         // largest number of controls of a node
+  std::size_t get_nthreads() const { return nthreads_; }  // number of threads
+  void set_x0(const Eigen::VectorXd& x0);  // sets the initial state; throws std::invalid_argument for a wrong size
+  /// Replaces all running nodes and creates new data. The number of nodes may change.
   void set_runningModels(const Models& models);
+  /// Replaces the terminal node and creates new data.
   void set_terminalModel(std::shared_ptr<ActionModelAbstract> model);
-  /// At first, and for a number < 1, OpenMP's; 1 where the library was built without. Where all nodes together take
-  /// less than some 50 us for each thread, one does them.
+  /// Sets the number of threads. Initially, and for a number below 1, it is OpenMP's, or 1 without OpenMP. If all nodes
+  /// together take less than about 50 us per thread, one thread evaluates them.
   void set_nthreads(int nthreads);
-  /// Whether nodes were replaced since the last time it was asked.
+  /// Whether nodes were replaced since the last call of this function.
   bool is_updated();
 
  private:
@@ -105,6 +114,6 @@ class ShootingProblem {  // x0, running nodes, a terminal one
   bool is_updated_ = false;
   internal::LoopTime calc_time_, calcDiff_time_;
 };
-std::ostream& operator<<(std::ostream& os, const ShootingProblem& problem);
+std::ostream& operator<<(std::ostream& os, const ShootingProblem& problem);  // prints it as `print` does
 
 }  // namespace manycontact

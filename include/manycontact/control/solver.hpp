@@ -1,10 +1,10 @@
 #pragma once
-// What solvers of a ShootingProblem have in common: the candidate xs, us, its gaps
+// The common base of solvers of a ShootingProblem: the candidate xs, us with its gaps
 //
 //     fs_0 = x0 (-) xs_0,    fs_(t+1) = f_t(xs_t, us_t) (-) xs_(t+1),
 //
-// feasibilities, thresholds and callbacks. Interface of Crocoddyl's SolverAbstract. Numerical failure is no exception:
-// solve() returns false, and reason() says why it stopped; misuse throws std::invalid_argument.
+// feasibilities, thresholds and callbacks. The interface is that of Crocoddyl's SolverAbstract. A numerical failure is
+// not an exception: solve() returns false, and reason() is the cause. Wrong arguments throw std::invalid_argument.
 
 #include <cmath>
 #include <memory>
@@ -17,106 +17,121 @@ namespace manycontact {
 class CallbackAbstract;
 inline const std::vector<Eigen::VectorXd> DEFAULT_VECTOR;
 
+/// The norm of infeasibilities: largest entry, or sum of absolute values.
 enum FeasibilityNorm { LInf = 0, L1 };
 
+/// Why a solver stopped.
 enum class StopReason {
   kNone,         // solve() has not run
-  kConverged,    // the stopping value fell below th_stop at a feasible candidate, and what else a solver asks for
-  kIterations,   // maxiter iterations were done
-  kNoDirection,  // no descent direction at the largest regularisation: numbers that are not finite, Quu not positive
-  kNoStep,       // no step of a direction was accepted up to the largest regularisation
+  kConverged,    // the candidate is feasible, the stopping value is below th_stop, and further criteria of the solver
+                 // are met
+  kIterations,   // maxiter iterations were made
+  kNoDirection,  // no descent direction at the largest regularisation: numbers are not finite, or Quu is not positive
+                 // definite
+  kNoStep,       // no step along a direction was accepted, up to the largest regularisation
   kInterrupted,  // interrupt() was called
-  kInfeasible,   // constraints are not met, and under a penalty that outweighs the cost come no closer
+  kInfeasible,   // constraints are violated, and the violation does not decrease with a penalty that outweighs the cost
 };
-const char* to_string(StopReason reason);
+const char* to_string(StopReason reason);  // in words
 
-class SolverAbstract {  // what all solvers share
+class SolverAbstract {  // The common base of solvers. Use one per thread.
  public:
+  /// problem: not null, or std::invalid_argument is thrown.
   explicit SolverAbstract(std::shared_ptr<ShootingProblem> problem);
   virtual ~SolverAbstract() = default;
 
-  /// From the candidate init_xs (T + 1; empty: the states' zeros), init_us (T; empty: zeros). is_feasible: init_xs is
-  /// what init_us lead to. init_reg: the first regularisation, NaN for the smallest. True when converged.
+  /// Solves the problem from the candidate init_xs (T + 1 states; empty: the states' zeros), init_us (T controls;
+  /// empty: zeros), with at most maxiter iterations. is_feasible: init_xs is the result of simulating init_us, so that
+  /// there are no gaps. init_reg: initial regularisation, NaN for the smallest. Returns true if converged; otherwise
+  /// see reason(). Throws std::invalid_argument for wrong sizes. The results get_xs() and get_us() remain valid until
+  /// the next solve.
   virtual bool solve(const std::vector<Eigen::VectorXd>& init_xs = DEFAULT_VECTOR,
                      const std::vector<Eigen::VectorXd>& init_us = DEFAULT_VECTOR, std::size_t maxiter = 100,
                      bool is_feasible = false, double init_reg = NAN) = 0;
-  /// The step of the linear-quadratic problem around the candidate; with `recalc` its derivatives are evaluated first.
+  /// Computes the step of the linear-quadratic problem around the candidate. With `recalc` the derivatives are computed
+  /// first.
   virtual void computeDirection(bool recalc) = 0;
-  /// Goes along the direction; returns the reduction of the cost, NaN when numbers are not finite there.
+  /// Tries a step along the direction; returns the reduction of the cost, or NaN if numbers are not finite there.
   virtual double tryStep(double steplength = 1) = 0;
   virtual double stoppingCriteria() = 0;
-  /// d = (d0, d1): a step of length s is expected to reduce the cost by s (d0 + s d1 / 2).
+  /// Computes d = (d0, d1): the expected reduction of the cost by a step of length s is s (d0 + s d1 / 2).
   virtual const Eigen::Vector2d& expectedImprovement() = 0;
-  /// Fits the memory to the problem's nodes.
+  /// Adapts the memory to the problem's nodes.
   virtual void resizeData();
 
-  /// Of the last problem.calc: gaps into fs; violation of g's bounds; |h|. In the norm get_feasnorm().
+  /// Compute infeasibilities of the last problem.calc, in the norm get_feasnorm(): the gaps, stored in fs; the
+  /// violation of g's bounds; |h|.
   double computeDynamicFeasibility();
   double computeInequalityFeasibility();
   double computeEqualityFeasibility();
   void setCandidate(const std::vector<Eigen::VectorXd>& xs_warm = DEFAULT_VECTOR,
                     const std::vector<Eigen::VectorXd>& us_warm = DEFAULT_VECTOR, bool is_feasible = false);
-  /// Called after each iteration; those that a callback sets, from the next one on.
+  /// The callbacks are called after each iteration. If a callback replaces them, the new ones are called from the next
+  /// iteration on.
   using Callbacks = std::vector<std::shared_ptr<CallbackAbstract>>;
   void setCallbacks(const Callbacks& callbacks);
   const Callbacks& getCallbacks() const { return *callbacks_; }
-  /// Ends solve() after the iteration at hand; for callbacks.
+  /// Ends solve() after the current iteration; for callbacks.
   void interrupt() { interrupted_ = true; }
   StopReason reason() const { return reason_; }
 
-  const std::shared_ptr<ShootingProblem>& get_problem() const { return problem_; }
-  const std::vector<Eigen::VectorXd>& get_xs() const { return xs_; }
-  const std::vector<Eigen::VectorXd>& get_us() const { return us_; }
-  const std::vector<Eigen::VectorXd>& get_fs() const { return fs_; }
-  bool get_is_feasible() const { return is_feasible_; }
-  double get_cost() const { return cost_; }
-  double get_merit() const { return merit_; }
-  double get_stop() const { return stop_; }
-  const Eigen::Vector2d& get_d() const { return d_; }
-  double get_dV() const { return dV_; }
-  double get_dPhi() const { return dPhi_; }
-  double get_dVexp() const { return dVexp_; }
-  double get_dPhiexp() const { return dPhiexp_; }
-  double get_dfeas() const { return dfeas_; }
-  double get_feas() const { return feas_; }
-  double get_ffeas() const { return ffeas_; }
-  double get_gfeas() const { return gfeas_; }
-  double get_hfeas() const { return hfeas_; }
-  double get_ffeas_try() const { return ffeas_try_; }
-  double get_gfeas_try() const { return gfeas_try_; }
-  double get_hfeas_try() const { return hfeas_try_; }
-  double get_preg() const { return preg_; }
-  double get_dreg() const { return dreg_; }
-  double get_steplength() const { return steplength_; }
-  double get_th_acceptstep() const { return th_acceptstep_; }
-  double get_th_stop() const { return th_stop_; }
-  double get_th_gaptol() const { return th_gaptol_; }
-  FeasibilityNorm get_feasnorm() const { return feasnorm_; }
-  std::size_t get_iter() const { return iter_; }
+  const std::shared_ptr<ShootingProblem>& get_problem() const { return problem_; }  // the problem that is solved
+  const std::vector<Eigen::VectorXd>& get_xs() const { return xs_; }                // states of the candidate (T + 1)
+  const std::vector<Eigen::VectorXd>& get_us() const { return us_; }                // controls of the candidate (T)
+  const std::vector<Eigen::VectorXd>& get_fs() const { return fs_; }                // gaps of the candidate (T + 1)
+  bool get_is_feasible() const { return is_feasible_; }                             // whether the candidate has no gaps
+  double get_cost() const { return cost_; }                                         // cost of the candidate
+  double get_merit() const { return merit_; }                                       // the merit function
+  double get_stop() const { return stop_; }                                         // the stopping value
+  const Eigen::Vector2d& get_d() const { return d_; }                               // the expected improvement (d0, d1)
+  double get_dV() const { return dV_; }                                             // reduction of the cost
+  double get_dPhi() const { return dPhi_; }                                         // reduction of the merit
+  double get_dVexp() const { return dVexp_; }                                       // expected reduction of the cost
+  double get_dPhiexp() const { return dPhiexp_; }                                   // expected reduction of the merit
+  double get_dfeas() const { return dfeas_; }                                       // reduction of the infeasibility
+  double get_feas() const { return feas_; }                                         // total infeasibility
+  double get_ffeas() const { return ffeas_; }                                       // norm of the candidate's gaps
+  double get_gfeas() const { return gfeas_; }                                       // violation of the candidate's g
+  double get_hfeas() const { return hfeas_; }                                       // norm of the candidate's h
+  double get_ffeas_try() const { return ffeas_try_; }          // norm of the gaps after the tried step
+  double get_gfeas_try() const { return gfeas_try_; }          // violation of g after the tried step
+  double get_hfeas_try() const { return hfeas_try_; }          // norm of h after the tried step
+  double get_preg() const { return preg_; }                    // regularisation of the primal variables
+  double get_dreg() const { return dreg_; }                    // regularisation of the dual variables
+  double get_steplength() const { return steplength_; }        // length of the last step
+  double get_th_acceptstep() const { return th_acceptstep_; }  // share of the expected reduction that accepts a step
+  double get_th_stop() const { return th_stop_; }              // threshold of the stopping value
+  double get_th_gaptol() const { return th_gaptol_; }          // threshold of gaps
+  FeasibilityNorm get_feasnorm() const { return feasnorm_; }   // norm of infeasibilities
+  std::size_t get_iter() const { return iter_; }               // number of iterations
+  /// Sets the candidate states (T + 1); throws std::invalid_argument for wrong sizes.
   void set_xs(const std::vector<Eigen::VectorXd>& xs);
+  /// Sets the candidate controls (T); throws std::invalid_argument for wrong sizes.
   void set_us(const std::vector<Eigen::VectorXd>& us);
-  /// Throw std::invalid_argument for numbers out of range.
+  /// They throw std::invalid_argument for numbers out of range.
   void set_preg(double preg);
-  void set_dreg(double dreg);
-  void set_th_acceptstep(double th_acceptstep);  // in (0, 1]
-  void set_th_stop(double th_stop);              // > 0
-  void set_th_gaptol(double th_gaptol);          // >= 0
-  void set_feasnorm(FeasibilityNorm feasnorm) { feasnorm_ = feasnorm; }
+  void set_dreg(double dreg);                                            // not negative
+  void set_th_acceptstep(double th_acceptstep);                          // in (0, 1]
+  void set_th_stop(double th_stop);                                      // above 0
+  void set_th_gaptol(double th_gaptol);                                  // not negative
+  void set_feasnorm(FeasibilityNorm feasnorm) { feasnorm_ = feasnorm; }  // norm of infeasibilities
 
  protected:
+  /// Throws std::invalid_argument for wrong sizes.
   void check_xs(const char* where, const std::vector<Eigen::VectorXd>& xs) const;
+  /// Throws std::invalid_argument for wrong sizes.
   void check_us(const char* where, const std::vector<Eigen::VectorXd>& us) const;
-  /// Each callback, of the list as it is now: one may set another.
+  /// Calls each callback of the current list, which callbacks may replace.
   void callCallbacks();
   std::shared_ptr<ShootingProblem> problem_;
   std::vector<Eigen::VectorXd> xs_, us_, fs_;  // T + 1, T, T + 1
   std::shared_ptr<const Callbacks> callbacks_ = std::make_shared<const Callbacks>();
-  bool is_feasible_ = false, was_feasible_ = false;  // of the candidate, and of the one before
+  bool is_feasible_ = false, was_feasible_ = false;  // of the candidate, and of the previous one
   double cost_ = 0, merit_ = 0, stop_ = 0;
   Eigen::Vector2d d_ = Eigen::Vector2d::Zero();
-  double dV_ = 0, dPhi_ = 0, dVexp_ = 0, dPhiexp_ = 0;  // reductions of cost and merit, found and expected
+  double dV_ = 0, dPhi_ = 0, dVexp_ = 0, dPhiexp_ = 0;  // reductions of cost and merit, actual and expected
   double dfeas_ = 0, feas_ = 0, ffeas_ = 0, gfeas_ = 0, hfeas_ = 0, ffeas_try_ = 0, gfeas_try_ = 0, hfeas_try_ = 0;
-  double preg_ = 0, dreg_ = 0;  // regularisation of the primal, dual variables
+  double preg_ = 0, dreg_ = 0;  // regularisation of the primal and dual variables
   double steplength_ = 1, th_acceptstep_ = 0.1, th_stop_ = 1e-9, th_gaptol_ = 1e-16;
   FeasibilityNorm feasnorm_ = LInf;
   std::size_t iter_ = 0;
@@ -127,13 +142,13 @@ class SolverAbstract {  // what all solvers share
   internal::LoopTime gaps_time_;
 };
 
-class CallbackAbstract {  // called after each iteration
+class CallbackAbstract {  // A function that is called after each iteration.
  public:
   virtual ~CallbackAbstract() = default;
-  virtual void operator()(SolverAbstract& solver) = 0;
+  virtual void operator()(SolverAbstract& solver) = 0;  // called with the solver after each iteration
 };
 
-/// True for a number that is not finite, or >= 1e30.
+/// Whether a number is not finite, or at least 1e30.
 bool raiseIfNaN(double value);
 
 }  // namespace manycontact

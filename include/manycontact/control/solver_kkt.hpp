@@ -1,42 +1,43 @@
 #pragma once
-// Newton steps by the dense KKT matrix of the whole horizon: a reference for small problems. With w = [dxs; dus], H the
-// nodes' Hessians, g their gradients and D w + c the linearised dynamics, gaps c,
+// Newton steps with the dense KKT matrix of the whole horizon: a reference for small problems. With w = [dxs; dus], H
+// the nodes' Hessians, g their gradients and D w + c the linearised dynamics with gaps c,
 //
 //     [ H  D^T ] [   w    ]     [ g ]
 //     [ D   0  ] [ lambda ] = - [ c ]
 //
-// Interface, algorithm and defaults of Crocoddyl 3.0's SolverKKT: a step moves states and controls apart, so that gaps
-// close as far as the dynamics are linear, and none of the motions between is rolled out.
+// Interface, algorithm and defaults are those of Crocoddyl 3.0's SolverKKT. A step moves states and controls
+// independently, so that gaps close as far as the dynamics are linear. Motions are not simulated.
 
 #include "manycontact/control/solver.hpp"
 
 namespace manycontact {
 
-class SolverKKT : public SolverAbstract {  // by one dense matrix
+class SolverKKT : public SolverAbstract {  // A solver with one dense matrix.
  public:
+  /// problem: not null, or std::invalid_argument is thrown.
   explicit SolverKKT(std::shared_ptr<ShootingProblem> problem);
-  /// init_reg is not used. Throws std::invalid_argument where nodes keep no matrices.
+  /// init_reg is ignored. Throws std::invalid_argument if nodes store no matrices.
   bool solve(const std::vector<Eigen::VectorXd>& init_xs = DEFAULT_VECTOR,
              const std::vector<Eigen::VectorXd>& init_us = DEFAULT_VECTOR, std::size_t maxiter = 100,
              bool is_feasible = false, double init_reg = NAN) override;
   void computeDirection(bool recalc = true) override;
   double tryStep(double steplength = 1) override;
-  /// |g + D^T lambda|^2 + |c|^2
+  /// The stopping value |g + D^T lambda|^2 + |c|^2.
   double stoppingCriteria() override;
   const Eigen::Vector2d& expectedImprovement() override;
   void resizeData() override;
-  /// The nodes' derivatives, put into the matrix; returns the cost.
+  /// Computes the nodes' derivatives and assembles the matrix; returns the cost.
   double calcDiff();
 
-  const Eigen::MatrixXd& get_kkt() const { return kkt_; }
-  const Eigen::VectorXd& get_kktref() const { return kktref_; }          // [g; c]
-  const Eigen::VectorXd& get_primaldual() const { return primaldual_; }  // [w; lambda]
-  const std::vector<Eigen::VectorXd>& get_dxs() const { return dxs_; }
-  const std::vector<Eigen::VectorXd>& get_dus() const { return dus_; }
-  const std::vector<Eigen::VectorXd>& get_lambdas() const { return lambdas_; }
-  std::size_t get_nx() const { return static_cast<std::size_t>(nx_); }    // of all nodes
-  std::size_t get_ndx() const { return static_cast<std::size_t>(ndx_); }  // of all nodes
-  std::size_t get_nu() const { return static_cast<std::size_t>(nu_); }    // of all nodes
+  const Eigen::MatrixXd& get_kkt() const { return kkt_; }                       // the KKT matrix
+  const Eigen::VectorXd& get_kktref() const { return kktref_; }                 // [g; c]
+  const Eigen::VectorXd& get_primaldual() const { return primaldual_; }         // [w; lambda]
+  const std::vector<Eigen::VectorXd>& get_dxs() const { return dxs_; }          // steps of the states (T + 1)
+  const std::vector<Eigen::VectorXd>& get_dus() const { return dus_; }          // steps of the controls (T)
+  const std::vector<Eigen::VectorXd>& get_lambdas() const { return lambdas_; }  // multipliers of the dynamics (T + 1)
+  std::size_t get_nx() const { return static_cast<std::size_t>(nx_); }          // of all nodes
+  std::size_t get_ndx() const { return static_cast<std::size_t>(ndx_); }        // of all nodes
+  std::size_t get_nu() const { return static_cast<std::size_t>(nu_); }          // of all nodes
 
  private:
   Eigen::Index nx_ = 0, ndx_ = 0, nu_ = 0;

@@ -1,16 +1,16 @@
 #pragma once
-// States of a vector space: x (+) dx = x + dx, nx = ndx. Crocoddyl's StateVector.
+// States in a vector space: x (+) dx = x + dx, nx = ndx. Crocoddyl's StateVector.
 
 #include "manycontact/action/state.hpp"
 
 namespace manycontact {
 
-class StateVector : public StateAbstract {  // a vector space
+class StateVector : public StateAbstract {  // A vector space.
  public:
-  explicit StateVector(std::size_t nx) : StateAbstract(nx, nx) {}
+  explicit StateVector(std::size_t nx) : StateAbstract(nx, nx) {}  // number of coordinates
 
   Eigen::VectorXd zero() const override;
-  /// Within +-1.
+  /// A random state within +-1.
   Eigen::VectorXd rand() const override;
   void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const override;
   void integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const override;

@@ -1,16 +1,16 @@
 #pragma once
-// The step that simulation/step.hpp takes by semi-implicit Euler, as a node: contacts are held in the velocity, and
-// what nothing ties to the world keeps its momentum. From x = (q, v), with the torques tau of its actuation:
+// The step of semi-implicit Euler in simulation/step.hpp, as a node: contacts constrain the velocity, and bodies
+// without connection to the world keep their momentum. From x = (q, v), with the torques tau of its actuation:
 //
 //     [ M  J^T     ] [  a ]   [ tau - h(q, v)       ]
 //     [ J  -delta I] [ -f ] = [ -beta J v - alpha e ]      q+ = q (+) h v+,   v+ = v + h a
 //
-// and then each free group is given its momentum (simulation/momentum.hpp). Unlike Euler's node (control/euler.hpp) a
-// contact answers no J' v: J(q) v+ = (1 - beta h) J(q) v - alpha h e. xnext is what `step` makes of a SimulationData
-// that starts at x. A simulation that goes on differs by what the last step left: it goes on from J v at the last q.
+// Then the momentum of each free group is corrected (simulation/momentum.hpp). Unlike in Euler's node
+// (control/euler.hpp) the bias J' v is left out: J(q) v+ = (1 - beta h) J(q) v - alpha h e. xnext is the result of
+// `step` for a SimulationData that starts at x. A simulation that continues differs, since it uses J v at the last q.
 //
-// Costs and constraints are h times the differential model's, and see its accelerations and forces at x, u, as with all
-// other integrators.
+// Costs and constraints are h times those of the differential model; they depend on its accelerations and forces at x,
+// u, as with all other integrators.
 
 #include "manycontact/control/integrated_action.hpp"
 
@@ -20,12 +20,14 @@ namespace internal {
 struct HeldVelocities;
 }
 
-class IntegratedActionModelSymplectic : public IntegratedActionModelAbstract {  // simulate's default step
+/// A node with the default step of a simulation.
+class IntegratedActionModelSymplectic : public IntegratedActionModelAbstract {
  public:
-  /// Throw std::invalid_argument where the model is not of contact dynamics (action/contact_fwddyn.hpp).
+  /// They throw std::invalid_argument unless the model is one of contact dynamics (action/contact_fwddyn.hpp).
   IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
                                   std::shared_ptr<ControlParametrizationModelAbstract> control, double time_step = 1e-3,
                                   bool with_cost_residual = true);
+  /// Throws std::invalid_argument for null pointers and numbers out of range.
   explicit IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
                                            double time_step = 1e-3, bool with_cost_residual = true);
 
@@ -41,16 +43,16 @@ class IntegratedActionModelSymplectic : public IntegratedActionModelAbstract {  
   void print(std::ostream& os) const override;
 };
 
-struct IntegratedActionDataSymplectic : ActionDataAbstract {  // of such a node
-  explicit IntegratedActionDataSymplectic(IntegratedActionModelSymplectic* model);
+struct IntegratedActionDataSymplectic : ActionDataAbstract {  // Data of IntegratedActionModelSymplectic.
+  explicit IntegratedActionDataSymplectic(IntegratedActionModelSymplectic* model);  // allocates the data of the model
   ~IntegratedActionDataSymplectic() override;
 
   std::shared_ptr<DifferentialActionDataAbstract> differential;
   std::shared_ptr<ControlParametrizationDataAbstract> control;
-  Eigen::VectorXd dx;                              // ndx: the step before momentum is seen to, by calc
-  Eigen::MatrixXd F;                               // ndx x (ndx + nw): of xnext, by calcDiff
-  Eigen::MatrixXd Lwu;                             // nw x nu: by calcDiff
-  std::unique_ptr<internal::HeldVelocities> held;  // a, and what it is worked out in
+  Eigen::VectorXd dx;                              // ndx: the step before the correction of momentum, set by calc
+  Eigen::MatrixXd F;                               // ndx x (ndx + nw): derivatives of xnext, set by calcDiff
+  Eigen::MatrixXd Lwu;                             // nw x nu: set by calcDiff
+  std::unique_ptr<internal::HeldVelocities> held;  // a, and its workspace
 };
 
 }  // namespace manycontact

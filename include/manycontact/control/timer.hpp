@@ -1,14 +1,15 @@
 #pragma once
-// A stopwatch, running from its construction on. Crocoddyl's Timer.
+// A stopwatch that starts when it is constructed. Crocoddyl's Timer.
 
 #include <chrono>
 
 namespace manycontact {
 
-class Timer {  // seconds since its start
+class Timer {  // The time since its start or last reset.
  public:
-  void reset() { start_ = Clock::now(); }
+  void reset() { start_ = Clock::now(); }                           // starts again from zero
   double get_duration() const { return get_us_duration() / 1000; }  // ms
+  /// Microseconds.
   double get_us_duration() const { return std::chrono::duration<double, std::micro>(Clock::now() - start_).count(); }
 
  private:

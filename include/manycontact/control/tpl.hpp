@@ -1,6 +1,6 @@
 #pragma once
-// Every class of this floor under the name that code written for Crocoddyl may spell out, ShootingProblemTpl<double>.
-// The only scalar is double.
+// The names with template arguments that code for Crocoddyl may use, such as ShootingProblemTpl<double>. The only
+// scalar is double.
 
 #include <concepts>
 

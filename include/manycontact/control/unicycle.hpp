@@ -10,7 +10,7 @@
 
 namespace manycontact {
 
-class ActionModelUnicycle : public ActionModelAbstract {  // a unicycle driven by v and omega
+class ActionModelUnicycle : public ActionModelAbstract {  // A unicycle controlled by v and omega.
  public:
   ActionModelUnicycle();
 
@@ -21,11 +21,11 @@ class ActionModelUnicycle : public ActionModelAbstract {  // a unicycle driven b
   void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
   void print(std::ostream& os) const override;
 
-  /// wx, wu; at first 10, 1.
+  /// The weights wx, wu; initially 10, 1.
   const Eigen::Vector2d& get_cost_weights() const { return weights_; }
   void set_cost_weights(const Eigen::Vector2d& weights) { weights_ = weights; }
-  double get_dt() const { return dt_; }  // at first 0.1 s
-  void set_dt(double dt);                // > 0, or std::invalid_argument
+  double get_dt() const { return dt_; }  // initially 0.1 s
+  void set_dt(double dt);                // above 0, or std::invalid_argument is thrown
 
  private:
   Eigen::Vector2d weights_{10, 1};

@@ -1,6 +1,6 @@
 #pragma once
-// The library's names for programs written for Crocoddyl (crocoddyl.hpp): all but those of the stacks that crocoddyl.hpp
-// has itself, so that `using namespace crocoddyl` leaves no name in doubt. A test holds the list to the headers.
+// The library's names for programs written for Crocoddyl (crocoddyl.hpp). Stacks are left out, which crocoddyl.hpp defines
+// itself, so that `using namespace crocoddyl` makes no name ambiguous. A test compares the list with the headers.
 
 #include "manycontact/action.hpp"
 #include "manycontact/algorithm/configuration.hpp"
@@ -11,6 +11,8 @@
 #include "manycontact/analysis/near_dependent.hpp"
 #include "manycontact/analysis/place.hpp"
 #include "manycontact/analysis/rank_changes.hpp"
+#include "manycontact/analysis/redistribute_forces.hpp"
+#include "manycontact/analysis/remedy.hpp"
 #include "manycontact/analysis/unique_forces.hpp"
 #include "manycontact/contact/jacobian.hpp"
 #include "manycontact/contact/reference.hpp"
@@ -152,11 +154,11 @@ using manycontact::ConstraintModelNumDiff;
 using manycontact::ConstraintModelNumDiffTpl;
 using manycontact::ConstraintModelResidual;
 using manycontact::ConstraintModelResidualTpl;
-using manycontact::Contact;
 using manycontact::Contact1D;
 using manycontact::Contact2D;
 using manycontact::Contact3D;
 using manycontact::Contact6D;
+using manycontact::Contact;
 using manycontact::ContactData;
 using manycontact::ContactDataAbstract;
 using manycontact::ContactDataAbstractTpl;
@@ -333,8 +335,8 @@ using manycontact::LInf;
 using manycontact::LOCAL;
 using manycontact::LOCAL_WORLD_ALIGNED;
 using manycontact::Lanes;
+using manycontact::LimitKind;
 using manycontact::LimitPassed;
-using manycontact::Limited;
 using manycontact::LimitedBfgs;
 using manycontact::MasslessJoint;
 using manycontact::Mat3;
@@ -438,6 +440,7 @@ using manycontact::ShootingProblem;
 using manycontact::ShootingProblemTpl;
 using manycontact::SimulationData;
 using manycontact::Solution;
+using manycontact::SolveTimes;
 using manycontact::SolverAbstract;
 using manycontact::SolverAugmentedLagrangian;
 using manycontact::SolverBoxDDP;
@@ -484,8 +487,8 @@ using manycontact::VectorRef;
 using manycontact::VelocityError;
 using manycontact::VelocityJump;
 using manycontact::VerboseLevel;
-using manycontact::Violating;
 using manycontact::Violation;
+using manycontact::ViolationKind;
 using manycontact::WORLD;
 using manycontact::WithoutMatrices;
 using manycontact::Workspace;
@@ -583,6 +586,7 @@ using manycontact::first;
 using manycontact::first_dof;
 using manycontact::fit_state;
 using manycontact::force_names;
+using manycontact::force_null_space;
 using manycontact::force_rows;
 using manycontact::forward_accelerations;
 using manycontact::forward_kinematics;
@@ -591,6 +595,7 @@ using manycontact::frame_acceleration;
 using manycontact::frame_called;
 using manycontact::frame_classical_acceleration;
 using manycontact::frame_drift;
+using manycontact::frame_id;
 using manycontact::frame_jacobian;
 using manycontact::frame_names;
 using manycontact::frame_placement;
@@ -619,6 +624,7 @@ using manycontact::island_with_robot;
 using manycontact::joins_robots;
 using manycontact::joint_called;
 using manycontact::joint_goal;
+using manycontact::joint_id;
 using manycontact::joint_lever;
 using manycontact::joint_names;
 using manycontact::joint_nq;
@@ -632,6 +638,7 @@ using manycontact::kIntegrators;
 using manycontact::kLanes;
 using manycontact::kMethods;
 using manycontact::kMostThreads;
+using manycontact::kNotEstimated;
 using manycontact::kOnlyJust;
 using manycontact::kOrders;
 using manycontact::kPlacementError;
@@ -685,7 +692,9 @@ using manycontact::rank_gaps;
 using manycontact::read_scene;
 using manycontact::read_scene_text;
 using manycontact::recommended_gains;
+using manycontact::redistribute_forces;
 using manycontact::release_derivatives;
+using manycontact::remedy;
 using manycontact::require;
 using manycontact::resolve_reference;
 using manycontact::resolve_references;

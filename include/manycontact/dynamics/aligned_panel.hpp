@@ -1,5 +1,5 @@
 #pragma once
-// A row-major matrix whose rows start where cache lines do.
+// A row-major matrix whose first row starts at the beginning of a cache line.
 
 #include <memory>
 #include <new>
@@ -8,27 +8,29 @@
 
 namespace manycontact {
 
-/// With a multiple of eight columns every row does, whatever alignment Eigen is compiled for.
+/// A row-major matrix of doubles, aligned to 64 bytes. If the number of columns is a multiple of eight, every row is
+/// aligned, whatever alignment Eigen is compiled for.
 class AlignedPanel : public Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> {
  public:
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   using View = Eigen::Map<Matrix>;
 
-  /// Of no rows.
+  /// Constructs a panel without rows.
   AlignedPanel() : View(nullptr, 0, 0) {}
-  /// A copy, in memory of its own.
+  /// Copies the numbers into memory of its own.
   AlignedPanel(const AlignedPanel& other) : AlignedPanel() {
     resize(other.rows(), other.cols());
     View::operator=(other);
   }
-  /// The other is left with no rows.
+  /// Takes the memory of the other panel, which is left without rows.
   AlignedPanel(AlignedPanel&& other) noexcept : AlignedPanel() { swap(other); }
   AlignedPanel& operator=(AlignedPanel other) noexcept {
     swap(other);
     return *this;
   }
 
-  /// Memory of another size holds any numbers; where there is none, std::bad_alloc and the panel is empty.
+  /// Changes the size. If the size differs from the present one, the entries are uninitialised. Throws std::bad_alloc
+  /// if there is no memory; the panel is empty then.
   void resize(Eigen::Index rows, Eigen::Index cols) {
     if (rows == this->rows() && cols == this->cols()) return;
     memory_.reset();
@@ -36,7 +38,7 @@ class AlignedPanel : public Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eig
     memory_.reset(static_cast<double*>(::operator new(sizeof(double) * static_cast<std::size_t>(rows * cols), kLine)));
     look_at(rows, cols);
   }
-  /// The memory changes hands.
+  /// Exchanges the memory of the two panels. No numbers are copied.
   void swap(AlignedPanel& other) noexcept {
     const Eigen::Index rows = this->rows(), cols = this->cols();
     memory_.swap(other.memory_);

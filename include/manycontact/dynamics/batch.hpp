@@ -1,11 +1,11 @@
 #pragma once
-// Many states of one scene: solved, differentiated, pulled back, in several threads.
+// Many states of one scene: solved, differentiated and pulled back in several threads.
 //
-//   BatchData batch(scene);                                   // a SceneData per thread
-//   solve_batch(scene, {Q, V, U}, batch, A, F, status);       // row k of A, F: the answer at row k of Q, V, U
+//     BatchData batch(scene);                                   // a SceneData per thread
+//     solve_batch(scene, {Q, V, U}, batch, A, F, status);       // row k of A, F: the solution at row k of Q, V, U
 //
-// A state's numbers depend on that state alone: neither on the others, nor on the number of threads, nor on which of
-// them solved it. They are those of new SceneData, bit by bit.
+// The result of a state depends on that state alone. It is bitwise independent of the other states, of the number of
+// threads, and of the thread that solved it, and equal to the result with a new SceneData.
 
 #include <memory>
 #include <span>
@@ -15,64 +15,72 @@
 
 namespace manycontact {
 
-/// One state per row. Views: blocks of a wider row-major matrix do as well.
+/// Matrices with one state per row. They are views, so blocks of a wider row-major matrix may be passed.
 using BatchMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using ConstBatchRows = Eigen::Ref<const BatchMatrix, 0, Eigen::OuterStride<>>;
 using BatchRows = Eigen::Ref<BatchMatrix, 0, Eigen::OuterStride<>>;
 
-/// As many rows each: configurations (scene.nq), velocities (nv), torques of the actuated coordinates (nu).
+/// Configurations q (scene.nq columns), velocities v (nv columns) and torques u of the actuated coordinates (nu
+/// columns). The three matrices have equally many rows. Units and frames are those of `solve`.
 struct BatchStates {
   ConstBatchRows q, v, u;
 };
 
-struct BatchCopies;  // private to floor dynamics
+struct BatchCopies;  // private to the module dynamics
 namespace internal {
 struct Failure;
 }
 
-/// The memory of the threads. Where the robots of one state do not fill the SIMD lanes, several states are solved side
-/// by side: as one scene of as many copies as there are lanes. A second call with as many states allocates nothing in
-/// them, by the methods and where `solve` and `differentiate` do not.
+/// The memory of the threads. If the robots of one state do not fill a SIMD batch, several states are solved together,
+/// as one scene with one copy per SIMD element. A second call with as many states does not allocate in them, under the
+/// conditions stated at `solve` and `differentiate`. It belongs to the scene it was made for. Only one batch function
+/// may use it at a time.
 struct BatchData {
-  /// threads: 0, as many as OpenMP would take (one where the library was built without OpenMP).
+  /// threads: 0 takes as many as OpenMP offers, or one if the library was built without OpenMP. Throws
+  /// std::invalid_argument if a number of threads is negative or above kMostThreads.
   explicit BatchData(const Scene& scene, int threads = 0, const Options& options = {});
 
-  // the caller's, between calls
-  Options options;                   // but for its `threads`: a state is one thread's
-  std::vector<char> active;          // one per contact: as the scene has it at first
-  std::vector<Vec6<double>> pushes;  // one per push: its wrench, in all states; as the scene has it at first
+  // These members are set by the caller, between calls.
+  Options options;                   // Options::threads is ignored: each state is solved by one thread.
+  std::vector<char> active;          // one flag per contact; initially as in the scene
+  std::vector<Vec6<double>> pushes;  // one wrench per push, the same in all states; initially as in the scene [N, N m]
 
-  struct Thread {  // One thread's memory.
+  struct Thread {  // The memory of one thread.
     SceneData data;
-    std::shared_ptr<BatchCopies> copies = nullptr;  // made when first needed
+    std::shared_ptr<BatchCopies> copies = nullptr;  // created when first needed
   };
   std::vector<Thread> threads;
-  std::shared_ptr<std::vector<internal::Failure>> failures;  // scratch: what went wrong in each
+  std::shared_ptr<std::vector<internal::Failure>> failures;  // workspace: the failure of each thread
 };
 
-/// BatchRows of the active contacts: the size of a state's forces.
+/// The number of constraint rows of the active contacts, which is the number of columns of F.
 int force_rows(const Scene& scene, const BatchData& batch);
 
-// All: states of failed islands give NaN for these islands, and the state's status is kFailed; the others are
-// solved all the same. `status` has one entry per state. Throw std::invalid_argument when a size does not fit or the
-// data are of another scene, before anything is computed; std::bad_alloc, also from a thread: then outputs are as they
-// come. OpenBLAS is held to one thread meanwhile, in the whole program; one batch at a time.
+// For all functions below: islands that fail have NaN results, and the status of their state is kFailed. The other
+// states are solved all the same. `status` has one entry per state. While a batch runs, OpenBLAS is limited to one
+// thread in the whole program, so that only one batch may run at a time.
 
-/// A (nv columns) and F (force_rows): accelerations and contact forces, as `solve`.
+/// Solves every state, as `solve` does. A (nv columns) receives the accelerations and F (force_rows columns) the
+/// contact forces. Throws std::invalid_argument before anything is computed if a size is wrong or the data belong to
+/// another scene. May throw std::bad_alloc, also if a worker thread runs out of memory; the outputs are then
+/// unspecified.
 void solve_batch(const Scene& scene, const BatchStates& states, BatchData& batch, BatchRows A, BatchRows F,
                  std::span<Status> status);
 
-/// The same, and in each row of D the derivatives of [a; f] with respect to [q v u], a row-major matrix of
-/// (nv + force_rows) x (2 nv + nu) numbers in the scene's order. (Large scenes: `differentiate` has blocks per island.)
+/// Solves every state and differentiates its solution. Each row of D receives the derivatives of [a; f] with respect to
+/// [q v u], a row-major matrix of (nv + force_rows) x (2 nv + nu) numbers in the scene's order. Throws as solve_batch
+/// does. For large scenes `differentiate` takes far less memory, since it returns one set of blocks per island.
 void differentiate_batch(const Scene& scene, const BatchStates& states, BatchData& batch, BatchRows A, BatchRows F,
                          BatchRows D, std::span<Status> status);
 
-/// WQ (nv), WV (nv), WU (nu): rows of WA (nv) and WF (force_rows) times the derivatives of a and f at each state, as
-/// `vjp`. Each state is solved for that.
+/// Solves every state and multiplies the transposed derivatives by rows of WA (nv columns) and WF (force_rows columns),
+/// as `vjp` does. The results are WQ (nv columns), WV (nv columns) and WU (nu columns). No derivative matrix is formed.
+/// Throws as solve_batch does.
 void vjp_batch(const Scene& scene, const BatchStates& states, const ConstBatchRows& WA, const ConstBatchRows& WF,
                BatchData& batch, BatchRows WQ, BatchRows WV, BatchRows WU, std::span<Status> status);
 
-/// The same, and WW (6 per push) by the wrenches of pushes, in the axes that these are stated in.
+/// Also computes WW (6 columns per push), the product with respect to the wrenches of the pushes. Each wrench is
+/// expressed in the axes of its push.
 void vjp_batch(const Scene& scene, const BatchStates& states, const ConstBatchRows& WA, const ConstBatchRows& WF,
                BatchData& batch, BatchRows WQ, BatchRows WV, BatchRows WU, BatchRows WW, std::span<Status> status);
 

@@ -1,13 +1,18 @@
 #pragma once
-// The variable part of a scene: what is asked, the answer, and the memory it is worked out in. One per thread; the
-// Scene stays constant and may be shared.
+// The variable part of a scene: inputs other than q, v, u, the solution, and the workspace. Use one per thread. The
+// Scene is only read and may be shared by threads.
 //
-// Data belong to the scene they were made for. Under data in use may change: gravity, damping, tolerance,
-// moment_length, fixed bases' placements, of a contact B's placement, reference frame and gains, of pushes and springs
-// all but their bodies. Robots and their models, the number of contacts, and of a contact its type, A, B's body and
-// axis may not, nor bodies that pushes and springs are on: every function that takes both throws std::invalid_argument
-// where these differ, and new data are needed. (A copy of the scene without any pushes and springs may be solved with
-// its data: nothing of that kind acts then.)
+// Data belong to the scene they were made for. While they are in use, the following members of the scene may change:
+//
+// - gravity, damping, tolerance and moment_length;
+// - the placements of fixed bases;
+// - the placement of B, the reference frame and the gains of a contact;
+// - everything of pushes and springs except their bodies.
+//
+// The following may not change: robots and their models, the number of contacts, the type, A, axis and body of B of a
+// contact, and the bodies of pushes and springs. Every function that takes a scene and data throws
+// std::invalid_argument if they differ; new data are needed then. (A copy of the scene without any pushes and springs
+// may be solved with the same data.)
 
 #include <cstdint>
 #include <memory>
@@ -17,45 +22,47 @@
 
 namespace manycontact {
 
-/// An answer. Written by solve and solve_tau alone; estimate_condition and estimate_errors complete the report.
+/// A solution. Only solve and solve_tau write it; estimate_condition and estimate_errors complete its report.
 struct Solution {
-  std::uint64_t serial = 0;   // number of the solve, 1, 2, ...; 0: there is no answer, or it was given up
-  Eigen::VectorXd v, tau;     // nv: the velocity and the torques solved at, friction of joints,
-                              // pushes and springs included [m/s, rad/s; N, N m]
+  std::uint64_t serial = 0;   // number of the solve: 1, 2, ...; 0 if there is no solution
+  Eigen::VectorXd v, tau;     // nv: velocity [m/s, rad/s] and total torques [N, N m] of the solve; tau includes joint
+                              // friction, pushes and springs
   Eigen::VectorXd a;          // nv: accelerations [m/s^2, rad/s^2]
-  Eigen::VectorXd f;          // rows of the active contacts, in the scene's order: forces on A in the contact's
-                              // reference frame [N, N m]
-  std::vector<int> f_offset;  // per contact: its first row in f, -1 when not active; by prepare
-  Report report;              // what the answer is worth
+  Eigen::VectorXd f;          // one entry per constraint row of the active contacts, in the scene's order: forces on A,
+                              // expressed in the contact's reference frame [N, N m]
+  std::vector<int> f_offset;  // per contact: its first row in f, or -1 if it is not active; set by prepare
+  Report report;              // status and accuracy of the solution
 };
 
-struct Workspace;  // private to floor dynamics
+struct Workspace;  // private to the module dynamics
 
 struct SceneData : Solution {                                           // The variable part of a scene, one per thread.
-  explicit SceneData(const Scene& scene, const Options& options = {});  // for this scene alone
+  explicit SceneData(const Scene& scene, const Options& options = {});  // makes data for this scene alone
   ~SceneData();
-  SceneData(SceneData&&) noexcept;  // moved from, it is of no scene
+  SceneData(SceneData&&) noexcept;  // the moved-from data belong to no scene
   SceneData& operator=(SceneData&&) noexcept;
 
-  // the caller's, between solves
+  // These members are set by the caller, between solves.
   Options options;
-  std::vector<char> active;          // one per contact: as the scene has it at first
-  std::vector<Vec6<double>> pushes;  // one per push: its wrench, as the scene has it at first [N, N m]
+  std::vector<char> active;          // one flag per contact; initially as in the scene
+  std::vector<Vec6<double>> pushes;  // one wrench per push [N, N m], in the axes of the push; initially as in the scene
 
   std::unique_ptr<Workspace> workspace;
 };
 
-/// Finds the islands of data.active and sets up their systems, unless they are set up already. `solve` calls it. What
-/// was analysed for any contact set before is not analysed again, and only islands change whose contacts were switched.
-/// Throws std::invalid_argument when data are not of this scene, or `active` has another size.
+/// Finds the islands for data.active and sets up their systems, unless this was done already. `solve` calls it. A set
+/// of contacts that was analysed before is not analysed again, and only islands whose contacts were switched change.
+/// Throws std::invalid_argument if the data belong to another scene, or if `active` has a wrong size. Thread-safe for
+/// distinct data. The cost is that of a symbolic factorization for each new island.
 void prepare(const Scene& scene, SceneData& data);
 
-/// "left[0]" for each row of f. After prepare or solve.
+/// The names of the rows of f: "left[0]", ... Call it after prepare or solve.
 std::vector<std::string> force_names(const Scene& scene, const SceneData& data);
 
-/// The rows of f that are a contact's, by its name or number: what it exerts on A, in its reference frame [N, N m].
-/// Valid until the data's next call. Throws std::invalid_argument for a contact that does not exist, with the nearest
-/// name, std::logic_error for one that is not active and before the first solve.
+/// The force of a contact, given by name or number: the rows of f that the contact exerts on A, expressed in its
+/// reference frame [N, N m]. The view remains valid until the next call with the data. Throws std::invalid_argument for
+/// a contact that does not exist, and suggests the nearest name. Throws std::logic_error if the contact is not active,
+/// or before the first solve.
 Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SceneData& data,
                                                         const std::string& contact);
 Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SceneData& data, int contact);

@@ -7,50 +7,62 @@
 namespace manycontact {
 
 // clang-format off
-/// Derivatives of data.a and data.f at the last solve, with its factor:
+/// Computes the derivatives of data.a and data.f at the last solve, using its factor:
 ///
-///     K [ da ; -df ] = -[ dr1 ; dr2 ],   r1 = ID(q, v, a, f) - tau,   r2 = J a + a0 + delta f,
+///     K [ da ; -df ] = -[ dr1 ; dr2 ],   r1 = ID(q, v, a, f) - tau,   r2 = J a + a0 + delta f.
 ///
-/// f held constant in each contact's own frame while r1 is differentiated; tau(q, v, u, w) is that of motors, friction,
-/// pushes and springs. Where contacts are redundant, dforces_* are
-/// those of the least-norm forces, the rank being locally constant; where they contradict each other, da_* are those of
-/// the least-squares accelerations. NaN are the blocks of failed islands, and of those whose system for them, worse than
-/// that of the solve, was not solved to kConverged.
-/// Allocates nothing after the first call with the same request and contact set, by the sparse methods, unless a state
-/// needs another way (a thread's first derivatives take scratch that it keeps). Throws std::logic_error before the first
-/// solve and when contacts were switched after it, std::invalid_argument when data are not of this scene.
+/// While r1 is differentiated, f is constant in each contact's own frame. The torque tau(q, v, u, w) is that of motors,
+/// joint friction, pushes and springs. If contacts are redundant, dforces_* are the derivatives of the least-norm
+/// forces, where the rank is locally constant. If contacts are inconsistent, da_* are those of the least-squares
+/// accelerations. Blocks are NaN for failed islands, and for islands whose derivative system could not be solved
+/// accurately.
+///
+/// Sizes per island: nv or nc rows; nv columns (q, v), nu columns (u), 6 columns per push (w). The views in the result
+/// remain valid until the next solve. Memory: (nv + nc)(2 nv + nu) numbers per island. Cost: one solve with the factor
+/// per column; see `jvp` and `vjp` for products at the cost of a few solves. With the sparse methods, a call does not
+/// allocate if request and contact set are as before, unless a state needs a fallback. Thread-safe for distinct data.
+///
+/// Throws std::logic_error before the first solve and if contacts were switched after it. Throws std::invalid_argument
+/// if the data belong to another scene.
 // clang-format on
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request = {});
 
-/// The scene's matrices in the order of its v, u and of data.f: for callers that want one matrix. Blocks that were not
-/// asked for come out with no columns. Throws std::logic_error unless differentiate was called after the last solve.
+/// The derivatives of the whole scene, in the order of its v, u and of data.f. Matrices that were not requested have no
+/// columns.
 struct SceneDerivatives {
   Eigen::MatrixXd da_dq, da_dv, da_du, dforces_dq, dforces_dv, dforces_du;
-  Eigen::MatrixXd da_dw, dforces_dw;  // by the wrenches of all pushes, 6 columns each
+  Eigen::MatrixXd da_dw, dforces_dw;  // with respect to the wrenches of all pushes, 6 columns each
 };
-[[nodiscard]] SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data);  // nv, nc rows
+/// Copies the blocks of the last `differentiate` into dense matrices of the whole scene, with nv and nc rows. They take
+/// O((nv + nc)(2 nv + nu)) memory, which is too much for large scenes: use sparse_derivatives or the blocks there.
+/// Throws std::logic_error unless differentiate was called after the last solve.
+[[nodiscard]] SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data);
 
-/// The same as one sparse matrix, rows [a; f], columns [q | v | u | w] (those asked for), column-major.
+/// Copies the blocks into one sparse column-major matrix. Its rows are [a; f], its columns [q | v | u | w], where only
+/// requested columns are present. Throws as dense_derivatives does.
 [[nodiscard]] Eigen::SparseMatrix<double> sparse_derivatives(const Scene& scene, const SceneData& data);
 
-/// Bounds of the largest errors of an island's derivatives, each relative to the largest entry of its matrix: 0 where
-/// that was not asked for or is empty, above 1 where all of it is rounding, infinite where there is no bound.
+/// Bounds of the largest errors of the derivatives of an island. Each bound is relative to the largest entry of its
+/// matrix. It is 0 if the matrix is empty, NaN if it was not requested, above 1 if all entries may be rounding errors,
+/// and infinite if no bound is known.
 struct DerivativeBounds {
   double da_dq = 0, da_dv = 0, da_du = 0, dforces_dq = 0, dforces_dv = 0, dforces_du = 0;
   double da_dw = 0, dforces_dw = 0;
 };
-/// After differentiate, one per island, by the residual of K [da; -df] = -[dr1; dr2] and a few solves with the factor:
+/// Bounds the errors of the last `differentiate`, one result per island, from the residual of K [da; -df] = -[dr1; dr2]
+/// and a few solves with the factor:
 ///
 ///     |error| <= |K^-1| (|residual| + c eps (|terms of dr| + |K| |[da; -df]|) + e |terms of dr/dq|),
 ///
-/// e the relative error of a and f, in the maximum norm and to first order; where rows depend, |K^+ K^+| times what is
-/// not known of their contradictions besides. Infinite for failed islands and deep trees too large for K. Throws
-/// std::logic_error unless differentiate was called after the last solve.
+/// where e is the relative error of a and f, in the maximum norm and to first order. If rows are dependent, the bound
+/// also includes |K^+ K^+| times the uncertainty of their inconsistency. The bound is infinite for failed islands and
+/// for deep trees whose K is too large. Throws std::logic_error unless differentiate was called after the last solve.
 [[nodiscard]] std::vector<DerivativeBounds> estimate_derivative_errors(const Scene& scene, SceneData& data);
 
-/// What differentiate computed last.
+/// Returns what `differentiate` computed last. The reference remains valid as long as the data.
 const DerivativeData& derivatives(const SceneData& data);
-/// Gives back the memory of derivatives, which the next differentiate takes again (but not the threads' scratch).
+/// Frees the memory of the derivatives, except the workspace of the threads. The next `differentiate` allocates it
+/// again.
 void release_derivatives(SceneData& data);
 
 }  // namespace manycontact

@@ -5,21 +5,27 @@
 
 namespace manycontact {
 
-/// Torques u (scene.nu) that hold the scene still at q: the u part of the minimum-norm least-squares solution of
-/// [S^T J^T] [u; f] = h(q, 0) - J_F^T w - tau_s(q, 0), S selecting the actuated joints, active contacts only, under
-/// data.pushes and the scene's springs. N m (N for prismatic). A q that solve() would refuse: std::invalid_argument;
-/// NaN for an island refused otherwise. Throws std::length_error where a deep tree's joint-space terms are too many
-/// (kkt/choose.hpp: kMostJointSpace). Uses `data` for kinematics; a later derivative needs a new solve.
+/// Computes torques u (scene.nu entries, N m or N) that keep the scene at rest at q (scene.nq entries). u is part of
+/// the minimum-norm least-squares solution of
+///
+///     [S^T J^T] [u; f] = h(q, 0) - J_F^T w - tau_s(q, 0),
+///
+/// where S selects the actuated joints, J contains the active contacts, w are the wrenches data.pushes, and tau_s are
+/// the torques of the springs. If the scene cannot be kept at rest, the residual is not zero: solve with the returned
+/// torques and look at the accelerations.
+///
+/// The result is NaN for islands that cannot be computed. Throws std::invalid_argument if q has a wrong size or is
+/// refused by solve(). Throws std::length_error for trees too deep for the joint-space inertia (2^22 terms). `data` is
+/// used as workspace for kinematics, so that derivatives need a new solve afterwards. Thread-safe for distinct data.
 /// Source: Crocoddyl, DifferentialActionModelContactFwdDynamics::quasiStatic.
-Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, SceneData& data);
+Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q, SceneData& data);
 
-/// The same for controls u that give the torques tau0 + B u: [B J^T] [u; f] = h(q, 0) - J_F^T w - tau_s(q, 0) - tau0.
-/// B: scene.nv rows.
-Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                             const Eigen::Ref<const Eigen::VectorXd>& tau0, const Eigen::SparseMatrix<double>& B,
-                             SceneData& data);
+/// Computes controls u that give the torques tau0 + B u: [B J^T] [u; f] = h(q, 0) - J_F^T w - tau_s(q, 0) - tau0. tau0
+/// has scene.nv entries, and B has scene.nv rows and one column per control. Throws as the first overload does.
+Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& tau0,
+                             const Eigen::SparseMatrix<double>& B, SceneData& data);
 
-/// As the first, with the scene's own active flags.
-Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q);
+/// Computes the torques with the active flags and wrenches of the scene. It makes data of its own, and so allocates.
+Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q);
 
 }  // namespace manycontact

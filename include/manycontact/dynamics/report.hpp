@@ -1,6 +1,7 @@
 #pragma once
-// What a solve says about its answer, in every build type.
+// Status and accuracy of a solution, available in every build type.
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -9,51 +10,65 @@
 
 namespace manycontact {
 
-/// From good to bad; a scene is as bad as its worst island.
+/// An estimate that was not computed.
+inline constexpr double kNotEstimated = std::numeric_limits<double>::quiet_NaN();
+
+/// Times of a solve [us]. They are measured and differ from call to call; comparisons of reports ignore them.
+struct SolveTimes {
+  double setup = 0;  // finding islands and analysing new ones; near 0 if the contacts are as before
+  double solve = 0;  // kinematics, bias, assembly, factorization, solution, refinement and residuals
+};
+
+/// From good to bad. The status of a scene is that of its worst island.
 enum class Status {
   kOk,
-  kRedundant,     // contacts depend on each other and agree: accelerations exact, forces of least norm
-  kInconsistent,  // contacts contradict each other: least squares
-  kRegularised,   // the answer to a neighbouring problem
-  kFailed,        // no answer: accelerations and forces are NaN
+  kRedundant,     // contacts are redundant and consistent: accelerations are exact, forces have least norm
+  kInconsistent,  // contacts are inconsistent: the accelerations are the least-squares solution
+  kRegularised,   // the solution is that of a neighbouring problem
+  kFailed,        // there is no solution: accelerations and forces are NaN
 };
 std::string to_string(Status status);  // "ok", "redundant", ...
 
-struct IslandReport {  // Of one island's answer.
+struct IslandReport {  // Status and accuracy of the solution of one island.
   Status status = Status::kOk;
-  Method method = Method::kSparseLdl;  // the one that answered
-  Order order = Order::kLeafToRoot;    // its order, where it has one
+  Method method = Method::kSparseLdl;  // the method that computed the solution
+  Order order = Order::kLeafToRoot;    // its elimination order, if the method has one
   Reason reason = Reason::kNone;       // of the last change of order or method, of the failure, or kUncertain
-  bool changed_order = false;          // the order chosen was unsound, leaf-to-root answered
+  bool changed_order = false;          // the chosen order was not accurate, and leaf-to-root was used instead
   int nv = 0, nc = 0;
-  int rank = 0;                     // of J; with damping, nc: K is regular whatever J's rank; 0 when failed
-  std::vector<int> dependent_rows;  // delta = 0: rows of data.f that depend on the others, ascending; nc - rank of them
-  int factor_nonzeros = 0;          // of L (and the tree's factor), diagonals included
+  int rank = 0;                     // of J; nc with damping, since K is regular then; 0 if failed
+  std::vector<int> dependent_rows;  // without damping: the nc - rank rows of data.f that depend on the others,
+                                    // ascending
+  int factor_nonzeros = 0;          // of L (and of the tree's factor), diagonals included
   int refinement_steps = 0;
   double residual_dynamics = 0;  // max |M a - J^T f - tau_b| / max (|M||a| + |J^T||f| + |tau_b|)
   double residual_contact = 0;   // max |J a + a0 + delta f| / max (|J||a| + |a0| + delta |f|, |gravity|)
-  double contact_terms = 0;      // max (|J||a| + |a0| + delta |f|): what contradictions are judged beside
-  double backward_error = 0;     // max |r_k| / (|b| + |K||x|)_k: how far K and b are from ones solved exactly; of a
-                                 // fallback rows that are all rounding are judged beside what they are rounded from
-  double condition = 0;          // 1-norm condition of K, by estimate_condition; 0: not asked for
-  /// Bounds of the largest errors of a and of f, relative to the largest a and f, by estimate_errors; 0: not known.
-  /// Above 1 nothing of them is known but their size: they are rounding, as accelerations are in a scene at rest; or
-  /// the answer is no more than that of a neighbouring problem (Reason::kUncertain).
-  double error_acceleration = 0, error_forces = 0;
+  double contact_terms = 0;      // max (|J||a| + |a0| + delta |f|): the scale in the test for inconsistency
+  double backward_error = 0;     // max |r_k| / (|b| + |K||x|)_k: the relative change of K and b that makes the solution
+                                 // exact. After a fallback, rows that contain only rounding error are compared with the
+                                 // terms they were computed from
+  double condition = kNotEstimated;  // 1-norm condition number of K, set by estimate_condition; until then NaN
+  /// Bounds of the largest errors of a and of f, relative to the largest a and f, set by estimate_errors; until then
+  /// NaN. Above 1 only the size of the errors is known. Then a and f may be rounding errors, as the accelerations of a
+  /// scene at rest, or the solution is that of a neighbouring problem (Reason::kUncertain).
+  double error_acceleration = kNotEstimated, error_forces = kNotEstimated;
 };
 
-struct Report {  // Of the whole scene's answer.
+struct Report {  // Status and accuracy of the solution of the whole scene.
   Status status = Status::kOk;
-  Method method = Method::kAuto;      // the one asked for
-  std::vector<IslandReport> islands;  // with method dense-schur, which takes the scene as one system, a single one
+  Method method = Method::kAuto;      // the method that was requested
+  std::vector<IslandReport> islands;  // one entry per island; a single one with dense-schur, which solves the scene as
+                                      // one system
 
-  // sums and maxima over islands
+  // Sums and maxima over the islands.
   int nv = 0, nc = 0, rank = 0, factor_nonzeros = 0, refinement_steps = 0;
-  double residual_dynamics = 0, residual_contact = 0, backward_error = 0, condition = 0;
-  double error_acceleration = 0, error_forces = 0;
+  double residual_dynamics = 0, residual_contact = 0, backward_error = 0;
+  double condition = kNotEstimated, error_acceleration = kNotEstimated, error_forces = kNotEstimated;
+
+  SolveTimes times;
 };
 
-/// Sums up report.islands into the other fields but `method`.
+/// Computes the other fields, except `method` and `times`, from report.islands.
 void summarise(Report& report);
 
 }  // namespace manycontact

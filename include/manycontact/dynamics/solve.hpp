@@ -3,46 +3,62 @@
 
 namespace manycontact {
 
-using ConstVector = Eigen::Ref<const Eigen::VectorXd>;
+using ConstVector = ConstVectorRef;  // former name
 
-/// Contact forward dynamics: accelerations data.a and contact forces data.f of the scene at q (nq), v (nv), u (nu, the
-/// torques of the actuated coordinates), by
+/// Contact forward dynamics: computes the accelerations data.a (nv) and the contact forces data.f of the scene from
 ///
 ///     [ M  J^T     ] [  a ]   [ S^T u + J_F^T w + tau_s(q, v) - h ]
 ///     [ J  -delta I] [ -f ] = [              -a0                  ]
 ///
-/// (w: wrenches data.pushes at frames F of the scene's pushes; tau_s: its springs and the friction of joints)
-/// per island, with data.options.method. Returns data.report, whose status says what the answer is worth; a failed
-/// island's a and f are NaN. Allocates nothing when every island's trees and contacts were met before, gains and frames
-/// too, by the sparse methods but sparse-supernodal. Bits do not depend on what data held before.
-/// Throws std::invalid_argument when a size does not fit the scene or data are not of this scene, and leaves what is at
-/// hand; std::bad_alloc, and std::invalid_argument for data.active of another length: no answer is at hand then
-/// (data.serial is 0), and the next call starts anew.
-[[nodiscard]] const Report& solve(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& u,
-                                  SceneData& data);
+/// island by island, with data.options.method. w are the wrenches data.pushes at the frames F of the scene's pushes,
+/// and tau_s are the torques of its springs and of joint friction.
+///
+/// q: configuration (scene.nq) [m, rad, unit quaternions]. v: velocity (scene.nv) [m/s, rad/s]; that of a floating base
+/// is the spatial velocity in the base's own frame, linear part first. u: torques of the actuated coordinates
+/// (scene.nu) [N m, N]. data.f is expressed in the reference frame of each contact [N, N m].
+///
+/// Returns data.report. Its status is that of the solution: exact, least-squares, approximate or missing. The
+/// accelerations and forces of a failed island are NaN. The reference remains valid as long as `data`; the next solve
+/// overwrites the report.
+///
+/// With the sparse methods, except sparse-supernodal, a call does not allocate if every island's set of contacts was
+/// solved before with this data. The result is bitwise independent of the previous contents of `data`. The cost is
+/// linear in the number of separate robots. Thread-safe for distinct `data`; `scene` is only read.
+///
+/// Throws std::invalid_argument if a size does not fit the scene or the data belong to another scene; the previous
+/// solution remains then. Throws std::bad_alloc, and std::invalid_argument if data.active has a wrong size; then there
+/// is no solution (data.serial is 0), and the next call sets up the islands again.
+[[nodiscard]] const Report& solve(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
+                                  const ConstVectorRef& u, SceneData& data);
 
-/// The same with torques tau (nv) on every velocity coordinate, floating bases included.
-[[nodiscard]] const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v,
-                                      const ConstVector& tau, SceneData& data);
+/// Solves with torques tau (scene.nv) [N m, N] on every velocity coordinate, those of floating bases included.
+/// Everything else is as in `solve`.
+[[nodiscard]] const Report& solve_tau(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
+                                      const ConstVectorRef& tau, SceneData& data);
 
-/// The levels of instructions for robots in SIMD lanes that are compiled in and run on this processor, widest first.
+/// The SIMD instruction sets that are compiled in and supported by this processor, widest first.
 std::vector<Lanes> lanes_here();
 
-/// After solve: the 1-norm condition number of each island's K, estimated by a few solves with the factor at hand
-/// (Hager, Higham), into the report. Of a singular K with dependent rows: |K|_1 |K^+|_1 of the generalised inverse
-/// used.
+/// Estimates the 1-norm condition number of each island's K after a solve, and stores it in the report. It takes a few
+/// solves with the existing factor (Hager, Higham). If K is singular because rows are dependent, the number is |K|_1
+/// |K^+|_1 of the generalised inverse that was used. Throws std::logic_error before a solve. Thread-safe for distinct
+/// data.
 void estimate_condition(const Scene& scene, SceneData& data);
 
-/// After solve: bounds of the errors of each island's a and f, into the report, by a few solves with the factor at
-/// hand:
+/// Bounds the errors of each island's a and f after a solve, and stores the bounds in the report. It takes a few solves
+/// with the existing factor:
 ///
 ///     |x - x_true| <= |K^-1| (|r| + c eps (|b| + |K||x| + what K and b were computed from))
 ///
-/// in the maximum norm, to first order in eps; c grows with the depth of the trees. Failed islands: infinite. Of an
-/// answer that rounding may change by more than its size, and by more than what acts (gravity, torques, bias
-/// forces: a scene at rest accelerates by rounding, and that is known to be little), `ok` and `redundant` become
-/// `regularised`, the answer to a neighbouring problem, with the reason kUncertain. Source: Higham, Accuracy and
-/// Stability (2002), 7.2 and ch. 15.
+/// in the maximum norm, to first order in eps. The factor c grows with the depth of the trees. The bounds of failed
+/// islands are infinite.
+///
+/// Rounding errors may change a solution by more than its size, and by more than gravity, torques and bias forces. Then
+/// the status `ok` or `redundant` becomes `regularised`, with the reason kUncertain. A scene at rest keeps its status:
+/// its accelerations are rounding errors, but known to be small.
+///
+/// Throws std::logic_error before a solve. Thread-safe for distinct data. Source: Higham, Accuracy and Stability
+/// (2002), 7.2 and ch. 15.
 void estimate_errors(const Scene& scene, SceneData& data);
 
 }  // namespace manycontact

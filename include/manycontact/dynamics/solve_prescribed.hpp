@@ -1,19 +1,21 @@
 #pragma once
-// Contacts that are asked for an acceleration of their own, as a support that moves gives it:
+// Contacts with a prescribed acceleration, for example on a moving support:
 //
 //     [ M  J^T     ] [  a ]   [ tau - h(q, v) ]
 //     [ J  -delta I] [ -f ] = [  prescribed - a0  ]
 //
-// Without gravity and at v = 0 it is also what asks for velocities: a is v+, tau the momentum, -f the impulse.
+// Without gravity and at v = 0 the same equations solve an impact: a is the velocity after it, tau the momentum before
+// it, and -f the impulse.
 
 #include "manycontact/dynamics/solve.hpp"
 
 namespace manycontact {
 
-/// As solve_tau. prescribed: rows of the active contacts, as Solution::f [m/s^2, rad/s^2]. The answer has neither
-/// derivatives nor error bounds: differentiate, jvp, vjp, estimate_errors and refine_truth throw std::logic_error.
-/// Throws std::invalid_argument unless sizes fit.
-[[nodiscard]] const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVector& v,
-                                      const ConstVector& tau, const ConstVector& prescribed, SceneData& data);
+/// Solves with torques tau (scene.nv) [N m, N] and prescribed accelerations of the constraint rows (the size of
+/// Solution::f) [m/s^2, rad/s^2]. q: scene.nq, v: scene.nv; units, frames, cost and lifetime are those of `solve`. The
+/// solution has neither derivatives nor error bounds: differentiate, jvp, vjp and estimate_errors throw
+/// std::logic_error. Throws std::invalid_argument unless all sizes fit. Thread-safe for distinct data.
+[[nodiscard]] const Report& solve_tau(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
+                                      const ConstVectorRef& tau, const ConstVectorRef& prescribed, SceneData& data);
 
 }  // namespace manycontact

@@ -1,7 +1,9 @@
 #pragma once
-// What a solve leaves to be looked at, besides the answer. All throw std::logic_error where what they show was not
-// computed; references stay valid until the data's next call. Robots that stood in lanes (Options::lanes) leave nothing
-// but the answer, until `complete` is called; sparse-bodies leaves no K, and of contacts neither J nor Jl (NaN).
+// Intermediate results of a solve: islands, K, kinematics, and the Jacobians of contacts. All functions throw
+// std::logic_error if the requested result was not computed. References remain valid until the next call with the data.
+//
+// Robots that were solved in a SIMD batch (Options::lanes) have no intermediate results until `complete` is called.
+// With sparse-bodies there is no K, and J and Jl of contacts are NaN.
 
 #include <Eigen/SparseCore>
 #include <span>
@@ -14,41 +16,46 @@
 
 namespace manycontact {
 
-/// After solve: computes what the solution's robots would have left had they not stood in lanes: motions, K, its
-/// factor. Throws as differentiate does.
+/// Computes the intermediate results of robots that were solved in a SIMD batch: motions, K and its factor. Call it
+/// after a solve and before the functions below. Throws as differentiate does. The cost is that of a solve of these
+/// robots.
 void complete(const Scene& scene, const SceneData& data);
 
-/// Whether the islands at hand are those of data.active and data.options.
+/// Whether the current islands are those of data.active and data.options.
 bool is_prepared(const SceneData& data);
-/// The islands of data.report.islands, after prepare or solve.
+/// The islands of data.report.islands, by number. Call these functions after prepare or solve.
 std::size_t island_count(const SceneData& data);
 const Island& island_of(const SceneData& data, std::size_t i);
-/// The number of the island that a robot of the scene is in.
+/// The number of the island that contains a robot of the scene.
 int island_with_robot(const SceneData& data, int robot);
-/// The method and order chosen for an island when it was set up; its report says which answered.
+/// The method and order chosen for an island when it was set up. Its report contains the method that computed the
+/// solution.
 Choice choice_of(const SceneData& data, std::size_t i);
-/// K = [M J^T; J -delta I] of an island as solved last, both halves; velocities and rows as the island numbers them.
-/// delta is zero where the damping was lost (Reason::kDampingLost).
+/// K = [M J^T; J -delta I] of an island at the last solve, nv + nc rows, both triangles, in the island's order. delta
+/// is zero if the damping was below the rounding errors of K (Reason::kDampingLost). Call `complete` first for robots
+/// that were solved in a SIMD batch. Allocates.
 Eigen::SparseMatrix<double> matrix_of(const SceneData& data, std::size_t i);
 
-/// A robot's bodies in its tree frame, at q, v solved at; accelerations are those without forces or torques (qdd = 0).
+/// The kinematics of a robot's bodies in its tree frame (algorithm/kinematics.hpp) at the last q, v. The accelerations
+/// are those for zero joint accelerations.
 const Kinematics<double>& kinematics_of(const SceneData& data, int robot);
-/// Inertia of each joint's subtree, in the tree frame.
+/// The inertia of each joint's subtree in the tree frame [kg, kg m, kg m^2].
 std::span<const Inertia<double>> composite_inertias(const SceneData& data, int robot);
-/// Packed joint-space inertia (algorithm/crba.hpp), and bias torques h (nv).
+/// The packed joint-space inertia (algorithm/crba.hpp), and the bias torques h (nv) [N m, N] of a robot.
 std::span<const double> inertia_of(const SceneData& data, int robot);
 const Eigen::VectorXd& bias_of(const SceneData& data, int robot);
-/// The rows of an active contact: J, a0 and what they are made of.
+/// The constraint rows of an active contact: J, a0 and the quantities that they are computed from (contact/rows.hpp).
 const ContactData<double>& contact_of(const SceneData& data, int contact);
-/// The coordinates that any contact acts on.
+/// The velocity coordinates that the contact acts on.
 const ContactSupport& support_of(const SceneData& data, int contact);
-/// The rows at the solution's accelerations and their derivatives; after differentiate.
+/// The constraint rows of an active contact at the accelerations of the solution, and their derivatives. Call these
+/// functions after differentiate.
 const ContactData<double>& contact_at_solution(const SceneData& data, int contact);
 const ContactDerivatives& contact_derivatives_of(const SceneData& data, int contact);
 
-/// Places, velocities and inertias of all robots at q (nq), v (nv), for kinematics_of and composite_inertias; gives up
-/// the solution. Throws std::invalid_argument on a wrong size, and for a q or v that solve would refuse.
-void update_kinematics(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                       const Eigen::Ref<const Eigen::VectorXd>& v, SceneData& data);
+/// Computes the placements, velocities and inertias of all robots at q (nq) and v (nv), for kinematics_of and
+/// composite_inertias. It discards the solution. Throws std::invalid_argument for a wrong size, and for q or v that
+/// solve would refuse.
+void update_kinematics(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v, SceneData& data);
 
 }  // namespace manycontact

@@ -1,15 +1,15 @@
 #pragma once
-// What reading a robot's file found odd but usable.
+// Questionable but usable input.
 
 #include <string>
 
 namespace manycontact {
 
-/// Something odd but usable that a robot's file says, and how it is taken. Kinds: src/doc/scene_file.md.
+/// A questionable but usable property of a robot's file, and how it is interpreted.
 struct Finding {
-  std::string kind;  // "inertia", "limits", "unread", "mimic", "dynamics", "passive", "base", "consistent"
-  std::string name;  // of the joint, link or other element; in a scene's list with the robot's: "herd/knee"
-  std::string text;  // what it says and what was made of that
+  std::string kind;  // "inertia", "limits", "unread", "mimic", "dynamics", "passive", "base", "consistent", "pose"
+  std::string name;  // of the joint, link or other element; in a scene's list with the robot's name: "herd/knee"
+  std::string text;  // what the file contains, and how it is interpreted
   std::string file;
   int line = 1;
 };

@@ -1,17 +1,17 @@
 #pragma once
-// Bad input: which file, which line, what is wrong there and what was expected.
+// Bad input: the file, the line, what is wrong there, and what was expected.
 
 #include <stdexcept>
 #include <string>
 
 namespace manycontact {
 
-/// what() is exactly "FILE:LINE: message", on one line whatever the input held.
+/// what() is exactly "FILE:LINE: message", on one line for any input.
 struct InputError : std::runtime_error {
   InputError(std::string file_, int line_, const std::string& message_);  // line breaks become blanks
 
   std::string file;
-  int line;  // 1 where unknown
+  int line;  // 1 if unknown
   std::string message;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// A scene from its XML file (src/doc/scene_file.md): robots with their copies and their state, contacts.
+// A scene read from its XML file: robots with their copies and their state, and contacts.
 
 #include <optional>
 #include <string>
@@ -11,63 +11,64 @@
 
 namespace manycontact {
 
-/// One <robot> element: a robot, or its copies. They are neighbours in the scene and share one model.
+/// One <robot> element: a robot, or its copies. Copies are consecutive in the scene and share one model.
 struct RobotGroup {
   std::string name;     // as in the file; copies are called name0, name1, ...
-  std::string urdf;     // path of the file it came from
-  bool copied = false;  // had a `copies` attribute
+  std::string urdf;     // path of its file
+  bool copied = false;  // whether it has a `copies` attribute
   int first = 0, count = 1;
   int line = 1;
 };
 
-/// One <contact> element: a contact, or its copies, neighbours in the scene.
+/// One <contact> element: a contact, or its copies, which are consecutive in the scene.
 struct ContactGroup {
-  std::string name;  // as in the file; copies are called name0, name1, ... by the copy of frame A's robot
+  std::string name;  // as in the file; copies are called name0, name1, ... after the copy of frame A's robot
   bool copied = false;
-  int first = 0, count = 1;  // count may be 0: no copy has the target asked for
+  int first = 0, count = 1;  // count is 0 if no copy has the requested target
   int line = 1;
 };
 
-/// A <pose> element, or one copy's: where a frame, or a robot's centre of mass, is to be in the world [m, rad]; angles
-/// as in rpy. What is left out is open.
+/// A <pose> element, or that of one copy: the required placement of a frame, or of a robot's centre of mass, in the
+/// world [m, rad]. Angles are those of rpy. Components that are not given are open.
 struct ScenePose {
-  std::string name;  // "robot/link", or the robot's
+  std::string name;  // "robot/link", or the robot's name
   Attachment frame;
-  bool center_of_mass = false;  // of the robot frame.robot
+  bool center_of_mass = false;  // the goal is the centre of mass of the robot frame.robot
   std::optional<double> x, y, z, roll, pitch, yaw;
   std::string file;
   int line = 1;
 };
 
-/// A contact whose B' the file leaves out, at least in part: it is taken from q.
+/// A contact whose B' is missing in the file, at least in part. It is computed from q.
 struct OpenReference {
   int contact = 0;
-  bool position = false, orientation = false;  // what is left out
+  bool position = false, orientation = false;  // which parts are missing
 };
 
-struct SceneFile {  // A scene, its state, and which elements of the file its robots and contacts came from.
+struct SceneFile {  // A scene, its state, and the elements of the file that define its robots and contacts.
   std::string path;
-  std::vector<std::string> files;  // read for it: `path`, scenes it includes, URDFs, each once
+  std::vector<std::string> files;  // all files read: `path`, included scenes, URDFs, each once
   Scene scene;
   Eigen::VectorXd q, v, u;  // scene.nq, scene.nv, scene.nu
   std::vector<RobotGroup> robot_groups;
   std::vector<ContactGroup> contact_groups;
-  std::vector<int> robot_group;     // per robot: index into robot_groups
-  std::vector<SE3<double>> moved;   // per robot: from where its element places it to where `arrange` does
+  std::vector<int> robot_group;     // per robot: index in robot_groups
+  std::vector<SE3<double>> moved;   // per robot: displacement by `arrange`, relative to the placement in its element
   std::vector<int> gravity_robots;  // robots with u="gravity", ascending
   std::vector<ScenePose> poses;
   std::vector<OpenReference> open_references;
-  std::vector<int> open_lengths;  // springs whose length the file leaves out: it is what it is at q
-  int consistent_line = 0;        // where consistent="true" stands in `path`; 0: it does not
+  std::vector<int> open_lengths;  // springs without a length in the file; it is computed at q
+  int consistent_line = 0;        // the line of consistent="true" in `path`; 0: there is none
   int restarts = 0;               // of the search for the poses (analysis/place.hpp)
-  std::vector<Finding> findings;  // of the robots' files, by the first robot that has the model: "herd/knee"
+  std::vector<Finding> findings;  // of the robots' files, named after the first robot with the model: "herd/knee"
 };
 
-/// Throws InputError. References left out are resolved from q. The torques u of gravity_robots are NaN, and q, v are as
-/// they stand in the file also where it asks for poses or for consistent ones: all that takes a solver, and load_scene
-/// (analysis/load_scene.hpp) sees to it.
+/// Reads a scene file. Missing references of contacts are computed from q. The torques u of gravity_robots are NaN. q
+/// and v are those of the file even if it requests poses or a consistent state: these need a solver, see load_scene
+/// (analysis/load_scene.hpp). Throws InputError. Thread-safe.
 SceneFile read_scene(const std::string& path);
-/// The same of XML text, UTF-8 whatever it declares, as if it stood in the file `path`, which need not exist.
+/// Reads XML text in UTF-8, whatever encoding it declares, as if it were the file `path`, which need not exist. Throws
+/// InputError. Thread-safe.
 SceneFile read_scene_text(const std::string& text, const std::string& path);
 
 }  // namespace manycontact

@@ -1,14 +1,16 @@
 #pragma once
-// A robot from a URDF file.
+// A robot read from a URDF file.
 //
-// Fixed joints are merged into the parent's body, so are locked ones; every link stays usable as a frame.
-// Joints are numbered depth first from the root, those of a link in byte order of their names. Masses and
-// inertias are judged per moving body, after merging. With a fixed base the bodies merged into the root link
-// are immovable and dropped.
+// Fixed and locked joints are merged into the parent's body; every link remains available as a frame. Joints are
+// numbered depth first from the root, those of a link in byte order of their names. Masses and inertias are checked per
+// moving body, after merging. With a fixed base, bodies merged into the root link cannot move and are left out.
 //
-// What is odd but usable is taken, and told as findings: principal moments that no body has; limits that are infinite,
-// negative, crossed or missing, which bound nothing; numbers that an inertia lacks, which are 0; elements that act on
-// the motion and are not read.
+// Questionable but usable input is accepted and reported as findings:
+//
+// - principal moments that violate the triangle inequality
+// - limits that are infinite, negative, crossed or missing; they bound nothing
+// - missing numbers of an inertia, which become 0
+// - elements that influence the motion and are ignored
 
 #include <map>
 #include <set>
@@ -21,37 +23,41 @@
 
 namespace manycontact {
 
-struct UrdfOptions {           // What is said of a robot beside its file.
-  bool floating_base = false;  // joint 0 is then "root", of type kFloating, carrying the root link
-  double armature = 0;         // of every coordinate but the floating base's, kg m^2 (kg for prismatic)
-  std::map<std::string, std::vector<double>> joint_armature = {};  // overrides it; one number, or one per coordinate
-  std::map<std::string, double> locked = {};                       // joint frozen at this position; one-dof joints only
-  bool refuse_mimic = false;                                       // a moving joint with <mimic> is an InputError
-  std::set<std::string> passive = {};                              // joints without torques: Joint::actuated is false
-  bool model_dynamics = false;          // <dynamics>: fills Model::damping and friction; else only noted
-  bool refuse_inertia = false;          // principal moments that no body has are an InputError; else only noted
-  std::set<std::string> actuated = {};  // floating joints of the file with torques in u: they are passive by default
-  std::map<std::string, double> joint_damping = {};  // overrides <dynamics>; joints of one coordinate only
-  /// The link that is the root instead of the file's: with a floating base that which "root" carries, with a fixed base
-  /// that which stands in the world. Empty: the file's. A joint between the two is passed backwards, its child carries
-  /// its parent: about -axis, so that q, v, torques and limits keep their meaning.
+struct UrdfOptions {           // Properties of a robot that are not in its file.
+  bool floating_base = false;  // joint 0 is then "root", of type kFloating, and moves the root link
+  double armature = 0;         // of every coordinate except those of the floating base, kg m^2 (kg for prismatic)
+  /// overrides armature; one number, or one per coordinate
+  std::map<std::string, std::vector<double>> joint_armature = {};
+  /// joints frozen at this position [rad, m]; joints with one coordinate only
+  std::map<std::string, double> locked = {};
+  bool refuse_mimic = false;           // a moving joint with <mimic> is an InputError
+  std::set<std::string> passive = {};  // joints without torques: Joint::actuated is false
+  bool model_dynamics = false;  // whether <dynamics> sets Model::damping and friction; otherwise it is only noted
+  bool refuse_inertia = false;  // principal moments that violate the triangle inequality are an InputError;
+                                // otherwise they are only noted
+  std::set<std::string> actuated = {};  // floating joints of the file with torques in u; by default they have none
+  std::map<std::string, double> joint_damping = {};  // overrides <dynamics>; joints with one coordinate only
+  /// The link that replaces the file's root: it is moved by the floating base, or fixed to the world. Empty: the file's
+  /// root. Joints between the two roots are inverted: the child carries the parent. Their axis is negated, so that q,
+  /// v, torques and limits keep their meaning.
   std::string root = {};
 
   bool operator==(const UrdfOptions&) const = default;
 };
 
-/// The options do not fit the robot: `joint` is unknown, fixed, has several coordinates, ...
+/// The options do not fit the robot: `joint` is unknown or fixed, or has several coordinates, ...
 struct UrdfOptionError : std::invalid_argument {
   UrdfOptionError(std::string joint_, bool lock_, const std::string& message)
       : std::invalid_argument(message), joint(std::move(joint_)), lock(lock_) {}  // message: what is wrong
   std::string joint;
-  bool lock;  // from UrdfOptions::locked, else from another
+  bool lock;  // whether the error is in UrdfOptions::locked
 };
 
-/// Reads and finalizes. Limits are infinite where the file has none that bound anything; a lower or upper that <limit>
-/// leaves out is 0, as URDF has it. Throws InputError for the file, where nothing can be computed from it (no tree,
-/// no numbers, negative masses or moments after merging), UrdfOptionError for the options.
-/// findings, unless null: gets what is odd, by line.
+/// Reads and finalizes a model. Limits are infinite if the file has none that bound anything; a lower or upper bound
+/// that <limit> leaves out is 0, as URDF defines. `findings`, unless null, receives questionable input, in the order of
+/// lines. The order of q is that of the joints, see the top of this file. Throws InputError if nothing can be computed
+/// from the file (no tree, no numbers, negative masses or moments after merging), and UrdfOptionError for the options.
+/// Thread-safe.
 Model load_urdf(const std::string& path, const UrdfOptions& options = {}, std::vector<Finding>* findings = nullptr);
 
 }  // namespace manycontact

@@ -1,6 +1,6 @@
 #pragma once
-// Islands: robots joined by active contacts between bodies that move. Each has a KKT system of its own; the world joins
-// nothing, nor does the base of a robot that stands.
+// Islands: sets of robots that are coupled by active contacts. Each island has a KKT system of its own. Contacts with
+// the world, or with a body that is fixed to the world, do not couple robots.
 
 #include <vector>
 
@@ -8,42 +8,44 @@
 
 namespace manycontact {
 
-/// Its robots' velocity coordinates stand one after the other, and so do its contacts' rows.
+/// One island. The velocity coordinates of its robots, and the constraint rows of its contacts, are numbered
+/// consecutively.
 struct Island {
-  std::vector<int> robots;      // scene numbers, ascending
-  std::vector<int> contacts;    // scene numbers of the active ones, ascending
+  std::vector<int> robots;      // numbers in the scene, ascending
+  std::vector<int> contacts;    // numbers of the active contacts in the scene, ascending
   std::vector<int> dof_offset;  // per robot: its first coordinate in the island
   std::vector<int> row_offset;  // per contact: its first row in the island
   int nv = 0, nc = 0;
 
-  int size() const { return nv + nc; }
+  int size() const { return nv + nc; }  // rows of K
 };
 
-/// Whether a contact makes one island of two robots.
+/// Whether a contact couples two robots.
 inline bool joins_robots(const Contact& contact) { return moves(contact.A) && moves(contact.B); }
-/// Whether a spring does: it joins no rows of K, but derivatives have blocks between the two.
+/// Whether a spring couples two robots. It adds no rows to K, but derivatives have blocks between the two robots.
 inline bool joins_robots(const Spring& spring) { return moves(spring.A) && moves(spring.B); }
-/// The robot whose island a contact is part of: A's, or B's where A cannot move.
+/// The robot whose island a contact belongs to: that of A, or that of B if A cannot move.
 inline int robot_of(const Contact& contact) { return moves(contact.A) ? contact.A.robot : contact.B.robot; }
 
-/// The islands of the scene with its springs and the given contacts active (one flag each), in the order of their first
-/// robots.
+/// Finds the islands of the scene with its springs and the given active contacts (one flag per contact). They are in
+/// the order of their first robots. The cost is linear in the numbers of robots and contacts.
 std::vector<Island> find_islands(const Scene& scene, const std::vector<char>& active);
 
-/// All robots and all active contacts of the scene as one island, whether contacts join them or not.
+/// All robots and all active contacts of the scene as one island, whether contacts couple them or not.
 Island whole_scene(const Scene& scene, const std::vector<char>& active);
 
-/// Fills dof_offset, row_offset, nv and nc from robots and contacts.
+/// Computes dof_offset, row_offset, nv and nc from robots and contacts.
 void number_island(const Scene& scene, Island& island);
 
-/// Position of a robot in island.robots, which it is one of.
+/// The position of a robot in island.robots. The robot must be part of the island.
 int local_robot(const Island& island, int robot);
-/// First coordinate in the island of the robot that a contact's end is on; 0 where that end cannot move.
+/// The first coordinate, in the island, of the robot that an end of a contact is attached to; 0 if that end cannot
+/// move.
 int first_dof(const Island& island, const Attachment& end);
 
-// The walk between an island's coordinates and the scene's, a robot or a contact at a time.
+// The functions below map coordinates of an island to those of the scene, by robot or contact.
 
-/// use(first in the scene's v, first in the island, count) for each robot.
+/// Calls use(first index in the scene's v, first index in the island, count) for each robot.
 template <class Use>
 void each_velocity_block(const Scene& scene, const Island& island, Use&& use) {
   for (std::size_t k = 0; k < island.robots.size(); ++k) {
@@ -52,7 +54,7 @@ void each_velocity_block(const Scene& scene, const Island& island, Use&& use) {
   }
 }
 
-/// use(first in the scene's u, first in the island's torques, count) for each robot.
+/// Calls use(first index in the scene's u, first index in the island's torques, count) for each robot.
 template <class Use>
 void each_torque_block(const Scene& scene, const Island& island, Use&& use) {
   int first = 0;
@@ -63,8 +65,8 @@ void each_torque_block(const Scene& scene, const Island& island, Use&& use) {
   }
 }
 
-/// use(first in the scene's forces, first in the island's rows, count) for each contact. f_offset: per contact of the
-/// scene, its first row among the forces.
+/// Calls use(first index in the scene's forces, first index in the island's rows, count) for each contact. f_offset
+/// contains, per contact of the scene, its first row among the forces.
 template <class Use>
 void each_force_block(const Scene& scene, const std::vector<int>& f_offset, const Island& island, Use&& use) {
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {

@@ -1,78 +1,88 @@
 #pragma once
-// Ways of solving an island's system: methods and orders of elimination.
+// Options of a solve: methods, elimination orders, SIMD instructions and threads.
 
 #include <optional>
 #include <string>
 
 namespace manycontact {
 
+/// Methods for an island's system.
 enum class Method {
-  kDense,             // per island, rank-revealing: the oracle
-  kDenseSchur,        // the whole scene as one island, LLT of M and of J M^-1 J^T, as Crocoddyl does: the baseline
-  kSparseLdl,         // LDL' of K by a compiled schedule (sparse/ldl_schedule.hpp), per island
-  kSuiteSparseLdl,    // the same by SuiteSparse's LDL: a second opinion, never taken by kAuto
-  kSparseCholmod,     // CHOLMOD's simplicial LDL' on K, per island
-  kSparseSupernodal,  // tree-sparse factor of M, CHOLMOD's supernodal LL' on the Schur complement, per island
-  kSparseBodies,      // bodies' accelerations and joints' forces kept as unknowns, per island: linear in deep trees
+  kDense,             // per island, rank-revealing: the dense reference solver
+  kDenseSchur,        // the whole scene as one system, LLT of M and of J M^-1 J^T, as in Crocoddyl: the baseline
+  kSparseLdl,         // LDL^T of K by a compiled schedule, per island
+  kSuiteSparseLdl,    // LDL^T of K by SuiteSparse's LDL, for comparison; kAuto never chooses it
+  kSparseCholmod,     // CHOLMOD's simplicial LDL^T of K, per island
+  kSparseSupernodal,  // tree-sparse factor of M, CHOLMOD's supernodal LL^T of the Schur complement, per island
+  kSparseBodies,      // accelerations of bodies and forces of joints are kept as unknowns, per island: linear in the
+                      // depth of trees
   kAuto,              // per island, the sparse method and order of least predicted cost
 };
 inline constexpr Method kMethods[] = {Method::kDense,          Method::kDenseSchur,    Method::kSparseLdl,
                                       Method::kSuiteSparseLdl, Method::kSparseCholmod, Method::kSparseSupernodal,
                                       Method::kSparseBodies,   Method::kAuto};
 std::string to_string(Method method);  // "sparse-ldl"
-/// The method called `name`, as to_string writes it.
+/// The method with the given name, as to_string writes it; none if there is no such method.
 std::optional<Method> method_from_string(const std::string& name);
-/// Whether a method eliminates K's rows in an order that can be chosen.
+/// Whether a method eliminates the rows of K in an order that can be chosen.
 constexpr bool has_order(Method m) {
   return m == Method::kSparseLdl || m == Method::kSuiteSparseLdl || m == Method::kSparseCholmod;
 }
 
-/// Where the contact rows go among the joints. Joints go from the leaves to the root, which fills nothing in M.
+/// The place of the constraint rows in the elimination order. Joints are eliminated from the leaves to the root, which
+/// causes no fill-in in M.
 enum class Order {
-  kLeafToRoot,     // contacts last: sound whenever J has full rank
-  kContactsEarly,  // a contact as soon as joints that move it in all its directions are eliminated; less fill
-  kCamd,           // SuiteSparse CAMD, all joints before all contacts
+  kLeafToRoot,     // contacts last; accurate whenever J has full rank
+  kContactsEarly,  // a contact as soon as the joints that move it in all its directions are eliminated; less fill-in
+  kCamd,           // SuiteSparse's CAMD, all joints before all contacts
 };
 inline constexpr Order kOrders[] = {Order::kLeafToRoot, Order::kContactsEarly, Order::kCamd};
 std::string to_string(Order order);                               // "leaf-to-root"
-std::optional<Order> order_from_string(const std::string& name);  // likewise
+std::optional<Order> order_from_string(const std::string& name);  // the order with the given name, as to_string writes
+                                                                  // it
 
-/// How an island is solved. method: not kAuto. order: of the pattern that K is assembled in, eliminated in that order
-/// where the method has one.
+/// How an island is solved. The method is never kAuto. K is assembled in the given order, and eliminated in that order
+/// if the method has one.
 struct Choice {
   Method method = Method::kSparseLdl;
   Order order = Order::kLeafToRoot;
 };
 
-/// Instructions for robots side by side in SIMD lanes, 2 (baseline), 4 (AVX2 and FMA) or 8 (AVX-512) of one model at a
-/// time: islands of one robot by sparse-ldl as a whole, islands of several robots by sparse-ldl robot by robot where
-/// that is cheaper (derivatives by sparse-supernodal too), and by sparse-bodies the subtrees into which held bodies cut
-/// a tree. A level that is not compiled in, or does not run here, is as kOff.
+/// The SIMD instructions with which several robots are solved at a time: 2 (baseline), 4 (AVX2 and FMA) or 8 (AVX-512).
+///
+/// The robots of a batch have the same kinematic structure. Islands of one robot are batched as a whole by sparse-ldl.
+/// Islands of several robots are batched robot by robot by sparse-ldl, if this is cheaper; their derivatives by
+/// sparse-supernodal too. With sparse-bodies, the subtrees between constrained bodies are batched. A level that is not
+/// compiled in, or not supported by the processor, is treated as kOff.
 enum class Lanes {
-  kAuto,  // the widest that runs here
-  kOff,   // robot by robot, subtree by subtree
+  kAuto,  // the widest level that this processor supports
+  kOff,   // no batches: one robot or subtree at a time
   kBaseline,
   kAvx2,
   kAvx512,
 };
 inline constexpr Lanes kLanes[] = {Lanes::kAuto, Lanes::kOff, Lanes::kBaseline, Lanes::kAvx2, Lanes::kAvx512};
 std::string to_string(Lanes lanes);                               // "auto", "off", "baseline", "avx2", "avx512"
-std::optional<Lanes> lanes_from_string(const std::string& name);  // likewise
+std::optional<Lanes> lanes_from_string(const std::string& name);  // the level with the given name, as to_string writes
+                                                                  // it
 
-inline constexpr int kMostThreads = 4096;  // more are a misprint, rather than a machine
+inline constexpr int kMostThreads = 4096;  // larger numbers of threads are refused
 
 struct Options {  // How to solve.
   Method method = Method::kAuto;
-  std::optional<Order> order;  // of methods with has_order; none: the order of least predicted cost
+  std::optional<Order> order;  // for methods with has_order; none: the order of least predicted cost
   Lanes lanes = Lanes::kAuto;
-  /// Threads of OpenMP inside a call of solve, differentiate, jvp and vjp: over islands, robots side by side, and
-  /// robots of a large island; kMostThreads at most. 0: as many as OpenMP would take. Results do not depend on it (of
-  /// sparse-supernodal: where the BLAS works in one thread). Above 1, OpenBLAS is held to one thread meanwhile, in the
-  /// whole program: one such call at a time.
+  /// Threads of OpenMP inside a call of solve, differentiate, jvp and vjp, kMostThreads at most. They work on islands,
+  /// on SIMD batches, and on the robots of a large island. 0 takes as many as OpenMP offers.
+  ///
+  /// Results do not depend on the number of threads. For sparse-supernodal this is true only if the BLAS uses one
+  /// thread. With more than one thread, OpenBLAS is limited to one thread during the call, in the whole program. Then
+  /// only one such call may run at a time.
   int threads = 1;
-  /// Rows of several contacts between the same two bodies are reduced to those that span them, six at most, before
-  /// anything is factorized: by all methods but kDense and kDenseSchur, where Scene::tolerance is zero, of contacts in
-  /// A's axes. false: rows that depend on each other are found in K instead, and `complete` shows every contact.
+  /// Whether the constraint rows of several contacts between the same two bodies are reduced to at most six independent
+  /// rows before the factorization. All methods do so except kDense and kDenseSchur, if Scene::tolerance is zero and
+  /// the contacts are expressed in A's axes. If false, dependent rows are found in K instead, and `complete` shows
+  /// every contact.
   bool reduce_pairs = true;
   bool operator==(const Options&) const = default;
 };

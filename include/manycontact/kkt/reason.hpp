@@ -3,21 +3,22 @@
 
 namespace manycontact {
 
-/// Why a factor cannot be used, an island was not answered by the method asked for, or not answered at all.
+/// Why a factor cannot be used, why another method than the requested one was used, or why there is no solution.
+/// to_string describes each reason in words.
 enum class Reason {
   kNone,
-  kZeroPivot,        // a pivot was exactly zero or not finite
-  kWrongInertia,     // K's inertia was not (nv, nc, 0)
-  kSmallPivot,       // a pivot was lost in cancellation: dependent rows, or nearly
-  kLargeResidual,    // refinement did not reach a small residual
+  kZeroPivot,        // a pivot was zero or not finite
+  kWrongInertia,     // the signature of K was not (nv, nc, 0): numbers of positive, negative and zero eigenvalues
+  kSmallPivot,       // a pivot was lost in cancellation: rows are dependent, or nearly so
+  kLargeResidual,    // iterative refinement did not reach a small residual
   kNotFinite,        // q, v or u is not finite, or K or the right-hand side overflowed
-  kDampingLost,      // regularised: the damping is below the rounding of K, the answer is the one without damping
+  kDampingLost,      // regularised: the damping is below the rounding errors of K; the solution is that without damping
   kBadDamping,       // the scene's damping is negative or not finite
-  kBadQuaternion,    // a quaternion in q is further than 1e-6 from unit length
-  kSingularInertia,  // M is singular and the contacts do not hold what it lets go
-  kSpringWithoutDirection,  // the ends of a spring coincide
-  kBadMomentLength,         // the scene's moment_length is not a finite number above 0
-  kUncertain,               // rounding may change the answer by more than its size, by estimate_errors
+  kBadQuaternion,    // the norm of a quaternion in q differs from 1 by more than 1e-6
+  kSingularInertia,  // M is singular, and the contacts do not constrain its null space
+  kSpringWithoutDirection,  // the two ends of a spring coincide
+  kBadMomentLength,         // the scene's moment_length is not finite and positive
+  kUncertain,  // rounding errors may change the solution by more than its size, according to estimate_errors
 };
 std::string to_string(Reason reason);  // in words, for people
 

@@ -1,5 +1,5 @@
 #pragma once
-// Joints with constant motion subspace. A joint's columns S_i (6 x nv) are constant in the joint's child frame.
+// Joints with a constant motion subspace: a joint's columns S_i (6 x nv) are constant in the joint's child frame.
 
 #include <string>
 
@@ -7,38 +7,41 @@
 
 namespace manycontact {
 
+/// Joint types.
 enum class JointType {
-  kRevolute,   // q: angle [rad], about `axis`; also continuous
+  kRevolute,   // q: angle [rad], about `axis`; also used for continuous joints
   kPrismatic,  // q: displacement [m] along `axis`
   kFloating,   // q: x y z [m], qx qy qz qw; v: spatial velocity in the child frame, linear first
   kPlanar,     // q: x y [m], angle [rad]; v in the moving frame; the plane's normal is z of the joint frame
 };
 
-/// How many numbers it has in q, and in v.
+/// The number of coordinates that a joint has in q.
 constexpr int joint_nq(JointType t) { return t == JointType::kFloating ? 7 : t == JointType::kPlanar ? 3 : 1; }
+/// The number of coordinates that a joint has in v.
 constexpr int joint_nv(JointType t) { return t == JointType::kFloating ? 6 : t == JointType::kPlanar ? 3 : 1; }
 
-/// Shorter directions count as zero: files and computed differences leave such rests, and they point anywhere.
+/// Vectors shorter than this have no direction: they may consist of rounding errors of files or of computed
+/// differences.
 constexpr double kZeroDirection = 1e-9;
 
-/// One joint and the body it carries. The joint frame is the child frame at q = 0.
+/// One joint and the body that it moves. The joint frame is the child frame at q = 0.
 struct Joint {
   std::string name;
   JointType type = JointType::kRevolute;
-  int parent = -1;  // joint, -1: the robot's base
+  int parent = -1;  // number of the parent joint; -1: the robot's base
   int idx_q = 0, idx_v = 0;
   SE3<double> placement;                      // of the joint frame in the parent joint's frame
   Vec3<double> axis = Vec3<double>::UnitZ();  // unit, in the joint frame (revolute, prismatic)
-  Inertia<double> inertia;                    // of the body, fixed links merged, in the child frame
-  /// Limits, one value per velocity coordinate; infinite where the file gives none.
-  Eigen::VectorXd lower, upper;  // position (floating: unused)
+  Inertia<double> inertia;                    // of the body, fixed links merged, in the child frame [kg, kg m, kg m^2]
+  /// Limits, one value per velocity coordinate; infinite if the file has none.
+  Eigen::VectorXd lower, upper;  // position [rad, m]; unused for floating joints
   Eigen::VectorXd velocity_limit, effort_limit;
-  bool actuated = true;  // has torques in u; false: passive. A floating base never has
+  bool actuated = true;  // whether the joint has torques in u; false: passive. A floating base never has
 
   int nq() const { return joint_nq(type); }  // numbers in q
   int nv() const { return joint_nv(type); }  // numbers in v
 
-  // Derived by finalize(Model&), to spare work in the recursions.
+  // Derived by finalize(Model&), to save work in the recursions.
   int axis_kind = 3;              // 0, 1, 2: axis is +x, +y, +z; 3: any
   bool placement_rotates = true;  // placement.R is not the identity
 };

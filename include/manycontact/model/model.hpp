@@ -1,6 +1,6 @@
 #pragma once
-// One robot (or object): a kinematic tree. Constant once finalized; shared by all copies of the robot in a scene.
-// Joints are numbered so that a parent comes before its children.
+// One robot (or object): a kinematic tree. It is constant once finalized, and shared by all copies of the robot in a
+// scene. Joints are numbered so that a parent comes before its children.
 
 #include <memory>
 #include <string>
@@ -10,89 +10,92 @@
 
 namespace manycontact {
 
-/// A named frame (a link, or a link merged behind fixed joints), fixed on a joint's body.
+/// A named frame that is fixed to a joint's body: a link, or a link merged behind fixed joints.
 struct Frame {
   std::string name;
   int joint = -1;            // -1: fixed to the robot's base
   SE3<double> placement;     // in the joint's frame (in the base frame when joint = -1)
-  bool merged = false;       // the link hangs on its joint's body behind fixed or locked joints
-  Inertia<double> inertia;   // of this link alone, in this frame; the joint's inertia has it already
-  std::string parent_joint;  // the joint of the file that carries the link, fixed ones too; empty for the root
+  bool merged = false;       // whether the link is attached to its joint's body by fixed or locked joints
+  Inertia<double> inertia;   // of this link alone, in this frame; it is part of the joint's inertia already
+  std::string parent_joint;  // the joint of the file whose child is the link, fixed joints included; empty for the root
 };
 
-/// What reading the file merged, locked, or did not model; for `inspect` and the summary.
+/// Elements of the file that were merged, locked, or not modelled, for `inspect` and the summary.
 struct ModelNotes {
   std::vector<std::string> merged;    // fixed joints
   std::vector<std::string> locked;    // frozen joints
-  std::vector<std::string> mimic;     // joints with <mimic>, kept independent
+  std::vector<std::string> mimic;     // joints with <mimic> that are kept independent
   std::vector<std::string> dynamics;  // joints whose <dynamics> damping or friction is not modelled
 };
 
-/// A tree of joints: all of a robot's on a floating base, on a fixed base those that hang on it by one joint.
+/// A tree of joints. With a floating base, all joints of a robot form one tree. With a fixed base, each joint attached
+/// to it starts a tree.
 struct Tree {
   int root = 0;           // joint
-  std::vector<int> path;  // joints from the root to the anchor, the body that the tree frame's origin is on
+  std::vector<int> path;  // joints from the root to the anchor, the body with the origin of the tree frame
 };
 
 /// Below this speed Coulomb friction falls to zero instead of jumping [rad/s, m/s].
 constexpr double kFrictionVelocity = 0.01;
 
-struct Model {  // A robot's tree: joints, frames, inertias.
+struct Model {  // A robot's joints, frames and inertias.
   std::string name;
   bool floating_base = false;  // joint 0 is the floating base
   std::vector<Joint> joints;
   std::vector<Frame> frames;
   Eigen::VectorXd armature;  // nv, kg m^2 (kg for prismatic): reflected rotor inertia, on M's diagonal
-  // nv, or empty where not modelled: the torque -damping v - friction tanh(v / kFrictionVelocity) on every coordinate.
+  // The torque -damping v - friction tanh(v / kFrictionVelocity) on every coordinate. nv entries, or empty if not
+  // modelled.
   Eigen::VectorXd damping;   // N m s / rad, N s / m
-  Eigen::VectorXd friction;  // N m, N: Coulomb's, smoothed around standstill so that it has derivatives
+  Eigen::VectorXd friction;  // N m, N: Coulomb friction, smoothed around zero velocity so that it is differentiable
   ModelNotes notes;
 
   // Derived by finalize.
   int nq = 0, nv = 0;
-  std::vector<int> actuated;     // velocity coordinates with a torque in u, in its order, ascending: all but a floating
-                                 // base's and passive joints'
-  std::vector<int> dof_parent;   // nv: the next dof towards the base, -1 at the base
-  std::vector<int> dof_joint;    // nv
+  std::vector<int> actuated;     // velocity coordinates with a torque in u, ascending: all except those of floating
+                                 // bases and passive joints
+  std::vector<int> dof_parent;   // nv: the next coordinate towards the base, -1 at the base
+  std::vector<int> dof_joint;    // nv: its joint
   std::vector<int> dof_depth;    // nv: number of ancestors
   std::vector<int> subtree_end;  // per joint: one past the last joint of its subtree when numbered depth first
-  std::vector<Tree> trees;       // by their roots, ascending
-  std::vector<int> tree_of;      // per joint: its tree
-  std::vector<char> on_path;     // per joint: on its tree's path
-  std::vector<int> M_begin;      // nv+1: row i of M's packed storage (see algorithm/crba.hpp); empty where the tree is
-                                 // so deep that this has 2^31 entries or more
-  /// The same object in models of one structure: alike but for names, masses, placements, armatures, coefficients of
-  /// damping and friction, limits. What is analysed of one holds for all of them.
+  std::vector<Tree> trees;       // in the order of their roots
+  std::vector<int> tree_of;      // per joint: the number of its tree
+  std::vector<char> on_path;     // per joint: whether it is on its tree's path
+  std::vector<int> M_begin;      // nv+1: start of row i of the packed M (algorithm/crba.hpp); empty if the tree is so
+                                 // deep that M has 2^31 entries or more
+  /// The same object for models that are identical except for names, masses, placements, armatures, damping, friction
+  /// and limits. The analysis of one such model is valid for all of them.
   std::shared_ptr<const struct ModelStructure> structure;
 
-  int njoints() const { return static_cast<int>(joints.size()); }  // movable ones, the floating base included
+  int njoints() const { return static_cast<int>(joints.size()); }  // movable joints, the floating base included
   int nu() const { return static_cast<int>(actuated.size()); }     // coordinates with a torque
-  int first_actuated() const { return floating_base ? 6 : 0; }     // the first coordinate that is not a floating base's
-  /// Index of the frame called `name`, -1 if there is none.
+  /// the first coordinate that does not belong to a floating base
+  int first_actuated() const { return floating_base ? 6 : 0; }
+  /// The index of the frame with the given name, or -1.
   int find_frame(const std::string& frame_name) const;
-  /// Index of the joint called `name`, -1 if there is none.
+  /// The index of the joint with the given name, or -1.
   int find_joint(const std::string& joint_name) const;
-  /// The first of a joint's torques in u, -1 when it has none.
+  /// The index of a joint's first torque in u, or -1.
   int torque_of(const Joint& joint) const;
-  /// Total mass, kg.
+  /// The total mass [kg].
   double mass() const;
 };
 
-/// Fills idx_q, idx_v and all derived fields from joints, frames and armature (an empty armature becomes zero).
-/// Throws std::invalid_argument when joints are not numbered depth first, parents before children, or a vector of
-/// coefficients has another size.
+/// Computes idx_q, idx_v and all derived fields from joints, frames and armature. An empty armature becomes zero.
+/// Throws std::invalid_argument if joints are not numbered depth first, parents before children, or if a vector of
+/// coefficients has a wrong size.
 void finalize(Model& model);
 
-/// Entries of M's packed storage. Throws std::length_error where M_begin is empty.
+/// The number of entries of the packed M. Throws std::length_error if M_begin is empty.
 std::size_t packed_size(const Model& model);
 
-/// Whether finalize has run since joints were added or taken away: the derived fields fit the joints.
+/// Whether finalize has run since joints were added or removed.
 bool is_finalized(const Model& model);
 
-/// The neutral configuration: zeros, unit quaternions.
+/// The neutral configuration (nq): zeros and unit quaternions.
 Eigen::VectorXd neutral(const Model& model);
 
-/// "knee", or "root[0]" for a coordinate of a joint with several.
+/// The name of a velocity coordinate: "knee", or "root[0]" for a joint with several coordinates.
 std::string dof_name(const Model& model, int dof);
 
 }  // namespace manycontact

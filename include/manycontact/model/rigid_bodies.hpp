@@ -1,9 +1,9 @@
 #pragma once
-// What algorithm/rigid_body.hpp and algorithm/configuration.hpp compute with: all robots of a scene, one of them, or a
-// model alone. A view: the scene or model must outlive it.
+// The first argument of the functions in algorithm/rigid_body.hpp and algorithm/configuration.hpp: all robots of a
+// scene, one of them, or a model alone. It is a view, so that the scene or model must outlive it.
 //
-// q, v, tau and everything else by coordinates are those of these robots one after the other: of a scene the scene's,
-// of one robot its own nq and nv numbers.
+// q, v, tau and all other vectors contain the coordinates of these robots, one after the other. For a scene they are
+// the scene's; for one robot they are its own nq and nv numbers.
 
 #include <span>
 
@@ -13,43 +13,51 @@ namespace manycontact {
 
 class RigidBodies {  // all robots of a scene, one of them, or a model alone
  public:
-  /// All robots of a scene.
+  /// Selects all robots of a scene.
   RigidBodies(const Scene& scene) : scene_(&scene) {}
-  /// One of them, with q and v of its own. Throws std::invalid_argument for a name that does not exist.
+  /// Selects one robot, with q and v of its own. Throws std::invalid_argument if there is no robot with that name.
   RigidBodies(const Scene& scene, const std::string& robot);
-  /// A model alone. model: finalized, or std::invalid_argument is thrown. base: where its base stands. gravity: m/s^2.
+  /// Selects a model alone. base: placement of its base in the world. gravity: m/s^2. Throws std::invalid_argument if
+  /// the model is not finalized.
   RigidBodies(const Model& model, const SE3<double>& base = {}, const Vec3<double>& gravity = {0, 0, -9.81});
 
-  std::span<const Robot> robots() const;                                               // in their order
+  std::span<const Robot> robots() const;  // in the order of their coordinates
   const Vec3<double>& gravity() const { return scene_ ? scene_->gravity : gravity_; }  // m/s^2
-  int nq() const;                                                                      // numbers in q
-  int nv() const;                                                                      // and in v
-  int njoints() const;  // movable ones, floating bases included
-  /// The first robot's number in its scene; 0 of a model alone.
+  int nq() const;                                                                      // number of coordinates of q
+  int nv() const;                                                                      // number of coordinates of v
+  int njoints() const;  // movable joints, floating bases included
+  /// The first robot's number in its scene; 0 for a model alone.
   int first() const { return first_; }
-  /// First coordinate of one of robots() in q.
+  /// The first coordinate in q of one of robots().
   int idx_q(const Robot& robot) const { return robot.idx_q - robots().front().idx_q; }
-  /// And in v.
+  /// The first coordinate in v of one of robots().
   int idx_v(const Robot& robot) const { return robot.idx_v - robots().front().idx_v; }
 
  private:
   const Scene* scene_ = nullptr;
-  int first_ = 0, count_ = -1;  // of the scene's robots; -1: all
+  int first_ = 0, count_ = -1;  // range of the scene's robots; -1: all
   std::optional<Robot> alone_;
   Vec3<double> gravity_;
 };
 
 /// A joint of a robot.
 struct BodyJoint {
-  int robot = 0, joint = 0;  // numbers in the scene (0: of a model alone), in the model
+  int robot = 0, joint = 0;  // number of the robot in the scene (0 for a model alone), and of the joint in the model
 };
 
-/// By name: "knee" where there is one robot, "r0/knee" always. A frame is a link, or the link that a joint of that name
-/// carries, fixed ones too. Throw std::invalid_argument for a name that does not exist, with the nearest one.
+/// Finds a frame by name: "r0/left_sole", or "left_sole" if there is only one robot. A frame is a link, or the link
+/// behind the joint with the given name, fixed joints included. Throws std::invalid_argument if there is no such name,
+/// and suggests the nearest one.
 Attachment frame_called(const RigidBodies& bodies, const std::string& name);
+/// frame_called with a name close to Pinocchio's getFrameId.
+inline Attachment frame_id(const RigidBodies& bodies, const std::string& name) { return frame_called(bodies, name); }
+/// Finds a joint by name: "r0/knee", or "knee" if there is only one robot. Throws std::invalid_argument if there is no
+/// such name, and suggests the nearest one.
 BodyJoint joint_called(const RigidBodies& bodies, const std::string& name);
+/// joint_called with a name close to Pinocchio's getJointId.
+inline BodyJoint joint_id(const RigidBodies& bodies, const std::string& name) { return joint_called(bodies, name); }
 
-/// All names, in the order of numbers: "knee" where there is one robot, else "r0/knee".
+/// All names, in the order of their numbers: "r0/knee", or "knee" if there is only one robot.
 std::vector<std::string> frame_names(const RigidBodies& bodies);
 std::vector<std::string> joint_names(const RigidBodies& bodies);
 

@@ -1,48 +1,54 @@
 #pragma once
-// Which gains a step size bears. Exact dynamics make a contact's error obey e'' + beta e' + alpha e = 0 (to first order
-// in e for 6D). An integrator makes of it a linear map of (e, h e') per step, with a = alpha h^2, b = beta h:
+// Stability of stabilisation gains for a step size. With exact dynamics a contact's error obeys e'' + beta e' + alpha e
+// = 0 (to first order in e for 6D). An integrator turns this into a linear map of (e, h e') per step. With a = alpha
+// h^2 and b = beta h it is
 //
 // clang-format off
-//   semi-implicit Euler   [ 1 - a   1 - b ]    z^2 - (2 - a - b) z + (1 - b) = 0
-//                         [  -a     1 - b ]    stable: 0 < b < 2, 0 < a < 4 - 2b        (Jury)
-//                                              double root z: b = 1 - z^2, a = (1 - z)^2; deadbeat z = 0: a = b = 1
-//   RK4                   R(hL), R(x) = 1 + x + x^2/2 + x^3/6 + x^4/24, L the roots of L^2 + beta L + alpha = 0
-//                                              double root L = -omega: stable for h omega < 2.7853, fastest at 1.5961
+//     semi-implicit Euler   [ 1 - a   1 - b ]    z^2 - (2 - a - b) z + (1 - b) = 0
+//                           [  -a     1 - b ]    stable: 0 < b < 2, 0 < a < 4 - 2b        (Jury)
+//                                                double root z: b = 1 - z^2, a = (1 - z)^2; deadbeat z = 0: a = b = 1
+//     RK4                   R(hL), R(x) = 1 + x + x^2/2 + x^3/6 + x^4/24, L the roots of L^2 + beta L + alpha = 0
+//                                                double root L = -omega: stable for h omega < 2.7853, fastest at 1.5961
 // clang-format on
 //
 // Recommended is a double root, which does not oscillate:
 //
 // clang-format off
-//   semi-implicit Euler   z = 1/2:         alpha = 1/(4 h^2),  beta = 3/(4 h)   e halves with every step
-//   RK4                   h omega = 1/10:  alpha = omega^2,    beta = 2 omega   e falls to 1/e in ten steps
+//     semi-implicit Euler   z = 1/2:         alpha = 1/(4 h^2),  beta = 3/(4 h)   e is halved by every step
+//     RK4                   h omega = 1/10:  alpha = omega^2,    beta = 2 omega   e falls to 1/e in ten steps
 // clang-format on
 //
-// Euler's drift falls all the way to the deadbeat gains; half of that leaves a margin: the step may double (a = 1,
-// b = 3/2 is the limit). RK4's does not: its inner stages leave the contact by O(h^2) s, s the contact's curvature
-// times velocity squared, and the gains answer: what remains is a drift of about (h omega)^2 h^2 s, order 2 instead of
-// 4 (Prothero and Robinson, Math. Comp. 28, 1974). At half the stable step it is a hundred times that at h omega =
-// 1/10; below that little is gained where errors come from elsewhere (damping, the start), and they stay longer.
+// With Euler, the constraint error decreases up to the deadbeat gains. Half of these leave a margin: the step may be
+// doubled (the limit is a = 1, b = 3/2).
 //
-// All this is meant for errors of integration. An error e at the start asks for an acceleration alpha e at once: where
-// it is large take the gains of a larger step.
+// With RK4 it does not. Its inner stages violate the contact by O(h^2) s, where s is the contact's curvature times
+// velocity squared, and the gains respond to that. A constraint error of about (h omega)^2 h^2 s remains, of order 2
+// instead of 4 (Prothero and Robinson, Math. Comp. 28, 1974). At half the stable step it is a hundred times that at h
+// omega = 1/10. Smaller gains gain little if errors have other causes (damping, the initial state), and let these decay
+// slowly.
+//
+// These gains are meant for integration errors. An initial error e causes an acceleration alpha e at once. If it is
+// large, use the gains of a larger step.
 
 #include "manycontact/simulation/integrator.hpp"
 
 namespace manycontact {
 
-struct Gains {                 // Of a contact's stabilisation.
+struct Gains {                 // Stabilisation gains of a contact.
   double alpha = 0, beta = 0;  // 1/s^2, 1/s
 };
 
-/// For steps of h. Throws std::invalid_argument unless h is finite and positive.
+/// The recommended gains for steps of h [s]. Throws std::invalid_argument unless h is finite and positive.
 Gains recommended_gains(Integrator integrator, double h);
 
-/// Spectral radius of the map: what |e| is multiplied by per step in the long run. Without gains 1: errors stay.
+/// The spectral radius of the map, by which |e| is multiplied per step in the long run. It is 1 without gains.
 double error_growth(Integrator integrator, const Gains& gains, double h);
 
-/// The step beyond which error_growth is above 1: infinite without gains, 0 where the gains themselves are unstable.
-///   semi-implicit Euler: 4 / (beta + sqrt(beta^2 + 4 alpha))
-///   RK4: the smallest h with |R(hL)| = 1, to 1e-9 of it
+/// The largest step h [s] for which error_growth is at most 1: infinite without gains, 0 if the gains themselves are
+/// unstable.
+///
+///     semi-implicit Euler: 4 / (beta + sqrt(beta^2 + 4 alpha))
+///     RK4: the smallest h with |R(hL)| = 1, with a relative error of 1e-9
 double largest_stable_step(Integrator integrator, const Gains& gains);
 
 }  // namespace manycontact

@@ -1,6 +1,6 @@
 #pragma once
-// What exact motion keeps: the errors of contacts (zero if they start so), energy without torques,
-// pushes, dampers and gains, momentum without gravity and contacts with the world.
+// Quantities that exact motion conserves. Constraint errors remain zero if they are initially. Energy is conserved
+// without torques, pushes, dampers and gains. Momentum is conserved without gravity and contacts with the world.
 
 #include <vector>
 
@@ -8,17 +8,18 @@
 
 namespace manycontact {
 
-struct Invariants {           // Of a scene at one state.
-  double position_drift = 0;  // max |W e| over the active contacts, with e = log6(G) or R_A^T (p_A - p_B') [m, rad]
+struct Invariants {           // The quantities of a scene at one state.
+  double position_drift = 0;  // max |W e| of the active contacts, with e = log6(G) or R_A^T (p_A - p_B') [m, rad]
   double velocity_drift = 0;  // max |J v| [m/s, rad/s]
   double kinetic = 0;         // J, rotors (armature) included
   double potential = 0;       // J, of gravity, zero at the world's origin, and of springs
-  Vec6<double> momentum = Vec6<double>::Zero();  // of the bodies, about the world's origin: linear [N s], angular
+  Vec6<double> momentum = Vec6<double>::Zero();  // of the bodies, about the world's origin: linear [N s], angular [N m
+                                                 // s]
 
   double energy() const { return kinetic + potential; }  // J
 };
 
-/// Room for `invariants`.
+/// The workspace of `invariants`.
 struct InvariantsData {
   explicit InvariantsData(const Scene& scene);  // for this scene
   std::vector<Kinematics<double>> kin;          // per robot
@@ -26,9 +27,10 @@ struct InvariantsData {
   std::vector<ContactData<double>> contacts;    // per contact
 };
 
-/// At q (nq), v (nv), with the contacts flagged `active`. W and e are those of contact/rows.hpp. A 1D or 2D contact
-/// whose axes turn holds a direction, not a place: its position drift grows in exact motion too. Allocates nothing.
-Invariants invariants(const Scene& scene, const std::vector<char>& active, const Eigen::Ref<const Eigen::VectorXd>& q,
-                      const Eigen::Ref<const Eigen::VectorXd>& v, InvariantsData& data);
+/// Computes the quantities at q (nq), v (nv), with the contacts flagged `active`. W and e are those of
+/// contact/rows.hpp. A 1D or 2D contact whose axes rotate constrains a direction rather than a position. Therefore its
+/// position error grows in exact motion, too. Allocates nothing. Thread-safe for distinct data.
+Invariants invariants(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
+                      const ConstVectorRef& v, InvariantsData& data);
 
 }  // namespace manycontact

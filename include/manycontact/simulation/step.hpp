@@ -1,34 +1,36 @@
 #pragma once
-// A scene on its way through time, on the manifold of its configurations, contacts held as the scene says.
+// Simulates a scene, on the manifold of its configurations, with its active contacts.
 //
-// Semi-implicit Euler holds contacts in the velocity, by an impulse h f:
+// Semi-implicit Euler constrains the velocities of contacts, by an impulse h f:
 //
 //     [ M  J^T     ] [ v+   ]   [ M v + h (tau - h(q, v))   ]
 //     [ J  -delta I] [ -h f ] = [ (1 - beta h) c - alpha h e ]      c+ = J(q) v+,   q+ = q (+) h v+
 //
-// with tau = tau(q, v, u, w) of motors, friction, pushes and springs. Of springs and of dampers in joints that bear no
-// steps of 2 h so, the forces are those at the end of the step instead, which adds h^2 k + h c to M along them: stable
-// for any h, and what swings faster than steps can follow dies out. It then gives what nothing ties to the world the
-// momentum that it has to have (simulation/momentum.hpp). Here e is the contact's error and c its velocity as the last
-// step left it: J v at the start, then J of the last configuration times v. Where e = c = 0 this takes v + h a_free to
-// the nearest velocity that the contacts allow, in the kinetic metric: contacts never add energy but for e and c.
-// (Accelerations J a = -J' v - beta J v - alpha e with beta near 1/h do: J v has grown by h J' v since the last step,
-// so that the curvature J' v is answered twice, and where it grows from step to step, as legs straighten, half the
-// energy of a scene was added in 10 ms.) For the scheme without gains see Stewart and Trinkle, International Journal
-// for Numerical Methods in Engineering 39 (1996).
+// tau = tau(q, v, u, w) is the torque of motors, friction, pushes and springs. Springs and joint dampers for
+// which an explicit step of 2 h would be unstable are evaluated at the end of the step. This adds h^2 k + h c to M
+// along them. It is stable for any h, and damps oscillations that are too fast for the step. Afterwards, the momentum
+// of bodies without connection to the world is corrected (simulation/momentum.hpp).
 //
-// RK4 is Munthe-Kaas': q(t) = q0 (+) w(t), and the classical scheme on (w, v) from w = 0 with
+// e is the contact's placement error. c is its velocity after the last step: J v initially, then J of the last
+// configuration times v. If e = c = 0, v+ is the velocity nearest to v + h a_free, in the mass-weighted norm, that the
+// contacts allow. Then contacts never add energy.
+//
+// Accelerations J a = -J' v - beta J v - alpha e with beta near 1/h do add energy. J v has grown by h J' v since the
+// last step, so that the curvature J' v is compensated twice. Where it grows from step to step, as for legs that
+// straighten, this added half the energy of a scene in 10 ms. For the scheme without gains see Stewart and Trinkle,
+// International Journal for Numerical Methods in Engineering 39 (1996).
+//
+// RK4 is the scheme of Munthe-Kaas: q(t) = q0 (+) w(t), and classical Runge-Kutta for (w, v) from w = 0 with
 //
 //     dw/dt = dexp^-1_w v,   dv/dt = a(q0 (+) w, v)
 //     dexp^-1_w v = v + [w, v]/2 + [w, [w, v]]/12 + O(|w|^4 |v|)
 //
-// v is already in the body's frame and needs no correction. What the series leaves out changes a step by O(h^5), as
-// the scheme itself does. Without the brackets floating bases and planar joints fall back to order 2.
+// v is expressed in the body's frame already and needs no correction. The truncation of the series changes a step by
+// O(h^5), as the scheme itself does. Without the brackets, floating bases and planar joints have order 2 only.
 //
-// Where the motion passes a configuration in which J loses rank (a loop of joints in line), stages that come close to
-// it turn their O(h^2) error of the contact into a blow of any size. Every solve is right, energy jumps all the same.
-// The scene's damping bounds the blow, at the price of an acceleration of damping times force in the contacts; 1e-8 to
-// 1e-6 kg^-1 serves.
+// If the motion passes a configuration where J loses rank (a loop of joints in line), nearby stages turn their O(h^2)
+// constraint error into an impulse of arbitrary size. Every solve is correct, but energy jumps. The scene's damping
+// bounds the impulse, at the price of a contact acceleration of damping times force; use 1e-8 to 1e-6 kg^-1.
 //
 // Source: Munthe-Kaas, High order Runge-Kutta methods on manifolds, Applied Numerical Mathematics 29 (1999).
 
@@ -41,91 +43,95 @@
 namespace manycontact {
 
 template <class S>
-struct AppliedForces;    // private to floor algorithm
-struct ImplicitSprings;  // private to this floor
+struct AppliedForces;    // private to the module algorithm
+struct ImplicitSprings;  // private to this module
 
-/// What became of a step.
+/// The result of a step.
 enum class StepStatus {
   kOk,
-  kSolverFailed,  // a solve of the step has status kFailed; its report says why
+  kSolverFailed,  // a solve failed; its report contains the reason
   kNotFinite,     // the state after the step is not finite
-  kTooFast,       // a velocity after the step is beyond SimulationData::velocity_limit
+  kTooFast,       // a velocity after the step exceeds SimulationData::velocity_limit
 };
 
-/// The scene at rest, of which semi-implicit Euler and impacts ask for a velocity in the place of an acceleration: no
-/// gravity, no bias, no pushes and springs, and a contact's error e is to be answered by a velocity. With the memory
-/// for that.
+/// The scene at rest, for solves that prescribe velocities instead of accelerations (semi-implicit Euler, impacts). It
+/// has no gravity, bias, pushes and springs, and its gains convert placement errors to velocities. Contains the
+/// workspace.
 struct SceneAtRest {
-  explicit SceneAtRest(const Scene& scene);  // a copy of it, without gravity
-  /// Takes over what may change in `of`. alpha becomes alpha h [1/s], beta 0.
+  explicit SceneAtRest(const Scene& scene);  // a copy without gravity
+  /// Copies everything from `of` that may change. alpha becomes alpha h [1/s], beta 0.
   void follow(const Scene& of, double h);
-  /// c = J v of the contacts with a first row in f_offset, after inverse_dynamics_of at q, v.
+  /// Computes c = J v of the contacts with a first row in f_offset. Call it after inverse_dynamics_of at q, v.
   void contact_velocities(const std::vector<int>& f_offset, Eigen::VectorXd& c);
-  /// The same with that q, for another v (nv).
+  /// Computes c for another v (nv) at the same q.
   void contact_velocities_at(const Eigen::VectorXd& v, const std::vector<int>& f_offset, Eigen::VectorXd& c);
-  /// tau = ID(q, v, a), without contacts. q: nq; v, a, tau: nv.
+  /// Computes tau = ID(q, v, a), without contacts. q: nq; v, a, tau: nv.
   void inverse_dynamics_of(const Scene& of, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                            const Eigen::VectorXd& a, const Vec3<double>& gravity, Eigen::VectorXd& tau);
 
   Scene scene;
   Eigen::VectorXd zero;                 // nv
   std::vector<Kinematics<double>> kin;  // per robot
-  std::vector<Vec6<double>> f;          // scratch
+  std::vector<Vec6<double>> f;          // workspace
   std::vector<ContactData<double>> contacts;
 };
 
-struct SimulationData {  // A motion: its state, step size and integrator, and the memory of its solves.
-  /// Starts at q (nq), v (nv). Throws std::invalid_argument unless sizes fit and h is finite and positive.
-  SimulationData(const Scene& scene, const ConstVector& q, const ConstVector& v, Integrator integrator, double h,
+struct SimulationData {  // A simulation: state, step size, integrator, and the workspace of its solves. One per thread.
+  /// Starts at q (nq), v (nv) with steps of h [s]. Throws std::invalid_argument for wrong sizes, and unless h is finite
+  /// and positive.
+  SimulationData(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v, Integrator integrator, double h,
                  const Options& options = {});
 
   Integrator integrator;
   double h;                     // s
-  double velocity_limit = 1e5;  // m/s, rad/s: nothing real is faster, but for light
+  double velocity_limit = 1e5;  // m/s, rad/s; a faster state ends the simulation as kTooFast
 
-  int condition_every = 0;  // estimates the condition of K in every so many steps; 0: never
-  double condition = 0;     // 1-norm condition of K, the largest of the islands, when last estimated
+  int condition_every = 0;  // number of steps between estimates of the condition of K; 0: never
+  double condition = std::numeric_limits<double>::quiet_NaN();  // 1-norm condition number of K, the largest of the
+                                                                // islands, at the last estimate; NaN before
 
-  Eigen::VectorXd q, v;        // the state: of the start, then by step
-  long steps = 0;              // done so far
-  Status worst = Status::kOk;  // of all solves so far
-  SceneData dynamics;          // a, f, report: of the last solve; by semi-implicit Euler a mean acceleration, and
-                               // no derivatives. dynamics.active may be switched between steps (simulation/switch.hpp),
-                               // and dynamics.pushes changed
-  Eigen::VectorXd f;           // by step: contact forces at the state it started from, rows as in Solution::f
-  std::vector<int> f_offset;   // by step: per contact its first row in f, -1 where it was not active
-  Eigen::VectorXd next_q, next_v;  // by step: the state tried; after a step that is kOk the one before it
+  Eigen::VectorXd q, v;        // the state: initial, then updated by step
+  long steps = 0;              // number of completed steps
+  Status worst = Status::kOk;  // the worst status of all solves
+  SceneData dynamics;          // a, f and report of the last solve; with semi-implicit Euler a is a mean acceleration,
+                               // and there are no derivatives. Between steps, dynamics.active may be switched
+                               // (simulation/switch.hpp) and dynamics.pushes changed
+  Eigen::VectorXd f;           // set by step: contact forces at the state before it, rows as in Solution::f
+  std::vector<int> f_offset;   // set by step: per contact its first row in f, or -1 if it was not active
+  Eigen::VectorXd next_q, next_v;  // set by step: the state tried; after a successful step, the previous state
 
   SceneAtRest at_rest;
-  std::vector<char> kept_active;  // contacts whose rows that depended on each other are kept so
+  std::vector<char> kept_active;  // contacts whose dependent rows are remembered
 
-  // by semi-implicit Euler
+  // Used by semi-implicit Euler.
   FreeGroups free_groups;
-  std::shared_ptr<AppliedForces<double>> applied;  // nullptr: the scene has none
-  std::shared_ptr<ImplicitSprings> implicit;       // nullptr: it has neither springs nor dampers
-  Eigen::VectorXd contact_v;                       // c, rows as in f, for the state and contacts
+  std::shared_ptr<AppliedForces<double>> applied;  // nullptr if the scene has none
+  std::shared_ptr<ImplicitSprings> implicit;       // nullptr if the scene has neither springs nor dampers
+  Eigen::VectorXd contact_v;                       // c, rows as in f, for the current state and contacts
   Eigen::VectorXd left_q, left_v;
   std::vector<char> left_active;
 
-  // scratch
+  // workspace
   Eigen::VectorXd wanted;
   Eigen::VectorXd stage_q, stage_v, tau, w, w_rate, v_rate, w_sum, v_sum;
 
   double time() const { return static_cast<double>(steps) * h; }  // s, since the start
 };
 
-/// One step with torques u (nu). Where it is not kOk, q, v and steps stay what they were. Allocates what solve does:
-/// nothing after the first with sparse-ldl. Throws std::invalid_argument when u's size does not fit the scene.
-[[nodiscard]] StepStatus step(const Scene& scene, const ConstVector& u, SimulationData& data);
+/// Makes one step with torques u (nu) [N m, N]. If the result is not kOk, q, v and steps remain unchanged. Allocates
+/// what solve allocates: nothing after the first step with sparse-ldl. Throws std::invalid_argument if u has a wrong
+/// size. Thread-safe for distinct data. Cost: one solve (semi-implicit Euler) or four (RK4).
+[[nodiscard]] StepStatus step(const Scene& scene, const ConstVectorRef& u, SimulationData& data);
 
-/// The rows of data.f that are a contact's, by its name or number: what it exerted on A in the last step, in its
-/// reference frame [N, N m]. Valid until the next step. Throws std::invalid_argument for a contact that does not exist,
-/// with the nearest name, std::logic_error for one that was not active and before the first step.
+/// The rows of data.f of a contact, given by name or number: the force that it exerted on A in the last step, in its
+/// reference frame [N, N m]. The view remains valid until the next step. Throws std::invalid_argument for a contact
+/// that does not exist, and suggests the nearest name. Throws std::logic_error for a contact that was not active, and
+/// before the first step.
 Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SimulationData& data,
                                                         const std::string& contact);
 Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SimulationData& data, int contact);
 
-/// Why a step was not kOk, for people: "the solver failed: singular inertia", "r0/knee moves at 3e+05".
+/// Describes why a step was not kOk: "the solver failed: singular inertia", "r0/knee moves at 3e+05".
 std::string failure(const Scene& scene, const SimulationData& data, StepStatus status);
 
 }  // namespace manycontact

@@ -1,24 +1,24 @@
 #pragma once
-// Contacts that come and go between steps. A contact that closes stops its frames' relative velocity at once:
+// Contacts that open and close between steps. A contact that closes stops the relative velocity of its frames at once:
 //
 //     [ M  J^T     ] [ v+      ]   [ M v ]
 //     [ J  -delta I] [ -Lambda ] = [  0  ]
 //
-// an impulse Lambda without restitution. v+ is the nearest velocity to v, in the kinetic metric, that the contacts
-// allow; kinetic energy falls by that of v - v+. A contact that opens changes nothing but the set.
+// Lambda is an impulse without restitution. v+ is the velocity nearest to v, in the mass-weighted norm, that the
+// contacts allow; the kinetic energy decreases by that of v - v+. A contact that opens changes nothing but the set.
 
 #include "manycontact/simulation/step.hpp"
 
 namespace manycontact {
 
-struct VelocityJump {           // What an impact did.
-  Status status = Status::kOk;  // of its solve; kFailed: nothing was changed but the set of contacts
+struct VelocityJump {           // The result of an impact.
+  Status status = Status::kOk;  // of its solve; kFailed: only the set of contacts was changed
   double energy_lost = 0;       // J
-  Eigen::VectorXd impulse;      // rows of the active contacts, as Solution::f: on A [N s, N m s]
+  Eigen::VectorXd impulse;      // on A, rows of the active contacts as in Solution::f [N s, N m s]
 };
 
-/// Sets data.dynamics.active and, where a contact closes, replaces data.v by v+. Allocates. Throws
-/// std::invalid_argument unless `active` has a flag for each contact.
+/// Sets data.dynamics.active. If a contact closes, replaces data.v by v+. Allocates; costs one solve. Throws
+/// std::invalid_argument unless `active` has one flag per contact. Thread-safe for distinct data.
 VelocityJump switch_contacts(const Scene& scene, const std::vector<char>& active, SimulationData& data);
 
 }  // namespace manycontact

@@ -1,8 +1,8 @@
 #pragma once
-// Exponential and logarithm of SO(3), SE(3), SE(2), accurate near 0 and near pi, and the right Jacobians of log6.
-// log is defined for angles up to pi; at pi exactly the axis' sign is arbitrary.
-// Source: Chirikjian, Stochastic Models, Information Theory, and Lie Groups 2 (2012), ch. 10; the coefficients of
-// Jlog6 are those of z/2 coth(z/2) interpolated on the spectrum {0, +-i theta} (double) of ad.
+// Exponential and logarithm of SO(3), SE(3) and SE(2), accurate near 0 and near pi, and the right Jacobians of log6.
+// log is defined for angles up to pi; at pi exactly the sign of the axis is arbitrary. Source: Chirikjian, Stochastic
+// Models, Information Theory, and Lie Groups 2 (2012), ch. 10. The coefficients of Jlog6 are those of z/2 coth(z/2)
+// interpolated on the spectrum {0, +-i theta} (double) of ad.
 
 #include <cmath>
 
@@ -12,7 +12,7 @@ namespace manycontact {
 
 namespace detail {
 
-/// sin(t)/t, (1 - cos t)/t^2, (t - sin t)/t^3 from t^2, by series where the closed forms cancel.
+/// sin(t)/t, (1 - cos t)/t^2, (t - sin t)/t^3 as functions of t^2, by series if the closed forms cancel.
 template <class S>
 struct ExpCoefficients {
   S a, b, c;
@@ -39,8 +39,8 @@ struct ExpCoefficients {
   }
 };
 
-/// alpha = (1 - k)/t^2 with k = (t/2) cot(t/2), and its derivative with respect to t^2, from t^2.
-/// log's linear part is (I - [w]/2 + alpha [w]^2) p.
+/// alpha = (1 - k)/t^2 with k = (t/2) cot(t/2), and its derivative with respect to t^2, as functions of t^2. The linear
+/// part of log is (I - [w]/2 + alpha [w]^2) p.
 template <class S>
 struct LogCoefficients {
   S alpha, dalpha;
@@ -71,6 +71,7 @@ struct LogCoefficients {
 }  // namespace detail
 
 template <class S>
+/// The rotation of a rotation vector w [rad].
 Mat3<S> exp3(const Vec3<S>& w) {
   const detail::ExpCoefficients<S> k(w.squaredNorm());
   const Mat3<S> W = skew<S>(w);
@@ -93,11 +94,12 @@ Vec3<S> log_quaternion(const Eigen::Matrix<S, 4, 1>& q) {
 }
 
 template <class S>
+/// The rotation vector of R, |log3(R)| <= pi [rad].
 Vec3<S> log3(const Mat3<S>& R) {
   return log_quaternion<S>(quaternion_of_rotation<S>(R));
 }
 
-/// exp of the motion m = [v; w] on SE(3).
+/// The exponential of a motion m = [v; w], a placement in SE(3).
 template <class S>
 SE3<S> exp6(const Vec6<S>& m) {
   const Vec3<S> v = m.template head<3>(), w = m.template tail<3>();
@@ -107,7 +109,7 @@ SE3<S> exp6(const Vec6<S>& m) {
           Vec3<S>(v + k.b * w.cross(v) + k.c * w.cross(w.cross(v)))};
 }
 
-/// The motion m with exp6(m) = M, |angular part| <= pi.
+/// The motion m with exp6(m) = M and |angular part| <= pi.
 template <class S>
 Vec6<S> log6(const SE3<S>& M) {
   const Vec3<S> w = log3<S>(M.R);
@@ -119,8 +121,9 @@ Vec6<S> log6(const SE3<S>& M) {
   return m;
 }
 
-/// Jlog6: log6(M exp6(d)) = log6(M) + Jlog6 d + O(d^2). `xi` = log6(M).
-/// I + ad/2 + (alpha - t^2 alpha') ad^2 - alpha' ad^4 with ad = ad_xi, alpha' = d alpha / d(t^2).
+/// The right Jacobian of log6: log6(M exp6(d)) = log6(M) + Jlog6(xi) d + O(d^2), with xi = log6(M).
+///
+///     I + ad/2 + (alpha - t^2 alpha') ad^2 - alpha' ad^4    with ad = ad_xi, alpha' = d alpha / d(t^2)
 template <class S>
 Mat6<S> Jlog6(const Vec6<S>& xi) {
   const S t2 = xi.template tail<3>().squaredNorm();
@@ -136,7 +139,7 @@ Mat6<S> log6_derivative(const SE3<S>& M) {
   return Jlog6<S>(log6<S>(M));
 }
 
-/// Jexp6 (right Jacobian): exp6(m + d) = exp6(m) exp6(Jexp6(m) d + O(d^2)); the inverse of Jlog6.
+/// The right Jacobian of exp6: exp6(m + d) = exp6(m) exp6(Jexp6(m) d + O(d^2)). It is the inverse of Jlog6.
 template <class S>
 Mat6<S> Jexp6(const Vec6<S>& m) {
   // (1 - e^-ad)/ad, Horner on the series after halving: J(2m) = 1/2 (I + Ad(exp(-m))) J(m)

@@ -1,6 +1,6 @@
 #pragma once
-// Spatial inertia as ten numbers about the frame's own origin: mass m, first moment h = m c, rotational inertia I at
-// the origin. In this form inertias given in one frame add, which is what CRBA and merging of fixed links need.
+// Spatial inertia as ten numbers, relative to the frame's own origin: mass m, first moment h = m c, and rotational
+// inertia I about the origin. In this form inertias in one frame add, which CRBA and the merging of fixed links need.
 
 #include "manycontact/spatial/se3.hpp"
 
@@ -12,17 +12,18 @@ struct Inertia {  // mass, first moment, inertia about the origin
   Vec3<S> h = Vec3<S>::Zero();  // kg m
   Mat3<S> I = Mat3<S>::Zero();  // kg m^2, about the origin, symmetric
 
-  /// From mass, centre of mass and rotational inertia about the centre of mass.
+  /// Computes the inertia from mass [kg], centre of mass [m] and rotational inertia about the centre of mass [kg m^2].
   static Inertia from_com(const S& mass, const Vec3<S>& c, const Mat3<S>& Ic) {
     return {mass, mass * c, Ic + mass * (c.squaredNorm() * Mat3<S>::Identity() - c * c.transpose())};
   }
+  /// Adds an inertia in the same frame.
   Inertia& operator+=(const Inertia& o) {
     m += o.m;
     h += o.h;
     I += o.I;
     return *this;
   }
-  /// Y a, the force (or momentum) of the motion a.
+  /// Y a, the force of an acceleration a, or the momentum of a velocity a.
   template <class D>
   [[gnu::always_inline]] Vec6<S> operator*(const Eigen::MatrixBase<D>& a) const {
     const Vec3<S> v = a.template head<3>(), w = a.template tail<3>();
@@ -31,16 +32,17 @@ struct Inertia {  // mass, first moment, inertia about the origin
     f.template tail<3>() = add_cross(times<S>(I, w), h, v);
     return f;
   }
+  /// The 6 x 6 matrix.
   Mat6<S> matrix() const {
     Mat6<S> Y;
     const Mat3<S> H = skew<S>(h);
     Y << m * Mat3<S>::Identity(), -H, H, I;
     return Y;
   }
-  /// The same inertia in axes turned by R, about the same origin.
+  /// The same inertia in axes rotated by R, about the same origin.
   Inertia turned(const Mat3<S>& R) const { return {m, times<S>(R, h), congruent<S>(R, I)}; }
-  /// The same inertia about a point from which this origin is seen at p. No centre of mass is formed, so m = 0 is
-  /// harmless.
+  /// The same inertia about a point relative to which this origin is at p. No centre of mass is formed, so that m = 0
+  /// is allowed.
   Inertia seen_at(const Vec3<S>& p) const {
     Inertia out = *this;
     out.h = add_scaled(h, m, p);
@@ -56,9 +58,10 @@ struct Inertia {  // mass, first moment, inertia about the origin
     }
     return out;
   }
-  /// The same inertia in frame a, given in frame b, with aMb.
+  /// The inertia in frame a of one expressed in frame b, with aMb.
   Inertia transformed(const SE3<S>& aMb) const { return turned(aMb.R).seen_at(aMb.p); }
   template <class T>
+  /// Converts the scalar type.
   Inertia<T> cast() const {
     return {T(m), h.template cast<T>(), I.template cast<T>()};
   }

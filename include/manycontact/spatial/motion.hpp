@@ -6,7 +6,7 @@
 
 namespace manycontact {
 
-/// [w]x, the matrix with [w]x u = w x u.
+/// The matrix [w]x with [w]x u = w x u.
 template <class S>
 Mat3<S> skew(const Vec3<S>& w) {
   Mat3<S> m;
@@ -14,7 +14,7 @@ Mat3<S> skew(const Vec3<S>& w) {
   return m;
 }
 
-/// m1 x m2: rate of change of the motion m2 carried along by m1.
+/// m1 x m2: the rate of change of the motion m2, fixed to a body that moves with m1.
 template <class A, class B>
 [[gnu::always_inline]] inline Vec6<typename A::Scalar> cross_motion(const Eigen::MatrixBase<A>& m1,
                                                                     const Eigen::MatrixBase<B>& m2) {
@@ -39,7 +39,7 @@ template <class C, class A, class B>
   return out;
 }
 
-/// m x* f: rate of change of the force f carried along by m.
+/// m x* f: the rate of change of the force f, fixed to a body that moves with m.
 template <class A, class B>
 [[gnu::always_inline]] inline Vec6<typename A::Scalar> cross_force(const Eigen::MatrixBase<A>& m,
                                                                    const Eigen::MatrixBase<B>& f) {
@@ -64,7 +64,7 @@ template <class C, class A, class B>
   return out;
 }
 
-/// ad_m, the matrix with ad_m m2 = m x m2.
+/// The matrix ad_m with ad_m m2 = m x m2.
 template <class S>
 Mat6<S> cross_matrix(const Vec6<S>& m) {
   Mat6<S> ad;

@@ -1,9 +1,9 @@
 #pragma once
-// W doubles side by side, one of each of W robots: a scalar for the forward path's templates. Operations are element by
-// element, in the order they are written, so a robot's numbers are the same to the last bit whatever W is and whoever
-// stands in the other lanes; a Pack of 1 is for the robot that stands alone. Compile with -ffp-contract=off, or the
-// compiler fuses products and sums as it likes; `multiply_add` is fused where the processor can.
-// Vectors of GCC's and clang's, of the size that the level of instructions has.
+// A SIMD vector of W doubles, one for each of W robots of a batch: a scalar for the templates of the forward path.
+// Operations are element by element, in the order in which they are written. The result of a robot is therefore bitwise
+// independent of W and of the other robots; a Pack of 1 is used for a single robot. Compile with -ffp-contract=off, so
+// that the compiler does not fuse products and sums; `multiply_add` is fused if the processor supports it. The types
+// are vector extensions of GCC and clang, of the size of the instruction set.
 
 #include <cmath>
 #include <cstdint>
@@ -38,7 +38,7 @@ struct Pack {
   static constexpr int width = W;
   using Real = typename detail::PackOf<W>::Real;
   using Int = typename detail::PackOf<W>::Int;
-  /// What a comparison gives: all bits set where it holds, or 0.
+  /// The result of a comparison: all bits are set if it is true, otherwise 0.
   struct Mask {
     Int bits;
     bool operator[](int lane) const { return reinterpret_cast<const std::int64_t*>(&bits)[lane] != 0; }
@@ -112,7 +112,8 @@ struct Pack {
     if constexpr (W == 4) return of((Real)_mm256_max_pd((__m256d)a.v, (__m256d)b.v));
 #endif
 #ifdef __AVX512F__
-    if constexpr (W == 8)  // of all lanes; _mm512_max_pd has GCC 12 warn of what it leaves undefined on purpose
+    if constexpr (W == 8)  // for all elements; _mm512_max_pd makes GCC 12 warn about a value that it leaves undefined
+                           // on purpose
       return of((Real)_mm512_maskz_max_pd(0xff, (__m512d)a.v, (__m512d)b.v));
 #endif
     return select(a > b, a, b);
@@ -190,7 +191,7 @@ inline void exchange(Pack<W>* x) {
 }
 }  // namespace detail
 
-/// x[k] lane l <-> x[l] lane k, of W packs.
+/// Exchanges x[k] element l and x[l] element k, for W packs.
 template <int W>
 inline void transpose(Pack<W>* x) {
   if constexpr (W > 1) detail::exchange<W, W / 2>(x);
@@ -242,7 +243,8 @@ template <int W>
   c = select(known, c, P(std::nan("")));
 }
 
-/// Of `count` angles of one robot, as many at a time as the level of instructions has lanes, each as sin_cos has it.
+/// Sines and cosines of `count` angles of one robot. As many are computed at a time as the SIMD level has elements,
+/// each as by sin_cos.
 template <int count>
 inline void sin_cos(const Pack<1>* angle, Pack<1>* s, Pack<1>* c) {
 #if defined __AVX512F__

@@ -1,7 +1,7 @@
 #pragma once
-// Small products that everything else is made of, each a chain of multiply_add: packs of robots side by side fuse them
-// without leave to the compiler, which would decide for each width anew. Always inlined: called, they would pass packs
-// through memory.
+// Small products from which everything else is made, each a chain of multiply_add. For packs of robots the fusing of
+// products and sums is explicit, since the compiler would decide it for each width separately. The functions are always
+// inlined: calls would pass packs through memory.
 
 #include "manycontact/spatial/scalar.hpp"
 

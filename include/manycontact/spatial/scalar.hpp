@@ -1,10 +1,10 @@
 #pragma once
 // Scalars and fixed-size matrices.
 //
-// The forward path is templated on the scalar: double for use, quadruple precision as the truth that tests and
-// charts measure against, packs of doubles for robots side by side. Its templates live in .cpp files, instantiated
-// there for InstantiatedScalar; the library manycontact_quad compiles the same files with MANYCONTACT_QUAD defined,
-// each level of src/dynamics/lanes with MANYCONTACT_LANES.
+// The forward path is templated on the scalar: double, quadruple precision as the reference in tests and charts, and
+// packs of doubles for SIMD batches. Its templates are in .cpp files and are instantiated there for InstantiatedScalar.
+// The library manycontact_quad compiles the same files with MANYCONTACT_QUAD defined, and each SIMD level with
+// MANYCONTACT_LANES.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -43,6 +43,8 @@ template <class S> using Mat6X = Eigen::Matrix<S, 6, Eigen::Dynamic>;
 // Eigen's default strides, spelled: clang and GCC mangle the default differently, and their objects would not link.
 template <class S> using ConstVecRef = Eigen::Ref<const VecX<S>, 0, Eigen::InnerStride<1>>;
 template <class S> using VecRef = Eigen::Ref<VecX<S>, 0, Eigen::InnerStride<1>>;
+using ConstVectorRef = ConstVecRef<double>;
+using VectorRef = VecRef<double>;
 template <class S> using MatRef = Eigen::Ref<MatX<S>, 0, Eigen::OuterStride<>>;
 template <class S> using Mat6XRef = Eigen::Ref<Mat6X<S>, 0, Eigen::OuterStride<>>;
 // clang-format on
@@ -52,18 +54,20 @@ template <class S>
 void sin_cos(const S& angle, S& s, S& c) {
   using std::cos;
   using std::sin;
-  const S x = angle, sine = sin(x);  // of one x, for the compiler to join them: s may be where the angle is
+  const S x = angle, sine = sin(x);  // of one x, so that the compiler combines them: s may be the same variable as the
+                                     // angle
   c = cos(x);
   s = sine;
 }
-/// Angles that are best taken at a time: none waits for another, and of a robot alone they go side by side (pack.hpp).
+/// The number of angles that are best computed at a time. They are independent, and for a single robot they are
+/// vectorised (pack.hpp).
 template <class S>
 inline constexpr int kAngles = 1;
 #ifdef MANYCONTACT_LANES
 template <int W>
 inline constexpr int kAngles<Pack<W>> = W == 1 ? 8 : 4;
 #endif
-/// Of `count` angles.
+/// Sines and cosines of `count` angles [rad].
 template <int count, class S>
 void sin_cos(const S* angle, S* s, S* c) {
   for (int k = 0; k < count; ++k) sin_cos(angle[k], s[k], c[k]);
@@ -73,7 +77,7 @@ template <class S>
 S multiply_add(const S& a, const S& b, const S& c) {
   return a * b + c;
 }
-/// a where it holds, else b.
+/// a if the condition is true, otherwise b.
 template <class S>
 S select(bool holds, const S& a, const S& b) {
   return holds ? a : b;

@@ -12,14 +12,14 @@ struct SE3 {  // A placement: p in the parent's axes, R from own axes to the par
 
   static SE3 Identity() { return {}; }              // R = 1, p = 0
   const Mat3<S>& rotation() const { return R; }     // Pinocchio's name of R
-  const Vec3<S>& translation() const { return p; }  // and of p
+  const Vec3<S>& translation() const { return p; }  // Pinocchio's name of p
 
   /// aMc = aMb bMc
   SE3 operator*(const SE3& o) const { return {times<S>(R, o.R), add_times<S>(p, R, o.p)}; }
   /// bMa
   SE3 inverse() const { return {R.transpose(), -transpose_times<S>(R, p)}; }
 
-  /// Motion in a from motion in b: X m.
+  /// The motion in a of a motion m in b: X m.
   template <class D>
   Vec6<S> act(const Eigen::MatrixBase<D>& m) const {
     Vec6<S> out;
@@ -28,7 +28,7 @@ struct SE3 {  // A placement: p in the parent's axes, R from own axes to the par
     out.template tail<3>() = w;
     return out;
   }
-  /// Motion in b from motion in a: X^-1 m.
+  /// The motion in b of a motion m in a: X^-1 m.
   template <class D>
   Vec6<S> act_inverse(const Eigen::MatrixBase<D>& m) const {
     Vec6<S> out;
@@ -38,7 +38,7 @@ struct SE3 {  // A placement: p in the parent's axes, R from own axes to the par
     out.template tail<3>() = transpose_times<S>(R, w);
     return out;
   }
-  /// Force in a from force in b: X^-T f.
+  /// The force in a of a force f in b: X^-T f.
   template <class D>
   Vec6<S> act_force(const Eigen::MatrixBase<D>& f) const {
     Vec6<S> out;
@@ -47,24 +47,24 @@ struct SE3 {  // A placement: p in the parent's axes, R from own axes to the par
     out.template tail<3>() = add_cross(times<S>(R, f.template tail<3>()), p, force);
     return out;
   }
-  /// X, the 6x6 matrix of act.
+  /// X, the 6 x 6 matrix of act.
   Mat6<S> action() const {
     Mat6<S> X;
     X << R, skew<S>(p) * R, Mat3<S>::Zero(), R;
     return X;
   }
   template <class T>
-  SE3<T> cast() const {  // the same in scalar T
+  SE3<T> cast() const {  // converts the scalar type
     return {R.template cast<T>(), p.template cast<T>()};
   }
 };
 
-/// Rotation about the unit vector `axis` by an angle, given by its sine and cosine (Rodrigues).
+/// The rotation about the unit vector `axis` by an angle with sine s and cosine c (Rodrigues).
 template <class S>
 Mat3<S> rotation_about(const Vec3<S>& axis, const S& s, const S& c) {
   return c * Mat3<S>::Identity() + s * skew<S>(axis) + (S(1) - c) * (axis * axis.transpose());
 }
-/// The same by `angle`.
+/// The rotation about the unit vector `axis` by `angle` [rad].
 template <class S>
 Mat3<S> rotation_about(const Vec3<S>& axis, const S& angle) {
   S s, c;
@@ -72,7 +72,7 @@ Mat3<S> rotation_about(const Vec3<S>& axis, const S& angle) {
   return rotation_about<S>(axis, s, c);
 }
 
-/// Rotation matrix of the quaternion x, y, z, w; exactly orthonormal even when |quat| is only near 1.
+/// The rotation matrix of a quaternion x, y, z, w. It is exactly orthonormal even if |quat| is only near 1.
 template <class S>
 Mat3<S> rotation_of_quaternion(const S& x, const S& y, const S& z, const S& w) {
   const S s = S(2) / (x * x + y * y + z * z + w * w);
@@ -83,8 +83,8 @@ Mat3<S> rotation_of_quaternion(const S& x, const S& y, const S& z, const S& w) {
   return R;
 }
 
-/// Unit quaternion (x, y, z, w), w >= 0, of a rotation matrix. Shepperd's choice of the largest component, so that it
-/// loses no digits at any angle.
+/// The unit quaternion (x, y, z, w), w >= 0, of a rotation matrix. Shepperd's method divides by the largest component
+/// and so loses no digits at any angle.
 template <class S>
 Eigen::Matrix<S, 4, 1> quaternion_of_rotation(const Mat3<S>& R) {
   using std::sqrt;
@@ -116,7 +116,7 @@ Eigen::Matrix<S, 7, 1> pose_of_placement(const SE3<S>& M) {
   return pose;
 }
 
-/// The placement with those coordinates.
+/// The placement with the coordinates x y z, qx qy qz qw.
 template <class D>
 SE3<typename D::Scalar> placement_of_pose(const Eigen::MatrixBase<D>& pose) {
   return {rotation_of_quaternion<typename D::Scalar>(pose[3], pose[4], pose[5], pose[6]), pose.template head<3>()};

@@ -1,5 +1,5 @@
 #pragma once
-// A task solved, and what a solver did.
+// Solves a task, and reports what the solver did.
 
 #include <functional>
 #include <memory>
@@ -12,68 +12,74 @@
 
 namespace manycontact {
 
-/// What a solver's callback sees after an iteration; gaps are those before it. Cost is the task's own, the others are
-/// of the augmented problem where there are constraints.
+/// The values that a solver's callback receives after an iteration; gaps are those before it. The cost is the task's
+/// own. With constraints, the other values are those of the augmented Lagrangian.
 struct TaskIteration {
   double cost = 0, stop = 0, regularisation = 0, step_length = 0, gaps = 0;
   bool feasible = false;
 };
 
-/// Per running node, medians over the iterations [us]; total [us].
+/// Times per running node, medians over the iterations [us]; total [us].
 struct TaskTimes {
-  double calc = 0;       // forward pass: controls, dynamics, costs
-  double calc_diff = 0;  // their derivatives
+  double calc = 0;       // forward pass: controls, dynamics and costs
+  double calc_diff = 0;  // derivatives of the forward pass
   double direction = 0;  // backward pass
   double total = 0;
 };
 
-/// Feedback of robots that are solved together, u = us_t - K_t (x (-) xs_t), of their coordinates of u and dx.
+/// Feedback u = us_t - K_t (x (-) xs_t) of robots that are solved together. dx and u are their coordinates.
 struct TaskGains {
   std::vector<int> dx, u;
-  std::vector<Eigen::MatrixXd> K;  // by node; without rows at impacts, and where they are solved with others
+  std::vector<Eigen::MatrixXd> K;  // per node; without rows at impacts, and where the robots are solved with others
 };
 
-struct TaskSolution {  // What optimize found, and how.
+struct TaskSolution {  // The result of optimize, and how it was found.
   bool converged = false;
   double cost = 0;
-  std::string reason;  // why it stopped; of constraints that are missed, which and by how much; and the remarks
-  std::vector<std::string> remarks;       // what was done where a solver's own rule failed
-  bool interrupted = false;               // by TaskOptions::each
-  std::vector<TaskIteration> iterations;  // until the task's tolerance
-  std::size_t polishing_iterations = 0;   // after these, to the KKT residual
-  std::vector<Eigen::VectorXd> xs, us;    // nodes + 1, nodes
-  std::vector<TaskGains> gains;           // by part, or cluster of one; none where no direction was found
+  std::string reason;                // why it stopped; names violated constraints and by how much; contains the remarks
+  std::vector<std::string> remarks;  // what was done where a solver's own rule failed
+  bool interrupted = false;          // whether TaskOptions::each ended the solve
+  std::vector<TaskIteration> iterations;  // up to the task's tolerance
+  std::size_t polishing_iterations = 0;   // further iterations, up to the KKT residual
+  std::vector<Eigen::VectorXd> xs, us;    // nodes + 1 states, nodes controls
+  std::vector<TaskGains> gains;           // per decoupled subproblem or cluster; none if no direction was found
   std::string solver;
-  std::string direction;    // how directions were found: "Riccati", or a name of lq::DirectionSolver
-  std::vector<int> blocks;  // sizes of the matrices factorized at a node, one for each part or cluster
+  std::string direction;    // method of search directions: "Riccati", or a name of lq::DirectionSolver
+  std::vector<int> blocks;  // sizes of the matrices factorized at a node, one per subproblem or cluster
   double kkt_residual = 0;
   double constraint_violation = 0;  // largest over all nodes and rows
   std::vector<TaskViolation> violations;
-  std::vector<Eigen::VectorXd> multipliers;  // of the constraints [g; h] of each node; for TaskProblem's, to go on
+  std::vector<Eigen::VectorXd> multipliers;  // of the constraints [g; h] of each node; assign them to
+                                             // TaskProblem::multipliers to continue
   std::size_t outer_iterations = 0;          // of the augmented Lagrangian, each a minimisation; 0 without constraints
   TaskTimes times;
 
-  /// Whether constraints were found that cannot be met.
+  /// Whether the constraints were found to be infeasible.
   bool infeasible() const { return reason.rfind("infeasible", 0) == 0; }
 };
 
-struct TaskOptions {                      // How to solve, where the file does not say it.
-  std::optional<TaskSolver> solver = {};  // none: the task's
-  int threads = 0;                        // 0: OpenMP's
-  /// After each iteration; false ends the solve there.
+struct TaskOptions {                      // Solver settings that are not in the file.
+  std::optional<TaskSolver> solver = {};  // none: that of the task
+  int threads = 0;                        // 0: as many as OpenMP offers
+  /// Called after each iteration; if it returns false, the solve ends.
   std::function<bool(const TaskIteration&)> each = {};
 };
 
-/// The problem is make_problem's for this solver: FDDP needs nodes of the whole scene, Box-FDDP takes these or parts.
-/// kAuto: sparse where the problem has more than one block, else FDDP. From the problem's guess, with the task's
-/// iterations and tolerance. Where the stopping value is below the tolerance it goes on until the KKT residual is below
-/// 1e-6: both are what `converged` means, relative to the size of the costs where that is not an ordinary one
-/// (SolverDDP::set_measures_scale). Constraints are met to 1e-9 by SolverAugmentedLagrangian around any of these
-/// solvers. Numerical failure is no exception: `reason` says it, and what else was done:
+/// Solves a problem that make_problem made for the same solver, from the problem's initial guess, with the task's
+/// iterations and tolerance. FDDP needs nodes of the whole scene; Box-FDDP accepts these or subproblems. kAuto chooses
+/// sparse if the problem has more than one block, else FDDP.
 ///
-/// * Robots that hold each other whose directions by blocks end without convergence: from there on by the dense
-///   recursion of their part, with as many iterations again. The problem's nodes are then those of that part.
-/// * A guess at which the gradient vanishes, though costs fall beside it: from beside it.
+/// When the stopping value is below the tolerance, the solver continues until the KKT residual is below 1e-6;
+/// `converged` means both. For costs of extraordinary size, both are relative to it (SolverDDP::set_measures_scale).
+/// Constraints are met to 1e-9 by SolverAugmentedLagrangian with any of these solvers.
+///
+/// A numerical failure is not an exception. `reason` describes it, and these remedies, if they were applied:
+///
+/// - If block-wise search directions of coupled robots do not converge, a dense recursion of their subproblem replaces
+///   them, with as many iterations again. The problem's nodes are then those of that subproblem.
+/// - If the gradient vanishes at the guess although costs decrease nearby, the solver starts from a nearby point.
+///
+/// Throws std::invalid_argument if the problem does not fit the task. Allocates. Thread-safe for distinct problems.
 TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOptions& options);
 
 }  // namespace manycontact

@@ -1,12 +1,11 @@
 #pragma once
-// The shooting problem of a task file: one differential model per phase, shared by its nodes, integrated over the
-// task's step; the terminal node is Euler's with step 0. Before the nodes of a phase with an impact stands one of
-// ActionModelImpulseFwdDynamics: no controls, no costs, and v+ the nearest velocity that all the phase's contacts
-// allow.
+// The shooting problem of a task file. Each phase has one differential model, shared by its nodes and integrated with
+// the task's step. The terminal node is an Euler step of size 0. Before the nodes of a phase with an impact there is a
+// node of ActionModelImpulseFwdDynamics. It has no controls and no costs, and v+ is the nearest velocity that all
+// contacts of the phase allow.
 //
-// A term about copied robots holds for every copy: places, and twists and momenta in world axes, are given for the
-// robot as its element places it and are moved as `arrange` moves the copies; a reference left out is the copy's own
-// x0.
+// A term for copied robots applies to every copy. Placements, and twists and momenta in world axes, refer to the robot
+// as its element places it; they are moved as `arrange` moves the copies. A missing reference is the x0 of the copy.
 
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/control/shooting.hpp"
@@ -17,35 +16,39 @@ namespace manycontact {
 struct TaskProblem {  // A task as a shooting problem.
   std::shared_ptr<StateMultibody> state;
   std::shared_ptr<ActuationModelAbstract> actuation;
-  std::vector<std::shared_ptr<DifferentialActionModelContactFwdDynamics>> models;  // per phase, then the terminal node
+  /// per phase, then that of the terminal node
+  std::vector<std::shared_ptr<DifferentialActionModelContactFwdDynamics>> models;
   std::shared_ptr<ShootingProblem> problem;
   std::vector<Eigen::VectorXd> xs, us;   // initial guess
-  std::vector<std::vector<int>> parts;   // robots that meet, of each part of the nodes
-  std::vector<std::vector<int>> blocks;  // parts, taken apart at their couplings; one: nodes of the whole scene
-  std::vector<Eigen::VectorXd> multipliers = {};  // guess of the constraints', as TaskSolution has them; none: zeros
+  std::vector<std::vector<int>> parts;   // robots of each decoupled subproblem of the nodes
+  std::vector<std::vector<int>> blocks;  // subproblems, divided at their couplings; a single one: nodes of the whole
+                                         // scene
+  std::vector<Eigen::VectorXd> multipliers = {};  // initial guess of the constraints' multipliers, as in TaskSolution;
+                                                  // none: zeros
 };
 
 /// Whether any node has constraints.
 bool has_constraints(const TaskFile& task);
 
-/// Nodes for this solver. kSparse: ActionModelParts of separate_robots, without matrices of the whole scene; parts that
-/// divide_robots takes apart (task/joined.hpp) are coupled nodes of these blocks, unless their couplings depend on each
-/// other at x0. kAuto: likewise, but a part is taken apart only where that is predicted to be cheaper. kBoxFddp: parts
-/// are not taken apart. With a single block, and for kFddp, nodes of the whole scene.
-/// Throws InputError where a term does not fit the models, with the task's file and line, and where the nodes would not
-/// fit into memory.
+/// Makes the problem with the nodes that this solver needs. kFddp, or a single block: nodes of the whole scene.
+/// kSparse: ActionModelParts, without matrices of the whole scene. A coupled subproblem is divided into blocks, unless
+/// its couplings are linearly dependent at x0. kAuto: as kSparse, but a subproblem is divided only if this is predicted
+/// to be cheaper. kBoxFddp: subproblems are not divided.
+///
+/// Throws InputError, with the task's file and line, if a term does not fit the models, and if the nodes would not fit
+/// into memory.
 TaskProblem make_problem(const TaskFile& task, TaskSolver solver);
-/// For the task's own solver.
+/// Makes the problem for the task's own solver.
 TaskProblem make_problem(const TaskFile& task);
 
 struct TaskNode {       // A node of a task's horizon.
-  int phase = 0;        // of the task's; as many as there are: the terminal one
-  bool impact = false;  // the one before the phase's, which takes no time
+  int phase = 0;        // number of its phase; the terminal node has the number of phases
+  bool impact = false;  // whether it is the impact before the phase, which takes no time
   double time = 0;      // at its start, s
 };
-/// The running nodes, then the terminal one.
+/// The running nodes, then the terminal node.
 std::vector<TaskNode> timeline(const TaskFile& task);
-/// Its phase, or the terminal node's terms.
+/// The phase of a node, or the terms of the terminal node.
 const TaskPhase& phase_at(const TaskFile& task, const TaskNode& node);
 
 }  // namespace manycontact

@@ -1,17 +1,17 @@
 #pragma once
-// How far a motion is from its constraints.
+// The violation of a motion's constraints.
 
 #include "manycontact/task/problem.hpp"
 
 namespace manycontact {
 
-struct TaskViolation {  // How far a constraint is from being met.
+struct TaskViolation {  // The violation of one constraint.
   std::string constraint;
-  double by = 0;         // largest distance of a row to its bounds, over all nodes
-  std::size_t node = 0;  // where
+  double by = 0;         // largest distance of a row from its bounds, over all nodes
+  std::size_t node = 0;  // the node with the largest distance
 };
 
-/// Of every constraint, by name, at the problem's last calc.
+/// Lists the violation of every constraint, by name, at the problem's last calc.
 std::vector<TaskViolation> violations(const TaskProblem& problem);
 
 }  // namespace manycontact

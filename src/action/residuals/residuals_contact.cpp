@@ -61,7 +61,7 @@ void add_turning(const Attachment& at, double sign, const int* columns, ContactR
   const Robot& robot = d.shared->scene.robots[at.robot];
   auto J = d.J.leftCols(robot.model->nv);
   frame_jacobian<double>(*robot.model, d.shared->kinematics(at.robot), robot.base, at.joint, at.placement,
-                         FrameAxes::kLocalWorldAligned, J);
+                         ReferenceFrame::kLocalWorldAligned, J);
   for (int i = 0; i < robot.model->nv; ++i)
     if (columns[i] >= 0) Rx.col(columns[i]) += sign * d.B_turned.lazyProduct(J.col(i).tail<3>());
 }

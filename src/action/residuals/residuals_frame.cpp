@@ -1,7 +1,6 @@
 #include <ostream>
 
 #include "manycontact/action/residuals/frame_residuals.hpp"
-#include "manycontact/algorithm/frame_axes.hpp"
 #include "manycontact/spatial/explog.hpp"
 #include "residual_parts.hpp"
 
@@ -159,7 +158,7 @@ ResidualModelFrameVelocity::ResidualModelFrameVelocity(std::shared_ptr<StateMult
 void ResidualModelFrameVelocity::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
                                       const ConstVectorRef&) {
   const FrameResidualData& d = frame_data(data);
-  const Vec6<double> v = frame_velocity<double>(d.kin(), d.base(), d.frame->joint, d.frame->placement, axes_of(type_));
+  const Vec6<double> v = frame_velocity<double>(d.kin(), d.base(), d.frame->joint, d.frame->placement, type_);
   data->r = v - vref_;
 }
 

@@ -132,7 +132,7 @@ NpyInput::NpyInput(const std::string& path) : path_(path) {
     read_header();
     const std::int64_t numbers = numbers_of(shape_), bytes = status.st_size - data_;
     if (numbers < 0 || bytes != 8 * numbers)
-      refuse("has " + std::to_string(bytes) + " bytes of numbers where its shape says " +
+      refuse("has " + std::to_string(bytes) + " bytes of numbers where its shape requires " +
              (numbers < 0 ? "more than any file has" : std::to_string(8 * numbers)));
   } catch (...) {
     ::close(file_);

@@ -57,7 +57,7 @@ std::string who_wins(const Chart& chart) {
 std::string where_auto_lies(const Chart& chart) {
   const ChartRow* mine = auto_row(chart);
   const ChartRow* best = winner(chart, 0, false);
-  if (!mine || mine->outcome != Outcome::kAnswered || !best) return "auto has no answer to compare.";
+  if (!mine || mine->outcome != Outcome::kAnswered || !best) return "auto has no solution to compare.";
   std::string text = "auto (" + mine->answered_by + ") takes " + number(*mine->time) + " us, " +
                      number(*mine->time / *best->time) + " times the time of the fastest accurate one, and is " +
                      (mine->front ? "" : "not ") + "on the front";

@@ -40,7 +40,7 @@ void note_truth(const ChartTruth& truth, Chart& chart) {
                           " is not known: K is singular, and the island too large for dense quadruple precision.");
   else if (truth.unknown_derivatives > 0)
     chart.notes.push_back("The truth of the derivatives of " + count(truth.unknown_derivatives, "island") +
-                          " is not known: no answer, or another rank, next to the state.");
+                          " is not known: there is no solution, or another rank, next to the state.");
 }
 
 }  // namespace

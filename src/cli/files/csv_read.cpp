@@ -27,7 +27,7 @@ CsvReader::CsvReader(const std::string& path) : path_(path), stream_(path), t_(-
   names_ = cells_of(line);
   for (std::size_t k = 0; k < names_.size(); ++k)
     if (!column_.emplace(names_[k], k).second && !names_[k].empty())
-      fail("column " + quote(names_[k]) + " stands twice, expected it once");
+      fail("column " + quote(names_[k]) + " occurs twice, expected it once");
   (void)column("t");
 }
 
@@ -81,7 +81,7 @@ std::vector<std::string> CsvReader::cells_of(std::string_view line) const {
              " has a quote that is not closed, expected its end on the same line");
       at = i + 1;
       if (at < line.size() && line[at] != ',')
-        fail("cell " + std::to_string(cells.size() + 1) + " goes on behind its closing quote, expected a comma");
+        fail("cell " + std::to_string(cells.size() + 1) + " continues after its closing quote, expected a comma");
     } else {
       const std::size_t end = std::min(line.find(',', at), line.size());
       cell = line.substr(at, end - at);

@@ -86,8 +86,9 @@ void print_contacts(std::ostream& out, const SceneFile& file) {
                normal_of(contact), off_by(off), contact.active ? "" : "not active"});
   }
   if (table.empty()) return;
-  out << "\nContacts: frame A held to B', alpha [1/s^2] and beta [1/s], how far A is from where it is held\n"
-         "and how fast it moves there; of copies the first, and the largest of each\n";
+  out << "\n"
+         "Contacts: frame A constrained to B', alpha [1/s^2] and beta [1/s], the placement error of A\n"
+         "and its velocity; of copies the first, and the largest of each\n";
   table.print(out);
   if (elements > kMostElements) out << "  ... and " << elements - kMostElements << " more elements of the file\n";
 }

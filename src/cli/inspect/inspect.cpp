@@ -129,7 +129,8 @@ Inspection inspect_scene(const SceneFile& file) {
 }
 
 void print_islands(std::ostream& out, const Inspection& x) {
-  out << "\nIslands: robots joined by contacts, one system each; rank of the contact rows at the scene's q\n";
+  out << "\n"
+         "Islands: robots coupled by contacts, one system each; rank of the constraint rows at the scene's q\n";
   Table table({{"islands"}, {"robots", Table::kLeft, 34}, {"velocities"}, {"rows"}, {"rank"}, {"K: n"}, {"non-zeros"}});
   for (std::size_t k = 0; k < x.kinds.size() && k < kMostKinds; ++k) {
     const Island& island = x.island(x.kinds[k]);
@@ -142,7 +143,7 @@ void print_islands(std::ostream& out, const Inspection& x) {
   table.print(out);
   print_more(out, x.kinds.size(), kMostKinds, "kinds of island");
   for (const IslandKind& kind : x.kinds)
-    if (!kind.ranks.known) wrap(out, "the rank was left out, the island is too large", 2, x.name(kind) + ": ");
+    if (!kind.ranks.known) wrap(out, "the rank was not computed, the island is too large", 2, x.name(kind) + ": ");
   const std::vector<std::string> off = inactive(x);
   if (!off.empty()) wrap(out, join(off), 2, "contacts not active: ");
 }
@@ -166,7 +167,7 @@ void print_contact_groups(std::ostream& out, const Inspection& x) {
                  std::to_string(p.rank)});
     }
   if (table.empty()) return;
-  out << "\nContact groups: all contacts between the same two bodies; the first of those that are alike\n";
+  out << "\nContact groups: all contacts between the same two bodies; the first of identical ones\n";
   table.print(out);
   print_more(out, all, kMostPairs, "kinds of group");
 }
@@ -206,7 +207,7 @@ void print_advice(std::ostream& out, const Inspection& x) {
   const std::vector<std::string> bodies = advise_on_bodies(x.file.scene, x.data);
   advice.insert(advice.end(), bodies.begin(), bodies.end());
   out << "\nAdvice\n";
-  if (advice.empty()) out << "  none: every contact row counts, nothing stands idle\n";
+  if (advice.empty()) out << "  none: all constraint rows are independent, and every robot takes part\n";
   for (const std::string& item : advice) wrap(out, item, 2, "- ");
 }
 
@@ -214,7 +215,7 @@ const Command& inspect_command() {
   static const Command command{
       "inspect",
       "SCENE",
-      "What is modelled and what is not, islands, ranks of the contacts, predicted costs, advice.",
+      "Lists modelled and ignored elements, islands, ranks of the contacts, predicted costs, and advice.",
       {{"--picture", "FILE.svg",
         "also draw the patterns of K and of its factor L; - is standard output, and then that alone"}},
       "Exit status: 0; 2 bad usage, bad input or output.\n",

@@ -171,7 +171,7 @@ void draw_legend(std::ostream& svg, const Inspection& x, int cells, int n) {
   if (x.file.scene.damping > 0) entry(kDamping, "damping -delta");
   if (cells < n)
     draw_text(svg, kLeft, y += 22,
-              "a cell stands for " + number(double(n) / cells) +
+              "a cell represents " + number(double(n) / cells) +
                   " rows and columns, in the colour of most "
                   "of its entries; empty where all are zero",
               "start", 11);

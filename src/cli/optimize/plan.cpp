@@ -39,7 +39,7 @@ void print_costs(std::ostream& out, const OptimizedTask& motion) {
 
 void print_plan_findings(std::ostream& out, const OptimizedTask& motion) {
   if (motion.findings.empty()) return;
-  out << "\nTo look at\n";
+  out << "\nWarnings\n";
   const std::pair<const char*, const char*> titles[] = {{"closes", "out of place"},
                                                         {"position", "beyond position limits"},
                                                         {"velocity", "beyond velocity limits"},

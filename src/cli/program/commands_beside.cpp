@@ -17,7 +17,7 @@ const Command& chart_command() {
       "1e-3. time_us is the median of one solve. Errors are relative, in the maximum norm, the worst over robots,\n"
       "against the truth in quadruple precision of the scene as given, so that a guessed damping shows what it costs.\n"
       "status is that of solve; regularised: the damping is guessed; skipped: it would take too long.\n"
-      "front: no other answer is as fast and as accurate in accelerations, and better in one of them.\n"
+      "front: no other result is as fast and as accurate in accelerations, and better in one of them.\n"
       "One scene: DIR/chart.svg, chart.png. Several: DIR/NAME.svg, NAME.png each, and DIR/README.md shows them.\n"
       "Without gnuplot there are no pictures.\n"
       "Exit status: 0, whatever the methods answered; 2 bad usage, bad input or output.\n",
@@ -52,7 +52,7 @@ const Command& optimize_command() {
   static const Command command{
       "optimize",
       "TASK",
-      "A motion of a scene: the task's costs at their least, its contacts held.",
+      "Optimizes a motion of a scene with the task's costs and contacts.",
       {{"--out", "FILE", "CSV of the motion, a row per node, in the columns of `simulate`; - is standard output", true},
        {"--json", "FILE", "iterations, states, controls, findings and a report; - is standard output"},
        {"--torques", "FILE", "CSV of the torques, t and columns u:robot/joint, as `simulate --torques` takes them"},
@@ -62,8 +62,9 @@ const Command& optimize_command() {
        view_option(),
        {"--threads", "N", "for dynamics and derivatives; default all. Results do not depend on it"},
        {"--solver", "S", "fddp, box-fddp, sparse or auto; default the task's"}},
-      "Progress on standard error, a line per iteration. Ctrl-C ends after the iteration at hand and writes what was\n"
-      "reached. Exit status: 0 converged, 1 not, 2 bad usage, bad input or output.\n",
+      "Progress on standard error, a line per iteration. Ctrl-C ends after the current iteration and writes the result "
+      "so\n"
+      "far. Exit status: 0 converged, 1 not, 2 bad usage, bad input or output.\n",
       nullptr,
       nullptr,
       "manycontact-optimize"};

@@ -21,8 +21,10 @@ std::string overview(const std::vector<Command>& commands) {
   std::string text = "manycontact: contact forward dynamics of many robots by sparse factorization\n\n";
   for (const Command& command : commands) text += usage(command) + "\n    " + command.summary + "\n";
   text +=
-      "usage: manycontact --help | --version\n\n"
-      "manycontact COMMAND --help says more. Exit status: 0 an answer; 1 none, or that to a neighbouring problem;\n"
+      "usage: manycontact --help | --version\n"
+      "\n"
+      "manycontact COMMAND --help describes a command. Exit status: 0 a solution; 1 none, or that of a neighbouring "
+      "problem;\n"
       "2 bad usage, bad input or output.\n";
   return text;
 }

@@ -200,18 +200,19 @@ std::string spring_advice(const Scene& scene, const SimulationData& sim, const S
     who = "spring " + scene.springs[static_cast<std::size_t>(shortest.spring)].name;
   }
   if (implicit)
-    return who + " bears steps of " + number(shortest.largest) +
-           " s at most, for what it moves at the start, and is taken implicitly: what swings faster than steps of " +
-           number(sim.h) + " s can follow dies out";
+    return who + " allows steps of " + number(shortest.largest) +
+           " s at most, for the initial inertia, and is integrated implicitly: oscillations that are too fast for "
+           "steps of " +
+           number(sim.h) + " s are damped";
   return who + " is unstable with " + to_string(sim.integrator) + " beyond steps of " + number(shortest.largest) +
-         " s, for what it moves at the start";
+         " s, for the initial inertia";
 }
 
 void print_impacts(std::ostream& out, const Around& around) {
   if (!around.switches) return;
   for (const Switches::ImpactEvent& blow : around.switches->blows())
     wrap(out,
-         "at t = " + number(blow.t, 4) + " s " + blow.contacts + " closed: the impact took " +
+         "at t = " + number(blow.t, 4) + " s " + blow.contacts + " closed: the impact dissipated " +
              number(blow.jump.energy_lost) + " J",
          2);
 }
@@ -234,7 +235,7 @@ void print_summary(std::ostream& out, const SceneFile& file, const SimulationDat
   table.add({"drift, velocity", short_of(run.start.velocity_drift), short_of(run.end.velocity_drift),
              short_of(run.largest.velocity_drift), "m/s, rad/s"});
   table.add({"energy", number(run.start.energy(), 6), number(run.end.energy(), 6), "", "J"});
-  table.add({"work of torques", "", number(around.watch.work(), 6), "", "J; what impacts took is subtracted"});
+  table.add({"work of torques", "", number(around.watch.work(), 6), "", "J; energy lost in impacts is subtracted"});
   if (!file.scene.pushes.empty()) table.add({"work of pushes", "", number(around.watch.work_of_pushes(), 6), "", "J"});
   table.print(out);
   print_impacts(out, around);
@@ -343,8 +344,8 @@ const Command& simulate_command() {
   static const Command command{
       "simulate",
       "SCENE",
-      "The scene through time, its contacts held, its torques constant, over time or by a PD law: trajectory, drift of "
-      "the contacts, energy, momentum.",
+      "Simulates the scene with its contacts, and torques that are constant, given over time or from a PD law: "
+      "trajectory, constraint errors, energy, momentum.",
       {{"--time", "T", "s; the last step ends at T or just after", true},
        {"--step", "H", "s", true},
        {"--out", "FILE",
@@ -352,23 +353,23 @@ const Command& simulate_command() {
         true},
        {"--integrator", "I", "semi-implicit-euler (the default) or rk4, both on the manifold"},
        {"--gains", "G", "of all contacts: 'alpha beta', or 'recommended' for the step; default the scene's"},
-       {"--damping", "D", "of the contacts instead of the scene's; 1e-8 to 1e-6 carries over singular configurations"},
+       {"--damping", "D", "of the contacts instead of the scene's; 1e-8 to 1e-6 passes singular configurations"},
        {"--every", "N", "writes every Nth state, and the last"},
        {"--passive", "", "without torques"},
        {"--torques", "FILE",
-        "CSV: t and columns u:robot/joint, held from row to row; else, and before the first, the scene's"},
+        "CSV: t and columns u:robot/joint, constant from row to row; other joints, and times before the first row, "
+        "have the scene's"},
        {"--pushes", "FILE",
-        "CSV: t and columns w:push[0] ... w:push[5], force and torque of the scene's <push>, held from row to row; "
-        "else, "
-        "and before the first, the scene's"},
+        "CSV: t and columns w:push[0] ... w:push[5], force and torque of the scene's <push>, constant from row to row; "
+        "other pushes, and times before the first row, have the scene's"},
        {"--pd", "G", "'kp kd': adds kp (q_ref - q) + kd (v_ref - v) on actuated joints, towards the scene's q or"},
        {"--reference", "FILE", "CSV: t and columns q:robot/joint, v:robot/joint, as --out writes them"},
        {"--switch", "LIST",
-        "contacts that open and close: '0.2 left off, 0.5 left on' (or here: held where it is then); on also of a "
-        "contact "
-        "that is on: its frames' velocity is stopped"},
+        "contacts that open and close: '0.2 left off, 0.5 left on' (or here: constrained at the current placement); on "
+        "for an active contact stops its frames' velocity"},
        {"--forces", "FILE", "CSV: t, contact forces on A in their reference frames, at the states of --out"},
-       {"--json", "FILE", "JSON: status, energy, what contacts and joints did that they cannot, and when first"},
+       {"--json", "FILE",
+        "JSON: status, energy, violations of contacts and joint limits, and when they first occurred"},
        view_option(),
        {"--progress", "", "shows progress even where standard error is not a terminal"},
        method_option(),

@@ -109,7 +109,7 @@ void Watch::look(const Scene& scene, double t, const Eigen::VectorXd& q, const E
         limits_.try_emplace({x.robot, x.dof, static_cast<int>(x.quantity)}, Seen<LimitPassed>{t, x});
     if (!fresh && share(x) > share(at->second.worst)) at->second.worst = x;
   }
-  if (first_condition_ == 0) first_condition_ = sim.condition;
+  if (first_condition_ == 0 && std::isfinite(sim.condition)) first_condition_ = sim.condition;
   if (sim.condition > largest_condition_) largest_condition_ = sim.condition, condition_time_ = t;
   if (active_ != sim.dynamics.active) active_ = sim.dynamics.active, most_rank_ = -1;
   if (sim.dynamics.report.rank < most_rank_ && rank_time_ < 0) rank_time_ = t;
@@ -145,16 +145,18 @@ void Watch::print(std::ostream& out, const SceneFile& file, const SimulationData
   const bool gains = std::any_of(scene.contacts.begin(), scene.contacts.end(),
                                  [](const Contact& c) { return c.alpha != 0 || c.beta != 0; });
   const std::string advice = !gains               ? ", --gains recommended keeps loops closed"
-                             : scene.damping == 0 ? ", --damping 1e-8 to 1e-6 carries over"
+                             : scene.damping == 0 ? ", --damping 1e-8 to 1e-6 passes it"
                                                   : "";
   const bool passed = singular_time_ >= 0 && (rank_time_ < 0 || singular_time_ < rank_time_);
   if (passed || rank_time_ >= 0 || largest_condition_ > kSingular * first_condition_)
     wrap(out,
-         (passed ? "passes a singular posture at t = " + number(singular_time_, 4) + " s: contact rows lose rank there"
-          : rank_time_ >= 0 ? "near a singular posture at t = " + number(rank_time_, 4) + " s: contact rows lose rank"
-                            : "near a singular posture at t = " + number(condition_time_, 4) + " s: condition " +
-                                  scientific(largest_condition_) + ", at the start " + scientific(first_condition_)) +
-             "; forces there hang on the step" + advice,
+         (passed ? "passes a singular configuration at t = " + number(singular_time_, 4) +
+                       " s: contact rows lose rank there"
+          : rank_time_ >= 0
+              ? "near a singular configuration at t = " + number(rank_time_, 4) + " s: contact rows lose rank"
+              : "near a singular configuration at t = " + number(condition_time_, 4) + " s: condition " +
+                    scientific(largest_condition_) + ", at the start " + scientific(first_condition_)) +
+             "; forces there depend on the step" + advice,
          2);
   print_energy(out, scene, sim, start, end, most_kinetic);
 }
@@ -165,12 +167,12 @@ void Watch::print_energy(std::ostream& out, const Scene& scene, const Simulation
   if (!(std::abs(gained) > kGained * most_kinetic && std::abs(gained) > 1e-9 * std::abs(start.potential))) return;
   const std::string why = "steps of " + number(sim.h) +
                           " s are too long for this motion, or gains correct contacts that are out of place" +
-                          (gained < 0 && scene.damping > 0 ? ", or --damping takes it" : "");
+                          (gained < 0 && scene.damping > 0 ? ", or --damping dissipates it" : "");
   wrap(out,
        gained > 0 ? "energy grew by " + number(gained) + " J more than the torques" + (applied_ ? " and pushes" : "") +
                         " gave: " + why
                   : "energy fell by " + number(-gained) + " J more than torques" +
-                        (friction_work_ < 0 ? ", friction" : "") + " and impacts took: " + why,
+                        (friction_work_ < 0 ? ", friction" : "") + " and impacts dissipated: " + why,
        2);
 }
 

@@ -88,13 +88,12 @@ void print_derivatives(std::ostream& out, const SolvedScene& s) {
     out << "  none: every island failed\n";
   if (!rounding.empty())
     wrap(out,
-         rounding + " of some island may be all rounding: K is too near singular for them (error bounds of 1 or more)",
+         rounding + " of some island may consist of rounding errors: K is nearly singular (error bounds of 1 or more)",
          2);
   const auto& changes = s.findings.rank_changes;
   for (std::size_t k = 0; k < changes.size() && k < 2; ++k)
     wrap(out,
-         "these take the rank for constant, but it changes; " +
-             in_words(s.file.scene, s.findings.velocity_names, changes[k]),
+         "these assume constant rank, but it changes; " + in_words(s.file.scene, s.findings.velocity_names, changes[k]),
          2);
   if (changes.size() > 2) out << "  and in " << changes.size() - 2 << " more islands\n";
   if (unknown > 0)

@@ -4,7 +4,9 @@
 #include "../files/json_file.hpp"
 #include "../text/describe.hpp"
 #include "../text/findings.hpp"
+#include "manycontact/analysis/remedy.hpp"
 #include "manycontact/analysis/rounding.hpp"
+#include "manycontact/sparse/largest.hpp"
 #include "solve.hpp"
 
 namespace manycontact::cli {
@@ -36,6 +38,7 @@ Json island_entry(const Scene& scene, const Island& island, const IslandReport& 
           {"method", to_string(r.method)},
           {"order", order_of(r)},
           {"reason", to_string(r.reason)},
+          {"remedy", remedy(r)},
           {"nv", r.nv},
           {"nc", r.nc},
           {"rank", r.rank},
@@ -61,6 +64,7 @@ Json report(const SolvedScene& s) {
     answered.insert(to_string(r.islands[i].method));
   }
   return {{"status", to_string(r.status)},
+          {"remedy", remedy(r)},
           {"method", to_string(r.method)},
           {"answered_by", answered},
           {"islands", count_islands(s.file.scene, s.data)},
@@ -86,7 +90,7 @@ Json largest_of(const std::vector<DerivativeBounds>& errors) {
   DerivativeBounds most;
   Json out;
   const auto add = [&](const char* name, double DerivativeBounds::*of) {
-    for (const DerivativeBounds& x : errors) most.*of = std::max(most.*of, x.*of);
+    for (const DerivativeBounds& x : errors) most.*of = sparse::larger_or_nan(most.*of, x.*of);
     out[name] = std::isfinite(most.*of) ? Json(most.*of) : Json(nullptr);
   };
   add("da_dq", &DerivativeBounds::da_dq), add("da_dv", &DerivativeBounds::da_dv);

@@ -137,11 +137,11 @@ const Command& solve_command() {
   static const Command command{
       "solve",
       "SCENE",
-      "Accelerations and contact forces of the scene, and what they are worth.",
+      "Accelerations and contact forces of the scene, with status and accuracy.",
       {method_option(),
        order_option(),
        {"--derivatives", "", "also those of accelerations and forces with respect to q, v and u"},
-       {"--quasi-static", "", "also the torques that hold the scene still"},
+       {"--quasi-static", "", "also the torques that keep the scene at rest"},
        {"--repeat", "N", "times are medians over N solves, after one to warm up"},
        {"--threads", "N", "inside a solve, for large scenes; default 1. Results do not depend on it"},
        {"--compare", "",

@@ -7,6 +7,7 @@
 #include "../text/choice.hpp"
 #include "../text/describe.hpp"
 #include "../text/table.hpp"
+#include "manycontact/analysis/remedy.hpp"
 #include "manycontact/analysis/rounding.hpp"
 #include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/views.hpp"
@@ -23,17 +24,18 @@ std::string status_in_words(const Report& report, double damping) {
       return damping > 0 ? "the damped system is solved to its residuals"
                          : "the contacts are independent and the system is solved to its residuals";
     case Status::kRedundant:
-      return "contacts depend on each other and agree; accelerations are exact, of the forces that they could share "
-             "otherwise (*) those of least norm are shown";
+      return "contacts are redundant and consistent; accelerations are exact, and forces that are not unique (*) have "
+             "least "
+             "norm";
     case Status::kInconsistent:
-      return "contacts contradict each other; the accelerations miss them by the least squares";
+      return "contacts contradict each other; the accelerations are the least-squares solution";
     case Status::kRegularised:
       return std::any_of(report.islands.begin(), report.islands.end(),
                          [](const IslandReport& island) { return island.reason == Reason::kUncertain; })
-                 ? "no more than the answer to a neighbouring problem: rounding may change it by more than its size"
-                 : "the answer to a neighbouring problem, not to the one asked";
+                 ? "the solution of a neighbouring problem: rounding errors may change it by more than its size"
+                 : "the solution of a neighbouring problem, not of the one given";
     case Status::kFailed:
-      return "no answer for at least one island; its accelerations and forces are not numbers";
+      return "at least one island has no solution; its accelerations and forces are NaN";
   }
   return "";
 }
@@ -96,7 +98,7 @@ std::string dependent_rows(const SolvedScene& s, const IslandReport& r) {
 std::string errors_in_words(const IslandReport& r) {
   const Rounding rounding = find_rounding(r);
   const auto words = [](bool is_rounding, double error, const std::string& one, const std::string& many) {
-    if (is_rounding) return many + " are rounding";
+    if (is_rounding) return many + " are rounding errors";
     return std::isfinite(error) ? "at most " + scientific(error) + " of the largest " + one : "";
   };
   const std::string a = words(rounding.acceleration, r.error_acceleration, "acceleration", "accelerations");
@@ -122,7 +124,7 @@ void print_one_kind(std::ostream& out, const SolvedScene& s, const Alike& kind) 
   if (r.status == Status::kFailed) return line("why", why(s, kind));
   const bool examined = s.file.scene.damping == 0 || r.rank < r.nc;
   line("rank", examined ? std::to_string(r.rank) + " of " + std::to_string(r.nc) + each
-                        : "not examined: with damping any will do, `inspect` shows it");
+                        : "not computed: with damping any rank is accepted; `inspect` computes it");
   line("dependent", dependent_rows(s, r));
   line("method", to_string(r.method) + (has_order(r.method) ? ", " + to_string(r.order) + " order" : ""));
   line("why", why(s, kind));
@@ -188,6 +190,7 @@ void print_several_kinds(std::ostream& out, const SolvedScene& s, const std::vec
 void print_report(std::ostream& out, const SolvedScene& s) {
   wrap(out, status_in_words(s.data.report, s.file.scene.damping), 0,
        "Status " + to_string(s.data.report.status) + ": ");
+  if (const std::string advice = remedy(s.data.report); !advice.empty()) wrap(out, advice, 0, "What to do: ");
   const std::vector<Alike> kinds = alike_islands(s.data);
   out << "\n";
   if (kinds.size() == 1)

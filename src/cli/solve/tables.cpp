@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kMostRobots = 12, kMostContacts = 24, kMostTorques = 8;
 
 // The velocity coordinate of the largest joint acceleration (absolute value), -1 when there is none.
-int fastest_joint(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& a) {
+int fastest_joint(const Model& model, const ConstVectorRef& a) {
   int best = -1;
   for (int i = model.first_actuated(); i < model.nv; ++i)
     if (best < 0 || !(std::abs(a[i]) <= std::abs(a[best]))) best = i;
@@ -135,7 +135,7 @@ void print_accelerations(std::ostream& out, const SolvedScene& s) {
                      {"at", Table::kLeft, 22},
                      {"force"}}),
               lines, kMostRobots);
-  if (nothing_accelerates(s.data.report)) out << "  nothing accelerates: what is left is rounding\n";
+  if (nothing_accelerates(s.data.report)) out << "  no accelerations except rounding errors\n";
 }
 
 void print_forces(std::ostream& out, const SolvedScene& s) {
@@ -169,8 +169,8 @@ void print_forces(std::ostream& out, const SolvedScene& s) {
               lines, kMostContacts);
   if (any_shared)
     wrap(out,
-         "contacts could share these otherwise, with the same accelerations: shown are those of least norm, a newton "
-         "metre counted as " +
+         "contacts could share these in other ways with the same accelerations: shown are those of least norm, with a "
+         "newton metre weighted as " +
              (s.file.scene.moment_length == 1 ? "a newton" : number(1 / s.file.scene.moment_length) + " newtons") +
              "; forces without a mark are unique",
          2, "* ");
@@ -186,7 +186,7 @@ void print_quasi_static(std::ostream& out, const SolvedScene& s) {
       add_line(lines, 0, robot.name + "/" + dof_name(*robot.model, robot.model->actuated[k]), {decimal(torque, 3)},
                std::abs(torque));
     }
-  out << "\nQuasi-static torques, which hold the scene still [N m, N]\n";
+  out << "\nQuasi-static torques, which keep the scene at rest [N m, N]\n";
   if (lines.empty()) out << "  no joint is actuated\n";
   print_lines(out, Table({{"joint", Table::kLeft, 60}, {"torque"}}), lines, kMostTorques);
 }

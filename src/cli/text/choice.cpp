@@ -3,13 +3,13 @@
 namespace manycontact::cli {
 
 std::string why_changed(const Choice& choice, const IslandReport& report) {
-  if (report.status == Status::kFailed) return "no answer: " + to_string(report.reason);
+  if (report.status == Status::kFailed) return "no solution: " + to_string(report.reason);
   // of an answer that was judged since the reason is no longer known
   const std::string reason = report.reason == Reason::kUncertain ? "" : " (" + to_string(report.reason) + ")";
   if (!report.dependent_rows.empty() && report.method == Method::kSparseLdl)
-    return "rows depend on each other, so sparse-ldl in leaf-to-root order answered without them";
+    return "rows are dependent, so that sparse-ldl in leaf-to-root order solved without them";
   if (report.changed_order)
-    return to_string(choice.order) + " order was unsound" + reason + ", " + to_string(report.order) + " answered";
+    return to_string(choice.order) + " order was not accurate" + reason + ", " + to_string(report.order) + " answered";
   if (report.method != choice.method)
     return to_string(choice.method) + " gave up" + reason + ", " + to_string(report.method) + " answered";
   return "";

@@ -39,17 +39,17 @@ std::string amount(const Scene& scene, const Violation& v) {
   const Contact& contact = scene.contacts[v.contact];
   const std::string by = "by " + number(v.by) + " " + unit_of(v.kind);
   switch (v.kind) {
-    case Violating::kPulls:
+    case ViolationKind::kPulls:
       return by;
-    case Violating::kSlips:
-      return by + " more than mu " + number(*contact.mu) + " holds" +
-             (std::isfinite(v.needs) ? "; mu " + number(v.needs) + " would hold it" : "");
-    case Violating::kTips:
-      return by + " beyond its box";
-    case Violating::kTurns:
+    case ViolationKind::kSlips:
+      return by + " more than mu " + number(*contact.mu) + " allows" +
+             (std::isfinite(v.needs) ? "; mu " + number(v.needs) + " would be sufficient" : "");
+    case ViolationKind::kTips:
+      return by + " outside its box";
+    case ViolationKind::kTurns:
       break;
   }
-  return by + " beyond what friction bears";
+  return by + " beyond the limit of friction";
 }
 
 void print_limits(std::ostream& out, const Scene& scene, std::vector<LimitPassed> limits) {
@@ -120,7 +120,7 @@ void print_some(std::ostream& out, const std::vector<std::string>& list, const s
 std::string only_just(const Findings& f, const NearDependent& n) {
   std::vector<std::string> rows;
   for (const int row : n.rows) rows.push_back(f.force_names[static_cast<std::size_t>(row)]);
-  const std::string count_of = rows.size() == 1 ? " counts only just: " : " count only just: ";
+  const std::string count_of = ": ";
   std::string text = join(rows, kMostPlaces) + count_of + "the other rows leave " + scientific(n.left) + " of " +
                      (rows.size() == 1 ? "it" : "the least of them");
   if (std::isfinite(n.times) && n.times > 1) text += ", forces are " + number(n.times) + " times the loads";
@@ -128,8 +128,8 @@ std::string only_just(const Findings& f, const NearDependent& n) {
   text += "; without, " + f.velocity_names[static_cast<std::size_t>(n.coordinate)] + " would accelerate by " +
           number(n.without) + " instead of " + number(std::abs(n.acceleration) > rounding ? n.acceleration : 0);
   return text +
-         ". Rounded numbers of a file do this: `inspect` advises lighter contacts, tolerance=\"...\" of the scene says "
-         "how exact it is";
+         ". Rounded numbers in a file cause this: `inspect` recommends other contacts, and tolerance=\"...\" of the "
+         "scene sets its accuracy";
 }
 
 // The islands' rank gaps: the least, and in words those where one row could as well be dropped as another kept; and
@@ -150,9 +150,9 @@ void find_gaps(const SceneFile& file, const SceneData& data, Findings& f) {
   const auto name = [&f](int row) { return f.force_names[static_cast<std::size_t>(row)]; };
   for (const RankGap& gap : gaps)
     if (close(gap))
-      f.close_rows.push_back("of " + name(gap.kept) + ", which counts, the rows before leave " +
-                             scientific(gap.least_kept) + " of its size, of " + name(gap.dropped) +
-                             ", which does not, " + scientific(gap.most_dropped));
+      f.close_rows.push_back("of " + name(gap.kept) + ", which is accepted, the preceding rows leave " +
+                             scientific(gap.least_kept) + " of its norm, of " + name(gap.dropped) +
+                             ", which is rejected, " + scientific(gap.most_dropped));
 }
 
 }  // namespace
@@ -183,18 +183,18 @@ std::string in_words(const Scene& scene, const Violation& v) {
 
 std::string in_words(const Scene& scene, const std::vector<std::string>& velocity_names, const RankChange& c) {
   std::string text = contact_names(scene, c.contacts) + ": rank " + std::to_string(c.rank) + " of " +
-                     std::to_string(c.rows) + " rows here, more beside it";
+                     std::to_string(c.rows) + " rows here, more at neighbouring configurations";
   if (c.coordinate >= 0)
-    text += ", where contacts hold " + velocity_names[static_cast<std::size_t>(c.coordinate)] + " too, most of all";
-  return text + (c.singular
-                     ? "; a singular posture: accelerations are those of this posture alone, derivatives do not exist"
-                     : "; rows depend on each other only while they are met: derivatives exist along motions that meet "
-                       "them, not across");
+    text +=
+        ", where contacts constrain " + velocity_names[static_cast<std::size_t>(c.coordinate)] + " too, most of all";
+  return text + (c.singular ? "; a singular configuration: accelerations are valid here only, derivatives do not exist"
+                            : "; rows are dependent only while they are satisfied: derivatives exist along motions "
+                              "that satisfy them, not across");
 }
 
 void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
   if (f.empty()) return;
-  out << "\nTo look at\n";
+  out << "\nWarnings\n";
   print_files(out, f.files);
   print_contacts(
       out, scene, f.misplaced, "out of place", [](const PlacementError& e) { return std::max(e.position, e.angle); },
@@ -203,13 +203,15 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
         return "by " + in_words(e) + (c.alpha == 0 ? ", which nothing corrects: its gains are zero" : "");
       });
   print_contacts(
-      out, scene, f.moving, "moves though held", [](const VelocityError& e) { return std::max(e.linear, e.angular); },
+      out, scene, f.moving, "moves although constrained",
+      [](const VelocityError& e) { return std::max(e.linear, e.angular); },
       [&](const VelocityError& e) {
         const Contact& c = scene.contacts[e.contact];
         return "by " + in_words(e) + (c.beta == 0 ? ", which nothing corrects: its gains are zero" : "") +
-               "; consistent=\"true\" of the scene makes velocities fit";
+               "; consistent=\"true\" of the scene makes velocities consistent";
       });
-  for (const Violating kind : {Violating::kPulls, Violating::kSlips, Violating::kTips, Violating::kTurns}) {
+  for (const ViolationKind kind :
+       {ViolationKind::kPulls, ViolationKind::kSlips, ViolationKind::kTips, ViolationKind::kTurns}) {
     std::vector<Violation> alike;
     for (const Violation& v : f.violations)
       if (v.kind == kind) alike.push_back(v);
@@ -235,7 +237,7 @@ Json json_of(const Scene& scene, const Violation& v) {
               {"kind", to_string(v.kind)},
               {"by", v.by},
               {"unit", unit_of(v.kind)}};
-  if (v.kind == Violating::kSlips) out["needs_mu"] = v.needs;
+  if (v.kind == ViolationKind::kSlips) out["needs_mu"] = v.needs;
   return out;
 }
 
@@ -262,7 +264,7 @@ Json all_in_words(const Scene& scene, const Findings& f) {
   for (const PlacementError& e : f.misplaced)
     say("place", scene.contacts[e.contact].name, "out of place by " + in_words(e));
   for (const VelocityError& e : f.moving)
-    say("velocity", scene.contacts[e.contact].name, "moves though held by " + in_words(e));
+    say("velocity", scene.contacts[e.contact].name, "moves although constrained by " + in_words(e));
   for (const Violation& v : f.violations) say(to_string(v.kind), scene.contacts[v.contact].name, in_words(scene, v));
   for (const LimitPassed& x : f.limits) say("beyond_limit", joint_name(scene, x), in_words(scene, x));
   for (const Contradiction& c : f.contradictions)

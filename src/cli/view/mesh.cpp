@@ -32,8 +32,8 @@ Mesh load_mesh(const std::string& path) {
   if (WIFEXITED(status) && WEXITSTATUS(status) == 3) throw InputError(path, 1, out);
   if (WIFEXITED(status) && WEXITSTATUS(status) >= 126)
     throw InputError(path, 1,
-                     "is not read, meshes need manycontact-mesh beside this program: install libassimp-dev (Debian's "
-                     "name), configure and build it again");
+                     "is not read, meshes need manycontact-mesh in the folder of this program: install libassimp-dev "
+                     "(Debian's name), configure and build it again");
   if (status != 0) throw InputError(path, 1, "cannot be read, assimp failed at it, expected a mesh of moderate size");
 
   Mesh mesh;

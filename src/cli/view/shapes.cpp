@@ -165,7 +165,7 @@ Json shapes_of(const SceneFile& file, std::vector<std::string>& notes, std::vect
   }
   for (const auto& [path, number] : meshes.index) read.push_back(path);
   if (!meshes.lost.empty())
-    notes.push_back("capsules stand for " + std::to_string(meshes.lost.size()) +
+    notes.push_back("capsules represent " + std::to_string(meshes.lost.size()) +
                     (meshes.lost.size() == 1 ? " mesh: " : " meshes: ") +
                     text::join({meshes.lost.begin(), meshes.lost.end()}, 2));
   return {{"models", std::move(models)}, {"robots", std::move(robots)}, {"meshes", std::move(meshes.list)}};

@@ -61,7 +61,7 @@ class Forces {
   [[noreturn]] void refuse() const {
     std::ostringstream t;
     t << std::setprecision(15) << row_.t();
-    row_.fail("holds forces at t = " + t.str() + ", where the trajectory has no state, expected its times");
+    row_.fail("contains forces at t = " + t.str() + ", where the trajectory has no state, expected its times");
   }
 
   CsvReader row_;

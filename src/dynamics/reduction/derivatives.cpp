@@ -89,7 +89,7 @@ double largest_force(const Scene& scene, const std::vector<int>& f_offset, const
 
 // A bound relative to the largest y, as one relative to the largest f.
 double relative_to_forces(double bound, double share, double y, double f) {
-  if (bound == 0 || std::isinf(bound)) return bound;
+  if (bound == 0 || !std::isfinite(bound)) return bound;
   return y == 0 ? 0 : bound * share * y / f;
 }
 

@@ -1,21 +1,22 @@
 #pragma once
-// Residuals of one contact's force, in the contact's own reference frame, of the contact model that stands on a frame.
-// Names and constructors of Crocoddyl; nu defaults to nv as there. Zero while the contact is inactive. `fwddyn` is
-// there for Crocoddyl's signatures and must be true: in this library forces are results.
+// Residuals of the force of one contact, in its own reference frame. The contact is that of the contact model on a
+// frame. Names and constructors are Crocoddyl's; nu is nv by default. A residual is zero while the contact is inactive.
+// `fwddyn` exists for Crocoddyl's signatures and must be true, since forces are results in this library.
 
 #include "manycontact/action/cones.hpp"
 #include "manycontact/action/residual.hpp"
 
 namespace manycontact {
 
-/// In whose axes a cone is given: the contact's reference frame (as in Crocoddyl), A's, the world's, or those of B'. A
-/// point foot that tilts on the ground keeps its cone in the world's.
+/// The axes of a cone: those of the contact's reference frame (as in Crocoddyl), of A, of the world, or of B'. For a
+/// point foot that tilts on the ground, use the world's axes.
 enum class ConeAxes { kContact, kFoot, kWorld, kOther };
 
-/// r = B f - b, with B and b constant between changes of the reference; or turning, in other axes than the contact's.
+/// The common base: r = B f - b, with B and b constant until the reference changes; they rotate in other axes than the
+/// contact's.
 class ContactResidual : public ResidualModelAbstract {
  public:
-  /// Throws std::invalid_argument when no contact stands on the frame, or one of a type that does not fit.
+  /// Throws std::invalid_argument if there is no contact on the frame, or its type does not fit.
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
   void lay_out(ResidualDataAbstract& data) const override;
   bool fits(const ResidualDataAbstract& data) const override;
@@ -27,27 +28,29 @@ class ContactResidual : public ResidualModelAbstract {
   using ResidualModelAbstract::differentiate;
   void print(std::ostream& os) const override;
 
-  FrameIndex get_id() const { return id_; }
+  FrameIndex get_id() const { return id_; }  // number of the frame
   /// Takes effect at the action's next calc. Throws std::invalid_argument for a frame that does not exist.
   void set_id(FrameIndex id);
-  /// Which of several contacts on that frame, by its name in ContactModelMultiple. Empty at first: the only one.
+  /// Selects one of several contacts on that frame, by its name in ContactModelMultiple. Initially empty: the only one.
   const std::string& get_contact() const { return contact_; }
-  void set_contact(const std::string& name) { contact_ = name; }
-  bool is_fwddyn() const { return true; }
-  ConeAxes get_axes() const { return axes_; }
-  /// kContact at first. Throws std::invalid_argument for anything else on a residual that is no cone.
+  void set_contact(const std::string& name) { contact_ = name; }  // selects the contact by its name
+  bool is_fwddyn() const { return true; }                         // always true; Crocoddyl's signature
+  ConeAxes get_axes() const { return axes_; }                     // the axes of the cone
+  /// The axes of the cone; initially kContact. Throws std::invalid_argument for another value in a residual without
+  /// cone.
   void set_axes(ConeAxes axes);
 
  protected:
   /// Columns: unit wrenches of the contact's rows.
   using Wrenches = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
 
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ContactResidual(const char* name, std::shared_ptr<StateMultibody> state, FrameIndex id, std::size_t nr,
                   std::size_t nu, bool fwddyn);
-  /// Why a contact of this type does not fit; empty when it does.
+  /// The reason why a contact of this type does not fit; empty if it fits.
   virtual std::string misfit(ContactType type) const = 0;
-  virtual bool is_cone() const { return true; }
-  /// B (nr x nc) and b (nr) for the contact's unit wrenches P. They come in with their sizes.
+  virtual bool is_cone() const { return true; }  // whether it has axes of its own
+  /// Computes B (nr x nc) and b (nr) for the contact's unit wrenches P. Both have the right sizes.
   virtual void form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const = 0;
   const char* name_;
   FrameIndex id_;
@@ -55,14 +58,17 @@ class ContactResidual : public ResidualModelAbstract {
   std::string contact_;
 };
 
-/// f - fref (nc): of fref the components the contact has.
+/// The contact force minus fref (nc), of which the components are used that the contact has.
 class ResidualModelContactForce : public ContactResidual {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelContactForce(std::shared_ptr<StateMultibody> state, FrameIndex id, const Vec6<double>& fref,
                             std::size_t nc, std::size_t nu, bool fwddyn = true);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelContactForce(std::shared_ptr<StateMultibody> state, FrameIndex id, const Vec6<double>& fref,
                             std::size_t nc);
-  const Vec6<double>& get_reference() const { return fref_; }
+  const Vec6<double>& get_reference() const { return fref_; }  // the reference of the residual or contact
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Vec6<double>& reference) { fref_ = reference; }
 
  private:
@@ -72,14 +78,16 @@ class ResidualModelContactForce : public ContactResidual {
   Vec6<double> fref_;
 };
 
-/// A f of a friction cone, f the linear force (nf + 1).
+/// A f of a friction cone, with f the linear force (nf + 1 rows).
 class ResidualModelContactFrictionCone : public ContactResidual {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelContactFrictionCone(std::shared_ptr<StateMultibody> state, FrameIndex id, const FrictionCone& fref,
                                    std::size_t nu, bool fwddyn = true);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelContactFrictionCone(std::shared_ptr<StateMultibody> state, FrameIndex id, const FrictionCone& fref);
-  const FrictionCone& get_reference() const { return fref_; }
-  /// With as many facets as before.
+  const FrictionCone& get_reference() const { return fref_; }  // the reference of the residual or contact
+  /// The number of facets must not change.
   void set_reference(const FrictionCone& reference);
 
  private:
@@ -88,14 +96,16 @@ class ResidualModelContactFrictionCone : public ContactResidual {
   FrictionCone fref_;
 };
 
-/// A f of a wrench cone, f the wrench of a 6D contact (nf + 13).
+/// A f of a wrench cone, with f the wrench of a 6D contact (nf + 13 rows).
 class ResidualModelContactWrenchCone : public ContactResidual {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelContactWrenchCone(std::shared_ptr<StateMultibody> state, FrameIndex id, const WrenchCone& fref,
                                  std::size_t nu, bool fwddyn = true);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelContactWrenchCone(std::shared_ptr<StateMultibody> state, FrameIndex id, const WrenchCone& fref);
-  const WrenchCone& get_reference() const { return fref_; }
-  /// With as many facets as before.
+  const WrenchCone& get_reference() const { return fref_; }  // the reference of the residual or contact
+  /// The number of facets must not change.
   void set_reference(const WrenchCone& reference);
 
  private:
@@ -104,13 +114,16 @@ class ResidualModelContactWrenchCone : public ContactResidual {
   WrenchCone fref_;
 };
 
-/// A f of a support polygon, f the wrench of a 6D contact (4).
+/// A f of a support polygon, with f the wrench of a 6D contact (4 rows).
 class ResidualModelContactCoPPosition : public ContactResidual {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelContactCoPPosition(std::shared_ptr<StateMultibody> state, FrameIndex id, const CoPSupport& cref,
                                   std::size_t nu, bool fwddyn = true);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelContactCoPPosition(std::shared_ptr<StateMultibody> state, FrameIndex id, const CoPSupport& cref);
-  const CoPSupport& get_reference() const { return cref_; }
+  const CoPSupport& get_reference() const { return cref_; }  // the reference of the residual or contact
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const CoPSupport& reference) { cref_ = reference; }
 
  private:

@@ -1,19 +1,20 @@
 #pragma once
-// Torques beyond those that hold the scene still under gravity, pushes and springs: with g(q) the torques against
-// gravity and tau_s(q) what the pushes and springs of the scene come to at rest. Names and constructors of Crocoddyl,
-// which knows no tau_s; nu defaults to nv as there.
+// Torques minus those that keep the scene at rest under gravity, pushes and springs. g(q) are the torques that
+// compensate gravity, and tau_s(q) those of the scene's pushes and springs at rest. Names and constructors are
+// Crocoddyl's, which has no tau_s; nu is nv by default.
 
 #include "manycontact/action/residual.hpp"
 
 namespace manycontact {
 
+/// The common base.
 class GravityResidual : public ResidualModelAbstract {
  public:
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
   void lay_out(ResidualDataAbstract& data) const override;
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
             const ConstVectorRef& u) override;
-  /// Terminal: tau_s(q) - g(q).
+  /// In a terminal node: tau_s(q) - g(q).
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) override;
   void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
                      const ConstVectorRef& u) override;
@@ -21,23 +22,28 @@ class GravityResidual : public ResidualModelAbstract {
   void print(std::ostream& os) const override;
 
  protected:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   GravityResidual(const char* name, std::shared_ptr<StateMultibody> state, std::size_t nu, bool contacts);
   const char* name_;
   bool contacts_;
 };
 
-/// tau(x, u) - (g(q) - tau_s(q)) (nv).
+/// The residual tau(x, u) - (g(q) - tau_s(q)) (nv) [N m, N].
 class ResidualModelControlGrav : public GravityResidual {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   explicit ResidualModelControlGrav(std::shared_ptr<StateMultibody> state);
 };
 
-/// tau(x, u) - (g(q) - tau_s(q) - J^T f(x, u)) (nv). The Jacobians have all of f's derivatives (in Crocoddyl 3.0,
-/// J^T df is missing).
+/// The residual tau(x, u) - (g(q) - tau_s(q) - J^T f(x, u)) (nv) [N m, N]. The Jacobians contain all derivatives of f
+/// (Crocoddyl 3.0 lacks J^T df).
 class ResidualModelContactControlGrav : public GravityResidual {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelContactControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   explicit ResidualModelContactControlGrav(std::shared_ptr<StateMultibody> state);
 };
 

@@ -1,18 +1,20 @@
 #pragma once
-// Residuals of state, control, torques and accelerations. Names and constructors of Crocoddyl; nu defaults to nv as
-// there.
+// Residuals of state, control, torques and accelerations. Names and constructors are Crocoddyl's; nu is nv by default.
 
 #include "manycontact/action/residual.hpp"
 
 namespace manycontact {
 
-/// x (-) xref (2 nv).
+/// The state error x (-) xref (2 nv).
 class ResidualModelState : public ResidualModelAbstract {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelState(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& xref, std::size_t nu);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelState(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& xref);
-  /// xref = state->zero().
+  /// Uses xref = state->zero().
   ResidualModelState(std::shared_ptr<StateAbstract> state, std::size_t nu);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   explicit ResidualModelState(std::shared_ptr<StateAbstract> state);
 
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
@@ -24,19 +26,22 @@ class ResidualModelState : public ResidualModelAbstract {
   void lay_out(ResidualDataAbstract& data) const override;
   void print(std::ostream& os) const override;
 
-  const Eigen::VectorXd& get_reference() const { return xref_; }
+  const Eigen::VectorXd& get_reference() const { return xref_; }  // the reference of the residual or contact
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Eigen::VectorXd& reference);
 
  private:
   Eigen::VectorXd xref_;
 };
 
-/// u - uref (nu).
+/// The control error u - uref (nu).
 class ResidualModelControl : public ResidualModelAbstract {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelControl(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& uref);
-  /// uref = 0.
+  /// Uses uref = 0.
   ResidualModelControl(std::shared_ptr<StateAbstract> state, std::size_t nu);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   explicit ResidualModelControl(std::shared_ptr<StateAbstract> state);
 
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
@@ -48,24 +53,27 @@ class ResidualModelControl : public ResidualModelAbstract {
   void lay_out(ResidualDataAbstract& data) const override;
   void print(std::ostream& os) const override;
 
-  const Eigen::VectorXd& get_reference() const { return uref_; }
+  const Eigen::VectorXd& get_reference() const { return uref_; }  // the reference of the residual or contact
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Eigen::VectorXd& reference);
 
  private:
   Eigen::VectorXd uref_;
 };
 
-/// Joint efforts against a reference (nu): in forward dynamics the efforts are the controls, as in Crocoddyl, u - uref.
+/// The error u - uref of joint efforts (nu). In forward dynamics, as in Crocoddyl, the efforts are the controls.
 class ResidualModelJointEffort : public ResidualModelAbstract {
  public:
-  /// nu must be the actuation's. fwddyn is there for Crocoddyl's signature and changes nothing.
+  /// nu must be that of the actuation. fwddyn exists for Crocoddyl's signature and has no effect.
   ResidualModelJointEffort(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActuationModelAbstract> actuation,
                            const Eigen::VectorXd& uref, std::size_t nu, bool fwddyn = false);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelJointEffort(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActuationModelAbstract> actuation,
                            const Eigen::VectorXd& uref);
-  /// uref = 0.
+  /// Uses uref = 0.
   ResidualModelJointEffort(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActuationModelAbstract> actuation,
                            std::size_t nu);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelJointEffort(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActuationModelAbstract> actuation);
 
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
@@ -77,20 +85,24 @@ class ResidualModelJointEffort : public ResidualModelAbstract {
   void lay_out(ResidualDataAbstract& data) const override;
   void print(std::ostream& os) const override;
 
-  const Eigen::VectorXd& get_reference() const { return uref_; }
+  const Eigen::VectorXd& get_reference() const { return uref_; }  // the reference of the residual or contact
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Eigen::VectorXd& reference);
 
  private:
   Eigen::VectorXd uref_;
 };
 
-/// a - aref (nv).
+/// The acceleration error a - aref (nv) [m/s^2, rad/s^2].
 class ResidualModelJointAcceleration : public ResidualModelAbstract {
  public:
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& aref, std::size_t nu);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& aref);
-  /// aref = 0.
+  /// Uses aref = 0.
   ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state, std::size_t nu);
+  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
   explicit ResidualModelJointAcceleration(std::shared_ptr<StateAbstract> state);
 
   void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
@@ -102,7 +114,8 @@ class ResidualModelJointAcceleration : public ResidualModelAbstract {
   void lay_out(ResidualDataAbstract& data) const override;
   void print(std::ostream& os) const override;
 
-  const Eigen::VectorXd& get_reference() const { return aref_; }
+  const Eigen::VectorXd& get_reference() const { return aref_; }  // the reference of the residual or contact
+  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Eigen::VectorXd& reference);
 
  private:

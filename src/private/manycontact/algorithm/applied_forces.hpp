@@ -82,10 +82,9 @@ AppliedPower power_of(const Scene& scene, const AppliedForces<double>& forces);
 
 /// The distance between a spring's ends at q (nq), which need not be the scene's. Throws std::invalid_argument unless q
 /// has scene.nq numbers.
-double spring_length(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const Spring& spring);
+double spring_length(const Scene& scene, const ConstVectorRef& q, const Spring& spring);
 
 /// What springs hold at q, J. kin: per robot of the scene, placed.
-double energy_of_springs(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                         const std::vector<Kinematics<double>>& kin);
+double energy_of_springs(const Scene& scene, const ConstVectorRef& q, const std::vector<Kinematics<double>>& kin);
 
 }  // namespace manycontact

@@ -51,9 +51,8 @@ struct FreeMotionDerivatives {
 /// After begin_free_motion, with kin at q, v still: by [q v | w], where tau(x, w) are the torques it was given, nv x 2
 /// nv and nv x nw. Allocates nothing.
 void differentiate_begin(const Scene& scene, const Eigen::SparseMatrix<double>& dtau_dx,
-                         const Eigen::SparseMatrix<double>& dtau_dw, const Eigen::Ref<const Eigen::VectorXd>& tau,
-                         double h, const std::vector<Kinematics<double>>& kin, FreeGroups& groups,
-                         FreeMotionDerivatives& d);
+                         const Eigen::SparseMatrix<double>& dtau_dw, const ConstVectorRef& tau, double h,
+                         const std::vector<Kinematics<double>>& kin, FreeGroups& groups, FreeMotionDerivatives& d);
 
 /// After end_free_motion, which came to q, v. F: 2 nv x n, in: derivatives of the state it was given; out: of q, v.
 /// kin: scratch. Allocates nothing.
