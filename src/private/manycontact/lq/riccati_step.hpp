@@ -45,7 +45,8 @@ class RiccatiStep {
   Matrix Qxx() { return {H_.data() + static_cast<std::ptrdiff_t>(u_) * ld_ + u_, nx_, nx_, Eigen::OuterStride<>(ld_)}; }
 
   /// qv = B^T t, qx = A^T t, with F as for the last multiply.
-  void multiply_vector(const Eigen::VectorXd& t, const SymplecticStructure* steps, VectorRef qv, VectorRef qx);
+  void multiply_vector(const Eigen::VectorXd& t, const SymplecticStructure* steps, Eigen::Ref<Eigen::VectorXd> qv,
+                       Eigen::Ref<Eigen::VectorXd> qx);
 
   /// L L^T = Qvv and K = Qvv^-1 Qvx. False where a pivot keeps less than `least` of its entry.
   [[nodiscard]] bool eliminate(Eigen::MatrixXd& L, double least);
