@@ -12,8 +12,8 @@
 //
 // with the armature on M's diagonal, tau_f the damping and friction of joints where the model has them
 // (Model::damping), and tau_s the springs in joints of a scene (Scene::joint_springs), as in solve. A scene's pushes
-// and springs between points are fext (forces_on_bodies of contact/jacobian.hpp). fext: njoints forces on the bodies, robot by robot, each in its joint's child frame,
-// fixed to it when derivatives are taken; or none.
+// and springs between points are fext (forces_on_bodies of contact/jacobian.hpp). fext: njoints forces on the bodies,
+// robot by robot, each in its joint's child frame, fixed to it when derivatives are taken; or none.
 //
 // Each algorithm leaves the data at its q and v (v = 0 where it takes none) and, where it takes accelerations, at
 // those, else at a = 0; what stands under "at the data's state" is of that. Returned references hold until the next
