@@ -120,7 +120,7 @@ struct type_caster<Eigen::Matrix<double, R, C, O, MR, MC>> {
 
 template <>
 struct type_caster<manycontact::ConstVectorRef> {
-  using Vector = ConstVectorRef;
+  using Vector = manycontact::ConstVectorRef;
   static constexpr auto name = const_name("numpy.ndarray");
   template <class>
   using cast_op_type = const Vector&;
