@@ -12,8 +12,8 @@
 namespace manycontact::test {
 namespace {
 
-struct Solved {
-  explicit Solved(SceneFile of, Method method = Method::kAuto)
+struct SolvedWithNullSpace {
+  explicit SolvedWithNullSpace(SceneFile of, Method method = Method::kAuto)
       : file(std::move(of)),
         data(file.scene, {method, {}}),
         terms(file.scene, active(file.scene), file.q, file.v, file.u) {
@@ -64,7 +64,7 @@ constexpr double kRounding = 1e-10;
 TEST(RedistributeForces, BasisSpansTheNullSpace) {
   for (const Method method : methods()) {
     if (method == Method::kDenseSchur) continue;  // fails where contacts are redundant
-    const Solved s(redundant_scene(), method);
+    const SolvedWithNullSpace s(redundant_scene(), method);
     const Eigen::MatrixXd N = force_null_space(s.file.scene, s.file.q, s.data), expected = s.null_space();
     ASSERT_EQ(N.cols(), expected.cols()) << to_string(method);
     EXPECT_GT(N.cols(), 5);
@@ -76,7 +76,7 @@ TEST(RedistributeForces, BasisSpansTheNullSpace) {
 }
 
 TEST(RedistributeForces, MinimisesTheWeightedDistance) {
-  const Solved s(redundant_scene());
+  const SolvedWithNullSpace s(redundant_scene());
   const Eigen::Index n = s.data.f.size();
   const Eigen::VectorXd reference = 30 * uneven(n, 1), weights = uneven(n, 1.5);
   const Eigen::VectorXd f = redistribute_forces(s.file.scene, s.file.q, s.data, reference, weights);
@@ -88,23 +88,23 @@ TEST(RedistributeForces, MinimisesTheWeightedDistance) {
 }
 
 TEST(RedistributeForces, WithoutArgumentsHaveLeastNorm) {
-  const Solved s(redundant_scene());
+  const SolvedWithNullSpace s(redundant_scene());
   const Eigen::VectorXd f = redistribute_forces(s.file.scene, s.file.q, s.data);
   EXPECT_LE((s.null_space().transpose() * f).cwiseAbs().maxCoeff(), kRounding * f.cwiseAbs().maxCoeff());
   EXPECT_LT(f.norm(), s.data.f.norm());  // whose norm counts moments by moment_length
   SceneFile plain = redundant_scene();
   plain.scene.moment_length = 1;
-  const Solved least(std::move(plain));
+  const SolvedWithNullSpace least(std::move(plain));
   EXPECT_LE((least.data.f - f).cwiseAbs().maxCoeff(), kRounding * f.cwiseAbs().maxCoeff());
 }
 
 TEST(RedistributeForces, AreTheSolutionsWhereAllAreUnique) {
-  const Solved s(load_scene(kModels + "humanoid_standing.xml"));
+  const SolvedWithNullSpace s(load_scene(kModels + "humanoid_standing.xml"));
   EXPECT_EQ(force_null_space(s.file.scene, s.file.q, s.data).cols(), 0);
   EXPECT_EQ(redistribute_forces(s.file.scene, s.file.q, s.data, Eigen::VectorXd::Ones(s.data.f.size())), s.data.f);
   SceneFile damped = redundant_scene();
   damped.scene.damping = 1e-6;
-  const Solved d(std::move(damped));
+  const SolvedWithNullSpace d(std::move(damped));
   EXPECT_EQ(force_null_space(d.file.scene, d.file.q, d.data).cols(), 0);
 }
 
@@ -113,7 +113,7 @@ TEST(RedistributeForces, RefuseWhatDoesNotFit) {
   const SceneData fresh(file.scene);
   EXPECT_THROW(force_null_space(file.scene, file.q, fresh), std::logic_error);
   EXPECT_THROW(redistribute_forces(file.scene, file.q, fresh), std::logic_error);
-  const Solved s(redundant_scene());
+  const SolvedWithNullSpace s(redundant_scene());
   const Eigen::Index n = s.data.f.size();
   const auto refused = [&](const Eigen::VectorXd& reference, const Eigen::VectorXd& weights) {
     EXPECT_THROW(redistribute_forces(s.file.scene, s.file.q, s.data, reference, weights), std::invalid_argument);

@@ -82,9 +82,9 @@ TEST_F(FindingsOfTheProgram, ForcesThatAreNotUnique) {
     <contact name="upper" type="3d" frame="b/crate" offset="-0.2 0 0.2"/>)");
   EXPECT_EQ(solve({door}).at("forces_unique"), (json{true, true, false, true, true, false}));
   const std::string told = run({"solve", door}).out;
-  expect_contains(told, "of the forces that they could share otherwise (*) those of least norm are shown");
+  expect_contains(told, "forces that are not unique (*) have least norm");
   expect_contains(told, "upper 3d local -31.39 0.00 31.39*");
-  expect_contains(told, "a newton metre counted as a newton");
+  expect_contains(told, "a newton metre weighted as a newton");
   const std::string alone = scene(kBox + R"(<contact name="one" type="6d" frame="b/crate"/>)");
   EXPECT_EQ(solve({alone}).at("forces_unique"), json(std::vector<bool>(6, true)));
   expect_lacks(run({"solve", alone}).out, "*");
@@ -103,7 +103,7 @@ TEST_F(FindingsOfTheProgram, RowsThatNearlyDepend) {
   EXPECT_GT(j.at("near_dependent")[0].at("times_loads").get<double>(), 1e6);
   for (const char* command : {"solve", "inspect"}) {
     const std::string told = run({command, near}).out;
-    if (command == std::string("solve")) expect_contains(told, "rounding may change it by more than its size");
+    if (command == std::string("solve")) expect_contains(told, "rounding errors may change it by more than its size");
     expect_contains(told, "nearly dependent: two[0]: the other rows leave 4.8e-11 of it");
     expect_contains(
         told,
@@ -123,7 +123,7 @@ TEST_F(FindingsOfTheProgram, SingularPostures) {
   const std::string told = run({"solve", stretched, "--derivatives"}).out;
   expect_contains(told, "rank changes: trunk, foot: rank 8 of 9 rows here, more at neighbouring configurations");
   expect_contains(told, "these assume constant rank, but it changes; trunk, foot");
-  expect_contains(run({"inspect", stretched}).out, "a singular posture");
+  expect_contains(run({"inspect", stretched}).out, "a singular configuration");
 }
 
 // A box hangs on a contact that can only push, and is drawn along one that can only rub.

@@ -29,8 +29,8 @@ TEST_F(Inspect, ListsSpringsAndPushes) {
       "xyz=\"0 0 2\" stiffness=\"100\" length=\"0.8\"/><push name=\"hand\" frame=\"load/crate\" force=\"1 2 3\"/>");
   const Outcome outcome = run({"inspect", file});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  expect_contains(outcome.out, "load/crate  0 0 0  the world  0 0 2       2      0.8    120");
-  expect_contains(outcome.out, "hand  load/crate  0 0 0  1 2 3   0 0 0  local");
+  expect_contains(outcome.out, "load/crate 0 0 0 the world 0 0 2 2 0.8 120");
+  expect_contains(outcome.out, "hand load/crate 0 0 0 1 2 3 0 0 0 local");
   EXPECT_EQ(outcome.out.find("floats free"), std::string::npos) << outcome.out;
 }
 
@@ -81,7 +81,7 @@ TEST_F(Inspect, PointsOnALineHoldFiveMotions) {
   const std::string out = inspect(scene(std::string(kHumanoid) + R"(
     <contact name="l1" type="3d" frame="h/left_sole" offset="0.1 0 0"/>
     <contact name="l2" type="3d" frame="h/left_sole" offset="-0.1 0 0"/>)"));
-  expect_contains(out, "l1, l2, 6 rows of rank 5: points on a line hold five motions");
+  expect_contains(out, "l1, l2, 6 rows of rank 5: points on a line constrain five motions");
   expect_contains(out, "no single type does");
   expect_lacks(out, "6D contact on");
 }
@@ -200,7 +200,7 @@ TEST_F(Inspect, IdleRobotsAndJoints) {
     <robot name="busy" urdf="arm.urdf" base="fixed"><joint name="shoulder_yaw" v="1"/></robot>
     <robot name="box" urdf="box.urdf" base="floating"/>)",
                                         "gravity=\"0 0 0\""));
-  expect_contains(out, "idle: fixed to the world, at rest and touched by no contact");
+  expect_contains(out, "idle: fixed to the world, at rest and without contact");
   expect_contains(out, "box: floats freely, without contact");
   expect_lacks(out, "busy: fixed to the world");
   expect_contains(inspect(model("feet_on_corners.xml")), "20 joints could be locked");

@@ -44,7 +44,7 @@ TEST_F(OddFiles, AnInertiaThatNoBodyHas) {
   for (const char* command : {"solve", "inspect"})
     expect_contains(run({command, odd}).out,
                     "Warnings inertia: r/upper (odd.urdf:3): the body, with what is merged into it, has the principal "
-                    "moments of inertia 0.0019, 0.0085, 0.0106 kg m^2, which no body has");
+                    "moments of inertia 0.0019, 0.0085, 0.0106 kg m^2, which violate the triangle inequality");
   const Outcome refused = run({"solve", arm(link, joint, "inertia=\"refuse\"")});
   EXPECT_EQ(refused.status, 2);
   EXPECT_EQ(refused.err.find("manycontact: " + path("odd.urdf") + ":3: link 'upper' and what is merged into it have "),
@@ -163,11 +163,11 @@ TEST_F(CsvFiles, AreRefusedByLine) {
     const std::string said = refusal(csv);
     EXPECT_EQ(said.find("manycontact: " + path("u.csv") + ":" + text), 0u) << said;
   };
-  says("t,t,u:r/j\n0,9,1\n", "1: column 't' stands twice");
-  says("t,u:r/j,u:r/j\n0,9,1\n", "1: column 'u:r/j' stands twice");
+  says("t,t,u:r/j\n0,9,1\n", "1: column 't' occurs twice");
+  says("t,u:r/j,u:r/j\n0,9,1\n", "1: column 'u:r/j' occurs twice");
   says("t,\"u:r/j\n0,1\n", "1: cell 2 has a quote that is not closed");
   says("t,u:r/j\n\"0,1\n", "2: cell 1 has a quote that is not closed");
-  says("t,\"u:r/j\"x\n0,1\n", "1: cell 2 goes on behind its closing quote");
+  says("t,\"u:r/j\"x\n0,1\n", "1: cell 2 continues after its closing quote");
   says("t,u:\"r/j\"\n0,1\n", "1: cell 2 has a quote inside");
   says("\xFF\xFEt\n", "1: is UTF-16");
   says("t,u:r/j\n0,1\n0,1\n", "3: the time does not grow");
