@@ -81,7 +81,6 @@ namespace {
 void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const DerivativeRequest& request,
                     IslandDerivatives& out) {
   Workspace& w = *data.workspace;
-  if (d.answered_by(d.bodies.get())) check_joint_space(d, "differentiate", ", ask for products (jvp, vjp)");
   // where forces are applied, what was laid out is no longer what was kept, and not zero where it may stand
   if (forces_are_applied(w) || out.request != request || out.X.rows() != d.island.size() ||
       out.X.cols() != sparse::padded(columns_of(scene, d.island, request)) ||
@@ -120,17 +119,29 @@ void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, Th
 
 }  // namespace internal
 
+namespace {
+
+// Refuses panels that do not fit before any is made.
+void check_memory(const Scene& scene, const Workspace& w, const DerivativeRequest& request) {
+  constexpr int kPanels = 2;  // the columns in the island's order, and in that of a factor
+  double numbers = 0;
+  for (const auto& d : w.islands) {
+    if (d->answered_by(d->bodies.get()))
+      internal::check_joint_space(*d, "differentiate", ", ask for products (jvp, vjp)");
+    numbers += static_cast<double>(d->island.size()) * internal::columns_of(scene, d->island, request);
+  }
+  sparse::require_memory(kPanels * sizeof(double) * numbers);
+}
+
+}  // namespace
+
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& wanted) {
   internal::check_not_prescribed(scene, data, "differentiate");
   Workspace& w = *data.workspace;
   if (w.reduction) return internal::differentiate_reduced(scene, data, wanted);
   const bool applied = internal::forces_are_applied(w);
   const DerivativeRequest request = applied ? internal::by_all_torques(wanted) : wanted;
-  double numbers = 0;
-  for (const auto& d : w.islands)
-    numbers += static_cast<double>(d->island.size()) * internal::columns_of(scene, d->island, request);
-  constexpr int kPanels = 2;  // the columns in the island's order, and in that of a factor
-  sparse::require_memory(kPanels * sizeof(double) * numbers);
+  check_memory(scene, w, request);
   (void)internal::linearisation_of(scene, data);
   w.derivatives.islands.resize(w.islands.size());
   for (std::size_t i = 0; i < w.islands.size(); ++i) {

@@ -17,6 +17,7 @@
 #include <cmath>
 
 #include "manycontact/abi.hpp"
+#include "manycontact/spatial/scalar.hpp"
 
 namespace py = pybind11;
 
