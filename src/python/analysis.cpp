@@ -133,10 +133,7 @@ void add_forces_on_bodies(py::module_& m) {
         for (std::size_t i = 0; i < on.size(); ++i) out.row(static_cast<Eigen::Index>(i)) = on[i].transpose();
         return out;
       },
-      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("data"),
-      "What acts on bodies from outside their joints at q (nq), v (nv), after solve: the forces of contacts, "
-      "data.pushes\n"
-      "and the scene's springs between points, as rnea's fext (njoints, 6).");
+      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("data"), doc::forces_on_bodies);
 }
 
 void add_unique_forces(py::module_& m) {

@@ -28,7 +28,7 @@ void add_thrusters(py::module_& m) {
            py::arg_v("max_thrust", std::numeric_limits<double>::infinity(), "float('inf')"))
       .def_readwrite("pose", &Thruster::pose, "In the base's frame.")
       .def_readwrite("ctorque", &Thruster::ctorque, "Torque about the axis per thrust [m].")
-      .def_readwrite("type", &Thruster::type)
+      .def_readwrite("type", &Thruster::type, "Direction of rotation, a ThrusterType.")
       .def_readwrite("min_thrust", &Thruster::min_thrust, "[N]")
       .def_readwrite("max_thrust", &Thruster::max_thrust, "[N]")
       .def("__repr__", &text_of<Thruster>);
@@ -38,7 +38,7 @@ void add_thrusters(py::module_& m) {
       .def(py::init<std::shared_ptr<StateMultibody>, const std::vector<Thruster>&>(), py::arg("state").none(false),
            py::arg("thrusters"))
       .def_property("thrusters", &Model::get_thrusters, &Model::set_thrusters, "A list; as many when assigned.")
-      .def_property_readonly("nthrusters", &Model::get_nthrusters)
+      .def_property_readonly("nthrusters", &Model::get_nthrusters, "Number of thrusters.")
       .def_property_readonly(
           "Wthrust", [](const Model& x) { return x.get_Wthrust(); }, "(nv, nu): tau = W u.")
       .def_property_readonly(
@@ -48,38 +48,38 @@ void add_thrusters(py::module_& m) {
 void add_squashing(py::module_& m) {
   using Data = std::shared_ptr<SquashingDataAbstract>;
   using Abstract = SquashingModelAbstract;
-  py::class_<SquashingDataAbstract, Data>(m, "SquashingDataAbstract")
-      .def_readonly("u", &SquashingDataAbstract::u, "(ns)")
-      .def_readonly("du_ds", &SquashingDataAbstract::du_ds, "(ns, ns)");
+  py::class_<SquashingDataAbstract, Data>(m, "SquashingDataAbstract", "Result of a squashing model.")
+      .def_readonly("u", &SquashingDataAbstract::u, "Controls (ns).")
+      .def_readonly("du_ds", &SquashingDataAbstract::du_ds, "Derivatives of u by s (ns, ns).");
   py::class_<Abstract, std::shared_ptr<Abstract>>(m, "SquashingModelAbstract", "u(s), s any numbers.")
-      .def("createData", &Abstract::createData)
-      .def("calc", &Abstract::calc, py::arg("data").none(false), py::arg("s"), "data.u.")
-      .def("calcDiff", &Abstract::calcDiff, py::arg("data").none(false), py::arg("s"), "data.du_ds.")
-      .def_property_readonly("ns", &Abstract::get_ns)
+      .def("createData", &Abstract::createData, "Return data of the model.")
+      .def("calc", &Abstract::calc, py::arg("data").none(false), py::arg("s"), "Compute data.u.")
+      .def("calcDiff", &Abstract::calcDiff, py::arg("data").none(false), py::arg("s"), "Compute data.du_ds.")
+      .def_property_readonly("ns", &Abstract::get_ns, "Number of squashed inputs s.")
       .def_property("s_lb", &Abstract::get_s_lb, &Abstract::set_s_lb, "Of s, for a barrier.")
-      .def_property("s_ub", &Abstract::get_s_ub, &Abstract::set_s_ub);
+      .def_property("s_ub", &Abstract::get_s_ub, &Abstract::set_s_ub, "Upper bounds of s, for a barrier.");
   using Smooth = SquashingModelSmoothSat;
   py::class_<Smooth, Abstract, std::shared_ptr<Smooth>>(m, "SquashingModelSmoothSat",
                                                         "s between the bounds, smoothly within them beyond.")
       .def(py::init<const ConstVectorRef&, const ConstVectorRef&, std::size_t>(), py::arg("u_lb"), py::arg("u_ub"),
            py::arg("ns"))
-      .def_property("smooth", &Smooth::get_smooth, &Smooth::set_smooth)
-      .def_property_readonly("d", &Smooth::get_d);
+      .def_property("smooth", &Smooth::get_smooth, &Smooth::set_smooth, "Smoothness: 0 is the sharp saturation.")
+      .def_property_readonly("d", &Smooth::get_d, "Width of the smooth part, per input.");
   using Model = ActuationSquashingModel;
   py::class_<Model, ActuationModelAbstract, std::shared_ptr<Model>>(
       m, "ActuationSquashingModel", "An actuation whose controls are squashed first: nu = ns.")
       .def(py::init<std::shared_ptr<ActuationModelAbstract>, std::shared_ptr<Abstract>, std::size_t>(),
            py::arg("actuation").none(false), py::arg("squashing").none(false), py::arg("nu"))
-      .def_property_readonly("squashing", &Model::get_squashing)
-      .def_property_readonly("actuation", &Model::get_actuation);
+      .def_property_readonly("squashing", &Model::get_squashing, "The squashing model.")
+      .def_property_readonly("actuation", &Model::get_actuation, "The actuation that takes the squashed controls.");
 }
 
 void add_box_qp(py::module_& m) {
   py::class_<BoxQPSolution, std::shared_ptr<BoxQPSolution>>(m, "BoxQPSolution", "x, and which bounds are active.")
       .def_readonly("Hff_inv", &BoxQPSolution::Hff_inv, "Inverse of H's rows and columns of the free components.")
-      .def_readonly("x", &BoxQPSolution::x)
-      .def_readonly("free_idx", &BoxQPSolution::free_idx)
-      .def_readonly("clamped_idx", &BoxQPSolution::clamped_idx);
+      .def_readonly("x", &BoxQPSolution::x, "The minimiser (nx).")
+      .def_readonly("free_idx", &BoxQPSolution::free_idx, "Numbers of the components between their bounds.")
+      .def_readonly("clamped_idx", &BoxQPSolution::clamped_idx, "Numbers of the components on a bound.");
   py::class_<BoxQP, std::shared_ptr<BoxQP>>(m, "BoxQP",
                                             "min 1/2 x'H x + q'x, lb <= x <= ub, by projected Newton steps.")
       .def(py::init<std::size_t, std::size_t, double, double, double>(), py::arg("nx"), py::arg("maxiter") = 100,
@@ -91,16 +91,16 @@ void add_box_qp(py::module_& m) {
           },
           py::arg("H"), py::arg("q"), py::arg("lb"), py::arg("ub"), py::arg("xinit"),
           "A BoxQPSolution. Where H is not positive definite on the free components, is_sound is False.")
-      .def_property_readonly("is_sound", &BoxQP::is_sound)
+      .def_property_readonly("is_sound", &BoxQP::is_sound, "False if H was not positive definite on the free components.")
       .def_property_readonly(
           "solution", [](const BoxQP& x) { return BoxQPSolution(x.get_solution()); }, "A copy.")
       .def_property_readonly("iter", &BoxQP::get_iter, "Newton steps of the last solve.")
-      .def_property("nx", &BoxQP::get_nx, &BoxQP::set_nx)
-      .def_property("maxiter", &BoxQP::get_maxiter, &BoxQP::set_maxiter)
-      .def_property("th_acceptstep", &BoxQP::get_th_acceptstep, &BoxQP::set_th_acceptstep)
-      .def_property("th_grad", &BoxQP::get_th_grad, &BoxQP::set_th_grad)
-      .def_property("reg", &BoxQP::get_reg, &BoxQP::set_reg)
-      .def_property("alphas", &BoxQP::get_alphas, &BoxQP::set_alphas);
+      .def_property("nx", &BoxQP::get_nx, &BoxQP::set_nx, "Number of components of x.")
+      .def_property("maxiter", &BoxQP::get_maxiter, &BoxQP::set_maxiter, "Largest number of Newton steps.")
+      .def_property("th_acceptstep", &BoxQP::get_th_acceptstep, &BoxQP::set_th_acceptstep, "Share of the predicted decrease that a step must reach.")
+      .def_property("th_grad", &BoxQP::get_th_grad, &BoxQP::set_th_grad, "Projected gradient at which the iteration ends.")
+      .def_property("reg", &BoxQP::get_reg, &BoxQP::set_reg, "Regularisation added to the diagonal of H.")
+      .def_property("alphas", &BoxQP::get_alphas, &BoxQP::set_alphas, "Step lengths of the line search.");
 }
 
 void add_differential_lqr(py::module_& m) {
@@ -114,11 +114,12 @@ void add_differential_lqr(py::module_& m) {
            py::arg("Aq"), py::arg("Av"), py::arg("B"), py::arg("Q"), py::arg("R"), py::arg("N"), py::arg("f"),
            py::arg("q"), py::arg("r"))
       .def(py::init<std::size_t, std::size_t, bool>(), py::arg("nq"), py::arg("nu"), py::arg("drift_free") = true)
-      .def_static("Random", &Lqr::Random, py::arg("nq"), py::arg("nu"), py::arg("ng") = 0, py::arg("nh") = 0)
-      .def_property_readonly("Aq", &Lqr::get_Aq)
-      .def_property_readonly("Av", &Lqr::get_Av)
-      .def_property_readonly("B", &Lqr::get_B)
-      .def_property_readonly("f", &Lqr::get_f);
+      .def_static("Random", &Lqr::Random, py::arg("nq"), py::arg("nu"), py::arg("ng") = 0, py::arg("nh") = 0,
+                  "Return a model with random matrices.")
+      .def_property_readonly("Aq", &Lqr::get_Aq, "Acceleration per configuration.")
+      .def_property_readonly("Av", &Lqr::get_Av, "Acceleration per velocity.")
+      .def_property_readonly("B", &Lqr::get_B, "Acceleration per control.")
+      .def_property_readonly("f", &Lqr::get_f, "Drift of the acceleration.");
 }
 
 // A twin of a part: the same values, and derivatives by central differences.

@@ -56,7 +56,17 @@ def more_objects():
     spring = mc.Spring(name="s", A=mc.Attachment(), stiffness=1.0)
     goal = mc.pose_goal(mc.load_scene(root + "/humanoid_standing.xml").scene, "humanoid/left_sole", SE3)
     mc.differentiate(scene, data)
-    items = [scene.robots[0], mc.dense_derivatives(scene, data), costs.costs["u"], made.costs["u"], scene.pushes[0], spring, goal, batch, data, mc.CallbackVerbose()]
+    thruster = mc.Thruster(SE3, 0.1, mc.ThrusterType.CW, 0.0, 10.0)
+    squashing = mc.SquashingModelSmoothSat(np.zeros(2), np.ones(2), 2)
+    laws = mc.PdLaws(np.ones(2), np.ones(2), np.zeros(2), np.zeros(2))
+    flying = mc.StateMultibody(mc.load_scene(root + "/humanoid_standing.xml").scene)
+    parts = [
+        thruster, mc.ActuationModelFloatingBaseThrusters(flying, [thruster]), squashing, laws, mc.BoxQP(2),
+        mc.StateNumDiff(state), mc.ActivationModelNumDiff(mc.ActivationModelQuad(2)),
+        mc.ActuationModelNumDiff(mc.ActuationModelFull(state)), mc.ResidualModelNumDiff(others[0]),
+        mc.ControlParametrizationModelNumDiff(mc.ControlParametrizationModelPolyZero(2)),
+    ]  # fmt: skip
+    items = parts + [scene.robots[0], mc.dense_derivatives(scene, data), costs.costs["u"], made.costs["u"], scene.pushes[0], spring, goal, batch, data, mc.CallbackVerbose()]
     return items + frames + others + contacts + activations + [node, made, impact, *residual_data(state)]
 
 

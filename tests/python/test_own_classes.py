@@ -409,6 +409,7 @@ def test_every_method_that_cpp_calls_is_known():
     from manycontact import _classes
 
     expected = {name for name in dir(mc) if name.endswith(("ModelAbstract", "ModelSum", "ModelMultiple", "ModelManager"))}
+    expected -= {"SquashingModelAbstract"}  # it has no trampoline: C++ makes its objects
     expected |= {"SolverAbstract", "ShootingProblem", "StateAbstract", "CallbackAbstract"}
     of_families = {
         name

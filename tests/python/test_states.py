@@ -48,7 +48,7 @@ def test_scenes_ask_for_it():
     file = load('consistent="true"', 0.5)
     assert file.q[2] == pytest.approx(0.5, abs=1e-12)
     assert [f.kind for f in file.findings] == ["consistent"]
-    with pytest.raises(mc.InputError, match="consistent=\"true\" is set, but contact '(one|two)', the worst of 2, remains out of place by 1 m"):
+    with pytest.raises(mc.InputError, match="consistent=\"true\" is set, but contact '(one|two)', the worst of 2, stays out of place by 1 m"):
         mc.load_scene_text(
             """<scene consistent="true"><robot name="b" urdf="box.urdf" base="floating"/>
             <contact name="one" type="3d" frame="b/crate" xyz="0 0 1"/>

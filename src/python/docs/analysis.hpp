@@ -50,6 +50,33 @@ Raises
 ValueError
     A size does not fit the scene.)";
 
+inline constexpr const char* forces_on_bodies =
+    R"(Compute all external wrenches on bodies, for rnea's fext.
+
+They are those of the contact forces and pushes of data, and of the springs between points.
+
+Parameters
+----------
+scene : Scene
+q : array (nq)
+    Configuration [m, rad, unit quaternions].
+v : array (nv)
+    Velocity [m/s, rad/s].
+data : SceneData
+    Solved data.
+
+Returns
+-------
+array (njoints, 6)
+    Forces [N] and moments [N m] on the bodies, robot by robot, in the child frames.
+
+Raises
+------
+ValueError
+    A size does not fit the scene.
+RuntimeError
+    Nothing was solved.)";
+
 inline constexpr const char* contact_forces_on_bodies =
     R"(Convert contact forces to wrenches on the bodies, for rnea's fext.
 
