@@ -116,7 +116,7 @@ void advise_pairs(const Subject& x, std::vector<std::string>& advice) {
   }
   if (all && rows == ranks.rank && rows < x.island.nc)
     advice.push_back("after this change, " + count(rows, "row") + " replace " + std::to_string(x.island.nc) +
-                     " , and all are linearly independent");
+                     ", and all are linearly independent");
   if (sum > ranks.rank)
     advice.push_back("the contact groups of " + robot_names(x.scene, x.island.robots) +
                      " are coupled through the robots: their ranks add up to " + std::to_string(sum) +

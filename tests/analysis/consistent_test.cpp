@@ -261,7 +261,7 @@ TEST(ConsistentScenes, AreRefusedWhereTheyCannotBe) {
     FAIL();
   } catch (const InputError& e) {
     EXPECT_EQ(e.line, 2);
-    EXPECT_NE(e.message.find("contact 'pin' remains out of place by 1.1 m"), std::string::npos) << e.message;
+    EXPECT_NE(e.message.find("contact 'pin' stays out of place by 1.1 m"), std::string::npos) << e.message;
   }
 }
 

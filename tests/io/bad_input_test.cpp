@@ -256,9 +256,9 @@ TEST_F(BadInput, NamesOfNeighbours) {
            "/>\n<robot name=\"b\" urdf=\"good.urdf\" copies=\"2\"/></scene>";
   };
   for (const char* name : {"b-1", "b-007"})
-    expect_scene_error(scene_with(name), 2, "has a name that neighbours among copies go by, expected none");
+    expect_scene_error(scene_with(name), 2, "has a name that is reserved for neighbours among copies, expected no name");
   for (const char* name : {"b-1", "b-"})
-    expect_scene_error(scene_with(name, " copies=\"3\""), 2, "has a name that neighbours among copies go by");
+    expect_scene_error(scene_with(name, " copies=\"3\""), 2, "has a name that is reserved for neighbours among copies");
   for (const char* name : {"a-1", "b-", "b-x", "b-1x", "-1"})
     EXPECT_NO_THROW((void)read_scene(write("scene.xml", scene_with(name)))) << name;
 }
@@ -478,7 +478,7 @@ TEST_F(BadInput, DamagedFiles) {
 TEST_F(BadInput, Poses) {
   const std::string robot = "<scene><robot name=\"r\" urdf=\"good.urdf\"/>\n";
   expect_scene_error(robot + "<pose frame=\"r/b\"/></scene>", 2,
-                     "asks for nothing, expected xyz, rpy or any of x, y, z");
+                     "requires nothing, expected xyz, rpy or any of x, y, z");
   expect_scene_error(robot + "<pose z=\"0\"/></scene>", 2, "frame");
   expect_scene_error(robot + "<pose frame=\"r/e\" z=\"0\"/></scene>", 2, "robot 'r' has no frame 'e'");
   expect_scene_error(robot + "<pose frame=\"b\" z=\"0\"/></scene>", 2, "expected robot/link");

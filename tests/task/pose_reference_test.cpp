@@ -81,8 +81,8 @@ TEST(PoseReference, ThatIsNoneIsRefused) {
   };
   const std::string pose = "<pose frame='humanoid/pelvis' z='0.7'/>";
   refused("<cost name='a' type='state' reference='pose'/>", "expected <pose> elements in it");
-  refused("<cost name='a' type='state'>" + pose + "</cost>", "does not ask for it");
-  refused("<cost name='a' type='control' reference='pose'>" + pose + "</cost>", "does not ask for it");
+  refused("<cost name='a' type='state'>" + pose + "</cost>", "without reference=\"pose\"");
+  refused("<cost name='a' type='control' reference='pose'>" + pose + "</cost>", "without reference=\"pose\"");
   refused(state("<pose frame='humanoid/pelvsi' z='1'/>"), "pelvsi");
   const TaskFile read = task_of("t", humanoid(), "<phase nodes='1' contacts='left'>" + state(pose) + "</phase>");
   EXPECT_THROW((void)make_problem(read), std::logic_error);  // still to be found

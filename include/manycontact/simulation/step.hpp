@@ -25,8 +25,8 @@
 //     dw/dt = dexp^-1_w v,   dv/dt = a(q0 (+) w, v)
 //     dexp^-1_w v = v + [w, v]/2 + [w, [w, v]]/12 + O(|w|^4 |v|)
 //
-// All forces are evaluated at the stages. Dampers, springs and PD laws bound the step size
-// (simulation/spring_steps.hpp), and joint friction is smoothed as in solve. v is expressed in the body's frame already
+// All forces are evaluated at the stages. Dampers, springs and PD laws bound the step size, and
+// joint friction is smoothed as in solve. v is expressed in the body's frame already
 // and needs no correction. The truncation of the series changes a step by O(h^5), as the scheme itself does. Without
 // the brackets, floating bases and planar joints have order 2 only.
 //

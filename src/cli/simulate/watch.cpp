@@ -150,7 +150,9 @@ void Watch::print(std::ostream& out, const SceneFile& file, const SimulationData
 
 void Watch::print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, const Invariants& start,
                          const Invariants& end, double most_kinetic) const {
-  if (spring_work_ < -kGained * std::max(most_kinetic, start.potential - end.potential))
+  constexpr double kRounding = 1e-12;  // of the energy
+  if (-spring_work_ > std::max({kGained * most_kinetic, kGained * (start.potential - end.potential),
+                                kRounding * std::abs(start.energy())}))
     wrap(out,
          "steps of " + number(sim.h) + " s took " + number(-spring_work_) +
              " J from springs that swing, as the end of a step has it; shorter steps take less, --integrator rk4 next to "
