@@ -24,6 +24,22 @@ void each_row(const Scene& scene, const SceneData& data, std::size_t island, Act
   for (const int c : island_of(data, island).contacts)
     for (int k = 0; k < scene.contacts[c].rows(); ++k) act(data.f_offset[c] + k);
 }
+inline std::vector<int> rows_of(const Scene& scene, const SceneData& data, std::size_t island) {
+  std::vector<int> rows;
+  each_row(scene, data, island, [&](int row) { rows.push_back(row); });
+  return rows;
+}
+/// How much an island's part of n, a null vector of J^T, may change where J is off by its inaccuracy. change: per row,
+/// by AtRest::change_of_null.
+inline double change_in(const Scene& scene, const SceneData& data, std::size_t island, const Eigen::VectorXd& n,
+                        const Eigen::VectorXd& change) {
+  double sum = 0, most = 0;
+  each_row(scene, data, island, [&](int row) {
+    sum += std::abs(n[row]);
+    most = std::max(most, std::abs(change[row]));
+  });
+  return most * sum;
+}
 /// Calls act(i) for the velocity coordinates of an island's robots.
 template <class Act>
 void each_coordinate(const Scene& scene, const SceneData& data, std::size_t island, Act&& act) {

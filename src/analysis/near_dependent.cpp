@@ -29,19 +29,13 @@ void complete_judged(const Scene& scene, const SceneData& data) {
     complete(scene, data);
 }
 
-std::vector<int> rows_of(const Scene& scene, const SceneData& data, std::size_t island) {
-  std::vector<int> rows;
-  internal::each_row(scene, data, island, [&](int row) { rows.push_back(row); });
-  return rows;
-}
-
 // Of an island, after complete.
 RankGap gap_of(const Scene& scene, const SceneData& data, std::size_t island) {
   RankGap out;
   out.most_dropped = kEps;
   if (!judged(scene, data.report.islands[island])) return out;
   const std::vector<double> left = internal::row_remainders(scene, data, island);
-  const std::vector<int> rows = rows_of(scene, data, island);
+  const std::vector<int> rows = internal::rows_of(scene, data, island);
   out.known = !left.empty();
   for (std::size_t k = 0; k < left.size(); ++k) {
     const bool kept = left[k] > tolerance::kRank;
@@ -97,7 +91,7 @@ std::vector<NearDependent> near_dependent(const Scene& scene, const ConstVectorR
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
     if (!judged(scene, data.report.islands[i])) continue;
     const std::vector<double> left = internal::row_remainders(scene, data, i);
-    const std::vector<int> rows = rows_of(scene, data, i);
+    const std::vector<int> rows = internal::rows_of(scene, data, i);
     NearDependent found;
     found.island = i;
     found.left = kOnlyJust;

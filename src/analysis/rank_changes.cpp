@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kRankProbes = 2;
 constexpr double kNoChange = 1e-8;   // of B's terms: rounding
-constexpr int kFactors = 3;              // of B(z, y), each of which what J is off by may turn
+constexpr int kFactors = 3;          // of B(z, y), each of which what J is off by may turn
 constexpr double kNoMotion = 1e-9;   // of what was projected: no motion is left
 constexpr double kMostLooked = 1e5;  // contacts times coordinates of an island whose coordinate is looked for
 
@@ -88,14 +88,13 @@ class Probe {
     return largest;
   }
   bool counts(std::size_t island, const Eigen::VectorXd& b) const {
-    double size = 0, sum = 0, most_changed = 0, terms = 0;
+    double size = 0, terms = 0;
     internal::each_row(scene_, data_, island, [&](int row) {
       size += std::abs(n_[row]) * terms_[row];
-      sum += std::abs(n_[row]);
-      most_changed = std::max(most_changed, std::abs(change_[row]));
       terms = std::max(terms, terms_[row]);
     });
-    return std::abs(product(island, b)) > kNoChange * size + kFactors * most_changed * sum * terms;
+    const double changed = kFactors * internal::change_in(scene_, data_, island, n_, change_) * terms;
+    return std::abs(product(island, b)) > kNoChange * size + changed;
   }
 
   const Scene& scene_;

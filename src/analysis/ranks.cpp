@@ -6,6 +6,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "at_rest.hpp"
 #include "manycontact/analysis/near_dependent.hpp"
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/contact/row_scale.hpp"
@@ -183,10 +184,6 @@ std::string kept_as(const Contact& contact, const std::vector<int>& rows) {
   return text::join(names);
 }
 
-}  // namespace
-
-namespace {
-
 // Whether only rows between the same two bodies depend on each other: these are geometry, and the solver has named them
 // without a judgement of pivots.
 bool depends_in_pairs_alone(const SceneData& data, std::size_t number) {
@@ -224,9 +221,9 @@ IslandRanks internal::ranks_of_island(const Scene& scene, const SceneData& data,
     const std::vector<int>& dependent = data.report.islands[number].dependent_rows;
     out.known = true;
     out.rank = data.report.islands[number].rank;
-    for (int c : island.contacts)
-      for (int row = data.f_offset[c]; row < data.f_offset[c] + scene.contacts[c].rows(); ++row)
-        out.redundant.push_back(std::binary_search(dependent.begin(), dependent.end(), row));
+    internal::each_row(scene, data, number, [&](int row) {
+      out.redundant.push_back(std::binary_search(dependent.begin(), dependent.end(), row));
+    });
     return out;
   }
   const double nv = island.nv, nc = island.nc;

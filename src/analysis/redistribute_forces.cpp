@@ -17,12 +17,6 @@ struct IslandBasis {
   Eigen::MatrixXd N;
 };
 
-std::vector<int> island_rows(const Scene& scene, const SceneData& data, std::size_t island) {
-  std::vector<int> rows;
-  internal::each_row(scene, data, island, [&](int row) { rows.push_back(row); });
-  return rows;
-}
-
 int nullity(const IslandReport& report) { return report.status == Status::kFailed ? 0 : report.nc - report.rank; }
 
 /// Orthonormal columns that span those of W.
@@ -48,7 +42,7 @@ std::vector<IslandBasis> bases_of(const Scene& scene, const ConstVectorRef& q, c
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
     const int n = nullity(data.report.islands[i]);
     if (n <= 0) continue;
-    IslandBasis basis{island_rows(scene, data, i), {}};
+    IslandBasis basis{internal::rows_of(scene, data, i), {}};
     basis.N.resize(static_cast<Eigen::Index>(basis.rows.size()), n);
     for (int k = 0; k < n; ++k) basis.N.col(k) = internal::mixed(basis.N.rows(), k);
     bases.push_back(std::move(basis));

@@ -34,14 +34,11 @@ std::vector<char> unique_forces(const Scene& scene, const ConstVectorRef& q, con
   for (int probe = 0; probe < kNullProbes; ++probe) {
     const Eigen::VectorXd w = rest.null_component(q, internal::mixed(data.f.size(), probe));
     for (const std::size_t i : dependent) {
-      double largest = 0, sum = 0, most_changed = 0;
+      double largest = 0;
+      internal::each_row(scene, data, i, [&](int row) { largest = std::max(largest, std::abs(w[row])); });
+      const double least = kNoPart * largest + internal::change_in(scene, data, i, w, change);
       internal::each_row(scene, data, i, [&](int row) {
-        largest = std::max(largest, std::abs(w[row]));
-        sum += std::abs(w[row]);
-        most_changed = std::max(most_changed, std::abs(change[row]));
-      });
-      internal::each_row(scene, data, i, [&](int row) {
-        if (!(std::abs(w[row]) <= kNoPart * largest + most_changed * sum)) unique[static_cast<std::size_t>(row)] = 0;
+        if (!(std::abs(w[row]) <= least)) unique[static_cast<std::size_t>(row)] = 0;
       });
     }
   }

@@ -212,9 +212,10 @@ bool holds(const Scene& scene, const Island& island, const IslandSupport& suppor
     for (const Eigen::MatrixXd& rows : numbers.J)
       if (rows.size() > 0) matrix.row_scale = std::max(matrix.row_scale, rows.cwiseAbs().maxCoeff());
     Reason reason = factor->factorize(matrix, scratch);
-    if (std::exchange(first, false) && reason != Reason::kNone)
-      factor = island.nc > tolerance::kFewRows ? make_proximal_factor() : make_dependent_rows_factor(),
+    if (std::exchange(first, false) && reason != Reason::kNone) {
+      factor = island.nc > tolerance::kFewRows ? make_proximal_factor() : make_dependent_rows_factor();
       reason = factor->factorize(matrix, scratch);
+    }
     return reason == Reason::kNone && factor->growth() < most_growth;
   });
 }

@@ -21,22 +21,22 @@ void make_scene(const Scene& scene, SimulationData& d) {
 
 }  // namespace
 
-AtRest at_rest_with_joints(const Scene& scene, SimulationData& d) {
+AtRest at_rest_with_joints(SimulationData& d) {
   if (!d.resisting || !d.resisting->dynamics) return {d.at_rest.scene, d.dynamics};
-  ResistingForces& r = *d.resisting;
-  r.at_rest->follow(scene, d.h);
-  r.dynamics->options = d.dynamics.options;
-  r.dynamics->active = d.dynamics.active;
-  return {r.at_rest->scene, *r.dynamics};
+  return {d.resisting->at_rest->scene, *d.resisting->dynamics};
 }
 
 void take_joints(const Scene& scene, SimulationData& d) {
   ResistingJoints& j = d.resisting->joints;
-  (void)j.find(scene, d.pd, d.h);
+  j.find(scene, d.pd, d.h);
   if (d.pd.kp.size() > 0) add_pd_torques(scene, d.pd, d.q, d.at_rest.zero, d.w);
   if (!d.resisting->made || !j.fits(scene)) make_scene(scene, d);
   j.added = j.to_add;
   j.begun = false;
+  if (!d.resisting->dynamics) return;
+  d.resisting->at_rest->follow(scene, d.h);
+  d.resisting->dynamics->options = d.dynamics.options;
+  d.resisting->dynamics->active = d.dynamics.active;
 }
 
 void account_for_joints(const Scene& scene, SimulationData& d, const Eigen::VectorXd& v_next) {

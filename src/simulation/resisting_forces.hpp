@@ -26,9 +26,10 @@ struct AtRest {
   const Scene& scene;
   SceneData& data;  // data.dynamics where they add nothing
 };
-AtRest at_rest_with_joints(const Scene& scene, SimulationData& data);
+AtRest at_rest_with_joints(SimulationData& data);
 
-/// Before a step's solves: adds what PD laws do at its start to data.w, and to M what all joints add at its end.
+/// Before a step's solves: adds what PD laws do at its start to data.w, and to M what all joints add at its end. The
+/// scene at rest with that follows `scene` and the contacts that are active.
 void take_joints(const Scene& scene, SimulationData& data);
 /// After them: data.pd_torque and data.work of joints.
 void account_for_joints(const Scene& scene, SimulationData& data, const Eigen::VectorXd& v_next);

@@ -62,14 +62,13 @@ ResistingJoints::ResistingJoints(const Scene& scene)
     if (friction[i] > 0) rubbing.push_back(i);
 }
 
-bool ResistingJoints::find(const Scene& scene, const PdLaws& pd, double h) {
+void ResistingJoints::find(const Scene& scene, const PdLaws& pd, double h) {
   to_add = h * damping;
   for (const JointSpring& spring : scene.joint_springs) {
     const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
     to_add[robot.idx_v + robot.model->joints[spring.joint].idx_v] += h * h * spring.stiffness;
   }
   if (pd.kp.size() > 0) to_add += h * pd.kd + h * h * pd.kp;
-  return !rubbing.empty() || !to_add.isZero(0);
 }
 
 bool ResistingJoints::fits(const Scene& scene) const {

@@ -88,18 +88,18 @@ void add_rows(const Scene& scene, const Spring& spring, int number, const Applie
                       spring.length == 0 ? 0 : at.length});
 }
 
-bool solves(const Scene& scene, const Eigen::VectorXd& b, const Eigen::VectorXd& wanted, SimulationData& d) {
-  const auto [rest, data] = at_rest_with_joints(scene, d);
+bool solves(const Eigen::VectorXd& b, const Eigen::VectorXd& wanted, SimulationData& d) {
+  const auto [rest, data] = at_rest_with_joints(d);
   const Status status = solve_tau(rest, d.q, d.at_rest.zero, b, wanted, data).status;
   d.worst = std::max(d.worst, status);
   return status != Status::kFailed;
 }
 
-const Eigen::VectorXd& answer(const Scene& scene, SimulationData& d) { return at_rest_with_joints(scene, d).data.a; }
+const Eigen::VectorXd& answer(SimulationData& d) { return at_rest_with_joints(d).data.a; }
 
 // use(row, of which row's force, J K^-1 J^T); false when a solve failed.
 template <class Use>
-bool each_response(const Scene& scene, SimulationData& d, ResistingSprings& s, Use&& use) {
+bool each_response(SimulationData& d, ResistingSprings& s, Use&& use) {
   s.none.setZero(d.wanted.size());
   for (int number = 0; number < s.numbers; ++number) {
     std::fill(s.asked.begin(), s.asked.end(), -1);
@@ -110,8 +110,8 @@ bool each_response(const Scene& scene, SimulationData& d, ResistingSprings& s, U
         s.unit.add(s.ends[k], 1);
       }
     s.b = s.unit.torques();
-    if (!solves(scene, s.b, s.none, d)) return false;
-    s.unit.look(answer(scene, d));
+    if (!solves(s.b, s.none, d)) return false;
+    s.unit.look(answer(d));
     for (std::size_t k = 0; k < s.ends.size(); ++k)
       if (const int by = s.asked[static_cast<std::size_t>(s.ends[k].island)]; by >= 0)
         use(s.row[k], s.row[static_cast<std::size_t>(by)], s.unit.along(s.ends[k]));
@@ -122,12 +122,12 @@ bool each_response(const Scene& scene, SimulationData& d, ResistingSprings& s, U
 bool is_across(const ResistingSprings::Row& row) { return row.keeps >= 0; }
 
 // J K^-1 J^T into C, or into entries where there are many rows.
-bool find_responses(const Scene& scene, SimulationData& d, ResistingSprings& s) {
+bool find_responses(SimulationData& d, ResistingSprings& s) {
   const auto n = static_cast<Eigen::Index>(s.rows.size());
   const bool few = n <= kFewRows;
   few ? (void)s.C.setZero(n, n) : s.entries.clear();
   s.own.setZero(n);
-  if (!each_response(scene, d, s, [&](int i, int j, double x) {
+  if (!each_response(d, s, [&](int i, int j, double x) {
         few ? (void)(s.C(i, j) += x) : (void)s.entries.emplace_back(i, j, x);
         if (i == j) s.own[i] += x;
       }))
@@ -209,7 +209,7 @@ bool keep_turning(const SimulationData& d, ResistingSprings& s) {
 }  // namespace
 
 ResistingSprings::ResistingSprings(const Scene& scene)
-    : loads(without_springs(scene)), unit(scene), asked(scene.robots.size()), scratch(scene.nv) {
+    : loads(without_springs(scene)), unit(scene), asked(scene.robots.size()) {
   if (has_applied_forces(loads)) of_loads = std::make_shared<AppliedForces<double>>(loads);
   for (const Spring& spring : scene.springs)
     mobility.push_back(mobility_of_end(scene, spring.A) + mobility_of_end(scene, spring.B));
@@ -218,9 +218,9 @@ ResistingSprings::ResistingSprings(const Scene& scene)
 void add_loads(const Scene& scene, SimulationData& d) {
   if (!d.applied) return;
   ResistingSprings* s = d.resisting && d.resisting->springs ? &*d.resisting->springs : nullptr;
-  Eigen::VectorXd& tau = s ? s->scratch : d.w;
-  add_applied_forces<double>(scene, d.q.data(), d.v.data(), d.dynamics.pushes, *d.applied, tau.data());
-  if (!s) return;
+  if (!s)
+    return add_applied_forces<double>(scene, d.q.data(), d.v.data(), d.dynamics.pushes, *d.applied, d.w.data());
+  find_applied_wrenches<double>(scene, d.q.data(), d.v.data(), d.dynamics.pushes, *d.applied);
   follow_loads(scene, s->loads);
   if (s->of_loads)
     add_applied_forces<double>(s->loads, d.q.data(), d.v.data(), d.dynamics.pushes, *s->of_loads, d.w.data());
@@ -247,24 +247,24 @@ void take_springs(const Scene& scene, SimulationData& d) {
   s.unit.place(scene, d.q);
 }
 
-bool solve_with_springs(const Scene& scene, const Eigen::VectorXd& b, SimulationData& d) {
+bool solve_with_springs(const Eigen::VectorXd& b, SimulationData& d) {
   ResistingSprings* s = d.resisting && d.resisting->springs ? &*d.resisting->springs : nullptr;
-  if (!solves(scene, b, d.wanted, d)) return false;
+  if (!solves(b, d.wanted, d)) return false;
   if (!s || s->rows.empty()) return true;
-  s->unit.look(answer(scene, d));
+  s->unit.look(answer(d));
   const auto n = static_cast<Eigen::Index>(s->rows.size());
   s->p.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const ResistingSprings::Row& row = s->rows[static_cast<std::size_t>(i)];
     s->p[i] = -s->unit.along(row.spring, row.direction, -1);
   }
-  if (!find_responses(scene, d, *s) || !take_tensions(d, *s) || !keep_turning(d, *s)) return false;
+  if (!find_responses(d, *s) || !take_tensions(d, *s) || !keep_turning(d, *s)) return false;
   for (Eigen::Index i = 0; i < n; ++i) s->p[i] -= s->rows[static_cast<std::size_t>(i)].g;
   if (!solve_rows(true, *s, s->p)) return false;
   s->unit.clear();
   for (std::size_t k = 0; k < s->ends.size(); ++k) s->unit.add(s->ends[k], s->p[s->row[k]]);
   s->b = b + s->unit.torques();
-  return solves(scene, s->b, d.wanted, d);
+  return solves(s->b, d.wanted, d);
 }
 
 void account_for_springs(const Scene& scene, SimulationData& d, const Eigen::VectorXd& v_next) {

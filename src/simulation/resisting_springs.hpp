@@ -51,7 +51,7 @@ struct ResistingSprings {
   std::vector<Eigen::Triplet<double>> entries, own_entries;  // of many
   Eigen::SparseMatrix<double> S;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_factor;
-  Eigen::VectorXd scratch, b, none;
+  Eigen::VectorXd b, none;
 
   // Groups of bodies that springs join, and the angular momentum that they are to be given back.
   std::vector<int> cluster, members;
@@ -63,7 +63,7 @@ void add_loads(const Scene& scene, SimulationData& data);
 /// After it: the rows. Where a spring has no direction, data.w is NaN.
 void take_springs(const Scene& scene, SimulationData& data);
 /// K v+ = b with the springs' impulses: into the data of at_rest_with_joints. False when a solve failed.
-[[nodiscard]] bool solve_with_springs(const Scene& scene, const Eigen::VectorXd& b, SimulationData& data);
+[[nodiscard]] bool solve_with_springs(const Eigen::VectorXd& b, SimulationData& data);
 /// After it: adds the impulses to the momentum that free groups will have.
 void add_impulses_of_springs(const Scene& scene, SimulationData& data);
 /// data.work of springs and dampers between points.

@@ -31,7 +31,7 @@ namespace {
 bool solve_to_the_end(const Scene& scene, SimulationData& d) {
   if (!d.resisting) {
     d.tau += d.h * d.w;
-    return solve_with_springs(scene, d.tau, d);
+    return solve_with_springs(d.tau, d);
   }
   Eigen::VectorXd& b = d.resisting->b;
   for (int k = 0; k < kMostSolves; ++k) {
@@ -39,8 +39,8 @@ bool solve_to_the_end(const Scene& scene, SimulationData& d) {
     ResistingJoints& joints = d.resisting->joints;
     joints.set_inertias(scene, d.h);
     joints.add_sliding(d.h, b);
-    if (!solve_with_springs(scene, b, d)) return false;
-    if (joints.settles(scene, d.dynamics, d.h, at_rest_with_joints(scene, d).data.a)) return true;
+    if (!solve_with_springs(b, d)) return false;
+    if (joints.settles(scene, d.dynamics, d.h, at_rest_with_joints(d).data.a)) return true;
   }
   ++d.unsettled;
   return true;
@@ -78,7 +78,7 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
   begin_forces(scene, u, d);
   begin_free_motion(scene, d.dynamics.active, d.w, h, d.at_rest.kin, d.free_groups);
   const bool solved = solve_to_the_end(scene, d);
-  const auto [rest, data] = at_rest_with_joints(scene, d);
+  const auto [rest, data] = at_rest_with_joints(d);
   if (&data != &d.dynamics) d.dynamics.a = data.a, d.dynamics.f = data.f, d.dynamics.report = data.report;
   if (!solved) return false;
   watch_condition(rest, data, d);

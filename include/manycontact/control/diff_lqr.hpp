@@ -39,8 +39,8 @@ class DifferentialActionModelLQR : public DifferentialActionModelAbstract {
   const MatrixXs& get_Av() const { return Av_; }  // matrix of v
   const MatrixXs& get_B() const { return B_; }    // matrix of the controls
   const VectorXs& get_f() const { return f_; }    // constant term of the dynamics
-  const MatrixXs& get_Q() const { return Q_; }    // hessian of the cost with respect to x
-  const MatrixXs& get_R() const { return R_; }    // the cone's axes
+  const MatrixXs& get_Q() const { return Q_; }    // Hessian of the cost with respect to x
+  const MatrixXs& get_R() const { return R_; }    // Hessian of the cost with respect to u
   const MatrixXs& get_N() const { return N_; }    // mixed Hessian of the cost
   const MatrixXs& get_G() const { return G_; }    // matrix of the inequality constraints
   const MatrixXs& get_H() const { return H_; }    // matrix of the equality constraints

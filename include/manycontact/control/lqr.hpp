@@ -36,11 +36,11 @@ class ActionModelLQR : public ActionModelAbstract {  // Linear dynamics in discr
   void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
   void print(std::ostream& os) const override;
 
-  const MatrixXs& get_A() const { return A_; }  // the matrix of the inequalities
+  const MatrixXs& get_A() const { return A_; }  // matrix of the state
   const MatrixXs& get_B() const { return B_; }  // matrix of the controls
   const VectorXs& get_f() const { return f_; }  // constant term of the dynamics
-  const MatrixXs& get_Q() const { return Q_; }  // hessian of the cost with respect to x
-  const MatrixXs& get_R() const { return R_; }  // the cone's axes
+  const MatrixXs& get_Q() const { return Q_; }  // Hessian of the cost with respect to x
+  const MatrixXs& get_R() const { return R_; }  // Hessian of the cost with respect to u
   const MatrixXs& get_N() const { return N_; }  // mixed Hessian of the cost
   const MatrixXs& get_G() const { return G_; }  // matrix of the inequality constraints
   const MatrixXs& get_H() const { return H_; }  // matrix of the equality constraints

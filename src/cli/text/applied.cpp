@@ -22,25 +22,21 @@ std::string name_of(const Scene& scene, const Attachment& at) {
 }
 
 // The states of the forces at the file's q and v.
-class At {
- public:
-  explicit At(const SceneFile& file) : scene_(file.scene), forces(file.scene) {
+struct At {
+  const Scene& scene;
+  AppliedForces<double> forces;
+
+  explicit At(const SceneFile& file) : scene(file.scene), forces(scene) {
     std::vector<Vec6<double>> wrenches;
-    for (const Push& push : scene_.pushes) wrenches.push_back(push.wrench);
-    find_applied_wrenches<double>(scene_, file.q.data(), file.v.data(), wrenches, forces);
+    for (const Push& push : scene.pushes) wrenches.push_back(push.wrench);
+    find_applied_wrenches<double>(scene, file.q.data(), file.v.data(), wrenches, forces);
   }
   Vec3<double> place(const Attachment& at) const {
     if (at.robot < 0) return at.placement.p;
-    const Robot& robot = scene_.robots[static_cast<std::size_t>(at.robot)];
+    const Robot& robot = scene.robots[static_cast<std::size_t>(at.robot)];
     const auto& of = forces.robots[static_cast<std::size_t>(forces.number[static_cast<std::size_t>(at.robot)])];
     return frame_placement<double>(of.kin, robot.base, at.joint, at.placement).p;
   }
-
- private:
-  const Scene& scene_;
-
- public:
-  AppliedForces<double> forces;
 };
 
 void print_more(std::ostream& out, std::size_t all) {

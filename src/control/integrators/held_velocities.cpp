@@ -28,7 +28,7 @@ void copy_what_may_change(const Scene& from, Scene& to) {
 
 Scene without_gravity(const Scene& from, double h, ResistingJoints& joints) {
   joints.vary = true;
-  (void)joints.find(from, {}, h);
+  joints.find(from, {}, h);
   Scene out = joints.with_inertias(from);
   out.gravity.setZero();
   drop_applied_forces(out);
@@ -143,7 +143,7 @@ bool HeldVelocities::serve(const DataCollector& of, double h) {
   if (h != h_) return false;
   for (std::size_t r = 0; r < models_.size(); ++r)
     if (models_[r] != of.scene.robots[r].model) return false;
-  (void)joints.find(of.scene, {}, h);
+  joints.find(of.scene, {}, h);
   if (!joints.fits(of.scene)) return false;
   joints.added = joints.to_add;
   return true;

@@ -1,9 +1,11 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "ldl_numbers.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
@@ -189,6 +191,7 @@ class ProximalFactor final : public Factor {
   }
 
   sparse::Refinement refine(const KktMatrix& K, KktVectors& v);
+  std::array<double, 2> largest_of_parts(const std::vector<double>& x) const;
   bool agrees(const KktVectors& v) const;
   void refine_contradiction(KktVectors& v);
   void project(double* y, double* null_component, double left);
@@ -446,29 +449,35 @@ bool ProximalFactor::agrees(const KktVectors& v) const {
 // While the largest residual of M's rows or of J's, each relative to the terms of the first step, is halved: at rest
 // the terms of J's rows vanish with their residuals, and a componentwise error shows no progress.
 sparse::Refinement ProximalFactor::refine(const KktMatrix& K, KktVectors& v) {
-  sparse::Refinement out;
+  std::optional<std::array<double, 2>> terms;
+  double error = 0, first = 0;
+  const auto left_of_terms = [&]() -> double {
+    residual(K, v);
+    error = backward_error(v.r, v.scale);
+    if (!terms) terms = largest_of_parts(v.scale), first = error;
+    if (error <= tolerance::kConverged) return 0;
+    const std::array<double, 2> r = largest_of_parts(v.r);
+    const auto ratio = [&](int part) { return (*terms)[part] > 0 ? r[part] / (*terms)[part] : 0; };
+    return sparse::larger_or_nan(ratio(0), ratio(1));
+  };
   v.x = v.b;
   ldl_.solve(v.x.data());
-  double terms[2] = {0, 0}, before = std::numeric_limits<double>::infinity();
-  for (;; ++out.steps) {
-    residual(K, v);
-    out.backward_error = backward_error(v.r, v.scale);
-    if (out.steps == 0) out.first = out.backward_error;
-    double left[2] = {0, 0};
-    for (std::size_t k = 0; k < v.r.size(); ++k) {
-      double &of_part = left[of_M_[k] ? 1 : 0], &its_terms = terms[of_M_[k] ? 1 : 0];
-      of_part = sparse::larger_or_nan(of_part, std::abs(v.r[k]));
-      if (out.steps == 0) its_terms = std::max(its_terms, v.scale[k]);
-    }
-    double error = 0;
-    for (int part : {0, 1})
-      if (terms[part] > 0) error = sparse::larger_or_nan(error, left[part] / terms[part]);
-    if (out.backward_error <= tolerance::kConverged || out.steps == tolerance::kProximalSteps || !(error < 0.5 * before))
-      return out;
-    before = error;
+  sparse::Refinement out = sparse::refine(tolerance::kProximalSteps, 0, left_of_terms, [&] {
     ldl_.solve(v.r.data());
     for (std::size_t k = 0; k < v.x.size(); ++k) v.x[k] += v.r[k];
+  });
+  out.first = first, out.backward_error = error;
+  return out;
+}
+
+// The largest entries of x, by size, in J's rows and in M's.
+std::array<double, 2> ProximalFactor::largest_of_parts(const std::vector<double>& x) const {
+  std::array<double, 2> out{};
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    double& of_part = out[of_M_[k] ? 1 : 0];
+    of_part = sparse::larger_or_nan(of_part, std::abs(x[k]));
   }
+  return out;
 }
 
 }  // namespace

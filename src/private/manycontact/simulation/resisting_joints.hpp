@@ -38,8 +38,8 @@ struct ResistingJoints {
   Eigen::VectorXd speed, force, next_speed, next_force;
   std::vector<int> island, order;  // whose line search is one; entries island by island
 
-  /// Whether joints resist at all in steps of h; to_add.
-  bool find(const Scene& scene, const PdLaws& pd, double h);
+  /// to_add, in steps of h.
+  void find(const Scene& scene, const PdLaws& pd, double h);
   /// The scene with to_add in its armatures, and without dampers and friction.
   Scene with_inertias(const Scene& scene);
   /// Whether that scene serves for to_add, or another is to be made.
