@@ -18,10 +18,10 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::map<std::string, int> level = {
-    {"abi", -1},         {"version", -1},  {"simd", -1},      {"sparse", 0},  {"lq", 1},        {"spatial", 1},
-    {"model", 2},        {"algorithm", 3}, {"contact", 4},    {"io", 5},      {"kkt", 5},       {"dynamics", 6},
-    {"analysis", 7},     {"action", 7},    {"simulation", 7}, {"control", 8}, {"crocoddyl", 9}, {"task", 9},
-    {"manycontact", 10}, {"cli", 11},      {"python", 11},
+    {"abi", -1},     {"version", -1},     {"simd", -1},   {"sparse", 0},     {"lq", 1},      {"spatial", 1},
+    {"model", 2},    {"algorithm", 3},    {"contact", 4}, {"io", 5},         {"rank", 5},    {"kkt", 6},
+    {"dynamics", 7}, {"analysis", 8},     {"action", 8},  {"simulation", 8}, {"control", 9}, {"crocoddyl", 10},
+    {"task", 10},    {"manycontact", 11}, {"cli", 12},    {"python", 12},
 };
 
 struct Guarded {
@@ -282,9 +282,13 @@ TEST(CrocoddylNames, AreThoseOfTheHeaders) {
   const fs::path headers = fs::path(MANYCONTACT_SOURCE_DIR) / "include/manycontact";
   std::ifstream text(headers / "crocoddyl/names.hpp");
   const std::string names{std::istreambuf_iterator<char>(text), {}};
-  const std::set<std::string> of_its_own = {"CostModelSum", "ConstraintModelManager", "ContactModelMultiple",
+  const std::set<std::string> of_its_own = {"CostModelSum",
+                                            "ConstraintModelManager",
+                                            "ContactModelMultiple",
                                             "ImpulseModelMultiple",
-                                            "LoopTime", "Reevaluation", "Step"};  // the last three are internal
+                                            "LoopTime",
+                                            "Reevaluation",
+                                            "Step"};  // the last three are internal
   int seen = 0;
   for (const char* folder : {"action", "control"})
     for (const auto& entry : fs::recursive_directory_iterator(headers / folder)) {

@@ -6,8 +6,7 @@
 
 namespace manycontact::sparse {
 
-double componentwise_backward_error(std::span<const double> r, std::span<const double> scale) {
-  double largest = 0;
+double componentwise_backward_error(std::span<const double> r, std::span<const double> scale, double largest) {
   for (double s : scale) largest = std::max(largest, s);
   if (!std::isfinite(largest)) return std::numeric_limits<double>::quiet_NaN();
   const double floor = largest * std::numeric_limits<double>::epsilon();

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <numeric>
 
+#include "manycontact/sparse/tolerances.hpp"
+
 namespace manycontact::sparse {
 
 namespace {
-
-// Of a block's entries of L, those that are zero by structure: a share of at most 1 / kZeros. Short columns are left:
-// their cost is not in multiply-adds.
-constexpr int kZeros = 12, kShort = 16;
 
 int count(const LdlSymbolic& L, int k) { return L.Lp[k + 1] - L.Lp[k]; }
 
@@ -68,7 +66,8 @@ std::vector<char> nearly_nested(const std::vector<int>& parent, const std::vecto
   long rows = 0, zeros = 0, entries = 0;  // of column k + 1, relaxed, and of its block
   for (int k = n - 1; k >= 0; --k) {
     const long own = counts[k], more = rows + 1 - own;
-    nested[k] = parent[k] == k + 1 && (more == 0 || (own >= kShort && kZeros * (zeros + more) <= entries + own + more));
+    nested[k] = parent[k] == k + 1 &&
+                (more == 0 || (own >= tolerance::kShort && tolerance::kZeros * (zeros + more) <= entries + own + more));
     rows = nested[k] ? rows + 1 : own;
     zeros = nested[k] ? zeros + more : 0;
     entries = nested[k] ? entries + rows : own;

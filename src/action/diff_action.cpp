@@ -2,7 +2,7 @@
 
 #include <ostream>
 
-#include "manycontact/sparse/least_norm.hpp"
+#include "manycontact/rank/least_norm.hpp"
 
 namespace manycontact {
 
@@ -62,7 +62,7 @@ void DifferentialActionModelAbstract::quasiStatic(const std::shared_ptr<Differen
   for (std::size_t k = 0; k < maxiter; ++k) {
     calc(data, x, u);
     calcDiff(data, x, u);
-    const Eigen::VectorXd du = sparse::least_norm_solution(data->Fu, data->xout);
+    const Eigen::VectorXd du = rank::least_norm_solution(data->Fu, data->xout);
     u -= du;
     if (du.norm() <= tol) break;
   }

@@ -9,8 +9,8 @@
 #include "at_rest.hpp"
 #include "manycontact/analysis/near_dependent.hpp"
 #include "manycontact/analysis/text.hpp"
-#include "manycontact/contact/row_scale.hpp"
 #include "manycontact/dynamics/shapes.hpp"
+#include "manycontact/rank/row_size.hpp"
 #include "row_remainders.hpp"
 
 namespace manycontact {
@@ -49,7 +49,7 @@ Eigen::MatrixXd rows_of(const Examined& x, const std::vector<int>& positions) {
     for (Eigen::Index k = 0; k < J.cols(); ++k)
       Jt.row(column[x.support.columns[c][static_cast<std::size_t>(k)]]).segment(row, J.rows()) = J.col(k).transpose();
     for (int k = 0; k < J.rows(); ++k, ++row) {
-      const double size = std::max(row_scale(x.contact(c), x.numbers(c), k), Jt.col(row).norm());
+      const double size = std::max(row_size(x.contact(c), x.numbers(c), k), Jt.col(row).norm());
       if (size > 0) Jt.col(row) /= size;
     }
   }

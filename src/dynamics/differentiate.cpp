@@ -8,6 +8,7 @@
 #include "internal.hpp"
 #include "manycontact/sparse/memory.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 #include "systems/robots/derivatives.hpp"
 #include "workspace/threads.hpp"
 
@@ -81,7 +82,7 @@ namespace {
 void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const DerivativeRequest& request,
                     IslandDerivatives& out) {
   Workspace& w = *data.workspace;
-  // where forces are applied, what was laid out is no longer what was kept, and not zero where it may stand
+  // With pushes or springs the columns were reordered afterwards: the panel is laid out again and set to zero.
   if (forces_are_applied(w) || out.request != request || out.X.rows() != d.island.size() ||
       out.X.cols() != sparse::padded(columns_of(scene, d.island, request)) ||
       out.u_offset.size() != d.island.robots.size() + 1)
@@ -96,8 +97,8 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
 // one, which takes 4 to 70 times as long where K's sparse factor is sound, however deep the tree. Where it is not, the
 // oracle of a large K would take longer.
 bool differentiates_by_matrix(const SceneData& data, const IslandWork& d) {
-  constexpr int kLargest = 1500;  // rows of K
-  return data.options.method == Method::kAuto && d.answered_by(d.bodies.get()) && d.island.size() <= kLargest;
+  return data.options.method == Method::kAuto && d.answered_by(d.bodies.get()) &&
+         d.island.size() <= tolerance::kDifferentiatedByMatrix;
 }
 
 // Of an island that no batch of robots alone serves: robot by robot where that is cheaper, by the system that answered,
@@ -175,8 +176,8 @@ void release(IslandWork& d) {
   else if (d.robots)
     d.robots->derivatives.reset();
   d.matrix.rows.reset();
-  for (Factor* factor :
-       {d.matrix.chosen.get(), d.matrix.safe_in_order.get(), d.matrix.safe.get(), d.matrix.proximal.get(), d.matrix.dense.get()})
+  for (Factor* factor : {d.matrix.chosen.get(), d.matrix.safe_in_order.get(), d.matrix.safe.get(),
+                         d.matrix.proximal.get(), d.matrix.dense.get()})
     if (factor) factor->release_panels();
 }
 

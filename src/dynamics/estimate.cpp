@@ -3,6 +3,7 @@
 #include "internal.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/sparse/condition.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
 
@@ -20,8 +21,7 @@ void forget_unrequested(const DerivativeRequest& request, DerivativeBounds& b) {
 }  // namespace
 
 double internal::inverse_norm(int n, const std::function<void(double*)>& solve) {
-  constexpr int kSmall = 64;
-  return n <= kSmall ? sparse::norm_1_by_columns(n, solve) : sparse::inverse_norm_1(n, solve);
+  return n <= tolerance::kSmallInverse ? sparse::norm_1_by_columns(n, solve) : sparse::inverse_norm_1(n, solve);
 }
 
 void estimate_errors(const Scene& scene, SceneData& data) {

@@ -5,7 +5,7 @@
 #include "internal.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
 #include "manycontact/model/expect_state.hpp"
-#include "manycontact/sparse/least_norm.hpp"
+#include "manycontact/rank/least_norm.hpp"
 
 namespace manycontact {
 
@@ -55,7 +55,7 @@ Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::V
       for (int i : w.supports[c].b) add(contact.B.robot, i);
     }
   }
-  return sparse::least_norm_solution(scene.nv, nu + static_cast<int>(data.f.size()), A, h).head(nu);
+  return rank::least_norm_solution(scene.nv, nu + static_cast<int>(data.f.size()), A, h).head(nu);
 }
 
 Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, SceneData& data) {

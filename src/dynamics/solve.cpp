@@ -49,21 +49,48 @@ void fail(const Scene& scene, SceneData& data, const Island& island, IslandRepor
                    [&](int first, int, int n) { data.f.segment(first, n).setConstant(nan); });
 }
 
-// By sparse-bodies where that was chosen, and by the whole K.
-void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, IslandWork& d, IslandReport& report) {
+// One island, by sparse-bodies where that was chosen, and by the whole K.
+void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, Dropped dropped, IslandWork& d,
+                  IslandReport& report) {
   reset(report, d.island);
   const auto solve_by = [&](IslandSystem* system) {
-    if (!system || !system->solve(scene, data, thread, report)) return false;
+    if (!system || !system->solve(scene, data, thread, dropped, report)) return false;
     d.answered = system;
     return true;
   };
-  if (!d.bodies) evaluate_at_solution(scene, data, d);  // to be looked at even where the input is refused
+  // The views of the terms show them even where the input is refused.
+  if (!d.bodies && dropped == Dropped::kNone) evaluate_at_solution(scene, data, d);
   report.reason = check_input(scene, data.workspace->q, data.v, data.tau, d.island);
   if (report.reason == Reason::kNotFinite && lacks_direction(scene, *data.workspace, d.island))
     report.reason = Reason::kSpringWithoutDirection;
   if (report.reason != Reason::kNone || (!is_inexact(scene, d) && solve_by(d.bodies.get()))) return;
   const Reason refused = report.reason;  // by sparse-bodies
   if (solve_by(&d.matrix) && report.reason == Reason::kNone) report.reason = refused;
+}
+
+// The islands that SIMD batches did not answer.
+void solve_left(const Scene& scene, SceneData& data, Dropped dropped) {
+  if (dropped == Dropped::kAsFound) return;
+  Workspace& w = *data.workspace;
+  const auto is_left = [dropped](const auto& d) {
+    return !d->answered && (dropped == Dropped::kNone || d->matrix.was_dependent);
+  };
+  const auto left = std::ranges::count_if(w.islands, is_left);
+  if (left == 0) return;
+  each_item(w, w.islands.size(), left > 1, [&](std::size_t i, ThreadWork& thread) {
+    if (is_left(w.islands[i])) solve_island(scene, data, thread, dropped, *w.islands[i], data.report.islands[i]);
+  });
+}
+
+// The islands of several robots: each makes use of all threads.
+void solve_joined(const Scene& scene, SceneData& data, Dropped dropped) {
+  Workspace& w = *data.workspace;
+  for (std::size_t i = 0; i < w.islands.size(); ++i) {
+    IslandWork& d = *w.islands[i];
+    if (d.robots && !is_inexact(scene, d) &&
+        d.robots->solve(scene, data, w.threads.front(), dropped, data.report.islands[i]))
+      d.answered = d.robots.get();
+  }
 }
 
 }  // namespace
@@ -98,30 +125,6 @@ void name_dependent_rows(const SceneData& data, const Island& island, std::span<
 
 namespace {
 
-// The islands whose rows depend on each other as in the solve before. Of the others nothing is left behind: a state's
-// answer does not depend on the states before it.
-void solve_dependent(const Scene& scene, SceneData& data) {
-  Workspace& w = *data.workspace;
-  if (std::none_of(w.islands.begin(), w.islands.end(), [](const auto& d) { return d->matrix.was_dependent; })) return;
-  each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
-    IslandWork& d = *w.islands[i];
-    if (!d.matrix.was_dependent || d.answered) return;
-    d.matrix.was_dependent = false;
-    if (check_input(scene, w.q, data.v, data.tau, d.island) != Reason::kNone) return;
-    reset(data.report.islands[i], d.island);
-    if (d.matrix.solve_as_dependent(scene, data, thread, data.report.islands[i])) d.answered = &d.matrix;
-  });
-}
-
-// solve(robots, report) of the islands of several robots in lanes: these have their own use for all threads.
-template <class Solve>
-void solve_joined(const Scene& scene, SceneData& data, Solve&& solve) {
-  Workspace& w = *data.workspace;
-  for (std::size_t i = 0; i < w.islands.size(); ++i)
-    if (IslandWork& d = *w.islands[i]; d.robots && !is_inexact(scene, d) && solve(*d.robots, data.report.islands[i]))
-      d.answered = d.robots.get();
-}
-
 // Checks what every solve is given, u or tau by its name and size, and prepares.
 void begin(const char* function, const Scene& scene, const ConstVector& q, const ConstVector& v, const char* name,
            const ConstVector& torques, int size, SceneData& data) {
@@ -150,28 +153,15 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   add_applied_forces(scene, data, w.q.data(), data.v.data(), data.tau.data());
   data.report.method = data.options.method;
   ++w.state;  // never given twice, whatever became of the solve that had it
-  for (const auto& d : w.islands) d->answered = nullptr, d->factorizations = 0;
+  for (const auto& d : w.islands) d->answered = nullptr, d->factorizations = 0, d->refused = false;
   const OneBlasOfThreads one_blas_thread(w);
-  solve_alone_as_dependent(scene, data);
-  solve_joined(scene, data, [&](RobotsSystem& robots, IslandReport& report) {
-    return !robots.owner.answered && robots.solve_as_dependent(scene, data, report);
-  });
-  solve_dependent(scene, data);
-  solve_alone(scene, data);
-  solve_joined(scene, data, [&](RobotsSystem& robots, IslandReport& report) {
-    return !robots.owner.answered && robots.solve(scene, data, w.threads.front(), report);
-  });
-  const auto left = std::ranges::count_if(w.islands, [](const auto& d) { return !d->answered; });
-  each_item(w, w.islands.size(), left > 1, [&](std::size_t i, ThreadWork& thread) {
-    IslandWork& d = *w.islands[i];
-    if (d.answered) return;
-    solve_island(scene, data, thread, d, data.report.islands[i]);
-    if (!d.answered) fail(scene, data, d.island, data.report.islands[i]);
-  });
-  solve_alone_as_found(scene, data);
-  solve_joined(scene, data, [&](RobotsSystem& robots, IslandReport& report) {
-    return robots.owner.matrix.dropped_rows() && robots.solve_as_found(scene, data, report);
-  });
+  for (const Dropped dropped : {Dropped::kAsBefore, Dropped::kNone, Dropped::kAsFound}) {
+    solve_alone(scene, data, dropped);
+    solve_joined(scene, data, dropped);
+    solve_left(scene, data, dropped);
+  }
+  for (std::size_t i = 0; i < w.islands.size(); ++i)
+    if (!w.islands[i]->answered) fail(scene, data, w.islands[i]->island, data.report.islands[i]);
   summarise(data.report);
   data.serial = w.current = w.state;
   return data.report;

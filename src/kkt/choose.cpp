@@ -5,17 +5,20 @@
 #include <limits>
 #include <map>
 
+#include "manycontact/kkt/costs.hpp"
 #include "manycontact/kkt/overdetermined.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
 
+using namespace costs;
+
 double predicted_cost_ldl(int rows, const sparse::LdlCounts& L) {
-  return 17.0 * rows + 20 * L.nonzeros + 0.18 * L.flops;
+  return kLdlRow * rows + kLdlEntry * L.nonzeros + kLdlFlop * L.flops;
 }
 
 double predicted_cost_of_terms(int rows, std::size_t contacts) {
-  return 310.0 * rows + 730.0 * static_cast<double>(contacts);
+  return kTermsRow * rows + kTermsContact * static_cast<double>(contacts);
 }
 
 namespace {
@@ -23,21 +26,21 @@ namespace {
 // M, J and what they are made of, which sparse-bodies alone does without; of large islands contact by contact.
 double cost_of_terms(const IslandShape& shape) {
   const std::size_t contacts = shape.scene().contacts.size();
-  const double one_by_one = shape.island().size() > kLargestInLanes ? 670.0 * static_cast<double>(contacts) : 0;
+  const double one_by_one =
+      shape.island().size() > kLargestInLanes ? kTermsContactAlone * static_cast<double>(contacts) : 0;
   return predicted_cost_of_terms(shape.island().size(), contacts) + one_by_one;
 }
 
-// Blocks of columns cost more than their entries and multiply-adds: what one changes is in stretches, short ones where
-// contacts are among the joints.
+// The cost also grows with the number of supernodes, and of the index ranges that each updates.
 double cost_ldl(IslandShape& shape, Order order) {
   const sparse::LdlCounts& L = shape.counts(order);
-  const double stretches = (order == Order::kContactsEarly ? 2.2 : 0.65) * L.scattered;
-  return predicted_cost_ldl(shape.island().size(), L) + 215 * L.blocks + stretches;
+  const double ranges = (order == Order::kContactsEarly ? kLdlShortRange : kLdlRange) * L.scattered;
+  return predicted_cost_ldl(shape.island().size(), L) + kLdlBlock * L.blocks + ranges;
 }
 
 double cost_cholmod(IslandShape& shape, Order order) {
   const sparse::LdlCounts& L = shape.counts(order);
-  return 8000 + 50.0 * shape.island().size() + 26 * L.nonzeros + L.flops;
+  return kCholmodCall + kCholmodRow * shape.island().size() + kCholmodEntry * L.nonzeros + kCholmodFlop * L.flops;
 }
 
 double cost_supernodal(IslandShape& shape) {
@@ -49,19 +52,15 @@ double cost_supernodal(IslandShape& shape) {
     for (int i = 0; i < model.nv; ++i) flops += (model.dof_depth[i] + 1.0) * (model.dof_depth[i] + rows);
     flops += 0.5 * rows * rows * model.nv;
   }
-  return 20000 + 2.2 * flops + 4500.0 * shape.island().nc + 42 * S.nonzeros;
+  return kSupernodalCall + kSupernodalFlop * flops + kSupernodalRow * shape.island().nc + kSupernodalEntry * S.nonzeros;
 }
-
-// Of a body and its joint, without rows.
-constexpr double kBody = 1180;
 
 double cost_bodies(const BodyPattern& p) {
-  double cost = kBody * p.nodes + 1100.0 * p.nc + 10 * p.open_squared + 0.5 * p.open_updates;
-  for (int n : p.ndof) cost += n > 1 ? 3900 : 0;
-  return cost + p.open_at_base * p.open_at_base * p.open_at_base / 12;
+  double cost = kBody * p.nodes + kBodyRow * p.nc + kBodyOpen * p.open_squared + kBodyUpdate * p.open_updates;
+  for (int n : p.ndof) cost += n > 1 ? kBodyJoint : 0;
+  return cost + kBodyBase * p.open_at_base * p.open_at_base * p.open_at_base;
 }
 
-// Subtrees that are alike stand side by side.
 double cost_bodies(IslandShape& shape) {
   const BodyPattern& whole = *shape.bodies();
   if (!may_be_cut(whole)) return cost_bodies(whole);
@@ -70,11 +69,12 @@ double cost_bodies(IslandShape& shape) {
   for (const BodySubtree& subtree : subtrees) ++alike[subtree.shape];
   double cost = 0;
   for (const BodySubtree& subtree : subtrees)
-    cost += (alike[subtree.shape] > 1 ? 0.5 : 1) * cost_bodies(*subtree.pattern);
+    cost += (alike[subtree.shape] > 1 ? kBodyAlike : 1) * cost_bodies(*subtree.pattern);
   return cost;
 }
 
-// Than a way of that cost on K. Most islands are shallow, and need no analysis to know.
+// Whether sparse-bodies is predicted to be cheaper than factoring K at `cost`. Most islands are shallow: then no
+// analysis is needed.
 bool bodies_are_cheaper(IslandShape& shape, double cost) {
   double nodes = 0;
   for (const Robot& robot : shape.scene().robots) nodes += robot.model->njoints();
@@ -117,10 +117,10 @@ namespace {
 
 double cost_dense(const IslandShape& shape) {
   const double n = shape.island().nv, m = shape.island().nc;
-  return 8000 + 0.22 * (4 * n * n * m + 2 * n * n * n);
+  return kDenseCall + kDenseFlop * (4 * n * n * m + 2 * n * n * n);
 }
 
-// Of rows that fill each other's columns, at so much an entry and a multiply-add.
+// The cost of rows that fill each other's columns, at `entry` per entry and `flop` per multiply-add.
 double full_rows_cost(const Island& island, double entry, double flop) {
   const double n = island.nc;
   return entry * n * n / 2 + flop * n * n * n / 3;
@@ -135,8 +135,9 @@ PredictedCosts predict_costs(IslandShape& shape) {
   costs.dense = cost_dense(shape);
   costs.supernodal = std::numeric_limits<double>::infinity();
   if (overdetermined(shape.island())) {
-    costs.ldl.fill(least_cost_ldl(shape) + full_rows_cost(shape.island(), 20, 0.18));
-    costs.cholmod.fill(least_cost_ldl(shape) + 8000 + full_rows_cost(shape.island(), 26, 1));
+    costs.ldl.fill(least_cost_ldl(shape) + full_rows_cost(shape.island(), kLdlEntry, kLdlFlop));
+    costs.cholmod.fill(least_cost_ldl(shape) + kCholmodCall +
+                       full_rows_cost(shape.island(), kCholmodEntry, kCholmodFlop));
     return costs;
   }
   if (is_deep(shape)) {
@@ -177,7 +178,8 @@ Choice choose(IslandShape& shape, const Options& options) {
     if (const double cost = cost_supernodal(shape); cost < least)
       choice.method = Method::kSparseSupernodal, least = cost;
   if (!options.order && bodies_are_cheaper(shape, least))
-    return {Method::kSparseBodies, choice.order};  // that of K for what bodies leave
+    return {Method::kSparseBodies,
+            choice.order};  // the order is for the whole K, which answers what sparse-bodies cannot
   return choice;
 }
 

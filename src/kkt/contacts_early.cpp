@@ -225,15 +225,14 @@ bool holds(const Scene& scene, const Island& island, const IslandSupport& suppor
 std::vector<int> contacts_early_order(const Scene& scene, const Island& island, const IslandSupport& support,
                                       const sparse::UpperCsc& K) {
   if (island.contacts.empty()) return leaf_to_root_order(scene, island, {});
-  constexpr double kSounder[] = {tolerance::kDistinct, 3e-2, 1e-1};  // the last one whatever comes of it
-  std::vector<Numbers> postures;                                     // made when first asked for
+  std::vector<Numbers> postures;  // made when first asked for
   std::vector<std::vector<Eigen::MatrixXd>> J{of_unit_rows(numbers_at(scene, island, support, 0.3, 0.2, 0).J)};
   std::vector<int> robots(island.robots.size());
   std::iota(robots.begin(), robots.end(), 0);
   const std::vector<int> by_degree = robots.size() > 2 ? robots_by_degree(scene, island) : robots;
   const bool alone = robots.size() == 1;
-  // An order that costs as much as contacts last is of no use: nobody needs to know whether it holds. Of a robot alone
-  // contacts that wait for longer make it no cheaper, and their order among themselves counts for little.
+  // If this order is no cheaper than contacts last, its pivots need not be tested. For one robot, contacts that wait
+  // for longer make it no cheaper, and their order among themselves counts for little.
   std::vector<int> natural(K.n);
   std::iota(natural.begin(), natural.end(), 0);
   const double most =
@@ -256,20 +255,20 @@ std::vector<int> contacts_early_order(const Scene& scene, const Island& island, 
   };
   std::vector<int> perm;
   double least = 0;
-  for (const double distinct : kSounder) {
+  for (const double distinct : tolerance::kMoreDistinct) {
     std::vector<Ordered> orders = orders_by(distinct);
     const auto found = std::find_if(orders.begin(), orders.end(), sound);
     std::tie(perm, least) = std::move(found == orders.end() ? orders.front() : *found);
     if (found != orders.end() || (least >= most && alone)) break;
   }
-  constexpr std::size_t kMany = 100;
-  if (island.contacts.size() < kMany || postures.empty()) return perm;
-  // Of many contacts that hold a hub some are in a poor posture wherever one looks, for which all were to wait for
-  // more; and what they add to the hub sums up, ten in the place of one. If these alone wait, that may be far cheaper.
+  if (island.contacts.size() < tolerance::kManyContacts || postures.empty()) return perm;
+  // Of many contacts on a hub a few are ill-placed in every test posture. It may be far cheaper to delay only these.
   for (const Numbers& numbers : postures) J.push_back(of_unit_rows(numbers.J));
-  auto [other, of_other] = std::move(orders_by(3 * tolerance::kDistinct).front());
-  const double most_growth = tolerance::kMostGrowth * static_cast<double>(island.contacts.size()) / 10;
-  const bool better = of_other < 0.5 * least && holds(scene, island, support, K, other, most_growth, postures);
+  auto [other, of_other] = std::move(orders_by(tolerance::kWaitDistinct).front());
+  const double most_growth =
+      tolerance::kMostGrowth * static_cast<double>(island.contacts.size()) / tolerance::kGrowTogether;
+  const bool better =
+      of_other < tolerance::kFarCheaper * least && holds(scene, island, support, K, other, most_growth, postures);
   return better ? std::move(other) : std::move(perm);
 }
 

@@ -6,9 +6,9 @@
 #include <cstdlib>
 #include <memory>
 
+#include "manycontact/rank/dependent_rows.hpp"
+#include "manycontact/rank/least_norm.hpp"
 #include "manycontact/sparse/cholmod.hpp"
-#include "manycontact/sparse/dependent_rows.hpp"
-#include "manycontact/sparse/least_norm.hpp"
 #include "manycontact/sparse/ordering.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "sparse/saddle_point.hpp"
@@ -165,7 +165,7 @@ TEST_F(FailingAllocations, InDependentRows) {
     const sparse::LdlSymbolic symbolic = sparse::ldl_analyze(K.pattern);
     std::vector<double> L(symbolic.nonzeros()), D(K.n());
     sparse::LdlWorkspace work;
-    sparse::DependentRows rows;
+    rank::DependentRows rows;
     std::vector<int> row(K.n());
     for (int k = 0; k < K.n(); ++k) row[k] = k;
     MatrixXd X(3, K.n());
@@ -173,8 +173,8 @@ TEST_F(FailingAllocations, InDependentRows) {
     std::vector<char> of_M(K.n(), 0);
     std::fill_n(of_M.begin(), s.nv(), 1);
     const auto solve = [&] {
-      if (sparse::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, tolerance::kPivotLeft, row_scale.data(),
-                                       work, L.data(), D.data(), rows) == K.n())
+      if (rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, 1, row_scale.data(), work, L.data(), D.data(),
+                                     rows) == K.n())
         find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), D.data(), rows);
       X.setOnes();
       project_out(rows, X.data());
@@ -240,9 +240,9 @@ TEST_F(FailingAllocations, InLeastNormSolutions) {
     std::vector<Eigen::Triplet<double>> entries;
     for (int i = 0; i < A.rows(); ++i)
       for (int j = 0; j < A.cols(); ++j) entries.emplace_back(i, j, A(i, j));
-    const VectorXd b = random_matrix(5, 1, rng), truth = sparse::least_norm_solution(5, 8, entries, b);
-    EXPECT_GT(fail_each_allocation([&] { sparse::least_norm_solution(5, 8, entries, b); },
-                                   [&] { EXPECT_EQ(sparse::least_norm_solution(5, 8, entries, b), truth); })
+    const VectorXd b = random_matrix(5, 1, rng), truth = rank::least_norm_solution(5, 8, entries, b);
+    EXPECT_GT(fail_each_allocation([&] { rank::least_norm_solution(5, 8, entries, b); },
+                                   [&] { EXPECT_EQ(rank::least_norm_solution(5, 8, entries, b), truth); })
                   .failed,
               20);
   }

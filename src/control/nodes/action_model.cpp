@@ -4,7 +4,7 @@
 #include <ostream>
 #include <stdexcept>
 
-#include "manycontact/sparse/least_norm.hpp"
+#include "manycontact/rank/least_norm.hpp"
 
 namespace manycontact {
 
@@ -85,7 +85,7 @@ void ActionModelAbstract::quasiStatic(const DataPtr& data, VectorRef u, const Co
     calc(data, x, u);
     calcDiff(data, x, u);
     state_->diff(x, data->xnext, dx);
-    const Eigen::VectorXd du = sparse::least_norm_solution(data->Fu, dx);
+    const Eigen::VectorXd du = rank::least_norm_solution(data->Fu, dx);
     u -= du;
     if (du.norm() <= tol) break;
   }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "manycontact/model/model.hpp"
+#include "manycontact/rank/pivots.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact::lanes {
@@ -49,24 +50,19 @@ typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S
   return usable;
 }
 
-/// As judge_pivots (kkt/factor/pivots.hpp), but of any two pivots, whether one reaches the other or not: stricter.
-/// terms: of each pivot (ldl_scheduled_factor); diagonal(k): K's.
-template <class S, class Diagonal>
-typename S::Mask accept_pivots(int nv, std::span<const S> D, const S* terms, Diagonal&& diagonal) {
-  const S largest(std::numeric_limits<double>::max()), one(1);
-  FourSums<S> positive;
-  typename S::Mask good = S(0) <= largest;
-  S least = one, least_of_J = one;  // as PassedOn has them
-  in_four(D.size(), [&](std::size_t k, int c) {
-    positive.of[c] += select(D[k] > S(0), S(1), S(0));
-    const S size = abs(D[k]), left = select(diagonal(k) < S(0), one, size / terms[k]);
-    good = good & (left * select(D[k] > S(0), least_of_J, least) >= S(tolerance::kRowRounding));
-    least = -larger(-left, -least);
-    least_of_J = select(D[k] > S(0), least_of_J, -larger(-left, -least_of_J));
-    good = good & (size > S(0)) & (size <= largest) & (size >= S(tolerance::kPivotLeft) * terms[k]) &
-           (terms[k] <= largest) & (select(D[k] > S(0), diagonal(k), terms[k]) >= S(tolerance::kPivotLeft) * terms[k]);
-  });
-  return good & (positive.total() >= S(nv)) & (positive.total() <= S(nv));
+/// Whether all pivots are more than rounding. of_M(k): pivot k is of a row of M; diagonal(k): K_kk, negative where a
+/// row of J is damped.
+template <class S, class OfM, class Diagonal>
+typename S::Mask accept_pivots(OfM&& of_M, std::span<const S> D, const S* terms, Diagonal&& diagonal) {
+  rank::PassedOn<S> passed_on;
+  typename S::Mask good = S(0) <= S(0);
+  for (std::size_t k = 0; k < D.size(); ++k) {
+    const S own = diagonal(k);
+    const rank::Pivot<S> pivot{of_M(k), D[k], terms[k], larger(own, S(0))};
+    good = good & passed_on.accepts(pivot.of_M, select(own < S(0), S(1), S(abs(pivot.d) / pivot.terms))) &
+           rank::is_left(pivot) & rank::has_its_sign(pivot);
+  }
+  return good;
 }
 
 /// The componentwise backward error (sparse/refine.hpp) of residuals and the sizes of their terms; NaN where any is.

@@ -6,15 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <span>
 
 #include "block.hpp"
 #include "manycontact/dynamics/derivatives.hpp"
 #include "manycontact/dynamics/solve.hpp"
-#include "manycontact/sparse/largest.hpp"
-#include "manycontact/sparse/tolerances.hpp"
+#include "manycontact/rank/contradiction.hpp"
 
 namespace manycontact::lanes {
 
@@ -23,9 +21,9 @@ struct Job {
   const Scene& scene;
   std::uint64_t serial;
   const double *q, *v, *tau;
-  const std::vector<int>& f_offset;  // per contact
-  const double* prescribed;          // of the rows, as f; nullptr: zero
-  double *a, *f;                     // the robots' parts are written where the answer is sound
+  const std::vector<int>& f_offset;               // per contact
+  const double* prescribed;                       // of the rows, as f; nullptr: zero
+  double *a, *f;                                  // the robots' parts are written where the answer is sound
   const std::vector<int>* left_offset = nullptr;  // per contact, of pairs
   double* left = nullptr;                         // ContactData::left of pairs on single robots
 };
@@ -66,37 +64,6 @@ struct ProductJob {
   double* out[3];
 };
 
-/// What rows that depend on each other contradict each other by (fallbacks.cpp): the largest entries of what is left of
-/// J a + a0, of J a and of a0, and how much of the terms that a row's a0 is computed from is left of it, at most.
-struct Contradiction {
-  double left = 0, Ja = 0, a0 = 0, of_terms = 0;
-  double least_row = std::numeric_limits<double>::infinity(),
-         largest_row = 0;  // of the sizes that rows are judged beside (contact/row_scale.hpp)
-  /// What is left of a row, and the largest term that its a0 is computed from.
-  void add(double of_row, double terms) {
-    of_row = std::abs(of_row);
-    left = sparse::larger_or_nan(of_row, left);
-    if (of_row != 0) of_terms = sparse::larger_or_nan(of_row / terms, of_terms);
-  }
-  /// And of other rows of the same island.
-  void add(const Contradiction& other) {
-    left = sparse::larger_or_nan(other.left, left);
-    Ja = std::max(Ja, other.Ja);
-    a0 = std::max(a0, other.a0);
-    of_terms = sparse::larger_or_nan(other.of_terms, of_terms);
-    least_row = std::min(least_row, other.least_row);
-    largest_row = std::max(largest_row, other.largest_row);
-  }
-  /// Whether derivatives take note of it.
-  bool exceeds_rounding() const { return !(of_terms <= tolerance::kDriftNoise); }
-  /// Whether it is more than J a and a0 allow for.
-  bool contradicts() const {
-    return !(of_terms <= tolerance::kDriftRounding) && !(left <= tolerance::kContradiction * (Ja + a0));
-  }
-  /// Least squares of rows of very different size, turns beside micrometres: the oracle sorts them.
-  bool needs_oracle() const { return least_row < tolerance::kGradedRows * largest_row && contradicts(); }
-};
-
 /// Of one island. Where it is not sound, nothing else is known: another way has to answer.
 struct Answer {
   bool sound = false;
@@ -105,7 +72,7 @@ struct Answer {
   // Of derivatives by the same factor (systems/matrix/panel.cpp): whether nothing has to judge them, and whether they
   // are refined once; whether nothing has to judge products.
   bool panel_is_safe = false, refine_panel = false;
-  Contradiction contradiction;  // where the plan drops rows
+  rank::Contradiction<double> contradiction;  // where the plan drops rows
 };
 
 /// Robots of one plan, in all calls one of them, or after `reserve_batch` as many as fit side by side, their contacts
@@ -127,9 +94,9 @@ class RobotBlocks {
     double terms = 0, diagonal = 0;   // factor: the largest of the pivots' and of K's
     double r[2] = {}, scale[2] = {};  // correct, check: the largest of dynamics rows, contact rows
     double error = 0;                 // correct, check: componentwise backward error; NaN where any is
-    Contradiction contradiction = {};  // finish
+    rank::Contradiction<double> contradiction = {};  // finish
   };
-  /// Of robots side by side. next: of those whose turn it is after these, which is asked for meanwhile.
+  /// Of the robots of a batch. next: memory of the batch after this one, which is prefetched meanwhile.
   struct Memory {
     double* at;
     const double* next;

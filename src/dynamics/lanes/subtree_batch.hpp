@@ -76,8 +76,8 @@ void SubtreeBatchOf<S>::solve(std::span<Subtree> subtrees) {
   assemble_inertia();
   usable_ = assemble_rows();
   sparse::ldl_scheduled_factor(plan_->schedule, K_.data(), L_.data(), D_.data(), terms_.data());
-  usable_ =
-      usable_ & accept_pivots<S>(p_.nv, D_, terms_.data(), [&](std::size_t k) { return K_[plan_->K.p[k + 1] - 1]; });
+  usable_ = usable_ & accept_pivots<S>([&](std::size_t k) { return static_cast<int>(k) < p_.nv; }, D_, terms_.data(),
+                                       [&](std::size_t k) { return K_[plan_->K.p[k + 1] - 1]; });
 
   std::fill(x_.begin(), x_.end(), S(0));
   act();

@@ -1,10 +1,9 @@
+#include "manycontact/sparse/tolerances.hpp"
 #include "subtrees.hpp"
 
 namespace manycontact::lanes {
 
 namespace {
-
-constexpr int kLargestPart = 64;  // rows of K: beyond, the cost that grows with their square is felt
 
 // use(coordinate) for those of the nodes from `node` up to, and without, `end`.
 template <class Use>
@@ -15,7 +14,7 @@ void each_coordinate_up(const BodyPattern& p, int node, int end, Use&& use) {
 
 }  // namespace
 
-bool SubtreePlan::fits(const BodyPattern& p) { return p.nv > 0 && p.nv + p.nc <= kLargestPart; }
+bool SubtreePlan::fits(const BodyPattern& p) { return p.nv > 0 && p.nv + p.nc <= tolerance::kLargestSubtree; }
 
 SubtreePlan::SubtreePlan(std::shared_ptr<const BodyPattern> of) : pattern(std::move(of)) {
   const BodyPattern& p = *pattern;

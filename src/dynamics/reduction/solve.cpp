@@ -14,7 +14,9 @@ namespace manycontact::internal {
 namespace {
 
 void refresh(const Scene& scene, const SceneData& data, Reduction& r) {
-  take_changes(scene, scene.contacts.size(), r.scene);
+  take_changes(scene, r.scene);
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c)
+    if (r.data->active[c]) take_changes(scene.contacts[c], r.scene.contacts[c]);
   for (std::size_t k = 0; k < r.pairs.size(); ++k)
     refresh_pair(scene, *r.pairs[k], r.scene.contacts[static_cast<std::size_t>(r.first_pair()) + k]);
   r.data->pushes = data.pushes;
@@ -147,11 +149,13 @@ void expand_forces(const SceneData& data, const double* y, double* f) {
   const Reduction& r = *data.workspace->reduction;
   each_single(data, r, [&](int to, int from, int rows) { std::copy_n(y + from, rows, f + to); });
   r.each_pair([&](int c, const PairRows& pair) {
-    const Eigen::Map<const Eigen::VectorXd> of(y + r.data->f_offset[static_cast<std::size_t>(c)],
-                                               r.scene.contacts[static_cast<std::size_t>(c)].rows());
+    const double* const of = y + r.data->f_offset[static_cast<std::size_t>(c)];
     each_member(data.f_offset, pair, [&](int to, int first, const auto& member) {
-      for (Eigen::Index i = 0; i < member.Q.rows(); ++i)
-        f[to + i] = pair.unit[static_cast<std::size_t>(first + i)] * member.Q.row(i).dot(of);
+      const Eigen::Index rows = member.Q.rows();
+      std::fill_n(f + to, rows, 0.0);
+      for (Eigen::Index j = 0; j < member.Q.cols(); ++j)
+        for (Eigen::Index i = 0; i < rows; ++i) f[to + i] += member.Q(i, j) * of[j];
+      for (Eigen::Index i = 0; i < rows; ++i) f[to + i] *= pair.unit[static_cast<std::size_t>(first + i)];
     });
   });
 }
@@ -160,12 +164,12 @@ void reduce_forces(const SceneData& data, const double* f, double* y) {
   const Reduction& r = *data.workspace->reduction;
   each_single(data, r, [&](int from, int to, int rows) { std::copy_n(f + from, rows, y + to); });
   r.each_pair([&](int c, const PairRows& pair) {
-    Eigen::Map<Eigen::VectorXd> of(y + r.data->f_offset[static_cast<std::size_t>(c)],
-                                   r.scene.contacts[static_cast<std::size_t>(c)].rows());
-    of.setZero();
+    double* const of = y + r.data->f_offset[static_cast<std::size_t>(c)];
+    std::fill_n(of, r.scene.contacts[static_cast<std::size_t>(c)].rows(), 0.0);
     each_member(data.f_offset, pair, [&](int from, int first, const auto& member) {
-      for (Eigen::Index i = 0; i < member.Q.rows(); ++i)
-        of += pair.unit[static_cast<std::size_t>(first + i)] * f[from + i] * member.Q.row(i).transpose();
+      const double* const unit = pair.unit.data() + first;
+      for (Eigen::Index j = 0; j < member.Q.cols(); ++j)
+        for (Eigen::Index i = 0; i < member.Q.rows(); ++i) of[j] += member.Q(i, j) * unit[i] * f[from + i];
     });
   });
 }

@@ -1,25 +1,24 @@
 #pragma once
-// What an island is solved by, at one state after the other:
+// The ways to solve an island, at one state after the other:
 //
-//     [M  J^T     ] [ a]   [tau - h    ]
-//     [J  -delta I] [-f] = [wanted - a0].
+//     [M  J^T     ] [ a]   [tau - h        ]
+//     [J  -delta I] [-f] = [prescribed - a0].
 //
 //     RobotsSystem   several robots as blocks in SIMD lanes, coupled by the few rows that join them (systems/robots)
 //     BodiesSystem   deep trees: the accelerations of bodies stay unknowns (systems/bodies)
 //     MatrixSystem   the whole K by any factor, down to the dense oracle (systems/matrix)
-//     AloneSystem    one robot that stands in SIMD lanes beside others (systems/robots/alone.cpp)
+//     AloneSystem    one robot, in a SIMD batch with others (systems/robots/alone.cpp)
 //
-// `solve` takes the first that is sound. That one gives derivatives, products and bounds of its answer, too, but where
-// another is cheaper (differentiate.cpp); what it leaves is done by the whole K, which is made then (`ask` in
-// internal.hpp). What a system keeps bears the number of the state that it is of (Workspace::state), and is made anew
-// where that is another.
+// `solve` takes the first system whose answer is sound. That system also gives derivatives, products and bounds of its
+// answer, unless another is cheaper (differentiate.cpp). The whole K does the rest, and is made then (`ask` in
+// internal.hpp). A system stamps its numbers with the state they belong to (Workspace::state), and computes them again
+// at another state.
 
 #include <algorithm>
 
-#include "contact_drift.hpp"
-#include "manycontact/contact/row_scale.hpp"
 #include "manycontact/dynamics/derivatives.hpp"
 #include "manycontact/dynamics/solve.hpp"
+#include "manycontact/rank/row_size.hpp"
 
 namespace manycontact {
 
@@ -50,7 +49,7 @@ struct Acting {
   }
   void add_contact(const Contact &contact, const ContactData<double> &data, const RowTerms<double> &terms) {
     for (int row = 0; row < contact.rows(); row += contact.pair ? 1 : 3) {  // one of a motion, one of turning
-      const double its_lever = row_scale(contact, data, row);
+      const double its_lever = row_size(contact, data, row);
       if (!(its_lever > 0)) continue;
       lever = std::max(lever, its_lever);
       answered = std::max(answered, terms.of_row(row) / its_lever);
@@ -73,6 +72,15 @@ struct AdjointProduct {
   Eigen::Ref<Eigen::VectorXd> &wq, &wv, &wtau;
 };
 
+/// The rows of J that a factor leaves out, because they depend on others. A solve tries the three in this order.
+/// Whether the rows left out are the right ones is judged at each state, by a margin: the answer is the same, to the
+/// last bit, whatever was solved before.
+enum class Dropped {
+  kAsBefore,  // those that depended at the solve before, where some did; it only saves time to try them first
+  kNone,
+  kAsFound,  // those that the factor of the whole K has just found
+};
+
 /// Every function returns false where the system has no sound answer to that: then what it was to write is not known.
 class IslandSystem {
  public:
@@ -80,7 +88,7 @@ class IslandSystem {
 
   /// Factorizes at q and v of the state at hand and solves for data.tau, refined and judged: the answer is in data.a
   /// and data.f, and the report is whole. False: report.reason says why, where one is known.
-  virtual bool solve(const Scene &, SceneData &, ThreadWork &, IslandReport &) { return false; }
+  virtual bool solve(const Scene &, SceneData &, ThreadWork &, Dropped, IslandReport &) { return false; }
   /// All derivatives of the answer at hand, into what is laid out.
   virtual bool differentiate(const Scene &, SceneData &, ThreadWork &, IslandDerivatives &) { return false; }
   /// Products with them, by a solve that is refined once.

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "../systems/row_units.hpp"
 #include "manycontact/algorithm/crba.hpp"
-#include "manycontact/contact/row_scale.hpp"
+#include "manycontact/rank/row_size.hpp"
+#include "manycontact/rank/row_units.hpp"
 #include "truth_terms.hpp"
 
 namespace manycontact {
@@ -32,7 +32,7 @@ void dense_truth(const Scene& scene, const TruthTerms<S>& t, const Island& islan
     const ContactData<S>& rows = t.contacts[c];
     int j = 0;
     const int o = island.row_offset[k];
-    for (int i = 0; i < contact.rows(); ++i) kkt.row_scale[o + i] = row_scale(contact, rows, i);
+    for (int i = 0; i < contact.rows(); ++i) kkt.row_scale[o + i] = row_size(contact, rows, i);
     for (int i : t.supports[c].a)
       kkt.J.col(first_dof(island, contact.A) + i).segment(o, contact.rows()) = rows.J.col(j++);
     for (int i : t.supports[c].b)

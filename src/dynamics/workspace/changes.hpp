@@ -5,21 +5,20 @@
 
 namespace manycontact::internal {
 
-/// Into `to`, whose robots, contacts, pushes, springs are those of `from`, once or several times over, and perhaps more
-/// contacts behind. Which robots they are on stays.
-inline void take_changes(const Scene& from, std::size_t contacts, Scene& to) {
+/// What may change of a contact. The robots it is on stay.
+inline void take_changes(const Contact& from, Contact& to) {
+  to.reference_frame = from.reference_frame;
+  to.alpha = from.alpha, to.beta = from.beta;
+  to.B.placement = from.B.placement;
+}
+
+/// All but contacts into `to`, whose robots, pushes and springs are those of `from`, once or several times over.
+inline void take_changes(const Scene& from, Scene& to) {
   to.gravity = from.gravity;
   to.damping = from.damping;
   to.tolerance = from.tolerance;
   to.moment_length = from.moment_length;
   for (std::size_t r = 0; r < to.robots.size(); ++r) to.robots[r].base = from.robots[r % from.robots.size()].base;
-  for (std::size_t c = 0; c < contacts; ++c) {
-    const Contact& given = from.contacts[c % from.contacts.size()];
-    Contact& contact = to.contacts[c];
-    contact.reference_frame = given.reference_frame;
-    contact.alpha = given.alpha, contact.beta = given.beta;
-    contact.B.placement = given.B.placement;
-  }
   const auto each = [](auto& list, const auto& given, auto&& take) {
     for (std::size_t k = 0; k < list.size(); ++k) take(list[k], given[k % given.size()]);
   };

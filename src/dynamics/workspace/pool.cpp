@@ -11,11 +11,11 @@ namespace {
 // About what an island, its shape and its kernels take: by the entries of K and its factor, that of the whole or those
 // of its robots, and its derivatives.
 std::size_t bytes_of(const IslandWork& d) {
-  constexpr std::size_t kOfEntry = 64, kOfRow = 2000;
   std::size_t entries = 0;
   if (const auto& p = d.matrix.K.pattern) entries += p->K.nonzeros() + p->ldl.nonzeros();
   if (d.robots) entries += d.robots->interface->S.nonzeros() + d.robots->interface->nonzeros;
-  return kOfEntry * entries + kOfRow * d.island.size() + sizeof(double) * d.derivatives.X.size();
+  return costs::kBytesOfEntry * entries + costs::kBytesOfRow * d.island.size() +
+         sizeof(double) * d.derivatives.X.size();
 }
 
 }  // namespace

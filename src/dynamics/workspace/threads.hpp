@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "manycontact/kkt/costs.hpp"
 #include "manycontact/sparse/blas_threads.hpp"
 #include "workspace.hpp"
 
@@ -28,9 +29,6 @@ void each_item(Workspace& w, std::size_t count, bool worth_threads, Work&& work)
 inline bool are_worth_threads(const Workspace& w, double seconds) {
   return seconds >= w.worth_a_thread * static_cast<double>(w.threads.size());
 }
-// Beside a solve: derivatives, products, and one of a solve's or a product's walks through an island's robots.
-inline constexpr double kDerivatives = 6, kProducts = 1, kWalk = 0.25;
-
 /// work(island, its number, memory of the thread) for each island that no batch of robots alone has `done`; first those
 /// of which with_all_threads(island) holds, one after the other: they have their own use for all threads.
 template <class Done, class WithAllThreads, class Work>

@@ -54,9 +54,9 @@ struct IslandWork {
   bool served_in_lanes() const { return answered == &alone && alone.panel_is_safe; }
   /// Its first way is by lanes, which need none of what the whole K is made of.
   bool stands_in_lanes() const { return alone.group || (robots && robots->solves); }
-  int depended = 0;                  // so many rows depended on others at the start (dynamics/keep_dependent.hpp)
-  int factorizations = 0;            // of K, whole or robot by robot, since that began
-  std::uint64_t tried_dropping = 0;  // of the last solve that was done in lanes without rows that depend
+  int depended = 0;        // so many rows depended on others at the start (dynamics/keep_dependent.hpp)
+  int factorizations = 0;  // of K, whole or robot by robot, since that began
+  bool refused = false;    // at the state at hand: SIMD batches without the rows that depended have no sound answer
 
   IslandDerivatives derivatives;  // while on the pool; else in Workspace::derivatives
 };
@@ -108,7 +108,7 @@ struct Workspace {
   std::size_t springs = 0;  // of the scene: they join robots to islands
   Options options;
   std::vector<ThreadWork> threads;                   // one at least
-  double worth_a_thread = 3e-5;                      // s of work for each: it takes microseconds to wake one
+  double worth_a_thread = costs::kWorthAThread;      // s of work for each
   std::vector<internal::Failure> failures;           // one per thread
   std::vector<std::unique_ptr<IslandWork>> islands;  // in the order of their first robots
   std::vector<int> robot_island;                     // per robot
@@ -122,7 +122,7 @@ struct Workspace {
   // for (prepare_islands)
   std::unique_ptr<Reduction> pairs;  // nullptr: none may be reduced
   Reduction* reduction = nullptr;    // `pairs`, where some are; what is solved is its scene then
-  bool has_islands = false;  // those of `islands_active`
+  bool has_islands = false;          // those of `islands_active`
   std::vector<char> islands_active;
   Options islands_options;
 
@@ -135,8 +135,8 @@ struct Workspace {
   OnDemand<ContactData<double>> contacts;  // at the bias accelerations
   std::vector<std::uint64_t> rows_state;   // per contact: the state these are of
 
-  // Of pairs (contact/pair_rows.hpp), by who evaluates their rows at the state: ContactData::left, at left_offset of the
-  // contact; -1: it is none.
+  // Of pairs (contact/pair_rows.hpp), by who evaluates their rows at the state: ContactData::left, at left_offset of
+  // the contact; -1: it is none.
   std::vector<int> left_offset;
   std::vector<double> left;
 

@@ -45,10 +45,9 @@ double moved_by(const V6& F, const Basis& basis) {
 // use(row) for each row that moves no coordinate by more than rounding, until it says false.
 template <class Use>
 void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& use) {
-  constexpr int kMany = 64;
   const BodyPattern& p = *s.pattern;
   bool known = false;  // bases
-  // the largest entry of J met first that is none tells, or many joints up how the body can move at all
+  // Walks towards the base until an entry of J is plainly not zero; after kManyJoints a basis of the body's motions tells.
   const auto moves = [&](int node, V6 G) {
     double largest = 0, size = 0;
     V6 sizes = G.cwiseAbs();
@@ -58,7 +57,7 @@ void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& us
         size = std::max(size, sizes.dot(s.S.col(k).cwiseAbs()));
         if (largest > tolerance::kPlainlyMoves * size && largest > 0) return true;
       }
-      if (met >= kMany) {
+      if (met >= tolerance::kManyJoints) {
         if (!known) find_bases(s, bases), known = true;
         return largest > tolerance::kRank * size || moved_by(G, bases[node]) > tolerance::kRank;
       }
@@ -119,7 +118,7 @@ class Balance {
   }
 
  private:
-  static constexpr int kRows = 24, kEquations = 64;
+  static constexpr int kRows = tolerance::kBalancedRows, kEquations = tolerance::kBalanceEquations;
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kEquations, kRows>;
 
   template <class Of>
@@ -145,8 +144,8 @@ class Balance {
   double largest_ = 0;
 };
 
-// The column of N of a row that those which hold drop.node say, of rows that were not dropped before: between the two
-// nodes rows stand that do not move.
+// The null-space column of a dropped row that follows from the rows holding body drop.node: the column has rows that were
+// not dropped before. No coordinate between the two nodes moves.
 template <class Put>
 bool null_column(const BodySystem& s, const BodyLdl::Drop& drop, const std::vector<int>& dropped_at, Put&& put) {
   const BodyPattern& p = *s.pattern;
@@ -164,10 +163,10 @@ bool null_column(const BodySystem& s, const BodyLdl::Drop& drop, const std::vect
   return false;
 }
 
-// N, from the last row dropped to the first: its rows may be dropped further on, and are what the others say then.
+// Builds N backwards: a row used in one column may itself be dropped later, and its own column then replaces it.
 bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work) {
   const BodyPattern& p = *s.pattern;
-  sparse::DependentRows& rows = work.rows;
+  rank::DependentRows& rows = work.rows;
   std::vector<int>&dropped_at = work.dropped_at, &column = work.column, &entries = work.entries;
   std::vector<double>& x = work.x;
   dropped_at.assign(p.nc, -1);
@@ -203,7 +202,7 @@ bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work
     entries.clear();
     rows.Np.push_back(static_cast<int>(rows.Ni.size()));
   }
-  sparse::make_projector(p.nc, rows);
+  rank::make_projector(p.nc, rows);
   return rows.largest_entry <= tolerance::kLargestEntry;
 }
 
@@ -268,16 +267,6 @@ bool has_vanishing_row(const BodySystem& s, BodyDependence& work) {
   return any;
 }
 
-bool has_repeated_row(const BodySystem& s, const BodyLdl& d, BodyDependence& work) {
-  const BodyPattern& p = *s.pattern;
-  for (int i = 0; s.delta == 0 && i < p.nodes; ++i) {
-    if (p.at_first[i + 1] - p.at_first[i] < 2) continue;
-    find_rows_others_say(s, d, i, work.on_body);
-    if (!work.on_body.empty()) return true;
-  }
-  return false;
-}
-
 void forget_dropped(BodyLdl& d) {
   for (const BodyLdl::Drop& drop : d.found) d.dropped[drop.row] = 0;
   d.found.clear();
@@ -302,10 +291,10 @@ sparse::Refinement solve_dependent(const BodySystem& system, BodyLdl& ldl, BodyS
   v.dx.rows = v.b.rows;
   take_away(system, v.b, v.dx);
   work.null_component.setZero(system.pattern->nc);
-  sparse::project_out(work.rows, v.dx.rows.data(), work.null_component.data());
+  rank::project_out(work.rows, v.dx.rows.data(), work.null_component.data());
   v.b.rows -= work.null_component;
   (void)solve_refined(system, ldl, v, max_steps);
-  sparse::project_out(work.rows, v.x.rows.data());
+  rank::project_out(work.rows, v.x.rows.data());
   balance_bodies(system, v.b, v.x);
   // The bodies' forces are other ones now, and so is their rounding.
   double error = backward_error(system, v.b, v.x, v.residual);

@@ -192,7 +192,7 @@ double compliance(const V6& G, const V6& inverse) {
   pairs::Two sum{0, 0};
   for (int j = 0; j < 6; j += 2) {
     const pairs::Two g = pairs::load(G.data() + j), none{0, 0};
-    sum += g != none ? g * g * pairs::load(inverse.data() + j) : none;  // a massless body moves by no end
+    sum += g != none ? g * g * pairs::load(inverse.data() + j) : none;  // 1/0: a body without mass has infinite compliance
   }
   return sum[0] + sum[1];
 }
@@ -204,8 +204,8 @@ double compliance(const V6& G, const V6& inverse) {
 // leave less and less, and are right.)
 double least_left(const BodyLdl& d, int row, double least) {
   const double spread = d.most_inertia[row] / d.least_inertia[row];
-  const double own =
-      std::clamp(tolerance::kRowRounding * std::max(d.growth * d.growth, spread), tolerance::kPivotLeft, 1e-5);
+  const double own = std::clamp(tolerance::kRowRounding * std::max(d.growth * d.growth, spread), tolerance::kPivotLeft,
+                                tolerance::kMostKept);
   return std::max(own, tolerance::kRowRounding / least);
 }
 
@@ -228,7 +228,7 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
       if (ratio > most) most = ratio, best = k;
     }
     if (best < 0) break;
-    const bool waits = most < tolerance::kRowMoves && complete <= kMostOpen;  // for joints to come
+    const bool waits = most < tolerance::kRowMoves && complete <= tolerance::kMostOpen;  // for joints to come
     if (waits && (most > 0 || s.parent[i] >= 0)) break;
     if (!(most > 0)) return false;
     d.growth = std::max(d.growth, 1 / most);
@@ -293,8 +293,8 @@ bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
   return true;
 }
 
-// Whether a row from below says nothing that those which hold node i, along Q, do not: no joint below has moved its
-// body, and all of it is along Q.
+// Whether a row from below is a combination of the rows that already hold body i (their span is Q): no joint below has
+// moved its body, and all of it is along Q.
 template <class Q>
 bool says_nothing_new(const BodyPattern& s, const BodyLdl& d, int i, Rows& at, int k, const Q& along) {
   const int row = at.row[k];

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "manycontact/kkt/costs.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+
 namespace manycontact {
 
 namespace {
@@ -85,7 +88,8 @@ void count_open(BodyPattern& p, Ends ends) {
   for (int i = p.nodes - 1; i >= 0; --i) {
     const double complete = left[i] + ends.alone[i];  // rows that meet here go at once: joints below move them
     const double open = complete + ends.arriving[i] + ends.meeting[i];
-    const double kept = std::clamp(complete - kEliminated * p.ndof[i], 0.0, static_cast<double>(kMostOpen));
+    const double kept =
+        std::clamp(complete - costs::kBodyEliminated * p.ndof[i], 0.0, static_cast<double>(tolerance::kMostOpen));
     p.open_squared += open * open;
     p.open_updates += open * open * (complete - kept + ends.meeting[i]);
     if (const int parent = p.parent[i]; parent >= 0)
@@ -107,7 +111,7 @@ void make_room(BodyPattern& p, Ends ends) {
     int own = 0;
     for (int k = p.at_first[i]; k < p.at_first[i + 1]; ++k) ++own;
     p.most[i] += own;
-    const int open = std::min(complete[i], kMostOpen);
+    const int open = std::min(complete[i], tolerance::kMostOpen);
     if (p.parent[i] >= 0) {
       const int parent = p.parent[i];
       waiting[parent] += waiting[i];

@@ -86,10 +86,10 @@ class DenseSchurFactor final : public Factor {
 
   // Whether a pivot of S may be what rounding of another leaves.
   bool pivots_pass_on() const {
-    internal::PassedOn passed_on;
+    rank::PassedOn<double> passed_on;
     for (int k = 0; k < S_.rows(); ++k) {
       const double l = llt_S_.matrixLLT()(k, k);
-      if (passed_on.next(false, l * l / S_(k, k))) return true;
+      if (!passed_on.accepts(false, l * l / S_(k, k))) return true;
     }
     return false;
   }
@@ -114,7 +114,7 @@ class DenseSchurFactor final : public Factor {
 
   std::shared_ptr<const KktPattern> pattern_;
   Eigen::MatrixXd M_, J_, Z_, S_, inverse_;  // nv x nv, nc x nv, L^-1 J^T, J M^-1 J^T + delta I, K^-1
-  // of something from the start: Eigen leaves a part of an empty one undefined, and moving that is undefined as well
+  // Initialised with a 1 x 1 matrix: members of a default LLT are uninitialised, and copying them is undefined.
   Eigen::LLT<Eigen::MatrixXd> llt_M_{Eigen::MatrixXd::Identity(1, 1)}, llt_S_ = llt_M_;
   bool inverted_ = false;
   Eigen::VectorXd a_, y_;

@@ -1,4 +1,4 @@
-#include "manycontact/sparse/dependent_rows.hpp"
+#include "manycontact/rank/dependent_rows.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -37,25 +37,25 @@ class DependentRowsFactor final : public Factor {
 
   // (I - P) K_kept^-1 (I - P) x
   void solve(double* x) override {
-    sparse::project_out(dependence_, x);
+    rank::project_out(dependence_, x);
     ldl_.solve(x);
-    sparse::project_out(dependence_, x);
+    rank::project_out(dependence_, x);
   }
 
   void correct(double* r) override {
     ldl_.solve(r);
-    sparse::project_out(dependence_, r);
+    rank::project_out(dependence_, r);
   }
   double backward_error(std::span<const double> r, std::span<const double> scale) override {
-    return sparse::componentwise_backward_error(r, sparse::scale_of_dependent(dependence_, scale));
+    return sparse::componentwise_backward_error(r, rank::scale_of_dependent(dependence_, scale));
   }
 
   void solve_panel(double* X, int ld, int first, int cols, char* nonzero) override {
     const int* perm = ldl_.pattern->perm.data();
     const bool dropped = !dependence_.dropped.empty();
-    if (dropped) sparse::project_out_panel(dependence_, perm, X, ld, first, cols, nonzero);
+    if (dropped) rank::project_out_panel(dependence_, perm, X, ld, first, cols, nonzero);
     ldl_.solve_panel(X, ld, first, cols, nonzero);
-    if (dropped) sparse::project_out_panel(dependence_, perm, X, ld, first, cols);
+    if (dropped) rank::project_out_panel(dependence_, perm, X, ld, first, cols);
   }
 
   double growth() const override { return growth_; }
@@ -64,9 +64,9 @@ class DependentRowsFactor final : public Factor {
     rows.clear();
     for (int k : dependence_.dropped) rows.push_back(ldl_.pattern->perm[k] - ldl_.pattern->nv);
   }
-  void project_out(double* y, double* null_component) override { sparse::project_out(dependence_, y, null_component); }
+  void project_out(double* y, double* null_component) override { rank::project_out(dependence_, y, null_component); }
   void project_out_panel(double* X, int ld, int cols) override {
-    sparse::project_out_panel(dependence_, ldl_.pattern->perm.data(), X, ld, 0, cols);
+    rank::project_out_panel(dependence_, ldl_.pattern->perm.data(), X, ld, 0, cols);
   }
 
   void null_space_rows(std::span<char> rows) const override {
@@ -115,7 +115,7 @@ class DependentRowsFactor final : public Factor {
   // plainly independent, the others do not plainly depend on them, or K's entries now grow more than they did and so
   // much that panels would be judged by the norms of their columns.
   bool exchange(const KktMatrix& K, FactorScratch& scratch) {
-    if (dependence_.largest_entry <= tolerance::kLargestEntry || !sparse::exchange_rows(dependence_)) return false;
+    if (dependence_.largest_entry <= tolerance::kLargestEntry || !rank::exchange_rows(dependence_)) return false;
     constexpr double kEps = std::numeric_limits<double>::epsilon();
     const double most = std::max(std::min(growth_, tolerance::kMostGrowth), tolerance::kConverged / kEps);
     factorize_kept(K, scratch);
@@ -128,9 +128,8 @@ class DependentRowsFactor final : public Factor {
 
   Reason drop(const KktMatrix& K, FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
-    const int done =
-        sparse::ldl_factor_dependent(p.K, p.ldl, K.values.data(), of_M_, tolerance::kPivotLeft, row_size_.data(),
-                                     scratch.ldl, ldl_.L.data(), ldl_.D.data(), dependence_);
+    const int done = rank::ldl_factor_dependent(p.K, p.ldl, K.values.data(), of_M_, 1, row_size_.data(), scratch.ldl,
+                                                ldl_.L.data(), ldl_.D.data(), dependence_);
     if (done == p.size()) return Reason::kNone;
     return of_M_[done] ? Reason::kSingularInertia : Reason::kWrongInertia;
   }
@@ -138,7 +137,7 @@ class DependentRowsFactor final : public Factor {
   // The factor without the rows dropped: as if they were damped beyond all numbers, which leaves the others as they are
   // without them.
   void factorize_kept(const KktMatrix& K, FactorScratch& scratch) {
-    constexpr double kDamping = 1e200, kInfinite = std::numeric_limits<double>::infinity();
+    constexpr double kDamping = tolerance::kDroppedDamping, kInfinite = std::numeric_limits<double>::infinity();
     std::vector<double>& scale = scratch.scale;
     std::copy(K.values.begin(), K.values.end(), penalised_.begin());
     for (int k : dependence_.dropped) penalised_[ldl_.pattern->K.p[k + 1] - 1] = -kDamping;
@@ -165,17 +164,16 @@ class DependentRowsFactor final : public Factor {
   // Whether `drop` would drop the same rows, by the pivots of all; those of the rows dropped are what K's own would be.
   // By a margin: both factors round otherwise, and where that decides it is for `drop` to tell.
   bool drops_the_same(const KktMatrix& K, FactorScratch& scratch) const {
-    constexpr double kMargin = 10;
-    return kept_are_sound(K, scratch, kMargin) &&
+    return kept_are_sound(K, scratch, tolerance::kMargin) &&
            std::all_of(dependence_.dropped.begin(), dependence_.dropped.end(), [&](int k) {
-             const auto [d, terms] = pivot_of(k, K.values[ldl_.pattern->K.p[k + 1] - 1]);
-             return std::isfinite(terms) && !is_left(K, k, d, terms, 1 / kMargin);
+             const auto [d, terms] = rest_of(k, K.values[ldl_.pattern->K.p[k + 1] - 1]);
+             return std::isfinite(terms) && !rank::is_left(pivot_of(K, k, d, terms), 1 / tolerance::kMargin);
            });
   }
   bool kept_are_sound(const KktMatrix& K, FactorScratch& scratch, double margin) const {
-    const std::vector<double>& scale = scratch.scale;
+    const std::vector<double>& terms = scratch.scale;
     auto dropped = dependence_.dropped.begin();
-    internal::PassedOnInTree passed_on(ldl_.pattern->ldl, scratch);
+    rank::PassedOnInTree passed_on(ldl_.pattern->ldl, scratch.passed_on);
     bool passed = false;
     for (int k = 0; k < K.size(); ++k) {
       if (dropped != dependence_.dropped.end() && *dropped == k) {
@@ -183,29 +181,25 @@ class DependentRowsFactor final : public Factor {
         passed_on.pass_up(k);
         continue;
       }
-      const bool of_M = of_M_[k];
-      const double d = ldl_.D[k];
-      if (passed_on.next(k, of_M, std::abs(d) / (margin * scale[k]))) passed = true;
-      if (!std::isfinite(scale[k]) || !is_left(K, k, d, scale[k], margin) || (d > 0) != of_M) return false;
+      const rank::Pivot<double> pivot = pivot_of(K, k, ldl_.D[k], terms[k]);
+      if (!passed_on.accepts(k, pivot.of_M, std::abs(pivot.d) / (margin * terms[k]))) passed = true;
+      if (!rank::is_left(pivot, margin) || !rank::has_its_sign(pivot)) return false;
     }
-    return !passed || !internal::any_pivot_is_rounding(
-                          ldl_.pattern->ldl, ldl_.L.data(), ldl_.D.data(), margin,
-                          [this](int k) { return of_M_[k] != 0; }, scratch);
+    const auto of_M = [this](int k) { return of_M_[k] != 0; };
+    return !passed || !rank::any_pivot_is_rounding(ldl_.pattern->ldl, ldl_.L.data(), ldl_.D.data(), terms.data(),
+                                                   margin, of_M, internal::noise_of(K.size(), scratch));
   }
-  // Whether more is left of row k than rounding, `margin` times over: d of its pivot's terms, and its own entries.
-  bool is_left(const KktMatrix& K, int k, double d, double terms, double margin) const {
+  // A pivot of these terms, with its row's own entries.
+  rank::Pivot<double> pivot_of(const KktMatrix& K, int k, double d, double terms) const {
     const sparse::UpperCsc& A = ldl_.pattern->K;
-    const bool of_M = of_M_[k];
-    double size = 0;
-    for (int p = A.p[k]; !of_M && p < A.p[k + 1]; ++p)
-      if (of_M_[A.i[p]]) size = std::max(size, std::abs(K.values[p]));
-    const double own = K.values[A.p[k + 1] - 1];  // of M beside what rows of J before it add
-    const bool moves =
-        of_M ? own > margin * tolerance::kPivotLeft * terms : size > margin * tolerance::kRank * row_size_[k];
-    return moves && std::abs(d) > margin * tolerance::kPivotLeft * terms;
+    if (of_M_[k]) return {true, d, terms, K.values[A.p[k + 1] - 1]};
+    double own = 0;
+    for (int p = A.p[k]; p < A.p[k + 1]; ++p)
+      if (of_M_[A.i[p]]) own = std::max(own, std::abs(K.values[p]));
+    return {false, d, terms, own, row_size_[k]};
   }
   // What L leaves of row k's entry on the diagonal, and the sizes of the terms.
-  std::pair<double, double> pivot_of(int k, double d) const {
+  std::pair<double, double> rest_of(int k, double d) const {
     const sparse::LdlSymbolic& s = ldl_.pattern->ldl;
     double terms = std::abs(d);
     for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p) {
@@ -217,8 +211,8 @@ class DependentRowsFactor final : public Factor {
   }
   void find_null_space(const KktMatrix& K) {
     const KktPattern& p = *ldl_.pattern;
-    sparse::find_null_space(p.K, p.ldl, K.values.data(), of_M_, row_size_.data(), ldl_.L.data(), ldl_.D.data(),
-                            dependence_);
+    rank::find_null_space(p.K, p.ldl, K.values.data(), of_M_, row_size_.data(), ldl_.L.data(), ldl_.D.data(),
+                          dependence_);
   }
 
   // As growth_of, without the rows dropped, of which D is infinite.
@@ -236,7 +230,7 @@ class DependentRowsFactor final : public Factor {
   std::vector<int> greedy_;        // rows dropped of the K before, in order; others may have taken their places
   std::vector<double> penalised_;  // K, the rows dropped damped
   std::vector<double> row_size_;   // in K's order; of M's rows nothing
-  sparse::DependentRows dependence_;
+  rank::DependentRows dependence_;
   double growth_ = 1;
 };
 

@@ -20,18 +20,16 @@ class LdlFactor final : public Factor {
     if (scratch.scale.size() < ldl_.D.size()) scratch.scale.resize(ldl_.D.size());
     const double* Kx = K.values.data();
     double* scale = scratch.scale.data();
-    double ratio = 0;
     if (ldl_.schedule) {
       sparse::panel_kernels().factor(*ldl_.schedule, Kx, ldl_.L.data(), ldl_.D.data(), scale);
-      ratio = sparse::smallest_pivot_ratio(K.size(), ldl_.D.data(), scale);
     } else {
       if (sparse::ldl_factor(ldl_.pattern->K, ldl_.pattern->ldl, Kx, scratch.ldl, ldl_.L.data(), ldl_.D.data()) !=
           K.size())
         return Reason::kZeroPivot;
-      ratio = sparse::smallest_pivot_ratio(ldl_.pattern->K, ldl_.pattern->ldl, Kx, ldl_.L.data(), ldl_.D.data(), scale);
+      (void)sparse::smallest_pivot_ratio(ldl_.pattern->K, ldl_.pattern->ldl, Kx, ldl_.L.data(), ldl_.D.data(), scale);
     }
     growth_ = internal::growth_of(K, scale);
-    const Reason reason = internal::judge_pivots(K, ldl_.L.data(), ldl_.D.data(), ratio, scratch);
+    const Reason reason = internal::judge_pivots(K, ldl_.L.data(), ldl_.D.data(), scratch);
     // Growth beyond all numbers: no residual of a solve vouches for other right-hand sides.
     return reason == Reason::kNone && !std::isfinite(growth_) ? Reason::kSmallPivot : reason;
   }

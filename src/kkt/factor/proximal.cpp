@@ -21,16 +21,17 @@
 //   E y = delta (S + delta)^-1 y          from K_delta [.; x] = [0; y] with x = -E y / delta. On the null space of J^T
 //                                         it is the identity, on an eigenvector of S with eigenvalue s it is
 //                                         delta / (delta + s). Its powers converge to the projector P.
-//   x + K_delta^-1 (b - K x)              a proximal step: from x = 0 it converges to the solution of K x = b, b without
+//   x + K_delta^-1 (b - K x)              a proximal step: from x = 0 it converges to the solution of K x = b, b
+//   without
 //                                         P b, whose forces have no part in the null space: those of least norm.
-//   rank                                  a row that depends on the rows before it has a pivot of delta (1 + |z|^2), z its
+//   rank                                  a row that depends on the rows before it has a pivot of delta (1 + |z|^2), z
+//   its
 //                                         coefficients. The pivot of any other row hardly depends on delta.
 //
-// The residual's own rounding, eps of b, becomes forces eps / delta large in the null space (beside S of 1), which moves
-// nothing: P f is taken out at the end. E keeps a vector of the null space but for a part of eps / delta ("drift"), so
-// that P is applied several times.
-// Source: Rockafellar, SIAM J. Control Optim. 14 (1976), sec. 4; Gill, Saunders, Shinnerl, SIAM J. Matrix Anal. Appl.
-// 17 (1996).
+// The residual's own rounding, eps of b, becomes forces eps / delta large in the null space (beside S of 1), which
+// moves nothing: P f is taken out at the end. E keeps a vector of the null space but for a part of eps / delta
+// ("drift"), so that P is applied several times. Source: Rockafellar, SIAM J. Control Optim. 14 (1976), sec. 4; Gill,
+// Saunders, Shinnerl, SIAM J. Matrix Anal. Appl. 17 (1996).
 
 namespace manycontact {
 
@@ -38,7 +39,7 @@ namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr int kProbes = sparse::kTrailingColumns;  // as fast as a few vectors
-constexpr int kChunk = 64;  // columns of a panel at a time
+constexpr int kChunk = 64;                         // columns of a panel at a time
 
 double largest(std::span<const double> x) {
   double out = 0;
@@ -151,7 +152,7 @@ class ProximalFactor final : public Factor {
       const double d = ldl_.D[k];
       if (!std::isfinite(d) || d == 0 || !std::isfinite(scale[k])) return Reason::kZeroPivot;
       if ((d > 0) != static_cast<bool>(of_M_[k])) return of_M_[k] ? Reason::kSingularInertia : Reason::kWrongInertia;
-      if (of_M_[k] && std::min(d, K_->values[A.p[k + 1] - 1]) < tolerance::kPivotLeft * scale[k])
+      if (of_M_[k] && !rank::is_left<double>({true, d, scale[k], K_->values[A.p[k + 1] - 1]}))
         return Reason::kSingularInertia;
     }
     return growth_ <= tolerance::kMostGrowth ? Reason::kNone : Reason::kSmallPivot;
@@ -164,8 +165,10 @@ class ProximalFactor final : public Factor {
     bool plain = true;
     for (int k = 0; k < p.nc; ++k) {
       const double d = -ldl_.D[p.iperm[p.nv + k]] / delta_;
-      if (d <= tolerance::kProximalPivot) dropped_.push_back(k);
-      else if (d < tolerance::kProximalGap * tolerance::kProximalPivot) plain = false;
+      if (d <= tolerance::kProximalPivot)
+        dropped_.push_back(k);
+      else if (d < tolerance::kProximalGap * tolerance::kProximalPivot)
+        plain = false;
     }
     return plain;
   }
@@ -181,7 +184,8 @@ class ProximalFactor final : public Factor {
     }
   }
 
-  // w <- E w for the contacts' rows of w, M's are zero before and after. Where M comes first its columns are not needed.
+  // w <- E w for the contacts' rows of w, M's are zero before and after. Where M comes first its columns are not
+  // needed.
   void apply(double* w) {
     if (M_first_)
       sparse::ldl_solve_trailing(ldl_.pattern->ldl, ldl_.L.data(), ldl_.D.data(), ldl_.pattern->nv, w);
@@ -218,33 +222,32 @@ class ProximalFactor final : public Factor {
   std::vector<int> dropped_;                // rows of J
   std::vector<double> damped_;              // K_delta
   double growth_ = 1;
-  double drift_ = 0;      // of a vector that E keeps: what rounding makes of it
-  int applications_ = 1;  // of E, until it is P
-  double left_ = 0;       // of J^T on the null space, beside the rows
+  double drift_ = 0;                                         // of a vector that E keeps: what rounding makes of it
+  int applications_ = 1;                                     // of E, until it is P
+  double left_ = 0;                                          // of J^T on the null space, beside the rows
   std::vector<double> b_, r_, scale_, w_, probes_, before_;  // scratch, in K's order
-  std::vector<double> X_, B_, W_;  // of panels: kChunk columns of all rows
+  std::vector<double> X_, B_, W_;                            // of panels: kChunk columns of all rows
   std::vector<char> nonzero_;
   std::vector<int> same_;  // 0, 1, 2 ...
 };
 
 // Random vectors in the place of P's columns: E^k of them is P of them once J^T of that is rounding, which it never is
 // where a row that was dropped depends on the others but nearly: an eigenvector of S that E neither takes away nor
-// keeps shows in nearly all random vectors. Forces are smoother than these, and have more of the smallest eigenvalues': they
-// take one application more.
+// keeps shows in nearly all random vectors. Forces are smoother than these, and have more of the smallest eigenvalues':
+// they take one application more.
 bool ProximalFactor::certify(FactorScratch& scratch) {
   left_ = drift_ = 0;
   applications_ = 1;
   std::fill(in_null_space_.begin(), in_null_space_.end(), 0);
   if (dropped_.empty()) return true;
   start_probes();
-  constexpr double kGrown = 30;  // of eps times the growth of K's entries: what E makes of J^T on the null space
   double last = std::numeric_limits<double>::infinity();
   for (int k = 1; k < tolerance::kMostApplications; ++k, last = left_) {
     before_ = probes_;
     apply_to_probes();
     measure_drift();
     left_ = left_of_probes(scratch);
-    if (left_ <= std::max(tolerance::kRowLeft, kGrown * kEps * growth_)) {
+    if (left_ <= std::max(tolerance::kRowLeft, tolerance::kGrown * kEps * growth_)) {
       applications_ = k + 1;
       take_null_space_rows();
       return true;

@@ -7,8 +7,8 @@
 
 #include "columns.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
-#include "pivots.hpp"
 #include "manycontact/sparse/tolerances.hpp"
+#include "pivots.hpp"
 
 namespace manycontact {
 
@@ -44,9 +44,9 @@ class SchurFactor final : public Factor {
   // Whether a pivot of S may be rounding, of its own terms or of what those before it left.
   bool lost(bool damped) const {
     const double spread = inertia_spread();
-    internal::PassedOn passed_on;
+    rank::PassedOn<double> passed_on;
     return std::any_of(left_.begin(), left_.end(), [&](double left) {
-      return !(left >= tolerance::kPivotLeft * spread) || (!damped && passed_on.next(false, left / spread));
+      return !(left >= tolerance::kPivotLeft * spread) || (!damped && !passed_on.accepts(false, left / spread));
     });
   }
 

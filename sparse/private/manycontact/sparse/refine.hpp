@@ -42,7 +42,8 @@ void refine_unjudged(int steps, Residual&& residual, Correct&& correct) {
 }
 
 /// Componentwise backward error max |r_k| / scale_k of r = b - A x, scale = |b| + |A| |x|. Rows whose scale is below
-/// eps times the largest count as if it were eps times the largest. NaN when r or scale is not finite.
-double componentwise_backward_error(std::span<const double> r, std::span<const double> scale);
+/// eps times the largest count as if it were eps times the largest. NaN when r or scale is not finite. largest: of the
+/// system's rows that are not among these.
+double componentwise_backward_error(std::span<const double> r, std::span<const double> scale, double largest = 0);
 
 }  // namespace manycontact::sparse

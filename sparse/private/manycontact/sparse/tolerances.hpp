@@ -1,7 +1,9 @@
 #pragma once
-// Every numeric threshold of the floors sparse, kkt, contact and dynamics. All are relative, so without unit, unless
-// said; eps = 2.2e-16. "Used by" names the functions that compare with it.
+// Every numeric threshold of the modules sparse, rank, kkt and dynamics that decides an answer, a way to it or the
+// memory for it. All are relative, so without unit, unless the comment says so; eps = 2.2e-16. "Used by" names the
+// functions that compare with it. The coefficients of predicted costs are in kkt/costs.hpp.
 
+#include <cstddef>
 #include <limits>
 
 namespace manycontact::tolerance {
@@ -59,10 +61,10 @@ inline constexpr double kHeldKept = 1e-2;
 
 // ---- pairs of bodies ------------------------------------------------------------------------------------------
 
-/// Of the pivots of a column-pivoted QR of the rows between two bodies, beside the largest: rows that span the others keep
-/// more than the first, and rows that depend on them leave less than the second, which is rounding of 12 to 100 rows.
-/// Points 1e-10 m apart are between the two; the factorization then tells what they are, as for rows of a posture.
-/// Used by: contact/pair_rows.hpp.
+/// Of the pivots of a column-pivoted QR of the rows between two bodies, beside the largest: rows that span the others
+/// keep more than the first, and rows that depend on them leave less than the second, which is rounding of 12 to 100
+/// rows. Points 1e-10 m apart are between the two; the factorization then tells what they are, as for rows of a
+/// posture. Used by: contact/pair_rows.hpp.
 inline constexpr double kPairIndependent = 1e-9, kPairDependent = 1e-13;
 
 /// Relative velocities and displacements of two bodies, relative to the velocities and levers they are differences of:
@@ -97,6 +99,42 @@ inline constexpr double kNullEntry = 1e-15;
 inline constexpr double kNullColumn = 1e-14;
 inline constexpr int kNullColumnSteps = 2;
 
+/// A selection of dropped rows is kept for the next state while all its pivots are on their side of kPivotLeft by this
+/// factor: two factors of one K round differently, by a few eps of the pivots' terms, and their answers must not depend
+/// on which was tried first. Used by: DependentRowsFactor, SIMD batches.
+inline constexpr double kMargin = 10;
+
+/// The damping of a row that is dropped from a factor without changing its pattern: 1 / kDroppedDamping times any entry
+/// squared is zero beside any other. Used by: DependentRowsFactor, SIMD batches, WithinTolerance.
+inline constexpr double kDroppedDamping = 1e200;
+
+/// Rows that one robot may drop in a SIMD batch, at most: their null space is dense there, of as many columns. Batches
+/// with different rows, at most: more are forgotten, the unused first. Used by: robots/plan.cpp.
+inline constexpr std::size_t kMostDropped = 64, kMostGroups = 64;
+
+/// Rows are dropped in the chosen order where its predicted cost is below this part of the cost of leaf-to-root, which
+/// is the sounder one. Used by: drops_in_chosen_order.
+inline constexpr double kFarCheaper = 0.5;
+
+/// Coordinates of an island from which sparse-bodies drops rows by itself: with fewer the whole K takes as long, and
+/// keeps its factor for derivatives. Used by: BodiesSystem.
+inline constexpr int kFewCoordinates = 100;
+
+/// Joints along a chain after which a row that has not moved any is judged by a basis of its body's motions.
+/// Used by: rows of J that vanish, in sparse-bodies.
+inline constexpr int kManyJoints = 64;
+
+/// Rows, and equations of their balance, of which sparse-bodies looks for a null vector along a chain: the
+/// decomposition is dense, and on the stack. Used by: kkt/bodies/dependent_rows.cpp.
+inline constexpr int kBalancedRows = 24, kBalanceEquations = 64;
+
+/// Entries of N within which dropped rows are exchanged: each turn passes over all of them. Used by: exchange_rows.
+inline constexpr std::size_t kMostExchanged = 1 << 20;
+
+/// Closed loops: neither the tolerance nor the drift is more than the first part of the largest lever. From one try to
+/// the next a row of J may keep the second part of its length. Used by: WithinTolerance.
+inline constexpr double kMostDrift = 1e-2, kNextPivot = 1e-2;
+
 // ---- large islands -----------------------------------------------------------------------------------------------
 
 /// Rows of J beyond which the oracle is asked only where that was asked for: of 300 it takes 30 ms, of 600 170 ms.
@@ -105,6 +143,33 @@ inline constexpr int kFewRows = 300;
 /// Beyond so many loops of robots, in islands of more rows, rows that depend are found by the proximal factor: where
 /// they are dropped, the null space of 64 boxes in a pyramid takes 2.4 ms, of 100 in a grid 33 ms, and it 1 and 3 ms.
 inline constexpr int kFewLoops = 8;
+/// Rows of J above kFewRows whose null space may be tried where the proximal factor refuses: dense where loops are
+/// many, it takes a second or so.
+inline constexpr int kMostNullSpace = 3000;
+/// Rows of K up to which the dense reference solver may answer for another method: 3000 take 2 s and 72 MB a matrix.
+inline constexpr int kDenseSize = 3000;
+/// Rows of K up to which it differentiates what sparse-bodies answered: bodies solve for columns one by one, which
+/// takes 4 to 70 times as long where K's factor is sound. Where it is not, the dense solver of a larger K would take
+/// longer. Used by: differentiate.
+inline constexpr int kDifferentiatedByMatrix = 1500;
+/// Rows of K below which columns of derivatives may be solved for one by one: beyond, that takes many times as long as
+/// a panel. Used by: solve_panel.
+inline constexpr int kOneByOne = 400;
+/// Rows of K below which all columns of its inverse are summed up; beyond, the norm is estimated.
+/// Used by: inverse_norm.
+inline constexpr int kSmallInverse = 64;
+/// Rows of a subtree of sparse-bodies in a SIMD batch: beyond, the cost that grows with their square is felt.
+/// Used by: lanes/subtree_plan.cpp.
+inline constexpr int kLargestSubtree = 64;
+/// Complete rows that stay open above a node: its body has six directions, so that more would depend on each other.
+/// Used by: the factor of sparse-bodies.
+inline constexpr int kMostOpen = 6;
+/// The most that a row's pivot must keep there, however much rounding has grown. Used by: the same.
+inline constexpr double kMostKept = 1e-5;
+/// Islands of this many rows of J, and this many times their coordinates, are overdetermined: `auto` takes the dense
+/// method, whose cost is linear in the rows. From kTooFull rows on the sparse methods with an order do so, too: among
+/// rows of one body their factor is full. Used by: kkt/overdetermined.hpp.
+inline constexpr int kOverdetermined = 300, kTimesOverdetermined = 4, kTooFull = 5000;
 
 // ---- the proximal factor ----------------------------------------------------------------------------------------
 
@@ -130,6 +195,9 @@ inline constexpr int kProximalSteps = 8;
 /// Contacts contradict each other where steps leave more than this of delta f in their rows: they leave all of it then,
 /// and rounding of 1e-4 of it otherwise.
 inline constexpr double kProximalAgree = 1e-2;
+
+/// J^T times random vectors of the null space leaves rounding: this many eps times the growth of K's entries.
+inline constexpr double kGrown = 30;
 
 // ---- refinement -----------------------------------------------------------------------------------------------
 
@@ -170,6 +238,9 @@ inline constexpr double kVanishing = 1e-290;
 inline constexpr int kTruthRounding = 10000;  // units of eps of the scalar
 inline constexpr int kTruthSteps = 60;
 
+/// A correction of x by less than this part leaves |K| |x| as it is. Used by: SIMD batches, which then need no sizes.
+inline constexpr double kSameSize = 1e-6;
+
 // ---- judging answers ------------------------------------------------------------------------------------------
 
 /// Contacts contradict each other (design's definition): |J a + a0| > 1e-8 (| |J| |a| | + |a0|), maximum norms ...
@@ -203,6 +274,14 @@ inline constexpr int kBoundRounding = 12;
 /// Used by: solves of the whole K, and of damped islands in lanes, which leave the looking to it.
 inline constexpr double kInDoubt = 0.01 / (kBoundRounding * std::numeric_limits<double>::epsilon());
 
+/// The forces that a damped answer is compared with are at least this part of the largest load. Used by: plainly_damped
+/// of SIMD batches and of robots that contacts join.
+inline constexpr double kLeastLoad = 1e-3;
+
+/// Where a backward error is above kConverged, rows are compared with this part of the data they are computed from: two
+/// digits less are not accepted. Used by: backward_error_of_data.
+inline constexpr double kPartOfData = 1e-2;
+
 // ---- choosing -------------------------------------------------------------------------------------------------
 
 /// Another order is taken when its predicted cost is below this part of the present one's: predictions are no better,
@@ -214,5 +293,15 @@ inline constexpr double kCheaper = 0.9;
 /// coordinates to give a contact that is eliminated early its pivots. Where these do not hold, more is asked for.
 /// Used by: the order contacts-early.
 inline constexpr double kDistinct = 1e-3;
+/// What is asked for then, the last one whatever comes of it.
+inline constexpr double kMoreDistinct[] = {kDistinct, 3e-2, 1e-1};
+/// From this many contacts on, some on a hub are ill-placed in every posture that the order is tested at. Only these
+/// wait, for kWaitDistinct, where the order then costs less than kFarCheaper; ten contacts may add the growth of one.
+inline constexpr std::size_t kManyContacts = 100;
+inline constexpr double kWaitDistinct = 3 * kDistinct, kGrowTogether = 10;
+
+/// Zeros by structure in a supernode of L, at most 1 / kZeros of its entries, and columns of so few entries that they
+/// are left alone. Used by: relaxed_supernodes.
+inline constexpr int kZeros = 12, kShort = 16;
 
 }  // namespace manycontact::tolerance

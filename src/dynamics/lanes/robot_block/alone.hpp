@@ -27,11 +27,12 @@ void RobotBlock<S>::factorize(Prefetch prefetch) {
   if (dependent_) dependent_->undamp(n_.K, n_.D, pivot_terms_.data());
 }
 
-/// Whether the pivots can be believed; where rows are dropped, that it is these.
+/// Whether the pivots are more than rounding; where rows are dropped, whether these are the ones.
 template <class S>
 typename S::Mask RobotBlock<S>::sound_pivots() {
   if (dependent_) return dependent_->hold(n_.K, n_.L, n_.D, pivot_terms_.data(), [this](S* x) { solve_by_factor(x); });
-  return accept_pivots<S>(model_->nv, {n_.D, static_cast<std::size_t>(rows_)}, pivot_terms_.data(), diagonal());
+  const auto of_M = [this](std::size_t k) { return pattern_.perm[k] < pattern_.nv; };
+  return accept_pivots<S>(of_M, {n_.D, static_cast<std::size_t>(rows_)}, pivot_terms_.data(), diagonal());
 }
 
 /// x <- K^-1 x by L and D, without the border: what x has there, of all the pattern's rows, is lost.
@@ -50,17 +51,16 @@ void RobotBlock<S>::apply_inverse(S* x) {
   if (dependent_) dependent_->project_out(x);
 }
 
-/// x += K^-1 r in the lanes that are open. Where no entry moves by more than kSameSize of itself: there |K| |x| stays
-/// what it is, but for as much.
+/// x += K^-1 r in the lanes that are open. Where no entry moves by more than tolerance::kSameSize of itself: there |K|
+/// |x| stays what it is, but for as much.
 template <class S>
 typename S::Mask RobotBlock<S>::correct(Mask open) {
-  constexpr double kSameSize = 1e-6;
   std::copy_n(r_.data(), rows_, n_.w);
   apply_inverse(n_.w);
   Mask same_sizes = all();
   for (int k = 0; k < rows_; ++k) {
     const S x = n_.x[k], step = select(open, n_.w[k], S(0));
-    same_sizes = same_sizes & (abs(step) <= S(kSameSize) * abs(x));
+    same_sizes = same_sizes & (abs(step) <= S(tolerance::kSameSize) * abs(x));
     n_.x[k] = select(open, x + step, x);
   }
   return same_sizes;
@@ -145,7 +145,7 @@ typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
   for (int i = 0; i < pattern_.size() - plan_->border; ++i) {
     const int k = pattern_.iperm[i];
     if (i >= pattern_.nv) scale = larger(scale_[k], scale);
-    force = larger(i < pattern_.nv ? S(1e-3) * scale_[k] : abs(n_.x[k]), force);
+    force = larger(i < pattern_.nv ? S(tolerance::kLeastLoad) * scale_[k] : abs(n_.x[k]), force);
   }
   return scale <= S(tolerance::kInDoubt * damping) * force;
 }
@@ -157,7 +157,7 @@ template <class S>
 void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& c = scene.contacts[robots.front().contacts[k]];
-    const S moved = row_scale<S>(c, contacts_[k], 0), turned = c.rows() > 3 ? row_scale<S>(c, contacts_[k], 3) : moved;
+    const S moved = row_size<S>(c, contacts_[k], 0), turned = c.rows() > 3 ? row_size<S>(c, contacts_[k], 3) : moved;
     const Vec3<S> place = c.B.robot < 0 ? standing_[k][1].origin : Vec3<S>(Vec3<S>::Zero());
     const auto& kin = robot_.kin;
     const auto terms = internal::contact_drift<S>(c, contacts_[k], *model_, kin, *model_, kin, place);
@@ -184,34 +184,25 @@ void RobotBlock<S>::restore_contradiction() {
 }
 
 template <class S>
-typename RobotBlock<S>::Contradicted RobotBlock<S>::contradicted() const {
-  Contradicted out;
-  internal::PassedRounding<S> passed;
-  for (int i = pattern_.nv; dependent_ && i < pattern_.size() - plan_->border; ++i) {
-    const int k = pattern_.iperm[i];
-    passed.add(dependent_->row_size(k), dependent_->row_terms(k));
-  }
-  for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) {
-    const int k = pattern_.iperm[i];
-    out.Ja = larger(scale_[k] - abs(n_.b[k]), out.Ja);
-    out.a0 = larger(abs(n_.b[k]), out.a0);
-    if (!dependent_) continue;
-    const S size = dependent_->row_size(k), left = abs(dependent_->null_component(k));
-    out.left = larger(left, out.left);
-    out.of_terms =
-        larger(select(left > S(0), S(left / passed.terms(size, dependent_->row_terms(k))), S(0)), out.of_terms);
-    out.least_row = select(size > S(0), -larger(-size, -out.least_row), out.least_row);  // of rows at all
-    out.largest_row = larger(size, out.largest_row);
-  }
+rank::Contradiction<S> RobotBlock<S>::contradicted() const {
+  rank::Contradiction<S> out;
+  const auto each_row = [this](auto&& use) {
+    for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) use(pattern_.iperm[i]);
+  };
+  each_row([&](int k) { out.add_products(scale_[k] - abs(n_.b[k]), abs(n_.b[k])); });
+  if (!dependent_) return out;
+  out.add_rows([&](auto&& use) {
+    each_row([&](int k) { use({dependent_->row_size(k), dependent_->row_terms(k), dependent_->null_component(k)}); });
+  });
   return out;
 }
 
 template <class S>
 void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) {
-  const Contradicted of = contradicted();
+  const rank::Contradiction<S> of = contradicted();
   for (std::size_t l = 0; l < robots.size(); ++l) {
-    answers[l].contradiction = of[static_cast<int>(l)];
-    if (answers[l].contradiction.needs_oracle()) answers[l].sound = false;
+    answers[l].contradiction = of.of_lane(static_cast<int>(l));
+    if (answers[l].contradiction.needs_dense()) answers[l].sound = false;
     if (answers[l].contradiction.exceeds_rounding())  // the whole K has the term of what is left
       answers[l].panel_is_safe = false;
   }

@@ -1,5 +1,5 @@
 #pragma once
-// Contact rows that depend on each other, of robots side by side: sparse/dependent_rows.hpp for all lanes at once, with
+// Contact rows that depend on each other, of robots side by side: rank/dependent_rows.hpp for all lanes at once, with
 // the rows that are dropped given. Whether these are the rows that ldl_factor_dependent drops each lane is asked for
 // itself (`hold`); where they are not, another way has to answer.
 
@@ -9,6 +9,7 @@
 
 #include "../arrays.hpp"
 #include "../checks.hpp"
+#include "manycontact/rank/pivots.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
 
 namespace manycontact::lanes {
@@ -39,7 +40,7 @@ class DependentRows {
     gram_ = N_ + nv_ + count * rows;
     columns_ = reinterpret_cast<int*>(gram_ + count * count);
   }
-  /// What row k of J, in K's order, is judged beside (contact/row_scale.hpp); to be set before `hold`.
+  /// What row k of J, in K's order, is judged beside (rank/row_size.hpp); to be set before `hold`.
   S& row_size(int k) const { return row_size_[k]; }
   /// The largest term that its a0 is computed from (contact_drift), which its contradiction is judged beside.
   S& row_terms(int k) const { return row_terms_[k]; }
@@ -49,7 +50,7 @@ class DependentRows {
   /// Before K is factorized: the rows dropped as if they were damped beyond all numbers, which leaves the others as
   /// they are without them ...
   void damp(S* K) const {
-    for (int k : dropped_) K[diagonal(k)] = S(-1e200);
+    for (int k : dropped_) K[diagonal(k)] = S(-tolerance::kDroppedDamping);
   }
   /// ... and after: K as it was, without pivots of these.
   void undamp(S* K, S* D, S* pivot_terms) const {
@@ -81,7 +82,7 @@ class DependentRows {
     return out;
   }
 
-  /// What residuals are judged beside (sparse::scale_of_dependent), of all rows, into `judged`.
+  /// What residuals are judged beside (rank::scale_of_dependent), of all rows, into `judged`.
   void scale_of_dependent(const S* scale, S* judged) {
     std::copy_n(scale, rows_, judged);
     for (std::size_t c = 0; c < dropped_.size(); ++c) {
@@ -141,38 +142,37 @@ class DependentRows {
     return size;
   }
 
-  /// As DependentRowsFactor::drops_the_same (kkt/factor/dependent_rows.cpp) has it, which says why, but of any two
-  /// pivots: stricter.
+  /// Whether ldl_factor_dependent would drop these rows, by a margin (kkt/factor/dependent_rows.cpp says why).
   Mask same_rows(const S* K, const S* L, const S* D, const S* pivot_terms) const {
-    constexpr double kMargin = 10;
-    const S largest(std::numeric_limits<double>::max()), zero(0), one(1);
-    Mask good = zero <= one;
-    S least = one, least_of_J = one;  // as PassedOn has them
+    Mask good = S(0) <= S(0);
+    rank::PassedOn<S> passed_on;
     auto next = dropped_.begin();
     for (int k = 0; k < rows_; ++k) {
       if (next != dropped_.end() && *next == k) {
         ++next;
-        S d(0), terms(0);  // of the pivot that K's own row would have
-        const sparse::LdlSymbolic& s = pattern_.ldl;
-        for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p) {
-          const S l = L[s.Rk[p]], term = select(abs(D[s.Rj[p]]) <= largest, l * l * D[s.Rj[p]], zero);
-          d -= term, terms += abs(term);
-        }
-        const S size = largest_entry(K, k);
-        const S left = select(size > S(tolerance::kRank / kMargin) * row_size_[k], abs(d), zero);
-        good = good & (terms <= largest) & (left <= S(tolerance::kPivotLeft / kMargin) * terms);
+        const rank::Pivot<S> rest = rest_of(k, K, L, D);
+        good = good & (rest.terms <= S(std::numeric_limits<double>::max())) &
+               (select(rank::is_left(rest, 1 / tolerance::kMargin), S(1), S(0)) <= S(0));
         continue;
       }
-      const S terms = pivot_terms[k], size = abs(D[k]), left = size / (S(kMargin) * terms);
       const bool of_M = k < nv_;
-      good = good & (left * (of_M ? least_of_J : least) >= S(tolerance::kRowRounding)) & (terms <= largest) &
-             (size > S(kMargin * tolerance::kPivotLeft) * terms) & (of_M ? D[k] > zero : D[k] < zero);
-      least = -larger(-left, -least);
-      if (of_M) continue;
-      least_of_J = -larger(-left, -least_of_J);
-      good = good & (largest_entry(K, k) > S(kMargin * tolerance::kRank) * row_size_[k]);
+      const rank::Pivot<S> pivot{of_M, D[k], pivot_terms[k], of_M ? K[diagonal(k)] : largest_entry(K, k),
+                                 of_M ? S(0) : row_size_[k]};
+      good = good & passed_on.accepts(of_M, abs(pivot.d) / (S(tolerance::kMargin) * pivot.terms)) &
+             rank::is_left(pivot, tolerance::kMargin) & rank::has_its_sign(pivot);
     }
     return good;
+  }
+  /// The pivot that K's own row would have in place of row k, which is dropped.
+  rank::Pivot<S> rest_of(int k, const S* K, const S* L, const S* D) const {
+    const sparse::LdlSymbolic& s = pattern_.ldl;
+    rank::Pivot<S> rest{false, S(0), S(0), largest_entry(K, k), row_size_[k]};
+    for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p) {
+      const S l = L[s.Rk[p]], d = D[s.Rj[p]];
+      const S term = select(abs(d) <= S(std::numeric_limits<double>::max()), l * l * d, S(0));
+      rest.d -= term, rest.terms += abs(term);
+    }
+    return rest;
   }
 
   /// L^T z = l_k over the rows of J, and the column e_k - z of N.

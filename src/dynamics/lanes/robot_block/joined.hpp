@@ -183,9 +183,9 @@ void RobotBlock<S>::finish(Robots robots, Memory memory) {
   for (int k = pattern_.nv; dependent_ && k < rows_; ++k) n_.b[k] += dependent_->null_component(k);
   (void)check_residual(robots, prefetch_of(memory));
   const S error = componentwise_error<S>({r_.data(), static_cast<std::size_t>(rows_)}, scale_.data());
-  const Contradicted of = contradicted();
+  const rank::Contradiction<S> of = contradicted();
   for (std::size_t l = 0; l < robots.size(); ++l) {
-    robots[l].contradiction = of[static_cast<int>(l)];
+    robots[l].contradiction = of.of_lane(static_cast<int>(l));
     robots[l].error = error[static_cast<int>(l)];
   }
 }

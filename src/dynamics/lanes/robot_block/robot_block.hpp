@@ -11,7 +11,6 @@
 
 #include "../../derivatives/jacobian_rate.hpp"
 #include "../../robot_quantities.hpp"
-#include "../../systems/contact_drift.hpp"
 #include "../arrays.hpp"
 #include "../checks.hpp"
 #include "../lanes.hpp"
@@ -20,7 +19,7 @@
 #include "manycontact/algorithm/model_numbers.hpp"
 #include "manycontact/contact/derivatives.hpp"
 #include "manycontact/contact/products.hpp"
-#include "manycontact/contact/row_scale.hpp"
+#include "manycontact/rank/row_size.hpp"
 #include "manycontact/sparse/ldl_panel_kernels.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
@@ -103,13 +102,6 @@ class RobotBlock {
     std::size_t at;
     int stride;
   };
-  struct Contradicted {  // lanes::Contradiction
-    S left = S(0), Ja = S(0), a0 = S(0), of_terms = S(0);
-    S least_row = S(std::numeric_limits<double>::infinity()), largest_row = S(0);
-    Contradiction operator[](int lane) const {
-      return {left[lane], Ja[lane], a0[lane], of_terms[lane], least_row[lane], largest_row[lane]};
-    }
-  };
   struct Slot {
     int i, j;
     bool of_tree;  // what robot_columns writes
@@ -149,7 +141,7 @@ class RobotBlock {
   // of rows that depend on each other
   void size_rows(const Scene& scene, Robots robots);
   void restore_contradiction();
-  Contradicted contradicted() const;
+  rank::Contradiction<S> contradicted() const;
   void report_dependence(Robots robots, std::span<Answer> answers);
   void scatter(const Scene& scene, const std::vector<int>& f_offset, const Robot& robot, int lane, double* a,
                double* f) const;

@@ -6,9 +6,10 @@
 #include <tuple>
 
 #include "../../internal.hpp"
-#include "../contact_drift.hpp"
-#include "../row_units.hpp"
 #include "manycontact/contact/body_rows.hpp"
+#include "manycontact/rank/contradiction.hpp"
+#include "manycontact/rank/row_size.hpp"
+#include "manycontact/rank/row_units.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
@@ -127,15 +128,14 @@ RowTerms<double> terms_of_bodies(const Workspace& work, const BodiesSystem& bodi
   return out;
 }
 
-// What rows that depend contradict each other by, as the whole K has it (systems/matrix/fallbacks.cpp). Sizes of rows
-// are levers here, of J there is nothing.
-lanes::Contradiction contradiction_of(const Scene& scene, const Workspace& work, BodiesSystem& bodies) {
-  lanes::Contradiction of;
+// Sizes of rows are levers here: there is no J.
+rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace& work, BodiesSystem& bodies) {
+  rank::Contradiction<double> of;
   std::tie(of.Ja, of.a0) = row_terms_of_joints(bodies.factor.system, bodies.solution);
   double lever;
   const RowTerms<double> of_bodies = terms_of_bodies(work, bodies, lever);
   const Island& island = bodies.owner.island;
-  const auto each_row = [&](auto&& use) {  // use(row, its size, the terms of its a0)
+  of.add_rows([&](auto&& use) {
     for (std::size_t k = 0; k < island.contacts.size(); ++k) {
       const int c = island.contacts[k];
       const Contact& contact = scene.contacts[c];
@@ -147,15 +147,11 @@ lanes::Contradiction contradiction_of(const Scene& scene, const Workspace& work,
       const RowTerms<double> terms = row_terms<double>(contact, work.contacts[c], origin);
       for (int i = 0; i < contact.rows(); ++i) {
         const auto [linear, angular] = row_weights(work.contacts[c], i);
-        use(island.row_offset[k] + i, linear * lever + angular,
-            std::max(terms.of_row(i), linear * of_bodies.linear + angular * of_bodies.angular));
+        use({linear * lever + angular,
+             std::max(terms.of_row(i), linear * of_bodies.linear + angular * of_bodies.angular),
+             bodies.dependence.null_component[island.row_offset[k] + i]});
       }
     }
-  };
-  PassedRounding<double> passed;
-  each_row([&](int, double size, double terms) { passed.add(size, terms); });
-  each_row([&](int row, double size, double terms) {
-    of.add(bodies.dependence.null_component[row], passed.terms(size, terms));
   });
   return of;
 }
@@ -176,8 +172,8 @@ Reason solve_without_dependent(BodiesSystem& bodies, sparse::Refinement& refinem
 
 // Of few coordinates the whole K does it as fast, and keeps derivatives.
 bool drops_rows_here(const Scene& scene, const SceneData& data, const Island& island) {
-  constexpr int kFew = 100;
-  return may_drop_rows(scene, island) && (data.options.method == Method::kSparseBodies || island.nv >= kFew);
+  return may_drop_rows(scene, island.contacts) &&
+         (data.options.method == Method::kSparseBodies || island.nv >= tolerance::kFewCoordinates);
 }
 
 // kNone: the factor and the solution are sound.
@@ -209,7 +205,7 @@ void begin_evaluation(const Scene& scene, const SceneData& data, BodiesSystem& b
 Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodyDependence& work, BodySolve& solve,
                            sparse::Refinement& refinement) {
   forget_dropped(ldl);
-  if (has_vanishing_row(system, work) || has_repeated_row(system, ldl, work)) return Reason::kSmallPivot;
+  if (has_vanishing_row(system, work)) return Reason::kSmallPivot;
   const Reason reason = factorize_bodies(system, ldl, &solve.b);
   if (reason != Reason::kNone) return reason;
   refinement = solve_refined(system, ldl, solve, tolerance::kRefinementSteps, true);
@@ -245,7 +241,8 @@ const BodyKinematics<double>* kinematics_at(const BodiesSystem& bodies, const At
 
 }  // namespace internal
 
-bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, IslandReport& report) {
+bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Dropped dropped, IslandReport& report) {
+  if (dropped != Dropped::kNone) return false;
   drops = false;
   internal::BodyAnswer by_subtrees, whole;
   if (internal::solve_by_subtrees(scene, data, *this, by_subtrees)) {

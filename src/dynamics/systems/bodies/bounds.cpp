@@ -11,8 +11,8 @@
 #include <limits>
 
 #include "../../internal.hpp"
-#include "../contact_drift.hpp"
 #include "bodies.hpp"
+#include "manycontact/rank/row_size.hpp"
 #include "manycontact/sparse/condition.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 

@@ -3,8 +3,8 @@
 #include <stdexcept>
 
 #include "../../internal.hpp"
-#include "../row_units.hpp"
 #include "manycontact/kkt/choose.hpp"
+#include "manycontact/rank/row_units.hpp"
 #include "matrix.hpp"
 
 namespace manycontact::internal {
@@ -130,7 +130,7 @@ void assemble(const Scene& scene, const SceneData& data, Order order, double dam
     for (int i = 0; i < a0.size(); ++i) b[to[i]] = prescribed_in(data, c, i) - a0[i];
   }
   m.unit.clear();
-  if (weighed && has_row_units(scene, d.island)) take_units(scene, m);
+  if (weighed && has_row_units(scene, d.island.contacts)) take_units(scene, m);
 }
 
 }  // namespace manycontact::internal

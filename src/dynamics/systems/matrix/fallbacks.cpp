@@ -6,8 +6,9 @@
 #include <limits>
 
 #include "../../internal.hpp"
-#include "manycontact/contact/row_scale.hpp"
 #include "manycontact/kkt/choose.hpp"
+#include "manycontact/rank/contradiction.hpp"
+#include "manycontact/rank/row_size.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "row_terms.hpp"
@@ -38,9 +39,8 @@ Factor& factor_of(MatrixSystem& m, FactorKind kind, Order order) {
 
 // Whether the oracle may be asked though another method was asked for: its time is cubic, its memory square.
 bool may_ask_oracle(const MatrixSystem& m) {
-  constexpr int kOracleSize = 3000;  // rows of K
   return m.owner.choice.method == Method::kDense ||
-         (m.owner.island.nc <= tolerance::kFewRows && m.owner.island.size() <= kOracleSize);
+         (m.owner.island.nc <= tolerance::kFewRows && m.owner.island.size() <= tolerance::kDenseSize);
 }
 
 // What the rows of the island's J are judged beside.
@@ -49,7 +49,7 @@ void row_scales(const Scene& scene, const Workspace& w, const Island& island, st
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const int c = island.contacts[k];
     for (int i = 0; i < scene.contacts[c].rows(); ++i)
-      size[island.row_offset[k] + i] = row_scale(scene.contacts[c], w.contacts[c], i);
+      size[island.row_offset[k] + i] = row_size(scene.contacts[c], w.contacts[c], i);
   }
 }
 
@@ -66,37 +66,28 @@ bool has_vanishing_row(const Scene& scene, const MatrixSystem& m, const std::vec
   return false;
 }
 
-// How far the contacts contradict each other: |P b1| > 1e-8 (| |J| |a| + |a0|), maximum norms, P the projector on the
-// null space of J^T: what dependent rows cannot agree on, which is all that exact arithmetic leaves of J a + a0. (What
-// rounding leaves there beside it was judged as a residual.) It may still be rounding of the terms of contact_drift:
-// that is no contradiction. Derivatives take note of what is left above rounding alone. As in lanes
-// (lanes::Contradiction), but for rows that were made dependent.
-lanes::Contradiction contradiction_of(const Scene& scene, const Workspace& w, MatrixSystem& m,
-                                      const std::vector<double>& sizes) {
+// What the contacts contradict each other by. Rows made dependent may leave what they were changed by.
+rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace& w, MatrixSystem& m,
+                                             const std::vector<double>& sizes) {
   const Island& island = m.owner.island;
   const KktVectors& v = m.v;
-  lanes::Contradiction of;
   std::vector<double>& terms = m.row_terms;
   terms.resize(island.nc);
-  PassedRounding<double> passed;
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
     const RowTerms<double> drift = contact_drift(scene, w, island.contacts[c]);
     for (int i = 0, row = island.row_offset[c]; i < scene.contacts[island.contacts[c]].rows(); ++i, ++row)
-      passed.add(sizes[row], terms[row] = drift.of_row(i) * unit_of(m, row));
+      terms[row] = drift.of_row(i) * unit_of(m, row);
   }
-  double largest = 0;
+  const auto at = [&](int row) { return m.K.pattern->iperm[island.nv + row]; };
+  rank::Contradiction<double> of;
   for (int row = 0; row < island.nc; ++row) {
-    const int at = m.K.pattern->iperm[island.nv + row];
-    of.add(v.null_component[at], passed.terms(sizes[row], terms[row]));
-    of.Ja = std::max(of.Ja, v.scale[at] - std::abs(v.b[at]));
-    of.a0 = std::max(of.a0, std::abs(v.b[at]));
-    largest = std::max(largest, terms[row]);
+    const double b = std::abs(v.b[at(row)]);
+    of.add_products(v.scale[at(row)] - b, b);
   }
-  for (double size : sizes) {
-    if (size == 0) continue;  // no row
-    of.least_row = std::min(of.least_row, size);
-    of.largest_row = std::max(of.largest_row, size);
-  }
+  of.add_rows([&](auto&& use) {
+    for (int row = 0; row < island.nc; ++row) use({sizes[row], terms[row], v.null_component[at(row)]});
+  });
+  const double largest = island.nc > 0 ? *std::max_element(terms.begin(), terms.end()) : 0;
   if (of.left <= m.tolerated * (of.Ja + of.a0 + largest)) of.left = of.of_terms = 0;
   return of;
 }
@@ -108,7 +99,6 @@ lanes::Contradiction contradiction_of(const Scene& scene, const Workspace& w, Ma
 // rounding of the largest acceleration in all rows: of what terms of M's rows accelerate, or J's rows ask for.)
 double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const std::vector<double>& row_size,
                               std::vector<double>& forces) {
-  constexpr double kPart = 0.01;
   const KktPattern& p = *m.K.pattern;
   const KktVectors& v = m.v;
   constexpr double kRounding = std::numeric_limits<double>::epsilon() / tolerance::kConverged;
@@ -123,7 +113,8 @@ double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const s
   const auto judge = [&](int k, double size, double least) {
     const int at = p.iperm[k];
     const double left = std::abs(m.deficient() ? v.r[at] - v.null_component[at] : v.r[at]);
-    if (left != 0) error = sparse::larger_or_nan(error, left / std::max({v.scale[at], kPart * size, least}));
+    if (left != 0)
+      error = sparse::larger_or_nan(error, left / std::max({v.scale[at], tolerance::kPartOfData * size, least}));
   };
   const auto a = [&](int k) { return std::abs(v.x[p.iperm[k]]); };
   const auto root = [&](int k) { return std::sqrt(inertia(k)); };
@@ -187,9 +178,8 @@ Reason factorize_and_solve(const Scene& scene, const SceneData& data, FactorScra
   report.status = Status::kOk;
   m.contradiction = false;
   if (m.deficient()) {
-    const lanes::Contradiction of = contradiction_of(scene, *data.workspace, m, scratch.row_scale);
-    if (by.kind != FactorKind::kDense && of.needs_oracle() && may_ask_oracle(m))
-      return Reason::kSmallPivot;
+    const rank::Contradiction<double> of = contradiction_of(scene, *data.workspace, m, scratch.row_scale);
+    if (by.kind != FactorKind::kDense && of.needs_dense() && may_ask_oracle(m)) return Reason::kSmallPivot;
     m.contradiction = of.exceeds_rounding();
     report.status = of.contradicts() ? Status::kInconsistent : Status::kRedundant;
     factor.dependent_rows(m.dependent);
@@ -213,11 +203,10 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
 // eliminates all of M first (a hub that many robots hold then joins all their rows). Robots in lanes drop
 // leaf-to-root's.
 bool drops_in_chosen_order(const MatrixSystem& m) {
-  constexpr double kFarCheaper = 0.5;
   const auto [method, order] = m.owner.choice;
   if (method != Method::kSparseLdl || order == Order::kLeafToRoot || m.owner.stands_in_lanes()) return false;
   const auto cost = [&m](Order by) { return predicted_cost_ldl(m.owner.island.size(), m.owner.shape->counts(by)); };
-  return cost(order) < kFarCheaper * cost(Order::kLeafToRoot);
+  return cost(order) < tolerance::kFarCheaper * cost(Order::kLeafToRoot);
 }
 
 // Whether rows may depend on each other across many bodies: then how they do is no sparse matrix, and rows are not
@@ -249,8 +238,7 @@ Attempts fallbacks_of(const MatrixSystem& m, double damping) {
       (damping > 0 ? has_order(method) : method == Method::kSparseLdl || method == Method::kSparseBodies))
     out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
   if (method != Method::kDense && damping == 0) out.add(by_dependent_rows(m));
-  constexpr int kMostNullSpace = 3000;  // rows of J whose null space, dense where loops are many, takes a second or so
-  if (method != Method::kDense && globally && m.owner.island.nc <= kMostNullSpace)
+  if (method != Method::kDense && globally && m.owner.island.nc <= tolerance::kMostNullSpace)
     out.add({FactorKind::kDependentRows, Order::kLeafToRoot, 0});
   if (may_ask_oracle(m)) out.add({FactorKind::kDense, order, damping});
   return out;
@@ -272,7 +260,7 @@ bool solve_by_dependent_rows(const Scene& scene, const SceneData& data, FactorSc
       m.deficient())
     return true;
   m.factor = nullptr;
-  m.state = 0;  // whoever asks for the whole K again gets it as if this had not been tried
+  m.state = 0;  // the next caller starts from the first factor of the list
   report.status = Status::kOk;
   return false;
 }

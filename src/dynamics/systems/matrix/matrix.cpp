@@ -101,27 +101,31 @@ void take_judged_answer(const Scene& scene, SceneData& data, ThreadWork& thread,
   if (thread.spare_report.status != report.status) std::swap(report, thread.spare_report);
 }
 
+// By the factors that drop rows, which most states need where the one before did.
+bool solve_dependent(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& m,
+                     IslandReport& report) {
+  internal::evaluate_at_solution(scene, data, m.owner);
+  return solve_with_kept_rows(scene, data, m, report, [&] {
+    return internal::solve_by_dependent_rows(scene, data, thread.scratch, m, report);
+  });
+}
+
 }  // namespace
 
-bool MatrixSystem::solve(const Scene& scene, SceneData& data, ThreadWork& thread, IslandReport& report) {
-  const bool answered = solve_at_state(scene, data, thread, *this, report);
+bool MatrixSystem::solve(const Scene& scene, SceneData& data, ThreadWork& thread, Dropped dropped,
+                         IslandReport& report) {
+  const bool as_before = dropped == Dropped::kAsBefore;
+  if (dropped == Dropped::kAsFound || (as_before && !was_dependent)) return false;
+  const bool answered = as_before ? solve_dependent(scene, data, thread, *this, report)
+                                  : solve_at_state(scene, data, thread, *this, report);
   was_dependent = answered && scene.damping == 0 && found_dependent();
   if (answered) take_judged_answer(scene, data, thread, *this, report);
   return answered;
 }
 
-bool MatrixSystem::solve_as_dependent(const Scene& scene, SceneData& data, ThreadWork& thread, IslandReport& report) {
-  internal::evaluate_at_solution(scene, data, owner);
-  was_dependent = solve_with_kept_rows(scene, data, *this, report, [&] {
-    return internal::solve_by_dependent_rows(scene, data, thread.scratch, *this, report);
-  });
-  if (was_dependent) take_judged_answer(scene, data, thread, *this, report);
-  return was_dependent;
-}
-
 bool MatrixSystem::make_current(const Scene& scene, const SceneData& data, ThreadWork& thread) {
   if (state == data.workspace->state) {
-    if (factor) internal::evaluate_at_solution(scene, data, owner);  // bodies asked since then leave no J
+    if (factor) internal::evaluate_at_solution(scene, data, owner);  // sparse-bodies, asked since then, overwrote J
     return factor;
   }
   if ((owner.answered_by(&owner.alone) && owner.alone.by == owner.alone.dependent) ||

@@ -33,16 +33,13 @@ class MatrixSystem final : public IslandSystem {
  public:
   explicit MatrixSystem(IslandWork& island) : owner(island) {}
 
-  bool solve(const Scene&, SceneData&, ThreadWork&, IslandReport&) override;
+  bool solve(const Scene&, SceneData&, ThreadWork&, Dropped, IslandReport&) override;
   bool differentiate(const Scene&, SceneData&, ThreadWork&, IslandDerivatives&) override;
   bool jvp(const Scene&, SceneData&, ThreadWork&, const TangentProduct&) override;
   bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) override;
   bool bound_errors(const Scene&, SceneData&, IslandReport&) override;
   bool estimate_condition(const Scene&, SceneData&, IslandReport&) override;
 
-  /// solve of an island whose rows depended on each other at the solve before: most still do, where the chosen factor
-  /// would fail. False where they do not: then another system answers, as if they never had.
-  bool solve_as_dependent(const Scene&, SceneData&, ThreadWork&, IslandReport&);
   /// K, its factor and x of the solution at hand, where another system answered that. False: no factor is sound, or K
   /// is too large for memory.
   bool make_current(const Scene&, const SceneData&, ThreadWork&);

@@ -128,8 +128,7 @@ bool solve_as_needed(MatrixSystem& m, double* X, int ld, PanelWork& work, Solve&
   reserve(work.nonzero, m.owner.island.size());
   reserve(work.B, size);
   reserve(work.R, size);
-  constexpr int kFewRows = 400;  // of K: beyond, so many solves would take many times as long as a panel
-  const bool few = m.owner.island.size() < kFewRows, grows = grows_too_much(*m.factor);
+  const bool few = m.owner.island.size() < tolerance::kOneByOne, grows = grows_too_much(*m.factor);
   if (few) work.column.resize(m.owner.island.size());
   if (few && grows && m.deficient() && m.factor->own_refinements() == 0) return solve_one_by_one(m, X, ld, work.column);
   const bool once_is_enough = !grows || (!m.deficient() && m.factor->growth() <= tolerance::kMostGrowth);

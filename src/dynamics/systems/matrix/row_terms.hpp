@@ -1,8 +1,8 @@
 #pragma once
-// What rows of K are computed from at the state at hand: of contacts (systems/contact_drift.hpp) and of robots.
+// What rows of K are computed from at the state at hand: of contacts (rank/row_size.hpp) and of robots.
 
 #include "../../workspace/workspace.hpp"
-#include "../contact_drift.hpp"
+#include "manycontact/rank/row_size.hpp"
 
 namespace manycontact::internal {
 

@@ -2,7 +2,7 @@
 //
 // A closed loop drawn with four digits, or one that has drifted by 1e-6 m, has rows J_k = sum_j z_j J_j + r with a
 // small r where the mechanism has r = 0. Solved as they are, such rows lock the loop, by forces that are 1 / |r| too
-// large. With the columns n_k = e_k - z of N (sparse/dependent_rows.hpp), each column c of J loses its part in N:
+// large. With the columns n_k = e_k - z of N (rank/dependent_rows.hpp), each column c of J loses its part in N:
 //
 //     J_c <- J_c - N_c (N_c^T N_c)^+ N_c^T J_c      N_c: those rows of N that column c has
 //
@@ -27,7 +27,7 @@
 #include <numeric>
 
 #include "../../internal.hpp"
-#include "manycontact/sparse/dependent_rows.hpp"
+#include "manycontact/rank/dependent_rows.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "matrix.hpp"
 
@@ -43,7 +43,7 @@ struct WithinTolerance::Work {
   std::vector<double> K, L, D, row_scale;
   sparse::LdlWorkspace ldl;
   std::vector<char> of_M;
-  sparse::DependentRows rows;
+  rank::DependentRows rows;
   Eigen::VectorXd left;
   double lever = 1, tolerance = 0;  // the largest [m]; what those rows of J are off by [m]
   std::vector<double> dq;           // to the nearest closed loop, in K's order
@@ -55,9 +55,6 @@ WithinTolerance::~WithinTolerance() = default;
 namespace {
 
 using Work = WithinTolerance::Work;
-
-constexpr double kMost = 1e-2;       // of the largest lever: neither tolerance nor drift is larger (keep_dependent.hpp)
-constexpr double kNextPivot = 1e-2;  // from one try to the next, a digit of a row's length
 
 void fill_turning(const Model& model, char* turns) {
   for (const Joint& joint : model.joints) {
@@ -105,13 +102,12 @@ double largest_lever(const Workspace& work, const IslandWork& d, const Work& w) 
 
 void find_null_space(const KktPattern& p, Work& w) {
   std::fill(w.row_scale.begin(), w.row_scale.end(), 1.0);
-  sparse::find_null_space(p.K, p.ldl, w.K.data(), w.of_M, w.row_scale.data(), w.L.data(), w.D.data(), w.rows);
+  rank::find_null_space(p.K, p.ldl, w.K.data(), w.of_M, w.row_scale.data(), w.L.data(), w.D.data(), w.rows);
 }
 
 // [D J^T; J 0] without the rows in w.rows.dropped, as if these were damped beyond all numbers.
 bool factorize_without_dropped(const KktPattern& p, Work& w) {
-  constexpr double kDamping = 1e200;
-  for (int k : w.rows.dropped) w.K[p.K.p[k + 1] - 1] = -kDamping;
+  for (int k : w.rows.dropped) w.K[p.K.p[k + 1] - 1] = -tolerance::kDroppedDamping;
   const bool factorized = sparse::ldl_factor(p.K, p.ldl, w.K.data(), w.ldl, w.L.data(), w.D.data()) == p.size();
   for (int k : w.rows.dropped) w.K[p.K.p[k + 1] - 1] = 0, w.D[k] = std::numeric_limits<double>::infinity();
   return factorized;
@@ -125,19 +121,20 @@ bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, 
   const int* slot = p.J_slot.data();
   for (int c : d.island.contacts)
     for (double value : work.contacts[c].J.reshaped()) w.K[*slot++] = value;
+  const double margin = left / tolerance::kPivotLeft;
   w.row_scale.assign(p.size(), 0.0);  // all of a row is dropped where it is below sqrt(left) of what it could be
   for (int r = 0; r < p.nc; ++r)
-    w.row_scale[p.iperm[p.nv + r]] = std::sqrt(left) * (w.row[r] < 3 ? L : 1) / tolerance::kRank;
+    w.row_scale[p.iperm[p.nv + r]] = std::sqrt(left) * (w.row[r] < 3 ? L : 1) / (margin * tolerance::kRank);
   w.L.resize(p.ldl.nonzeros()), w.D.resize(p.size());
   w.of_M.assign(p.size(), 0);
   std::fill_n(w.of_M.begin(), p.nv, 1);  // leaf-to-root
-  if (sparse::ldl_factor_dependent(p.K, p.ldl, w.K.data(), w.of_M, left, w.row_scale.data(), w.ldl, w.L.data(),
-                                   w.D.data(), w.rows) != p.size())
+  if (rank::ldl_factor_dependent(p.K, p.ldl, w.K.data(), w.of_M, margin, w.row_scale.data(), w.ldl, w.L.data(),
+                                 w.D.data(), w.rows) != p.size())
     w.rows.dropped.clear();  // not finite
   if (w.rows.dropped.empty()) return false;
   find_null_space(p, w);
   if (w.rows.largest_entry <= tolerance::kLargestEntry) return true;
-  if (!sparse::exchange_rows(w.rows) || !factorize_without_dropped(p, w)) return false;
+  if (!rank::exchange_rows(w.rows) || !factorize_without_dropped(p, w)) return false;
   find_null_space(p, w);
   return w.rows.largest_entry <= tolerance::kLargestEntry;
 }
@@ -179,9 +176,9 @@ bool is_within(const Workspace& work, const IslandWork& d, const KktPattern& p, 
 
 // The columns of N, or none. The more rows have to be told apart, the less may be left of a pivot.
 bool find(const Scene& scene, const Workspace& work, const IslandWork& d, const KktPattern& p, double L, Work& w) {
-  const double most = kMost * L, largest = d.depended > 0 ? most : std::min(scene.tolerance, most);
+  const double most = tolerance::kMostDrift * L, largest = d.depended > 0 ? most : std::min(scene.tolerance, most);
   const double generous = tolerance::kLargestEntry * largest / L;
-  for (double left = generous * generous;; left *= kNextPivot) {
+  for (double left = generous * generous;; left *= tolerance::kNextPivot) {
     left = std::max(left, tolerance::kPivotLeft);
     bool within = factorize(work, d, p, L, left, w);
     if (w.rows.dropped.empty()) return false;
@@ -195,7 +192,7 @@ bool find(const Scene& scene, const Workspace& work, const IslandWork& d, const 
 }
 
 // J_c -= N_c (N_c^T N_c)^+ N_c^T J_c for the columns of N in one cluster.
-void remove(Workspace& work, const IslandWork& d, const KktPattern& p, const sparse::DependentRows::Cluster& cluster,
+void remove(Workspace& work, const IslandWork& d, const KktPattern& p, const rank::DependentRows::Cluster& cluster,
             const Work& w) {
   std::vector<int> rows;  // of J, that the cluster has
   for (int m = 0; m < cluster.count; ++m) {

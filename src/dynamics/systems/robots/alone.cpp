@@ -4,7 +4,7 @@
 
 #include "../../internal.hpp"
 #include "../../workspace/threads.hpp"
-#include "../row_units.hpp"
+#include "manycontact/rank/row_units.hpp"
 #include "robots.hpp"
 
 namespace manycontact {
@@ -52,18 +52,21 @@ void take_dependence(const SceneData& data, const lanes::Answer& answer, IslandW
   report_dropped_rows(data, d, d.matrix.dependent, answer.contradiction, report);
 }
 
-// The islands that wanted(island, group) holds for into w.lanes, in batches of as many as stand side by side.
-template <class Wanted>
-void form_batches(const Scene& scene, Workspace& w, Wanted&& wanted) {
+// The islands into w.lanes, each with the group that group_of(island) gives it, if any: in batches of as many as there
+// are SIMD lanes.
+template <class GroupOf>
+void form_batches(const Scene& scene, Workspace& w, GroupOf&& group_of) {
   InLanes& in = w.lanes;
   in.islands.clear();
   in.robots.clear();
   in.batches.clear();
+  for (auto& [key, group] : in.groups) group.islands.clear();
+  for (std::size_t i = 0; i < w.islands.size(); ++i)
+    if (BlockGroup* group = group_of(*w.islands[i])) group->islands.push_back(static_cast<int>(i));
   for (auto& [key, group] : in.groups) {
     bool begun = false;
     for (int i : group.islands) {
       const Island& island = w.islands[i]->island;
-      if (!wanted(*w.islands[i], group)) continue;
       if (!begun || in.batches.back().count == in.level->width ||
           !lanes::alike(scene, w.islands[in.islands[in.batches.back().first]]->island.contacts, island.contacts))
         in.batches.push_back({&group, static_cast<int>(in.robots.size()), 0});
@@ -90,12 +93,13 @@ void prefetch_models(const Scene& scene, Robots robots) {
     }
 }
 
-// use(group, robots, numbers of their islands, memory of the thread) for each batch. of_solve: the work beside that of
-// a solve.
-template <class Wanted, class Use>
-void each_in_lanes(const Scene& scene, Workspace& w, double of_solve, Wanted&& wanted, Use&& use) {
+// use(group, robots, numbers of their islands, memory of the thread) for each batch. of_solve: its work, relative to a
+// solve's.
+template <class GroupOf, class Use>
+void each_in_lanes(const Scene& scene, Workspace& w, double of_solve, GroupOf&& group_of, Use&& use) {
+  if (!w.lanes.level) return;
   InLanes& in = w.lanes;
-  form_batches(scene, w, wanted);
+  form_batches(scene, w, group_of);
   double seconds = 0;
   for (const InLanes::Batch& batch : in.batches)
     seconds += of_solve * batch.group->seconds * together(static_cast<std::size_t>(batch.count));
@@ -107,85 +111,43 @@ void each_in_lanes(const Scene& scene, Workspace& w, double of_solve, Wanted&& w
   });
 }
 
-bool served_by(const IslandWork& d, const BlockGroup& by) { return d.served_in_lanes() && d.alone.by == &by; }
+// The group that an island is solved in; nullptr: none, or not now.
+BlockGroup* group_of_solve(const Scene& scene, Workspace& w, IslandWork& d, Dropped dropped) {
+  AloneSystem& alone = d.alone;
+  if (!alone.group || is_inexact(scene, d)) return nullptr;
+  if (dropped == Dropped::kNone)  // rows that outnumber the coordinates are certain to depend on each other
+    return d.answered || (scene.damping == 0 && d.island.nc > d.island.nv) ? nullptr : alone.group;
+  if (!may_drop_rows(scene, d.island.contacts)) return nullptr;
+  if (dropped == Dropped::kAsFound) {
+    if (!d.matrix.dropped_rows()) return nullptr;
+    find_dependent_group(w, d);
+  }
+  const bool enough = alone.dependent && static_cast<int>(alone.dependent->plan->dropped.size()) >= d.depended;
+  return enough && !d.refused ? alone.dependent : nullptr;
+}
+
+// The group that gave an island's answer; nullptr: none, or not the derivatives.
+BlockGroup* group_of_answer(const IslandWork& d) { return d.served_in_lanes() ? d.alone.by : nullptr; }
 
 }  // namespace
 
-namespace {
-
-template <class Wanted>
-void solve_in_lanes(const Scene& scene, SceneData& data, Wanted&& wanted) {
+void solve_alone(const Scene& scene, SceneData& data, Dropped dropped) {
+  if (!usable_numbers(scene)) return;
   Workspace& w = *data.workspace;
   const lanes::Job job = job_at_state(scene, data);
-  each_in_lanes(scene, w, 1, wanted, [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
+  const auto group_of = [&](IslandWork& d) { return group_of_solve(scene, w, d, dropped); };
+  each_in_lanes(scene, w, 1, group_of, [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
     group.kernels[thread.number]->solve(job, robots, {thread.answers.data(), robots.size()});
     for (std::size_t k = 0; k < robots.size(); ++k) {
       const lanes::Answer& answer = thread.answers[k];
-      if (!answer.sound) continue;
       IslandWork& d = *w.islands[numbers[k]];
+      d.refused = d.refused || (!answer.sound && dropped != Dropped::kNone);
+      if (!answer.sound) continue;
       IslandReport& report = data.report.islands[numbers[k]];
       take_answer(group, answer, d, report);
       if (!group.plan->dropped.empty()) take_dependence(data, answer, d, report);
     }
   });
-}
-
-// The islands that `wanted` holds for, without the rows that depended at the solve before or were found to depend now.
-template <class Wanted>
-void solve_as_dependent(const Scene& scene, SceneData& data, Wanted&& wanted) {
-  Workspace& w = *data.workspace;
-  bool any = false;
-  for (std::size_t i = 0; i < w.islands.size(); ++i) {
-    const IslandWork& d = *w.islands[i];
-    if (!d.alone.dependent || !wanted(d)) continue;
-    d.alone.dependent->islands.push_back(static_cast<int>(i));
-    any = true;
-  }
-  if (!any) return;
-  solve_in_lanes(scene, data, [&w](const IslandWork& d, const BlockGroup& by) {
-    return d.alone.dependent == &by && d.tried_dropping != w.state;
-  });
-  for (auto& [key, group] : w.lanes.groups)
-    for (int i : group.islands)
-      if (w.islands[i]->alone.dependent == &group) w.islands[i]->tried_dropping = w.state;
-}
-
-bool drops_alone(const Scene& scene, const IslandWork& d) {
-  return d.alone.group && !is_inexact(scene, d) && may_drop_rows(scene, d.island);
-}
-
-}  // namespace
-
-void solve_alone(const Scene& scene, SceneData& data) {
-  if (!usable_numbers(scene)) return;
-  // Not those answered already, nor those whose rows are certain to depend on each other.
-  solve_in_lanes(scene, data, [&scene](const IslandWork& d, const BlockGroup& by) {
-    return &by == d.alone.group && !d.answered && !is_inexact(scene, d) &&
-           (scene.damping > 0 || d.island.nc <= d.island.nv);
-  });
-}
-
-void solve_alone_as_dependent(const Scene& scene, SceneData& data) {
-  for (auto& [key, group] : data.workspace->lanes.groups)
-    if (!group.plan->dropped.empty()) group.islands.clear();
-  solve_as_dependent(scene, data, [&scene](const IslandWork& d) {
-    return drops_alone(scene, d) && static_cast<int>(d.alone.dependent->plan->dropped.size()) >= d.depended;
-  });
-}
-
-void solve_alone_as_found(const Scene& scene, SceneData& data) {
-  Workspace& w = *data.workspace;
-  const auto found = [&scene](const IslandWork& d) { return drops_alone(scene, d) && d.matrix.dropped_rows(); };
-  bool any = false;
-  for (const auto& d : w.islands) {
-    if (!found(*d)) continue;
-    const BlockGroup* before = d->alone.dependent;
-    find_dependent_group(w, *d);
-    if (d->alone.dependent != before) d->tried_dropping = 0;
-    any = any || (d->alone.dependent && d->tried_dropping != w.state);
-  }
-  if (any)
-    solve_as_dependent(scene, data, [&](const IslandWork& d) { return found(d) && d.tried_dropping != w.state; });
 }
 
 void differentiate_alone(const Scene& scene, SceneData& data) {
@@ -194,7 +156,8 @@ void differentiate_alone(const Scene& scene, SceneData& data) {
   for (const IslandDerivatives& d : w.derivatives.islands) bytes += sizeof(double) * d.X.size();
   const bool non_temporal = bytes > kCacheBytes;
   each_in_lanes(
-      scene, w, kDerivatives, served_by, [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
+      scene, w, costs::kDerivatives, group_of_answer,
+      [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
         const IslandDerivatives& first = w.derivatives.islands[numbers.front()];
         const lanes::DerivativeJob job{scene,         data.serial,   w.q.data(),    data.v.data(),
                                        data.a.data(), data.f.data(), data.f_offset, first.request,
@@ -214,9 +177,10 @@ void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const doub
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),     data.v.data(),    data.a.data(),
                               data.f.data(), data.f_offset, {dq, dv, dtau}, {da, df, nullptr}};
-  each_in_lanes(scene, w, kProducts, served_by, [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
-    group.kernels[thread.number]->jvp(job, robots);
-  });
+  each_in_lanes(scene, w, costs::kProducts, group_of_answer,
+                [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
+                  group.kernels[thread.number]->jvp(job, robots);
+                });
 }
 
 void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
@@ -224,9 +188,10 @@ void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const doub
   Workspace& w = *data.workspace;
   const lanes::ProductJob job{scene,         data.serial,   w.q.data(),        data.v.data(), data.a.data(),
                               data.f.data(), data.f_offset, {wa, wf, nullptr}, {wq, wv, wtau}};
-  each_in_lanes(scene, w, kProducts, served_by, [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
-    group.kernels[thread.number]->vjp(job, robots);
-  });
+  each_in_lanes(scene, w, costs::kProducts, group_of_answer,
+                [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
+                  group.kernels[thread.number]->vjp(job, robots);
+                });
 }
 
 }  // namespace internal

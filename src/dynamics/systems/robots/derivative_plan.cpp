@@ -4,6 +4,7 @@
 
 #include "../../internal.hpp"
 #include "derivatives.hpp"
+#include "manycontact/kkt/costs.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
@@ -30,14 +31,11 @@ namespace internal {
 
 namespace {
 
-constexpr double kPanels = 1.3;  // the panels of the robots are filled and read once more
-
 // Multiply-adds of a panel that goes through the island's factor, and is refined in every second state. Where rows
 // depend it is always refined, and projected five times (measured on rows of humanoids on the corners of their soles).
 double cost_at_once(const IslandWork& d, double ld, bool dropping) {
-  constexpr double kDropping = 2.5;
   const KktPattern& p = *d.shape->pattern(d.choice.order);
-  return (dropping ? kDropping : 1) * ld * (3.0 * p.ldl.nonzeros() + p.K.nonzeros());
+  return (dropping ? costs::kPanelDropping : 1) * ld * (3.0 * p.ldl.nonzeros() + p.K.nonzeros());
 }
 
 double cost_of_interface(double nonzeros, double ld) { return ld * 2 * nonzeros; }
@@ -45,15 +43,14 @@ double cost_of_interface(double nonzeros, double ld) { return ld * 2 * nonzeros;
 // The same robot by robot. Those of a product run faster than those of a sparse solve. Measured on rings and on a beam
 // between two humanoids.
 double cost_by_robots(const RobotsSystem& system, const RobotsDerivatives& by, double ld) {
-  constexpr double kProduct = 0.4;
   double cost = cost_of_interface(system.interface->nonzeros, ld);
   for (std::size_t k = 0; k < by.robots.size(); ++k) {
     const RobotsDerivatives::OfRobot& r = by.robots[k];
     const KktPattern& p = *system.robots[k].ordinary->plan->inner;
     cost += r.ld * (4.0 * p.ldl.nonzeros() + 2.0 * p.K.nonzeros());
-    cost += kProduct * r.padded() * (p.nv * r.ld + p.size() * ld);
+    cost += costs::kPanelProduct * r.padded() * (p.nv * r.ld + p.size() * ld);
   }
-  return kPanels * cost;
+  return costs::kPanelsOnceMore * cost;
 }
 
 void lay_out_columns(const Island& island, const Interface& interface, const IslandDerivatives& out, std::size_t k,
@@ -148,7 +145,7 @@ void prepare_robots_derivatives(const Scene& scene, IslandWork& d, const IslandD
   const double ld = static_cast<double>(out.X.cols());
   const auto most = [&](bool dropping) { return tolerance::kCheaper * cost_at_once(d, ld, dropping); };
   if (!d.robots && (!w.lanes.level || !d.joinable)) return;
-  if (!d.robots && kPanels * cost_of_interface(least_interface_counts(*d.shape).nonzeros, ld) >= most(false))
+  if (!d.robots && costs::kPanelsOnceMore * cost_of_interface(least_interface_counts(*d.shape).nonzeros, ld) >= most(false))
     d.joinable = false;  // whatever the request: both grow with its columns
   make_robots(scene, w, d);
   if (!d.robots) return;

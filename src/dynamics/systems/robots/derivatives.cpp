@@ -72,7 +72,7 @@ void differentiate_interface(const Scene& scene, const SceneData& data, RobotsSy
            system.robots[robot].group->plan->size_of_ends<lanes::MovingEnd>(static_cast<std::size_t>(among));
   };
   each_item(
-      w, system.contact_batches.size(), are_worth_threads(w, kDerivatives * system.seconds),
+      w, system.contact_batches.size(), are_worth_threads(w, costs::kDerivatives * system.seconds),
       [&](std::size_t k, ThreadWork& thread) {
         const RobotsSystem::ContactBatch& batch = system.contact_batches[k];
         const auto couplings = std::span(system.contacts).subspan(batch.first, batch.count);
@@ -237,7 +237,7 @@ bool sample_is_good(const Scene& scene, Workspace& w, RobotsSystem& system, cons
       for (int row : r.join) sample.X(row, c.in_X) = X(row, sample.column[c.in_X]);
   const int ld = static_cast<int>(sample.X.cols());
   answer(system, by, columns_in_sample, 0, ld, sample.X.data(), ld, false, by.buffers.front());
-  each_batch(w, system, kDerivatives, [&](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
+  each_batch(w, system, costs::kDerivatives, [&](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
     for (int s = 0; s < static_cast<int>(sample.column.size()); ++s) {
       for (Member& member : robots)
         begin_check(by, by.robots[system.order[&member - system.members.data()]], s, member);
@@ -265,25 +265,6 @@ bool sample_is_good(const Scene& scene, Workspace& w, RobotsSystem& system, cons
   return error <= tolerance::kPanelRefined;
 }
 
-// -S once more and its factor, from the T_r that answers take, where no other answer goes by the one that is there:
-// with damping the robots' elimination leaves fewer digits of S than products with T_r do. False where its pivots are
-// not sound.
-bool factor_interface_again(double damping, RobotsSystem& system) {
-  const Interface& interface = *system.interface;
-  begin_interface(damping, system);
-  for (std::size_t k = 0; k < system.robots.size(); ++k) {
-    const OfRobot& r = system.derivatives->robots[k];
-    const int ldG = r.padded(), ldT = sparse::padded(r.size());
-    const int* slot = interface.robots[k].slot.data();
-    for (std::size_t j = 0; j < r.join.size(); ++j)
-      for (std::size_t i = 0; i <= j; ++i, ++slot)
-        for (int v = 0; v < r.nv; ++v) system.Sx[*slot] -= r.G[v * ldG + i] * r.T[j * ldT + v];
-  }
-  sparse::panel_kernels().factor(interface.schedule, system.Sx.data(), system.L.data(), system.D.data(),
-                                 system.terms.data());
-  return sound_interface_pivots(system);
-}
-
 // What answers need of each robot and of the interface rows, from right-hand sides in X; whether that is sound.
 bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, bool refined, IslandDerivatives& out) {
   Workspace& w = *data.workspace;
@@ -296,7 +277,7 @@ bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, boo
                                 r.u_first,     r.own,         false};
   };
   for (std::size_t k = 0; k < by.robots.size(); ++k) system.member(k).ends = by.robots[k].ends.data();
-  each_batch(w, system, kDerivatives, [&](Kernel& kernel, std::span<Member> robots, Memory, ThreadWork&) {
+  each_batch(w, system, costs::kDerivatives, [&](Kernel& kernel, std::span<Member> robots, Memory, ThreadWork&) {
     kernel.move_ends(job_of(by.robots.front()), robots);
   });
   differentiate_interface(scene, data, system, out);
@@ -305,21 +286,21 @@ bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, boo
     for (const RobotsDerivatives::Columns& c : by.robots[k].sampled)
       for (int row : system.interface->robots[k].interface_rows)
         by.sample.b[c.in_X * system.b.size() + row] = out.X(system.interface->row[row], by.sample.column[c.in_X]);
-  each_batch(w, system, kDerivatives, [&](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork& thread) {
-    const auto number = [&](std::size_t l) { return system.order[&robots[l] - system.members.data()]; };
-    thread.panels.clear();
-    for (std::size_t l = 0; l < robots.size(); ++l) {
-      OfRobot& r = by.robots[number(l)];
-      std::fill(r.B.begin(), r.B.end(), 0.0);
-      thread.panels.push_back({r.P.data(), r.ld, refined, r.copied});
-    }
-    kernel.differentiate(job_of(by.robots[number(0)]), robots, memory.at, thread.panels);
-    for (std::size_t l = 0; l < robots.size(); ++l) {
-      finish_robot(system, number(l), out, by.buffers[thread.number]);
-      finish_sample(system, number(l), out);
-    }
-  });
-  if (!system.solves && !factor_interface_again(scene.damping, system)) return false;
+  each_batch(w, system, costs::kDerivatives,
+             [&](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork& thread) {
+               const auto number = [&](std::size_t l) { return system.order[&robots[l] - system.members.data()]; };
+               thread.panels.clear();
+               for (std::size_t l = 0; l < robots.size(); ++l) {
+                 OfRobot& r = by.robots[number(l)];
+                 std::fill(r.B.begin(), r.B.end(), 0.0);
+                 thread.panels.push_back({r.P.data(), r.ld, refined, r.copied});
+               }
+               kernel.differentiate(job_of(by.robots[number(0)]), robots, memory.at, thread.panels);
+               for (std::size_t l = 0; l < robots.size(); ++l) {
+                 finish_robot(system, number(l), out, by.buffers[thread.number]);
+                 finish_sample(system, number(l), out);
+               }
+             });
   std::transform(system.D.begin(), system.D.end(), by.D.begin(), std::negate<>());  // of S, not -S
   interface_rhs(by, out.X);
   return sample_is_good(scene, w, system, out.X);
@@ -359,7 +340,7 @@ bool RobotsSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork
   const int ld = static_cast<int>(X.cols());
   const bool non_temporal = sizeof(double) * X.size() > kCacheBytes;
   each_item(w, (ld + RobotsDerivatives::kChunk - 1) / RobotsDerivatives::kChunk,
-            are_worth_threads(w, kDerivatives * seconds), [&](std::size_t chunk, ThreadWork& thread) {
+            are_worth_threads(w, costs::kDerivatives * seconds), [&](std::size_t chunk, ThreadWork& thread) {
               const int first = static_cast<int>(chunk) * RobotsDerivatives::kChunk,
                         cols = std::min(RobotsDerivatives::kChunk, ld - first);
               answer(*this, *derivatives, columns_in_X, first, cols, X.data(), ld, non_temporal,

@@ -28,7 +28,7 @@ void each_batch(Workspace& w, RobotsSystem& system, double of_solve, Step&& step
 
 template <class Step>
 void each_batch(Workspace& w, RobotsSystem& system, Step&& step) {
-  each_batch(w, system, kWalk, std::forward<Step>(step));
+  each_batch(w, system, costs::kWalk, std::forward<Step>(step));
 }
 
 }  // namespace manycontact::internal

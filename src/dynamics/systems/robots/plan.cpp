@@ -8,6 +8,7 @@
 #include "../../internal.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/kkt/choose.hpp"
+#include "manycontact/kkt/costs.hpp"
 #include "manycontact/sparse/relaxed_supernodes.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "robots.hpp"
@@ -15,8 +16,6 @@
 namespace manycontact::internal {
 
 namespace {
-
-constexpr std::size_t kMostGroups = 64;  // they come and go with the rows that depend
 
 // Of a shape's scene: a robot, the contacts on it alone, those that join it to others, and the pattern of its K without
 // these.
@@ -88,8 +87,8 @@ BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
   if (group.plan) return group;
   group.plan = make_plan(block, order);
   const Scene& own = group.plan->scene;
-  group.seconds = kPredictedSecond * (predicted_cost_of_terms(group.plan->pattern->size(), own.contacts.size()) +
-                                      cost_ldl(group.plan->pattern->ldl));
+  group.seconds = costs::kPredictedSecond * (predicted_cost_of_terms(group.plan->pattern->size(), own.contacts.size()) +
+                                             cost_ldl(group.plan->pattern->ldl));
   return group;
 }
 
@@ -127,7 +126,8 @@ InterfaceContactGroup& group_of(const Scene& scene, Workspace& w, int c) {
   const Contact& contact = scene.contacts[c];
   const auto structure = [&](const Attachment& at) { return scene.robots[at.robot].model->structure.get(); };
   InterfaceContactGroup& group =
-      w.lanes.contacts[{structure(contact.A), structure(contact.B), kind_of(contact), contact.A.joint, contact.B.joint}];
+      w.lanes
+          .contacts[{structure(contact.A), structure(contact.B), kind_of(contact), contact.A.joint, contact.B.joint}];
   if (group.kernels.size() >= w.threads.size()) return group;
   const ContactSupport support = contact_support(scene, contact);
   while (group.kernels.size() < w.threads.size())
@@ -150,11 +150,12 @@ double cost_joined(const RobotsSystem& system, int width) {
 }
 
 double seconds_joined(const RobotsSystem& system, int width) {
-  double seconds = kPredictedSecond * cost_joined(system, width);
+  double seconds = costs::kPredictedSecond * cost_joined(system, width);
   const double of_one = together(width) / width;
   for (const RobotsSystem::OfRobot& r : system.robots) {
     const lanes::BlockPlan& plan = *r.group->plan;
-    seconds += kPredictedSecond * of_one * predicted_cost_of_terms(plan.pattern->size(), plan.scene.contacts.size());
+    seconds +=
+        costs::kPredictedSecond * of_one * predicted_cost_of_terms(plan.pattern->size(), plan.scene.contacts.size());
   }
   return seconds;
 }
@@ -320,8 +321,6 @@ void group_robots_alone(Workspace& w) {
 
 namespace {
 
-constexpr std::size_t kMostDropped = 64;  // rows of a robot
-
 // The rows of the island's J that its factor dropped, ascending; and memory for their report, should derivatives ask
 // for that factor again.
 std::vector<int>& take_dropped_rows(Workspace& w, IslandWork& d) {
@@ -339,8 +338,8 @@ bool find_dependent_groups(Workspace& w, RobotsSystem& system) {
   const std::vector<int>& dropped = take_dropped_rows(w, d);
   if (dropped == system.dropped) return true;
   system.dropped.clear();
-  d.tried_dropping = 0;
-  if (w.lanes.groups.size() >= kMostGroups) forget_unused_groups(w);
+  d.refused = false;
+  if (w.lanes.groups.size() >= tolerance::kMostGroups) forget_unused_groups(w);
   std::size_t found = 0;
   for (std::size_t k = 0; k < system.robots.size(); ++k) {
     const Interface::OfRobot& r = system.interface->robots[k];
@@ -357,7 +356,7 @@ bool find_dependent_groups(Workspace& w, RobotsSystem& system) {
     system.robots[k].dependent = nullptr;
     if (rows.empty()) continue;
     std::sort(rows.begin(), rows.end());
-    if (rows.size() > kMostDropped || !inner->schedule().compiled) return false;
+    if (rows.size() > tolerance::kMostDropped || !inner->schedule().compiled) return false;
     const Block block{d.shape->scene(), static_cast<int>(k), r.contacts, r.joins, inner, rows};
     BlockGroup& group = group_of(w, block, Order::kLeafToRoot);
     if (!group.plan->schedule().compiled) return false;
@@ -372,16 +371,17 @@ bool find_dependent_groups(Workspace& w, RobotsSystem& system) {
 void find_dependent_group(Workspace& w, IslandWork& d) {
   std::vector<int>& dropped = take_dropped_rows(w, d);
   const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(Order::kLeafToRoot);
-  if (dropped.size() > kMostDropped || !pattern->schedule().compiled) {
+  if (dropped.size() > tolerance::kMostDropped || !pattern->schedule().compiled) {
     d.alone.dependent = nullptr;
     return;
   }
   for (int& row : dropped) row = pattern->iperm[pattern->nv + row];
   std::sort(dropped.begin(), dropped.end());
   if (d.alone.dependent && d.alone.dependent->plan->dropped == dropped) return;
-  if (w.lanes.groups.size() >= kMostGroups) forget_unused_groups(w);
+  if (w.lanes.groups.size() >= tolerance::kMostGroups) forget_unused_groups(w);
   const Block block{d.shape->scene(), 0, d.shape->island().contacts, {}, pattern, dropped};
   d.alone.dependent = &group_of(w, block, Order::kLeafToRoot);
+  d.refused = false;
   make_kernels(w, *d.alone.dependent, w.islands.size() > 1);
   d.alone.dependent->islands.reserve(w.islands.size());
 }

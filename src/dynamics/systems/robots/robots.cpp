@@ -7,9 +7,9 @@
 #include "../../derivatives/products.hpp"
 #include "../../internal.hpp"
 #include "../../workspace/threads.hpp"
-#include "../row_units.hpp"
 #include "derivatives.hpp"
 #include "each_batch.hpp"
+#include "manycontact/rank/row_units.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/refine.hpp"
@@ -95,7 +95,8 @@ void evaluate_interface(const Scene& scene, Workspace& w, RobotsSystem& s) {
     return s.members[r.member].joins + r.group->plan->size_of_ends<lanes::JoinedEnd>(among);
   };
   each_item(
-      w, s.contact_batches.size(), are_worth_threads(w, kWalk * s.seconds), [&](std::size_t k, ThreadWork& thread) {
+      w, s.contact_batches.size(), are_worth_threads(w, costs::kWalk * s.seconds),
+      [&](std::size_t k, ThreadWork& thread) {
         const RobotsSystem::ContactBatch& batch = s.contact_batches[k];
         const auto couplings = std::span(s.contacts).subspan(batch.first, batch.count);
         thread.interface_contacts.clear();
@@ -130,10 +131,20 @@ void interface_right_side(const SceneData& data, RobotsSystem& s) {
       s.b[coupling.row + i] = prescribed_in(data, coupling.contact, i) - s.b[coupling.row + i];
 }
 
+// Whether the pivots of -S are more than rounding.
+bool sound_interface_pivots(const RobotsSystem& s) {
+  for (std::size_t k = 0; k < s.D.size(); ++k) {
+    const rank::Pivot<double> pivot{false, s.D[k], s.terms[k], 0};
+    if (!rank::is_left(pivot) || !rank::has_its_sign(pivot)) return false;
+  }
+  return true;
+}
+
 // -S = -sum_r G_r K_r^-1 G_r^T - delta I and its factor; false where its pivots are not sound.
 bool factor_interface(double damping, RobotsSystem& s) {
   const Interface& interface = *s.interface;
-  begin_interface(damping, s);
+  std::fill(s.Sx.begin(), s.Sx.end(), 0.0);
+  for (int k = 0; k < interface.rows(); ++k) s.Sx[interface.S.p[k + 1] - 1] = -damping;
   for (std::size_t k = 0; k < s.robots.size(); ++k) {
     const double* S = s.member(k).border.S;
     for (int slot : interface.robots[k].slot) s.Sx[slot] += *S++;
@@ -184,10 +195,18 @@ Largest largest_of(const RobotsSystem& s) {
   return out;
 }
 
-// The componentwise backward error (sparse/refine.hpp) of the answer, NaN where any is. Rows are judged beside the
-// largest of their robot, or of the interface rows: no milder than beside the island's.
+// The componentwise backward error of the interface rows, compared with the largest row of the island.
+double largest_interface_error(const RobotsSystem& s) {
+  double largest = 0;
+  for (const Member& m : s.members) largest = std::max({largest, m.scale[0], m.scale[1]});
+  return sparse::componentwise_backward_error(s.r, s.scale, largest);
+}
+
+// The componentwise backward error (sparse/refine.hpp) of the answer, NaN where any is. A robot's rows are compared
+// with the largest of that robot, which is stricter than the largest of the island. The interface rows are compared
+// with the largest of the island: at rest all their terms are rounding of accelerations that vanish.
 double backward_error_of(const RobotsSystem& s) {
-  double error = sparse::componentwise_backward_error(s.r, s.scale);
+  double error = largest_interface_error(s);
   for (const Member& m : s.members) error = sparse::larger_or_nan(error, m.error);
   return error;
 }
@@ -205,15 +224,13 @@ void report_answer(const Scene& scene, const RobotsSystem& s, const sparse::Refi
   report.backward_error = refinement.backward_error;
 }
 
-// Of an island that drops rows: which, and what they contradict each other by. False: they are left to the oracle.
+// Of an island that drops rows: which, and what they contradict each other by. False: they are left to the dense
+// reference solver.
 bool report_dependence(const SceneData& data, RobotsSystem& s, IslandReport& report) {
-  lanes::Contradiction all;
+  rank::Contradiction<double> all;
   for (const Member& m : s.members) all.add(m.contradiction);
-  for (std::size_t k = 0; k < s.b.size(); ++k) {
-    all.Ja = std::max(all.Ja, s.scale[k] - std::abs(s.b[k]));
-    all.a0 = std::max(all.a0, std::abs(s.b[k]));
-  }
-  if (all.needs_oracle()) return false;
+  for (std::size_t k = 0; k < s.b.size(); ++k) all.add_products(s.scale[k] - std::abs(s.b[k]), std::abs(s.b[k]));
+  if (all.needs_dense()) return false;
   report.backward_error = backward_error_of(s);
   s.contradiction = all.exceeds_rounding();
   report_dropped_rows(data, s.owner, s.dropped, all, report);
@@ -236,7 +253,7 @@ bool plainly_damped(const Scene& scene, const SceneData& data, const RobotsSyste
   each_force_block(scene, data.f_offset, s.owner.island, [&](int first, int, int n) {
     force = std::max(force, data.f.segment(first, n).cwiseAbs().maxCoeff());
   });
-  for (const Member& m : s.members) force = std::max(force, 1e-3 * m.scale[0]);
+  for (const Member& m : s.members) force = std::max(force, tolerance::kLeastLoad * m.scale[0]);
   return largest_of(s).scale[1] <= tolerance::kInDoubt * scene.damping * force;
 }
 
@@ -278,24 +295,14 @@ void solve_once_refined(const Scene& scene, SceneData& data, RobotsSystem& s, Pr
 
 }  // namespace
 
-void begin_interface(double damping, RobotsSystem& s) {
-  std::fill(s.Sx.begin(), s.Sx.end(), 0.0);
-  for (int k = 0; k < s.interface->rows(); ++k) s.Sx[s.interface->S.p[k + 1] - 1] = -damping;
-}
-
 void report_dropped_rows(const SceneData& data, const IslandWork& d, std::span<const int> rows,
-                         const lanes::Contradiction& contradiction, IslandReport& report) {
+                         const rank::Contradiction<double>& contradiction, IslandReport& report) {
   report.status = contradiction.contradicts() ? Status::kInconsistent : Status::kRedundant;
   report.reason = Reason::kSmallPivot;
   report.changed_order = has_order(d.choice.method) && d.choice.order != Order::kLeafToRoot;
   report.order = Order::kLeafToRoot;
   report.rank -= static_cast<int>(rows.size());
   name_dependent_rows(data, d.island, rows, report);
-}
-
-bool sound_interface_pivots(const RobotsSystem& s) {
-  return std::all_of(s.D.begin(), s.D.end(), [](double d) { return d < 0 && std::isfinite(d); }) &&
-         sparse::smallest_pivot_ratio(s.interface->rows(), s.D.data(), s.terms.data()) >= tolerance::kPivotLeft;
 }
 
 double interface_error(double damping, RobotsSystem& s) {
@@ -352,29 +359,31 @@ void RobotsSystem::drop_rows(bool on) {
   for (std::size_t k = 0; k < robots.size(); ++k) robots[order[k]].member = static_cast<int>(k);
 }
 
-bool RobotsSystem::solve_as_dependent(const Scene& scene, SceneData& data, IslandReport& report) {
-  if (!solves || !internal::may_drop_rows(scene, owner.island) || dropped.empty() ||
-      static_cast<int>(dropped.size()) < owner.depended)
-    return false;
-  owner.tried_dropping = data.workspace->state;
-  if (!drops) drop_rows(true);
+namespace internal {
+
+namespace {
+
+// Whether the island may be solved so: not where another system has answered, and not without rows that are unknown.
+bool may_solve(const Scene& scene, Workspace& w, RobotsSystem& s, Dropped dropped) {
+  if (!s.solves || !usable_numbers(scene)) return false;
+  if (dropped == Dropped::kNone) return !s.owner.answered;
+  if (!may_drop_rows(scene, s.owner.island.contacts)) return false;
+  if (dropped == Dropped::kAsFound && !(s.owner.matrix.dropped_rows() && find_dependent_groups(w, s))) return false;
+  return !s.dropped.empty() && static_cast<int>(s.dropped.size()) >= s.owner.depended && !s.owner.refused;
+}
+
+}  // namespace
+
+}  // namespace internal
+
+bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Dropped rows, IslandReport& report) {
+  if (!internal::may_solve(scene, *data.workspace, *this, rows)) return false;
+  const bool on = rows != Dropped::kNone;
+  if (drops != on || rows == Dropped::kAsFound) drop_rows(on);  // rows found may be others than before
   if (solve_in_use(scene, data, report)) return true;
+  owner.refused = owner.refused || on;
   drop_rows(false);
   return false;
-}
-
-bool RobotsSystem::solve_as_found(const Scene& scene, SceneData& data, IslandReport& report) {
-  if (!solves || !internal::may_drop_rows(scene, owner.island)) return false;
-  if (!internal::find_dependent_groups(*data.workspace, *this) || owner.tried_dropping == data.workspace->state)
-    return false;
-  drop_rows(true);  // other groups, it may be
-  return solve_as_dependent(scene, data, report);
-}
-
-bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, IslandReport& report) {
-  if (!solves || !internal::usable_numbers(scene)) return false;
-  if (drops) drop_rows(false);
-  return solve_in_use(scene, data, report);
 }
 
 bool RobotsSystem::solve_in_use(const Scene& scene, SceneData& data, IslandReport& report) {

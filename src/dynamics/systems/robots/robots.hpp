@@ -13,6 +13,7 @@
 #include "../../lanes/lanes.hpp"
 #include "../system.hpp"
 #include "interface.hpp"
+#include "manycontact/kkt/costs.hpp"
 #include "manycontact/sparse/memory.hpp"
 
 namespace manycontact {
@@ -73,18 +74,13 @@ class RobotsSystem final : public IslandSystem {
   explicit RobotsSystem(IslandWork& island);
   ~RobotsSystem() override;
 
-  bool solve(const Scene&, SceneData&, ThreadWork&, IslandReport&) override;
+  /// Rows dropped are of contacts on single robots. Allocates for rows found that are others than before.
+  bool solve(const Scene&, SceneData&, ThreadWork&, Dropped, IslandReport&) override;
   bool differentiate(const Scene&, SceneData&, ThreadWork&, IslandDerivatives&) override;
   bool jvp(const Scene&, SceneData&, ThreadWork&, const TangentProduct&) override;
   bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) override;
 
-  /// solve of an island in which rows of contacts on single robots depended on each other when last solved: without
-  /// them. False where these are not the ones, or there are none: then another system answers.
-  bool solve_as_dependent(const Scene&, SceneData&, IslandReport&);
-  /// The same of the rows that the factor of the whole K has just dropped. An answer is the same, to the last bit,
-  /// whatever was known before. Allocates where these are others than before.
-  bool solve_as_found(const Scene&, SceneData&, IslandReport&);
-  /// From here on with or without these rows.
+  /// From here on with or without the rows of `dropped`.
   void drop_rows(bool on);
 
   /// The factors of the robots and of the interface rows, and the right-hand side, at the state at hand. False where
@@ -151,8 +147,8 @@ class RobotsSystem final : public IslandSystem {
 
 namespace internal {
 
-/// What `count` robots side by side take, of what one alone does (measured, on 8 lanes and on 2).
-inline double together(std::size_t count) { return count > 1 ? 1 + 0.15 * static_cast<double>(count) : 1; }
+/// The predicted cost of a SIMD batch of `count` robots, relative to one robot.
+inline double together(std::size_t count) { return count > 1 ? 1 + costs::kTogether * static_cast<double>(count) : 1; }
 
 /// What lanes solve an island of a new shape by, where that is cheaper than its factor: alone.group, robots.
 void plan_robots(const Scene& scene, Workspace& work, IslandWork& island);
@@ -165,16 +161,12 @@ void forget_unused_groups(Workspace& work);
 /// island.robots, settled, where that is possible; made when first asked for.
 void make_robots(const Scene& scene, Workspace& work, IslandWork& island);
 
-/// Solves the islands that stand in lanes alone, at w.q, data.v, data.tau, but for those answered already. Before it,
-/// those whose rows depended on each other when last solved, should these rows still do; after all other ways, those
-/// that were found to have other such rows, and answered by the whole K: an answer is the same, to the last bit,
-/// whatever was known before.
-void solve_alone(const Scene& scene, SceneData& data);
-void solve_alone_as_dependent(const Scene& scene, SceneData& data);
-void solve_alone_as_found(const Scene& scene, SceneData& data);
+/// Solves the islands of one robot that have a place in a SIMD batch, at w.q, data.v, data.tau: those not answered yet,
+/// or, of rows found to depend, those that the whole K answered.
+void solve_alone(const Scene& scene, SceneData& data, Dropped dropped);
 /// What the report of an island says of rows of its J that were dropped: status, rank, names.
 void report_dropped_rows(const SceneData& data, const IslandWork& island, std::span<const int> rows,
-                         const lanes::Contradiction& contradiction, IslandReport& report);
+                         const rank::Contradiction<double>& contradiction, IslandReport& report);
 /// robots.dropped and the robots' groups without these, of the rows that the factor of the whole K dropped. False where
 /// they have no place in lanes: rows that join robots are among them.
 bool find_dependent_groups(Workspace& work, RobotsSystem& robots);
@@ -197,10 +189,6 @@ bool differentiates_by_robots(const IslandWork& island);
 /// What lanes are asked at the state at hand, in the scene's coordinates.
 lanes::Job job_at_state(const Scene& scene, SceneData& data);
 
-/// -S before the robots' parts are added: -delta I.
-void begin_interface(double damping, RobotsSystem& robots);
-/// Whether the pivots D of -S can be believed, beside their terms.
-bool sound_interface_pivots(const RobotsSystem& robots);
 /// The componentwise backward error (sparse/refine.hpp) of the interface rows, of their b and y and the robots'
 /// borders; NaN where any is.
 double interface_error(double damping, RobotsSystem& robots);

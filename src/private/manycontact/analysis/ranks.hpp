@@ -1,6 +1,6 @@
 #pragma once
 // Which contact rows of an island hold something that the others do not, at the configuration solved last: by the rank
-// of J, to tolerance::kRank of what each row is picked from (row_scale, contact/row_scale.hpp), its own length at
+// of J, to tolerance::kRank of what each row is picked from (row_scale, rank/row_size.hpp), its own length at
 // least.
 
 #include "manycontact/analysis/names.hpp"

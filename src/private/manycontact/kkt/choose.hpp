@@ -26,8 +26,6 @@ double predicted_cost_ldl(int rows, const sparse::LdlCounts& L);
 
 /// Of terms, of an island that stands in lanes.
 double predicted_cost_of_terms(int rows, std::size_t contacts);
-/// A unit of predicted cost in seconds, on a core of 2020.
-inline constexpr double kPredictedSecond = 0.2e-9;
 
 /// Rows of a robot's K that stands in lanes, at most: the scratch memory of robots side by side stays in the caches.
 inline constexpr int kLargestInLanes = 400;

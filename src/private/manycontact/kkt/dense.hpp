@@ -24,7 +24,7 @@ template <class S>
 struct DenseKkt {  // K and its rank-revealing factor
   MatX<S> M, J;    // nv x nv, nc x nv
   S delta = S(0);
-  VecX<S> row_scale;  // nc, what rows of J count beside (contact/row_scale.hpp); empty: their largest entries
+  VecX<S> row_scale;  // nc, what rows of J count beside (rank/row_size.hpp); empty: their largest entries
 
   // by factor
   int rank = 0;          // of J

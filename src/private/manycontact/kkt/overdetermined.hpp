@@ -4,14 +4,19 @@
 // method, which decomposes J of few columns, is linear.
 
 #include "manycontact/kkt/island.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
 
 /// Whether kAuto takes the dense method.
-inline bool overdetermined(const Island& island) { return island.nc >= 300 && island.nc > 4 * island.nv; }
+inline bool overdetermined(const Island& island) {
+  return island.nc >= tolerance::kOverdetermined && island.nc > tolerance::kTimesOverdetermined * island.nv;
+}
 
 /// Whether the sparse methods with an order, and sparse-supernodal, give way to it too: their factors would take more
 /// memory than anybody means to spend, and are not analysed.
-inline bool too_full_for_sparse(const Island& island) { return island.nc >= 5000 && overdetermined(island); }
+inline bool too_full_for_sparse(const Island& island) {
+  return island.nc >= tolerance::kTooFull && overdetermined(island);
+}
 
 }  // namespace manycontact

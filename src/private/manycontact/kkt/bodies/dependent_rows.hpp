@@ -1,21 +1,21 @@
 #pragma once
 // Contact rows of a body-space system that depend on each other: those that move nothing, as the pull along a straight
 // chain that hangs on a wall; those on one body that others on it say; and those that hold a body where another that it
-// hangs together with stands already, as along a straight chain held twice. They are dropped, and forces of least norm are found as sparse/dependent_rows.hpp
-// has it:
+// hangs together with stands already, as along a straight chain held twice. They are dropped, and forces of least norm
+// are found as rank/dependent_rows.hpp has it:
 //
 //   [a; y] = (I - P) K_kept^-1 (I - P) [b1; b2]
 //
 // Rows with both ends on bodies that move are not looked at: where these depend, another way has to answer.
 
 #include "manycontact/kkt/bodies/factor.hpp"
-#include "manycontact/sparse/dependent_rows.hpp"
+#include "manycontact/rank/dependent_rows.hpp"
 
 namespace manycontact {
 
 /// Which rows depend, and how. Storage is kept: nothing is allocated for a system of the same pattern and dependences.
 struct BodyDependence {
-  sparse::DependentRows rows;      // by their numbers
+  rank::DependentRows rows;        // by their numbers
   Eigen::VectorXd null_component;  // nc: what they contradict each other by
 
   // scratch
@@ -37,10 +37,6 @@ struct BodyDependence {
 /// Whether a row moves no coordinate by more than rounding: its pivot is noise, and has nothing to cancel with. Never
 /// where rows are damped.
 bool has_vanishing_row(const BodySystem& system, BodyDependence& work);
-/// Whether rows between a body and what stands still say what others on it do. A pivot tells too, unless a massless
-/// limb's rounding hides that. ldl: without rows dropped.
-bool has_repeated_row(const BodySystem& system, const BodyLdl& ldl, BodyDependence& work);
-
 /// All rows take part again, in factors to come.
 void forget_dropped(BodyLdl& ldl);
 

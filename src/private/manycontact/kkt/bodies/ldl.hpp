@@ -12,14 +12,15 @@
 //
 //   P += G_k^T G_k / E_kk,   G_j -= (E_jk / E_kk) G_k,   E_ij -= E_ik E_kj / E_kk
 //
-// What is left goes to the parent by X. Rows that do not depend on each other leave at most kMostOpen of their own
-// open, so the cost is linear in the bodies; rows that join far bodies are open all the way between them. Rows open at
-// the bases are a dense system. Sources: Featherstone (2008), table 7.1; for rows in such a recursion Popov,
-// Vereshchagin, Zenkevich (1978), Sathya, Carpentier, arXiv 2404.12514. The choice of rows by pivots, and rows of two
-// ends, are ours.
+// What is left goes to the parent by X. Rows that do not depend on each other leave at most tolerance::kMostOpen of
+// their own open, so the cost is linear in the bodies; rows that join far bodies are open all the way between them.
+// Rows open at the bases are a dense system. Sources: Featherstone (2008), table 7.1; for rows in such a recursion
+// Popov, Vereshchagin, Zenkevich (1978), Sathya, Carpentier, arXiv 2404.12514. The choice of rows by pivots, and rows
+// of two ends, are ours.
 
 #include "manycontact/kkt/bodies/system.hpp"
 #include "manycontact/kkt/reason.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
 

@@ -40,12 +40,6 @@ struct BodyPattern {
   void complete_analysis();
 };
 
-/// Complete rows that stay open above a node: its body has six directions, so more would depend on each other.
-inline constexpr int kMostOpen = 6;
-/// Complete rows that a coordinate of a joint is likely to give their pivots: a row that one joint alone moves little
-/// waits for the next.
-inline constexpr double kEliminated = 0.5;
-
 /// Cost linear in bodies, contacts, and rows times the bodies between the two ends of one.
 BodyPattern analyze_bodies(const Scene& scene, const Island& island);
 

@@ -8,35 +8,17 @@
 #include "manycontact/kkt/matrix.hpp"
 #include "manycontact/kkt/reason.hpp"
 #include "manycontact/kkt/shape.hpp"
+#include "manycontact/rank/pivots.hpp"
 #include "manycontact/sparse/refine.hpp"
-#include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
-
-namespace internal {
-
-/// Rows of J, damping 0: what a small pivot is wrong by is as much larger in those after it, where it may look like a
-/// pivot of a row that has none. So of two pivots with the parts r and s left of them, r s must be above the rounding
-/// of either. Of M's pivots alone, which small masses make small, nothing is told.
-struct PassedOn {
-  double least = 1, least_of_J = 1;  // parts left, so far
-  /// Whether the next pivot may be that.
-  bool next(bool of_M, double left) {
-    const bool lost = left * (of_M ? least_of_J : least) < tolerance::kRowRounding;
-    least = std::min(least, left);
-    if (!of_M) least_of_J = std::min(least_of_J, left);
-    return lost;
-  }
-};
-
-}  // namespace internal
 
 /// Scratch memory that factorizations share, one after the other.
 struct FactorScratch {
   sparse::LdlWorkspace ldl;
-  std::vector<double> scale;                  // of pivots
-  std::vector<internal::PassedOn> passed_on;  // per row of K
-  /// In, of each row of J, in the island's order: the largest motion it is picked from (contact/row_scale.hpp), beside
+  std::vector<double> scale;                      // of pivots
+  std::vector<rank::PassedOn<double>> passed_on;  // per row of K
+  /// In, of each row of J, in the island's order: the largest motion it is picked from (rank/row_size.hpp), beside
   /// which it is judged. Of another length: all are K.row_scale.
   std::vector<double> row_scale;
 };

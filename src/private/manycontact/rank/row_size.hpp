@@ -1,11 +1,23 @@
 #pragma once
-// What a contact's a0 is computed from: the scale by which its rounding is judged. Per lane, where robots stand side by
-// side.
+// The sizes that contact rows are compared with: a row of J with the motions it is picked from, and a0 of a row with
+// the terms it is computed from. Below, a row or what is left of it is rounding. Templates on the scalar: SIMD batches
+// have one value per robot.
 
 #include "manycontact/contact/rows.hpp"
-#include "manycontact/kkt/island.hpp"
 
-namespace manycontact::internal {
+namespace manycontact {
+
+/// The largest motion that row k of a contact is picked from: of a point's motion as motion_scale has it, no less than
+/// a hundredth of the turning times the levers it was computed with; of turning the turning alone, in radians: a lever
+/// of a million metres does not make it small. After contact_rows.
+template <class S>
+S row_size(const Contact& contact, const ContactData<S>& data, int k) {
+  const MotionSizes<S> of = motion_sizes<S>(contact, data);
+  if (contact.pair) return data.pair->terms(k, 0) * of.of_point + data.pair->terms(k, 1) * of.turning;
+  return k < 3 ? of.of_point : of.turning;
+}
+
+namespace internal {
 
 /// The largest entry.
 template <class S, class X>
@@ -57,24 +69,6 @@ struct RowTerms {
   S of_row(int i) const {
     if (pair) return pair->terms(i, 0) * linear + pair->terms(i, 1) * angular;
     return i < 3 ? linear : angular;
-  }
-};
-
-/// Rounding that the projector P on J^T's null space passes on from row to row. Null vectors y balance the rows, sum of
-/// y_k J_k = 0, so |P_jk| is at most about s_j / s_k and s_k / s_j, s the sizes of the rows. Of all rows j that is no
-/// more than min(s_k max(t_j / s_j), max(t_j s_j) / s_k, max t_j), t the terms that a0 is computed from.
-template <class S>
-struct PassedRounding {
-  S by_lever = S(0), by_force = S(0), largest = S(0);
-  void add(const S& size, const S& terms) {
-    by_lever = larger(select(size > S(0), S(terms / size), S(0)), by_lever);
-    by_force = larger(S(terms * size), by_force);
-    largest = larger(terms, largest);
-  }
-  /// The terms that what is left of a row is judged beside: its own, and what it has from others.
-  S terms(const S& size, const S& own) const {
-    const S passed = select(size > S(0), -larger(larger(S(-size * by_lever), S(-by_force / size)), -largest), S(0));
-    return larger(own, passed);
   }
 };
 
@@ -130,4 +124,6 @@ RowTerms<S> contact_drift(const Contact& contact, const ContactData<S>& data, co
   return most;
 }
 
-}  // namespace manycontact::internal
+}  // namespace internal
+
+}  // namespace manycontact

@@ -1,11 +1,12 @@
 #pragma once
-// What rows of J count beside each other (Scene::moment_length). Forces of least norm and least squares of
-// contradictions depend on it, answers of independent rows do not. Where rows may depend, K's rows of contacts, and of
-// b, are times S = diag(1, or the length for rows that turn), and K's unknown y is -f over S.
+// The weights of contact rows of motion and of turning (Scene::moment_length). Forces of least norm and least squares
+// of contradictions depend on them, answers of independent rows do not. Where rows may depend, K's contact rows, and
+// those of b, are multiplied by S = diag(1, or the length for rows that turn), and K's unknown y is -f divided by S.
 
 #include <cmath>
+#include <span>
 
-#include "manycontact/kkt/island.hpp"
+#include "manycontact/model/scene.hpp"
 
 namespace manycontact::internal {
 
@@ -23,16 +24,16 @@ inline double row_unit(const Scene& scene, const Contact& contact, int row) {
 
 /// Whether any is not 1: rows that depend on each other are then dropped from the whole K alone, which is weighed where
 /// they may be (dependent rows, the oracle).
-inline bool has_row_units(const Scene& scene, const Island& island) {
+inline bool has_row_units(const Scene& scene, std::span<const int> contacts) {
   if (scene.damping > 0 || scene.moment_length == 1) return false;
-  for (int c : island.contacts)
+  for (int c : contacts)
     if (scene.contacts[c].rows() > 3 && !scene.contacts[c].pair) return true;
   return false;
 }
 
 /// Whether rows that depend may be dropped from anything but the whole K: nothing damps them, and all count alike.
-inline bool may_drop_rows(const Scene& scene, const Island& island) {
-  return scene.damping == 0 && !has_row_units(scene, island);
+inline bool may_drop_rows(const Scene& scene, std::span<const int> contacts) {
+  return scene.damping == 0 && !has_row_units(scene, contacts);
 }
 
 }  // namespace manycontact::internal

@@ -17,7 +17,7 @@
 
 #include "manycontact/sparse/ldl.hpp"
 
-namespace manycontact::sparse {
+namespace manycontact::rank {
 
 /// Storage is kept between factorizations: nothing is allocated for a matrix of the same pattern and dependences.
 struct DependentRows {
@@ -58,17 +58,18 @@ struct DependentRows {
 };
 
 /// Factorizes K (n rows). D of dropped rows is infinite, so that ldl_solve gives zero there. A row of J is dropped when
-/// less than `tolerance` of its pivot is left, or no more than the rounding that small pivots before it passed on, or
-/// when all of it is rounding beside row_scale (n; of the rows of M unused); a row of M never. Returns n, or the row
-/// whose pivot has the wrong sign, or of M with less than `tolerance` left of it.
-[[nodiscard]] int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx,
-                                       std::span<const char> of_M, double tolerance, const double* row_scale,
-                                       LdlWorkspace& work, double* Lx, double* D, DependentRows& rows);
+/// no more than `margin` times rounding is left of its pivot or of the row itself (rank/pivots.hpp), or no more than
+/// the rounding that small pivots before it passed on; a row of M never. row_size: n, unused for rows of M. Returns n,
+/// or the row whose pivot has the wrong sign, or the row of M with only rounding left.
+[[nodiscard]] int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
+                                       std::span<const char> of_M, double margin, const double* row_size,
+                                       sparse::LdlWorkspace& work, double* Lx, double* D, DependentRows& rows);
 
 /// N and its projector, after ldl_factor_dependent; row_scale: as there. Sets largest_residual, which is rounding
 /// when the dropped rows depend on the others in truth, and largest_entry.
-void find_null_space(const UpperCsc& K, const LdlSymbolic& symbolic, const double* Kx, std::span<const char> of_M,
-                     const double* row_scale, const double* Lx, const double* D, DependentRows& rows);
+void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
+                     std::span<const char> of_M, const double* row_scale, const double* Lx, const double* D,
+                     DependentRows& rows);
 
 /// The clusters and their projectors, of N of n rows.
 void make_projector(int n, DependentRows& rows);
@@ -90,4 +91,4 @@ void project_out(DependentRows& rows, double* y, double* null_component = nullpt
 void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols,
                        char* nonzero = nullptr);
 
-}  // namespace manycontact::sparse
+}  // namespace manycontact::rank

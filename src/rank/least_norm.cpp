@@ -1,4 +1,4 @@
-#include "manycontact/sparse/least_norm.hpp"
+#include "manycontact/rank/least_norm.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -6,30 +6,31 @@
 #include <limits>
 #include <optional>
 
-#include "manycontact/sparse/dependent_rows.hpp"
+#include "manycontact/rank/dependent_rows.hpp"
 #include "manycontact/sparse/ordering.hpp"
 #include "manycontact/sparse/refine.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "manycontact/sparse/union_find.hpp"
 
-namespace manycontact::sparse {
+namespace manycontact::rank {
 
 namespace {
 
 using Entries = std::vector<Eigen::Triplet<double>>;
 
 // K's pattern in CAMD's order, x before y.
-UpperCsc augmented_pattern(int rows, int cols, const Entries& A, std::vector<int>& iperm) {
+sparse::UpperCsc augmented_pattern(int rows, int cols, const Entries& A, std::vector<int>& iperm) {
   std::vector<std::pair<int, int>> entries;
   for (const auto& a : A) entries.emplace_back(cols + a.row(), a.col());
-  const UpperCsc K = make_pattern(cols + rows, std::move(entries));
+  const sparse::UpperCsc K = sparse::make_pattern(cols + rows, std::move(entries));
   std::vector<int> set(cols + rows, 0);
   std::fill(set.begin() + cols, set.end(), 1);
-  iperm = inverse(camd_order(K, set));
-  return permute(K, iperm);
+  iperm = sparse::inverse(sparse::camd_order(K, set));
+  return sparse::permute(K, iperm);
 }
 
-std::vector<double> augmented_values(const UpperCsc& K, int cols, const Entries& A, const std::vector<int>& iperm) {
+std::vector<double> augmented_values(const sparse::UpperCsc& K, int cols, const Entries& A,
+                                     const std::vector<int>& iperm) {
   std::vector<double> Kx(K.nonzeros(), 0.0);
   for (int k = 0; k < cols; ++k) Kx[K.slot(iperm[k], iperm[k])] = 1;
   for (const auto& a : A) Kx[K.slot(iperm[a.col()], iperm[cols + a.row()])] += a.value();
@@ -37,17 +38,17 @@ std::vector<double> augmented_values(const UpperCsc& K, int cols, const Entries&
 }
 
 // z += K^-1 (b - K z), until the componentwise backward error is rounding.
-bool refine_solution(const UpperCsc& K, const std::vector<double>& Kx, const LdlSymbolic& symbolic, const double* Lx,
-                     const double* D, const std::vector<double>& b, std::vector<double>& z) {
+bool refine_solution(const sparse::UpperCsc& K, const std::vector<double>& Kx, const sparse::LdlSymbolic& symbolic,
+                     const double* Lx, const double* D, const std::vector<double>& b, std::vector<double>& z) {
   std::vector<double> r(K.n), scale(K.n);
-  const Refinement refinement = refine(
+  const sparse::Refinement refinement = sparse::refine(
       tolerance::kRefinementSteps, tolerance::kRefined,
       [&] {
-        residual(K, Kx.data(), z.data(), b.data(), r.data(), scale.data());
-        return componentwise_backward_error(r, scale);
+        sparse::residual(K, Kx.data(), z.data(), b.data(), r.data(), scale.data());
+        return sparse::componentwise_backward_error(r, scale);
       },
       [&] {
-        ldl_solve(symbolic, Lx, D, r.data());
+        sparse::ldl_solve(symbolic, Lx, D, r.data());
         for (int k = 0; k < K.n; ++k) z[k] += r[k];
       });
   return refinement.backward_error <= tolerance::kConverged;
@@ -56,19 +57,19 @@ bool refine_solution(const UpperCsc& K, const std::vector<double>& Kx, const Ldl
 // None where what is left of a pivot may be rounding.
 std::optional<Eigen::VectorXd> by_ldl(int rows, int cols, const Entries& A, const Eigen::VectorXd& b) {
   std::vector<int> iperm;
-  const UpperCsc K = augmented_pattern(rows, cols, A, iperm);
+  const sparse::UpperCsc K = augmented_pattern(rows, cols, A, iperm);
   const std::vector<double> Kx = augmented_values(K, cols, A, iperm);
-  const LdlSymbolic symbolic = ldl_analyze(K);
+  const sparse::LdlSymbolic symbolic = sparse::ldl_analyze(K);
   std::vector<double> Lx(symbolic.nonzeros()), D(K.n);
-  LdlWorkspace work;
+  sparse::LdlWorkspace work;
   DependentRows dependent;
   double size = 0;
   for (double x : Kx) size = std::max(size, std::abs(x));
   const std::vector<double> row_scale(K.n, size);
   std::vector<char> of_M(K.n, 0);
   std::fill_n(of_M.begin(), cols, 1);
-  if (ldl_factor_dependent(K, symbolic, Kx.data(), of_M, tolerance::kPivotLeft, row_scale.data(), work, Lx.data(),
-                           D.data(), dependent) != K.n)
+  if (ldl_factor_dependent(K, symbolic, Kx.data(), of_M, 1, row_scale.data(), work, Lx.data(), D.data(), dependent) !=
+      K.n)
     return std::nullopt;
   find_null_space(K, symbolic, Kx.data(), of_M, row_scale.data(), Lx.data(), D.data(), dependent);
   if (!dependent.accepted()) return std::nullopt;
@@ -77,7 +78,7 @@ std::optional<Eigen::VectorXd> by_ldl(int rows, int cols, const Entries& A, cons
   for (int k = 0; k < rows; ++k) rhs[iperm[cols + k]] = b[k];
   project_out(dependent, rhs.data());
   std::vector<double> z = rhs;
-  ldl_solve(symbolic, Lx.data(), D.data(), z.data());
+  sparse::ldl_solve(symbolic, Lx.data(), D.data(), z.data());
   if (!refine_solution(K, Kx, symbolic, Lx.data(), D.data(), rhs, z)) return std::nullopt;
   Eigen::VectorXd x(cols);
   for (int k = 0; k < cols; ++k) x[k] = z[iperm[k]];
@@ -98,7 +99,7 @@ struct Block {
 
 std::vector<Block> blocks_of(int rows, int cols, const Entries& A) {
   std::vector<int> memory(rows + cols);
-  UnionFind sets(memory);
+  sparse::UnionFind sets(memory);
   for (const auto& a : A) sets.join(a.row(), rows + a.col());
   std::vector<int> block_of(rows + cols, -1), place(rows + cols);
   std::vector<Block> blocks;
@@ -140,4 +141,4 @@ Eigen::VectorXd least_norm_solution(int rows, int cols, const Entries& A, const 
   return x;
 }
 
-}  // namespace manycontact::sparse
+}  // namespace manycontact::rank

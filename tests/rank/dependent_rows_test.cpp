@@ -1,6 +1,6 @@
 // LDL that drops dependent rows, their null space and the projector on it, against dense decompositions.
 
-#include "manycontact/sparse/dependent_rows.hpp"
+#include "manycontact/rank/dependent_rows.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using sparse::DependentRows;
+using rank::DependentRows;
 
 struct FactorOfRows {
   Symmetric K;
@@ -40,8 +40,8 @@ struct FactorOfRows {
     factor();
   }
   void factor() {
-    done = sparse::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, tolerance::kPivotLeft, row_scale.data(),
-                                        work, L.data(), D.data(), rows);
+    done = rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, 1, row_scale.data(), work, L.data(),
+                                      D.data(), rows);
     if (done == K.n())
       find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), D.data(), rows);
   }
@@ -468,8 +468,8 @@ TEST(DependentRows, AmongRowsOfMAfterThem) {
   std::vector<double> L(symbolic.nonzeros()), D(n), row_scale(n, J.cwiseAbs().maxCoeff());
   sparse::LdlWorkspace work;
   DependentRows found;
-  ASSERT_EQ(sparse::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, tolerance::kPivotLeft, row_scale.data(),
-                                         work, L.data(), D.data(), found),
+  ASSERT_EQ(rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, 1, row_scale.data(), work, L.data(),
+                                       D.data(), found),
             n);
   EXPECT_EQ(found.dropped, (std::vector<int>{first[1] + 2, first[4] + 1, first[4] + 2}));
   find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), D.data(), found);

@@ -1,9 +1,8 @@
 // Least-squares solutions of least norm, against Eigen's complete orthogonal decomposition.
 
-#include "manycontact/sparse/least_norm.hpp"
+#include "manycontact/rank/least_norm.hpp"
 
 #include <gtest/gtest.h>
-
 
 #include "sparse/symmetric.hpp"
 #include "spatial/compare.hpp"
@@ -75,7 +74,7 @@ TEST(LeastNorm, IsThatOfTheDecomposition) {
     for (const VectorXd& b :
          {VectorXd(random_matrix(c.A.rows(), 1, rng)), VectorXd(c.A * random_matrix(c.A.cols(), 1, rng)),
           VectorXd(VectorXd::Zero(c.A.rows()))}) {
-      const VectorXd x = sparse::least_norm_solution(c.A.rows(), c.A.cols(), entries_of(c.A), b);
+      const VectorXd x = rank::least_norm_solution(c.A.rows(), c.A.cols(), entries_of(c.A), b);
       ASSERT_EQ(x.size(), c.A.cols());
       const VectorXd expected = least_norm(c.A, b);
       // a residual is multiplied by the square of the condition (Bjorck 1996, theorem 1.4.6)
@@ -87,7 +86,7 @@ TEST(LeastNorm, IsThatOfTheDecomposition) {
 
 TEST(LeastNorm, NotANumberStaysVisible) {
   const MatrixXd A = MatrixXd::Identity(3, 3);
-  const VectorXd x = sparse::least_norm_solution(3, 3, entries_of(A), VectorXd(Eigen::Vector3d(1, NAN, 2)));
+  const VectorXd x = rank::least_norm_solution(3, 3, entries_of(A), VectorXd(Eigen::Vector3d(1, NAN, 2)));
   EXPECT_EQ(x[0], 1);
   EXPECT_TRUE(std::isnan(x[1]));
   EXPECT_EQ(x[2], 2);

@@ -5,7 +5,7 @@
 
 #include "manycontact/abi.hpp"
 
-namespace manycontact::sparse {
+namespace manycontact::rank {
 
 /// Of all x that minimise |A x - b| (Euclidean norms), the one of least |x|. A: rows x cols, entries that meet add up.
 /// NaN where A or b is not finite, in x that share rows with it.
@@ -18,4 +18,4 @@ Eigen::VectorXd least_norm_solution(int rows, int cols, const std::vector<Eigen:
 /// Of a dense A, by that decomposition at once.
 Eigen::VectorXd least_norm_solution(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 
-}  // namespace manycontact::sparse
+}  // namespace manycontact::rank

@@ -1,4 +1,4 @@
-#include "manycontact/sparse/dependent_rows.hpp"
+#include "manycontact/rank/dependent_rows.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -6,21 +6,22 @@
 #include <functional>
 #include <limits>
 
+#include "manycontact/rank/pivots.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/memory.hpp"
 #include "manycontact/sparse/refine.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "manycontact/sparse/union_find.hpp"
 
-namespace manycontact::sparse {
+namespace manycontact::rank {
 
 bool DependentRows::accepted() const {
   return largest_residual <= tolerance::kRowLeft && largest_entry <= tolerance::kLargestEntry;
 }
 
-int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, std::span<const char> of_M,
-                         double tolerance, const double* row_scale, LdlWorkspace& w, double* Lx, double* D,
-                         DependentRows& rows) {
+int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx,
+                         std::span<const char> of_M, double margin, const double* row_size, sparse::LdlWorkspace& w,
+                         double* Lx, double* D, DependentRows& rows) {
   w.reserve(s);
   rows.dropped.clear();
   rows.turned.clear();
@@ -56,15 +57,15 @@ int ldl_factor_dependent(const UpperCsc& K, const LdlSymbolic& s, const double* 
     // which is definite: there nothing grows, and down a long tree the sum would.) A row of M after rows of J has what
     // these add, too: where that buries M's own entry, they had no pivot from the rows of M before them.
     rows.noise[k] = tolerance::kRowRounding * terms + passed_on;
-    const bool moves = of_M[k] ? own > tolerance * terms : size > tolerance::kRank * row_scale[k];
-    const bool left = moves && std::abs(d) > rows.noise[k] && std::abs(d) > tolerance * terms;
+    const Pivot<double> pivot{of_M[k] != 0, d, terms, of_M[k] ? own : size, row_size[k]};
+    const bool left = std::abs(d) > rows.noise[k] && is_left(pivot, margin);
     if (!of_M[k] && !left && std::isfinite(terms)) {
       rows.dropped.push_back(k);
       D[k] = std::numeric_limits<double>::infinity();
       rows.inverse[k] = rows.noise[k] = 0;
       continue;
     }
-    if (!left || !(of_M[k] ? d > 0 : d < 0) || !std::isfinite(d)) return k;
+    if (!left || !has_its_sign(pivot) || !std::isfinite(d)) return k;
     D[k] = d;
     rows.inverse[k] = 1 / d;
   }
@@ -75,8 +76,8 @@ namespace {
 
 // residual <- J_k - sum_j z_j J_j for the last column of N; returns its largest entry, beside the sizes of the rows.
 // Entries are zero but for those touched.
-double dependence_residual(const UpperCsc& K, const double* Kx, std::span<const char> of_M, const double* row_scale,
-                           DependentRows& rows) {
+double dependence_residual(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M,
+                           const double* row_scale, DependentRows& rows) {
   std::vector<double>& residual = rows.residual;
   for (int i : rows.touched) residual[i] = 0;
   rows.touched.clear();
@@ -93,14 +94,14 @@ double dependence_residual(const UpperCsc& K, const double* Kx, std::span<const 
     for (int q = rows.Jp[k]; q < rows.Jp[k + 1]; q += 2) add(rows.Ji[q + 1], Kx[rows.Ji[q]]);
   }
   double largest = 0;
-  for (int i : rows.touched) largest = larger_or_nan(largest, std::abs(residual[i]));
+  for (int i : rows.touched) largest = sparse::larger_or_nan(largest, std::abs(residual[i]));
   return largest == 0 ? 0 : largest / size;
 }
 
 bool is_turned(const DependentRows& rows, int k) { return !rows.turned.empty() && rows.turned[k]; }
 
 // Where J's entries in rows of M after them stand.
-void take_later_entries(const UpperCsc& K, std::span<const char> of_M, DependentRows& rows) {
+void take_later_entries(const sparse::UpperCsc& K, std::span<const char> of_M, DependentRows& rows) {
   rows.Jp.assign(K.n + 1, 0);
   rows.M_first = std::is_sorted(of_M.begin(), of_M.end(), std::greater<>());
   const auto each = [&](auto&& use) {
@@ -123,7 +124,8 @@ void take_later_entries(const UpperCsc& K, std::span<const char> of_M, Dependent
 }
 
 // L^T z = l_k over the rows of J before k, and the column e_k - z of N.
-void null_column(const LdlSymbolic& s, std::span<const char> of_M, const double* Lx, int k, DependentRows& rows) {
+void null_column(const sparse::LdlSymbolic& s, std::span<const char> of_M, const double* Lx, int k,
+                 DependentRows& rows) {
   double* x = rows.x.data();
   std::vector<int>& open = rows.open;  // a heap of the rows that x has entries in: the last comes first
   const auto add = [&](int j, double entry) {
@@ -158,12 +160,12 @@ void null_column(const LdlSymbolic& s, std::span<const char> of_M, const double*
 }
 
 // z += K_kept^-1 of what z leaves, when the pivots kept were too small for l_k to be accurate, or z is not known yet.
-void refine_column(const LdlSymbolic& s, std::span<const char> of_M, const double* Lx, const double* D,
+void refine_column(const sparse::LdlSymbolic& s, std::span<const char> of_M, const double* Lx, const double* D,
                    DependentRows& rows) {
   const int first = rows.Np[rows.Np.size() - 2];
   double* x = rows.x.data();
   std::copy(rows.residual.begin(), rows.residual.end(), x);
-  ldl_solve(s, Lx, D, x);
+  sparse::ldl_solve(s, Lx, D, x);
   const int k = rows.Ni[first];
   for (std::size_t p = first + 1; p < rows.Ni.size(); ++p) x[rows.Ni[p]] -= rows.Nx[p];  // z
   rows.Ni.resize(first + 1);
@@ -263,7 +265,7 @@ void make_clusters(int n, DependentRows& rows) {
   // Of each row of K: a column with it, -1; then of each column: its cluster's first.
   std::vector<int>& owner = rows.owner;
   owner.assign(n + d, -1);
-  UnionFind sets(std::span<int>(owner).subspan(n));
+  sparse::UnionFind sets(std::span<int>(owner).subspan(n));
   for (int c = 0; c < d; ++c) {
     for (int p = rows.Np[c]; p < rows.Np[c + 1]; ++p) {
       int& of = owner[rows.Ni[p]];
@@ -305,7 +307,7 @@ void make_clusters(int n, DependentRows& rows) {
     rows.largest_cluster = std::max(rows.largest_cluster, end - first);
     const std::size_t square = static_cast<std::size_t>(cluster.size) * cluster.size;
     cluster.gram = rows.gram.size();
-    require_memory(16.0 * static_cast<double>(square) + 24.0 * static_cast<double>(rows.Ni.size()));
+    sparse::require_memory(16.0 * static_cast<double>(square) + 24.0 * static_cast<double>(rows.Ni.size()));
     rows.gram.resize(rows.gram.size() + square);
     rows.clusters.push_back(cluster);
   }
@@ -332,10 +334,9 @@ void form_gram(int n, DependentRows& rows, const DependentRows::Cluster& cluster
 // to find a good submatrix (2010). With N = [1; -Z] in the rows dropped and kept, a turn of kept row i with dropped row
 // j is a pivot on N_ij.
 bool exchange_in_cluster(DependentRows& rows, const DependentRows::Cluster& cluster) {
-  constexpr std::size_t kMost = 1 << 20;  // entries
   const int* row = rows.cluster_rows.data() + cluster.row;
   const std::size_t n = static_cast<std::size_t>(cluster.row_end - cluster.row);
-  if (n * static_cast<std::size_t>(cluster.count) > kMost) return false;
+  if (n * static_cast<std::size_t>(cluster.count) > tolerance::kMostExchanged) return false;
   if (rows.panel.size() < n * cluster.count) rows.panel.resize(n * cluster.count);
   Eigen::Map<Eigen::MatrixXd> N(rows.panel.data(), static_cast<Eigen::Index>(n), cluster.count);
   N.setZero();
@@ -374,8 +375,9 @@ void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster
 
 }  // namespace
 
-void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, std::span<const char> of_M,
-                     const double* row_scale, const double* Lx, const double* D, DependentRows& rows) {
+void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx,
+                     std::span<const char> of_M, const double* row_scale, const double* Lx, const double* D,
+                     DependentRows& rows) {
   rows.Np.assign(1, 0);
   rows.Ni.clear();
   rows.Nx.clear();
@@ -398,11 +400,11 @@ void find_null_space(const UpperCsc& K, const LdlSymbolic& s, const double* Kx, 
     } else {
       null_column(s, of_M, Lx, k, rows);
     }
-    const Refinement refinement = refine(
+    const sparse::Refinement refinement = sparse::refine(
         tolerance::kNullColumnSteps, tolerance::kNullColumn,
         [&] { return dependence_residual(K, Kx, of_M, row_scale, rows); },
         [&] { refine_column(s, of_M, Lx, D, rows); });
-    rows.largest_residual = larger_or_nan(rows.largest_residual, refinement.backward_error);
+    rows.largest_residual = sparse::larger_or_nan(rows.largest_residual, refinement.backward_error);
   }
   make_projector(s.n, rows);
 }
@@ -442,7 +444,7 @@ void project_out(DependentRows& rows, double* y, double* null_component) {
     for (int a = 0; a < cluster.size; ++a)
       each_of_basis(rows, cluster, a, [&](int k, double value) { t[a] += value * y[k]; });
     solve_gram(rows, cluster, t);
-    if (cluster.complement) {  // all goes, and B t comes back
+    if (cluster.complement) {  // I - P is the smaller projector: y becomes zero on the cluster, and B t is added again
       t = -t;
       for (int i = cluster.row; i < cluster.row_end; ++i) {
         const int k = rows.cluster_rows[i];
@@ -496,4 +498,4 @@ void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, i
   }
 }
 
-}  // namespace manycontact::sparse
+}  // namespace manycontact::rank
