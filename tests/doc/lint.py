@@ -334,9 +334,6 @@ def header_faults(update, names):
             name, *counts = line.split()
             known[name] = {k: int(v) for k, v in (c.split("=") for c in counts)}
     now = {str(h.relative_to(TOP)): header_debts(h, names) for h in sorted((TOP / "include").rglob("*.hpp"))}
-    for page in sorted((TOP / "include").rglob("README.md")):
-        kinds = [kind for at, prose in paragraphs(page.read_text()) for _, kind, _ in prose_faults(at, prose)]
-        now[str(page.relative_to(TOP))] = {kind: kinds.count(kind) for kind in sorted(set(kinds))}
     if update:
         lowered = {n: {k: min(v, known.get(n, {}).get(k, 0)) if known else v for k, v in c.items()} for n, c in now.items()}
         lines = [" ".join([n, *(f"{k}={v}" for k, v in sorted(c.items()) if v)]) for n, c in lowered.items() if any(c.values())]
