@@ -252,7 +252,7 @@ CostModelNumDiff::CostModelNumDiff(const std::shared_ptr<CostModelAbstract>& mod
     : model_(internal::given("CostModelNumDiff", model)) {}
 
 std::shared_ptr<CostDataAbstract> CostModelNumDiff::createData(DataCollector* shared) {
-  require(shared && shared->whole, "CostModelNumDiff::createData", "a collector by hand is expected");
+  require(shared && shared->whole, "CostModelNumDiff::createData", "a collector without an action model is expected");
   return model_->createData(shared);
 }
 

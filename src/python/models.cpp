@@ -126,7 +126,7 @@ void add_findings(py::module_& m) {
       .def_readonly("kind", &Finding::kind,
                     "'inertia', 'limits', 'unread', 'mimic', 'dynamics', 'passive', 'base', 'consistent' or 'pose'.")
       .def_readonly("name", &Finding::name, "Name of the joint, link or other element.")
-      .def_readonly("text", &Finding::text, "What the file contains, and how it is interpreted.")
+      .def_readonly("text", &Finding::text, "The content of the file, and how it is interpreted.")
       .def_readonly("file", &Finding::file, "Path of the file.")
       .def_readonly("line", &Finding::line, "Line in the file.")
       .def("__repr__", [](const Finding& f) {

@@ -100,7 +100,7 @@ Handle<Contact> make_contact(const std::string& name, ContactType type, Referenc
 
 void add_contacts(py::module_& m) {
   add_enumeration<ContactType>(m, "ContactType", "type of contact",
-                               "What a contact constrains: a point, a frame, or a hinge.",
+                               "The motion that a contact constrains: that of a point, a frame, or a hinge.",
                                {{"CONTACT_1D", ContactType::k1D},
                                 {"CONTACT_2D", ContactType::k2D},
                                 {"CONTACT_3D", ContactType::k3D},

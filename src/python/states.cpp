@@ -154,10 +154,9 @@ void add_actuations(py::module_& m) {
       m, "ActuationModelAbstract",
       "A function tau(x, u) from controls to torques.\n"
       "\n"
-      "In a derived class calc(self, data, x, u) sets data.tau, calcDiff(self, data, x, u) sets data.dtau_dx and\n"
-      "data.dtau_du, commands(self, data, x, tau) sets data.u, and torqueTransform(self, data, x, u) sets\n"
-      "data.Mtau.\n"
-      "createData(self) may return data of a class derived from ActuationDataAbstract.");
+      "In a derived class `calc(self, data, x, u)` sets data.tau. `calcDiff(self, data, x, u)` sets data.dtau_dx and\n"
+      "data.dtau_du. `commands(self, data, x, tau)` sets data.u. `torqueTransform(self, data, x, u)` sets data.Mtau.\n"
+      "`createData(self)` may return data of a class derived from ActuationDataAbstract.");
   data.def(py::init<const Abstract*>(), py::arg("model").none(false));
   member_view(data, "tau", &ActuationDataAbstract::tau, "Torques (nv) [N m, N]; set by calc.");
   member_view(data, "u", &ActuationDataAbstract::u, "Controls (nu); set by commands.");

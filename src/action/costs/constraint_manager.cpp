@@ -168,7 +168,7 @@ template <class From, class To>
 void hand_on(const From& from, To& to) {
   if (from.data() == to.data()) return;
   require(from.rows() == to.rows() && from.cols() == to.cols(), kConstraintModelManager,
-          "the shared data have room for other constraints, `resize` is expected before");
+          "the shared data were made for other constraints, `resize` is expected before");
   to = from;
 }
 

@@ -65,7 +65,7 @@ void draw(const std::string& script, int width, int height, const std::string& b
   if (pclose(pipe) != 0 || !written) throw std::runtime_error("gnuplot could not draw " + base + ".svg");
   for (OutputFile& picture : pictures) {
     if (!picture.temporary().empty() && !is_whole(picture.temporary()))
-      throw InputError(picture.path(), 1, "cannot be written whole, expected a disk with room for it");
+      throw InputError(picture.path(), 1, "cannot be written whole, expected a disk with space for it");
     picture.close();
   }
 }

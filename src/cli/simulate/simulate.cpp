@@ -229,9 +229,9 @@ std::string closed_away(const Scene& scene, const Switches::ImpactEvent& blow) {
   const PlacementError& worst = *std::max_element(blow.away.begin(), blow.away.end(),
                                                   [&](const auto& a, const auto& b) { return size(a) < size(b); });
   return "at t = " + number(blow.t, 4) + " s contact " + scene.contacts[worst.contact].name + " closes " +
-         in_words(worst) + " away from where it holds" +
+         in_words(worst) + " away from its place" +
          (blow.away.size() > 1 ? ", and " + std::to_string(blow.away.size() - 1) + " more do" : "") +
-         "; `here` holds it where it is";
+         "; `here` fixes it where it is";
 }
 
 void print_impacts(std::ostream& out, const Scene& scene, const Around& around) {
@@ -436,9 +436,9 @@ const Command& simulate_command() {
        {"--progress", "", "shows progress even where standard error is not a terminal"},
        method_option(),
        order_option()},
-      "Exit status: 0 ok, redundant, inconsistent; 1 regularised, or stopped before the end (solver failed, state not\n"
-      "finite, faster than 1e5 m/s or rad/s, or Ctrl-C): what was reached is written; 2 bad usage, bad input or "
-      "output.\n",
+      "Exit status: 0 ok, redundant, inconsistent; 1 regularised, or stopped before the end; 2 bad usage, bad input or\n"
+      "output. It stops if the solver fails, the state is not finite or faster than 1e5 m/s or rad/s, and by Ctrl-C.\n"
+      "The motion so far is written.\n",
       run_simulate};
   return command;
 }

@@ -98,7 +98,7 @@ namespace {
 
 RiccatiDirection& as_recursion(Direction& direction) {
   auto* own = dynamic_cast<RiccatiDirection*>(&direction);
-  if (!own) throw std::logic_error("SolverDDP: robots that hold each other have no value function of their own");
+  if (!own) throw std::logic_error("SolverDDP: robots in contact with each other have no value functions of their own");
   return *own;
 }
 

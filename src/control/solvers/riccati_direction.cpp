@@ -58,7 +58,7 @@ void RiccatiDirection::resize() {
   const Index ndx = static_cast<Index>(problem.get_ndx());
   for (std::size_t t = 0; t <= T; ++t)
     require(is_readable(*problem.data(t), ndx), "SolverDDP",
-            "a node's data hold no matrices (ActionModelParts with storage kSparse), SolverSparse is expected");
+            "a node's data have no matrices (ActionModelParts with storage kSparse), SolverSparse is expected");
   Vxx_fs_.resize(T + 1);
   for (Vectors* vectors : {&Qx_, &Qu_, &Quuk_}) vectors->resize(T);
   for (auto* matrices : {&Qxx_, &Qxu_, &Quu_, &L_}) matrices->resize(T);
