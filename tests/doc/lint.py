@@ -319,7 +319,7 @@ def header_debts(header, names):
         found = re.search(r"(?<![:\"])//[/<!]*\s?(.*)", line)
         text = found[1] if found else None
         own = found and not line[: found.start()].strip()
-        if text is None or (comment and not own) or not text.strip() or text.startswith("    "):
+        if text is None or (comment and not own) or not text.strip() or text.startswith(("    ", "- ")):
             for _, kind, _ in prose_faults(0, " ".join(comment)):
                 counts[kind] = counts.get(kind, 0) + 1
             comment = []
