@@ -15,9 +15,9 @@ namespace {
 
 constexpr std::size_t kMostItems = 40;
 
-// " (63 more islands alike)", empty when there is none.
+// Returns " (63 more identical islands)", or nothing if there is none.
 std::string and_more(std::size_t more, const std::string& what) {
-  return more == 0 ? "" : " (" + count(static_cast<long>(more), "more " + what) + " alike)";
+  return more == 0 ? "" : " (" + count(static_cast<long>(more), "more identical " + what) + ")";
 }
 
 // The islands of a kind, of which the first speaks for all.

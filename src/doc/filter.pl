@@ -1,6 +1,6 @@
 #!/usr/bin/perl
 # Prints a header as Doxygen needs it, line by line: its plain comments become documentation.
-#   the comment under #pragma once, and others that stand alone at the margin: of the file
+#   the comment under #pragma once, and others at the margin with empty lines around them: of the file
 #   x;  // text, and further lines of that comment: of the member x
 #   struct x {  // text: of x, a function likewise
 #   /// text above several declarations: of each of them

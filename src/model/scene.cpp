@@ -69,7 +69,7 @@ std::string problem(const Scene& scene, const Attachment& A, const Attachment& B
     return "ties " + a + " to " + b + ", which are on one body, expected two bodies";
   }
   if (A.joint < 0 && B.joint < 0)
-    return "holds " + describe(scene, A) + ", which cannot move, to the world, expected a frame that moves";
+    return "fixes " + describe(scene, A) + ", which cannot move, to the world, expected a frame that moves";
   return "";
 }
 

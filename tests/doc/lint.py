@@ -333,11 +333,11 @@ NAMED = {"push", "pushes", "drift"}
 
 
 def texts_of(source):
-    """Messages and docstrings: adjacent string literals of at least three words, paragraph by paragraph."""
+    """Messages and docstrings: adjacent string literals of at least three words, or that continue others, by paragraphs."""
     code = re.sub(r'(?m)(?<![:"])//.*$', "", source)
     for run in re.findall(r'((?:"(?:[^"\\\n]|\\.)*"\s*)+)', code):
         text = "".join(re.findall(r'"((?:[^"\\\n]|\\.)*)"', run)).replace("\\n", "\n")
-        yield from (" ".join(part.split()) for part in re.split(r"\n\s*\n|\n *-+\n|\n(?=\w+(?:, \w+)* : )|:\n", text) if len(part.split()) > 2)
+        yield from (" ".join(part.split()) for part in re.split(r"\n\s*\n|\n *-+\n|\n(?=\w+(?:, \w+)* : )|:\n", text) if len(part.split()) > 2 or text[:1] == " ")
 
 
 def text_debts(source):

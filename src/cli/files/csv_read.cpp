@@ -66,7 +66,7 @@ double CsvReader::number(std::size_t column) const {
   double x = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), x);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(x))
-    fail("column " + quote(names_[column]) + " holds " + quote(cells_[column]) + ", expected a finite number");
+    fail("column " + quote(names_[column]) + " has " + quote(cells_[column]) + ", expected a finite number");
   return x;
 }
 
