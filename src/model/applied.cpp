@@ -1,4 +1,4 @@
-// Pushes and springs of a scene.
+// External wrenches and springs of a scene.
 
 #include <cmath>
 #include <stdexcept>

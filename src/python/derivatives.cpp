@@ -1,4 +1,4 @@
-// Derivatives and products: floor dynamics.
+// Derivatives and products with them.
 
 #include "docs/derivatives.hpp"
 

@@ -1,4 +1,4 @@
-// Placements and models: floors spatial and model, URDF files.
+// Placements, models and URDF files.
 
 #include <optional>
 #include <variant>

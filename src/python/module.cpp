@@ -44,7 +44,7 @@ void translate(std::exception_ptr thrown) {
   }
 }
 
-// SceneData.__new__(SceneData) holds no SceneData: pybind11 would make room for one and take that for it.
+// SceneData.__new__(SceneData) contains no SceneData: pybind11 would allocate memory for one and use that.
 void refuse_empty_objects(const py::module_& m) {
   for (const auto& [name, member] : m.attr("__dict__").cast<py::dict>()) {
     if (!PyType_Check(member.ptr())) continue;
@@ -61,7 +61,7 @@ PYBIND11_MODULE(_manycontact, m) {
   m.attr("__version__") = MANYCONTACT_VERSION;
   using namespace manycontact::python;
   const py::object own_name = m.attr("__name__");
-  m.attr("__name__") = "manycontact";  // the module its classes and functions say they are of
+  m.attr("__name__") = "manycontact";  // the value of __module__ of its classes and functions
   py::options options;
   options.disable_enum_members_docstring();
 

@@ -1,4 +1,4 @@
-// How to solve, and what an answer is worth: floors kkt and dynamics.
+// Options of a solve, and the status and accuracy of a solution.
 
 #include "manycontact/analysis/remedy.hpp"
 #include "objects.hpp"

@@ -1,4 +1,4 @@
-// Inverse kinematics of a scene: floor analysis.
+// Inverse kinematics of a scene.
 
 #include "manycontact/analysis/place.hpp"
 

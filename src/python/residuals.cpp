@@ -1,4 +1,4 @@
-// Residuals: floor action.
+// Residuals of costs and constraints.
 
 #include "action.hpp"
 #include "manycontact/action/residuals/centroidal_residuals.hpp"

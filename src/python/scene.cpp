@@ -1,4 +1,4 @@
-// Scenes, their contacts and files: floors model, contact (references) and analysis.
+// Scenes, their contacts and their files.
 
 #include "docs/scene.hpp"
 
@@ -212,7 +212,7 @@ void add_robots(py::module_& m) {
   add_items<Held>(m, "RobotList", "A scene's robots, by number or name.", true);
 }
 
-// What may change under data in use.
+// The members that may change while data are in use.
 void change_contact(const std::shared_ptr<Scene>& scene, const std::string& name,
                     const std::optional<Placement>& placement, const std::optional<Eigen::Vector2d>& gains,
                     std::optional<ReferenceFrame> frame) {

@@ -1,4 +1,4 @@
-// States, actuations, activations: floor action.
+// States, actuations and activations.
 
 #include "action.hpp"
 #include "manycontact/model/expect_state.hpp"
@@ -12,7 +12,7 @@ using State = std::shared_ptr<StateMultibody>;
 
 // ---- states and actuations -----------------------------------------------------------------------------------------
 
-// x of a scene's robots is a configuration and finite velocities; of other states what they say themselves.
+// x of a scene's robots is a configuration and finite velocities. Other states check x themselves.
 void judge(const char* function, const char* what, const StateAbstract& state, const ConstVectorRef& x) {
   const auto* own = dynamic_cast<const StateMultibody*>(&state);
   if (!own || x.size() != static_cast<Eigen::Index>(own->get_nx())) return;

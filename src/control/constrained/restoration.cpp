@@ -275,8 +275,8 @@ double AL::violationSlope(Restoration& own) {
   return of_r == 0 ? 0 : of_r / (jacobianSize(own) * std::sqrt(2 * merit_));
 }
 
-// Whether the violations r are stationary: C^T r is small relative to |C| |r|, or a step of the linearised problem is
-// predicted to reduce them by a small share, |P_C r|^2 / |r|^2, where P_C projects onto the range of C. The first
+// Whether the violations r are stationary: `C^T r` is small relative to |C| |r|, or a step of the linearised problem is
+// predicted to reduce them by a small share, |P_C r|^2 / |r|^2. Here P_C projects onto the range of C. The first
 // measure is small at a stretched arm too, the second one if the singular values of C differ much.
 bool AL::isStationary(Restoration& own) {
   SolverDDP& solver = *own.solver;
@@ -353,8 +353,8 @@ StopReason AL::restore(std::size_t maxiter) {
     if (feasible_before && violation_before <= kAsNear * violation_) take_back(xs_before, us_before, true);
     return StopReason::kInfeasible;
   }
-  // Nothing is shown if the constraints are met by a motion with torques so large that the steps do not keep the
-  // contacts closed, or if the violation did not decrease although nothing else was minimised.
+  // Nothing is shown in two cases: a motion meets the constraints with torques so large that its steps do not keep the
+  // contacts closed, or the violation did not decrease although nothing else was minimised.
   const bool absurd = is_absurd();
   const bool nearer = violation_ <= std::max(th_constraint_, kMuchNearer * violation_before);
   if (absurd || violation_ > violation_before) take_back(xs_before, us_before, false);

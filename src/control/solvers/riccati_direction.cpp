@@ -37,7 +37,7 @@ void add_lower(const MatrixXd& A, Block to) {
   for (Index j = 0; j < A.cols(); ++j) to.col(j).tail(A.rows() - j) += A.col(j).tail(A.rows() - j);
 }
 
-// Of the lower triangle and v: finite and below 1e30.
+// Whether the lower triangle and v are finite and below 1e30.
 bool is_sound(const MatrixXd& V, const VectorXd& v) {
   for (Index j = 0; j < V.cols(); ++j)
     if (!(std::abs(v[j]) + V.col(j).tail(V.rows() - j).lpNorm<1>() < 1e30)) return false;
