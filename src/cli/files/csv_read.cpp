@@ -31,7 +31,7 @@ CsvReader::CsvReader(const std::string& path) : path_(path), stream_(path), t_(-
   (void)column("t");
 }
 
-// Of a device or a file that is no text a line may be endless.
+// In a device or a file that is no text, a line may be endless.
 bool CsvReader::read_line(std::string& line) {
   constexpr std::size_t kMost = std::size_t(1) << 26;
   line.clear();

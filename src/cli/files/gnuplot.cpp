@@ -19,7 +19,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// Whether what gnuplot wrote has its end, SVG or PNG: it does not tell of a full disk.
+// Whether gnuplot's output, SVG or PNG, is complete. Gnuplot does not report a full disk.
 bool is_whole(const std::string& path) {
   constexpr std::streamoff kEnd = 16;
   std::ifstream file(path, std::ios::binary);
