@@ -76,14 +76,14 @@ std::vector<Figure> figures(const std::vector<Run>& runs) {
   const std::string robot = runs.at(0).robot;
   std::vector<Figure> all = {
       {"robots",
-       "Time per robot: " + robot + ", both feet held in 6D",
+       "Time per robot: " + robot + ", both feet in 6D contact",
        {panel(runs, "separate", {"separate", "robots", "us per robot", {}}, answers, per_size),
         panel(runs, "ring", {"hand in hand in a ring", "robots", "us per robot", {}}, answers, per_size)}},
       {"links",
-       "Time per link of a chain, every tenth link held in 6D",
+       "Time per link of a chain, every tenth link in 6D contact",
        {panel(runs, "chain", {"", "links", "us per link", {}}, any, per_size)}},
       {"piles",
-       "Time per box, held by points",
+       "Time per box, fixed at points",
        {panel(runs, "tower", {"tower, four points a face", "boxes", "us per box", {}}, solves, per_size),
         panel(runs, "table", {"on a table, four points a face", "boxes", "us per box", {}}, solves, per_size),
         panel(runs, "wall", {"wall, bonded by points, a sixth redundant", "boxes", "us per box", {}}, solves,

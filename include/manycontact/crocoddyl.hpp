@@ -2,8 +2,8 @@
 // For programs written for Crocoddyl: all names in a namespace `crocoddyl`, which programs may reopen or use. No header
 // of this library includes this one.
 //
-// Three things are as in Crocoddyl, and not as in namespace manycontact: throw_pretty and its exception; stacks, which
-// warn on std::cerr and continue if a name is added twice, or does not exist; and pseudoInverse. Getters of action
+// Three things are as in Crocoddyl, and not as in namespace manycontact: throw_pretty and its exception, stacks, and
+// pseudoInverse. Stacks warn on std::cerr and continue if a name is added twice, or does not exist. Getters of action
 // models return the stacks of namespace manycontact, which throw: declare variables for them with auto.
 
 #include <Eigen/QR>

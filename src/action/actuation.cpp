@@ -84,7 +84,7 @@ void ActuationModelSelection::torqueTransform(const std::shared_ptr<ActuationDat
   check("ActuationModel::torqueTransform", x, u);  // constant, set in createData
 }
 
-// Of the library's own classes: what a user's class does instead is not known.
+// Only for the classes of the library: the derivatives of a user's class are not known.
 const std::vector<int>& ActuationModelSelection::selection() const {
   static const std::vector<int> none;
   const auto& type = typeid(*this);

@@ -1,5 +1,5 @@
 #pragma once
-// What Crocoddyl's AssignmentOp says to do with a value.
+// The operations of Crocoddyl's AssignmentOp on a value.
 
 #include "manycontact/action/state.hpp"
 

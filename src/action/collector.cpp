@@ -5,7 +5,7 @@
 namespace manycontact {
 
 namespace {
-// Costs look at what a solve leaves of every contact, which robots in lanes and reduced pairs do not.
+// Costs read intermediate results of every contact, which SIMD batches and reduced pairs do not provide.
 Options robot_by_robot(Options options) {
   options.lanes = Lanes::kOff;
   options.reduce_pairs = false;

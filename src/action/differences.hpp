@@ -1,5 +1,6 @@
 #pragma once
-// Derivatives by central differences, of models in continuous and in discrete time: what their numerical twins share.
+// Derivatives by central differences, of models in continuous and in discrete time: the parts that their NumDiff
+// classes share.
 
 #include <cmath>
 
@@ -37,7 +38,7 @@ Eigen::MatrixXd jacobian_by_u(Eigen::Index rows, const Eigen::VectorXd& u, doubl
          scale.cwiseInverse().asDiagonal();
 }
 
-/// Of a node at a point. next: its acceleration, or its next state.
+/// The values of a node at a point. `next` is its acceleration, or its next state.
 struct NodeValues {
   double cost;
   Eigen::VectorXd next, r, g, h;

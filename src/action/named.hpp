@@ -1,5 +1,5 @@
 #pragma once
-// What the stacks of contacts, costs and constraints have in common: parts by name.
+// The common part of the stacks of contacts, costs and constraints: parts by name.
 
 #include <ostream>
 #include <set>

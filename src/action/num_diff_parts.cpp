@@ -18,7 +18,7 @@ struct Differences {
   Eigen::MatrixXd x, u;  // by these; a terminal node has none by u
 };
 
-// Of values(x, u), `rows` numbers; at last they are those of the point again.
+// Differentiates values(x, u), which has `rows` numbers. In the end the values are those of the point again.
 template <class Values>
 Differences differences(const StateAbstract& state, Eigen::Index rows, const Eigen::VectorXd& x,
                         const Eigen::VectorXd& u, bool terminal, double h, Values&& values) {
@@ -252,7 +252,7 @@ CostModelNumDiff::CostModelNumDiff(const std::shared_ptr<CostModelAbstract>& mod
     : model_(internal::given("CostModelNumDiff", model)) {}
 
 std::shared_ptr<CostDataAbstract> CostModelNumDiff::createData(DataCollector* shared) {
-  require(shared && shared->whole, "CostModelNumDiff::createData", "a collector by hand is expected");
+  require(shared && shared->whole, "CostModelNumDiff::createData", "a collector without an action model is expected");
   return model_->createData(shared);
 }
 

@@ -1,12 +1,11 @@
 #pragma once
-// What action models with contacts do with their costs and constraints: both are residuals by name, which can be
-// switched off.
+// Costs and constraints of action models with contacts: both are residuals with names, which can be switched off.
 
 #include "manycontact/action/contact_fwddyn.hpp"
 
 namespace manycontact::internal {
 
-/// Of an action model; constraints may be null.
+/// The terms of an action model; constraints may be null.
 struct ActionTerms {
   const CostModelSum& costs;
   const ConstraintModelManager* constraints;
@@ -27,10 +26,10 @@ void check_terms(const char* where, const ActionTerms& terms, const CostDataSum&
                  const ConstraintDataManager* constraints);
 /// False when a residual has been given another frame.
 bool residuals_fit(const ActionTerms& terms, const CostDataSum& costs, const ConstraintDataManager* constraints);
-/// What is active, in the order of each_residual.
+/// The active terms, in the order of each_residual.
 void read_status(const ActionTerms& terms, std::vector<bool>& status);
 bool has_status(const ActionTerms& terms, const std::vector<bool>& status);
-/// Of a calcDiff: throws std::logic_error unless a calc of this kind, with what is active now, came before.
+/// Checks a calcDiff: throws std::logic_error unless a calc of the same kind, with the same active terms, preceded it.
 void check_stage(const char* who, bool fits, Stage stage);
 /// The residuals of the active costs, one after the other.
 void stack_residuals(const CostModelSum& model, const CostDataSum& data, Eigen::VectorXd& r);

@@ -16,8 +16,8 @@ AbaData<S>::AbaData(const Model& model)
 
 namespace {
 
-// Backward step of a joint with N coordinates: U = IA S, D = S^T U + armature, u = tau - S^T pA; then, for the parent,
-// Ia = IA - U D^-1 U^T and pa = pA + Ia c + U D^-1 u, with c = v x S v. D must be positive.
+// Backward step of a joint with N coordinates: U = IA S, D = S^T U + armature, u = tau - S^T pA. The parent receives Ia
+// = IA - U D^-1 U^T and pa = pA + Ia c + U D^-1 u, with c = v x S v. D must be positive.
 template <class S, int N>
 bool eliminate(const Model& model, const Joint& joint, int i, const Kinematics<S>& kin, AbaData<S>& d) {
   const int iv = joint.idx_v;
@@ -64,7 +64,8 @@ bool aba(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, c
          const ConstVecRef<S>& tau, const Vec3<double>& gravity, std::span<const Vec6<S>> fext, Kinematics<S>& kin,
          AbaData<S>& d, VecRef<S> qdd) {
   forward_kinematics<S>(model, base, q, kin);
-  forward_accelerations<S>(model, v, nullptr, gravity, kin);  // kin.a: bias accelerations, all drift terms included
+  forward_accelerations<S>(model, v, nullptr, gravity, kin);  // kin.a: accelerations for zero joint accelerations, with
+                                                              // all bias terms
   const int n = model.njoints();
   d.u = tau;
   // With a = a_bias + a', the bias forces are those of RNEA at qdd = 0, and a' starts at zero at the base.

@@ -19,7 +19,7 @@ V6 joined(const V3& linear, const V3& angular) {
   out << linear, angular;
   return out;
 }
-// What a motion does to a point at p, and its adjoint.
+// Computes the motion of a point at p that a motion causes, and the adjoint.
 V3 at_point(const V6& motion, const V3& p) { return linear(motion) + angular(motion).cross(p); }
 V6 from_point(const V3& force, const V3& p) { return joined(force, p.cross(force)); }
 
@@ -48,7 +48,8 @@ End end_of(const Forces& forces, const Attachment& at, AppliedScratch& s) {
   return {spring_end<double>(at, &forces.robots[k].kin), &s.u[k][at.joint], &s.x[k][at.joint], &s.v[k][at.joint]};
 }
 
-// push(push, its number, of its robot, that one's number), spring(spring, its number, its ends), of these robots.
+// Calls `push(push, its number, its robot, that robot's number)` and `spring(spring, its number, its ends)` for the
+// external wrenches and springs of these robots.
 template <class OfPush, class OfSpring>
 void each_force(const Scene& scene, const Forces& forces, std::span<const int> robots, AppliedScratch& scratch,
                 OfPush&& push, OfSpring&& spring) {

@@ -17,7 +17,7 @@ using Forces = AppliedForces<double>;
 
 double largest(const ConstVectorRef& x) { return x.cwiseAbs().maxCoeff(); }
 
-// Of motions or of forces, about the origin of a tree frame.
+// The largest magnitudes of motions or of forces, about the origin of a tree frame.
 struct Size {
   double linear = 0, angular = 0;
 

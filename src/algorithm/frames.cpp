@@ -11,7 +11,7 @@ SE3<S> in_tree(const Kinematics<S>& kin, const SE3<double>& base, int joint, con
   return SE3<S>{base.R.cast<S>(), Vec3<S>::Zero()} * placement.cast<S>();
 }
 
-// What turns motions in the tree frame into motions in the axes asked for, by act_inverse.
+// Returns the placement whose act_inverse converts motions in the tree frame to motions in the requested axes.
 template <class S>
 SE3<S> view(const Kinematics<S>& kin, int joint, const SE3<S>& M, ReferenceFrame axes) {
   switch (axes) {

@@ -88,7 +88,8 @@ template <class S>
   fill_body<S>(model, i, kin);
 }
 
-// A body on its tree's path; with the root the whole path is placed. Few bodies are, so the code stands apart.
+// Computes a body on its tree's path; for the root the whole path is placed. Few bodies are on it, so this code is in a
+// function of its own.
 template <class S, class B>
 [[gnu::noinline]] void body_on_path(const Model& model, const SE3<B>& base, const ConstVecRef<S>& q, int i, const S& s,
                                     const S& c, Kinematics<S>& kin) {

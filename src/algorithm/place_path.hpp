@@ -1,5 +1,5 @@
 #pragma once
-// The bodies that say where a tree stands, placed from its anchor on (algorithm/kinematics.hpp).
+// The bodies that determine where a tree is, placed from its anchor on (algorithm/kinematics.hpp).
 
 #include <cstdint>
 #include <limits>
@@ -45,8 +45,8 @@ inline void displace(const Joint& joint, const ConstVecRef<S>& q, const Mat3<S>&
 
 }  // namespace detail
 
-/// Places the bodies of a tree's path, in place(joint), and returns where the anchor is in the world. s, c: sine and
-/// cosine of the root's angle. own: as Kinematics has it; base: as for forward_kinematics.
+/// Places the bodies of a tree's path in place(joint), and returns the position of the anchor in the world. The root's
+/// angle has sine `s` and cosine `c`; `own` is that of Kinematics, and `base` that of forward_kinematics.
 template <class S, class B, class Place>
 WorldPoint<S> place_path(const Model& model, const ModelNumbers<S>* own, const Tree& tree, const SE3<B>& base,
                          const ConstVecRef<S>& q, const S& s, const S& c, Place&& place) {

@@ -170,7 +170,7 @@ const Eigen::VectorXd& aba(const RigidBodies& bodies, const ConstRef& q, const C
     fext = fext.subspan(own.size());
     (void)aba<double>(model, robot.base, q.segment(iq, model.nq), v.segment(iv, model.nv),
                       m.driving.segment(iv, model.nv), bodies.gravity(), own, of.kin, *of.aba,
-                      m.qdd.segment(iv, model.nv));  // NaN where it answers false
+                      m.qdd.segment(iv, model.nv));  // NaN if it returns false
   });
   m.composed = m.carries = false;
   m.moving = true;  // with the accelerations of a = 0
@@ -234,7 +234,7 @@ Eigen::MatrixXd inverse_inertia_times(const RigidBodies& bodies, const ConstRef&
 
 namespace {
 
-// RNEA's derivatives of each robot at the state of kin, packed; M packed beside them.
+// The derivatives of RNEA of each robot at the state of kin, packed, and its packed M.
 void differentiate(const RigidBodies& bodies, ForcesOnBodies fext, RigidBodyMemory& m) {
   internal::compose(bodies, m);
   each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int) {

@@ -194,8 +194,8 @@ double potential_energy(const RigidBodies& bodies, const RigidBodyData& data) {
 
 namespace {
 
-// The frame of the file's child link where a joint is passed from it to the file's parent, which is the child in the
-// tree then; nullptr where the joint is passed as the file has it.
+// Returns the frame of the file's child link if the joint is traversed from it to the file's parent, which is then the
+// child in the tree. Returns nullptr if the joint is traversed as in the file.
 const Frame* child_behind(const Model& model, int joint) {
   const std::string& name = model.joints[joint].name;
   for (const Frame& frame : model.frames)

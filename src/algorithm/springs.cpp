@@ -1,4 +1,4 @@
-// How long springs are, what they hold, and what flows through pushes and dampers.
+// Lengths and energies of springs, and the power of external wrenches and dampers.
 
 #include <stdexcept>
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kNegligible = 1e-9;  // of the largest acceleration in the scene, or of gravity
 
-/// What the scene's state does with each robot.
+/// The motion of each robot in the scene's state.
 struct State {
   std::vector<std::vector<char>> touched;  // per robot and joint: a contact or a spring acts on its body
   std::vector<char> robot_touched;
@@ -45,7 +45,7 @@ State read_state(const Scene& scene, const SceneData& data) {
   return s;
 }
 
-// Topmost joints of the subtrees of which `is` holds throughout: joint, and how many joints are beyond it.
+// Returns the topmost joints of the subtrees in which `is` is true throughout, with the number of joints below them.
 template <class Test>
 std::vector<std::pair<int, int>> whole_subtrees(const Model& model, Test&& is) {
   std::vector<char> whole(model.joints.size());
@@ -67,7 +67,7 @@ std::vector<std::string> joint_names(const Model& model, const std::vector<std::
   return names;
 }
 
-// No contact, no velocity, no acceleration worth the name; a floating base cannot be locked.
+// No contact, no velocity, no significant acceleration. A floating base cannot be locked.
 bool idle(const Scene& scene, const SceneData& data, const State& s, int r, int j) {
   const Robot& robot = scene.robots[r];
   const Joint& joint = robot.model->joints[j];
@@ -77,7 +77,7 @@ bool idle(const Scene& scene, const SceneData& data, const State& s, int r, int 
          (data.a.segment(first, joint.nv()).array().abs() <= s.negligible).all();  // false for NaN
 }
 
-// Adds up what is said of several robots: text -> robots, in the order of the first.
+// Collects texts about several robots: text -> robots, in the order of the first.
 struct Said {
   std::map<std::string, std::size_t> at;
   std::vector<std::pair<std::string, std::vector<int>>> items;

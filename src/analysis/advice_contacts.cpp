@@ -15,9 +15,9 @@ namespace {
 
 constexpr std::size_t kMostItems = 40;
 
-// " (63 more islands alike)", empty when there is none.
+// Returns " (63 more identical islands)", or nothing if there is none.
 std::string and_more(std::size_t more, const std::string& what) {
-  return more == 0 ? "" : " (" + count(static_cast<long>(more), "more " + what) + " alike)";
+  return more == 0 ? "" : " (" + count(static_cast<long>(more), "more identical " + what) + ")";
 }
 
 // The islands of a kind, of which the first speaks for all.
@@ -27,7 +27,8 @@ struct Subject {
   const IslandKind& kind;
 };
 
-// Whether rows of one of these contacts only just count: what holds the same holds still by them as well.
+// Whether rows of one of these contacts are nearly dependent. Contacts that impose the same constraints are then
+// affected as well.
 bool any_only_just(const IslandRanks& ranks, const std::vector<int>& contacts) {
   return std::any_of(ranks.lighter.begin(), ranks.lighter.end(), [&](const Lighter& l) {
     return l.only_just > 0 && std::find(contacts.begin(), contacts.end(), l.contact) != contacts.end();
@@ -123,7 +124,7 @@ void advise_pairs(const Subject& x, std::vector<std::string>& advice) {
                      ", together they have " + std::to_string(ranks.rank));
 }
 
-// Contacts that hold more directions than their robots can move in.
+// Contacts that constrain more directions than their robots can move in.
 void advise_lighter(const Subject& x, std::vector<std::string>& advice) {
   for (const Lighter& l : x.kind.ranks.lighter) {
     const Contact& contact = x.scene.contacts[l.contact];

@@ -11,7 +11,7 @@
 
 namespace manycontact::internal {
 
-/// The contacts of an answer.
+/// The contacts of a solution.
 inline std::vector<char> active_of(const SceneData& data) {
   std::vector<char> active;
   for (const int first : data.f_offset) active.push_back(first >= 0);
@@ -55,7 +55,7 @@ class AtRest {
     data_.active = active;
     prepare(scene_, data_);
   }
-  /// Of the contacts of an answer, whose rows depend where they do there.
+  /// The rows of a solution's contacts, with the dependent rows of that solution.
   AtRest(const Scene& scene, const SceneData& of) : AtRest(scene, active_of(of), of.options) {
     keep_dependent_as(of, scene_, data_);
   }
@@ -77,16 +77,17 @@ class AtRest {
     const auto a0 = [](const ContactData<double>& d) -> Eigen::VectorXd { return d.a0; };
     return of_contacts(q, v.data(), a0) - errors(q);
   }
-  /// What the terms of that are made of: squares of the contacts' bodies' velocities, the same for all rows of one.
+  /// The magnitudes of the terms of the bias acceleration: squares of the velocities of a contact's bodies, the same
+  /// for all rows of a contact.
   Eigen::VectorXd bias_terms(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
     return of_contacts(q, v.data(), [](const ContactData<double>& d) -> Eigen::VectorXd {
       const double speed = std::max(d.vA.cwiseAbs().maxCoeff(), d.vB.cwiseAbs().maxCoeff());
       return Eigen::VectorXd::Constant(d.W.rows(), speed * speed);
     });
   }
-  /// Of all x with the least |J x - wanted| the one of least x^T M x: [M J^T; J 0] [x; -f] = [0; wanted]. NaN in
-  /// islands that have no such answer; then false. With damping, of all x the one of least x^T M x + |J x - wanted|^2 /
-  /// damping.
+  /// Computes, of all x with the least |J x - wanted|, the one of least x^T M x: [M J^T; J 0] [x; -f] = [0; wanted].
+  /// Islands without a solution have NaN, and the function returns false. With damping, it minimises x^T M x + |J x -
+  /// wanted|^2 / damping.
   bool least_motion(const Eigen::VectorXd& q, const Eigen::VectorXd& wanted, Eigen::VectorXd& x, double damping = 0) {
     scene_.damping = damping;
     // the errors, which alpha = 1 adds to a0, are part of what is asked for already
@@ -105,9 +106,9 @@ class AtRest {
     }
     return w;
   }
-  /// What J may be off by turns such a part n of w, and a motion v that the contacts allow: J^T dn = -E^T n and
-  /// J dv = -E v, where |E| <= inaccuracy (inaccuracy_of). Per row, what n changes by for a sum |n_k| of 1: the
-  /// least-norm f with J^T f = E^T n. 0 where J is exact.
+  /// The inaccuracy E of J rotates a null-space part n of w, and a motion v that the contacts allow: J^T dn = -E^T n
+  /// and J dv = -E v, where |E| <= inaccuracy (inaccuracy_of). The result is, for each row, the change of n for a sum
+  /// |n_k| of 1: the least-norm f with J^T f = E^T n. It is 0 if J is exact.
   Eigen::VectorXd change_of_null(const Eigen::VectorXd& q, const Eigen::VectorXd& inaccuracy) {
     if (inaccuracy.isZero(0)) return Eigen::VectorXd::Zero(rows());
     const Eigen::VectorXd y = inaccuracy.cwiseProduct(mixed(inaccuracy.size(), 0).cwiseSign());

@@ -57,8 +57,8 @@ void NormalMatrix::solve(Eigen::VectorXd& y) {
   for (Eigen::Index i = 0; i < y.size(); ++i) y[i] = permuted_[iperm_[i]];
 }
 
-// x_free = -J_free^T y with y = (J_free J_free^T + mu 1)^-1 (e + J_held x_held); the gradient by a held coordinate is
-// mu (J^T y + x), as J x + e = mu y.
+// x_free = -J_free^T y with y = (J_free J_free^T + mu 1)^-1 (e + J_fixed x_fixed). The gradient with respect to a
+// coordinate at its bound is mu (J^T y + x), because J x + e = mu y.
 void BoundedStep::solve(const Eigen::SparseMatrix<double>& J, const Eigen::VectorXd& e, double mu,
                         const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, Eigen::VectorXd& x) {
   constexpr int kFullExchanges = 3;  // without fewer that are wrong, before one is exchanged at a time

@@ -12,7 +12,7 @@ class NormalMatrix {
  public:
   explicit NormalMatrix(const Eigen::SparseMatrix<double>& J);
 
-  /// Of J's values and the columns with counts[j] != 0.
+  /// Uses the values of J and the columns with counts[j] != 0.
   void factorize(const Eigen::SparseMatrix<double>& J, const std::vector<char>& counts, double mu);
   /// y <- (J J^T + mu 1)^-1 y
   void solve(Eigen::VectorXd& y);

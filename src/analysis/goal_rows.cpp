@@ -24,7 +24,7 @@ Mat3d log3_derivative(const Vec3d& w) {
   return Jlog6<double>(xi).bottomRightCorner<3, 3>();
 }
 
-// The turning that takes a unit vector to another: its axis times its angle.
+// Returns the rotation from a unit vector to another: its axis times its angle.
 Vec3d turning(const Vec3d& from, const Vec3d& to) {
   const Vec3d c = from.cross(to);
   const double sine = c.norm(), angle = std::atan2(sine, from.dot(to));
@@ -32,7 +32,7 @@ Vec3d turning(const Vec3d& from, const Vec3d& to) {
   return angle > 1 ? Vec3d(angle * across(from).row(0).transpose()) : Vec3d(Vec3d::Zero());
 }
 
-// A turning error: rows of e, and what they are of the frame's own angular velocity.
+// A rotation error: rows of e, and their Jacobian with respect to the frame's own angular velocity.
 struct Turned {
   Eigen::VectorXd e;
   Eigen::Matrix<double, Eigen::Dynamic, 3> of_spin;
@@ -247,7 +247,8 @@ void GoalRows::joint_rows(const Goal& goal, Rows& rows) {
   (joint.type == JointType::kPrismatic ? rows.left.position : rows.left.angle) = std::abs(off);
 }
 
-// Rows and axes are the contact's. Of 6D those of the place and of the turning apart, which vanish where log6 does.
+// Rows and axes are the contact's. For 6D, the rows of position and of rotation are separate; they vanish where log6
+// does.
 void GoalRows::contact_rows_of(const Goal& goal, Rows& rows) {
   const Contact& contact = scene_.contacts[goal.contact];
   const ContactSupport support = rows.with_jacobian ? contact_support(scene_, contact) : ContactSupport();

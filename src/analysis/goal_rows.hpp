@@ -19,7 +19,7 @@ class GoalRows {
   Eigen::VectorXd errors(const Eigen::VectorXd& q);
   /// J there, rows x nv, of one pattern wherever it is; after errors at this q.
   Eigen::SparseMatrix<double> jacobian();
-  /// What is left of each goal, without weights; after errors at this q.
+  /// The remaining error of each goal, without weights; call it after `errors` at this q.
   const std::vector<GoalLeft>& left() const { return left_; }
 
  private:

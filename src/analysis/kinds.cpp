@@ -14,7 +14,7 @@ namespace {
 
 using Key = std::vector<long>;
 
-// Equal for islands of one shape that have the same to say.
+// A key that is equal for islands of one shape with the same findings.
 Key key_of(const IslandRanks& ranks) {
   Key key{ranks.known, ranks.rank};
   key.insert(key.end(), ranks.redundant.begin(), ranks.redundant.end());

@@ -4,9 +4,9 @@
 
 namespace manycontact::internal {
 
-/// Of Levenberg and Marquardt's method: where a step does not bring |e| down it is tried again with ten times the
-/// damping, no less than `least` and no more than `most`; after one that does, with a tenth. `floor`: the damping below
-/// `least`, 0 or that.
+/// Parameters of Levenberg and Marquardt's method. If a step does not reduce |e|, it is repeated with ten times the
+/// damping, within `least` and `most`. After a step that does, the damping is a tenth. `floor` is the damping below
+/// `least`: 0 or `least`.
 struct Damping {
   double floor = 0, least = 0, most = 0;
 };
@@ -18,8 +18,9 @@ struct Descent {
 
 constexpr double kProgress = 1e-10;  // of |e|: less is none
 
-/// Moves q to a least |e|. errors(q): e; step(q, e, damping, dq): fills dq, or false where there is none; move(q, dq):
-/// the next q; ends(q, e): nothing is left of e, or what is left is for others.
+/// Moves q to a minimum of |e|. `errors(q)` returns e. `step(q, e, damping, dq)` fills dq, or returns false if there is
+/// no step. `move(q, dq)` returns the next q. `ends(q, e)` returns whether e is small enough, or the rest of it is left
+/// to others.
 template <class Errors, class Step, class Move, class Ends>
 Descent levenberg_marquardt(const Damping& damping, int most_tries, Eigen::VectorXd& q, Errors&& errors, Step&& step,
                             Move&& move, Ends&& ends) {
@@ -42,7 +43,7 @@ Descent levenberg_marquardt(const Damping& damping, int most_tries, Eigen::Vecto
   return done;
 }
 
-constexpr double kAside = 1e-3;  // m, rad: no posture that is told from another
+constexpr double kAside = 1e-3;  // m, rad: smaller steps do not change a configuration noticeably
 constexpr double kReach = 1;     // m, rad: the longest step from there, where J is nearly singular
 
 /// descend(q), which ends where |e| is stationary: at a minimum, or at a saddle, as straight knees and elbows are. So

@@ -31,7 +31,7 @@ bool nothing_below(const Model& model, int i) {
   return true;
 }
 
-// What a body lacks for a joint that nothing resists.
+// The property that a body lacks if nothing resists the joint.
 std::string lacking(JointType type) {
   switch (type) {
     case JointType::kPrismatic:

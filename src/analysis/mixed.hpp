@@ -4,7 +4,7 @@
 
 namespace manycontact::internal {
 
-/// Numbers between -1 and 1 of which no two are alike, so that no symmetry of a scene hides anything.
+/// Numbers between -1 and 1 that all differ, so that symmetries of a scene hide nothing.
 inline Eigen::VectorXd mixed(Eigen::Index size, int probe) {
   Eigen::VectorXd w(size);
   for (Eigen::Index k = 0; k < size; ++k) w[k] = std::cos(static_cast<double>(k * k + probe * (k + 1)));

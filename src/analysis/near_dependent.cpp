@@ -22,14 +22,14 @@ bool judged(const Scene& scene, const IslandReport& r) {
   const double work = static_cast<double>(r.nv) * r.nc * r.nc;
   return scene.damping == 0 && r.status != Status::kFailed && r.nc > 0 && work <= kMostUnasked;
 }
-// What row_remainders reads, of all islands at once.
+// The input of row_remainders, for all islands at once.
 void complete_judged(const Scene& scene, const SceneData& data) {
   const auto& islands = data.report.islands;
   if (std::any_of(islands.begin(), islands.end(), [&](const IslandReport& r) { return judged(scene, r); }))
     complete(scene, data);
 }
 
-// Of an island, after complete.
+// The input of one island, after complete.
 RankGap gap_of(const Scene& scene, const SceneData& data, std::size_t island) {
   RankGap out;
   out.most_dropped = kEps;

@@ -46,7 +46,7 @@ std::string owner(const ScenePose& pose) {
   throw InputError(poses[g].file, poses[g].line, owner(poses[g]) + " is missed by " + by);
 }
 
-// Of the robots that poses are of, those that lean at q.
+// Robots with poses that would tip over at q.
 std::vector<internal::Leaning> leaning(const Scene& scene, const Eigen::VectorXd& q,
                                        const std::vector<ScenePose>& poses, const std::vector<bool>& standing) {
   std::vector<internal::Leaning> out = internal::leaning(scene, standing, q);
@@ -56,8 +56,8 @@ std::vector<internal::Leaning> leaning(const Scene& scene, const Eigen::VectorXd
   return out;
 }
 
-// One where the robots that lean stand: nearest to their postures at q, with their feet as far apart, or else near a q
-// found by their balance alone; none where the goals leave no room for that.
+// Finds a configuration in which these robots do not tip over: nearest to q with their feet at the same distances, or
+// else near a q found by their balance alone. Returns none if the goals do not permit one.
 std::optional<Eigen::VectorXd> upright(const Scene& scene, const Eigen::VectorXd& q, std::vector<Goal> goals,
                                        const std::vector<internal::Leaning>& lean) {
   constexpr double kLittle = 1e-3;  // a weight: knees that bend to lower a trunk by 0.1 m save more, by their curvature

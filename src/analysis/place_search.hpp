@@ -15,7 +15,7 @@ namespace manycontact::internal {
 struct CoordinateLimits {
   explicit CoordinateLimits(const Scene& scene);
   Eigen::VectorXd within(const Eigen::VectorXd& q) const { return q.cwiseMax(lower).cwiseMin(upper); }
-  /// Of a step from q.
+  /// The result of a step from q.
   void of_step(const Eigen::VectorXd& q, Eigen::VectorXd& low, Eigen::VectorXd& high) const;
 
   Eigen::VectorXd lower, upper;

@@ -16,7 +16,7 @@ constexpr int kFactors = 3;          // of B(z, y), each of which what J is off 
 constexpr double kNoMotion = 1e-9;   // of what was projected: no motion is left
 constexpr double kMostLooked = 1e5;  // contacts times coordinates of an island whose coordinate is looked for
 
-// What one probe knows of all islands at once.
+// The data of one probe, for all islands at once.
 class Probe {
  public:
   Probe(const Scene& scene, const SceneData& data, const Eigen::VectorXd& q, internal::AtRest& rest, int number)

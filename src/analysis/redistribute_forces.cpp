@@ -34,8 +34,8 @@ void project_column(internal::AtRest& rest, const ConstVectorRef& q, int k, std:
     if (k < basis.N.cols()) basis.N.col(k) = w(basis.rows);
 }
 
-/// Of every island with redundant rows. Mixed vectors are projected and orthonormalised. The second pass removes what
-/// the first orthonormalisation has amplified of rounding errors.
+/// Collects every island with redundant rows. Mixed vectors are projected and orthonormalised. The second pass removes
+/// rounding errors that the first orthonormalisation amplified.
 std::vector<IslandBasis> bases_of(const Scene& scene, const ConstVectorRef& q, const SceneData& data) {
   std::vector<IslandBasis> bases;
   int most = 0;

@@ -17,7 +17,7 @@ using Point = Eigen::Vector2d;
 
 double cross(const Point& a, const Point& b) { return a[0] * b[1] - a[1] * b[0]; }
 
-// Of the polygon around the points, counterclockwise (Andrew's monotone chain).
+// The convex polygon around the points, counterclockwise (Andrew's monotone chain).
 std::vector<Point> hull(std::vector<Point> points) {
   const auto before = [](const Point& a, const Point& b) { return a[0] != b[0] ? a[0] < b[0] : a[1] < b[1]; };
   std::vector<Point> out;
@@ -50,9 +50,9 @@ double outside(const Point& c, const std::vector<Point>& polygon) {
   return inside ? 0 : nearest;
 }
 
-// What a robot stands on.
+// The support of a robot.
 struct Ground {
-  bool told = true;    // nothing else carries it, as far as contacts tell
+  bool told = true;    // no other contact supports it
   bool soles = false;  // one carries moments, on an area that is not given
   std::vector<Attachment> feet;
   std::vector<Point> corners;

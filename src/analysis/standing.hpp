@@ -14,9 +14,8 @@ struct Leaning {
   std::vector<Attachment> feet;
 };
 
-/// Of robots with a floating base under a gravity along the world's -z, which only contacts with the ground, flagged
-/// `active`, keep from falling. Where a contact carries moments and its box is not given it is taken as large as a
-/// foot.
+/// Checks robots with a floating base under gravity along the world's -z that are supported only by contacts with the
+/// ground, flagged `active`. A contact that transmits moments and has no box is assumed to be as large as a foot.
 std::vector<Leaning> leaning(const Scene& scene, const std::vector<bool>& active, const ConstVectorRef& q);
 
 /// The centre of mass above the middle of the feet; and these as far apart, horizontally, as they are at q.

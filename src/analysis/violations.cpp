@@ -54,7 +54,7 @@ class AxesOf {
   internal::MotionOf kin_;
 };
 
-// What a contact with a mu presses with.
+// The normal force of a contact with a mu.
 struct Pressure {
   double normal = 0, tangential = 0;            // N
   Vec6<double> in_foot = Vec6<double>::Zero();  // of a 6D contact: force and moment in A's axes
@@ -74,7 +74,8 @@ Pressure pressure(const Contact& contact, const double* f, AxesOf& axes_of) {
   return out;
 }
 
-// How far m_z is beyond what friction at the corners of a box X, Y (half sides) bears: tau_min <= m_z <= tau_max with
+// Computes by how much m_z exceeds the friction at the corners of a box with half sides X, Y: tau_min <= m_z <= tau_max
+// with
 //   tau_min = -mu (X + Y) n + |Y f_x - mu m_x| + |X f_y - mu m_y|
 //   tau_max =  mu (X + Y) n - |Y f_x + mu m_x| - |X f_y + mu m_y|
 double excess_torque(const double* f, double mu, double X, double Y) {

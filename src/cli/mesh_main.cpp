@@ -1,7 +1,7 @@
 // manycontact-mesh FILE: the triangles of an STL, OBJ or COLLADA file by assimp, nine floats each (three vertices,
-// native byte order), to standard output. Exit status 3: the reason why there are none stands there instead.
-// A program of its own because assimp crashes on malicious files (a COLLADA node that holds itself), or takes all
-// memory; its time and memory are limited here.
+// native byte order), to standard output. With exit status 3 the output is the reason why there are none. It is a
+// separate program with limited time and memory, because assimp crashes on malicious files, such as a COLLADA node that
+// contains itself, or takes all memory.
 
 #include <assimp/config.h>
 #include <assimp/postprocess.h>

@@ -1,4 +1,4 @@
-// manycontact-optimize: the command that needs the floors of optimal control.
+// manycontact-optimize: the command that needs the modules of optimal control.
 
 #include "program/program.hpp"
 

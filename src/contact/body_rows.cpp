@@ -4,8 +4,8 @@ namespace manycontact {
 
 namespace {
 
-// An attachment's frame in its body's frame, that frame's origin in the tree frame, and the tree frame's in the world.
-// Of what is fixed in the world, the frame's axes about its own origin, or the base's.
+// The frame of an attachment in its body's frame, the origin of that frame in the tree frame, and the tree frame in the
+// world. For frames fixed in the world, the axes are about the frame's own origin, or about the base's.
 struct Placed {
   SE3<double> frame;
   Vec3<double> body;

@@ -62,7 +62,7 @@ Eigen::MatrixXd rows_of_all(const PairRows& pair) {
   return B;
 }
 
-// The rank of B; -1: it cannot be told plainly.
+// The rank of B, or -1 if it cannot be determined reliably.
 int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr, Eigen::Index rows) {
   int rank = 0;
   const double largest = std::abs(qr.matrixQR()(0, 0));
@@ -101,7 +101,8 @@ bool factorize(PairRows& pair) {
   const Eigen::MatrixXd Q = qr.householderQ() * Eigen::MatrixXd::Identity(B.rows(), rank);
   PairNumbers<double>& numbers = pair.numbers;
   numbers.R = Q.transpose() * B;
-  // A right inverse with turns in units of the levers, which R has: its error does not depend on how long they are.
+  // Computes a right inverse with rotations in units of the moment arms, as in R, so that its error does not depend on
+  // the lengths of the arms.
   Vec6<double> unit = Vec6<double>::Ones();
   const double turns = numbers.R.rightCols<3>().norm(), motions = numbers.R.leftCols<3>().norm();
   if (turns > 0 && motions > 0) unit.tail<3>().setConstant(motions / turns);
@@ -119,7 +120,7 @@ bool factorize(PairRows& pair) {
   return true;
 }
 
-// Gains, beside which terms of a0 are judged, and B'.
+// The gains, with which the terms of a0 are scaled, and B'.
 void take_changeable(PairRows& rows, Contact& pair) {
   pair.alpha = pair.beta = 0;
   pair.B.placement = placement_B(rows.members, pair.A.placement);

@@ -40,7 +40,8 @@ SE3<S> place(const Scene& scene, const Attachment& at, const Kinematics<S>& kin)
   return SE3<S>{base.R.cast<S>(), Vec3<S>::Zero()} * at.placement.cast<S>();
 }
 
-// Origin of that tree frame. Of a fixed base without its robot's kinematics, which may be those of an earlier state.
+// The origin of that tree frame. For a fixed base the kinematics of its robot are not used, because they may be those
+// of an earlier state.
 template <class S>
 WorldPoint<S> origin(const Scene& scene, const Attachment& at, const Kinematics<S>& kin) {
   if (at.joint >= 0) return kin.origins[kin.tree_of[at.joint]];

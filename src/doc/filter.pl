@@ -1,6 +1,6 @@
 #!/usr/bin/perl
-# What Doxygen is to see of a header, line by line: its plain comments are documentation too.
-#   the comment under #pragma once, and others that stand alone at the margin: of the file
+# Prints a header as Doxygen needs it, line by line: its plain comments become documentation.
+#   the comment under #pragma once, and others at the margin with empty lines around them: of the file
 #   x;  // text, and further lines of that comment: of the member x
 #   struct x {  // text: of x, a function likewise
 #   /// text above several declarations: of each of them
@@ -29,6 +29,8 @@ sub group_of {
   return 'rigid_bodies' if $name =~ m{^(algorithm|spatial)/};
   return 'simulation' if $name =~ m{^simulation/};
   return 'optimal_control' if $name =~ m{^(action|control|task|crocoddyl)};
+  return 'analysis' if $name =~ m{^analysis/};
+  return 'contact_rows' if $name =~ m{^contact/rows};
   return 'solve';
 }
 
@@ -52,7 +54,7 @@ for my $i (0 .. $#lines) {
     } elsif (m{^(\s*)///(?!<)( ?)(.*)$}) {
       $_ = "$1/// " . plain($3);
       $in_file_comment = $in_member_comment = 0;
-    } elsif (m!^(\s*[^/\s}#].*?[;,\w)}])(\s+)//\s(.*)$! && !m!\{\s+// !) {
+    } elsif (m!^(\s*[^/\s}#].*?[;,\w)}])(\s+)//\s(.*)$! && !m!\{\s+// ! && !m!^(struct|class) \w+;!) {
       $_ = "$1$2///< " . plain($3);
       $column = length("$1$2");
       $in_member_comment = 1;

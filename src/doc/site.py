@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """site.py BUILD: the Doxyfile of the site on standard output, with the navigation that src/doc/index.md lists.
-site.py --filter PAGE: a page as Doxygen 1.9 needs it: its headings with names, to which links lead as on GitHub.
+site.py --filter PAGE: a page as Doxygen 1.9 needs it: its headings with names, to which links lead as on GitHub, and its files
+and pictures by their names alone, since the site has them in one folder.
 
     python3 src/doc/site.py build/doc | doxygen -        # as ./run doc does
 """
@@ -42,6 +43,21 @@ def heading_name(page, heading):
     return page.resolve().relative_to(TOP).with_suffix("").as_posix().replace("/", "-") + "-" + slug
 
 
+LINK = re.compile(r"\]\(([\w./-]+)\)")
+
+
+def linked_file(page, link):
+    """The file of the sources that a page links to or shows, if it is neither a page nor a header."""
+    file = (page.parent / link).resolve()
+    return file if file.is_file() and file.suffix not in (".md", ".hpp") else None
+
+
+def linked_files():
+    pages = [TOP / "README.md", *DOC.rglob("*.md"), *(TOP / "bench").rglob("README.md"), *(TOP / "tests").rglob("README.md")]
+    found = {file for page in pages for link in LINK.findall(page.read_text()) if (file := linked_file(page, link))}
+    return sorted(str(file.relative_to(TOP)) for file in found)
+
+
 def filtered(page):
     lines, fenced = [], False
     page = page.resolve()
@@ -53,6 +69,7 @@ def filtered(page):
             line = f"<h2>{heading[2]}</h2>" if landing else f"{line} {{#{heading_name(page, heading[2])}}}"
         elif not fenced:
             line = re.sub(r"\]\(([\w./-]*)#([\w-]+)\)", lambda m: f"](#{heading_name(page.parent / m[1] if m[1] else page, m[2])})", line)
+            line = LINK.sub(lambda m: f"]({file.name})" if (file := linked_file(page, m[1])) else m[0], line)
         lines.append(line)
     return "\n".join(lines)
 
@@ -66,6 +83,7 @@ def main():
     (build / "layout.xml").write_text(navigation())
     print((DOC / "Doxyfile").read_text())
     print(f"OUTPUT_DIRECTORY = {build}\nLAYOUT_FILE = {build / 'layout.xml'}")
+    print("HTML_EXTRA_FILES =", *linked_files())
     sheets = [THEME / "doxygen-awesome.css", THEME / "doxygen-awesome-sidebar-only.css"]
     print("HTML_EXTRA_STYLESHEET =", *(s for s in [*sheets, DOC / "site.css"] if s.exists()))
 

@@ -6,7 +6,7 @@
 namespace manycontact::io {
 namespace {
 
-/// A <contact> element as written; `contact` holds what all its copies share.
+/// A <contact> element as written; `contact` has the data that all its copies share.
 struct ContactElement {
   Contact contact;
   SE3<double> A_offset, B_offset;  // B_offset: in the world without `to`
@@ -90,7 +90,7 @@ class ContactReader {
     return {robot, end.frame.joint, end.frame.placement * offset, end.frame.name};
   }
 
-  // What turns the first copy of a robot into copy i.
+  // Returns the rotation from the first copy of a robot to copy i.
   Mat3<double> turn_of_copy(const End& end, int i) const {
     const auto base = [&](int robot) -> const Mat3<double>& { return out_.scene.robots[robot].base.R; };
     return base(end.first + i) * base(end.first).transpose();

@@ -94,7 +94,7 @@ class IncludeReader {
     const std::string text = problem.empty() ? read_file(path, problem) : "";
     if (!problem.empty()) here.fail("the scene file " + quote(path) + " " + problem + ", expected a scene file");
     const Element root = read(path, text);
-    // what an included scene says of the whole must be what holds
+    // values for the whole scene in an included file must be those of the including one
     if (root.has("gravity") && gravity_of(root) != gravity_of(into))
       root.where("gravity").fail("gravity differs from that of the including scene, expected the same");
     for (const char* name : {"damping", "tolerance", "moment_length"})

@@ -1,4 +1,4 @@
-// <push>, <spring>, and springs of <joint>.
+// `<push>`, `<spring>`, and springs of `<joint>` elements.
 
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "scene_parts.hpp"

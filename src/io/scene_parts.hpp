@@ -1,6 +1,6 @@
 #pragma once
-// The steps of read_scene, in their order: robots (with models, copies, state), then contacts, pushes, springs and
-// poses.
+// The steps of read_scene, in their order: robots (with models, copies, state), then contacts, external wrenches,
+// springs and poses.
 
 #include <map>
 #include <memory>
@@ -72,7 +72,7 @@ struct Arrangement {
 /// Adds all robots to the scene, with q, v, u (NaN for u="gravity").
 void add_robots(const std::vector<Element>& elements, SceneFile& out);
 
-/// "robot/link" as written, looked up. A copied robot's name stands for all its copies.
+/// Looks up "robot/link" as written. The name of a copied robot means all its copies.
 struct End {
   int first = -1;        // robot, or first copy
   int count = 1;         // copies
@@ -95,9 +95,9 @@ class EndReader {
  public:
   explicit EndReader(const SceneFile& scene);
 
-  /// Of an attribute that must be there.
+  /// Reads an attribute that is required.
   End read(const Element& e, const char* attribute);
-  /// The same of one that stands for all copies where it names a copied robot: without +k and -k.
+  /// Looks up a name that means all copies if it is that of a copied robot, without +k and -k.
   End read_first(const Element& e, const char* attribute);
   /// By the attributes frame, to, wrap.
   EndPair read_pair(const Element& e);
@@ -116,7 +116,7 @@ class EndReader {
 /// Adds all contacts; out.q must be complete.
 void add_contacts(const std::vector<Element>& elements, SceneFile& out);
 
-/// Adds all pushes, springs between points and springs in joints; out.q must be complete.
+/// Adds all external wrenches, springs between points and springs in joints; out.q must be complete.
 void add_pushes(const std::vector<Element>& elements, SceneFile& out);
 void add_springs(const std::vector<Element>& elements, SceneFile& out);
 void add_joint_springs(const std::vector<Element>& robots, SceneFile& out);

@@ -226,7 +226,7 @@ void add_copies(const RobotElement& robot, const std::shared_ptr<const Model>& m
   }
 }
 
-// Whether a contact's end `name` would mean neighbours as well: "herd-1" beside copies of herd.
+// Whether the end `name` of a contact could also mean a neighbour: "herd-1" if there are copies of herd.
 bool is_neighbour(const std::string& name, const std::set<std::string>& copied) {
   const std::size_t sign = name.rfind('-');
   return sign != std::string::npos && sign + 1 < name.size() &&

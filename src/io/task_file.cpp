@@ -41,7 +41,7 @@ void read_terms(const Element& e, bool terminal, TermReader& reader, TaskPhase& 
   }
 }
 
-// The pushes of that name: one, or those of all copies.
+// Returns the external wrenches of that name: one, or those of all copies.
 std::vector<int> pushes_called(const Scene& scene, const std::string& name) {
   if (const auto found = scene.push_index.find(name); found != scene.push_index.end()) return {found->second};
   std::vector<int> out;
@@ -52,7 +52,7 @@ std::vector<int> pushes_called(const Scene& scene, const std::string& name) {
   }
 }
 
-// <push> children: other wrenches in these nodes.
+// Reads `<push>` children: other external wrenches in these nodes.
 void read_pushes(const Element& e, const Scene& scene, TaskPhase& phase) {
   for (const Push& push : scene.pushes) phase.pushes.push_back(push.wrench);
   for (auto child = e.child("push"); child; child = child->next("push")) {

@@ -1,5 +1,5 @@
 #pragma once
-// The steps of read_task: terms, then the phases that hold them.
+// The steps of read_task: terms, then the phases that contain them.
 
 #include "manycontact/io/task_file.hpp"
 #include "scene_parts.hpp"

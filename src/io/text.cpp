@@ -66,7 +66,7 @@ std::vector<std::string_view> words(std::string_view text) {
 
 namespace {
 
-// Infinite where the word is beyond the largest double, or says so.
+// Returns infinity if the word is "inf" or exceeds the largest double.
 double parse_any_word(const Where& where, const std::string& what, std::string_view word) {
   std::string_view digits = word;
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);

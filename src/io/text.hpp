@@ -20,8 +20,8 @@ struct Where {
 /// The whole file; on failure fills `problem` with the reason and returns an empty string.
 std::string read_file(const std::string& path, std::string& problem);
 
-/// Why `path` cannot be opened for reading; empty when it can. only_regular: devices and pipes, which may not end,
-/// cannot: of paths that stand in files.
+/// Returns why `path` cannot be opened for reading, or nothing if it can. With only_regular, devices and pipes are
+/// refused, because paths in files must not name something that may not end.
 std::string file_problem(const std::string& path, bool only_regular = false);
 
 /// The shortest decimal that reads back as x.

@@ -172,7 +172,7 @@ class Builder {
     return {append(std::move(base), link), {}};
   }
 
-  // A joint moves its child by T(q) in the frame X of its parent: oMchild = oMparent X T(q), and backwards
+  // A joint moves its child by T(q) in the frame X of its parent: oMchild = oMparent X T(q). In the other direction
   // oMparent = oMchild T(q)^-1 X^-1, where T(q)^-1 is the motion by q about or along -axis.
   Place cross(const Step& step) {
     const urdf::Joint& joint = *step.joint;
@@ -242,7 +242,7 @@ class Builder {
     details_.findings.push_back({kind, name, text, path_, line});
   }
 
-  // What a joint that moves has and is not modelled, or not as most would expect.
+  // Lists properties of a movable joint that are not modelled, or not as most users expect.
   void note(const urdf::Joint& joint, const Place& parent) {
     const UrdfJoint& details = details_.joint.at(joint.name);
     const auto refuse = [&](const std::string& what) { throw InputError(path_, details.line, what); };
@@ -316,7 +316,7 @@ class Builder {
     return i;
   }
 
-  // No motors hold a body in the air: a floating joint of the file is passive unless the options say otherwise.
+  // No motors carry a body in the air: a floating joint of the file is passive unless the options specify otherwise.
   void set_passive() {
     for (int i = model_.floating_base ? 1 : 0; i < model_.njoints(); ++i) {
       Joint& joint = model_.joints[i];
@@ -353,7 +353,7 @@ class Builder {
     }
   }
 
-  // Of the joints with one coordinate.
+  // Reads the limits of joints with one coordinate.
   void set_dynamics() {
     model_.damping = model_.friction = Eigen::VectorXd::Zero(model_.nv);
     for (const Joint& joint : model_.joints) {

@@ -43,7 +43,7 @@ void tell(const Element& e, const char* kind, const std::string& name, const std
 
 void add_to(std::string& list, const std::string& item) { list += (list.empty() ? "" : ", ") + item; }
 
-// What is missing is zero, as if the file said so.
+// Missing values are zero, as if the file contained zeros.
 void check_link(const Element& link, UrdfDetails& details) {
   const std::string name = check_name(link, details.link);
   const auto inertial = link.child("inertial");
@@ -76,7 +76,7 @@ void check_axis(const Element& joint, UrdfDetails& details) {
     axis->where("xyz").fail("the axis of joint " + quote(name) + " is zero, expected a direction");
 }
 
-// An attribute that bounds something; else `none`, and `told` says why not.
+// Returns the bound of an attribute, or `none` if it bounds nothing; `told` then has the reason.
 double sound_limit(const Element& limit, const char* attribute, bool is_sound(double), double none, std::string& told) {
   const double x = limit.number_or_infinity(attribute, none);
   if (limit.has(attribute) && is_sound(x)) return x;
@@ -85,7 +85,8 @@ double sound_limit(const Element& limit, const char* attribute, bool is_sound(do
   return none;
 }
 
-// Limits that are infinite, negative, crossed or missing bound nothing. A lower or upper left out is 0, says URDF.
+// Limits that are infinite, negative, crossed or missing bound nothing. By the definition of URDF, a missing lower or
+// upper limit is 0.
 void check_limit(const Element& joint, bool has_range, UrdfJoint& out, std::vector<Finding>& findings) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const std::string name = joint.required("name");

@@ -1,7 +1,6 @@
 #pragma once
-// What urdfdom does not see or say of a URDF: lines, bad numbers, links that do not form a tree, limits as real files
-// have them, what is left out. (It ignores, for one, that a link's <inertial> could not be read, and goes on with
-// zeros.)
+// Checks that urdfdom does not make: lines, bad numbers, links that form no tree, unusual limits, and ignored elements.
+// For example, urdfdom ignores an <inertial> that it could not read, and continues with zeros.
 
 #include <limits>
 #include <string>
@@ -13,7 +12,7 @@
 
 namespace manycontact::io {
 
-/// Of a joint: its line, and what urdfdom refuses where it is infinite or half there.
+/// A joint's line, and attributes that urdfdom refuses if they are infinite or incomplete.
 struct UrdfJoint {
   int line = 1;
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
@@ -31,11 +30,11 @@ struct UrdfDetails {
 /// Throws InputError unless links and joints form one tree of numbers that something can be computed from.
 UrdfDetails check_urdf(const Element& robot);
 
-/// The file's text reduced to what urdfdom has to read (no limits, no shapes, no materials, no plug-ins), with zeros
-/// for the numbers of inertias that are missing: what is left out cannot make it fail. Changes the document.
+/// Returns the text of the file reduced to the elements that urdfdom has to read: no limits, shapes, materials and
+/// plug-ins. Missing numbers of inertias are zeros, so that they cannot make it fail. Changes the document.
 std::string text_for_urdfdom(XmlFile& file);
 
-/// Refuses elements of xacro, except in shapes and colours: those are told (tell_unread).
+/// Refuses elements of xacro, except in shapes and colours, which tell_unread reports.
 void refuse_xacro(const Element& robot);
 
 /// Elements and attributes that act on the motion and are not read: loops, gears, springs, what is misspelt.

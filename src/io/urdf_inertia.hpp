@@ -7,10 +7,11 @@
 
 namespace manycontact::io {
 
-/// In words, empty where nothing is wrong; both go on after "link x and what is merged into it have".
+/// Both return a description, or nothing if there is no fault. The text continues "link x and what is merged into it
+/// have".
 struct InertiaVerdict {
   std::string refused;  // not finite, a negative mass, a principal moment below -1e-9 of the trace
-  std::string odd;      // principal moments that no body has: they are computed with as they are
+  std::string odd;      // principal moments that violate the triangle inequality; they are used as they are
 };
 
 /// Y: of the body with all that is merged into it, about any origin. Massless bodies are ideal ones: a rotor about one

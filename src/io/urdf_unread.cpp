@@ -1,5 +1,5 @@
-// What a URDF holds beside the links and joints that are read. Much of it does not act on the motion (shapes, sensors,
-// controllers); what does, or may, is told, so that nothing is dropped in silence.
+// Elements of a URDF other than the links and joints that are read. Many of them do not act on the motion (shapes,
+// sensors, controllers). Those that do, or may, are reported, so that nothing is ignored silently.
 
 #include <algorithm>
 #include <map>
@@ -25,7 +25,7 @@ void each_inside(const Element& e, const Visit& visit) {
   }
 }
 
-// Findings of alike elements become one, at the first of them.
+// Findings of similar elements become one, at the first of them.
 class Unread {
  public:
   explicit Unread(std::vector<Finding>& findings) : findings_(findings) {}
@@ -155,7 +155,7 @@ void look_at_joint(const Element& joint, Unread& unread) {
 
 namespace {
 
-// The prefixes that stand for xacro in this file.
+// The prefixes of xacro's namespace in this file.
 Names xacro_prefixes(const Element& robot) {
   Names prefixes = {"xacro"};
   for (const std::string& attribute : robot.attributes())

@@ -47,7 +47,8 @@ constexpr std::pair<const char*, const char*> kTheirs[] = {{"mu", " friction fri
                                                            {"iterations", " maxiter "},
                                                            {"tolerance", " tol "}};
 
-// The known name that another format's stands for, or that begins so: "quat" for quat_xyzw; null where none is.
+// Returns the known name that corresponds to the name in another format, or that begins with it: "quat_xyzw" for
+// "quat". Returns nullptr if there is none.
 const char* meant(const std::string& name, std::initializer_list<const char*> known) {
   for (const auto& [ours, theirs] : kTheirs)
     if (std::string_view(theirs).find(" " + name + " ") != std::string_view::npos && among(ours, known)) return ours;

@@ -48,7 +48,7 @@ std::string_view declared_encoding(std::string_view text) {
   return end == std::string_view::npos ? std::string_view() : declaration.substr(at + 1, end - at - 1);
 }
 
-// What Windows-1252 has from 0x80 to 0x9F; 0: nothing.
+// The characters of Windows-1252 from 0x80 to 0x9F; 0 means no character.
 constexpr std::array<std::uint16_t, 32> kWindows1252 = {0x20AC, 0,      0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021,
                                                         0x02C6, 0x2030, 0x0160, 0x2039, 0x0152, 0,      0x017D, 0,
                                                         0,      0x2018, 0x2019, 0x201C, 0x201D, 0x2022, 0x2013, 0x2014,

@@ -1,4 +1,4 @@
-// What each cluster answers to its couplings' y: its part of S.
+// The response of each cluster to the y of its couplings: its part of S.
 
 #include "dense.hpp"
 #include "manycontact/lq/coupling_schur.hpp"
@@ -67,8 +67,8 @@ const SymplecticStructure* CouplingSchur::steps(const Problem& problem, int clus
   return by_steps_ ? riccati_.steps(problem, k, graph_.nodes[cluster][k].cluster) : nullptr;
 }
 
-// F, pi, theta of knot k and S_kk; W of the next knot. Of F = [J 0; 0 0] + [G; 1] F_z the rows F_z, which are all of F
-// where there are no steps.
+// Computes F, pi, theta of knot k and S_kk, and W of the next knot. F = [J 0; 0 0] + [G; 1] F_z is stored by its rows
+// F_z, which are all of F if there are no steps.
 void CouplingSchur::respond_at(const Problem& problem, int cluster, int k) {
   const CouplingNode& node = graph_.nodes[cluster][k];
   const Cluster& c = riccati_.plan()[k][node.cluster];

@@ -13,7 +13,8 @@ using ConstSegment = const Eigen::Ref<const Eigen::VectorXd>&;
 void add_AB(Block C, double a, ConstBlock A, ConstBlock B);         // C += a A B
 void add_AtB(Block C, double a, ConstBlock A, ConstBlock B);        // C += a A^T B
 void add_ABt(Block C, double a, ConstBlock A, ConstBlock B);        // C += a A B^T
-void add_lower_AB(Block C, double a, ConstBlock A, ConstBlock B);   // likewise, of a symmetric result the lower
+void add_lower_AB(Block C, double a, ConstBlock A, ConstBlock B);   // the same, but of a symmetric result only the
+                                                                    // lower triangle
 void add_lower_AtB(Block C, double a, ConstBlock A, ConstBlock B);  // triangle only
 void add_lower_ABt(Block C, double a, ConstBlock A, ConstBlock B);
 

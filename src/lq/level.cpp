@@ -24,7 +24,7 @@ ConstMap map(ConstPanel M) { return {M.entries, M.rows, M.cols, Strided(M.stride
 bool nothing(Panel C, ConstPanel A) { return C.rows == 0 || A.rows == 0 || A.cols == 0; }
 bool nothing(Panel X) { return X.rows == 0 || X.cols == 0; }
 
-// Eigen's product takes memory for a single row, whose entries do not stand beside each other.
+// Eigen's product allocates memory for a single row, whose entries are not contiguous.
 void add_AB(Panel C, double a, ConstPanel A, ConstPanel B) {
   if (C.rows == 1)
     map(C) += a * map(A).lazyProduct(map(B));

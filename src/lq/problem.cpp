@@ -36,13 +36,13 @@ void check_partition(const Problem& problem, int k) {
     if (knot.groups[g].blocks.empty()) refuse(k, g, "no blocks");
     for (int i : knot.groups[g].blocks) {
       if (i < 0 || i >= problem.blocks()) refuse(k, g, "no block " + std::to_string(i));
-      if (seen[i]) refuse(k, g, "block " + std::to_string(i) + " stands twice in the knot");
+      if (seen[i]) refuse(k, g, "block " + std::to_string(i) + " occurs twice in the knot");
       seen[i] = true;
     }
     std::vector<bool> mine(knot.couplings.size());
     for (int b : knot.groups[g].couplings) {
       if (b < 0 || b >= static_cast<int>(knot.couplings.size())) refuse(k, g, "no coupling " + std::to_string(b));
-      if (mine[b]) refuse(k, g, "coupling " + std::to_string(b) + " stands twice in the group");
+      if (mine[b]) refuse(k, g, "coupling " + std::to_string(b) + " occurs twice in the group");
       mine[b] = touched[b] = true;
     }
   }

@@ -21,10 +21,11 @@ MatrixMap as_matrix(std::vector<double>& scratch, Index rows, Index cols) { retu
 // NaN and infinite entries show in the sum.
 bool finite(const Eigen::Ref<const MatrixXd>& M) { return std::isfinite(M.sum()); }
 
-// Weight of |D v|^2 that shows whether Qvv is positive definite where D v = 0, beside Qvv's and D's sizes.
+// Weight of |D v|^2, relative to the sizes of Qvv and D, that shows whether Qvv is positive definite where D v = 0.
 constexpr double kConvexWhereFeasible = 1e6;
 
-// Pivots of the LU beside the largest one, whatever their units: less is singular to working precision.
+// Smallest pivot of the LU relative to the largest one, whatever their units. Below it the matrix is singular to
+// working precision.
 constexpr double kSingularPivot = 1e-14;
 
 }  // namespace

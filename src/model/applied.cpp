@@ -1,4 +1,4 @@
-// Pushes and springs of a scene.
+// External wrenches and springs of a scene.
 
 #include <cmath>
 #include <stdexcept>
@@ -65,7 +65,7 @@ int add_joint_spring(Scene& scene, const std::string& robot, const std::string& 
     if (!what.empty()) throw std::invalid_argument("joint " + quote(joint) + " of robot " + quote(robot) + " " + what);
   };
   if (model.joints[spring.joint].nv() != 1)
-    refuse_if("has several coordinates, expected one that turns about or slides along an axis");
+    refuse_if("has several coordinates, expected one that rotates about or slides along an axis");
   refuse_if(problem_of_number("stiffness", stiffness));
   if (!std::isfinite(rest)) refuse_if("has a rest that is not finite");
   scene.joint_springs.push_back(spring);

@@ -1,5 +1,5 @@
 #pragma once
-// What is wrong with an attachment, and what it is called, for messages.
+// Checks of an attachment, and its name in messages.
 
 #include "manycontact/model/scene.hpp"
 

@@ -57,9 +57,8 @@ void number_subtrees(Model& model) {
   }
 }
 
-// Where a robot stands may be up to joints, as of one that drives along x and y: of the first joints, with no more
-// coordinates than a base has, those down to the last that is displaced. Beside them may hang what is lighter in joints
-// than what goes on.
+// Joints may determine where a robot is, as for one that drives along x and y. These are the first joints, with no more
+// coordinates than a base has, down to the last one with an offset. Lighter subtrees may branch off from them.
 std::vector<int> path_to_anchor(const Model& model, int root) {
   constexpr int kBaseCoordinates = 6;
   std::vector<int> path{root};

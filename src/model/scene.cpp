@@ -60,7 +60,7 @@ std::string describe(const Scene& scene, const Attachment& at) {
 
 namespace {
 
-// Why A and B cannot be held together; empty when they can.
+// Returns why a contact cannot connect A and B, or nothing if it can.
 std::string problem(const Scene& scene, const Attachment& A, const Attachment& B) {
   if (A.robot < 0) return "has frame A in the world, expected it on a robot";
   if (A.robot == B.robot && A.joint == B.joint) {
@@ -69,7 +69,7 @@ std::string problem(const Scene& scene, const Attachment& A, const Attachment& B
     return "ties " + a + " to " + b + ", which are on one body, expected two bodies";
   }
   if (A.joint < 0 && B.joint < 0)
-    return "holds " + describe(scene, A) + ", which cannot move, to the world, expected a frame that moves";
+    return "fixes " + describe(scene, A) + ", which cannot move, to the world, expected a frame that moves";
   return "";
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What models of one structure have in common.
+// The data that models of one structure share.
 
 #include "manycontact/model/model.hpp"
 

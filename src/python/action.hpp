@@ -1,5 +1,5 @@
 #pragma once
-// Which classes of the action and control floors users may derive from in Python, and properties of action data.
+// Which classes of action models and solvers users may derive from in Python, and properties of action data.
 
 #include <typeinfo>
 
@@ -51,7 +51,7 @@ void resized_member(Class& c, const char* name, M member, const char* doc) {
       [member](T& data, py::handle values) { assign(data.*member, values); }, doc);
 }
 
-/// What the data of action models, differential or not, have in common.
+/// Members that the data of action models, differential or not, have in common.
 template <class Class>
 void add_action_data(Class& c) {
   using T = typename Class::type;
@@ -72,7 +72,7 @@ void add_action_data(Class& c) {
   resized_member(c, "Hu", &T::Hu, "Derivative of h (nh, nu); set by calcDiff.");
 }
 
-/// What action models, differential or not, have in common. Data: of the abstract class.
+/// Members that action models, differential or not, have in common. `Data` is that of the abstract class.
 template <class Data, class Class>
 void add_action_model(Class& c) {
   using T = typename Class::type;

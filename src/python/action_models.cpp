@@ -1,4 +1,4 @@
-// Contacts, impulses and differential action models: floor action.
+// Contacts, impulses and differential action models.
 
 #include "action.hpp"
 #include "docs/optimal_control.hpp"

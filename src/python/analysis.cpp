@@ -1,4 +1,4 @@
-// What a careful reader asks of a state, and states that fit their contacts: floor analysis.
+// Checks of states and solutions, and states that are consistent with their contacts.
 
 #include "docs/analysis.hpp"
 

@@ -1,7 +1,6 @@
 #pragma once
-// Numpy arrays for Eigen's vectors and matrices. In place of pybind11/eigen.h, so that what is refused is refused with
-// a ValueError that says why: other shapes, and numbers that are not finite. What is no array of numbers at all is
-// pybind11's TypeError.
+// Numpy arrays for Eigen's vectors and matrices, instead of pybind11/eigen.h. Wrong shapes and numbers that are not
+// finite raise a ValueError with the reason. Objects that are no arrays of numbers raise pybind11's TypeError.
 //
 //   Eigen matrices, vectors    copied, both ways; what a property gives, which assigning to an element would not
 //   change,

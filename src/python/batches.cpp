@@ -1,4 +1,4 @@
-// Many states of one scene: floor dynamics.
+// Many states of one scene.
 
 #include <chrono>
 #include <mutex>

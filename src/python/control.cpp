@@ -1,4 +1,4 @@
-// Nodes of optimal control problems: floor control.
+// Nodes of optimal control problems.
 
 #include "action.hpp"
 #include "manycontact/control/augmented_action.hpp"

@@ -1,4 +1,4 @@
-// Cones, costs and constraints: floor action.
+// Cones, costs and constraints.
 
 #include "action.hpp"
 #include "manycontact/action/cones.hpp"
@@ -15,7 +15,7 @@ using State = std::shared_ptr<StateMultibody>;
 
 using Matrix = Eigen::MatrixXd;
 
-// What all cones have. Setters take effect at once.
+// Members that all cones have. Setters take effect at once.
 template <class Cone, class Class>
 Class& add_cone(Class& c) {
   return add_copy(c)

@@ -9,7 +9,8 @@
 
 namespace manycontact::python {
 
-/// What numpy arrays on an island's panel keep alive: the data while these have the panel, then the panel itself.
+/// The owner that numpy arrays on an island's panel keep alive: the data as long as these have the panel, then the
+/// panel itself.
 struct PanelKeeper {
   std::shared_ptr<SceneData> data;
   AlignedPanel panel;

@@ -1,4 +1,4 @@
-// Data, solutions, views: floor dynamics.
+// Data, solutions and views of intermediate results.
 
 #include <variant>
 

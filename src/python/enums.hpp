@@ -31,7 +31,7 @@ inline std::string plain(std::string name) {
   return name;
 }
 
-/// What the members of an enumeration are called; by add_enumeration.
+/// The names of the members of an enumeration, set by add_enumeration.
 template <class E>
 struct Names {
   struct Member {

@@ -1,4 +1,4 @@
-// Pushes and springs of scenes.
+// External wrenches and springs of scenes.
 
 #include "docs/scene.hpp"
 #include "handle.hpp"

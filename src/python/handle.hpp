@@ -4,7 +4,7 @@
 //
 //     scene.contacts[0].alpha = 9
 //
-// changes the scene, and what cannot be assigned raises. A Handle of an object of Python's own holds it.
+// changes the scene, and assignments that are not possible raise. A Handle of an independent Python object contains it.
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -70,13 +70,13 @@ struct HandleCaster {
   }
 };
 
-/// What an object has several of, without copying: items are looked up when they are asked for.
+/// A list of an object's items without copies: items are looked up when they are requested.
 template <class Item>
 struct Items {
   std::function<std::size_t()> size;
   std::function<Item(std::size_t)> at;
   std::function<int(const std::string&)> number = {};        // of the item called so, -1 where there is none
-  std::function<std::string(const std::string&)> none = {};  // says so
+  std::function<std::string(const std::string&)> none = {};  // the message for an unknown name
 };
 
 /// item: its class' name.

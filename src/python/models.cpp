@@ -1,4 +1,4 @@
-// Placements and models: floors spatial and model, URDF files.
+// Placements, models and URDF files.
 
 #include <optional>
 #include <variant>
@@ -126,7 +126,7 @@ void add_findings(py::module_& m) {
       .def_readonly("kind", &Finding::kind,
                     "'inertia', 'limits', 'unread', 'mimic', 'dynamics', 'passive', 'base', 'consistent' or 'pose'.")
       .def_readonly("name", &Finding::name, "Name of the joint, link or other element.")
-      .def_readonly("text", &Finding::text, "What the file contains, and how it is interpreted.")
+      .def_readonly("text", &Finding::text, "The content of the file, and how it is interpreted.")
       .def_readonly("file", &Finding::file, "Path of the file.")
       .def_readonly("line", &Finding::line, "Line in the file.")
       .def("__repr__", [](const Finding& f) {
@@ -145,7 +145,15 @@ Eigen::VectorXd per(const char* name, const OneOrMany& given, Eigen::Index count
   return x;
 }
 
-// A body larger by a factor about its joint's origin, all that is fixed on it with it.
+// One value is that of every joint: a floating base has none. Otherwise there is one value for each velocity.
+Eigen::VectorXd per_velocity(const char* name, const OneOrMany& given, const Model& model) {
+  Eigen::VectorXd x = per(name, given, model.nv);
+  for (const Joint& joint : model.joints)
+    if (given.index() == 0 && joint.type == JointType::kFloating) x.segment<6>(joint.idx_v).setZero();
+  return x;
+}
+
+// Scales bodies, with everything that is fixed on them, about the origins of their joints.
 std::shared_ptr<Model> varied(const Model& of, const OneOrMany& mass, const OneOrMany& length,
                               const std::optional<OneOrMany>& armature, const std::optional<OneOrMany>& damping,
                               const std::optional<OneOrMany>& friction) {
@@ -166,7 +174,7 @@ std::shared_ptr<Model> varied(const Model& of, const OneOrMany& mass, const OneO
   }
   const auto set = [&](const char* name, const std::optional<OneOrMany>& given, Eigen::VectorXd Model::*member) {
     if (!given) return;
-    (*out).*member = per(name, *given, of.nv);
+    (*out).*member = per_velocity(name, *given, of);
     if (!(((*out).*member).array() >= 0).all())
       throw py::value_error(std::string(name) + ": no negative one is expected");
   };
@@ -205,9 +213,20 @@ void add_robot_models(py::module_& m) {
       .def_readonly("armature", &Model::armature, "Reflected rotor inertia (nv) [kg m^2, kg].")
       .def("varied", &varied, py::kw_only(), py::arg("mass") = 1.0, py::arg("length") = 1.0,
            py::arg("armature") = py::none(), py::arg("damping") = py::none(), py::arg("friction") = py::none(),
-           "Return a model of the same joints with other numbers. mass, length: factors above 0, one or one for the\n"
-           "body of each joint; a body is scaled, with all that is fixed on it, about the joint's origin. armature,\n"
-           "damping, friction: values, one or (nv); None leaves them as they are.")
+           "Return a model of the same joints with other masses, lengths, armatures, damping and friction.\n"
+           "\n"
+           "Parameters\n"
+           "----------\n"
+           "mass, length : float or array (joints)\n"
+           "    Factors above 0. A body is scaled, with all that is fixed on it, about the origin of its joint.\n"
+           "armature, damping, friction : float or array (nv), optional\n"
+           "    Values of 0 or more [kg m^2, N m s, N m]; one number is that of all joints except a floating base.\n"
+           "    None leaves the values of this model.\n"
+           "\n"
+           "Raises\n"
+           "------\n"
+           "ValueError\n"
+           "    A size does not fit, or a number is out of its range.")
       .def("find_frame", &Model::find_frame, py::arg("name"), "Return the number of the frame, or -1.")
       .def("find_joint", &Model::find_joint, py::arg("name"), "Return the number of the joint, or -1.")
       .def("mass", &Model::mass, "Return the total mass [kg].")

@@ -25,7 +25,7 @@ namespace {
 
 py::handle input_error_type;
 
-constexpr const char* kHoldsNothing = "an object made by __new__ alone, without __init__, holds nothing";
+constexpr const char* kIsEmpty = "an object made by __new__ alone, without __init__, is empty";
 
 void translate(std::exception_ptr thrown) {
   try {
@@ -38,18 +38,18 @@ void translate(std::exception_ptr thrown) {
     PyErr_SetObject(input_error_type.ptr(), error.ptr());
   } catch (const py::cast_error& e) {  // a shared object among them
     const bool empty = std::string(e.what()).find("non-held") != std::string::npos;
-    PyErr_SetString(PyExc_TypeError, empty ? kHoldsNothing : e.what());
+    PyErr_SetString(PyExc_TypeError, empty ? kIsEmpty : e.what());
   } catch (const std::logic_error& e) {  // std::invalid_argument too
     PyErr_SetString(PyExc_ValueError, e.what());
   }
 }
 
-// SceneData.__new__(SceneData) holds no SceneData: pybind11 would make room for one and take that for it.
+// SceneData.__new__(SceneData) contains no SceneData: pybind11 would allocate memory for one and use that.
 void refuse_empty_objects(const py::module_& m) {
   for (const auto& [name, member] : m.attr("__dict__").cast<py::dict>()) {
     if (!PyType_Check(member.ptr())) continue;
     if (auto* type = py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(member.ptr())))
-      type->operator_new = [](std::size_t) -> void* { throw py::type_error(kHoldsNothing); };
+      type->operator_new = [](std::size_t) -> void* { throw py::type_error(kIsEmpty); };
   }
 }
 
@@ -61,7 +61,7 @@ PYBIND11_MODULE(_manycontact, m) {
   m.attr("__version__") = MANYCONTACT_VERSION;
   using namespace manycontact::python;
   const py::object own_name = m.attr("__name__");
-  m.attr("__name__") = "manycontact";  // the module its classes and functions say they are of
+  m.attr("__name__") = "manycontact";  // the value of __module__ of its classes and functions
   py::options options;
   options.disable_enum_members_docstring();
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the files of the bindings share: who owns what, and when Python may run.
+// Declarations that the files of the bindings share: ownership, and when Python may run.
 
 #include <pybind11/stl.h>
 
@@ -24,7 +24,7 @@ std::shared_ptr<void> keep(py::handle object);
 /// A number of threads that a machine can start; 0: OpenMP's.
 int checked_threads(int threads);
 
-/// What operator<< prints, for __str__.
+/// The output of operator<<, for __str__.
 template <class T>
 std::string text_of(const T& x) {
   std::ostringstream out;
@@ -50,7 +50,7 @@ Items<Handle<Spring>> springs_of(const std::shared_ptr<Scene>& scene);
 py::array wrenches_view(const std::vector<Vec6<double>>& w, py::handle owner);
 void set_wrenches(const char* name, py::handle values, std::vector<Vec6<double>>& w);
 
-/// An array of bools on flags that hold 0 or 1; it keeps their owner.
+/// An array of bools that views flags 0 or 1, and keeps their owner alive.
 py::array_t<bool> flags_view(std::vector<char>& flags, py::handle owner);
 /// values -> flags, of as many: bools, numpy's, or the whole numbers 0 and 1. name: for errors.
 void set_flags(const std::string& name, py::handle values, std::vector<char>& flags);
@@ -60,7 +60,7 @@ py::object scipy_csc(Eigen::SparseMatrix<double>&& given);
 
 void add_models(py::module_& m);
 void add_scenes(py::module_& m);
-// pushes and springs: classes before, functions after those of scenes
+// external wrenches and springs: classes before those of scenes, functions after them
 void add_force_classes(py::module_& m);
 void add_forces(py::module_& m);
 void add_rigid_bodies(py::module_& m);

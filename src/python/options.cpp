@@ -1,4 +1,4 @@
-// How to solve, and what an answer is worth: floors kkt and dynamics.
+// Options of a solve, and the status and accuracy of a solution.
 
 #include "manycontact/analysis/remedy.hpp"
 #include "objects.hpp"
@@ -26,7 +26,7 @@ void add_enumerations(py::module_& m) {
   add_enumeration<Order>(
       m, "Order", "order", "The place of the constraint rows in the elimination order.",
       {{"LEAF_TO_ROOT", Order::kLeafToRoot}, {"CONTACTS_EARLY", Order::kContactsEarly}, {"CAMD", Order::kCamd}});
-  add_enumeration<Lanes>(m, "Lanes", "level of lanes", "SIMD instructions for batches of robots.",
+  add_enumeration<Lanes>(m, "Lanes", "level of SIMD instructions", "SIMD instructions for batches of robots.",
                          {{"AUTO", Lanes::kAuto},
                           {"OFF", Lanes::kOff},
                           {"BASELINE", Lanes::kBaseline},
@@ -61,7 +61,7 @@ void add_how_to_solve(py::module_& m) {
         "Make options; see the attributes.");
   handle_field(c, "method", &Options::method, "Method, or its name: 'sparse-ldl', 'dense', ...");
   handle_field(c, "order", &Options::order, "Order, or None: the order of least predicted cost.");
-  handle_field(c, "lanes", &Options::lanes, "Lanes: SIMD instructions for batches of robots.");
+  handle_field(c, "lanes", &Options::lanes, "SIMD instructions for batches of robots, a member of `Lanes`.");
   handle_field(
       c, "threads", &Options::threads,
       "Number of OpenMP threads inside a call of solve, differentiate, jvp or vjp; 0: as many as OpenMP offers.");
@@ -107,7 +107,7 @@ void add_reports(py::module_& m) {
 
   island.def_property_readonly(
       "remedy", [](const IslandReport& r) { return remedy(r); },
-      "What to do about the status, in words; empty for ok.");
+      "Advice about the status, in words; empty for ok.");
   py::class_<SolveTimes> times(m, "SolveTimes", "Times of a solve.");
   add_value(times)
       .def_readonly("setup", &SolveTimes::setup, "Time to find islands and analyse new ones [us].")
@@ -145,7 +145,7 @@ void add_reports(py::module_& m) {
                     "Largest bound of the islands, set by estimate_errors; NaN before.")
       .def_readonly("times", &Report::times, "SolveTimes of the last solve; comparisons of reports ignore them.")
       .def_property_readonly(
-          "remedy", [](const Report& r) { return remedy(r); }, "What to do about the status, in words; empty for ok.")
+          "remedy", [](const Report& r) { return remedy(r); }, "Advice about the status, in words; empty for ok.")
       .def("__repr__", [](const Report& r) {
         return "<Report: " + to_string(r.status) + ", " + std::to_string(r.islands.size()) +
                (r.islands.size() == 1 ? " island" : " islands") + ", nv = " + std::to_string(r.nv) +

@@ -1,4 +1,4 @@
-// Residuals: floor action.
+// Residuals of costs and constraints.
 
 #include "action.hpp"
 #include "manycontact/action/residuals/centroidal_residuals.hpp"
@@ -194,10 +194,10 @@ void add_residual_base(py::module_& m) {
 
   py::class_<Abstract, PyResidual, std::shared_ptr<Abstract>> model(
       m, "ResidualModelAbstract",
-      "r(x, u). Derive from it: calc(self, data, x, u) sets data.r; calcDiff(self, data, x, u) sets data.Rx, data.Ru.\n"
+      "r(x, u). Derive from it: `calc(self, data, x, u)` sets data.r. `calcDiff(self, data, x, u)` sets data.Rx and data.Ru.\n"
       "u is zero in terminal nodes. data.shared has the robots' kinematics. createData(self, shared) may return data "
-      "of a\n"
-      "class derived from ResidualDataAbstract.");
+      "of a class\n"
+      "derived from ResidualDataAbstract.");
   data.def(py::init([](const Abstract& model, const std::shared_ptr<Shared>& shared) {
              return std::make_shared<ResidualDataAbstract>(&model, shared->collector());
            }),

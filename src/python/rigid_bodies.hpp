@@ -8,7 +8,7 @@
 
 namespace manycontact::python {
 
-/// What functions take as their first argument, by the Python object that keeps it.
+/// The first argument of functions, with the Python object that keeps it alive.
 struct Bodies {
   std::shared_ptr<void> keeper;
   std::optional<RigidBodies> view;

@@ -1,5 +1,4 @@
-// Dynamics, kinematics and configurations of robots without contacts; contact Jacobians of a scene: floors model,
-// algorithm and contact.
+// Dynamics, kinematics and configurations of robots without contacts, and contact Jacobians of a scene.
 
 #include "manycontact/algorithm/rigid_body.hpp"
 

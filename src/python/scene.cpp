@@ -1,4 +1,4 @@
-// Scenes, their contacts and files: floors model, contact (references) and analysis.
+// Scenes, their contacts and their files.
 
 #include "docs/scene.hpp"
 
@@ -100,7 +100,7 @@ Handle<Contact> make_contact(const std::string& name, ContactType type, Referenc
 
 void add_contacts(py::module_& m) {
   add_enumeration<ContactType>(m, "ContactType", "type of contact",
-                               "What a contact constrains: a point, a frame, or a hinge.",
+                               "The motion that a contact constrains: that of a point, a frame, or a hinge.",
                                {{"CONTACT_1D", ContactType::k1D},
                                 {"CONTACT_2D", ContactType::k2D},
                                 {"CONTACT_3D", ContactType::k3D},
@@ -212,7 +212,7 @@ void add_robots(py::module_& m) {
   add_items<Held>(m, "RobotList", "A scene's robots, by number or name.", true);
 }
 
-// What may change under data in use.
+// The members that may change while data are in use.
 void change_contact(const std::shared_ptr<Scene>& scene, const std::string& name,
                     const std::optional<Placement>& placement, const std::optional<Eigen::Vector2d>& gains,
                     std::optional<ReferenceFrame> frame) {

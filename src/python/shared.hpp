@@ -1,6 +1,6 @@
 #pragma once
-// What a residual or a cost that is written in Python sees of the action model: data.shared, a DataCollector, while its
-// calc, calcDiff or createData runs.
+// `data.shared`, a DataCollector: the part of the action model that a residual or cost written in Python can read,
+// while its calc, calcDiff or createData runs.
 
 #include "action.hpp"
 #include "manycontact/action/collector.hpp"
@@ -41,14 +41,14 @@ class Scope {
   }
   ~Scope();
   Scope(const Scope&) = delete;
-  /// Of the innermost call on these data; ValueError where there is none.
+  /// The collector of the innermost call on these data. Raises ValueError if there is none.
   static std::shared_ptr<Shared> shared_of(const void* data);
 
  private:
   void begin(const void* data, std::shared_ptr<Shared> shared);
 };
 
-/// What Python's createData(self, shared) returns; nullptr where the class has none. T: the class that is registered.
+/// The result of Python's createData(self, shared), or nullptr if the class has none. T is the registered class.
 template <class T, class Data>
 std::shared_ptr<Data> created_in_python(const T* model, DataCollector* collector) {
   const py::gil_scoped_acquire gil;

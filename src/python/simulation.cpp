@@ -1,4 +1,4 @@
-// A scene through time: floor simulation.
+// Simulation of a scene.
 
 #include "docs/simulation.hpp"
 

@@ -1,4 +1,4 @@
-// Shooting problems, solvers, callbacks: floor control.
+// Shooting problems, solvers and callbacks.
 
 #include "action.hpp"
 #include "docs/optimal_control.hpp"
@@ -147,8 +147,8 @@ bool solve_problem(SolverAbstract& solver, const Vectors& xs, const Vectors& us,
 }
 
 // ---- garbage ------------------------------------------------------------------------------------------------------
-// A callback written in Python may know its solver, which keeps it: Python's collector finds such rings, for a solver
-// tells it which callbacks it keeps. It may tell of those alone that nobody else in C++ keeps.
+// A callback written in Python may refer to its solver, which keeps the callback. Python's collector finds such cycles,
+// because a solver reports to it the callbacks that it keeps. It may only report those that nothing else in C++ keeps.
 
 template <class Use>
 void each_kept_callback(PyObject* self, Use&& use) {

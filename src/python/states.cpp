@@ -1,4 +1,4 @@
-// States, actuations, activations: floor action.
+// States, actuations and activations.
 
 #include "action.hpp"
 #include "manycontact/model/expect_state.hpp"
@@ -12,7 +12,7 @@ using State = std::shared_ptr<StateMultibody>;
 
 // ---- states and actuations -----------------------------------------------------------------------------------------
 
-// x of a scene's robots is a configuration and finite velocities; of other states what they say themselves.
+// x of a scene's robots is a configuration and finite velocities. Other states check x themselves.
 void judge(const char* function, const char* what, const StateAbstract& state, const ConstVectorRef& x) {
   const auto* own = dynamic_cast<const StateMultibody*>(&state);
   if (!own || x.size() != static_cast<Eigen::Index>(own->get_nx())) return;
@@ -154,10 +154,9 @@ void add_actuations(py::module_& m) {
       m, "ActuationModelAbstract",
       "A function tau(x, u) from controls to torques.\n"
       "\n"
-      "In a derived class calc(self, data, x, u) sets data.tau, calcDiff(self, data, x, u) sets data.dtau_dx and\n"
-      "data.dtau_du, commands(self, data, x, tau) sets data.u, and torqueTransform(self, data, x, u) sets\n"
-      "data.Mtau.\n"
-      "createData(self) may return data of a class derived from ActuationDataAbstract.");
+      "In a derived class `calc(self, data, x, u)` sets data.tau. `calcDiff(self, data, x, u)` sets data.dtau_dx and\n"
+      "data.dtau_du. `commands(self, data, x, tau)` sets data.u. `torqueTransform(self, data, x, u)` sets data.Mtau.\n"
+      "`createData(self)` may return data of a class derived from ActuationDataAbstract.");
   data.def(py::init<const Abstract*>(), py::arg("model").none(false));
   member_view(data, "tau", &ActuationDataAbstract::tau, "Torques (nv) [N m, N]; set by calc.");
   member_view(data, "u", &ActuationDataAbstract::u, "Controls (nu); set by commands.");

@@ -1,4 +1,4 @@
-// Motions of task files: floor task.
+// Motions of task files.
 
 #include "action.hpp"
 #include "docs/optimal_control.hpp"

@@ -1,5 +1,5 @@
-// Parts of Crocoddyl's that stand beside the others: thrusters, squashed controls, a bounded quadratic problem,
-// linear-quadratic differential models, and numerical twins, whose derivatives are central differences.
+// Further classes of Crocoddyl: thrusters, squashed controls, a bounded quadratic problem, linear-quadratic differential
+// models, and parts of action models whose derivatives are central differences.
 
 #include "action.hpp"
 #include "manycontact/action/num_diff_parts.hpp"
@@ -18,9 +18,9 @@ using Matrix = Eigen::MatrixXd;
 
 void add_thrusters(py::module_& m) {
   add_enumeration<ThrusterType>(m, "ThrusterType", "type",
-                                "How a propeller turns: CW gives a torque along its thrust, CCW one against it.",
+                                "Direction of rotation of a propeller: CW gives a torque along its thrust, CCW one against it.",
                                 {{"CW", CW}, {"CCW", CCW}});
-  py::class_<Thruster, std::shared_ptr<Thruster>>(m, "Thruster", "A propeller on the base, which pushes along its z.")
+  py::class_<Thruster, std::shared_ptr<Thruster>>(m, "Thruster", "A propeller on the base. Its thrust acts along its z axis.")
       .def(py::init([](const SE3<double>& pose, double ctorque, ThrusterType type, double min, double max) {
              return Thruster(pose, ctorque, type, min, max);
            }),
@@ -37,7 +37,7 @@ void add_thrusters(py::module_& m) {
       m, "ActuationModelFloatingBaseThrusters", "u = [thrusts; torques of the actuated joints] of one robot.")
       .def(py::init<std::shared_ptr<StateMultibody>, const std::vector<Thruster>&>(), py::arg("state").none(false),
            py::arg("thrusters"))
-      .def_property("thrusters", &Model::get_thrusters, &Model::set_thrusters, "A list; as many when assigned.")
+      .def_property("thrusters", &Model::get_thrusters, &Model::set_thrusters, "The thrusters, a list; their number is fixed.")
       .def_property_readonly("nthrusters", &Model::get_nthrusters, "Number of thrusters.")
       .def_property_readonly(
           "Wthrust", [](const Model& x) { return x.get_Wthrust(); }, "(nv, nu): tau = W u.")
@@ -56,11 +56,11 @@ void add_squashing(py::module_& m) {
       .def("calc", &Abstract::calc, py::arg("data").none(false), py::arg("s"), "Compute data.u.")
       .def("calcDiff", &Abstract::calcDiff, py::arg("data").none(false), py::arg("s"), "Compute data.du_ds.")
       .def_property_readonly("ns", &Abstract::get_ns, "Number of squashed inputs s.")
-      .def_property("s_lb", &Abstract::get_s_lb, &Abstract::set_s_lb, "Of s, for a barrier.")
+      .def_property("s_lb", &Abstract::get_s_lb, &Abstract::set_s_lb, "Lower bounds of s, for a barrier.")
       .def_property("s_ub", &Abstract::get_s_ub, &Abstract::set_s_ub, "Upper bounds of s, for a barrier.");
   using Smooth = SquashingModelSmoothSat;
   py::class_<Smooth, Abstract, std::shared_ptr<Smooth>>(m, "SquashingModelSmoothSat",
-                                                        "s between the bounds, smoothly within them beyond.")
+                                                        "u close to s inside the bounds, and between the bounds for any s, smoothly.")
       .def(py::init<const ConstVectorRef&, const ConstVectorRef&, std::size_t>(), py::arg("u_lb"), py::arg("u_ub"),
            py::arg("ns"))
       .def_property("smooth", &Smooth::get_smooth, &Smooth::set_smooth, "Smoothness: 0 is the sharp saturation.")
@@ -119,13 +119,13 @@ void add_differential_lqr(py::module_& m) {
       .def_property_readonly("Aq", &Lqr::get_Aq, "Acceleration per configuration.")
       .def_property_readonly("Av", &Lqr::get_Av, "Acceleration per velocity.")
       .def_property_readonly("B", &Lqr::get_B, "Acceleration per control.")
-      .def_property_readonly("f", &Lqr::get_f, "Drift of the acceleration.");
+      .def_property_readonly("f", &Lqr::get_f, "Acceleration at zero configuration, velocity and control.");
 }
 
-// A twin of a part: the same values, and derivatives by central differences.
+// A part with the values of another one, and derivatives by central differences.
 template <class Twin, class Part>
 void add_twin(py::module_& m, const char* name, const char* argument) {
-  py::class_<Twin, Part, std::shared_ptr<Twin>>(m, name, "The same, with derivatives by central differences.")
+  py::class_<Twin, Part, std::shared_ptr<Twin>>(m, name, "The part given, with derivatives by central differences.")
       .def(py::init([](const std::shared_ptr<Part>& part) { return std::make_shared<Twin>(part); }),
            py::arg(argument).none(false))
       .def_property(

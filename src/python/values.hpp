@@ -1,6 +1,6 @@
 #pragma once
-// Plain structures as Python's values: copied, compared, pickled, member by member. What has a member that is no data
-// (a function) raises where it is pickled.
+// Plain structures as Python's values: copied, compared and pickled member by member. A structure with a member that is
+// no data, such as a function, raises when it is pickled.
 
 #include <cmath>
 #include <optional>
@@ -143,7 +143,7 @@ void unpack(py::handle from, T& x) {
   }
 }
 
-/// What a class of Python's holds, and an object of it.
+/// The members of a class of Python's, and an object of it.
 template <class Held>
 struct ValueOf {
   using Type = Held;
@@ -157,7 +157,7 @@ struct ValueOf<Handle<T>> {
   static Handle<T> make(T x) { return Handle<T>(std::move(x)); }
 };
 
-/// copy and deepcopy. What is shared and constant (models) stays shared.
+/// copy and deepcopy. Shared constants, such as models, remain shared.
 template <class Held, class... Extra>
 py::class_<Held, Extra...>& add_copy(py::class_<Held, Extra...>& c) {
   using Value = ValueOf<Held>;

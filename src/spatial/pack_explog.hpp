@@ -1,5 +1,6 @@
 #pragma once
-// What explog.hpp has, of robots side by side where packs are compiled. Logarithms have branches, so lane by lane.
+// The functions of explog.hpp for SIMD batches of robots, where packs are compiled. Logarithms have branches and are
+// computed robot by robot.
 
 #include "manycontact/spatial/explog.hpp"
 

@@ -14,7 +14,7 @@ namespace manycontact {
 
 namespace {
 
-// What the whole of its robots is needed for.
+// The reasons why a subproblem needs all its robots.
 bool joins_its_robots(const TaskTerm& term) {
   switch (term.residual) {
     case TaskResidual::kJointEffort:

@@ -28,7 +28,7 @@ double available() {
   return out;
 }
 
-// Bytes in use; 0 where the C library does not say.
+// The bytes in use, or 0 if the C library does not report them.
 double in_use() {
 #if defined(__GLIBC__) && __GLIBC_PREREQ(2, 33)
   const struct mallinfo2 info = mallinfo2();
@@ -38,7 +38,7 @@ double in_use() {
 #endif
 }
 
-// What solvers keep with a node of n states and m controls: Vxx, Qxx, Qxu, Quu, K, and vectors.
+// The memory that solvers keep for a node of n states and m controls: Vxx, Qxx, Qxu, Quu, K, and vectors.
 double solver_bytes(double n, double m) { return 8 * (2 * n * n + 2 * n * m + 2 * m * m + 12 * (n + m)); }
 
 double solver_bytes(const ActionModelAbstract& model) {

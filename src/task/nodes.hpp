@@ -1,5 +1,5 @@
 #pragma once
-// What nodes are made of, phase by phase.
+// The parts of nodes, phase by phase.
 
 #include "manycontact/control/parts.hpp"
 #include "manycontact/task/problem.hpp"
@@ -31,13 +31,13 @@ struct Nodes {
 
 /// The scene with a phase's contacts.
 Scene scene_with(const TaskFile& task, const std::vector<bool>& active);
-/// The same, and under its pushes.
+/// The same with the external wrenches of the phase.
 Scene scene_in(const TaskFile& task, const TaskPhase& phase);
 /// Contact rows that depend on others, at x0, without damping: with it every row counts.
 int dependent_rows(Scene scene, const Eigen::VectorXd& x0);
 
-/// Whether a contact that is active in the phase (or the terminal node) closed on the way and holds where it did: its
-/// placement error is nothing to correct.
+/// Whether a contact that is active in the phase (or the terminal node) closed during the motion and fixes its frames
+/// where they were then: its placement error is not corrected.
 bool holds_where_it_closed(const TaskFile& task, const TaskPhase& phase, std::size_t contact);
 
 /// Torques of each phase: quasi-static at x0 without its velocity, or zero.

@@ -18,7 +18,7 @@ namespace manycontact {
 
 namespace {
 
-// Of tasks that converged.
+// Bounds for tasks that converged.
 constexpr double kMostViolation = 1e-9, kMostResidual = 1e-6;
 
 double median(std::vector<double> x) {
@@ -32,7 +32,7 @@ struct Passes {
   std::vector<double> forward, derivatives, backward;
 };
 
-// A solver of the control floor that times its passes.
+// A solver that measures the times of its passes.
 template <class Base>
 class Timed : public Base {
  public:
@@ -61,7 +61,7 @@ class Timed : public Base {
   Passes& passes_;
 };
 
-// Keeps what each iteration did, and ends the solve where the caller says so.
+// Records each iteration, and interrupts the solve if the caller asks for it.
 class Record : public CallbackAbstract {
  public:
   Record(const TaskOptions& options, std::vector<TaskIteration>& iterations)
@@ -78,7 +78,7 @@ class Record : public CallbackAbstract {
   std::vector<TaskIteration>& iterations_;
 };
 
-// What `auto` is: make_problem has chosen the nodes by operations.
+// Resolves `auto`: make_problem has chosen the nodes by the number of operations.
 TaskSolver chosen(TaskSolver solver, std::size_t blocks) {
   if (solver != TaskSolver::kAuto) return solver;
   return blocks > 1 ? TaskSolver::kSparse : TaskSolver::kFddp;
@@ -92,7 +92,7 @@ std::shared_ptr<SolverDDP> make_solver(TaskSolver solver, bool by_parts,
   return std::make_shared<Timed<SolverFDDP>>(problem, passes);
 }
 
-// Of each part, by clusters, which may change from node to node.
+// The clusters of each subproblem, which may change from node to node.
 std::vector<TaskGains> gains_of(const SolverDDP& solver) {
   std::vector<TaskGains> out;
   const std::size_t T = solver.get_problem()->get_T();
@@ -207,7 +207,7 @@ void Run::without() {
   out.kkt_residual = kkt_residual(*problem.problem, out.xs, out.us, l, limits) / solver->get_scale();
 }
 
-// Once more, from what was found: iterations and times go on.
+// Solves again from the solution so far; iterations and times are added.
 void go_on(Run& run) {
   const TaskSolution before = std::move(run.out);
   const TaskProblem guess{{}, {}, {}, {}, run.problem.xs, run.problem.us, {}, {}, run.problem.multipliers};

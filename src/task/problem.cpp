@@ -18,7 +18,7 @@ using task::Nodes;
 
 namespace {
 
-// Misuse of the action floor is bad input here.
+// Converts misuse of action models to errors of the input file.
 template <class F>
 void blame(const TaskFile& task, int line, const F& f) {
   try {
@@ -46,7 +46,7 @@ std::shared_ptr<ContactModelMultiple> contacts_of(const TaskFile& task, const Ta
 namespace task {
 
 bool holds_where_it_closed(const TaskFile& task, const TaskPhase& phase, std::size_t contact) {
-  std::size_t k = 0;  // of the phase; the terminal node goes on with the last one's contacts
+  std::size_t k = 0;  // contacts of the phase; the terminal node has those of the last phase
   while (k + 1 < task.phases.size() && &task.phases[k] != &phase) ++k;
   while (k > 0 && task.phases[k - 1].active[contact]) --k;
   return k > 0 && !task.phases[k].at_scene;
@@ -206,8 +206,8 @@ std::shared_ptr<ActionModelAbstract> together(const TaskProblem& problem, std::v
   return out;
 }
 
-// What the nodes of a part keep. Panels are of one island: of one robot, whatever its contacts, with torques; an
-// augmented Lagrangian needs matrices.
+// Selects the matrices that the nodes of a part keep. Panels need one island: one robot, whatever its contacts, with
+// torques. An augmented Lagrangian needs matrices.
 MatrixStorage storage_of(const TaskFile& part) {
   const Scene& scene = part.scene.scene;
   const bool panel =

@@ -33,8 +33,8 @@ void check_fits(const TaskFile& task, const TaskSolution& solution, const StateM
   require(fits, "simulate", "the solution is of another task");
 }
 
-// The phase's contacts; those that close hold what they find, unless the phase says that they hold where the scene has
-// them. False where the impact failed.
+// Activates the contacts of the phase. Contacts that close fix their frames where they are, unless the phase specifies
+// the placements of the scene. Returns false if the impact failed.
 bool switch_to(const TaskPhase& phase, Scene& scene, SimulationData& world, SimulatedMotion& out) {
   const std::vector<char> active(phase.active.begin(), phase.active.end());
   for (std::size_t c = 0; c < active.size(); ++c)
@@ -45,7 +45,7 @@ bool switch_to(const TaskPhase& phase, Scene& scene, SimulationData& world, Simu
   return jump.status != Status::kFailed;
 }
 
-// The scene as the simulation holds it.
+// The scene with the contacts of the simulation.
 Scene held(const TaskFile& task, Integrator integrator, double h) {
   Scene scene = task::scene_with(task, task.phases.front().active);
   const Gains gains = recommended_gains(integrator, h);

@@ -7,7 +7,7 @@
 
 namespace manycontact::task {
 
-/// What terms are made with.
+/// The context in which terms are made.
 struct Parts {
   const TaskFile& task;
   std::shared_ptr<StateMultibody> state;

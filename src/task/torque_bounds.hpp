@@ -1,5 +1,5 @@
 #pragma once
-// Tasks whose constraints say nothing but how large torques may be.
+// Tasks whose only constraints are bounds of the torques.
 
 #include "manycontact/task/problem.hpp"
 

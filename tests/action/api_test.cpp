@@ -1,5 +1,5 @@
 // Every public member of Crocoddyl's and sobec's DifferentialActionModelContactFwdDynamics, by name, and its meaning.
-// The table in include/manycontact/action/README.md says which test covers which member.
+// The table in src/doc/action.md names the test of each member.
 
 #include <sstream>
 #include <thread>

@@ -1,4 +1,4 @@
-// The table in include/manycontact/action/README.md is complete and names tests that exist; action.hpp and tpl.hpp
+// The table in src/doc/action.md is complete and names tests that exist; action.hpp and tpl.hpp
 // leave nothing out.
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kRoot = MANYCONTACT_SOURCE_DIR;
-const fs::path kFloor = kRoot / "include/manycontact/action";
+const fs::path kHeaders = kRoot / "include/manycontact/action";
 
 std::string read(const fs::path& path) {
   std::ifstream file(path);
@@ -24,6 +24,8 @@ std::string read(const fs::path& path) {
   out << file.rdbuf();
   return out.str();
 }
+
+std::string page() { return read(kRoot / "src/doc/action.md"); }
 
 std::vector<std::string> matches(const std::string& text, const std::string& pattern) {
   const std::regex regex(pattern);
@@ -34,7 +36,7 @@ std::vector<std::string> matches(const std::string& text, const std::string& pat
 
 std::vector<fs::path> headers() {
   std::vector<fs::path> out;
-  for (const auto& entry : fs::recursive_directory_iterator(kFloor))
+  for (const auto& entry : fs::recursive_directory_iterator(kHeaders))
     if (entry.path().extension() == ".hpp") out.push_back(entry.path());
   return out;
 }
@@ -116,14 +118,14 @@ TEST(ActionReadme, TableNamesEveryMemberAndItsTest) {
   const std::set<std::string> tests = all_tests();
   EXPECT_GT(tests.size(), 40u);
   std::set<std::string> in_table;
-  std::istringstream text(read(kFloor / "README.md").substr(read(kFloor / "README.md").find("## Members")));
+  std::istringstream text(page().substr(page().find("## Members")));
   const std::regex row(R"(\| `([^`]+)` \| (.+) \| (.+) \|)");
   std::string line;
   while (std::getline(text, line)) {
     std::smatch match;
     if (!std::regex_match(line, match, row)) continue;
     EXPECT_TRUE(members.contains(match[1])) << match[1] << " is no member of the seeds";
-    EXPECT_TRUE(in_table.insert(match[1]).second) << match[1] << " stands there twice";
+    EXPECT_TRUE(in_table.insert(match[1]).second) << match[1] << " is listed twice";
     const std::vector<std::string> named = matches(match[3], "`([^`]+)`");
     EXPECT_FALSE(named.empty()) << line;
     for (const std::string& test : named) EXPECT_TRUE(tests.contains(test)) << test << " in: " << line;
@@ -133,7 +135,7 @@ TEST(ActionReadme, TableNamesEveryMemberAndItsTest) {
 
 TEST(ActionReadme, OtherTestsItNamesExist) {
   const std::set<std::string> tests = all_tests();
-  const std::vector<std::string> named = matches(read(kFloor / "README.md"), R"(`([A-Z]\w+\.[A-Z]\w+)`)");
+  const std::vector<std::string> named = matches(page(), R"(`([A-Z]\w+\.[A-Z]\w+)`)");
   EXPECT_GT(named.size(), 60u);
   for (const std::string& test : named) EXPECT_TRUE(tests.contains(test)) << test;
 }
@@ -155,7 +157,7 @@ TEST(ActionReadme, EveryClassHasItsTplName) {
       "CostGroups",      "CostSquare",      "Impact",          "ImpulseModelBetweenBodies",
       "ActuationMatrix", "MultibodyData",   "SpatialForce",    "ContactForce",
       "Step",            "Reevaluation",    "OwnCost"};
-  const std::string tpl = read(kFloor / "tpl.hpp");
+  const std::string tpl = read(kHeaders / "tpl.hpp");
   std::size_t count = 0;
   for (const fs::path& header : headers())
     for (const std::string& name : matches(read(header), R"((?:^|\n)(?:class|struct) (\w+)(?: :| \{))")) {

@@ -84,7 +84,7 @@ TEST(Advice, OnAlikeIslandsIsGivenOnce) {
     <contact name="c" type="3d" frame="b/top_1"/> <contact name="d" type="3d" frame="b/top_1"/></scene>)")};
   ASSERT_EQ(s.kinds.size(), 1u);
   EXPECT_TRUE(says(s.contacts, "the 6 contact rows of b0 have rank 3")) << all(s.contacts);
-  EXPECT_TRUE(says(s.contacts, "(4 more islands alike)")) << all(s.contacts);
+  EXPECT_TRUE(says(s.contacts, "(4 more identical islands)")) << all(s.contacts);
   EXPECT_FALSE(says(s.contacts, "b1")) << all(s.contacts);
 }
 

@@ -323,7 +323,7 @@ TEST_F(FindingsOfTheProgram, TorquesAndReferences) {
   refused("", "bad.csv:1: ");
   refused("time\n", "bad.csv:1: there is no column 't', expected");
   refused("t,u:a/none\n0,0\n", "bad.csv:1: column 'u:a/none' is none of the scene's");
-  refused("t,u:" + joint + "\n0,x\n", "bad.csv:2: column 'u:" + joint + "' holds 'x', expected a finite number");
+  refused("t,u:" + joint + "\n0,x\n", "bad.csv:2: column 'u:" + joint + "' has 'x', expected a finite number");
   refused("t,u:" + joint + "\n0\n", "bad.csv:2: has 1 cells, expected 2");
   refused("t,u:" + joint + "\n1,0\n1,0\n", "bad.csv:3: the time does not grow");
 }

@@ -171,7 +171,7 @@ TEST_F(CsvFiles, AreRefusedByLine) {
   says("t,u:\"r/j\"\n0,1\n", "1: cell 2 has a quote inside");
   says("\xFF\xFEt\n", "1: is UTF-16");
   says("t,u:r/j\n0,1\n0,1\n", "3: the time does not grow");
-  says("t,u:r/j\n0,nan\n", "2: column 'u:r/j' holds 'nan', expected a finite number");
+  says("t,u:r/j\n0,nan\n", "2: column 'u:r/j' has 'nan', expected a finite number");
   says("t,u:r/j\n", "1: has no rows");
   says("t,q:r/j\n0,1\n", "1: has no column of torques");
 }

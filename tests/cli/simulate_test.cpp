@@ -66,7 +66,7 @@ TEST_F(Simulate, FollowsTheSlopeOfPositions) {
   EXPECT_NEAR(end["positions"], end["both"], 1e-9);
 }
 
-// A contact that is switched on where its frames are not where it is held is told; here holds it where it is.
+// The program reports a contact that closes away from its place; `here` fixes it where it is.
 TEST_F(Simulate, TellsWhatClosesAway) {
   const std::string file = scene(
       "<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"><joint name=\"root\" v=\"1 0 0 0 0 0\"/></robot>"
@@ -75,7 +75,7 @@ TEST_F(Simulate, TellsWhatClosesAway) {
   for (const std::string what : {"on", "here"}) {
     const Outcome outcome = run(words(file, {"--switch", "0.05 grip " + what, "--json", path("r.json")}));
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    const std::string text = "contact grip closes 0.05 m away from where it holds";
+    const std::string text = "contact grip closes 0.05 m away from its place";
     EXPECT_EQ(outcome.out.find(text) != std::string::npos, what == "on") << outcome.out;
     EXPECT_EQ(read_text(path("r.json")).find(text) != std::string::npos, what == "on");
   }

@@ -361,7 +361,7 @@ TEST_F(View, BadInput) {
   trajectory({lines[0], lines[1], lines[1]}, ":3: the time does not grow");
   trajectory({lines[0], lines[1] + ",1"}, ":2: has");
   trajectory({lines[0], "nan" + lines[1].substr(lines[1].find(','))},
-             ":2: column 't' holds 'nan', expected a finite number");
+             ":2: column 't' has 'nan', expected a finite number");
 
   // forces of other times: all of them, one between two states, one after the last
   ASSERT_EQ(

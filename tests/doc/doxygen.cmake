@@ -13,7 +13,9 @@ function(complaints said)  # further lines of the Doxyfile
   set(${said} "${warnings}" PARENT_SCOPE)
 endfunction()
 
-# Of the page of outcomes the first lines: its table of 908 cases takes twice as long as all the rest.
+file(REMOVE_RECURSE ${BUILD}/html)  # pages of an earlier run
+
+# Only the first lines of the page of 908 cases: its table takes twice as long as all the rest.
 complaints(said "SEARCHENGINE = NO" "FILTER_PATTERNS = */stability/README.md=\"head -40\" *.hpp=\"perl src/doc/filter.pl\" \\
                                     *.md=\"python3 src/doc/site.py --filter\"")
 if(said)
@@ -32,6 +34,12 @@ foreach(tab IN LISTS tabs)
     message(SEND_ERROR "the navigation leads to ${url}, which doxygen did not make")
   endif()
 endforeach()
+
+# So do the links of every page.
+execute_process(COMMAND python3 ${CMAKE_CURRENT_LIST_DIR}/site_links.py ${BUILD}/html OUTPUT_VARIABLE said RESULT_VARIABLE failed)
+if(failed)
+  message(SEND_ERROR "${said}")
+endif()
 
 list(TRANSFORM FLOORS PREPEND include/manycontact/)
 string(JOIN " " floors ${FLOORS})

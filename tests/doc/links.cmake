@@ -1,7 +1,7 @@
 # Every page has a title, and its links and pictures lead to files that are there.
 #   PROJECT: the top folder
 file(GLOB pages ${PROJECT}/*.md ${PROJECT}/src/doc/*.md ${PROJECT}/src/doc/*/*.md ${PROJECT}/models/*.md ${PROJECT}/sparse/*.md
-                ${PROJECT}/include/manycontact/*/README.md ${PROJECT}/bench/*/README.md ${PROJECT}/tests/*/README.md)
+                ${PROJECT}/bench/*/README.md ${PROJECT}/tests/*/README.md)
 set(count 0)
 foreach(page IN LISTS pages)
   file(READ ${page} text)

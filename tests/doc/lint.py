@@ -1,4 +1,4 @@
-"""Checks the prose of pages and public headers.
+"""Checks the prose of pages, public headers, messages and docstrings.
 
     lint.py [--update]      ends with 1 where something is wrong; --update lowers the counts of prose_debts.txt
 
@@ -10,7 +10,8 @@
 * Members of the status enumerations that statuses.md does not explain, commands without a row in program.md, kinds of findings
   without one in scene_file.md, numbers of tables of times that are not those of bench/results.
 
-Comments of headers are checked for sentences and words only, against prose_debts.txt, whose counts may only decrease.
+Comments of headers, messages and docstrings are checked for sentences and words only, against prose_debts.txt, whose counts
+may only decrease.
 """
 
 import os
@@ -318,12 +319,33 @@ def header_debts(header, names):
         found = re.search(r"(?<![:\"])//[/<!]*\s?(.*)", line)
         text = found[1] if found else None
         own = found and not line[: found.start()].strip()
-        if text is None or (comment and not own) or not text.strip() or text.startswith("    "):
+        if text is None or (comment and not own) or not text.strip() or text.startswith(("    ", "- ")):
             for _, kind, _ in prose_faults(0, " ".join(comment)):
                 counts[kind] = counts.get(kind, 0) + 1
             comment = []
         if text and text.strip() and not text.startswith("    "):
             comment.append(text.strip())
+    return counts
+
+
+# Names of elements and files, which messages and docstrings are about.
+NAMED = {"push", "pushes", "drift"}
+
+
+def texts_of(source):
+    """Messages and docstrings: adjacent string literals of at least three words, or that continue others, by paragraphs."""
+    code = re.sub(r'(?m)(?<![:"])//.*$', "", source)
+    for run in re.findall(r'((?:"(?:[^"\\\n]|\\.)*"\s*)+)', code):
+        text = "".join(re.findall(r'"((?:[^"\\\n]|\\.)*)"', run)).replace("\\n", "\n")
+        yield from (" ".join(part.split()) for part in re.split(r"\n\s*\n|\n *-+\n|\n(?=\w+(?:, \w+)* : )|:\n", text) if len(part.split()) > 2 or text[:1] == " ")
+
+
+def text_debts(source):
+    counts = {}
+    for text in texts_of(source.read_text()):
+        for _, kind, fault in prose_faults(0, text):
+            if not (kind == "word" and fault.split("'")[1].lower() in NAMED):
+                counts[kind] = counts.get(kind, 0) + 1
     return counts
 
 
@@ -334,13 +356,12 @@ def header_faults(update, names):
             name, *counts = line.split()
             known[name] = {k: int(v) for k, v in (c.split("=") for c in counts)}
     now = {str(h.relative_to(TOP)): header_debts(h, names) for h in sorted((TOP / "include").rglob("*.hpp"))}
-    for page in sorted((TOP / "include").rglob("README.md")):
-        kinds = [kind for at, prose in paragraphs(page.read_text()) for _, kind, _ in prose_faults(at, prose)]
-        now[str(page.relative_to(TOP))] = {kind: kinds.count(kind) for kind in sorted(set(kinds))}
+    sources = [f for f in tracked() if f.suffix in (".cpp", ".hpp") and f.relative_to(TOP).parts[0] in ("src", "sparse")]
+    now |= {str(f.relative_to(TOP)): text_debts(f) for f in sorted(sources)}
     if update:
         lowered = {n: {k: min(v, known.get(n, {}).get(k, 0)) if known else v for k, v in c.items()} for n, c in now.items()}
         lines = [" ".join([n, *(f"{k}={v}" for k, v in sorted(c.items()) if v)]) for n, c in lowered.items() if any(c.values())]
-        DEBTS.write_text("# Faults of prose in public headers, by lint.py --update. Counts may only decrease.\n" + "\n".join(lines) + "\n")
+        DEBTS.write_text("# Faults of prose in public headers, messages and docstrings, by lint.py --update. Counts may only decrease.\n" + "\n".join(lines) + "\n")
         known = lowered
     for name, counts in now.items():
         for kind, count in counts.items():
@@ -357,7 +378,7 @@ def main():
     found = [f for f in found if not only or any(o in f for o in only)]
     for fault in found:
         print(fault)
-    print(f"{len(found)} faults in {len(pages.pages())} pages and the public headers")
+    print(f"{len(found)} faults in {len(pages.pages())} pages, public headers, messages and docstrings")
     sys.exit(1 if found else 0)
 
 

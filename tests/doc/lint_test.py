@@ -51,6 +51,13 @@ It takes 3 us (`./run bench`). See `manycontact/dynamics/solve.hpp`, `solve_batc
 """.replace("It holds: no. ", "")
 
 
+def check_texts():
+    """lint.texts_of: adjacent literals are one text, whose paragraphs are apart; comments and names of elements are none."""
+    source = 'f("The rows hold"\n  " the same.");  // "the rows hold two"\ng("One push of the scene.\\n\\nOf two robots, one.");\n'
+    found = list(lint.texts_of(source))
+    return [] if found == ["The rows hold the same.", "One push of the scene.", "Of two robots, one."] else [f"texts: {found}"]
+
+
 def check_output():
     """pages.difference: numbers to their digits, excerpts, rounding."""
     same = [("a 1.5\nb", "a 1.5\nb\n"), ("...\nb", "a\nb\n"), ("a\n...", "a\nb\nc\n"), ("x 1e-17", "x -3e-15\n"), ("t 1.500001", "t 1.500002\n")]
@@ -62,6 +69,6 @@ def check_output():
 
 
 missed = [f"not found in {text!r}: {expected}, but {faults(text)}" for text, expected in FAULTS.items() if not any(expected in f for f in faults(text))]
-missed += [f"found in a good page: {f}" for f in faults(FINE)] + check_output()
+missed += [f"found in a good page: {f}" for f in faults(FINE)] + check_output() + check_texts()
 print("\n".join(missed) or f"{len(FAULTS)} kinds of faults are found")
 sys.exit(1 if missed else 0)

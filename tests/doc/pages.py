@@ -113,7 +113,7 @@ class Run:
         self.environment = dict(
             os.environ,
             PATH=f"{tools}:{build / 'bin'}:{os.environ['PATH']}",
-            PYTHONPATH=str(build / "python"),
+            PYTHONPATH=os.pathsep.join([str(build / "python"), *filter(None, [os.environ.get("PYTHONPATH")])]),
             PYTHONDONTWRITEBYTECODE="1",
             OPENBLAS_NUM_THREADS="1",
             MPLBACKEND="Agg",

@@ -307,7 +307,7 @@ TEST_F(BadInput, Contacts) {
       {R"(name="c" type="3d" frame="h/b" to="h+2/b" wrap="true")", "contact 'c0' ties frame 'b' of robot 'h0' to it"},
       {R"(name="c" type="3d" frame="a/b" to="a/c")",
        "ties frame 'b' of robot 'a' to frame 'c' of robot 'a', which are on one body"},
-      {R"(name="c" type="3d" frame="a/a")", "holds frame 'a' of robot 'a', which cannot move, to the world"},
+      {R"(name="c" type="3d" frame="a/a")", "fixes frame 'a' of robot 'a', which cannot move, to the world"},
       {R"(name="c" type="3d" frame="a/a" to="h0/a")", "frame 'a' of robot 'a', which cannot move, to the world"},
       {R"(name="c" type="3d" frame="h/a" to="h+1/a")", "frame 'a' of robot 'h0', which cannot move, to the world"},
       {R"(name="c" type="1d" frame="a/b" axis="1e-10 0 0")", "contact 'c' has a zero axis, expected a direction"},

@@ -176,7 +176,7 @@ TEST_F(SceneOfTwo, BodiesThatCannotBeHeldTogether) {
   expect_says(refused(between(top, on("table", "leg"))), "which are on one body");
   for (const Attachment& still : {world, on("other", "top")})
     expect_says(refused(between(top, still)),
-                "contact 'c' holds frame 'top' of robot 'table', which cannot move, to the world");
+                "contact 'c' fixes frame 'top' of robot 'table', which cannot move, to the world");
   expect_says(refused(between({0, 0, {}}, {0, 0, random_placement(rng)})), "ties joint 'hinge' of robot 'table'");
   expect_says(refused(between({0, -1, {}}, world)), "holds the base of robot 'table', which cannot move");
   expect_says(refused(between({3, 0, {}}, world)), "names robot 3 of 3");

@@ -1,4 +1,4 @@
-"""Robots with other masses, lengths and friction without files; parts that stand beside the others."""
+"""Robots with other masses, lengths and friction without files; thrusters, squashing and other parts of action models."""
 
 import os
 
@@ -23,6 +23,13 @@ def test_bodies_are_scaled():
     turning = np.r_[3:6, 6 : model.nv]
     assert np.allclose(larger[np.ix_(turning, turning)], 2 * 9 * inertia[np.ix_(turning, turning)])
     assert np.allclose(larger[:3, :3], 2 * inertia[:3, :3])
+    rubbed = model.varied(friction=0.2, armature=0.01)  # one number is that of the joints: a floating base has none
+    assert np.allclose(rubbed.armature, np.r_[np.zeros(6), np.full(12, 0.01)])
+    mc.add_robot(scene, "s", rubbed)
+    v = np.ones(scene.nv)
+    data = mc.SceneData(scene)
+    mc.solve(scene, mc.neutral(scene), v, np.zeros(scene.nu), data)
+    assert np.allclose(data.tau[18:], np.r_[np.zeros(6), np.full(12, -0.2)])
     for bad in ({"mass": 0}, {"length": -1}, {"mass": [1, 2]}, {"friction": -1}):
         with pytest.raises(ValueError):
             model.varied(**bad)

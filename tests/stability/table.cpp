@@ -14,28 +14,28 @@ const char* const kNames[] = {"exact",       "refined", "reordered", "fallback",
 
 const char kIntroduction[] = R"(# Stability: every case by every method
 
-What the library does where dynamics with contacts is hard. Errors are against quadruple precision; a number is right
-when its error is at most `max(1e-12, 100 eps cond)` and at most 1e-2, a derivative when its error is at most ten times
-the former. `cond` is the 1-norm condition of K, computed here: from the whole (generalised) inverse in long double or
-quadruple precision, from an LU in double where K is large. Derivatives are compared along a direction in q, one in v
-and one in u where K is small and J's rank does not change nearby.
-Written by `test_stability` (`MANYCONTACT_WRITE_PAGE=1`), which fails when an outcome is no longer the one below, or
-when a number or a derivative is wrong, whatever the status.
+Results of the library for difficult systems with contacts. Errors are differences from quadruple precision. A number is
+right if its error is at most `max(1e-12, 100 eps cond)` and at most 1e-2, and a derivative if its error is at most ten
+times the former. `cond` is the 1-norm condition of K, computed here: from the whole (generalised) inverse in long double
+or quadruple precision, or from an LU in double if K is large. Derivatives are compared along a direction in q, one in v
+and one in u, if K is small and the rank of J does not change nearby.
+`test_stability` writes this page with `MANYCONTACT_WRITE_PAGE=1`. It fails if an outcome differs from the one below, or
+if a number or a derivative is wrong, whatever the status.
 
 | Letter | Outcome |
 |---|---|
-| `a` | answered: status `ok` |
-| `D` | redundant: contacts depend on each other and agree; accelerations unique, forces of least norm |
+| `a` | solved: status `ok` |
+| `D` | redundant: contacts are dependent and consistent; unique accelerations, forces of least norm |
 | `I` | inconsistent: contacts contradict each other; least squares |
-| `G` | regularised: the damping is lost in rounding; the answer without it |
+| `G` | regularised: the damping is below rounding errors; the solution without it |
 | `-` | refused: status `failed` and NaN, or an exception when the scene is built |
 | `W` | **wrong**: a wrong number or derivative, or an exception when solving |
 | `M` | **mislabelled**: right numbers, but `ok`, `redundant` and `inconsistent` are mixed up, or no damping was lost |
 | `.` | not tried: too large |
 
-How an answer came about is counted, not pinned: it may differ from machine to machine, whether there is one may not.
-*exact* is by the method and order asked for with at most one step of refinement, *refined* the same with more,
-*reordered* in leaf-to-root order because the order asked for was unsound, *fallback* by another method.
+The way to a solution is counted, but not compared: it may differ from machine to machine. Whether there is a solution
+may not differ. *exact* is the requested method and order with at most one step of refinement, *refined* the same with
+more steps. *reordered* is leaf-to-root order because the requested order was not accurate, *fallback* another method.
 )";
 
 // How often each way reached each outcome, as columns of a table.

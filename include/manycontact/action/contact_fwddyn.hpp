@@ -86,9 +86,10 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   const Eigen::VectorXd& get_start() const { return start_; }
   void set_start(const Eigen::VectorXd& x0);  // throws std::invalid_argument for a wrong size
 
-  /// The wrenches of the pushes of the state's scene, which act in the solves [N, N m]; initially those of the scene.
+  /// The external wrenches that act in the solves [N, N m]; initially those of the state's scene.
   const std::vector<Vec6<double>>& get_pushes() const { return pushes_; }
-  /// Sets one wrench per push, for new and existing data. Throws std::invalid_argument for another number.
+  /// Sets one wrench per external wrench of the scene, for new and existing data. Throws std::invalid_argument for
+  /// another number.
   void set_pushes(const std::vector<Vec6<double>>& pushes);
 
   std::size_t get_nr() const override { return costs_->get_nr(); }

@@ -11,11 +11,11 @@
 //
 //     M(q) a + h(q, v) = tau + sum J^T fext        h = C(q, v) v + g(q) - tau_f(v) - tau_s(q)
 //
-// The armature is on the diagonal of M. tau_f is the damping and friction of joints, if the model has them
-// (Model::damping). tau_s is the torque of the springs in joints of a scene (Scene::joint_springs), as in solve. fext
-// contains njoints forces on the bodies, robot by robot, each in its joint's child frame, or is empty. In derivatives,
-// each force is fixed to its body. The forces of contacts, pushes and springs between points are computed by
-// forces_on_bodies (contact/jacobian.hpp).
+// The armature is on the diagonal of M. The term tau_f is the damping and friction of joints, if the model has them
+// (Model::damping); tau_s is the torque of the springs in joints of a scene (Scene::joint_springs), as in solve. The
+// argument fext contains njoints forces on the bodies, robot by robot, each in its joint's child frame, or is empty. In
+// derivatives, each force is fixed to its body. `forces_on_bodies` (contact/jacobian.hpp) computes the forces of
+// contacts, external wrenches and springs between points.
 //
 // State of the data: each algorithm stores its q, its v (zero if it takes none) and its a (zero if it takes none). The
 // functions under "at the state of the data" refer to that state.
@@ -52,8 +52,8 @@ using ForcesOnBodies = std::span<const Vec6<double>>;  // njoints of them, or no
 /// The reference remains valid until the next call. Throws std::invalid_argument for wrong sizes.
 const Eigen::VectorXd& rnea(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
                             const ConstVectorRef& a, RigidBodyData& data, ForcesOnBodies fext = {});
-/// Compute h(q, v), and g(q) - tau_s(q), the torques (nv) [N m, N] that compensate gravity and springs. The references remain valid until the
-/// next call of the same function. They throw std::invalid_argument for wrong sizes.
+/// Compute h(q, v), and g(q) - tau_s(q), the torques (nv) [N m, N] that compensate gravity and springs. The references
+/// remain valid until the next call of the same function. They throw std::invalid_argument for wrong sizes.
 const Eigen::VectorXd& nonlinear_effects(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
                                          RigidBodyData& data);
 const Eigen::VectorXd& gravity_torques(const RigidBodies& bodies, const ConstVectorRef& q, RigidBodyData& data);
@@ -141,8 +141,8 @@ Vec3<double> center_of_mass_velocity(const RigidBodies& bodies, RigidBodyData& d
 Vec3<double> center_of_mass_acceleration(const RigidBodies& bodies, RigidBodyData& data);
 /// The Jacobian J (3 x nv) of the centre of mass: its velocity is J v. Allocates the result.
 Eigen::Matrix3Xd center_of_mass_jacobian(const RigidBodies& bodies, RigidBodyData& data);
-/// Momentum about the centre of mass, linear [N s] and angular [N m s]; the matrix A (6 x nv) with momentum = A v; and
-/// the rate dA/dt v + A a [N, N m], which equals the sum of all external forces about the centre of mass. Rotors
+/// Momentum about the centre of mass, linear [N s] and angular [N m s], and the matrix A (6 x nv) with momentum = A v.
+/// The rate is dA/dt v + A a [N, N m], which equals the sum of all external forces about the centre of mass. Rotors
 /// (armature) do not contribute.
 Vec6<double> centroidal_momentum(const RigidBodies& bodies, RigidBodyData& data);
 Mat6X<double> centroidal_momentum_matrix(const RigidBodies& bodies, RigidBodyData& data);

@@ -50,9 +50,9 @@ Vec6<S> turned(const Vec3<S>& th, const Vec6<S>& y) {
   return out;
 }
 
-/// Computes `d`. kinA, kinB: after forward_accelerations with the accelerations of the solution; kinB is nullptr if B
-/// is in the world. termsA, termsB: Psid, Psidd, Sv of the same robots. f: the contact's force in its own frame. data:
-/// computed by contact_rows at the same accelerations.
+/// Computes `d`. `kinA` and `kinB` are those after forward_accelerations with the accelerations of the solution; `kinB`
+/// is nullptr if B is in the world. `termsA` and `termsB` have Psid, Psidd, Sv of the same robots. `f` is the contact's
+/// force in its own frame. `data` were computed by contact_rows at the same accelerations.
 template <class S>
 void contact_derivatives(const Contact& contact, const ContactSupport& support, const Kinematics<S>& kinA,
                          const Kinematics<S>* kinB, const RneaDerivativesOf<S>& termsA,

@@ -22,16 +22,16 @@ Eigen::MatrixXd contact_jacobian(const Scene& scene, const ConstVectorRef& q, co
 Eigen::VectorXd contact_drift(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                               const std::vector<char>& active = {});
 
-/// Computes all external wrenches on bodies at q (nq) and v (nv): of the contact forces f (rows and f_offset as in
-/// Solution; f_offset is -1 if a contact is not active), of the scene's pushes (one wrench per push as in
-/// SceneData::pushes, or those of the scene if empty), and of its springs and dampers between points. The result has one
-/// wrench per joint, robot by robot, in the child frames: the fext of rnea (algorithm/rigid_body.hpp). With it
-/// rnea(q, v, a) returns the motor torques alone, and joint_wrench the load of joints. NaN if the ends of a spring
-/// coincide. Allocates. Throws std::invalid_argument for wrong sizes. Thread-safe.
+/// Computes the wrenches on bodies at q (nq) and v (nv) of contact forces, of external wrenches, and of springs and
+/// dampers between points. The contact forces are `f`, with rows and `f_offset` as in Solution; `f_offset` is -1 if a
+/// contact is not active. `pushes` has the external wrenches as `SceneData::pushes`, or is empty for those of the
+/// scene. The result has one wrench per joint, robot by robot, in the child frames: the fext of rnea
+/// (algorithm/rigid_body.hpp). With it rnea(q, v, a) returns the motor torques alone, and joint_wrench the load of
+/// joints. NaN if the ends of a spring coincide. Allocates. Throws std::invalid_argument for wrong sizes. Thread-safe.
 std::vector<Vec6<double>> forces_on_bodies(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                                            const ConstVectorRef& f, const std::vector<int>& f_offset,
                                            std::span<const Vec6<double>> pushes = {});
-/// The same of contact forces alone.
+/// Computes the wrenches of the contact forces alone.
 std::vector<Vec6<double>> contact_forces_on_bodies(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& f,
                                                    const std::vector<int>& f_offset);
 

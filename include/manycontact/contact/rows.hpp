@@ -10,9 +10,9 @@
 //     5D:         x_lin as 3D,  x_ang = nudot_ang + alpha m x n + beta nu_ang
 // clang-format on
 //
-// n is the axis in A, and m = R_AB' n is the axis in B' expressed in A. m x n vanishes if the two are aligned, for any
-// rotation of A about them; its rate is then nu_ang across n. (log6(G) is not suitable: half a revolution away from B',
-// its rows across n respond to a deviation at a right angle to it.)
+// The axis in A is n, and the axis in B', expressed in A, is m = R_AB' n. If the two are aligned, m x n vanishes for
+// any rotation of A about them; its rate is then nu_ang across n. (log6(G) is not suitable: half a revolution away from
+// B', its rows across n respond to a deviation at a right angle to it.)
 //
 // a0 = W x and J = W J_l, where W selects the rows. In local axes the rows are those of A's axes. In world axes, W also
 // rotates them by oR_A. The rows of a 5D contact are in A's axes, the angular ones along two unit vectors across n.
@@ -45,8 +45,8 @@ struct ContactSupport {
 };
 ContactSupport contact_support(const Scene& scene, const Contact& contact);  // the coordinates of one contact
 
-/// The numbers of contacts between the same two bodies whose rows are reduced to independent ones: B = Q R, where B are
-/// the rows of all these contacts on the relative motion of the bodies in the pair's frame A. Q has orthonormal
+/// The numbers of contacts between the same two bodies whose rows are reduced to independent ones by B = Q R. Here B
+/// are the rows of all these contacts on the relative motion of the bodies in the pair's frame A, and Q has orthonormal
 /// columns.
 template <class S>
 struct PairNumbers {

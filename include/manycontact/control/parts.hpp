@@ -70,9 +70,9 @@ class ActionModelParts : public ActionModelAbstract {  // Subproblems of a scene
   const std::shared_ptr<const Couplings>& get_couplings() const { return couplings_; }
   /// Makes the same node with other models in the same places, with the limits and storage of this one.
   std::shared_ptr<ActionModelParts> with_models(std::vector<ActionPart> parts) const;
-  /// For data created afterwards. kDense (initially): the node's data also contain dense derivatives, for any solver,
-  /// with the wrenches of couplings eliminated. kSparse: only the subproblems' data contain derivatives, which
-  /// SolverSparse reads; Lx, Lu and the node's matrices are empty.
+  /// Selects the matrices of data created afterwards. With kDense (initially) the node's data also contain dense
+  /// derivatives, for any solver, with the wrenches of couplings eliminated. With kSparse only the subproblems' data
+  /// contain derivatives, which SolverSparse reads; Lx, Lu and the node's matrices are empty.
   void set_storage(MatrixStorage storage);
   MatrixStorage get_storage() const { return storage_; }  // which matrices the data contain
 

@@ -41,10 +41,10 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   virtual ~SolverAbstract() = default;
 
   /// Solves the problem from the candidate init_xs (T + 1 states; empty: the states' zeros), init_us (T controls;
-  /// empty: zeros), with at most maxiter iterations. is_feasible: init_xs is the result of simulating init_us, so that
-  /// there are no gaps. init_reg: initial regularisation, NaN for the smallest. Returns true if converged; otherwise
-  /// see reason(). Throws std::invalid_argument for wrong sizes. The results get_xs() and get_us() remain valid until
-  /// the next solve.
+  /// empty: zeros), with at most maxiter iterations. If `is_feasible` is true, init_xs is the result of simulating
+  /// init_us, so that there are no gaps. `init_reg` is the initial regularisation, NaN for the smallest. Returns true
+  /// if converged; otherwise see reason(). Throws std::invalid_argument for wrong sizes. The results get_xs() and
+  /// get_us() remain valid until the next solve.
   virtual bool solve(const std::vector<Eigen::VectorXd>& init_xs = DEFAULT_VECTOR,
                      const std::vector<Eigen::VectorXd>& init_us = DEFAULT_VECTOR, std::size_t maxiter = 100,
                      bool is_feasible = false, double init_reg = NAN) = 0;

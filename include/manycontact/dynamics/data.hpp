@@ -7,12 +7,12 @@
 // - gravity, damping, tolerance and moment_length;
 // - the placements of fixed bases;
 // - the placement of B, the reference frame and the gains of a contact;
-// - everything of pushes and springs except their bodies.
+// - everything of external wrenches and springs except their bodies.
 //
 // The following may not change: robots and their models, the number of contacts, the type, A, axis and body of B of a
-// contact, and the bodies of pushes and springs. Every function that takes a scene and data throws
-// std::invalid_argument if they differ; new data are needed then. (A copy of the scene without any pushes and springs
-// may be solved with the same data.)
+// contact, and the bodies of external wrenches and springs. Every function that takes a scene and data throws
+// std::invalid_argument if they differ; new data are needed then. (A copy of the scene without any external
+// wrenches and springs may be solved with the same data.)
 
 #include <cstdint>
 #include <memory>
@@ -26,7 +26,7 @@ namespace manycontact {
 struct Solution {
   std::uint64_t serial = 0;   // number of the solve: 1, 2, ...; 0 if there is no solution
   Eigen::VectorXd v, tau;     // nv: velocity [m/s, rad/s] and total torques [N, N m] of the solve; tau includes joint
-                              // friction, pushes and springs
+                              // friction, external wrenches and springs
   Eigen::VectorXd a;          // nv: accelerations [m/s^2, rad/s^2]
   Eigen::VectorXd f;          // one entry per constraint row of the active contacts, in the scene's order: forces on A,
                               // expressed in the contact's reference frame [N, N m]
@@ -45,7 +45,7 @@ struct SceneData : Solution {                                           // The v
   // These members are set by the caller, between solves.
   Options options;
   std::vector<char> active;          // one flag per contact; initially as in the scene
-  std::vector<Vec6<double>> pushes;  // one wrench per push [N, N m], in the axes of the push; initially as in the scene
+  std::vector<Vec6<double>> pushes;  // the external wrenches [N, N m], each in its own axes; initially the scene's
 
   std::unique_ptr<Workspace> workspace;
 };

@@ -33,8 +33,8 @@ struct Stamp {
 struct IslandDerivatives {
   using Panel = AlignedPanel::Matrix;
   AlignedPanel X;           // use the views instead; the row stride is a multiple of 8, padded by zero columns
-  AlignedPanel W;           // rows as X, columns [w]: with respect to the wrenches of pushes, if requested
-  std::vector<int> pushes;  // numbers of the pushes on the island's robots, ascending
+  AlignedPanel W;           // rows as X, columns [w]: with respect to the external wrenches, if requested
+  std::vector<int> pushes;  // numbers of the external wrenches on the island's robots, ascending
   int nv = 0, nc = 0, nu = 0;
   int q_first = 0, v_first = 0, u_first = 0, cols = 0;
   DerivativeRequest request;
@@ -47,9 +47,9 @@ struct IslandDerivatives {
   auto dforces_dq() const { return block(nv, q_first, nc, request.q ? nv : 0); }  // nc x nv
   auto dforces_dv() const { return block(nv, v_first, nc, request.v ? nv : 0); }  // nc x nv
   auto dforces_du() const { return block(nv, u_first, nc, request.u ? nu : 0); }  // nc x nu
-  // Derivatives with respect to [force; torque] of each of `pushes`, in the axes of the push: 6 columns each.
-  auto da_dw() const { return block(W, 0, 0, nv, of_pushes()); }        // nv x 6 pushes
-  auto dforces_dw() const { return block(W, nv, 0, nc, of_pushes()); }  // nc x 6 pushes
+  // Derivatives with respect to [force; torque] of each of `pushes`, in its own axes: 6 columns each.
+  auto da_dw() const { return block(W, 0, 0, nv, of_pushes()); }        // nv x 6 `pushes`
+  auto dforces_dw() const { return block(W, nv, 0, nc, of_pushes()); }  // nc x 6 `pushes`
   /// Throws std::logic_error unless these are derivatives of the current solution.
   void check() const;
 

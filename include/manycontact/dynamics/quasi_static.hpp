@@ -10,9 +10,9 @@ namespace manycontact {
 ///
 ///     [S^T J^T] [u; f] = h(q, 0) - J_F^T w - tau_s(q, 0),
 ///
-/// where S selects the actuated joints, J contains the active contacts, w are the wrenches data.pushes, and tau_s are
-/// the torques of the springs. If the scene cannot be kept at rest, the residual is not zero: solve with the returned
-/// torques and look at the accelerations.
+/// where S selects the actuated joints, J contains the active contacts, w are the external wrenches `data.pushes`, and
+/// tau_s are the torques of the springs. If the scene cannot be kept at rest, the residual is not zero: solve with the
+/// returned torques and look at the accelerations.
 ///
 /// The result is NaN for islands that cannot be computed. Throws std::invalid_argument if q has a wrong size or is
 /// refused by solve(). Throws std::length_error for trees too deep for the joint-space inertia (2^22 terms). `data` is
@@ -20,8 +20,8 @@ namespace manycontact {
 /// Source: Crocoddyl, DifferentialActionModelContactFwdDynamics::quasiStatic.
 Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q, SceneData& data);
 
-/// Computes controls u that give the torques tau0 + B u: [B J^T] [u; f] = h(q, 0) - J_F^T w - tau_s(q, 0) - tau0. tau0
-/// has scene.nv entries, and B has scene.nv rows and one column per control. Throws as the first overload does.
+/// Computes controls u that give the torques tau0 + B u: [B J^T] [u; f] = h(q, 0) - J_F^T w - tau_s(q, 0) - tau0. Here
+/// tau0 has scene.nv entries, and B has scene.nv rows and one column per control. Throws as the first overload does.
 Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& tau0,
                              const Eigen::SparseMatrix<double>& B, SceneData& data);
 

@@ -5,17 +5,18 @@ namespace manycontact {
 
 using ConstVector = ConstVectorRef;  // former name
 
-/// Contact forward dynamics: computes the accelerations data.a (nv) and the contact forces data.f of the scene from
+/// Contact forward dynamics: computes the accelerations data.a (nv) and the contact forces data.f of the scene. They
+/// satisfy
 ///
 ///     [ M  J^T     ] [  a ]   [ S^T u + J_F^T w + tau_s(q, v) - h ]
 ///     [ J  -delta I] [ -f ] = [              -a0                  ]
 ///
-/// island by island, with data.options.method. w are the wrenches data.pushes at the frames F of the scene's pushes,
-/// and tau_s are the torques of its springs and of joint friction.
+/// island by island, with data.options.method. Here w are the external wrenches `data.pushes` at their frames
+/// F, and tau_s are the torques of its springs and of joint friction.
 ///
-/// q: configuration (scene.nq) [m, rad, unit quaternions]. v: velocity (scene.nv) [m/s, rad/s]; that of a floating base
-/// is the spatial velocity in the base's own frame, linear part first. u: torques of the actuated coordinates
-/// (scene.nu) [N m, N]. data.f is expressed in the reference frame of each contact [N, N m].
+/// `q`: configuration (scene.nq) [m, rad, unit quaternions]. `v`: velocity (scene.nv) [m/s, rad/s]; that of a floating
+/// base is the spatial velocity in the base's own frame, linear part first. `u`: torques of the actuated coordinates
+/// (scene.nu) [N m, N]. `data.f` is expressed in the reference frame of each contact [N, N m].
 ///
 /// Returns data.report. Its status is that of the solution: exact, least-squares, approximate or missing. The
 /// accelerations and forces of a failed island are NaN. The reference remains valid as long as `data`; the next solve

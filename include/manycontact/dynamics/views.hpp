@@ -2,7 +2,7 @@
 // Intermediate results of a solve: islands, K, kinematics, and the Jacobians of contacts. All functions throw
 // std::logic_error if the requested result was not computed. References remain valid until the next call with the data.
 //
-// Robots that were solved in a SIMD batch (Options::lanes) have no intermediate results until `complete` is called.
+// Robots that were solved in a SIMD batch (`Options::lanes`) have no intermediate results until `complete` is called.
 // With sparse-bodies there is no K, and J and Jl of contacts are NaN.
 
 #include <Eigen/SparseCore>
@@ -31,9 +31,9 @@ int island_with_robot(const SceneData& data, int robot);
 /// The method and order chosen for an island when it was set up. Its report contains the method that computed the
 /// solution.
 Choice choice_of(const SceneData& data, std::size_t i);
-/// K = [M J^T; J -delta I] of an island at the last solve, nv + nc rows, both triangles, in the island's order. delta
-/// is zero if the damping was below the rounding errors of K (Reason::kDampingLost). Call `complete` first for robots
-/// that were solved in a SIMD batch. Allocates.
+/// K = [M J^T; J -delta I] of an island at the last solve, nv + nc rows, both triangles, in the island's order. Its
+/// delta is zero if the damping was below the rounding errors of K (Reason::kDampingLost). Call `complete` first for
+/// robots that were solved in a SIMD batch. Allocates.
 Eigen::SparseMatrix<double> matrix_of(const SceneData& data, std::size_t i);
 
 /// The kinematics of a robot's bodies in its tree frame (algorithm/kinematics.hpp) at the last q, v. The accelerations

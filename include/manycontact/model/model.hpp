@@ -61,8 +61,8 @@ struct Model {  // A robot's joints, frames and inertias.
   std::vector<Tree> trees;       // in the order of their roots
   std::vector<int> tree_of;      // per joint: the number of its tree
   std::vector<char> on_path;     // per joint: whether it is on its tree's path
-  std::vector<int> M_begin;      // nv+1: start of row i of the packed M (algorithm/crba.hpp); empty if the tree is so
-                                 // deep that M has 2^31 entries or more
+  std::vector<int> M_begin;      // nv+1: start of row i of the packed M (algorithm/crba.hpp). It is empty if the tree
+                                 // is so deep that M has 2^31 entries or more.
   /// The same object for models that are identical except for names, masses, placements, armatures, damping, friction
   /// and limits. The analysis of one such model is valid for all of them.
   std::shared_ptr<const struct ModelStructure> structure;

@@ -56,7 +56,8 @@ constexpr bool has_axis(ContactType t) { return t == ContactType::k1D || t == Co
 /// The name of a type in scene files: "6d".
 inline std::string to_string(ContactType t) { return std::to_string(contact_rows(t)) + "d"; }
 
-/// A frame on a body that contacts, pushes and springs are attached to: a placement on a joint's body, or in the world.
+/// A frame on a body that contacts, external wrenches and springs are attached to: a placement on a joint's body, or in
+/// the world.
 struct Attachment {
   int robot = -1;          // -1: the world
   int joint = -1;          // number of the joint in that robot's model; -1: its fixed base
@@ -101,16 +102,16 @@ struct Push {
   ReferenceFrame reference_frame =
       ReferenceFrame::kLocal;                  // axes of the wrench: those of the frame, which rotate with the body, or
                                                // the world's (kWorld and kLocalWorldAligned are the same)
-  Vec6<double> wrench = Vec6<double>::Zero();  // initial [force; torque about the origin] [N, N m]; SceneData::pushes
-                                               // may change it
+  Vec6<double> wrench = Vec6<double>::Zero();  // initial [force; torque about the origin] [N, N m]; the
+                                               // value in a solve is in SceneData
 };
 
 /// A massless spring and damper between two points. It pulls A towards B with the force
 ///
 ///     stiffness (s - length) + damping ds/dt,    s the distance between the points
 ///
-/// along the line through them; a negative force pushes. If the points coincide, the line has no direction, and a solve
-/// fails (Reason::kSpringWithoutDirection), unless length and damping are zero.
+/// along the line through them; a negative force presses them apart. If the points coincide, the line has no direction,
+/// and a solve fails (Reason::kSpringWithoutDirection), unless length and damping are zero.
 struct Spring {
   std::string name;
   Attachment A, B;       // the frames' origins; B may be in the world
@@ -171,14 +172,14 @@ Attachment world_if_immovable(const Scene& scene, Attachment attachment);
 ///
 /// Throws std::invalid_argument for:
 ///
-/// - an unknown robot or joint, or a name used twice;
-/// - A in the world, A and B' on one body, or two bodies that cannot move;
-/// - numbers that are not finite, an axis shorter than kZeroDirection, a negative mu or box;
-/// - a 5D contact whose reference frame is not local, or a box on a contact that is not 6D.
+/// - An unknown robot or joint, or a name used twice.
+/// - A in the world, A and B' on one body, or two bodies that cannot move.
+/// - Numbers that are not finite, an axis shorter than kZeroDirection, a negative mu or box.
+/// - A 5D contact whose reference frame is not local, or a box on a contact that is not 6D.
 int add_contact(Scene& scene, Contact contact);
 
-/// Appends a push; returns its number. Existing SceneData become invalid. Throws std::invalid_argument for an unknown
-/// robot or joint, a body that cannot move, numbers that are not finite, or a name used twice.
+/// Appends an external wrench; returns its number. Existing SceneData become invalid. Throws std::invalid_argument for
+/// an unknown robot or joint, a body that cannot move, numbers that are not finite, or a name used twice.
 int add_push(Scene& scene, Push push);
 
 /// Appends a spring; returns its number. Ends that cannot move are expressed in the world; the ends are exchanged if A
@@ -192,10 +193,10 @@ int add_spring(Scene& scene, Spring spring);
 int add_joint_spring(Scene& scene, const std::string& robot, const std::string& joint, double stiffness,
                      double rest = 0);
 
-/// The names of the components of all wrenches: "wind[0]", ... "wind[5]" for each push.
+/// The names of the components of all wrenches: "wind[0]", ... "wind[5]" for each external wrench.
 std::vector<std::string> push_names(const Scene& scene);
 
-/// Whether other forces than those of motors, gravity and contacts act: pushes and springs.
+/// Whether other forces than those of motors, gravity and contacts act: external wrenches and springs.
 inline bool has_applied_forces(const Scene& scene) {
   return !scene.pushes.empty() || !scene.springs.empty() || !scene.joint_springs.empty();
 }

@@ -1,6 +1,7 @@
 #pragma once
 // Quantities that exact motion conserves. Constraint errors remain zero if they are initially. Energy is conserved
-// without torques, pushes, dampers and gains. Momentum is conserved without gravity and contacts with the world.
+// without torques, external wrenches, dampers and gains. Momentum is conserved without gravity and contacts with the
+// world.
 
 #include <vector>
 

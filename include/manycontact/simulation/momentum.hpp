@@ -2,7 +2,7 @@
 // Momentum of bodies without connection to the world.
 //
 // In a robot's own coordinates, semi-implicit Euler loses momentum. The velocity of a floating base is
-// expressed in axes that rotate with the base. v - h w x v is longer than v by (h w)^2 / 2 in every step: at 10 rad/s
+// expressed in axes that rotate with the base. In every step v - h w x v is longer than v by (h w)^2 / 2: at 10 rad/s
 // and 1 ms, by 5 % a second. The exact rate of momentum is known, however. Bodies connected to each other by joints and
 // contacts, but not to the world, form a group. Let m be its mass, P its momentum, C its centre of mass and L its
 // angular momentum about C. In a step
@@ -64,8 +64,8 @@ struct FreeGroups {
 };
 
 /// Finds the groups before a step of size h from q, v, with the contacts flagged `active`, and computes their momentum
-/// after the step. tau (nv): torques of motors, pushes and springs on every velocity coordinate. kin: per robot, at q
-/// and v. Allocates nothing.
+/// after the step. `tau` (nv) has the torques of motors, external wrenches and springs on every velocity coordinate.
+/// `kin` has the kinematics of each robot at q and v. Allocates nothing.
 void begin_free_motion(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& tau, double h,
                        const std::vector<Kinematics<double>>& kin, FreeGroups& groups);
 

@@ -6,10 +6,10 @@
 //     [ M  J^T     ] [ v+   ]   [ M v + h (tau - h(q, v))   ]
 //     [ J  -delta I] [ -h f ] = [ (1 - beta h) c - alpha h e ]      c+ = J(q) v+,   q+ = q (+) h v+
 //
-// tau = tau(q, v, u, w) is the torque of motors and pushes at the start of the step. Resisting forces are those at its
-// end, for any h. Dampers, springs and PD laws add h^2 k + h c to M along them: oscillations that are too fast for the
-// step are damped. Joint friction follows Coulomb: it is at most F, and a joint sticks below 1e-6 rad/s or m/s.
-// Afterwards, the momentum of bodies without connection to the world is corrected (simulation/momentum.hpp).
+// tau = tau(q, v, u, w) is the torque of motors and external wrenches at the start of the step. Resisting forces are
+// those at its end, for any h. Dampers, springs and PD laws add h^2 k + h c to M along them: oscillations that are too
+// fast for the step are damped. Joint friction follows Coulomb: it is at most F, and a joint sticks below 1e-6 rad/s or
+// m/s. Afterwards, the momentum of bodies without connection to the world is corrected (simulation/momentum.hpp).
 //
 // e is the contact's placement error. c is its velocity after the last step: J v initially, then J of the last
 // configuration times v. If e = c = 0, v+ is the velocity nearest to v + h a_free, in the mass-weighted norm, that the
@@ -57,8 +57,8 @@ enum class StepStatus {
 };
 
 /// The scene at rest, for solves that prescribe velocities instead of accelerations (semi-implicit Euler, impacts). It
-/// has no gravity, bias, pushes and springs, and its gains convert placement errors to velocities. Contains the
-/// workspace.
+/// has no gravity, bias, external wrenches and springs, and its gains convert placement errors to velocities. Contains
+/// the workspace.
 struct SceneAtRest {
   explicit SceneAtRest(const Scene& scene);  // a copy without gravity
   /// Copies everything from `of` that may change. alpha becomes alpha h [1/s], beta 0.
@@ -78,8 +78,8 @@ struct SceneAtRest {
   std::vector<ContactData<double>> contacts;
 };
 
-/// PD laws of joints: the torque kp (q_ref - q) + kd (v_ref - v) on velocity coordinates. All vectors have length nv, or
-/// all are empty if no joint has a PD law.
+/// PD laws of joints: the torque kp (q_ref - q) + kd (v_ref - v) on velocity coordinates. All vectors have length nv,
+/// or all are empty if no joint has a PD law.
 struct PdLaws {
   Eigen::VectorXd kp, kd;        // not negative [N m / rad, N m s / rad]; kp is 0 for joints of several coordinates
   Eigen::VectorXd q_ref, v_ref;  // references at the end of the step [rad, rad/s]; RK4 uses them at all stages
@@ -109,8 +109,8 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
   long steps = 0;              // number of completed steps
   Status worst = Status::kOk;  // the worst status of all solves
   SceneData dynamics;          // a, f and report of the last solve; with semi-implicit Euler a is a mean acceleration,
-                               // and there are no derivatives. Between steps, dynamics.active may be switched
-                               // (simulation/switch.hpp) and dynamics.pushes changed
+                               // and there are no derivatives. Between steps, `dynamics.active` may be
+                               // switched (simulation/switch.hpp) and `dynamics.pushes` changed
   PdLaws pd;                   // may be changed between steps
   Eigen::VectorXd pd_torque;   // nv, set by step: mean torque of the PD laws [N m, N]
   StepWork work;               // set by step
@@ -125,7 +125,7 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
   FreeGroups free_groups;
   std::shared_ptr<AppliedForces<double>> applied;  // nullptr if the scene has none
   std::shared_ptr<ResistingForces> resisting;      // nullptr if there are no springs, dampers, friction and PD laws
-  long unsettled = 0;  // number of steps in which joint friction did not converge within 50 solves
+  long unsettled = 0;         // number of steps in which joint friction did not converge within 50 solves
   Eigen::VectorXd contact_v;  // c, rows as in f, for the current state and contacts
   Eigen::VectorXd left_q, left_v;
   std::vector<char> left_active;

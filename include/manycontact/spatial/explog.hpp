@@ -1,8 +1,8 @@
 #pragma once
 // Exponential and logarithm of SO(3), SE(3) and SE(2), accurate near 0 and near pi, and the right Jacobians of log6.
-// log is defined for angles up to pi; at pi exactly the sign of the axis is arbitrary. Source: Chirikjian, Stochastic
-// Models, Information Theory, and Lie Groups 2 (2012), ch. 10. The coefficients of Jlog6 are those of z/2 coth(z/2)
-// interpolated on the spectrum {0, +-i theta} (double) of ad.
+// The logarithm is defined for angles up to pi; at pi exactly the sign of the axis is arbitrary. The
+// coefficients of Jlog6 are those of z/2 coth(z/2) interpolated on the spectrum {0, +-i theta} (double) of ad. Source:
+// Chirikjian, Stochastic Models, Information Theory, and Lie Groups 2 (2012), chapter 10.
 
 #include <cmath>
 

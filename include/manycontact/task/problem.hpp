@@ -30,10 +30,10 @@ struct TaskProblem {  // A task as a shooting problem.
 /// Whether any node has constraints.
 bool has_constraints(const TaskFile& task);
 
-/// Makes the problem with the nodes that this solver needs. kFddp, or a single block: nodes of the whole scene.
-/// kSparse: ActionModelParts, without matrices of the whole scene. A coupled subproblem is divided into blocks, unless
-/// its couplings are linearly dependent at x0. kAuto: as kSparse, but a subproblem is divided only if this is predicted
-/// to be cheaper. kBoxFddp: subproblems are not divided.
+/// Makes the problem with the nodes that this solver needs. For kFddp, or a single block, these are nodes of the whole
+/// scene. For kSparse they are ActionModelParts, without matrices of the whole scene. A coupled subproblem is divided
+/// into blocks, unless its couplings are linearly dependent at x0. With kAuto it is divided only if this is predicted
+/// to be cheaper, and with kBoxFddp it is not divided.
 ///
 /// Throws InputError, with the task's file and line, if a term does not fit the models, and if the nodes would not fit
 /// into memory.

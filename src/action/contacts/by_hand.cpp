@@ -1,4 +1,4 @@
-// Contacts and impulses evaluated by hand, as Crocoddyl's are: at a motion that is given.
+// Standalone evaluation of contacts and impulses, as in Crocoddyl: at a given motion.
 
 #include <numeric>
 
@@ -58,7 +58,7 @@ void differentiate_rows(const Scene& scene, const Contact& contact, const std::v
   internal::set_drift_derivatives(columns_of(scene, contact), rows.support, rows.at, d, out);
 }
 
-// Of one contact: room, and views on it.
+// The workspace of one contact, and views of it.
 void make_room(const Contact& contact, std::size_t nv, std::size_t nu, ContactDataAbstract& data) {
   const Eigen::Index nc = contact.rows(), n = static_cast<Eigen::Index>(nv);
   data.own_contact = contact;

@@ -14,7 +14,7 @@ bool update_contacts(const ContactModelMultiple& contacts, Scene& scene, SceneDa
 /// False when a contact model has been given another frame, on the same body perhaps.
 bool on_same_frames(const ContactModelMultiple& contacts, const ContactDataMultiple& data);
 
-/// Where the islands' rows and columns are; room for Fx and Fu.
+/// Offsets of the islands' rows and columns; workspace for Fx and Fu.
 void lay_out_islands(const ActuationModelAbstract& actuation, DifferentialActionDataContactFwdDynamics& data);
 /// Sizes of the contacts' data.
 void lay_out_contacts(const ContactModelMultiple& contacts, DataCollector& m);
@@ -23,7 +23,7 @@ void lay_out_contacts(const ContactModelMultiple& contacts, DataCollector& m);
 void fill_contacts(DataCollector& m);
 /// da0_dx of each contact and, with `forces`, views on df_dx, df_du.
 void fill_contact_derivatives(bool forces, DataCollector& m);
-/// Fx, Fu and their twins from the islands' panels.
+/// Fills Fx, Fu and their sparse counterparts from the islands' panels.
 void fill_dynamics(DifferentialActionDataContactFwdDynamics& data);
 
 /// How the controls reach the scene.

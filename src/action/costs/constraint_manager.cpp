@@ -163,12 +163,12 @@ std::shared_ptr<ConstraintDataManager> ConstraintModelManager::createData(DataCo
 
 namespace {
 
-// By hand, what was computed goes to an action's data that are shared.
+// In standalone use, copies the results to the data that are shared with an action.
 template <class From, class To>
 void hand_on(const From& from, To& to) {
   if (from.data() == to.data()) return;
   require(from.rows() == to.rows() && from.cols() == to.cols(), kConstraintModelManager,
-          "the shared data have room for other constraints, `resize` is expected before");
+          "the shared data were made for other constraints, `resize` is expected before");
   to = from;
 }
 
@@ -189,7 +189,7 @@ void ConstraintModelManager::for_each_holding(ConstraintDataManager& data, bool 
       constraints_, data.constraints, [&](const ConstraintItem& item) { return holds(item, terminal); }, f);
 }
 
-// g = r, h = r - lb: of the constraints that hold.
+// g = r and h = r - lb of the active constraints.
 void ConstraintModelManager::stack_values(ConstraintDataManager& data, bool terminal) const {
   DifferentialActionDataAbstract& out = *data.out;
   int g = 0, h = 0;

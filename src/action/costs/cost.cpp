@@ -8,7 +8,7 @@ namespace manycontact {
 
 namespace {
 
-// What the user's calc writes into, where a cost of one's own has no residual.
+// The output of a user's calc, if the user's cost has no residual.
 class OwnResidual final : public ResidualModelAbstract {
  public:
   using ResidualModelAbstract::ResidualModelAbstract;

@@ -23,7 +23,7 @@ std::vector<CostGroup::Run> runs_of(const std::vector<int>& columns) {
 
 bool is_square(const CostGroup& g) { return g.xcols.size() + g.ucols.size() == 1; }
 
-// Of the group at hand.
+// The current group.
 struct Scratch {
   std::vector<double> L, R;  // row-major: rows [Rx Ru], and of each w Arr Rx, w Arr Ru, w Ar
   std::vector<double> H;     // L^T R; its last column is the gradient
@@ -174,7 +174,7 @@ void add_gradient(const double* gradient, int ld, const std::vector<int>& cols, 
   for (std::size_t j = 0; j < cols.size(); ++j) out[cols[j]] += gradient[j * ld];
 }
 
-// Rows that weigh nothing, of barriers say, are left out. Returns the number of the others.
+// Omits rows with zero weight, such as those of inactive barriers. Returns the number of the others.
 int gather(const CostGroup& g, const std::vector<double>& weights, int nx, int nu, int ld, Scratch& work) {
   int depth = 0;
   for (const CostGroup::Member& member : g.members) {

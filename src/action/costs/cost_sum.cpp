@@ -96,7 +96,7 @@ void CostModelSum::calcDiff(const std::shared_ptr<CostDataSum>& data, const Cons
   add_up(*data, true);
 }
 
-// From the costs' own derivatives, which data by hand have.
+// Sums the derivatives of the costs themselves, which data in standalone use have.
 void CostModelSum::add_up_by_hand(CostDataSum& data, bool terminal) const {
   data.Lx.setZero();
   data.Lxx.setZero();

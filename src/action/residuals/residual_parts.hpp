@@ -30,7 +30,7 @@ inline void expect_motion(const char* who, const DataCollector* shared) {
           "the collector has no motion, one of a MultibodyData or of an action model is expected");
 }
 
-/// Throws std::invalid_argument by hand, where the dynamics are not solved.
+/// Throws std::invalid_argument in standalone use, where the dynamics are not solved.
 inline void expect_dynamics(const char* who, const DataCollector* shared) {
   expect_motion(who, shared);
   require(!shared->whole, who, "it needs the solved dynamics, and so an action model's data");

@@ -23,7 +23,7 @@ struct ContactResidualData : ResidualDataAbstract {
   Mat3<double> oRX, oRF;     // by calc: the cone's axes and those of the force
   Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> turned;  // 6 x 3
   Eigen::MatrixXd B_turned;                                  // nr x 3
-  Mat6X<double> J;                                           // of one end at a time: room for both
+  Mat6X<double> J;                                           // used for one end at a time; its size is enough for both
 };
 
 ContactResidualData& contact_data(const std::shared_ptr<ResidualDataAbstract>& data) {

@@ -17,7 +17,8 @@ struct GravityData : ResidualDataAbstract {
   std::vector<int> local;                    // by lay_out: of each velocity coordinate, its place in its island
   std::vector<int> island;                   // by lay_out: and the island
   std::vector<std::vector<int>> q_column;    // by lay_out, per island: column of each of its q in the block
-  std::vector<IslandDerivatives::Panel> dg;  // by calcDiff, per island: of the static torque, forces held
+  std::vector<IslandDerivatives::Panel> dg;  // derivatives of the static torque at constant forces, per island, set by
+                                             // calcDiff
 };
 
 GravityData& gravity_data(const std::shared_ptr<ResidualDataAbstract>& data) {
@@ -65,7 +66,7 @@ void add_force_part(GravityData& d, std::size_t i) {
 
 }  // namespace
 
-// Of v it depends through forces or through torques, and an actuation may do that; blocks have what there is.
+// The residual depends on v through forces or torques, if the actuation does. The blocks contain what exists.
 GravityResidual::GravityResidual(const char* name, std::shared_ptr<StateMultibody> state, std::size_t nu, bool contacts)
     : ResidualModelAbstract(state, internal::given(state).get_nv(), nu,
                             {.q = true, .v = true, .u = true, .forces = contacts}),

@@ -50,7 +50,8 @@ void ResidualModelImpulseCoM::calc(const std::shared_ptr<ResidualDataAbstract>& 
   d.r.noalias() = d.Jcom.lazyProduct(d.w);
 }
 
-// d(J_com w)/dq_i with w held constant, times the mass: the linear part of S x* h + Yc (v_p x S), with v, h those of w.
+// d(J_com w)/dq_i at constant w, times the mass: the linear part of S x* h + Yc (v_p x S), where v and h are those of
+// w.
 void ResidualModelImpulseCoM::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
                                             const ConstVectorRef&) {
   ImpulseCoMData& d = impulse_com_data(data);

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kStatuses = 5;
 
-/// What a run works with, in every process. `part` is the whole scene unless its islands are split.
+/// The data of a run, in every process. `part` is the whole scene unless its islands are split.
 struct BatchRun {
   ScenePart part;
   std::string name;
@@ -144,7 +144,7 @@ void write_derivatives(BatchRun& run, std::int64_t first, StateBlock& b) {
   }
 }
 
-// The part's answers at states first, ..., first+n-1, into b.out and the file of derivatives.
+// Writes the part's solutions at states first, ..., first+n-1, to b.out and the file of derivatives.
 void work_on(BatchRun& run, std::int64_t first, std::int64_t n, StateBlock& b) {
   b.resize(run, n);
   run.states->read(first * run.in_size(), b.in.size(), b.in.data());
@@ -233,7 +233,7 @@ int run_batch(const Arguments& arguments, Communicator& communicator) {
   std::vector<std::int64_t> counts = work(run, communicator);
   for (NpyOutput& out : run.out) out.finish();
   communicator.sum(counts);      // all are done
-  if (communicator.rank() == 0)  // the answers last: where they are, the derivatives are too
+  if (communicator.rank() == 0)  // solutions last: if they are complete, the derivatives are too
     for (auto out = run.out.rbegin(); out != run.out.rend(); ++out) out->publish();
   communicator.end();
   if (communicator.rank() == 0) print_summary(run, counts);

@@ -1,5 +1,5 @@
 #pragma once
-// The processes of one run, and what they say to each other. All of them make the same calls in the same order.
+// The processes of one run and their communication. All of them make the same calls in the same order.
 
 #include <cstdint>
 #include <exception>
@@ -23,7 +23,7 @@ class Communicator {
   virtual void begin() {}
   virtual void end() {}
 
-  /// What rank 0 says, known to all.
+  /// Distributes the value of rank 0 to all.
   virtual std::string told(const std::string& text) { return text; }
   /// Sums over all processes, known to all.
   virtual void sum(std::vector<std::int64_t>& numbers) { (void)numbers; }

@@ -16,7 +16,7 @@ std::string npy_header(const std::vector<std::int64_t>& shape);
 /// An open file.
 class NpyInput {
  public:
-  /// Versions 1.0 and 2.0, two or three dimensions, exactly as long as its header says. Throws InputError.
+  /// Reads versions 1.0 and 2.0 with two or three dimensions and exactly the length of the header. Throws InputError.
   explicit NpyInput(const std::string& path);
   ~NpyInput();
   NpyInput(const NpyInput&) = delete;
@@ -37,7 +37,7 @@ class NpyInput {
   std::vector<std::int64_t> shape_;
 };
 
-/// The file of --out, or one beside it. Several processes may write it: one creates it, the others join it.
+/// The file of --out, or another one in its folder. Several processes may write it: one creates it, the others open it.
 class NpyOutput {
  public:
   NpyOutput(const std::string& path, const std::vector<std::int64_t>& shape);

@@ -1,5 +1,5 @@
 #pragma once
-// Some islands of a scene as a scene of their own, and where its numbers stand in the whole scene's.
+// Some islands of a scene as a scene of their own, and the indices of its numbers in those of the whole scene.
 
 #include "manycontact/kkt/island.hpp"
 

@@ -22,13 +22,13 @@ struct ChartLimits {
 
 enum class Outcome { kAnswered, kFailed, kSkipped };
 
-/// Significant digits of times and errors. A chart holds them rounded: answers that differ by rounding alone are equal,
-/// and the front is that of the numbers in the CSV.
+/// Significant digits of times and errors. A chart contains rounded numbers: results that differ by rounding errors
+/// alone are equal, and the front is that of the numbers in the CSV.
 inline constexpr int kDigits = 6;
 double as_written(double x);
 
-/// One mark on the chart. Errors are relative, in the maximum norm, the worst over robots (and blocks of derivatives),
-/// against the truth of the scene as given; none where there is no answer or no truth.
+/// One mark on the chart. Errors are relative, in the maximum norm, the worst over robots (and blocks of derivatives).
+/// They are differences from a solution of the scene in quadruple precision, and missing if there is none.
 struct ChartRow {
   Method method = Method::kAuto;
   std::optional<Order> order;
@@ -36,13 +36,13 @@ struct ChartRow {
   bool guessed = false;  // the damping is not the scene's
 
   Outcome outcome = Outcome::kAnswered;
-  Status status = Status::kOk;  // of the last solve; regularised when the damping is guessed and there is an answer
-  std::string answered_by;      // "sparse-ldl leaf-to-root", several joined: methods and orders that gave the answer
-  std::string fallback;         // why another way answered, of the first island where one did
+  Status status = Status::kOk;  // of the last solve; regularised if the damping is guessed and there is a solution
+  std::string answered_by;      // "sparse-ldl leaf-to-root": methods and orders that solved islands, several joined
+  std::string fallback;         // why another method was used, in the first island where one was
   std::optional<double> time;   // of solve, us
   std::optional<double> time_derivatives;  // us
   std::optional<double> error_acceleration, error_forces, error_derivatives;
-  bool front = false;  // no other answer is at least as fast and as accurate, and better in one (acceleration)
+  bool front = false;  // no other result is at least as fast and as accurate, and better in one (acceleration)
 
   /// "none", or the damping: "1e-6".
   std::string regularisation() const;
@@ -57,13 +57,13 @@ struct Chart {
   std::vector<std::string> notes;  // what the errors mean here, where that is not plain
   int rounds = 0;                  // of measurement
 
-  const ChartRow* fastest(bool with_derivatives) const;  // of the answers; null if there is none
+  const ChartRow* fastest(bool with_derivatives) const;  // of the solutions; null if there is none
 };
 
-/// What is plotted: time of the panel (0, 1: solve; 2: with derivatives) and its error.
+/// The plotted numbers: time of the panel (0, 1: solve; 2: with derivatives) and its error.
 std::optional<double> panel_time(const ChartRow& row, int panel);
 std::optional<double> panel_error(const ChartRow& row, int panel);
-/// Row numbers of the answers that no other answer dominates in a panel, by time ascending.
+/// Row numbers of the results that no other result dominates in a panel, by time ascending.
 std::vector<std::size_t> panel_front(const Chart& chart, int panel);
 
 /// Runs everything, with a progress line on standard error.
@@ -81,10 +81,10 @@ struct Candidate {
 /// Rows of all methods, each with all its orders, with the scene's damping and the guessed ones.
 std::vector<ChartRow> list_rows(const Scene& scene);
 
-/// Fills times: medians over rounds in each of which every candidate has its turn, so that a drift of the machine's
-/// speed meets all alike; the slow ones drop out of later rounds. Returns the number of rounds.
+/// Fills times: medians over rounds. In each round every candidate is measured once, so that changes of the machine's
+/// speed affect all of them; slow ones are left out of later rounds. Returns the number of rounds.
 int measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, const ChartLimits& limits);
-/// After measure_solve. `first` is called once per candidate while it holds its derivatives.
+/// Call it after measure_solve. `first` is called once per candidate while its derivatives are available.
 int measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& limits,
                         const std::function<void(Candidate&)>& first);
 
@@ -97,7 +97,7 @@ void progress(const std::string& text);
 void write_csv(const std::vector<Chart>& charts, const std::string& path);
 /// base.svg and base.png.
 void draw(const Chart& chart, const std::string& base);
-/// What the rows say, in a few sentences.
+/// Summarises the rows in a few sentences.
 std::vector<std::string> describe(const Chart& chart);
 /// README.md with the pictures; images[k] of charts[k], empty: none drawn.
 void write_page(const std::vector<Chart>& charts, const std::vector<std::string>& images, const std::string& path);

@@ -52,7 +52,7 @@ std::string style_of(Method method, const std::optional<Order>& order, bool gues
   return out.str();
 }
 
-// Ranges of a panel, as powers of ten; the band of failures stands above `top`.
+// Ranges of a panel, as powers of ten; the band of failures is above `top`.
 struct Frame {
   double left = -0.15, right = 0.5, bottom = -15, top = -10, end = -10;
   bool band = false;
@@ -62,7 +62,7 @@ struct Frame {
   double in_band(double fraction) const { return std::pow(10, top + (end - top) * (0.15 + 0.7 * fraction)); }
 };
 
-// Only the edge can show it: no answer, or nothing to compare it with.
+// Such a row can only be drawn at the edge: there is no solution, or no reference.
 bool at_edge(const ChartRow& row, int panel) {
   return row.outcome != Outcome::kAnswered || !panel_time(row, panel) || !panel_error(row, panel);
 }
@@ -89,7 +89,7 @@ Frame frame_of(const Chart& chart, int panel) {
   f.top = f.end = std::max(std::ceil(high + 0.3), f.bottom + 3);
   if (f.band) f.end = f.top + kBand / (1 - kBand) * (f.top - f.bottom);
   right = std::max(right, 0.3);
-  f.right = right + 0.24 * (right - f.left);  // room for the names of the dampings
+  f.right = right + 0.24 * (right - f.left);  // space for the names of the dampings
   return f;
 }
 
@@ -144,7 +144,7 @@ using Style = std::string;
 // Points of one look, as a data block each.
 std::map<std::pair<int, Style>, std::string> points_of(const Chart& chart, int panel, const Frame& f) {
   std::map<std::pair<int, Style>, std::string> out;  // by layer and look
-  int untimed = 0;                                   // stand in the band, from the right edge on
+  int untimed = 0;                                   // drawn in the band, from the right edge on
   for (std::size_t k = 0; k < chart.rows.size(); ++k) {
     const ChartRow& row = chart.rows[k];
     const bool edge = at_edge(row, panel);

@@ -30,8 +30,8 @@ std::vector<int> rows_of(const Scene& scene, const Island& island, int robot, bo
   return rows;
 }
 
-// What a robot's derivatives are compared with when all of them are zero: its accelerations without contacts, the
-// forces on it.
+// The reference for a robot's derivatives if all of them are zero: its accelerations without contacts, and the forces
+// on it.
 struct Scales {
   std::vector<double> a, f;  // per robot
 };
@@ -65,8 +65,8 @@ double island_error(const Scene& scene, const ChartTruth::OfIsland& truth, const
   return error;
 }
 
-// Where the rows [a; f] and columns [q | v | u] of an island stand in those of the answer's island, which is that one,
-// or with dense-schur the whole scene.
+// Indices of the rows [a; f] and columns [q | v | u] of an island in those of the solution's island. This is the same
+// island, or with dense-schur the whole scene.
 struct PanelPlaces {
   std::vector<int> rows, columns;
 };

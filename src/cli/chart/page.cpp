@@ -1,4 +1,4 @@
-// What the chart's rows say in words, and the page that shows all charts.
+// The text about a chart's rows, and the page that shows all charts.
 
 #include <algorithm>
 #include <cmath>
@@ -124,9 +124,9 @@ void write_page(const std::vector<Chart>& charts, const std::vector<std::string>
   std::ostream& out = page.stream();
   out << "# Accuracy against speed\n\n"
          "Written by `manycontact chart`; the numbers are in [chart.csv](chart.csv). A point is one method, order and\n"
-         "damping. Right is slower than the fastest answer, up is a larger error against the truth in quadruple\n"
-         "precision of the scene as given. The front is of the answers that no other is at least as fast and as\n"
-         "accurate as, and better in one; `chart.csv` marks that of solve time and accelerations.\n\n"
+         "damping. Right is slower than the fastest one, up is a larger error, relative to a solution of the scene in\n"
+         "quadruple precision. A point is on the front if no other one is at least as fast and as accurate, and\n"
+         "better in one of the two; `chart.csv` marks the front of solve time and accelerations.\n\n"
          "| Scene | fastest accurate | us | auto | us | auto / fastest | auto on the front |\n"
          "|---|---|--:|---|--:|--:|---|\n";
   for (const Chart& chart : charts) {

@@ -1,4 +1,4 @@
-// What a chart holds: the list of its rows, their fronts, the whole of it.
+// The rows of a chart, their fronts, and the whole chart.
 
 #include <unistd.h>
 

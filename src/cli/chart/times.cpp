@@ -53,8 +53,8 @@ double take_turn(Call&& call) {
   return median(std::move(times));
 }
 
-// Rounds in which each of `n` takes its turn, in an order drawn anew, as long as its share of the time lasts; turn(i)
-// is a time. One whose turn throws (out of memory, as CHOLMOD has it) gives up: it has no time, the others go on.
+// Runs rounds in which each of `n` is measured once, in random order, as long as its share of the time lasts; turn(i)
+// returns a time. A candidate that throws (CHOLMOD out of memory) is left out: it has no time, and the others continue.
 struct Rounds {
   std::vector<std::optional<double>> medians;
   int number = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// The truth of a scene and its derivatives in quadruple precision, and the errors of answers against it.
+// The solution of a scene and its derivatives in quadruple precision, and the errors of results relative to it.
 
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/truth.hpp"
@@ -13,8 +13,9 @@ struct ChartTruth {
   Eigen::VectorXd a_free;     // accelerations without contacts
   std::vector<char> at_rest;  // per robot: a all but vanishes, errors are relative to a_free
 
-  // Derivatives of [a; f] per island along directions, the columns of `along` (rows [q | v | u] of the island): the
-  // unit vectors, or four random ones in each of q, v, u. first[k]: the first of q's, v's, u's; the last is one past.
+  // Derivatives of [a; f] per island along directions, the columns of `along` (rows [q | v | u] of the island). These
+  // are the unit vectors, or four random ones in each of q, v, u. first[k] is the first direction of q, v, u; the last
+  // entry is one past the end.
   struct OfIsland {
     Island island;  // of the contacts that are active
     Eigen::MatrixXd along;
@@ -31,7 +32,7 @@ struct ChartTruth {
 /// `data`: solved by sparse-ldl at the scene's state.
 ChartTruth find_truth(const SceneFile& file, SceneData& data);
 
-/// Relative errors, worst over robots; NaN where the answer holds NaN or the truth is not known.
+/// Relative errors, worst over robots; NaN if the result contains NaN or there is no reference.
 double acceleration_error(const Scene& scene, const SceneData& data, const ChartTruth& truth);
 double force_error(const Scene& scene, const SceneData& data, const ChartTruth& truth);
 /// Also the worst over the six blocks.

@@ -31,7 +31,7 @@ CsvReader::CsvReader(const std::string& path) : path_(path), stream_(path), t_(-
   (void)column("t");
 }
 
-// Of a device or a file that is no text a line may be endless.
+// In a device or a file that is no text, a line may be endless.
 bool CsvReader::read_line(std::string& line) {
   constexpr std::size_t kMost = std::size_t(1) << 26;
   line.clear();
@@ -66,7 +66,7 @@ double CsvReader::number(std::size_t column) const {
   double x = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), x);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(x))
-    fail("column " + quote(names_[column]) + " holds " + quote(cells_[column]) + ", expected a finite number");
+    fail("column " + quote(names_[column]) + " has " + quote(cells_[column]) + ", expected a finite number");
   return x;
 }
 

@@ -19,7 +19,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// Whether what gnuplot wrote has its end, SVG or PNG: it does not tell of a full disk.
+// Whether gnuplot's output, SVG or PNG, is complete. Gnuplot does not report a full disk.
 bool is_whole(const std::string& path) {
   constexpr std::streamoff kEnd = 16;
   std::ifstream file(path, std::ios::binary);
@@ -65,7 +65,7 @@ void draw(const std::string& script, int width, int height, const std::string& b
   if (pclose(pipe) != 0 || !written) throw std::runtime_error("gnuplot could not draw " + base + ".svg");
   for (OutputFile& picture : pictures) {
     if (!picture.temporary().empty() && !is_whole(picture.temporary()))
-      throw InputError(picture.path(), 1, "cannot be written whole, expected a disk with room for it");
+      throw InputError(picture.path(), 1, "cannot be written whole, expected a disk with space for it");
     picture.close();
   }
 }

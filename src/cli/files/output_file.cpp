@@ -31,7 +31,7 @@ OutputFile::OutputFile(std::string path, std::string option) : path_(std::move(p
   setp(buffer_.data(), buffer_.data() + buffer_.size());
   stream_.exceptions(std::ios::badbit);  // the stream lets out what write() throws
   if (is_standard_output(path_)) {
-    std::cout.flush();  // what was said before
+    std::cout.flush();  // earlier output
     file_ = dup(STDOUT_FILENO);
   } else if (is_written_straight(path_)) {
     file_ = open(path_.c_str(), O_WRONLY | O_CLOEXEC);
@@ -53,7 +53,8 @@ OutputFile::~OutputFile() {
   if (file_ >= 0) ::close(file_);
 }
 
-// A file beside the one that a link leads to, with that one's mode, or the mode of a new file.
+// Opens a temporary file in the folder of the file that a link leads to, with that file's mode, or the mode of a new
+// file.
 void OutputFile::begin() {
   std::error_code error;
   const fs::path there = fs::canonical(path_, error);

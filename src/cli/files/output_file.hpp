@@ -16,9 +16,9 @@ bool is_standard_output(const std::string& path);
 /// Standard output, and what is there and is no regular file: a device, a pipe, a folder (which then cannot be opened).
 bool is_written_straight(const std::string& path);
 
-/// The file of an option. It is written under a temporary name in the same folder, and renamed when it is whole: an
-/// older file of its name stays until then, and where the run fails or a signal ends it. All methods throw InputError
-/// where it cannot be written.
+/// The file of an option. It is written under a temporary name in the same folder, and renamed when it is complete. An
+/// older file of its name remains until then, and also if the run fails or a signal ends it. All methods throw
+/// InputError if the file cannot be written.
 class OutputFile : private std::streambuf {
  public:
   /// option: for the message; "" where there is none.

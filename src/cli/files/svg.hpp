@@ -1,5 +1,5 @@
 #pragma once
-// Matrix patterns as SVG, written by hand: a grid of cells in a few colours, one path per colour.
+// Matrix patterns as SVG: a grid of cells in a few colours, one path per colour.
 
 #include <cstdint>
 #include <ostream>

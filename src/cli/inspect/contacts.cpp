@@ -1,4 +1,4 @@
-// What every contact holds, and how far from it the scene's state is.
+// The motion that every contact constrains, and the distance of the scene's state from it.
 
 #include <algorithm>
 
@@ -17,14 +17,14 @@ constexpr std::size_t kMostElements = 24;
 
 std::string three_numbers(const Vec3<double>& x) { return decimal(x[0]) + " " + decimal(x[1]) + " " + decimal(x[2]); }
 
-// Of a contact that can only push; where the file gives none, what model/scene.hpp says.
+// The friction of a contact that can only press. Missing values are those of model/scene.hpp.
 std::string normal_of(const Contact& contact) {
   if (contact.normal) return three_numbers(*contact.normal);
   if (!contact.mu) return "";
   return contact.type == ContactType::k6D ? "A's z" : "world z";
 }
 
-// How far copies are from what they hold, and how fast.
+// The position and velocity errors of the contacts of copies.
 struct Off {
   double position = 0, angle = 0, linear = 0, angular = 0;
 };

@@ -49,7 +49,7 @@ int run_inspect(const Arguments& arguments) {
   return kExitOk;
 }
 
-/// Bytes in use on the heap; 0 where the system does not tell.
+/// The bytes in use on the heap, or 0 if the system does not report them.
 double heap() {
 #ifdef MANYCONTACT_HEAP
   const auto m = mallinfo2();
@@ -81,7 +81,7 @@ std::string types_of(const Scene& scene, const std::vector<int>& contacts) {
   return join(parts);
 }
 
-// Of an island's shape. Predictions are relative (kkt/choose.hpp), so is what is shown.
+// Prints the predictions for an island's shape. They are relative (kkt/choose.hpp).
 void print_costs(std::ostream& out, IslandShape& shape, const Options& options, const Choice& choice) {
   const PredictedCosts costs = predict_costs(shape);
   const double least = std::min({*std::min_element(costs.ldl.begin(), costs.ldl.end()),

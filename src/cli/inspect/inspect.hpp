@@ -1,5 +1,5 @@
 #pragma once
-// `manycontact inspect`: what the scene holds, seen from its structure, and what could be simpler.
+// `manycontact inspect`: the structure of a scene, and possible simplifications.
 
 #include "../text/describe.hpp"
 #include "manycontact/analysis/kinds.hpp"
@@ -25,8 +25,7 @@ Inspection inspect_scene(const SceneFile& file);
 
 /// Limits and efforts as the robots' files have them, robots of one model once.
 void print_joints(std::ostream& out, const SceneFile& file);
-/// What each contact holds and where, its gains and mu, and how far its frames are from where it holds them; copies
-/// once.
+/// Prints the constraint of each contact, its gains and mu, and the errors of its frames; copies once.
 void print_contacts(std::ostream& out, const SceneFile& file);
 void print_islands(std::ostream& out, const Inspection& inspection);
 void print_contact_groups(std::ostream& out, const Inspection& inspection);

@@ -110,7 +110,7 @@ std::vector<Block> contact_blocks(const Inspection& x) {
   return blocks;
 }
 
-// Names left of the panel, where there is room for them, and lines between the blocks.
+// Names left of the panel, if there is enough space, and lines between the blocks.
 void draw_blocks(std::ostream& svg, const std::vector<Block>& blocks, int n) {
   constexpr int kLongest = 20;
   std::vector<std::string> names;
@@ -130,7 +130,7 @@ void draw_blocks(std::ostream& svg, const std::vector<Block>& blocks, int n) {
   }
 }
 
-// A strip beside a panel: which rows are velocities, which are contact rows.
+// A strip next to a panel that shows which rows are velocities and which are contact rows.
 void draw_strip(std::ostream& svg, double left, const std::vector<char>& is_contact) {
   const double n = static_cast<double>(is_contact.size());
   for (std::size_t i = 0; i < is_contact.size();) {

@@ -20,7 +20,7 @@ constexpr const char* kCurves[] = {"#1f77b4", "#d62728", "#2ca02c", "#ff7f0e",
                                    "#9467bd", "#8c564b", "#17becf", "#7f7f7f"};
 constexpr const char* kGrid = "set grid lt 1 lw 1 lc rgb '#dddddd'\n";
 constexpr const char* kKey =
-    "set key outside below Left reverse maxrows 4 samplen 2 font ',10' noenhanced\n";  // room for long names
+    "set key outside below Left reverse maxrows 4 samplen 2 font ',10' noenhanced\n";  // space for long names
 
 // A curve over nodes, NaN where it has no value; of them those with the largest weights are drawn.
 struct Curve {
@@ -89,7 +89,7 @@ void draw_convergence(const OptimizedTask& motion, const std::string& base) {
   cli::draw(out.str(), 900, 560, base);
 }
 
-// Of torques with limits their share of it, where any has a limit, else Nm or N.
+// Torques in units of their limits if any has a limit, otherwise in N m or N.
 void draw_torques(const OptimizedTask& motion, const std::string& base) {
   const std::vector<TaskNode> nodes = timeline(motion.task);
   const Eigen::VectorXd& limits = motion.problem.models.front()->get_u_ub();

@@ -21,7 +21,7 @@ struct Torque {
   double share() const { return std::isfinite(limit) && limit > 0 ? std::abs(u) / limit : 0; }
 };
 
-// What a group's contacts bore, along and across their normals.
+// The forces of a group's contacts, along and across their normals.
 struct Bore {
   int nodes = 0;
   double least = INFINITY, most = 0;  // normal force, N

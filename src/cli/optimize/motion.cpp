@@ -63,7 +63,7 @@ void print_motion(std::ostream& out, const OptimizedTask& motion) {
     add(robot.name + ", centre of mass", center_of_mass<double>(kinematics_at(robot, first)),
         center_of_mass<double>(kinematics_at(robot, last)));
   }
-  rows = std::min(rows, kMostRows / 2);  // frames have room too
+  rows = std::min(rows, kMostRows / 2);  // leaves space for frames
   for (const auto& [r, name] : frames_of(motion.task)) {
     const Robot& robot = scene.robots[static_cast<std::size_t>(r)];
     const Frame& frame = robot.model->frames[static_cast<std::size_t>(robot.model->find_frame(name))];

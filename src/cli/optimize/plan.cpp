@@ -1,4 +1,4 @@
-// What costs are of the whole, and what of the plan is worth a look.
+// The share of each cost, and parts of the plan that deserve attention.
 
 #include <algorithm>
 #include <map>

@@ -17,7 +17,7 @@ struct UsageError : std::runtime_error {
 /// An option a command knows.
 struct Option {
   std::string name;   // with its dashes
-  std::string value;  // what stands for its value in the usage, empty for a flag
+  std::string value;  // the placeholder of its value in the usage, empty for a flag
   std::string help;
   bool required = false;  // for the usage; the command itself refuses to do without
 };

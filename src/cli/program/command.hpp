@@ -14,11 +14,11 @@ enum Exit {
 
 struct Command {
   std::string name;
-  std::string operands;  // what it takes besides options, for the usage
+  std::string operands;  // operands other than options, for the usage
   std::string summary;   // one line
   std::vector<Option> options;
   std::string help;                  // after the options
-  int (*run)(const Arguments&);      // null: the program beside does it
+  int (*run)(const Arguments&);      // null: another program in this folder executes it
   bool (*by_processes)() = nullptr;  // whether the program manycontact-mpi does it this time
   const char* beside = nullptr;      // the program's name
 };
@@ -52,7 +52,7 @@ void check_files(const Arguments& arguments, const std::vector<std::string>& rea
 /// UsageError where one of the files `names` that an option writes into a folder is one of the others.
 void check_folder(const std::string& option, const std::string& folder, const std::vector<std::string>& names,
                   const std::vector<std::string>& others);
-/// Whether one of the options `written` names standard output: then nothing else is said there.
+/// Whether one of the options `written` names standard output. Then nothing else is printed there.
 bool is_standard_output(const Arguments& arguments, const std::vector<std::string>& written);
 
 /// --method and --order, and what they mean. Throws UsageError.

@@ -1,4 +1,4 @@
-// What the commands take that other programs do. The main program says it too, and executes those.
+// Options of the commands that other programs execute. The main program prints them too, and starts those programs.
 
 #include "../view/view.hpp"
 #include "command.hpp"
@@ -14,13 +14,13 @@ const Command& chart_command() {
        {"--seconds", "S", "of repeated measurements per scene (16); everything is run at least once"},
        {"--longest", "S", "a call that would take more seconds, roughly, is skipped (20)"}},
       "DIR/chart.csv has a line per method, order and damping, the scene's own and guessed ones: 1e-12, 1e-9, 1e-6,\n"
-      "1e-3. time_us is the median of one solve. Errors are relative, in the maximum norm, the worst over robots,\n"
-      "against the truth in quadruple precision of the scene as given, so that a guessed damping shows what it costs.\n"
-      "status is that of solve; regularised: the damping is guessed; skipped: it would take too long.\n"
-      "front: no other result is as fast and as accurate in accelerations, and better in one of them.\n"
+      "1e-3. Its time_us is the median of one solve. Errors are relative, in the maximum norm, the worst over robots.\n"
+      "They are differences from a solution of the scene in quadruple precision, with the scene's own damping.\n"
+      "Its status is that of solve; regularised: the damping is guessed; skipped: it would take too long.\n"
+      "On the front no other result is as fast and as accurate in accelerations, and better in one of the two.\n"
       "One scene: DIR/chart.svg, chart.png. Several: DIR/NAME.svg, NAME.png each, and DIR/README.md shows them.\n"
       "Without gnuplot there are no pictures.\n"
-      "Exit status: 0, whatever the methods answered; 2 bad usage, bad input or output.\n",
+      "Exit status: 0, whatever the statuses are; 2 bad usage, bad input or output.\n",
       nullptr,
       nullptr,
       "manycontact-chart"};

@@ -29,7 +29,7 @@ void restart_without_blas_threads(char** argv) {
   rlimit addresses{};
   if (getrlimit(RLIMIT_AS, &addresses) != 0 || addresses.rlim_cur == RLIM_INFINITY) return;
   if (!std::getenv("OPENBLAS_NUM_THREADS") && setenv("OPENBLAS_NUM_THREADS", "1", 1) == 0)
-    execv("/proc/self/exe", argv);  // where that fails this one goes on
+    execv("/proc/self/exe", argv);  // if this fails, the process continues
 }
 
 }  // namespace manycontact::cli

@@ -1,5 +1,5 @@
 #pragma once
-// Programs that stand beside this one.
+// Other programs in the folder of this one.
 
 #include <string>
 #include <vector>
@@ -9,8 +9,8 @@ namespace manycontact::cli {
 /// Where the program `name` stands, or would stand: in this program's folder.
 std::string program_beside(const std::string& name);
 
-/// Becomes the program `name` in this program's folder, with `command` and `words` as its arguments. Returns only when
-/// it is not there, or cannot be executed: throws std::runtime_error that says how to get it, `how`.
+/// Becomes the program `name` in this program's folder, with `command` and `words` as its arguments. It returns only by
+/// an exception: if the program is missing or cannot be executed, it throws std::runtime_error with `how` to get it.
 int execute_program(const std::string& name, const std::string& command, const std::vector<std::string>& words,
                     const std::string& how);
 

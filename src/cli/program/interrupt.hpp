@@ -1,5 +1,5 @@
 #pragma once
-// Ctrl-C and `kill`: what is done is kept where a command says so, and no temporary file is left.
+// Ctrl-C and `kill`: results so far are kept where a command specifies it, and no temporary file remains.
 
 #include <string>
 

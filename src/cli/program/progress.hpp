@@ -1,5 +1,5 @@
 #pragma once
-// A line on standard error that says how far a long run is.
+// A line on standard error that shows the progress of a long run.
 
 #include <chrono>
 #include <string>

@@ -1,6 +1,6 @@
 #pragma once
-// What acts on the joints during a simulation: the scene's torques, torques over time from a file, and a PD law towards
-// a reference over time.
+// Torques on the joints during a simulation: those of the scene, torques over time from a file, and a PD law towards a
+// reference over time.
 
 #include <optional>
 
@@ -16,8 +16,9 @@ class TimeTable {
   TimeTable(const std::string& path, const std::string& prefix, const std::vector<std::string>& names);
 
   bool empty() const { return columns_.empty(); }
-  /// Overwrites the coordinates that have a column, with their values at t: those of the last row that is not later,
-  /// and nothing before the first; or, `between`, on the line between two rows, and the first before it.
+  /// Overwrites the coordinates that have a column with their values at t. These are those of the last row that is not
+  /// later, and nothing before the first row. With `between` they are interpolated between two rows, and those of the
+  /// first row before it.
   void at(double t, bool between, Eigen::VectorXd& x) const;
   /// The slopes of these lines at t, 0 before the first row and from the last on; in the order of the columns.
   void slopes_at(double t, Eigen::VectorXd& slopes) const;
@@ -34,12 +35,13 @@ class Control {
  public:
   explicit Control(const SceneFile& file)
       : file_(file), u_(file.u), q_(file.q), v_(Eigen::VectorXd::Zero(file.v.size())) {}
-  /// Columns "u:r0/knee": held until the next row. What has no column keeps the scene's torque, and all do before the
-  /// first row.
+  /// Columns "u:r0/knee", constant until the next row. Joints without a column have the scene's torque, and so have all
+  /// joints before the first row.
   void read_torques(const std::string& path);
-  /// Towards columns "q:r0/knee" and "v:r0/knee", interpolated between rows. Without a v: column, the velocity is the
-  /// slope of q:; without both, the reference is the scene's q at rest. gains: "kp kd; r0/knee kp kd; ...", the first
-  /// for all joints that are not named. Throws UsageError, and InputError if an actuated joint has several coordinates.
+  /// A PD law towards columns "q:r0/knee" and "v:r0/knee", interpolated between rows. Without a v: column, the velocity
+  /// is the slope of q:; without both, the reference is the scene's q at rest. `gains` is "kp kd; r0/knee kp kd; ...",
+  /// the first pair for all joints that are not named. Throws UsageError, and InputError if an actuated joint has
+  /// several coordinates.
   void follow(const std::string& gains, const std::optional<std::string>& reference);
 
   const Eigen::VectorXd& torques_at(double t);

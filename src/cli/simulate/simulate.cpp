@@ -26,7 +26,7 @@ constexpr double kMostSteps = 1e9;
 const std::string kInterrupted = "interrupted";
 constexpr int kConditionEvery = 10;  // steps
 
-// What the command line asks for, and what came of it.
+// The request of the command line, and the results of the run.
 struct Run {
   Integrator integrator = Integrator::kSemiImplicitEuler;
   double h = 0;
@@ -35,7 +35,7 @@ struct Run {
 
   StepStatus stopped = StepStatus::kOk;
   bool interrupted = false;
-  Invariants start, end, largest;  // largest: drift of the states written
+  Invariants start, end, largest;  // `largest` has the largest constraint errors of the states written
   double seconds = 0;
   SpringStep shortest;  // at the start
   Findings at_start;    // of files; contacts out of place or moving; joints without inertia, where that ended it
@@ -67,14 +67,14 @@ Run run_of(const Arguments& arguments) {
   return run;
 }
 
-// What moves the scene and what looks on.
+// Inputs and observers of the simulation.
 struct Around {
   Control control;
   Watch watch;
   std::optional<Switches> switches;
   std::unique_ptr<CsvFile> forces;
   std::optional<TimeTable> pushes;
-  Eigen::VectorXd wrenches;  // of all pushes, one after the other
+  Eigen::VectorXd wrenches;  // all external wrenches, one after the other
 
   /// The wrenches at t, where a file has them, into the data of the next step.
   void push(double t, SimulationData& sim) {
@@ -90,7 +90,7 @@ struct Around {
   }
 };
 
-// What motors and PD laws exerted in the last step, on average.
+// The mean torques of motors and PD laws in the last step.
 Eigen::VectorXd with_pd(const Scene& scene, const SimulationData& sim, Eigen::VectorXd u) {
   if (sim.pd.kp.size() == 0) return u;
   for (const Robot& robot : scene.robots)
@@ -189,7 +189,7 @@ void print_advice(std::ostream& out, const Scene& scene, const SimulationData& s
        2);
 }
 
-// What bears the smallest step: "spring rope", "joint arm/wrist, by its spring and PD law,".
+// Returns what requires the smallest step: "spring rope", "joint arm/wrist, by its spring and PD law,".
 std::string name_of(const Scene& scene, const SimulationData& sim, const SpringStep& shortest) {
   if (shortest.spring >= 0) return "spring " + scene.springs[static_cast<std::size_t>(shortest.spring)].name;
   const int i = shortest.coordinate;
@@ -223,15 +223,15 @@ std::string spring_advice(const Scene& scene, const SimulationData& sim, const S
          " s, for the initial inertia";
 }
 
-// "g closes 0.4 m away from where it holds", of the contact that is farthest.
+// "g closes 0.4 m away from its place", for the contact that is farthest.
 std::string closed_away(const Scene& scene, const Switches::ImpactEvent& blow) {
   const auto size = [](const PlacementError& e) { return std::max(e.position, e.angle); };
   const PlacementError& worst = *std::max_element(blow.away.begin(), blow.away.end(),
                                                   [&](const auto& a, const auto& b) { return size(a) < size(b); });
   return "at t = " + number(blow.t, 4) + " s contact " + scene.contacts[worst.contact].name + " closes " +
-         in_words(worst) + " away from where it holds" +
+         in_words(worst) + " away from its place" +
          (blow.away.size() > 1 ? ", and " + std::to_string(blow.away.size() - 1) + " more do" : "") +
-         "; `here` holds it where it is";
+         "; `here` fixes it where it is";
 }
 
 void print_impacts(std::ostream& out, const Scene& scene, const Around& around) {
@@ -436,9 +436,9 @@ const Command& simulate_command() {
        {"--progress", "", "shows progress even where standard error is not a terminal"},
        method_option(),
        order_option()},
-      "Exit status: 0 ok, redundant, inconsistent; 1 regularised, or stopped before the end (solver failed, state not\n"
-      "finite, faster than 1e5 m/s or rad/s, or Ctrl-C): what was reached is written; 2 bad usage, bad input or "
-      "output.\n",
+      "Exit status: 0 ok, redundant, inconsistent; 1 regularised, or stopped before the end; 2 bad usage, bad input\n"
+      "or output. It stops if the solver fails, the state is not finite or faster than 1e5 m/s or rad/s, and by Ctrl-C.\n"
+      "The motion so far is written.\n",
       run_simulate};
   return command;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What `manycontact simulate`, `manycontact optimize` and `manycontact stability` share.
+// Common parts of `manycontact simulate`, `manycontact optimize` and `manycontact stability`.
 
 #include "../files/csv_file.hpp"
 #include "manycontact/io/scene_file.hpp"
@@ -16,7 +16,7 @@ void set_gains(Scene& scene, const Gains& gains);
 Gains two_numbers(const std::string& option, const std::string& names, const std::string& text,
                   const std::string& otherwise = "");
 
-/// t, q, v, drift, energy, momentum: the header, then a row per state.
+/// Writes t, q, v, constraint errors, energy, momentum: the header, then a row per state.
 void write_trajectory_header(const Scene& scene, CsvFile& csv);
 void write_trajectory_row(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Invariants& at,
                           CsvFile& csv);

@@ -9,8 +9,8 @@ namespace manycontact::cli {
 
 class Switches {
  public:
-  /// "0.2 left off, 0.5 left on": times, contacts (or copies, by the name in the file), and `off`, `on` or `here` (on,
-  /// held where frame A is then). Throws UsageError.
+  /// Parses "0.2 left off, 0.5 left on": times, contacts (or copies, by the name in the file), and `off`, `on` or
+  /// `here` (on, fixed where frame A is then). Throws UsageError.
   Switches(const std::string& text, const SceneFile& file);
 
   struct Event {
@@ -21,12 +21,12 @@ class Switches {
   };
   const std::vector<Event>& events() const { return events_; }
 
-  /// What happened to the motion when contacts closed.
+  /// The effect on the motion of contacts that closed.
   struct ImpactEvent {
     double t = 0;
     std::string contacts;
     VelocityJump jump;
-    std::vector<PlacementError> away;  // those closed by `on`, where their frames are not where they are held
+    std::vector<PlacementError> away;  // contacts closed by `on` whose frames are not in their place
   };
   const std::vector<ImpactEvent>& blows() const { return blows_; }
 

@@ -16,7 +16,8 @@ namespace {
 
 constexpr std::size_t kMostShown = 8;
 constexpr double kSingular = 1e4;  // a condition that has grown by this
-constexpr double kPassed = 1e-2;   // of the largest sigma of the contacts: closer is a singular posture passed
+constexpr double kPassed = 1e-2;   // relative to the largest sigma of the contacts: below it the motion passed a
+                                   // singular configuration
 constexpr double kGained = 0.01;   // energy that nothing gave or took, of the largest kinetic energy
 
 double torque_power(const Scene& scene, const Eigen::VectorXd& u, const Eigen::VectorXd& v) {

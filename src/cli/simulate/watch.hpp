@@ -1,6 +1,6 @@
 #pragma once
-// What a simulation passes on its way and its end does not show: contacts that pull, slip or tip, joints beyond limits,
-// singular postures, energy that nothing gave or took.
+// Events of a simulation that its final state does not show: contacts that pull, slip or tip, joints beyond limits,
+// singular configurations, energy without a source.
 
 #include <map>
 #include <memory>
@@ -26,8 +26,8 @@ class Watch {
   /// Copies of a robot or a contact share a line.
   void print(std::ostream& out, const SceneFile& file, const SimulationData& sim, const Invariants& start,
              const Invariants& end, double most_kinetic) const;
-  /// violations and limits_passed, each with first_time [s]; work [J]; largest_condition and what came closest to a
-  /// singular posture, at their times.
+  /// Adds violations and limits_passed, each with first_time [s]; work [J]; largest_condition and the nearest singular
+  /// configuration, at their times.
   void add_to(Json& json, const Scene& scene) const;
 
  private:
@@ -44,7 +44,7 @@ class Watch {
   void print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, const Invariants& start,
                     const Invariants& end, double most_kinetic) const;
 
-  // Of pushes and dampers, W; pushes as in `sim`.
+  // The power of external wrenches and dampers [W]; `pushes` as in `sim`.
   struct Applied;
   std::unique_ptr<Applied> applied_;  // nullptr: the scene has none
 

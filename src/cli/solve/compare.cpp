@@ -1,4 +1,4 @@
-// The sparse answer against the dense oracle's.
+// The sparse solution compared with that of the dense reference solver.
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kPatience = 2.5e5;  // us of dense solves, roughly
 
-// The worst over robots that both methods have an answer for.
+// The worst over robots for which both methods have a solution.
 Deviation worst_known(std::vector<Deviation> deviations) {
   std::erase_if(deviations, [](const Deviation& d) { return std::isnan(d.absolute); });
   return worst(deviations);

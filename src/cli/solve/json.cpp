@@ -85,7 +85,7 @@ Json report(const SolvedScene& s) {
           {"island_list", list}};
 }
 
-// Of all islands; null: not known.
+// The value over all islands; null if it is not known.
 Json largest_of(const std::vector<DerivativeBounds>& errors) {
   DerivativeBounds most;
   Json out;

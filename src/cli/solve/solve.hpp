@@ -28,7 +28,7 @@ struct SolvedScene {
   std::vector<DerivativeBounds> derivative_errors = {};  // ... and of each island, or empty
   Findings findings = {};
   std::vector<char> unique = {};  // per row of data.f: unique_forces; empty: not asked for
-  bool compare = false;           // against the dense oracle, however long it takes
+  bool compare = false;           // compare with the dense reference solver, however long it takes
 };
 
 /// Sets the scene up, analyses, solves and, when asked to, differentiates it, each `repeat` times; solve and
@@ -45,7 +45,7 @@ void print_accelerations(std::ostream& out, const SolvedScene& solved);
 void print_forces(std::ostream& out, const SolvedScene& solved);
 void print_derivatives(std::ostream& out, const SolvedScene& solved);
 void print_quasi_static(std::ostream& out, const SolvedScene& solved);
-/// Solves again with the dense oracle and compares answers and times.
+/// Solves again with the dense reference solver and compares solutions and times.
 void print_against_dense(std::ostream& out, const SolvedScene& solved);
 
 }  // namespace manycontact::cli

@@ -1,4 +1,4 @@
-// The readable summary of `solve`: sizes, islands, what the answer is worth, times.
+// The readable summary of `solve`: sizes, islands, status and accuracy, times.
 
 #include <algorithm>
 #include <cmath>
@@ -40,7 +40,7 @@ std::string status_in_words(const Report& report, double damping) {
   return "";
 }
 
-// Islands that went alike share a line.
+// Islands with the same results share a line.
 struct Alike {
   std::vector<const Island*> islands;
   std::size_t number;   // of the first
@@ -111,7 +111,7 @@ std::string times(const SolvedScene& s) {
          number(s.time.solve) + " us" + (s.repeat > 1 ? " (medians of " + std::to_string(s.repeat) + ")" : "");
 }
 
-// All islands went alike: one fact per line.
+// If all islands have the same results: one fact per line.
 void print_one_kind(std::ostream& out, const SolvedScene& s, const Alike& kind) {
   const IslandReport& r = kind.report;
   const auto line = [&out](std::string title, const std::string& text) {

@@ -86,7 +86,7 @@ std::vector<Vec3<double>> contact_force_on(const SolvedScene& s) {
   return total;
 }
 
-// What the world gives, and what it has to carry.
+// The forces from the world, and the weight that they support.
 void print_total(std::ostream& out, const SolvedScene& s) {
   double mass = 0;
   for (const Robot& robot : s.file.scene.robots) mass += robot.model->floating_base ? robot.model->mass() : 0;
@@ -100,7 +100,8 @@ void print_total(std::ostream& out, const SolvedScene& s) {
 }
 
 bool nothing_accelerates(const Report& report) {
-  if (report.status == Status::kInconsistent) return false;  // that is to be told, and is no rounding
+  if (report.status == Status::kInconsistent) return false;  // the accelerations of inconsistent contacts are printed,
+                                                             // since they are no rounding errors
   return std::all_of(report.islands.begin(), report.islands.end(),
                      [](const IslandReport& r) { return r.nv == 0 || find_rounding(r).acceleration; });
 }

@@ -12,7 +12,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// Of the drift axis; above it stands a row of marks per gains, of the runs that lost the contacts.
+// The axis of constraint violations. Above it a row of marks per gains shows the runs that lost the contacts.
 constexpr double kTop = 1, kBottom = 1e-16;
 constexpr const char* kCurveColours[] = {"#555555", "#1f77b4", "#2ca02c", "#d62728", "#000000", "#9467bd"};
 
@@ -28,8 +28,8 @@ std::string legend(const GainsChoice& choice) {
 
 double mark_height(std::size_t choice) { return kTop * std::pow(10, 0.4 * static_cast<double>(choice + 1)); }
 
-// Two data blocks of the block-th `size` runs: h and drift of those that kept the contacts, h and the mark of the
-// others.
+// Writes two data blocks of the block-th `size` runs: h and violation of those that kept the contacts, h and the
+// mark of the others.
 void drift_blocks(const Stability& s, std::size_t block, std::size_t size, std::ostream& out) {
   std::ostringstream drift, lost;
   for (std::size_t k = block * size; k < (block + 1) * size; ++k) {

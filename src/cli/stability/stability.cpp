@@ -1,4 +1,4 @@
-// `manycontact stability`: how far contacts drift and energy wanders, by step size, gains and integrator.
+// `manycontact stability`: constraint violation and energy error by step size, gains and integrator.
 
 #include "stability.hpp"
 
@@ -46,7 +46,7 @@ Gains gains_for(const GainsChoice& choice, Integrator integrator, double h) {
   return choice.recommended ? recommended_gains(integrator, h) : choice.gains;
 }
 
-// Largest drift over `time`, stopping where a step fails.
+// The largest constraint violation over `time`; stops if a step fails.
 DriftPoint measure_drift(SceneFile file, const Options& options, Integrator integrator, const Gains& gains, double h,
                          double time, const std::function<void(long)>& each) {
   set_gains(file.scene, gains);

@@ -1,5 +1,5 @@
 #pragma once
-// What `manycontact stability` measures and draws.
+// The measurements and charts of `manycontact stability`.
 
 #include <string>
 #include <vector>
@@ -14,13 +14,13 @@ struct GainsChoice {
   Gains gains;  // where not recommended
 };
 
-/// One run of the drift chart.
+/// One run of the chart of constraint violations.
 struct DriftPoint {
   Integrator integrator;
   Gains gains;
   double h;            // s
   long steps;          // planned
-  Invariants largest;  // drift over the run
+  Invariants largest;  // constraint violation over the run
   StepStatus stopped;  // kOk: it ran to the end
 };
 

@@ -5,8 +5,8 @@
 
 namespace manycontact::cli {
 
-/// Pushes and springs at the file's q and v: where they act, how long springs are, and the forces. Nothing where the
-/// scene has none.
+/// Prints external wrenches and springs at the file's q and v: points of application, lengths of springs, and forces.
+/// Prints nothing if the scene has none.
 void print_applied_forces(std::ostream& out, const SceneFile& file);
 
 }  // namespace manycontact::cli

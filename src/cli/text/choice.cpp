@@ -4,14 +4,14 @@ namespace manycontact::cli {
 
 std::string why_changed(const Choice& choice, const IslandReport& report) {
   if (report.status == Status::kFailed) return "no solution: " + to_string(report.reason);
-  // of an answer that was judged since the reason is no longer known
+  // the reason is no longer known if the solution was checked since
   const std::string reason = report.reason == Reason::kUncertain ? "" : " (" + to_string(report.reason) + ")";
   if (!report.dependent_rows.empty() && report.method == Method::kSparseLdl)
     return "rows are dependent, so that sparse-ldl in leaf-to-root order solved without them";
   if (report.changed_order)
-    return to_string(choice.order) + " order was not accurate" + reason + ", " + to_string(report.order) + " answered";
+    return to_string(choice.order) + " order was not accurate" + reason + ", " + to_string(report.order) + " solved it";
   if (report.method != choice.method)
-    return to_string(choice.method) + " gave up" + reason + ", " + to_string(report.method) + " answered";
+    return to_string(choice.method) + " gave up" + reason + ", " + to_string(report.method) + " solved it";
   return "";
 }
 

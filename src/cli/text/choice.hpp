@@ -1,12 +1,12 @@
 #pragma once
-// What became of the method and order chosen for an island.
+// The outcome of the method and order chosen for an island.
 
 #include "manycontact/dynamics/report.hpp"
 #include "manycontact/kkt/choose.hpp"
 
 namespace manycontact::cli {
 
-/// Why the last solve's answer came another way than chosen, empty when it did not.
+/// Returns why the last solve used another method than chosen, or nothing if it did not.
 std::string why_changed(const Choice& choice, const IslandReport& report);
 
 /// Non-zeros of K, both triangles, without the contact rows' diagonal where it is zero.

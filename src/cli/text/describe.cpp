@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostRobotLines = 24;  // lines, and kinds of notes
 
-// ", pushes: 2, springs: 3"; empty where the scene has neither.
+// Returns ", `pushes`: 2, springs: 3", or nothing if the scene has neither.
 std::string applied_forces(const Scene& scene) {
   const std::size_t springs = scene.springs.size() + scene.joint_springs.size();
   std::string out;
@@ -87,7 +87,7 @@ void print_heading(std::ostream& out, const SceneFile& file, const SceneData& da
            number(scene.damping) + ", " + count(scene.nv, "velocity") + ", " + count(data.f.size(), "contact row") +
            " in " + count(static_cast<long>(count_islands(scene, data)), "island") + applied_forces(scene),
        0);
-  Lines lines;  // of many robots those that read alike are one line
+  Lines lines;  // robots with the same text share one line
   const bool many = file.robot_groups.size() > kMostRobotLines;
   for (const RobotGroup& group : file.robot_groups) {
     if (group.count == 0) continue;
@@ -108,7 +108,7 @@ void print_heading(std::ostream& out, const SceneFile& file, const SceneData& da
 }
 
 void print_notes(std::ostream& out, const SceneFile& file) {
-  std::vector<std::pair<std::string, std::vector<std::string>>> notes;  // what is said, of which robots
+  std::vector<std::pair<std::string, std::vector<std::string>>> notes;  // text, and the robots that it is about
   for (const RobotGroup& group : file.robot_groups) {
     if (group.count == 0) continue;
     const ModelNotes& n = file.scene.robots[group.first].model->notes;

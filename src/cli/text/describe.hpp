@@ -23,7 +23,7 @@ std::size_t count_islands(const Scene& scene, const SceneData& data);
 
 /// Heading of both commands: name, path, gravity, damping, sizes.
 void print_heading(std::ostream& out, const SceneFile& file, const SceneData& data);
-/// What reading the files merged and locked, by robot.
+/// Prints the links that reading the files merged and locked, by robot.
 void print_notes(std::ostream& out, const SceneFile& file);
 
 }  // namespace manycontact::cli

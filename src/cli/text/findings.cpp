@@ -80,7 +80,7 @@ std::string place(const Finding& finding) {
          std::to_string(finding.line) + ")";
 }
 
-// A line for each thing that is said, with the places it is said of; of each kind a few.
+// Returns a line for each text, with the places that it is about; of each kind a few.
 void print_files(std::ostream& out, const std::vector<Finding>& findings) {
   std::map<std::string, std::vector<std::string>> texts;   // by kind, each once
   std::map<std::string, std::vector<std::string>> places;  // by kind and text

@@ -1,5 +1,5 @@
 #pragma once
-// What a careful reader asks of a scene and its answer, in words and in JSON.
+// Findings about a scene and its solution, as text and in JSON.
 
 #include <algorithm>
 #include <limits>
@@ -34,15 +34,15 @@ struct Findings {
   }
 };
 
-/// Of a scene solved at its own state.
+/// Finds them in a scene solved at its own state.
 Findings find(const SceneFile& file, const SceneData& data);
 
 /// "r0/knee: position 3.2, beyond 2.5"
 std::string in_words(const Scene& scene, const LimitPassed& limit);
-/// "left slips by 30 N more than mu 0.6 holds; mu 0.82 would hold it"
+/// "left slips by 30 N more than mu 0.6 allows; mu 0.82 would be sufficient"
 std::string in_words(const Scene& scene, const Violation& violation);
 
-/// "left, right: rank 3 of 4 rows here, more beside it, where contacts hold r/knee too, most of all; ..."
+/// "left, right: rank 3 of 4 rows here, more at neighbouring configurations, where contacts constrain r/knee too; ..."
 std::string in_words(const Scene& scene, const std::vector<std::string>& velocity_names, const RankChange& change);
 
 /// "To look at": a line per kind of finding, the worst first; nothing where there are none.
@@ -53,8 +53,8 @@ Json json_of(const Scene& scene, const Violation& violation);
 /// {"joint": "r0/knee", "quantity": "position", "value": 3.2, "limit": 2.5}
 Json json_of(const Scene& scene, const LimitPassed& limit);
 /// Adds the keys violations, placement_errors, velocity_errors, limits_passed, contradictions, massless_joints,
-/// rank_changes, near_dependent: lists, empty or not; and findings, where all of them stand in words: {"kind":
-/// "limits", "name": "r0/knee", "text": "..."}, of a robot's file with "file" and "line".
+/// rank_changes, near_dependent, which are lists. It also adds `findings`, which has all of them as text: {"kind":
+/// "limits", "name": "r0/knee", "text": "..."}, with "file" and "line" for those of a robot's file.
 void add_findings(const Scene& scene, const Findings& findings, Json& to);
 
 }  // namespace manycontact::cli

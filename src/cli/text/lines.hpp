@@ -1,5 +1,5 @@
 #pragma once
-// Tables in which neighbouring copies that read alike are one line: "foot0 .. foot63".
+// Tables in which neighbouring copies with the same text share one line: "foot0 .. foot63".
 
 #include "table.hpp"
 
@@ -15,7 +15,7 @@ struct Line {
 };
 using Lines = std::vector<Line>;
 
-/// Appends a line, or lets the last one stand for this copy too.
+/// Appends a line, or adds this copy to the last one.
 void add_line(Lines& lines, int group, const std::string& name, std::vector<std::string> cells, double size = 0);
 
 /// Prints the `most` largest lines in their old order, and how many more there are; `none_larger`: and that.

@@ -21,8 +21,8 @@ using text::join;
 /// Control characters replaced, so that no name disturbs the terminal.
 std::string printable(std::string text);
 
-/// The texts without their middles, `widest` characters long or, so that no two that differ read alike, a little
-/// longer.
+/// Shortens texts to `widest` characters by leaving out their middles. They are a little longer if two different ones
+/// would become the same.
 std::vector<std::string> shortened(const std::vector<std::string>& texts, int widest);
 
 /// Words of `text` in lines no wider than kLineWidth: the first after `indent` blanks and `bullet`, the others below
@@ -42,7 +42,7 @@ class Table {
   /// A row; a missing cell is empty.
   void add(std::vector<std::string> cells);
   bool empty() const { return rows_.empty(); }
-  /// The titles, unless all are empty, and the rows. A column without a cell that says something is left out.
+  /// Prints the titles, unless all are empty, and the rows. A column whose cells are all empty is left out.
   void print(std::ostream& out, int indent = 2) const;
 
  private:

@@ -1,4 +1,4 @@
-// The page's parts as they lie in src/cli/view/page, and three.js, put into the program by the assembler. CMake says
+// The parts of the page in src/cli/view/page, and three.js, included in the program by the assembler. CMake defines
 // where they are.
 
 #include <stdexcept>

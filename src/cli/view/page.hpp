@@ -14,7 +14,7 @@ struct PageParts {
   std::string_view html, css, script, three;  // three.js, empty where it was not there to be embedded
 };
 PageParts page_parts();
-/// Throws std::runtime_error, which says what to install, where a part is missing.
+/// Throws std::runtime_error with the package to install if a part is missing.
 void check_page_parts();
 
 /// The bytes in base64, as the page's `decode` reads them: little endian.

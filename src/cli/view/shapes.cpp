@@ -1,4 +1,4 @@
-// What robots look like: their URDF's visuals, and capsules between the joints of bodies that have none.
+// The shapes of robots: the visuals of their URDF, and capsules between the joints of bodies that have none.
 
 #include <map>
 #include <set>

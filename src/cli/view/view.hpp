@@ -1,6 +1,6 @@
 #pragma once
-// What `manycontact view`, `simulate --view` and `optimize --view` share: a motion recorded frame by frame, and the
-// page that shows it.
+// Common parts of `manycontact view`, `simulate --view` and `optimize --view`: a motion recorded frame by frame, and
+// the page that shows it.
 
 #include <optional>
 
@@ -22,7 +22,7 @@ struct ViewState {
   std::optional<std::vector<Vec6<double>>> pushes = {};     // wrenches; default: the scene's
 };
 
-/// What the page draws, a frame after the other.
+/// The data that the page draws, one frame after the other.
 struct Recording {
   /// At most `rate` frames per second. The scene outlives the recording. Throws std::runtime_error where this build
   /// cannot make pages.
@@ -42,8 +42,8 @@ struct Recording {
   std::vector<float> points, normals, forces;         // 3 per contact, in the world: A's origin, the contact's
                                                       // normal, the force on A [N], NaN: unknown
   std::vector<float> held;                            // 6 per contact: B' and the frame it was attached by
-  std::vector<float> pushes, springs;                 // 6 per push, in the world: where it acts, its force [N];
-                                                      // 6 per spring: its ends
+  std::vector<float> pushes, springs;                 // 6 per external wrench, in the world: point of application,
+                                                      // force [N]; 6 per spring: its ends
   std::vector<std::uint8_t> flags;                    // per contact: kActive | kRedundant | kShared
   static constexpr std::uint8_t kActive = 1, kRedundant = 2, kShared = 4;
 
@@ -60,11 +60,11 @@ void add_state(const ViewState& state, Recording& recording);
 /// Throws InputError when it cannot be written, UsageError when it would be larger than 500 MB.
 std::vector<std::string> write_view(const SceneFile& file, Recording& recording, const std::string& path);
 
-/// For commands that write a view beside other things: the option; a recording where it is given. Throws UsageError
-/// for standard output, InputError where the file cannot be written, std::runtime_error as Recording does.
+/// For commands that can also write a view: the option, and a recording if it is given. Throws UsageError for standard
+/// output, InputError if the file cannot be written, and std::runtime_error as Recording does.
 Option view_option();
 std::optional<Recording> recording_of(const Arguments& arguments, const Scene& scene);
-/// Writes it where recording_of made one, and says so on `out`, if there is one.
+/// Writes the view if recording_of made a recording, and prints a line on `out`, if there is one.
 void finish_view(const Arguments& arguments, const SceneFile& file, std::optional<Recording>& recording,
                  std::ostream* out);
 

@@ -53,7 +53,7 @@ DataPtr ActionModelAugmentedLagrangian::createData() { return createData(model_-
 DataPtr ActionModelAugmentedLagrangian::createData(DataPtr inner) {
   require(model_->checkData(inner), kActionModelAugmentedLagrangian, "data of the model's createData() are expected");
   require(inner->Fx.rows() == static_cast<Index>(state_->get_ndx()), kActionModelAugmentedLagrangian,
-          "the model's data hold no matrices (ActionModelParts with storage kSparse), kDense is expected");
+          "the model's data have no matrices (ActionModelParts with storage kSparse), kDense is expected");
   return std::make_shared<ActionDataAugmentedLagrangian>(this, std::move(inner));
 }
 

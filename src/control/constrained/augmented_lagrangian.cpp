@@ -30,7 +30,8 @@ constexpr int kFlat = 2;                // minimisations in a row that bring con
 constexpr double kCloser = 0.5;         // of the violation before: closer. Ten times the penalty should bring a tenth
 constexpr double kOutweighs = 10;       // what constraints add to the cost, of the cost
 constexpr double kStationary = 1e-3;    // what a step is to gain, of what constraints add to the cost
-constexpr int kWindow = 10;             // iterations that are to gain more than the next, or a minimisation crawls
+constexpr int kWindow = 10;             // a minimisation is slow if that many iterations gain no more than the next one
+                                        // is predicted to
 constexpr double kSlow = 0.1;           // of `stop`, by two iterations
 constexpr double kStillSlow = 0.3;      // by the last of them
 constexpr double kNearer = 0.1;         // of `stop` where quasi-Newton steps failed, to try again
@@ -288,7 +289,8 @@ void SolverAugmentedLagrangian::updateMultipliers() {
     set_penalty(std::min(rho_ * rho_factor_, rho_max_ * scale_));
     curved_ = false;
   } else if (small && kkt_ > th_kkt_ && kkt_ > 0.5 * best_kkt_ && rho_ > rho_init_) {
-    // The constraints' own rounding times the penalty is what multipliers are wrong by: those at hand need less of it.
+    // The rounding errors of the constraints, times the penalty, are the errors of the multipliers. Good multipliers
+    // need a smaller penalty.
     set_penalty(std::max(rho_ / rho_factor_, rho_init_));
   }
   tolerance_ = std::min(small ? std::min(0.01 * tolerance_, th_stop_ * scale_) : tolerance_,

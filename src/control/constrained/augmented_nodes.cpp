@@ -56,8 +56,8 @@ AL::Copy AL::augment_parts(const ActionModelParts& whole, const ActionDataParts&
   return {model, model->createData(std::move(datas))};
 }
 
-// What has no rows stays what it is, unless all are asked for: but for what has no matrices. rows: of the problem's
-// node, those of this node or part.
+// Nodes without rows are not changed, unless all nodes are requested; nodes without matrices are never changed. `rows`
+// are the numbers in the problem's node of the rows of this node or part.
 AL::Copy AL::augment(const Copy& of, bool terminal, const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
                      std::vector<Augmented>& out) const {
   const auto* whole = dynamic_cast<const ActionModelParts*>(of.model.get());

@@ -7,7 +7,7 @@
 
 namespace manycontact::internal {
 
-/// Of a node evaluated by calc(data, x) (terminal) or by calc(data, x, u).
+/// The constraints of a node evaluated by calc(data, x) (terminal) or by calc(data, x, u).
 class ConstraintRows {
  public:
   ConstraintRows(const ActionModelAbstract& model, bool terminal)

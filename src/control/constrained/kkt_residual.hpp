@@ -14,11 +14,12 @@ double kkt_residual_of_nodes(const ShootingProblem& problem, const std::vector<E
 std::vector<Eigen::VectorXd> least_squares_multipliers_of_nodes(const ShootingProblem& problem,
                                                                 const std::vector<Eigen::VectorXd>& us, bool limits);
 
-/// The norm of the cost's gradient by the controls alone, the states following: by nodes that are differentiated at a
-/// motion. Without what would take controls that stand at a limit beyond it, where limits are used.
+/// The norm of the gradient of the cost with respect to the controls alone, where the states follow the controls, from
+/// nodes that are differentiated at a motion. If limits are used, components that would move a control beyond its limit
+/// are left out.
 double control_gradient_of_nodes(const ShootingProblem& problem, const std::vector<Eigen::VectorXd>& us, bool limits);
 
-/// Whether control i of u stands at a limit that is used.
+/// Whether control i of u is at a limit that is used.
 bool stands_at_limit(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits);
 
 }  // namespace manycontact::internal

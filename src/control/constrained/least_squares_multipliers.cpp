@@ -11,8 +11,8 @@ namespace {
 
 using Vectors = std::vector<Eigen::VectorXd>;
 
-// The header's problem; wrenches of couplings are variables that cost nothing but Lw. Controls that stand at a limit
-// are left out: their slope is the limit's multiplier.
+// The problem of the header. The wrenches of couplings are variables whose only cost is Lw. Controls at a limit are
+// left out: their gradient is the multiplier of the limit.
 lq::Problem problem_of(const ShootingProblem& problem, const Vectors& us, bool limits,
                        const std::vector<ActionPart>& blocks) {
   lq::Problem out = internal::structure_of(problem, blocks);
@@ -36,7 +36,7 @@ lq::Problem problem_of(const ShootingProblem& problem, const Vectors& us, bool l
   return out;
 }
 
-// NaN where there is no answer, as where couplings depend on each other and contradict.
+// Returns NaN if there is no solution, for instance if couplings are dependent and contradictory.
 Vectors of_part(const ShootingProblem& problem, const Vectors& us, bool limits) {
   const std::vector<ActionPart> blocks = internal::blocks_of(problem);
   const lq::Problem lq = problem_of(problem, us, limits, blocks);

@@ -10,7 +10,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// Of one block's node: its controls are u and the wrenches on it.
+// The quadratic model of one block's node: its controls are u and the wrenches on it.
 void fill_group(const ActionModelAbstract& model, const ActionDataAbstract& from, bool terminal, Terms terms,
                 lq::Group& to) {
   to.q = from.Lx;

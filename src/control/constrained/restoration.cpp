@@ -1,4 +1,4 @@
-// The least violation of the constraints, costs left out: whether they can be met at all.
+// Minimises the violation of the constraints without the costs, to find whether they can be satisfied at all.
 
 #include <algorithm>
 #include <cmath>
@@ -17,29 +17,44 @@ using Index = Eigen::Index;
 
 namespace {
 
-constexpr double kAbsurd = 3e8;                   // times the cost at hand: no motion that a solve may go on from
-constexpr double kWorthless = 1e-6;               // of the squared violation, what a step may take off at a least one
-constexpr double kLevel = 1e-6;                   // of |C| |r|, what |C^T r| is there
-constexpr double kCrawling = 1e-9;                // at which iterations end
-constexpr double kBeside[] = {1e-2, 1e-4, 1e-6};  // of the largest control, or of 1: where it is tried again, nearer
-                                                  // where a motion without feedback goes too far
-constexpr double kElsewhere[] = {0.3, -0.1, 1, -0.5, 3, -2};  // far from there
+// The cost of a motion from which no solve continues, in units of the current cost.
+constexpr double kAbsurd = 3e8;
+// At a least violation, a step reduces the squared violation by at most this share.
+constexpr double kWorthless = 1e-6;
+// The candidate is stationary if |C^T r| <= kLevel |C| |r|.
+constexpr double kLevel = 1e-6;
+// Iterations end if the stopping value is below this share of the squared violation.
+constexpr double kCrawling = 1e-9;
+// Distances of the motions that are tried near the candidate, in units of the largest control, or of 1. The nearer ones
+// are for candidates from which a motion without feedback moves too far.
+constexpr double kBeside[] = {1e-2, 1e-4, 1e-6};
+// The same for motions far from the candidate.
+constexpr double kElsewhere[] = {0.3, -0.1, 1, -0.5, 3, -2};
 constexpr double kRegularised = 1e-12;
-constexpr double kCreeping = 0.99;  // of the squared violation, what kCreepingWindow iterations of a slow search leave
-constexpr double kSettled = 1 - 1e-12;  // of one that looks for a level place
+// A search converges slowly if kCreepingWindow iterations leave more than this share of the squared violation.
+constexpr double kCreeping = 0.99;
+// The same for iterations that look for a stationary candidate.
+constexpr double kSettled = 1 - 1e-12;
 constexpr std::size_t kCreepingWindow = 8;
-constexpr double kAsNear = 1.01;              // of the least violation
-constexpr double kMuchNearer = 0.5;           // of the violation: worth going on from
-constexpr std::size_t kMostIterations = 500;  // iterations
+// An earlier candidate is preferred if its violation is at most this multiple of the least one.
+constexpr double kAsNear = 1.01;
+// A solve continues from a candidate that reduces the violation to this share.
+constexpr double kMuchNearer = 0.5;
+constexpr std::size_t kMostIterations = 500;
 constexpr std::size_t kMostLevelling = 50;
 constexpr int kLevellings = 50, kIdleLevellings = 12;
-constexpr double kLeastLevelling = 1e-4, kMoreRegularised = 10;  // of |C|^2; times
-constexpr double kLongest = 10;                                  // times the largest control: a first step of it
-constexpr double kBack = 1e-3;  // of the squared violation, what a search from beside may leave more
+// The initial regularisation in units of |C|^2, and the factor that increases it.
+constexpr double kLeastLevelling = 1e-4, kMoreRegularised = 10;
+// The longest first step, in units of the largest control.
+constexpr double kLongest = 10;
+// A search that starts near the candidate came back to it if it leaves at most this share more of the squared
+// violation.
+constexpr double kBack = 1e-3;
 constexpr std::size_t kRestorations = 5;
-constexpr int kSaddles = 4;  // places that were stationary, and no least ones
+// The number of stationary candidates that may turn out not to be minima.
+constexpr int kSaddles = 4;
 
-// Of states or controls; or 1.
+// The largest magnitude in states or controls, at least 1.
 double largest_number(const std::vector<Eigen::VectorXd>& xs) {
   double out = 1;
   for (const Eigen::VectorXd& x : xs)
@@ -49,19 +64,20 @@ double largest_number(const std::vector<Eigen::VectorXd>& xs) {
 
 }  // namespace
 
-// Ends the iterations where they gain nothing, and where the constraints are met.
+// Ends the iterations if they make no progress, or if the constraints are met.
 class AL::Watch : public CallbackAbstract {
  public:
   Watch(SolverAugmentedLagrangian& outer, double met) : outer_(outer), met_(met) {}
   void operator()(SolverAbstract& solver) override {
     const double left = solver.get_cost();
     slow_ = searches_ && solver.get_is_feasible() && solver.get_stop() < kCrawling * left ? slow_ + 1 : 0;
-    if (last_.empty() || left != last_.back()) last_.push_back(left);  // else regularised more, and tried again
+    if (last_.empty() || left != last_.back())
+      last_.push_back(left);  // otherwise the step is repeated with more regularisation
     const double most = searches_ ? kCreeping : kSettled;
     const bool creeps = last_.size() > kCreepingWindow && left > most * last_[last_.size() - 1 - kCreepingWindow];
     if (outer_.reportRestoration(solver) || left <= met_ || slow_ == 3 || creeps) solver.interrupt();
   }
-  /// Anew; a search ends where it creeps, else it is to come to rest.
+  /// Starts again. A search ends if it converges slowly; other iterations continue until they are stationary.
   void begin(bool searches) {
     slow_ = 0;
     last_.clear();
@@ -76,7 +92,7 @@ class AL::Watch : public CallbackAbstract {
   std::vector<double> last_;  // squared violations
 };
 
-// Whether a callback asks for an end.
+// Reports an iteration to the callbacks. Returns whether one of them interrupted the solve.
 bool AL::reportRestoration(const SolverAbstract& solver) {
   merit_ = solver.get_cost();
   stop_ = solver.get_stop();
@@ -88,16 +104,16 @@ bool AL::reportRestoration(const SolverAbstract& solver) {
   return interrupted_;
 }
 
-// The problem's nodes at half their squared violation, and the search for its least: the violation alone.
+// The nodes of the problem with half their squared violation as the only cost, and the solver that minimises it.
 struct AL::Restoration {
   std::vector<Augmented> augmented;
   std::shared_ptr<ShootingProblem> problem;
   std::shared_ptr<SolverDDP> solver;
   std::shared_ptr<Watch> watch;
-  bool rests = false;  // quasi-Newton steps came to rest at the candidate
+  bool rests = false;  // quasi-Newton steps found the candidate stationary
 };
 
-// met: half the squared violation that is none.
+// `met` is half the squared violation below which the constraints are met.
 AL::Restoration AL::violationAlone(double met) {
   Restoration out;
   ShootingProblem::Models models;
@@ -131,8 +147,9 @@ AL::Restoration AL::violationAlone(double met) {
   return out;
 }
 
-// From the candidate; what it ends at is the candidate. Next to a stretched arm Gauss-Newton's steps promise all of the
-// violation, and take off next to nothing: quasi-Newton steps, which see the curvature, come to rest.
+// Minimises the violation from the candidate and replaces the candidate by the result. Near a stretched arm the model
+// of Gauss-Newton predicts the whole reduction, but its steps reduce almost nothing. Quasi-Newton steps include the
+// curvature and converge there.
 void AL::leastViolation(Restoration& own) {
   own.rests = false;
   own.watch->begin(true);
@@ -142,8 +159,8 @@ void AL::leastViolation(Restoration& own) {
   level(own);
 }
 
-// Quasi-Newton steps from a candidate without gaps, until they come to rest: from Gauss-Newton's Hessian, more and more
-// regularised where its steps are too long.
+// Takes quasi-Newton steps from a candidate without gaps until they are stationary. They start with Gauss-Newton's
+// Hessian, with increasing regularisation if its steps are too long.
 void AL::level(Restoration& own) {
   own.rests = false;
   const double size = jacobianSize(own);
@@ -168,7 +185,7 @@ void AL::level(Restoration& own) {
   }
 }
 
-// What the search has come to.
+// Makes the result of the search the candidate.
 void AL::take(Restoration& own) {
   for (std::size_t t = 0; t < xs_.size(); ++t) xs_[t] = own.solver->get_xs()[t];
   for (std::size_t t = 0; t < us_.size(); ++t) us_[t] = own.solver->get_us()[t];
@@ -176,9 +193,10 @@ void AL::take(Restoration& own) {
   evaluate(own);
 }
 
-// From another motion, of controls that differ by up to |by| of the largest one, from zero where it is negative. Where
-// that ends at less, it is the candidate; else the candidate stays. Very near it, by steps that only go down:
-// Gauss-Newton's would go back to a maximum or a saddle. That it is a least one is shown where these come back to it.
+// Searches from another motion: its controls differ from those of the candidate by up to |by| of the largest one, or
+// from zero if `by` is negative. If the search ends at a smaller violation, its result becomes the candidate. Very near
+// the candidate the steps only descend, because those of Gauss-Newton would return to a maximum or a saddle. The
+// candidate is shown to be a minimum if these steps return to it.
 AL::Beside AL::lookBeside(Restoration& own, double by) {
   const std::vector<Eigen::VectorXd> xs = xs_, us = us_;
   const double merit = merit_;
@@ -187,7 +205,7 @@ AL::Beside AL::lookBeside(Restoration& own, double by) {
   std::uniform_real_distribution<double> noise(-std::abs(by) * largest, std::abs(by) * largest);
   Eigen::VectorXd throughout = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem_->get_nu_max()));
   const bool beside = std::abs(by) <= kBeside[0];
-  if (!beside)  // what changes from node to node goes nowhere
+  if (!beside)  // controls that vary from node to node would cancel
     for (double& number : throughout) number = noise(random);
   for (std::size_t t = 0; t < us_.size(); ++t) {
     if (by < 0) us_[t].setZero();
@@ -211,7 +229,7 @@ AL::Beside AL::lookBeside(Restoration& own, double by) {
   return comes_back ? Beside::kComesBack : Beside::kUnclear;
 }
 
-// The candidate's violations alone, and the problem's own cost.
+// Evaluates the violations of the candidate, and the cost of the problem.
 void AL::evaluate(Restoration& own) {
   merit_ = own.problem->calc(xs_, us_);
   collectParts();
@@ -219,15 +237,15 @@ void AL::evaluate(Restoration& own) {
   measureViolation();
 }
 
-// |C|: of the violated rows' Jacobian by the controls, which the states follow. By random combinations w of the rows,
-// for which |C^T w|^2 is on average a third of |C|^2, or more.
+// Estimates |C|, the norm of the Jacobian of the violated rows with respect to the controls, where the states follow
+// the controls. For random combinations w of the rows, |C^T w|^2 is on average a third of |C|^2 or more.
 double AL::jacobianSize(Restoration& own) {
   constexpr int kDraws = 4;
   constexpr double kNoPenalty = 1e-100;  // y+ = y
   std::vector<Eigen::VectorXd> signs;    // of the violations
   for (const Augmented& part : own.augmented) signs.push_back(part.data->y_next.cwiseSign());
   std::mt19937 random(2);
-  std::uniform_real_distribution<double> share(0, 2);  // no other sign: an inequality has one side
+  std::uniform_real_distribution<double> share(0, 2);  // the sign is not changed, since an inequality has one side
   double squares = 0;
   for (int k = 0; k < kDraws; ++k) {
     for (std::size_t i = 0; i < signs.size(); ++i) {
@@ -249,7 +267,7 @@ double AL::jacobianSize(Restoration& own) {
   return std::sqrt(3 * squares);
 }
 
-// |C^T r| / (|C| |r|), r the violations.
+// Computes |C^T r| / (|C| |r|), where r are the violations.
 double AL::violationSlope(Restoration& own) {
   evaluate(own);
   (void)own.problem->calcDiff(xs_, us_);
@@ -257,9 +275,9 @@ double AL::violationSlope(Restoration& own) {
   return of_r == 0 ? 0 : of_r / (jacobianSize(own) * std::sqrt(2 * merit_));
 }
 
-// With r the violations, where C^T r is next to nothing: beside |C| |r|, or by what a step of the linearised problem
-// promises to take off, the share of r within the range of C, |P_C r|^2 / |r|^2. (The one is small at a stretched arm
-// too, the other where C's directions differ much.)
+// Whether the violations r are stationary: `C^T r` is small relative to |C| |r|, or a step of the linearised problem is
+// predicted to reduce them by a small share, |P_C r|^2 / |r|^2. Here P_C projects onto the range of C. The first
+// measure is small at a stretched arm too, the second one if the singular values of C differ much.
 bool AL::isStationary(Restoration& own) {
   SolverDDP& solver = *own.solver;
   solver.setCandidate(xs_, us_, is_feasible_);
@@ -269,10 +287,10 @@ bool AL::isStationary(Restoration& own) {
   return solver.expectedReduction() <= kWorthless * merit_ || own.rests;
 }
 
-// Whether the motion moves in a line as its controls do, from those before to those of the candidate: by the one half
-// way. Then numbers may be as large as they are.
+// Whether the motion is an affine function of the controls between the previous controls and those of the candidate,
+// tested at the midpoint. Then large numbers are accepted.
 bool AL::movesInLineFrom(const std::vector<Eigen::VectorXd>& us_before) {
-  constexpr double kInLine = 1e-6;  // of how far it moves
+  constexpr double kInLine = 1e-6;  // relative to the distance of the two motions
   std::vector<Eigen::VectorXd> us = us_, xs = xs_, xs_before = xs_, xs_after = xs_;
   for (std::size_t t = 0; t < us.size(); ++t) us[t] = 0.5 * (us_[t] + us_before[t]);
   problem_->rollout(us_before, xs_before);
@@ -290,9 +308,9 @@ bool AL::movesInLineFrom(const std::vector<Eigen::VectorXd>& us_before) {
   return off <= kInLine * far;
 }
 
-// kInfeasible where the least violation is not zero and shown to be one, by C^T r and from beside it as well; kNone
-// where a solve may go on, from a candidate that meets the constraints or is much nearer; kNoStep where nothing is
-// shown.
+// Returns kInfeasible if the violation is not zero and was shown to be a minimum, by C^T r and by searches that start
+// near it. Returns kNone if a solve may continue, from a candidate that meets the constraints or is much nearer to
+// them. Returns kNoStep if neither was shown.
 StopReason AL::restore(std::size_t maxiter) {
   if (++restorations_ > kRestorations) return StopReason::kNoStep;
   const double met = 0.5 * th_constraint_ * th_constraint_;
@@ -311,12 +329,12 @@ StopReason AL::restore(std::size_t maxiter) {
   const auto is_absurd = [&] { return is_large() && !(std::isfinite(cost_) && movesInLineFrom(us_before)); };
   const auto goes_on = [&] { return violation_ > th_constraint_ && !interrupted_; };
   leastViolation(own);
-  if (is_absurd() && feasible_before && goes_on()) {  // by steps of moderate size, then
+  if (is_absurd() && feasible_before && goes_on()) {  // then with steps of moderate size
     take_back(xs_before, us_before, true);
     level(own);
   }
   bool stationary = isStationary(own);
-  for (int k = 0; stationary && goes_on(); ++k) {  // a maximum, a saddle, or a least one of several is stationary too
+  for (int k = 0; stationary && goes_on(); ++k) {  // maxima, saddles and other minima are stationary too
     Beside beside = Beside::kUnclear;
     for (const double by : kBeside)
       if (beside == Beside::kUnclear && goes_on()) beside = lookBeside(own, by);
@@ -328,15 +346,15 @@ StopReason AL::restore(std::size_t maxiter) {
     stationary = isStationary(own);
   }
   if (interrupted_) return StopReason::kInterrupted;
-  // Of less than this nothing is shown: its square is rounding of the squares that it is made of.
+  // A smaller violation shows nothing: its square is the rounding error of the squares that it is computed from.
   const double shown = std::sqrt(std::numeric_limits<double>::epsilon()) * largest_number(xs_);
   if (violation_ > std::max(th_constraint_, shown) &&
-      stationary) {  // where the candidate was as near, its motion is the better one
+      stationary) {  // the candidate's motion is better if it was as near
     if (feasible_before && violation_before <= kAsNear * violation_) take_back(xs_before, us_before, true);
     return StopReason::kInfeasible;
   }
-  // Met by a motion that is none (torques so large that the steps no longer hold the contacts), or no nearer although
-  // nothing else was asked for: nothing is shown then.
+  // Nothing is shown in two cases: a motion meets the constraints with torques so large that its steps do not keep the
+  // contacts closed, or the violation did not decrease although nothing else was minimised.
   const bool absurd = is_absurd();
   const bool nearer = violation_ <= std::max(th_constraint_, kMuchNearer * violation_before);
   if (absurd || violation_ > violation_before) take_back(xs_before, us_before, false);
@@ -345,16 +363,16 @@ StopReason AL::restore(std::size_t maxiter) {
   return total_ >= maxiter ? StopReason::kIterations : StopReason::kNone;
 }
 
-// The size of the cost, and of the penalty that outweighs it, as of the candidate, which costs more than the guess
-// told: violation: what it costs nothing to leave.
+// Sets the size of the cost, and of the penalty that outweighs it, from the candidate, whose cost is larger than that
+// of the guess. `violation` is the violation that the cost alone leaves.
 void AL::takeCostOf(double violation) {
-  constexpr double kOrdinary = 1e4;  // a cost that th_stop and th_kkt suit
+  constexpr double kOrdinary = 1e4;  // th_stop and th_kkt suit costs up to this size
   scale_ = std::max(scale_, std::exp2(std::round(std::log2(std::abs(cost_) / kOrdinary))));
   inner_->set_scale(scale_);
   set_penalty(std::max(rho_, 2 * std::abs(cost_) / (violation * violation)));
 }
 
-// From the candidate at hand, under a penalty that holds it nearer to the constraints.
+// Continues from the current candidate with a penalty that keeps it nearer to the constraints.
 void AL::startAgain() {
   for (const Node& node : nodes_)
     for (const Augmented& own : node.augmented)

@@ -125,7 +125,7 @@ void HeldVelocities::solve_at(const ConstVectorRef& x, double h, const DataColle
   take_torques(of);
   torques_of_motion_ = torques_ - tau;
   begin_free_motion(of.scene, solution.active, torques_, h, kin, groups);
-  for (const int i : joints.rubbing) joints.slip[i] = 0;  // the answer is the state's alone
+  for (const int i : joints.rubbing) joints.slip[i] = 0;  // the result depends on the state alone
   joints.begun = false;
   for (int k = 0; k < kMostSolves; ++k) {
     joints.set_inertias(of.scene, h);

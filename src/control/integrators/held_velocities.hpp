@@ -1,7 +1,7 @@
 #pragma once
-// Accelerations of a scene whose contacts hold velocities (control/symplectic.hpp), by the dynamics floor's solve and
-// differentiate: at the state (q, s v) with gains (alpha, beta / s). There J a + s^2 J' v = -beta J v - alpha e, and
-// with s = 2^-30 the term in s^2 is below rounding, while beta J v is what it was. The bias at v goes into the torques.
+// Accelerations of a scene whose contacts constrain velocities (control/symplectic.hpp), by `solve` and `differentiate`
+// at the state (q, s v) with gains (alpha, beta / s). There J a + s^2 J' v = -beta J v - alpha e. With s = 2^-30 the
+// term in s^2 is below rounding errors, while beta J v is unchanged. The torques include the bias at v.
 
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
@@ -11,7 +11,7 @@
 namespace manycontact::internal {
 
 struct HeldVelocities {
-  /// Of these dynamics, in steps of h; nw controls.
+  /// Makes the workspace for these dynamics, steps of h and nw controls.
   HeldVelocities(const DataCollector& of, std::size_t nw, double h);
   HeldVelocities(const HeldVelocities&) = delete;
 
@@ -50,14 +50,15 @@ struct HeldVelocities {
   std::vector<std::shared_ptr<const Model>> models_;  // of the robots of `of`
   double h_;
   void kinematics_at_start(const DataCollector& of);
-  // torques_ with what pushes and springs add to the motors' at q, v; and their derivatives into dtau_dx_
+  // Adds the torques of external wrenches and springs to those of the motors at q, v; differentiate_torques adds their
+  // derivatives in dtau_dx_.
   void take_torques(const DataCollector& of);
   void differentiate_torques(const DataCollector& of);
   const Eigen::SparseMatrix<double>& dtau_dx(const DataCollector& of) const {
     return applied_ ? dtau_dx_ : of.actuation->dtau_dx;
   }
   std::vector<RobotWork> robots_;
-  Eigen::VectorXd torques_, torques_of_motion_;     // nv: of motors, pushes and springs; less the bias
+  Eigen::VectorXd torques_, torques_of_motion_;     // nv: of motors, external wrenches and springs; minus the bias
   Eigen::SparseMatrix<double> dtau_dx_;             // nv x ndx: of these, where there are any; every entry has a place
   std::unique_ptr<AppliedForces<double>> applied_;  // nullptr: there are none
   std::unique_ptr<AppliedScratch> scratch_;

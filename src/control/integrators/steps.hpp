@@ -1,5 +1,5 @@
 #pragma once
-// What the integrators have in common: what they pass on from the differential model's data.
+// Common parts of the integrators: results of the differential model's data that they pass on.
 
 #include "manycontact/control/integrated_action.hpp"
 
@@ -17,7 +17,7 @@ inline void copy_values(const DifferentialActionDataAbstract& from, bool with_re
   if (with_residual) to.r = from.r;
 }
 
-/// Of a terminal node: xnext = x. d: of the integrator; dx is its step.
+/// A terminal node: xnext = x. `d` is the data of the integrator, and `dx` its step.
 template <class Data>
 void calc_terminal(const ConstVectorRef& x, const DifferentialActionDataAbstract& from, bool with_residual, Data& d) {
   d.dx.setZero();
@@ -74,7 +74,7 @@ inline void integrate_cost_derivatives(double h, const ControlParametrizationMod
   to.Lu *= h, to.Lxu *= h, to.Luu *= h;
 }
 
-/// Of a terminal node: xnext = x.
+/// The derivatives of a terminal node: xnext = x.
 inline void copy_terminal_derivatives(const DifferentialActionDataAbstract& from, ActionDataAbstract& to) {
   check_dense("IntegratedActionModel::calcDiff", from);
   to.Fx.setIdentity();

@@ -1,4 +1,4 @@
-// Parts that hold each other: structure and values.
+// Coupled subproblems: structure and values.
 
 #include "manycontact/control/couplings.hpp"
 

@@ -1,4 +1,4 @@
-// Parts that hold each other: derivatives.
+// Coupled subproblems: derivatives.
 
 #include <Eigen/LU>
 #include <cassert>
@@ -21,7 +21,8 @@ const DifferentialActionDataAbstract& dynamics_of_part(ActionDataAbstract& part)
   return *internal::euler_of(part).differential;
 }
 
-// Of both ends: rows = [C D_u] in the node's dx and u, and what stands with the wrenches.
+// The equations of the couplings, for both ends: rows = [C D_u] in the node's dx and u, and by_w, the coefficients of
+// the wrenches.
 struct CouplingSystem {
   MatrixXd rows, by_w;
 };
@@ -47,7 +48,7 @@ CouplingSystem system_of(const Couplings& couplings, const std::vector<ActionPar
   return out;
 }
 
-// An orthonormal basis of what W's rows leave out: directions in which a point is not held, and its torques.
+// An orthonormal basis of the complement of W's rows: directions in which a point is free, and its torques.
 Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
     const Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>& W) {
   const Index m = W.rows();
@@ -71,8 +72,9 @@ Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
   return N;
 }
 
-// The turning of r2's frame, its delta f, and the rows of what is not transmitted. With F the force in A's moving axes,
-// and a world-aligned frame's turning, d(W F) = W (X^T w - s x* F + th x F), s = J_A dq_A.
+// The rotation of the frame of r2, the term delta f, and the rows of force components that are not transmitted. F is
+// the force in A's moving axes. With the rotation th of a world-aligned frame, d(W F) = W (X^T w - s x* F + th x F), s
+// = J_A dq_A.
 void add_force_rows(const CouplingData::OfCoupling& coupling, double delta, Index first, Index w, MatrixRef C,
                     MatrixRef D) {
   const ContactDerivatives& dr = coupling.derivatives;
@@ -201,7 +203,7 @@ void Couplings::condense(const std::vector<ActionPart>& parts, ActionDataParts& 
 
 namespace {
 
-// Lx + Gx^T y_g + Hx^T y_h of a part whose rows of the node's y these are; of u alike.
+// Lx + Gx^T y_g + Hx^T y_h and Lu + Gu^T y_g + Hu^T y_h of a part. `rows` are the numbers of its rows in the node's y.
 struct PartGradient {
   VectorXd x, u;
   PartGradient(const ActionDataAbstract& d, const VectorXd& y, const std::vector<int>& rows, bool terminal)
@@ -213,7 +215,8 @@ struct PartGradient {
   }
 };
 
-// Lx + A^T next, Lu + B^T next of all parts with the wrenches held, and what stands with these in by_w.
+// Lx + A^T next and Lu + B^T next of all parts at constant wrenches, and in by_w the gradient with respect to the
+// wrenches.
 void gradient_of_parts(const ActionModelParts& model, const ActionDataParts& d, const VectorXd& next, const VectorXd& y,
                        VectorXd& gx, VectorXd& gu, VectorXd& by_w) {
   const auto rows = internal::constraint_rows(model.get_parts(), false);
@@ -243,7 +246,8 @@ void terminal_gradient(const ActionModelParts& model, const ActionDataParts& d, 
 
 }  // namespace
 
-// With the rows' multipliers mu, by_w^T mu = -(Lw + B_w^T next):  gx = Lx + A^T next + C^T mu,  gu alike
+// With the rows' multipliers mu, by_w^T mu = -(Lw + B_w^T next):  gx = Lx + A^T next + C^T mu, and gu = Lu + B^T next +
+// D_u^T mu.
 void coupled_gradient(const ActionModelParts& model, const ActionDataParts& d, const VectorXd& next, bool terminal,
                       const VectorXd& y, VectorXd& gx, VectorXd& gu) {
   if (terminal) return terminal_gradient(model, d, y, gx);
@@ -258,8 +262,8 @@ void coupled_gradient(const ActionModelParts& model, const ActionDataParts& d, c
   gu += add.tail(gu.size());
 }
 
-// A coupling's wrench is w = R F about a point that stands still, F = W^T f in A's moving axes. With s = J_A dq_A, and
-// th the turning of a world-aligned frame as A's axes see it,
+// A coupling's wrench is w = R F about a fixed point, with F = W^T f in A's moving axes. Let s = J_A dq_A, and let th
+// be the rotation of a world-aligned frame in A's axes. Then
 //
 //     R^T dw = W^T df + s x* F - th x F
 //

@@ -140,7 +140,7 @@ bool ActionModelParts::checkData(const DataPtr& data) {
   return true;
 }
 
-// Each part's share; the wrenches that stand behind its controls are solve's.
+// Copies each part's share of x. The wrenches after its controls are set by solve.
 void ActionModelParts::take_values(const ConstVectorRef& x, ActionDataParts& d) const {
   for (std::size_t i = 0; i < parts_.size(); ++i) take(x, parts_[i].x, d.x[i]);
 }
@@ -193,7 +193,7 @@ void ActionModelParts::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   if (d.Fx.size() > 0) collect_derivatives(d);
 }
 
-// What stands between parts is zero since createData.
+// The blocks between parts are zero since createData.
 void ActionModelParts::collect_derivatives(ActionDataParts& d) const {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const ActionPart& p = parts_[i];

@@ -21,7 +21,7 @@ constexpr const char* kActionModelImpulseFwdDynamics = "ActionModelImpulseFwdDyn
 const std::shared_ptr<ConstraintModelManager> kNoConstraints;
 const std::vector<int> kNoColumns;
 
-// What costs and constraints write their derivatives into: a differential model's data without controls.
+// The data of a differential model without controls, into which costs and constraints write their derivatives.
 class Terms : public DifferentialActionModelAbstract {
  public:
   explicit Terms(const Model_& model)
@@ -95,7 +95,7 @@ ActionDataImpulseFwdDynamics::ActionDataImpulseFwdDynamics(ActionModelImpulseFwd
       multibody(dynamics->multibody.get()) {
   const StateAbstract& state = *model->get_state();
   multibody->scene.gravity.setZero();
-  if (has_applied_forces(multibody->scene)) {  // they push no body in no time
+  if (has_applied_forces(multibody->scene)) {  // finite forces transmit no impulse
     drop_applied_forces(multibody->scene);
     multibody->solution = SceneData(multibody->scene, multibody->solution.options);
     dynamics->laid_out = false;

@@ -1,6 +1,5 @@
 #pragma once
-// What ActionModelLQR and DifferentialActionModelLQR have in common: cost and constraints. m: either model, d: its
-// data.
+// Cost and constraints that ActionModelLQR and DifferentialActionModelLQR share; m is either model, and d is its data.
 
 #include <Eigen/Eigenvalues>
 #include <random>

@@ -42,8 +42,8 @@ void each_node(std::size_t threads, std::size_t count, Work&& work) {
   each_node_by_thread(threads, count, [&](std::size_t t, int) { work(t); });
 }
 
-/// The same by one thread alone where the work of all nodes took so little the last time that others are not worth
-/// waiting for. What they compute does not depend on it.
+/// The same by one thread alone, if the work of all nodes took so little time in the last call that other threads do
+/// not pay off. The results do not depend on it.
 template <class Work>
 void each_node(std::size_t threads, std::size_t count, LoopTime& last, Work&& work) {
   constexpr double kWorthAThread = 5e-5;  // s of work for each thread: more than it takes to wake one

@@ -20,8 +20,8 @@ void BoxDirection::resize() {
   }
 }
 
-// k: the box QP's answer; K: Quu^-1 Qxu^T of the free controls, zero of those at a limit. Qu at limits is set to zero:
-// it is balanced by the limit's multiplier.
+// k is the solution of the box QP, and K = Quu^-1 Qxu^T for the free controls, zero for those at a limit. Qu at limits
+// is set to zero: the multiplier of the limit balances it.
 bool BoxDirection::compute_gains(std::size_t t) {
   const ActionModelAbstract& model = *part_.problem->model(t);
   if (model.get_nu() == 0) return true;
@@ -42,7 +42,7 @@ void BoxDirection::limit_control(std::size_t t) {
   if (model.get_has_control_limits()) us_try_[t] = us_try_[t].cwiseMax(model.get_u_lb()).cwiseMin(model.get_u_ub());
 }
 
-// Of controls that do not stand at a limit: those that the box QP took to one would not move at all.
+// Uses controls that are not at a limit: those that the box QP moved to a limit would not move at all.
 void BoxDirection::precondition_feed_forward(Vectors& g) {
   for (std::size_t t = 0; t < g.size(); ++t) {
     if (g[t].size() == 0) continue;

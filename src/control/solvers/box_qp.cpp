@@ -35,7 +35,7 @@ void BoxQP::sort_components(const Eigen::VectorXd& lb, const Eigen::VectorXd& ub
   }
 }
 
-// dx = - Hff^-1 (qf + Hff xf + Hfc xc) of the free components; `gradient`: the largest of what stands in brackets.
+// dx = - Hff^-1 (qf + Hff xf + Hfc xc) of the free components; `gradient` is the largest entry of the bracket.
 bool BoxQP::newton_step(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, double& gradient) {
   const std::vector<std::size_t>& free = solution_.free_idx;
   const Eigen::Index nf = static_cast<Eigen::Index>(free.size());

@@ -4,10 +4,10 @@
 
 namespace manycontact::internal {
 
-/// The size of a problem's cost, a power of two, by the Hessians at the nodes' last calcDiff: 1 while the controls' are
-/// not too small for an absolute regularisation (1e-6), nor any so large (1e7) that absolute thresholds drown in
-/// rounding; else what brings them back to an ordinary size. Powers of two, so that weights times such a number give
-/// the same bits.
+/// The size of a problem's cost, a power of two, from the Hessians at the nodes' last calcDiff. It is 1 as long as the
+/// Hessians of controls are not too small for an absolute regularisation (1e-6), and none is so large (1e7) that
+/// absolute thresholds are below rounding errors. Otherwise it scales them to an ordinary size. Powers of two give the
+/// same bits for weights multiplied by such a number.
 double cost_scale(const ShootingProblem& problem);
 
 }  // namespace manycontact::internal

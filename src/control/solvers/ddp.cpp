@@ -61,7 +61,7 @@ const RiccatiDirection* SolverDDP::recursion() const {
 
 namespace {
 
-// What one recursion keeps of its nodes, or nothing.
+// The values that one recursion keeps for its nodes, or nothing.
 template <class Kept>
 const Kept& kept(const RiccatiDirection* recursion, const Kept& (RiccatiDirection::*get)() const) {
   static const Kept none;
@@ -98,7 +98,7 @@ namespace {
 
 RiccatiDirection& as_recursion(Direction& direction) {
   auto* own = dynamic_cast<RiccatiDirection*>(&direction);
-  if (!own) throw std::logic_error("SolverDDP: robots that hold each other have no value function of their own");
+  if (!own) throw std::logic_error("SolverDDP: robots in contact with each other have no value functions of their own");
   return *own;
 }
 
@@ -188,7 +188,8 @@ bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
   if (polished) reason_ = polish(maxiter);
   // Polishing by the box rule may go round between limits for ever.
   if (polished && keeps_limits() && reason_ == StopReason::kIterations) reason_ = StopReason::kNoStep;
-  // Crocoddyl's rule may come to rest beside the optimum: th_kkt, or where none is asked for the gap, says whether.
+  // Crocoddyl's rule may stop near the optimum instead of at it. This is decided by th_kkt, or by the gap if no th_kkt
+  // was set.
   const bool doubted = reason_ == StopReason::kConverged && judges_ && keeps_limits() && !std::isfinite(th_kkt_);
   if ((doubted && !isOptimalWithinLimits()) || (reason_ == StopReason::kNoStep && is_feasible_)) {
     if (keeps_limits())
@@ -211,7 +212,8 @@ double kkt_residual_of(const ShootingProblem& problem, const std::vector<Eigen::
 
 }  // namespace
 
-// What steps are to gain may drown in the cost's rounding before the stopping rule is met: the KKT residual does not.
+// The predicted reduction may be below the rounding errors of the cost before the stopping rule is met. The KKT
+// residual is not affected.
 StopReason SolverDDP::judgeWithoutStep() {
   problem_->calc(xs_, us_);  // the data are of the last try
   calcDiff();
@@ -221,13 +223,14 @@ StopReason SolverDDP::judgeWithoutStep() {
 
 namespace {
 
-// What a candidate within limits may cost more than the optimum: th_stop of solvers without limits, or rounding.
+// The accepted excess of cost over the optimum for a candidate within limits: th_stop of solvers without limits, or
+// rounding errors.
 double optimality_gap(double th_stop, double rounding) { return std::max(std::min(th_stop, 1e-9), rounding); }
 
 }  // namespace
 
-// Whether half g^T Quu^-1 g is small, g the projected gradient by the feed-forward terms. At a regularised direction
-// Quu says too little.
+// Whether half g^T Quu^-1 g is small, where g is the projected gradient with respect to the feed-forward terms. At a
+// regularised direction this is not conclusive, because Quu is too large.
 bool SolverDDP::isOptimalWithinLimits() {
   if (preg_ > reg_min_ * scale_) return false;
   problem_->calc(xs_, us_);
@@ -306,9 +309,9 @@ void SolverDDP::limitGuess() {
   }
 }
 
-// Directions from a candidate with gaps are those without limits, of which no step may be worth anything, and which
-// leave controls at one limit or the other. What the guess's controls lead to has no gaps, and from there on the limits
-// are in the direction.
+// Directions from a candidate with gaps ignore the limits. All their steps may be useless, and they leave controls at
+// one limit or the other. The motion that the guess's controls cause has no gaps, and directions from it include the
+// limits.
 bool SolverDDP::rollOutCandidate() {
   if (!keeps_limits() || is_feasible_) return false;
   for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_guess_[t];
@@ -389,7 +392,7 @@ Eigen::Vector2d SolverDDP::improvement(bool gaps) {
   return d;
 }
 
-// Of u = us - s k:  d0 = sum Qu^T k,  d1 = - sum k^T Quu k
+// The terms of u = us - s k:  d0 = sum Qu^T k,  d1 = - sum k^T Quu k
 const Eigen::Vector2d& SolverDDP::expectedImprovement() { return d_ = improvement(false); }
 
 double SolverDDP::expectedReduction() const {
@@ -436,7 +439,7 @@ void SolverDDP::set_scale(double scale) {
   for (const auto& own : directions_) own->set_scale(scale_);
 }
 
-// The regularisation at hand was chosen for the scale before.
+// The current regularisation was chosen for the previous scale.
 void SolverDDP::measureScale() {
   const double before = scale_;
   set_scale(internal::cost_scale(*problem_));

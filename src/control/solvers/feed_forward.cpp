@@ -11,11 +11,12 @@ using Vectors = std::vector<Eigen::VectorXd>;
 
 namespace {
 
-constexpr double kArmijo = 1e-4;             // of what the slope promises
+constexpr double kArmijo = 1e-4;             // share of the reduction that the slope predicts
 constexpr double kSlope = 0.8;               // 1 - 2 delta of Hager and Zhang, delta = 0.1
-constexpr double kLeast = 0.1, kMost = 0.5;  // of a step that was too long: the next one
+constexpr double kLeast = 0.1, kMost = 0.5;  // the next step length after one that was too long, as a share of it
 constexpr int kTrials = 12;
-constexpr double kShort = 0.11, kVeryShort = 0.01;  // step lengths: twice, once, and it ends
+constexpr double kShort = 0.11, kVeryShort = 0.01;  // two steps shorter than the first, or one shorter than the
+                                                    // second, end the iterations
 
 }  // namespace
 
@@ -24,8 +25,8 @@ void SolverDDP::allocateDescent() {
   bfgs_.reserve(us_);
 }
 
-// A step along nu_ that lowers the cost enough, or where that drowns in rounding flattens its slope enough; g_try_ is
-// the gradient there.
+// Searches a step along nu_ that reduces the cost enough. If the reduction is below rounding errors, the step has to
+// reduce the slope enough. g_try_ is the gradient after the step.
 bool SolverDDP::searchFeedForward() {
   const double rounding = std::max(th_grad_ * scale_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_));
   setFeedForward(nu_);
@@ -39,7 +40,7 @@ bool SolverDDP::searchFeedForward() {
     }
     dV_ = dV;
     dVexp_ = expected;
-    double next = steplength_ * expected / (2 * (expected - dV));  // where the parabola is least
+    double next = steplength_ * expected / (2 * (expected - dV));  // minimum of the parabola
     if (dV >= kArmijo * expected || (expected < rounding && dV > -rounding)) {
       problem_->calcDiff(xs_try_, us_try_);
       computeFeedForwardGradient(g_try_);
@@ -52,8 +53,8 @@ bool SolverDDP::searchFeedForward() {
   return false;
 }
 
-// nu_ = -H g_, and what Gauss-Newton alone would gain. Controls that nu_ takes beyond a limit go as far as that: a step
-// is judged by the slope of what it does, not of what the limits take from it.
+// Computes nu_ = -H g_ and the reduction that Gauss-Newton alone predicts. Controls that nu_ would move beyond a limit
+// stop at the limit, so that the slope is that of the step actually taken.
 void SolverDDP::computeFeedForwardDirection() {
   nu_ = g_;
   preconditionFeedForward(nu_);
@@ -76,7 +77,7 @@ void SolverDDP::computeFeedForwardDirection() {
     preconditionFeedForward(nu_);
     bfgs_.finish(nu_);
     finish();
-    if (slope_ >= 0) {  // what the limits left of it is no descent
+    if (slope_ >= 0) {  // after clamping to the limits it does not descend
       bfgs_.forget();
       nu_ = g_;
       preconditionFeedForward(nu_);
@@ -85,7 +86,7 @@ void SolverDDP::computeFeedForwardDirection() {
   } else {
     finish();
   }
-  if (slope_ >= 0 && stop_ > 0) {  // where limits cut a direction down, only the gradient itself is sure to descend
+  if (slope_ >= 0 && stop_ > 0) {  // after clamping, only the negative gradient is sure to descend
     const double size = 2 * stop_ / dot(g_, g_);
     for (std::size_t t = 0; t < nu_.size(); ++t) nu_[t] = size * g_[t];
     finish();

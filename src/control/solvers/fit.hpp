@@ -20,7 +20,7 @@ void fit_all(std::size_t count, std::size_t size, Lists&... lists) {
   for (std::size_t t = 0; t < count; ++t) (fit(lists[t], static_cast<Eigen::Index>(size)), ...);
 }
 
-/// Of each running node's controls.
+/// Resizes the vectors to the controls of each running node.
 template <class... Lists>
 void fit_controls(const ShootingProblem& problem, Lists&... lists) {
   (lists.resize(problem.get_T()), ...);

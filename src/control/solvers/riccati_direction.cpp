@@ -37,7 +37,7 @@ void add_lower(const MatrixXd& A, Block to) {
   for (Index j = 0; j < A.cols(); ++j) to.col(j).tail(A.rows() - j) += A.col(j).tail(A.rows() - j);
 }
 
-// Of the lower triangle and v: finite and below 1e30.
+// Whether the lower triangle and v are finite and below 1e30.
 bool is_sound(const MatrixXd& V, const VectorXd& v) {
   for (Index j = 0; j < V.cols(); ++j)
     if (!(std::abs(v[j]) + V.col(j).tail(V.rows() - j).lpNorm<1>() < 1e30)) return false;
@@ -58,7 +58,7 @@ void RiccatiDirection::resize() {
   const Index ndx = static_cast<Index>(problem.get_ndx());
   for (std::size_t t = 0; t <= T; ++t)
     require(is_readable(*problem.data(t), ndx), "SolverDDP",
-            "a node's data hold no matrices (ActionModelParts with storage kSparse), SolverSparse is expected");
+            "a node's data have no matrices (ActionModelParts with storage kSparse), SolverSparse is expected");
   Vxx_fs_.resize(T + 1);
   for (Vectors* vectors : {&Qx_, &Qu_, &Quuk_}) vectors->resize(T);
   for (auto* matrices : {&Qxx_, &Qxu_, &Quu_, &L_}) matrices->resize(T);

@@ -1,6 +1,6 @@
 #pragma once
-// Torques minus those that keep the scene at rest under gravity, pushes and springs. g(q) are the torques that
-// compensate gravity, and tau_s(q) those of the scene's pushes and springs at rest. Names and constructors are
+// Torques minus those that keep the scene at rest under gravity, external wrenches and springs. g(q) are the torques
+// that compensate gravity, and tau_s(q) those of the external wrenches and springs at rest. Names and constructors are
 // Crocoddyl's, which has no tau_s; nu is nv by default.
 
 #include "manycontact/action/residual.hpp"

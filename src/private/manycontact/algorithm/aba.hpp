@@ -10,7 +10,7 @@ namespace manycontact {
 
 template <class S>
 struct AbaData {                         // Scratch of aba. Allocated once per robot.
-  explicit AbaData(const Model& model);  // room for this robot
+  explicit AbaData(const Model& model);  // workspace for this robot
   std::vector<Mat6<S>> IA;               // njoints: articulated inertia
   std::vector<Vec6<S>> pA;               // njoints: articulated bias force
   Mat6X<S> U;                            // 6 x nv: IA S

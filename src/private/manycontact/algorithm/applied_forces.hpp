@@ -1,5 +1,6 @@
 #pragma once
-// What acts on robots beside motors, gravity and contacts: pushes and springs (model/scene.hpp), as torques
+// Forces on robots other than those of motors, gravity and contacts: external wrenches and springs (model/scene.hpp),
+// as torques
 //
 //     tau(q, v, w) = J_F(q)^T w + tau_s(q, v)
 //
@@ -22,7 +23,8 @@ template <class S>
 struct AppliedForces {
   explicit AppliedForces(const Scene& scene);
 
-  struct OfRobot {                                    // With a push, a spring or a joint's spring.
+  struct OfRobot {                                    // a robot with an external wrench, a spring or a spring in a
+                                                      // joint
     int robot = -1;                                   // of the scene
     std::vector<int> pushes, springs, joint_springs;  // on it; springs: with end A on it
     std::vector<int> joints;  // ascending: of the bodies that forces act on, and of those before them in the tree
@@ -38,17 +40,18 @@ struct AppliedForces {
 
   std::vector<OfRobot> robots;    // by their numbers
   std::vector<int> number;        // per robot of the scene: its place in `robots`, -1: nothing acts on it
-  std::vector<Vec6<S>> pushes;    // per push: on its body, in the tree frame
+  std::vector<Vec6<S>> pushes;    // per external wrench: on its body, in the tree frame
   std::vector<OfSpring> springs;  // per spring
 };
 
-/// The wrenches on bodies at q (nq), v (nv), of a wrench w per push: each robot's f, of the bodies in `joints`, in the
-/// tree frame. NaN on bodies of a spring whose ends coincide.
+/// Computes the wrenches on bodies at q (nq), v (nv); `w` has the external wrenches. They are in each robot's `f`, for
+/// the bodies in `joints`, in the tree frame. NaN on bodies of a spring whose ends coincide.
 template <class S>
 void find_applied_wrenches(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
                            AppliedForces<S>& forces);
 
-/// tau += tau(q, v, w). q: nq; v, tau: nv; w: a wrench per push. NaN on robots with a spring whose ends coincide.
+/// tau += tau(q, v, w). Sizes: q nq, v and tau nv; `w` has the external wrenches. NaN on robots with a spring whose
+/// ends coincide.
 template <class S>
 void add_applied_forces(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
                         AppliedForces<S>& forces, S* tau);
@@ -59,14 +62,16 @@ struct AppliedScratch {
   std::vector<std::vector<Vec6<double>>> u, x, v;  // per robot of `forces`: njoints
 };
 
-// After add_applied_forces at q, v; of these robots of the scene alone. Vectors are the scene's: nv, 6 per push.
+// The following functions need add_applied_forces at q, v, and consider only these robots of the scene. Vectors are
+// those of the scene: nv, and 6 per external wrench.
 
 /// dtau += dtau/dq dq + dtau/dv dv + dtau/dw dw. dw: nullptr for zero.
 void add_applied_tangent(const Scene& scene, const double* v, const AppliedForces<double>& forces,
                          std::span<const int> robots, const double* dq, const double* dv, const double* dw,
                          AppliedScratch& scratch, double* dtau);
 
-/// wq += (dtau/dq)^T l, wv += (dtau/dv)^T l; ww = (dtau/dw)^T l of these robots' pushes, where it is not nullptr.
+/// wq += (dtau/dq)^T l, wv += (dtau/dv)^T l; ww = (dtau/dw)^T l of the external wrenches on these robots, if ww is not
+/// nullptr.
 void add_applied_adjoint(const Scene& scene, const double* v, const AppliedForces<double>& forces,
                          std::span<const int> robots, const double* l, AppliedScratch& scratch, double* wq, double* wv,
                          double* ww);
@@ -80,7 +85,8 @@ struct AppliedSizes {
 AppliedSizes applied_sizes(const Scene& scene, const double* q, const double* v, const AppliedForces<double>& forces,
                            std::span<const int> robots);
 
-/// What they do at the state of the last add_applied_forces, W: pushes, and dampers, which take.
+/// The power of external wrenches and dampers at the state of the last add_applied_forces [W]; that of dampers is
+/// negative.
 struct AppliedPower {
   double pushes = 0, dampers = 0;
 };
@@ -90,7 +96,7 @@ AppliedPower power_of(const Scene& scene, const AppliedForces<double>& forces);
 /// has scene.nq numbers.
 double spring_length(const Scene& scene, const ConstVectorRef& q, const Spring& spring);
 
-/// What springs hold at q, J. kin: per robot of the scene, placed.
+/// The energy of the springs at q [J]. `kin` has the placed kinematics of each robot of the scene.
 double energy_of_springs(const Scene& scene, const ConstVectorRef& q, const std::vector<Kinematics<double>>& kin);
 
 }  // namespace manycontact

@@ -27,7 +27,7 @@ Vec6<S> force_from(const Eigen::MatrixBase<A>& f, const Vec3<S>& r) {
   return out;
 }
 
-/// Of vectors whose entries are of sizes a and b, what the entries of their cross product are sums of.
+/// The magnitudes of the terms of a cross product, for vectors with entries of magnitudes a and b.
 template <class S>
 Vec3<S> cross_sizes(const Vec3<S>& a, const Vec3<S>& b) {
   return {a[1] * b[2] + a[2] * b[1], a[2] * b[0] + a[0] * b[2], a[0] * b[1] + a[1] * b[0]};
@@ -36,7 +36,7 @@ Vec3<S> cross_sizes(const Vec3<S>& a, const Vec3<S>& b) {
 /// Where a robot's bodies are and how they move, each in its body frame. Allocated once per robot.
 template <class S>
 struct BodyKinematics {
-  explicit BodyKinematics(const Model& model);  // room for this robot
+  explicit BodyKinematics(const Model& model);  // workspace for this robot
 
   // by place_trees, from q
   std::vector<WorldPoint<S>> origins;  // per tree: origin of its frame (algorithm/kinematics.hpp)
@@ -49,7 +49,7 @@ struct BodyKinematics {
   std::vector<int> tree_of;  // njoints: which of the model's trees a body is of
 };
 
-/// What one joint's equations of motion are made of; memory of the caller's.
+/// The terms of one joint's equations of motion, in memory of the caller.
 template <class S>
 struct BodyTerms {
   Vec3<S>* r;     // origin seen from the parent's, or the base's
@@ -59,7 +59,7 @@ struct BodyTerms {
   Vec6<S>* h;     // bias force of the body, v x* Y v
 };
 
-/// Where the trees stand at a configuration q (nq). base: as forward_kinematics.
+/// Computes the placements of the trees at a configuration q (nq); `base` is that of forward_kinematics.
 template <class S>
 void place_trees(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, BodyKinematics<S>& kin);
 

@@ -1,6 +1,6 @@
 #pragma once
-// The numbers of a robot's model that algorithms read: in doubles those of the model; where robots of one structure
-// stand side by side in the lanes of S, each may have its own.
+// The numbers of a robot's model that algorithms read. For double these are those of the model; in SIMD batches of
+// robots of one structure each may have its own.
 
 #include "manycontact/algorithm/kinematics.hpp"
 
@@ -16,7 +16,7 @@ struct ModelNumbers {
   VecX<S> armature;                 // nv
 };
 
-/// Of joint i, as Joint has it; each part made when asked for.
+/// The numbers of joint i, as in Joint; each part is made when it is requested.
 template <class S>
 struct PlacementOf {
   const SE3<double>& of_model;

@@ -15,8 +15,8 @@ struct BodyVariationOf {
 };
 using BodyVariation = BodyVariationOf<double>;
 
-/// The tangent's forward pass: xi, v, a of every body along (dq, dv) with qdd held. kin: after forward_accelerations
-/// with qdd. dq, dv, qdd: nv. out: njoints.
+/// The tangent's forward pass: xi, v, a of every body along (dq, dv) at constant qdd. `kin` is that after
+/// forward_accelerations with qdd. Sizes: dq, dv, qdd nv, out njoints.
 template <class S>
 void tangent_motions(const Model& model, const Kinematics<S>& kin, const S* qdd, const S* dq, const S* dv,
                      std::vector<BodyVariationOf<S>>& out);
@@ -37,8 +37,8 @@ template <class S>
 void add_body_adjoints(const Model& model, const Kinematics<S>& kin, const std::vector<Vec6<S>>& u,
                        std::vector<BodyVariationOf<S>>& adjoint);
 
-/// From gradients per body to gradients per coordinate: wq, wv (nv each), of a scalar that depends on q, v through the
-/// bodies' xi, u, v, a. qdd, and w inside u, are held. Overwrites `adjoint` with sums over subtrees.
+/// Converts gradients per body to gradients per coordinate, wq and wv (nv each), of a scalar that depends on q, v
+/// through xi, u, v, a of the bodies. qdd, and w inside u, are constant. Overwrites `adjoint` with sums over subtrees.
 template <class S>
 void pull_back(const Model& model, const Kinematics<S>& kin, const S* qdd, const std::vector<Vec6<S>>& u,
                std::vector<BodyVariationOf<S>>& adjoint, S* wq, S* wv);

@@ -1,13 +1,14 @@
 #pragma once
-// What a scene models more than it needs, at the state solved last. One item per sentence or two, in plain words:
-// names, no line breaks, nothing for a terminal. All throw std::logic_error before a solve.
+// Parts of a scene's model that are not needed, at the state solved last. Each item is one or two sentences with names
+// and without line breaks. All functions throw std::logic_error before a solve.
 
 #include "manycontact/analysis/kinds.hpp"
 
 namespace manycontact {
 
-/// Rows of J that are redundant, single contacts that hold the same as several, contacts that hold more directions than
-/// their robots can move in. Only what follows from ranks at this configuration. kinds: by find_kinds, of these data.
+/// Lists redundant rows of J, single contacts that impose the same constraint as several, and contacts that constrain
+/// more directions than their robots can move in. It uses only the ranks at this configuration. `kinds` is the result
+/// of find_kinds for these data.
 std::vector<std::string> advise_on_contacts(const Scene& scene, const SceneData& data,
                                             const std::vector<IslandKind>& kinds);
 

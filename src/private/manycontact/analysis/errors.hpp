@@ -1,6 +1,6 @@
 #pragma once
-// How far an answer is from another one, or from the truth, per robot and in the maximum norm. Templates over the
-// scalar of the truth, so that differences from one in quadruple precision are taken in that.
+// Differences of one solution from another one, or from a reference, per robot and in the maximum norm. The functions
+// are templates over the scalar of the reference, so that differences from quadruple precision are computed in it.
 
 #include <cmath>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace manycontact {
 
-/// |x - truth|, in the units of x, and |x - truth| / |truth|. NaN where either holds NaN.
+/// |x - truth|, in the units of x, and |x - truth| / |truth|. NaN if either contains NaN.
 struct Deviation {
   double absolute = 0, relative = 0;
 };
@@ -19,7 +19,7 @@ namespace internal {
 inline double worse(double a, double b) { return b <= a ? a : a != a ? a : b; }
 }  // namespace internal
 
-/// max |x_ij|. NaN where x holds NaN.
+/// max |x_ij|. NaN if x contains NaN.
 template <class X>
 double largest_entry(const X& x) {
   using std::abs;
@@ -29,7 +29,7 @@ double largest_entry(const X& x) {
   return out;
 }
 
-/// max |x_ij - truth_ij|. NaN where either holds NaN.
+/// max |x_ij - truth_ij|. NaN if either contains NaN.
 template <class X, class T>
 double largest_difference(const X& x, const T& truth) {
   using S = typename T::Scalar;
@@ -41,8 +41,9 @@ double largest_difference(const X& x, const T& truth) {
   return out;
 }
 
-/// Per robot: its accelerations; a, truth: scene.nv [m/s^2, rad/s^2]. at_least: empty, or scene.nv; errors are then
-/// relative to the larger of |truth| and these, of use where a robot is at rest and its accelerations are rounding.
+/// Differences of accelerations per robot; a and truth have scene.nv entries [m/s^2, rad/s^2]. `at_least` is empty or
+/// has scene.nv entries. Errors are then relative to the larger of |truth| and these, for robots at rest whose
+/// accelerations are rounding errors.
 template <class S>
 std::vector<Deviation> acceleration_deviations(const Scene& scene, const Eigen::VectorXd& a, const VecX<S>& truth,
                                                const Eigen::VectorXd& at_least = {}) {

@@ -8,17 +8,17 @@
 
 namespace manycontact {
 
-/// What a contact is attached to; anything that cannot move is the world, {-1, -1}.
+/// The body that a contact is attached to; anything that cannot move is the world, {-1, -1}.
 struct Body {
   int robot = -1, joint = -1;
   auto operator<=>(const Body&) const = default;
 };
 Body body_of(const Attachment& attachment);  // the body it is on
 
-/// "humanoid/left_sole", or "world": where attachments on one body are. The frame by which all of them were attached,
-/// a fixed base's too; where they differ or have none, "world" for what cannot move, else of the body's frames the one
-/// nearest to the mean of their origins; a body without frames is called by its joint. Throws std::invalid_argument
-/// when there is none.
+/// Returns the name of the place of attachments on one body: "humanoid/left_sole", or "world". This is the frame by
+/// which all of them were attached, also of a fixed base. If they differ or have none, it is "world" for bodies that
+/// cannot move, and else the body's frame nearest to the mean of their origins. A body without frames has the name of
+/// its joint. Throws std::invalid_argument if there is no attachment.
 std::string place_name(const Scene& scene, const std::vector<const Attachment*>& on_body);
 
 /// "a, b, beam", at most four names; more than three neighbours in the scene that share a model are "ring0 .. ring15".

@@ -1,6 +1,6 @@
 #pragma once
-// Which numbers of an answer say nothing. Accelerations of a scene at rest are what rounding leaves of terms that
-// cancel; the bounds of estimate_errors, above 1 there, tell them from small ones that are known.
+// Numbers of a solution that are rounding errors only. Accelerations of a scene at rest are the rounding errors of
+// terms that cancel. The bounds of estimate_errors, above 1 there, distinguish them from small numbers that are known.
 
 #include <string>
 #include <vector>
@@ -16,10 +16,10 @@ struct Rounding {
   std::vector<std::string> names() const;
 };
 
-/// Of an island's answer. After estimate_errors: before it, and where there is no answer, nothing is.
+/// Checks the solution of an island after estimate_errors. Before it, and without a solution, no number is marked.
 Rounding find_rounding(const IslandReport& report);
 
-/// Of at least one island's: those that the report's largest errors speak of.
+/// The marks of any island: those that the largest errors of the report refer to.
 Rounding find_rounding(const Report& report);
 
 }  // namespace manycontact

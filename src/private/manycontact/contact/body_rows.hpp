@@ -7,9 +7,9 @@
 
 namespace manycontact {
 
-/// Fills `data` but J_l and J; aMA, bMA are A in A's and in B's body frame (a fixed base's; the world). kinA, kinB: of
-/// the robots of A and B, nullptr where the body cannot move (a fixed base, the world). aA, aB: accelerations minus
-/// gravity of A's and B's bodies in their body frames; unused where these cannot move.
+/// Fills `data` except J_l and J. aMA and bMA are A in A's and in B's body frame (of a fixed base, or the world). kinA
+/// and kinB are those of the robots of A and B, or nullptr if the body cannot move. aA and aB are the accelerations
+/// minus gravity of the bodies of A and B in their body frames; they are unused for bodies that cannot move.
 void body_rows(const Scene& scene, const Contact& contact, const BodyKinematics<double>* kinA,
                const BodyKinematics<double>* kinB, const Vec6<double>& aA, const Vec6<double>& aB,
                ContactData<double>& data);

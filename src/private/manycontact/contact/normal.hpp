@@ -3,9 +3,9 @@
 
 namespace manycontact {
 
-/// The normal of the surface that a contact's A presses on, unit and out of it, in the world: the contact's own, or
-/// where it has none the world's z for points and A's z for what holds turning. oRA: A's axes in the world; oRB: those
-/// of B', not read where B is the world.
+/// The unit normal, out of the surface that a contact's A presses on, in the world. It is the contact's own one. If
+/// there is none, it is the world's z for points, and A's z for contacts that constrain rotations. oRA are A's axes in
+/// the world, and oRB those of B', which are not read if B is the world.
 inline Vec3<double> contact_normal(const Contact& contact, const Mat3<double>& oRA, const Mat3<double>& oRB) {
   if (contact.normal) {
     const Vec3<double> n = contact.normal->normalized();  // set after add_contact, it may be of any length

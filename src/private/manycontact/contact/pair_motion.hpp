@@ -73,7 +73,7 @@ struct MemberMotion {
 template <class S>
 void pair_motion(const Contact& pair, ContactData<S>& d);
 
-/// What x of a pair changes by with nu and with a displacement of A, beyond nudot: 6 x 6 each.
+/// The derivatives of a pair's x with respect to nu and to a displacement of A, without that of nudot: 6 x 6 each.
 template <class S>
 struct PairSlopes {
   Mat6<S> by_motion = Mat6<S>::Zero(), by_displacement = Mat6<S>::Zero();

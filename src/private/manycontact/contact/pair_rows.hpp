@@ -26,7 +26,7 @@ struct PairRows {
   int kind = 0;              // equal for pairs whose members are of the same types, in order, and of one rank
 };
 
-/// What kernels of contacts are made for beside the joints: the type, or a pair's kind.
+/// The properties other than joints for which kernels of contacts are compiled: the type, or a pair's kind.
 inline int kind_of(const Contact& contact) {
   return contact.pair ? contact.pair->kind : static_cast<int>(contact.type);
 }
@@ -34,8 +34,9 @@ inline int kind_of(const Contact& contact) {
 /// Whether a contact's rows are constant on the relative motion of its bodies, seen from A's: those in A's axes.
 inline bool has_constant_rows(const Contact& contact) { return contact.reference_frame == ReferenceFrame::kLocal; }
 
-/// What stands for these contacts of the scene, which are between the same two bodies and have constant rows; its
-/// `pair` is empty where their rows are independent, or the rank cannot be told plainly from their geometry.
+/// Returns the contact that replaces these contacts of the scene, which are between the same two bodies and have
+/// constant rows. Its `pair` is empty if their rows are independent, or if the rank cannot be determined reliably from
+/// their geometry.
 Contact pair_of(const Scene& scene, std::span<const int> contacts);
 /// Takes what may change under data in use into a contact by pair_of and its PairRows: gains, and where B' is.
 void refresh_pair(const Scene& scene, PairRows& rows, Contact& pair);

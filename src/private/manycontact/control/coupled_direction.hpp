@@ -1,19 +1,20 @@
 #pragma once
-// A part whose nodes are ActionModelParts with couplings: robots that hold each other. The direction of FDDP is the
-// solution (dx, du) of the linear-quadratic problem around the candidate, with the couplings' wrenches as variables
-// (couplings.hpp, lq/problem.hpp), by the lq::DirectionSolver of least predicted operations: a Riccati recursion per
-// robot and a Schur complement of the couplings, or islands through time. It equals SolverFDDP's on nodes of the whole
-// scene, with the same regularisation (rho on the states and on the controls, none on wrenches).
+// A subproblem whose nodes are ActionModelParts with couplings: robots in contact with each other. The direction of
+// FDDP is the solution (dx, du) of the linear-quadratic problem around the candidate, with the wrenches of the
+// couplings as variables (couplings.hpp, lq/problem.hpp). The lq::DirectionSolver of least predicted operations
+// computes it: a Riccati recursion per robot and a Schur complement of the couplings, or islands through time. The
+// direction equals that of SolverFDDP on nodes of the whole scene, with the same regularisation (rho on the states and
+// on the controls, none on wrenches).
 //
 // The forward pass is FDDP's with other gains. SolverFDDP's K = -du/dx of the whole scene is dense, and never appears;
 // here each robot has the gains K_i of its own recursion, which takes the wrenches on it as given, and
 //
 //     u_i = us_i + s du_i - K_i (x_i (-) xs_i - s dx_i):
 //
-// where x is what the linear model says, both take the step u = us + s du. What the model's error feeds back differs,
-// so that steps differ from SolverFDDP's to second order and so may the number of iterations; limits are the same. Gaps
-// are kept at (1 - s) as in FDDP. A step of length s is expected to reduce the cost by what the linear-quadratic
-// problem says, without the regularisation,
+// where x is the state of the linear model, both take the step u = us + s du. The feedback of the model's error
+// differs, so that steps differ from those of SolverFDDP to second order, and so may the number of iterations; limits
+// are the same. Gaps are kept at (1 - s) as in FDDP. The expected reduction of a step of length s is that of the
+// linear-quadratic problem without the regularisation,
 //
 //     s (d0 + s d1 / 2),    d0 = -(q^T dx + r^T du + r_w^T dw),    d1 = -[dx; du; dw]^T H [dx; du; dw],
 //

@@ -23,12 +23,12 @@ class Direction {
   virtual const char* name() const = 0;
   /// Controls of the matrices that are factorized at a node: the largest number over the nodes, of each matrix.
   virtual std::vector<int> blocks() const;
-  /// Of some of the part's coordinates: u = us - K (x (-) xs) where the direction is zero.
+  /// The policy of some of the part's coordinates: u = us - K (x (-) xs) if the direction is zero.
   struct Gains {
     std::vector<int> dx, u;  // of the solver's
     Eigen::MatrixXd K;
   };
-  /// Of node t, whose controls all are in one of them; none before a direction.
+  /// The gains of node t: each of its controls is in one of them; none before a direction.
   virtual std::vector<Gains> gains(std::size_t t) const = 0;
 
   /// Gradients of the value function (T + 1), feed-forward terms (T): u = us - s k - ... for a step of length s.
@@ -53,15 +53,15 @@ class Direction {
   virtual Eigen::Vector2d improvement(bool gaps) = 0;
   /// dv of fddp.cpp, at the states tried.
   virtual double gap_improvement() { return 0; }
-  /// Of a full step from a candidate without gaps.
+  /// The expected reduction of a full step from a candidate without gaps.
   virtual double expected_reduction() const = 0;
 
-  /// Of SolverDDP::descend: k = -nu for the next steps; the gradient at the controls tried, where nodes are
-  /// differentiated; and g <- H^-1 g, H Gauss-Newton's Hessian by nu.
+  /// Used by SolverDDP::descend: sets k = -nu for the next steps; computes the gradient at the controls tried, at nodes
+  /// that are differentiated; and replaces g by H^-1 g, where H is Gauss-Newton's Hessian with respect to nu.
   virtual void set_feed_forward(const Vectors& nu);
   virtual void feed_forward_gradient(Vectors& g) = 0;
   virtual void precondition_feed_forward(Vectors& g) = 0;
-  /// Zero of controls that stood at a limit at the last gradient.
+  /// Sets controls to zero that were at a limit at the last gradient.
   virtual void hold_feed_forward(Vectors&) {}
   /// The size of the cost, where thresholds depend on it.
   virtual void set_scale(double) {}
@@ -78,7 +78,7 @@ class Direction {
   bool is_feasible_ = false;
   Vectors Vx_, k_, dx_;        // T + 1, T, T
   Eigen::VectorXd step_;       // ndx: workspace
-  bool held_changed_ = false;  // other controls stand at limits than at the gradient before
+  bool held_changed_ = false;  // other controls are at limits than at the gradient before
 
  private:
   friend class SolverDDP;  // gathers and scatters

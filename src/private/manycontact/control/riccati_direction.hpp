@@ -13,7 +13,8 @@ class RiccatiDirection : public Direction {
  public:
   using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  /// keeps_values: Vxx, Qxx, Qxu, Quu of all nodes are kept, not of the node at hand alone: twice a node's memory.
+  /// With keeps_values, Vxx, Qxx, Qxu, Quu of all nodes are kept, instead of those of the current node alone: twice the
+  /// memory of a node.
   RiccatiDirection(ShootingPart part, bool is_whole, bool keeps_values);
 
   const char* name() const override { return "Riccati"; }
@@ -46,7 +47,8 @@ class RiccatiDirection : public Direction {
   void step_control(std::size_t t, double steplength) override;
   /// us_try[t] onto the limits.
   virtual void limit_control(std::size_t) {}
-  /// Zero in node t's gradient of controls at limits that would leave them; these are held from then on.
+  /// Sets to zero, in the gradient of node t, the controls at limits that would leave them; these are fixed from then
+  /// on.
   virtual void hold_controls(std::size_t, Eigen::VectorXd&) {}
 
   std::vector<Eigen::MatrixXd> Qxu_, Quu_, L_;  // T; L_: Cholesky factors of Quu
@@ -66,7 +68,7 @@ class RiccatiDirection : public Direction {
   lq::RiccatiStep riccati_;
   lq::SymplecticStructure steps_;
   static constexpr std::size_t kNoNode = static_cast<std::size_t>(-1);
-  std::size_t node_ = kNoNode;  // whose Hessians riccati_ holds
+  std::size_t node_ = kNoNode;  // whose Hessians are in riccati_
 };
 
 class BoxDirection : public RiccatiDirection {  // with the models' limits
@@ -88,7 +90,7 @@ class BoxDirection : public RiccatiDirection {  // with the models' limits
  private:
   BoxQP qp_;
   std::vector<Eigen::MatrixXd> Quu_inv_;
-  Eigen::VectorXd du_lb_, du_ub_;        // of the node at hand
+  Eigen::VectorXd du_lb_, du_ub_;        // of the current node
   std::vector<std::vector<bool>> held_;  // controls at limits, of the last feed-forward gradient
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a URDF draws: the <visual> shapes of its links. For pictures alone: a Model keeps none of it.
+// The visual shapes of a URDF's links. They are for pictures alone: a Model does not contain them.
 
 #include <array>
 #include <optional>

@@ -13,8 +13,9 @@ struct Prediction {
 /// From the structure alone.
 Prediction predict(const Problem& problem);
 
-/// Riccati by islands, which is the dense one where all is joined, unless the Schur complement of couplings is
-/// predicted to cost less, or a terminal knot has more equations than w, which Riccati cannot meet. Analysed.
+/// Chooses Riccati by islands, which is the dense one if all blocks are coupled. The Schur complement of couplings is
+/// chosen if it is predicted to cost less, or if a terminal knot has more equations than w, which Riccati cannot solve.
+/// The result is analysed.
 std::unique_ptr<DirectionSolver> choose(const Problem& problem);
 
 }  // namespace manycontact::lq

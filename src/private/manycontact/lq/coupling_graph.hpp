@@ -1,5 +1,5 @@
 #pragma once
-// Which couplings meet at which cluster, in which knot, and where their w and mu stand in the Schur complement of
+// Which couplings act on which cluster in which knot, and the offsets of their w and mu in the Schur complement of
 // coupling_schur.hpp.
 
 #include "manycontact/lq/block_cholesky.hpp"

@@ -29,11 +29,11 @@ struct Outcome {  // of one solve
   int refinements = 0;
 };
 
-/// KKT error up to which an answer counts as solved: three orders above what a sum over T = 1000 knots of rounding
-/// errors leaves, four below what a Newton step needs.
+/// KKT error up to which a solution is accepted: three orders above the rounding errors of a sum over T = 1000 knots,
+/// and four below the accuracy that a Newton step needs.
 inline constexpr double kAccurate = 1e-10;
 
-/// KKT error above which an answer is refined: what it leaves of a step is far below what Newton's method sees.
+/// KKT error above which a solution is refined: its effect on a step is far below the accuracy of Newton's method.
 inline constexpr double kRefineAbove = 1e-13;
 
 class DirectionSolver {

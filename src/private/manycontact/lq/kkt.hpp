@@ -9,16 +9,17 @@ namespace manycontact::lq {
 /// h: q, r of controls, r of couplings, (x0, f of knots 0 ... T-1) in lambda, d in mu.
 void linear_terms(const Problem& problem, const Layout& layout, Point& h);
 
-/// residual = H z + h. Returns the largest error over the equations, each |residual| relative to the largest sum of
-/// |terms| in its block (of a knot): 0 where all terms are; NaN where any is. scale: scratch, of the same sizes.
+/// residual = H z + h. Returns the largest error over the equations: each |residual| relative to the largest sum of
+/// |terms| in its block (of a knot). It is 0 if all terms are 0, and NaN if any is NaN. `scale` is workspace of the
+/// same sizes.
 double kkt_residual(const Problem& problem, const Layout& layout, const Regularisation& reg, const Point& z,
                     Point& residual, Point& scale);
 
 /// As above, with scratch of its own.
 double kkt_error(const Problem& problem, const Point& z, const Regularisation& reg = {});
 
-/// What the optimum z of the problem under `reg` changes: cost(z) - cost(0) = linear + quadratic / 2, of the problem
-/// itself, without regularisation. By vectors alone, from the optimality conditions.
+/// The change of cost by the optimum z of the problem under `reg`: cost(z) - cost(0) = linear + quadratic / 2, of the
+/// problem without regularisation. It is computed with vectors alone, from the optimality conditions.
 struct Change {
   double linear = 0, quadratic = 0;
 };

@@ -7,7 +7,7 @@
 
 namespace manycontact::lq {
 
-/// Part of a group's vector, and where it stands in its cluster's.
+/// A part of a group's vector, and its offset in that of its cluster.
 struct Piece {
   int from, size, to;
 };
@@ -25,7 +25,7 @@ struct Member {
 struct Cluster {
   std::vector<int> blocks;   // in the order of the members
   std::vector<int> x_start;  // of each block in the cluster's x
-  std::vector<int> u_start;  // likewise
+  std::vector<int> u_start;  // of each block in the cluster's u
   std::vector<Member> members;
   std::vector<int> couplings;  // within the cluster: eliminated with the controls
   std::vector<int> w_start;    // of each, in v

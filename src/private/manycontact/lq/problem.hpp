@@ -8,11 +8,11 @@
 //              x_g(k+1) = A x_g + B v_g + f                    each group g of knot k < T
 //              sum over the groups g that coupling b touches of its rows of  C x_g + D v_g + d  = 0     each coupling b
 //
-// x_g: states of g's blocks, one after the other. v_g = [u_g; w_g]: controls of its blocks, then the variables of the
-// couplings that touch it. A coupling is what groups share without being one dense block: its variables w_b (a
-// contact's force and common acceleration) stand in each group it touches, and its equations sum over these. A coupling
-// without variables that touches one group is an equality constraint on it. The terminal knot has no controls and no
-// dynamics.
+// x_g has the states of g's blocks, one after the other. v_g = [u_g; w_g] has the controls of its blocks, then the
+// variables of the couplings that act on it. A coupling connects groups that are no dense block together. Its variables
+// w_b (a contact's force and common acceleration) occur in each of these groups, and its equations sum over the groups.
+// A coupling without variables that acts on one group is an equality constraint on it. The terminal knot has no
+// controls and no dynamics.
 //
 // With multipliers lambda_k of x_k's equation and mu_b of a coupling's, the optimum satisfies (Rhs and residual in
 // kkt.hpp)
@@ -31,9 +31,9 @@
 
 namespace manycontact::lq {
 
-/// Of a group of one block whose state is [y; z], halves of one size, of which y moves by the z that is reached
-/// (symplectic Euler): A = [J 0; 0 0] + [G; 1] A_z, B = [G; 1] B_z, A_z and B_z being their lower halves. Riccati and
-/// CouplingSchur then take half the operations for products with A.
+/// A group of one block whose state is [y; z], halves of one size, where y moves by the z that is reached (symplectic
+/// Euler): A = [J 0; 0 0] + [G; 1] A_z, B = [G; 1] B_z, and A_z, B_z are their lower halves. Riccati and CouplingSchur
+/// then take half the operations for products with A.
 struct SymplecticStructure {
   BlockDiagonal J, G;
 };
@@ -42,7 +42,7 @@ struct SymplecticStructure {
 /// both halves of Q and R are read, which must be symmetric.
 struct Group {
   std::vector<int> blocks;
-  std::vector<int> couplings;  // of the knot, in the order in which v_g and the rows of C hold them
+  std::vector<int> couplings;  // numbers in the knot, in the order of v_g and of the rows of C
 
   Eigen::MatrixXd Q, S, R;                   // nx x nx, nx x nv, nv x nv
   Eigen::VectorXd q, r;                      // nx, nv
@@ -72,13 +72,14 @@ struct Problem {            // all knots of a horizon
   int blocks() const { return static_cast<int>(nx.size()); }
 };
 
-/// Makes every matrix and vector zero, of the size that nx, nu, the groups' blocks and couplings and the couplings say.
+/// Makes every matrix and vector zero, with the sizes that follow from nx, nu, the groups' blocks and couplings, and
+/// the couplings.
 void set_zero(Problem& problem);
 
 /// Throws std::invalid_argument where sizes, partition or couplings do not fit, naming knot and group.
 void check(const Problem& problem);
 
-/// Where blocks and couplings stand in the vectors of a Point: the first entry of each, and the total behind the last.
+/// Offsets of blocks and couplings in the vectors of a Point: the first entry of each, and then the total.
 struct Layout {
   std::vector<int> x, u;                  // by block
   std::vector<std::vector<int>> w, rows;  // by knot, by coupling

@@ -22,7 +22,7 @@ namespace manycontact::lq {
 
 class Riccati : public DirectionSolver {  // the recursion, dense or by islands through time
  public:
-  /// Of a cluster in a knot, in the order of its Cluster. factorize computes K and P, solve k and p.
+  /// The policy of a cluster in a knot, in the order of its Cluster. factorize computes K and P, solve k and p.
   struct Policy {
     Eigen::MatrixXd K;  // (nv + rows) x nx: [v; mu] = K x + k, the first nu rows of it u
     Eigen::VectorXd k;
@@ -32,8 +32,8 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
     Eigen::PartialPivLU<Eigen::MatrixXd> lu;
   };
 
-  /// kAll: the dense recursion, the oracle. kIslands: by clusters. kNoCouplings leaves couplings out, as if w and mu
-  /// were zero.
+  /// kAll is the dense recursion, the reference. kIslands computes by clusters. kNoCouplings leaves couplings out, as
+  /// if w and mu were zero.
   explicit Riccati(Join join) : join_(join) {}
 
   const char* name() const override;
@@ -44,7 +44,7 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
 
   /// P+ of the next knot in the order of this knot's cluster; in scratch where it is not stored so.
   Eigen::Ref<const Eigen::MatrixXd> next_value(const Problem& problem, int knot, int cluster);
-  /// Of a cluster that is one group; nullptr where they are not known.
+  /// The structure of steps of a cluster that is one group; nullptr if it has none.
   const SymplecticStructure* steps(const Problem& problem, int knot, int cluster) const;
 
  protected:
@@ -67,9 +67,9 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
   Plan plan_;
   double flops_ = 0;
   std::vector<std::vector<Policy>> policies_;
-  std::vector<std::vector<Eigen::VectorXd>> k_, p_;  // of the pass at hand: corrections add to the policies'
+  std::vector<std::vector<Eigen::VectorXd>> k_, p_;  // of the current pass: corrections are added to the policies'
   std::vector<int> x_of_block_;
-  RiccatiStep step_;                      // of the cluster at hand
+  RiccatiStep step_;                      // of the current cluster
   std::vector<double> next_, with_rows_;  // scratch, for matrices of it
   Eigen::VectorXd t_, x_, v_, f_;
 };

@@ -7,8 +7,8 @@
 //
 //     K = Qvv^-1 Qvx by Qvv = L L^T,    P = Qxx - Qxv K
 //
-// Panels are row-major, v first; x begins at a column that is a multiple of eight (sparse/panel_kernels.hpp). Of H only
-// the upper triangle by rows is computed: as Eigen's matrices by columns, the lower one.
+// Panels are row-major, v first; x begins at a column that is a multiple of eight (sparse/panel_kernels.hpp). Only the
+// upper triangle of H by rows is computed, which is the lower one of Eigen's column-major matrices.
 
 #include "manycontact/lq/plan.hpp"
 
@@ -19,7 +19,7 @@ class RiccatiStep {
   using Matrix = Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
   using ConstMatrix = const Eigen::Ref<const Eigen::MatrixXd>&;
 
-  /// Room for nv columns of v and nx of x. Takes no memory where there was as much before.
+  /// Resizes the workspace for nv columns of v and nx of x. Allocates nothing if it was as large before.
   void lay_out(int nv, int nx);
 
   /// F = [B A], whole or part by part; by halves (SymplecticStructure) only the lower halves. row, column: the part's

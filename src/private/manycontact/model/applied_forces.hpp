@@ -1,5 +1,5 @@
 #pragma once
-// Pushes and springs of scenes that are made of others.
+// External wrenches and springs of scenes that are made of other scenes.
 
 #include <vector>
 
@@ -7,7 +7,7 @@
 
 namespace manycontact {
 
-/// Takes pushes and springs away: what is left moves by gravity, motors and contacts alone.
+/// Removes external wrenches and springs: the scene then moves by gravity, motors and contacts alone.
 void drop_applied_forces(Scene& scene);
 
 /// Adds those of `from` whose robots are in `to`, as they are. robot_at: per robot of `from` its number in `to`, -1: it

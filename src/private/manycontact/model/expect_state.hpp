@@ -4,9 +4,9 @@
 
 namespace manycontact {
 
-/// What keeps q (nq numbers) from being a configuration of these robots, in words: a number that is not finite, the
-/// quaternion of a floating joint that is further than `tolerance` from unit length. "" where it is one.
-/// what: "q". tolerance: by default solve's.
+/// Returns why q (nq numbers) is no configuration of these robots, or "" if it is one: a number that is not finite, or
+/// a quaternion of a floating joint that differs from unit length by more than `tolerance`, by default that of solve.
+/// `what` is "q".
 std::string unusable_configuration(const char* what, const ConstVectorRef& q, const RigidBodies& bodies,
                                    double tolerance = tolerance::kQuaternion);
 

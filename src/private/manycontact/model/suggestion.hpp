@@ -1,5 +1,5 @@
 #pragma once
-// Wording of messages about names that do not exist, for files and for code alike.
+// Wording of messages about names that do not exist, in files and in code.
 
 #include <string>
 #include <string_view>

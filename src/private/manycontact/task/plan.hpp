@@ -1,6 +1,6 @@
 #pragma once
-// What a careful reader asks of a plan, and what no solver says: where contacts close, which joints pass their limits,
-// which goals are missed, and what each cost is of the whole.
+// Checks of a plan that solvers do not make: where contacts close, which joints exceed their limits, which goals are
+// missed, and the share of each cost.
 
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/task/problem.hpp"
@@ -12,8 +12,8 @@ struct PlanClosing {
   int contact = 0;
   std::size_t node = 0;
   double time = 0;   // s
-  double above = 0;  // m: of A's origin over where the scene holds it, along the normal (world z; between bodies the
-                     // distance of the two), below: negative
+  double above = 0;  // m: height of A's origin above its place in the scene, along the normal (world z; between bodies
+                     // the distance of the two); negative below
   double aside = 0;  // m: across the normal
   double speed = 0;  // m/s: of A's origin from B'
   bool holds_there = true;  // where it closes, not where the scene has it (TaskPhase::at_scene)
@@ -25,7 +25,7 @@ struct PlanLimit {  // A coordinate beyond a limit of the robot's file, where it
   LimitPassed limit;
   std::size_t node = 0;
 };
-/// Of every coordinate and quantity the worst, by robot: position, velocity, and effort.
+/// The worst value of every coordinate and quantity, by robot: position, velocity, and effort.
 std::vector<PlanLimit> limits_passed(const TaskFile& task, const std::vector<Eigen::VectorXd>& xs,
                                      const std::vector<Eigen::VectorXd>& us);
 
@@ -40,14 +40,14 @@ struct PlanCost {  // A <cost> of the task, by its name in all phases, its copie
 /// At the problem's last calc, dearest first. They add up to the cost.
 std::vector<PlanCost> cost_by_term(const TaskFile& task, const TaskProblem& problem);
 
-/// One line each, what above is worth a look: kind is "closes" (a millimetre or more out of place), "position",
-/// "velocity", "effort", or "goal" (missed by a millimetre or milliradian, or more); name: the contact's, the joint's,
-/// the cost's.
+/// One line for each part of the plan that deserves attention. `kind` is "closes" (out of place by a millimetre or
+/// more), "position", "velocity", "effort", or "goal" (missed by a millimetre or milliradian, or more). `name` is that
+/// of the contact, joint or cost.
 struct PlanFinding {
   std::string kind, name, text;
   std::size_t node = 0;
 };
-/// Of the motion xs, us: a state and the torques of each node; costs: as cost_by_term gives them.
+/// Checks the motion xs, us: a state and the torques of each node; `costs` is the result of cost_by_term.
 std::vector<PlanFinding> plan_findings(const TaskFile& task, const std::vector<Eigen::VectorXd>& xs,
                                        const std::vector<Eigen::VectorXd>& us, const std::vector<PlanCost>& costs);
 
