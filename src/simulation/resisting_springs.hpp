@@ -17,6 +17,7 @@
 #include <Eigen/SparseCholesky>
 
 #include "manycontact/simulation/step.hpp"
+#include "one_body.hpp"
 #include "unit_forces.hpp"
 
 namespace manycontact::internal {
@@ -56,6 +57,7 @@ struct ResistingSprings {
   // Groups of bodies that springs join, and the angular momentum that they are to be given back.
   std::vector<int> cluster, members;
   std::vector<Vec3<double>> couple;
+  std::vector<PartOfBody> parts;
 };
 
 /// Adds what pushes and joints' springs do at the start of the step to data.w; data.applied is at the state then.
