@@ -25,37 +25,49 @@ constexpr double kRounding = 1e-10;             // of the energies that are comp
 constexpr double kSmaller = 0.7;                // at least, at a time
 constexpr int kMostTrials = 60;
 
-// The farthest turn of a joint in the step.
-double turn_of(const Scene& scene, const SimulationData& d) {
+// The farthest turn of a robot's joint in the step.
+double turn_of(const Robot& robot, const SimulationData& d) {
   double most = 0;
-  for (const Robot& robot : scene.robots)
-    for (const Joint& joint : robot.model->joints) {
-      if (joint.type == JointType::kPrismatic) continue;
-      const int n = joint.type == JointType::kFloating ? 3 : 1;  // coordinates that turn, the last
-      most = std::max(most, d.h * d.next_v.segment(robot.idx_v + joint.idx_v + joint.nv() - n, n).norm());
-    }
+  for (const Joint& joint : robot.model->joints) {
+    if (joint.type == JointType::kPrismatic) continue;
+    const int n = joint.type == JointType::kFloating ? 3 : 1;  // coordinates that turn, the last
+    most = std::max(most, d.h * d.next_v.segment(robot.idx_v + joint.idx_v + joint.nv() - n, n).norm());
+  }
   return most;
 }
 
-bool turns_far(const Scene& scene, const SimulationData& d) {
-  const double turn = turn_of(scene, d);
-  if (turn > kFarTurn || !d.resisting->springs) return turn > kFarTurn;
-  const ResistingSprings& s = *d.resisting->springs;
-  for (std::size_t i = 0; i < s.rows.size(); ++i) {
-    const auto spring = static_cast<std::size_t>(s.rows[i].spring);
-    if (s.fast[spring] > 1 && std::max(turn, d.h * std::abs(s.rate[static_cast<Eigen::Index>(i)]) / d.applied->springs[spring].length) > kTurn)
-      return true;
+int moving_end(const Spring& spring) { return moves(spring.A) ? spring.A.robot : spring.B.robot; }
+
+// Per robot, whether it turns far for any spring, or for a spring on it that is faster than the step.
+bool find_far(const Scene& scene, const SimulationData& d, BoundedEnergy& e) {
+  e.turn.resize(scene.robots.size());
+  e.far.resize(scene.robots.size());
+  for (std::size_t r = 0; r < scene.robots.size(); ++r) {
+    e.turn[r] = turn_of(scene.robots[r], d);
+    e.far[r] = e.turn[r] > kFarTurn;
   }
-  return false;
+  if (const auto& s = d.resisting->springs)
+    for (std::size_t i = 0; i < s->rows.size(); ++i) {
+      const auto number = static_cast<std::size_t>(s->rows[i].spring);
+      if (!(s->fast[number] > 1)) continue;
+      const Spring& spring = scene.springs[number];
+      const double turn = d.h * std::abs(s->rate[static_cast<Eigen::Index>(i)]) / d.applied->springs[number].length;
+      bool far = turn > kTurn;
+      for (const Attachment* at : {&spring.A, &spring.B})
+        far = far || (moves(*at) && e.turn[static_cast<std::size_t>(at->robot)] > kTurn);
+      if (far) e.far[static_cast<std::size_t>(moving_end(spring))] = 1;
+    }
+  return std::find(e.far.begin(), e.far.end(), 1) != e.far.end();
 }
 
 // Robots that contacts and springs join.
 void find_clusters(const Scene& scene, const SimulationData& d, BoundedEnergy& e) {
   find_robot_sets(scene, d.dynamics.active, true, e.cluster);
   e.sprung.assign(scene.robots.size(), 0);
-  for (const Spring& spring : scene.springs) e.sprung[static_cast<std::size_t>(e.cluster[spring.A.robot])] = 1;
-  for (const JointSpring& spring : scene.joint_springs)
-    e.sprung[static_cast<std::size_t>(e.cluster[spring.robot])] = 1;
+  for (const Spring& spring : scene.springs) e.sprung[static_cast<std::size_t>(e.cluster[moving_end(spring)])] = 1;
+  for (const JointSpring& spring : scene.joint_springs) e.sprung[static_cast<std::size_t>(e.cluster[spring.robot])] = 1;
+  for (std::size_t r = 0; r < e.far.size(); ++r)
+    if (e.far[r]) e.far[static_cast<std::size_t>(e.cluster[r])] = 1;
 }
 
 // Which clusters the world holds.
@@ -70,7 +82,7 @@ void find_tied(const Scene& scene, const FreeGroups& groups, BoundedEnergy& e) {
   for (const FreeGroups::FreeJoint& j : groups.joints)
     if (group_at(groups, j.node).tied) tie(j.robot);
   for (const Spring& spring : scene.springs)
-    if (!moves(spring.A) || !moves(spring.B)) tie(moves(spring.A) ? spring.A.robot : spring.B.robot);
+    if (!moves(spring.A) || !moves(spring.B)) tie(moving_end(spring));
 }
 
 std::span<const int> groups_of(int cluster, const BoundedEnergy& e) {
@@ -104,7 +116,8 @@ void find_bodies(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
   sort_groups(groups, e);
   measure(scene, d.at_rest.kin, groups);
   e.parts.resize(groups.groups.size());
-  for (const int g : e.members) e.parts[static_cast<std::size_t>(g)] = part_of(groups.groups[static_cast<std::size_t>(g)]);
+  for (const int g : e.members)
+    e.parts[static_cast<std::size_t>(g)] = part_of(groups.groups[static_cast<std::size_t>(g)]);
   e.bodies.resize(e.cluster.size());
   for (int c = 0; c < scene.nrobots(); ++c)
     if (const auto members = groups_of(c, e); !members.empty())
@@ -146,7 +159,7 @@ void find_energies(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Ve
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
     const Spring& spring = scene.springs[k];
     const double stretch = (place_of(spring.A, kin) - place_of(spring.B, kin)).norm() - spring.length;
-    add(spring.A.robot, spring.stiffness * stretch * stretch / 2 / (1 + fast[k]));
+    add(moving_end(spring), spring.stiffness * stretch * stretch / 2 / (1 + fast[k]));
   }
   for (const JointSpring& spring : scene.joint_springs) {
     const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
@@ -171,31 +184,43 @@ void add_work(const Scene& scene, const SimulationData& d, BoundedEnergy& e) {
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
     if (const int first = d.dynamics.f_offset[c]; first >= 0) {
       const int n = scene.contacts[c].rows();
-      const double work = d.h / 2 * d.dynamics.f.segment(first, n).dot(d.wanted.segment(first, n) + d.contact_v.segment(first, n));
+      const double work =
+          d.h / 2 * d.dynamics.f.segment(first, n).dot(d.wanted.segment(first, n) + d.contact_v.segment(first, n));
       at_robot(e.before, e, scene.contacts[c].A.robot) += std::max(0.0, work);
     }
 }
 
 bool gained(int cluster, const BoundedEnergy& e) {
-  return e.sprung[static_cast<std::size_t>(cluster)] && e.after[cluster] - e.before[cluster] > kRounding * e.size[cluster];
+  const auto c = static_cast<std::size_t>(cluster);
+  return e.sprung[c] && e.far[c] && e.after[cluster] - e.before[cluster] > kRounding * e.size[cluster];
 }
 
-// The step's end with what e.share leaves.
+// The step's end with what e.share leaves. A cluster that keeps all is not touched.
 void end_with_shares(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
+  d.next_v = e.unbounded_v;
   for (int r = 0; r < scene.nrobots(); ++r) {
-    const int c = e.cluster[r], at = scene.robots[r].idx_v, n = scene.robots[r].model->nv;
-    d.next_v.segment(at, n) =
-        e.rigid_v.segment(at, n) + e.share[c] * (e.unbounded_v.segment(at, n) - e.rigid_v.segment(at, n));
-    if (const auto members = groups_of(r, e); !members.empty())
-      approach(e.bodies[static_cast<std::size_t>(r)], members, e.parts, e.share[r], !e.tied[static_cast<std::size_t>(r)], d.h,
-               d.free_groups);
+    const double share = e.share[e.cluster[r]];
+    if (share == 1) continue;
+    const int at = scene.robots[r].idx_v, n = scene.robots[r].model->nv;
+    const auto rigid = e.rigid_v.segment(at, n);
+    d.next_v.segment(at, n) = rigid + share * (e.unbounded_v.segment(at, n) - rigid);
+  }
+  for (int c = 0; c < scene.nrobots(); ++c) {
+    const auto members = groups_of(c, e);
+    if (members.empty()) continue;
+    if (e.share[c] == 1)
+      keep_all(members, e.parts, d.free_groups);
+    else
+      approach(e.bodies[static_cast<std::size_t>(c)], members, e.parts, e.share[c],
+               !e.tied[static_cast<std::size_t>(c)], d.h, d.free_groups);
   }
   d.dynamics.a = d.next_v;
   end_step(scene, d);
 }
 
 // Clusters that gain as one body, too, may do that.
-void allow_what_no_share_prevents(const Scene& scene, const std::vector<double>& fast, SimulationData& d, BoundedEnergy& e) {
+void allow_what_no_share_prevents(const Scene& scene, const std::vector<double>& fast, SimulationData& d,
+                                  BoundedEnergy& e) {
   for (int c = 0; c < scene.nrobots(); ++c) e.share[c] = gained(c, e) ? 0 : 1;
   end_with_shares(scene, d, e);
   Eigen::VectorXd& least = e.least;
@@ -225,7 +250,9 @@ void end_step(const Scene& scene, SimulationData& d) {
 }
 
 void bound_energy(const Scene& scene, SimulationData& d) {
-  if (!d.resisting || (scene.springs.empty() && scene.joint_springs.empty()) || !turns_far(scene, d)) return;
+  if (!d.resisting || (scene.springs.empty() && scene.joint_springs.empty()) ||
+      !find_far(scene, d, d.resisting->bounded))
+    return;
   BoundedEnergy& e = d.resisting->bounded;
   find_clusters(scene, d, e);
   e.size.setZero(scene.nrobots());
@@ -242,11 +269,11 @@ void bound_energy(const Scene& scene, SimulationData& d) {
   const double first = e.after.sum();
   allow_what_no_share_prevents(scene, fast, d, e);
   e.share.setOnes();
-  any = make_smaller(scene, e);
-  for (int k = 0; k == 0 || (any && k < kMostTrials); ++k) {
+  (void)make_smaller(scene, e);
+  for (int k = 0;; ++k) {
     end_with_shares(scene, d, e);
     find_energies(scene, d.next_q, d.next_v, fast, d.at_rest.kin, e, e.after);
-    any = make_smaller(scene, e);
+    if (k == kMostTrials || !make_smaller(scene, e)) break;
   }
   d.work.springs += e.after.sum() - first;
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)

@@ -21,7 +21,8 @@ void add_impulse(FreeGroup& group, double h, const Vec3<double>& at, const Vec3<
 
 int group_number(const FreeGroups& groups, const Attachment& at) {
   if (!moves(at)) return groups.group[0];
-  return groups.group[static_cast<std::size_t>(groups.node[static_cast<std::size_t>(groups.first_body[at.robot] + at.joint)])];
+  return groups
+      .group[static_cast<std::size_t>(groups.node[static_cast<std::size_t>(groups.first_body[at.robot] + at.joint)])];
 }
 
 // Gives groups that springs join the angular momentum `dL` about the world's origin, by turning them as one body.
@@ -73,7 +74,8 @@ void add_impulses_of_springs(const Scene& scene, SimulationData& d) {
   for (std::size_t first = 0, end = 0; first < s.members.size(); first = end) {
     while (end < s.members.size() && s.cluster[s.members[end]] == s.cluster[s.members[first]]) ++end;
     const Vec3<double>& dL = s.couple[static_cast<std::size_t>(s.cluster[s.members[first]])];
-    if (end - first > 1 && !dL.isZero(0)) turn_together({s.members.data() + first, end - first}, dL, d.h, s.parts, groups);
+    if (end - first > 1 && !dL.isZero(0))
+      turn_together({s.members.data() + first, end - first}, dL, d.h, s.parts, groups);
   }
 }
 

@@ -6,7 +6,7 @@ namespace manycontact::internal {
 
 PartOfBody part_of(const FreeGroup& group) {
   const Vec3<double> C = group.Y.h / group.Y.m;
-  return {group.Y.m, group.reference + C, group.Y.seen_at(-C).I, group.P_next, group.L_next};
+  return {group.Y.m, group.reference + C, group.Y.seen_at(-C).I, group.P_next, group.L_next, group.C_next};
 }
 
 namespace {
@@ -35,6 +35,14 @@ OneBody one_body(std::span<const int> members, const std::vector<PartOfBody>& pa
   }
   if (moves) out.V = P / out.m, out.w = turn_for(out.plane, out.I, out.L);
   return out;
+}
+
+void keep_all(std::span<const int> members, const std::vector<PartOfBody>& parts, FreeGroups& groups) {
+  for (const int g : members) {
+    const PartOfBody& part = parts[static_cast<std::size_t>(g)];
+    FreeGroup& group = groups.groups[static_cast<std::size_t>(g)];
+    group.P_next = part.P, group.L_next = part.L, group.C_next = part.C_next;
+  }
 }
 
 // A share of what the parts have, r+ = r + h (P / m - V), P, L, and the rest of the one body turned by R = exp(h w),

@@ -188,7 +188,8 @@ RandomScene boxes_on_springs(int seed, double h, bool tied) {
     Spring spring;
     spring.name = "s" + std::to_string(r);
     spring.A = {r, 0, random_placement(rng, 0.3)};
-    spring.B = r == 0 ? Attachment{-1, -1, random_placement(rng, 0.3)} : Attachment{r - 1, 0, random_placement(rng, 0.3)};
+    spring.B =
+        r == 0 ? Attachment{-1, -1, random_placement(rng, 0.3)} : Attachment{r - 1, 0, random_placement(rng, 0.3)};
     spring.stiffness = std::pow(10, uniform(rng, 0, 8));
     spring.length = 0.5 * (seed % 2);
     add_spring(s.scene, spring);
@@ -200,8 +201,8 @@ RandomScene boxes_on_springs(int seed, double h, bool tied) {
   return s;
 }
 
-// Whatever springs of any stiffness do to bodies that turn far in a step, these do not gain energy of motion beyond what
-// they began with, and free ones keep their momentum.
+// Whatever springs of any stiffness do to bodies that turn far in a step, these do not gain energy of motion beyond
+// what they began with, and free ones keep their momentum.
 TEST(Resisting, SpringsDoNotDriveWhatTurnsFar) {
   for (const bool tied : {false, true})
     for (int seed = 0; seed < 40; ++seed) {
