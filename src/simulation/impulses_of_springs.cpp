@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <numeric>
-#include <span>
 
 #include "manycontact/sparse/union_find.hpp"
-#include "momentum_steps.hpp"
+#include "one_body.hpp"
 #include "resisting_forces.hpp"
 
 namespace manycontact::internal {
@@ -22,34 +21,21 @@ void add_impulse(FreeGroup& group, double h, const Vec3<double>& at, const Vec3<
 
 int group_number(const FreeGroups& groups, const Attachment& at) {
   if (!moves(at)) return groups.group[0];
-  return groups.group[static_cast<std::size_t>(groups.node[static_cast<std::size_t>(groups.first_body[at.robot] + at.joint)])];
+  return groups
+      .group[static_cast<std::size_t>(groups.node[static_cast<std::size_t>(groups.first_body[at.robot] + at.joint)])];
 }
 
 // Gives groups that springs join the angular momentum `dL` about the world's origin, by turning them as one body.
-void turn_together(std::span<const int> members, const Vec3<double>& dL, double h, FreeGroups& groups) {
-  double mass = 0;
-  Vec3<double> first = Vec3<double>::Zero();
-  FreeGroup whole;  // in a plane if one of them is
-  const auto centre = [](const FreeGroup& group) { return Vec3<double>(group.reference + group.Y.h / group.Y.m); };
+void turn_together(std::span<const int> members, const Vec3<double>& dL, double h, std::vector<PartOfBody>& parts,
+                   FreeGroups& groups) {
+  for (const int g : members) parts[static_cast<std::size_t>(g)] = part_of(groups.groups[static_cast<std::size_t>(g)]);
+  const OneBody body = one_body(members, parts, groups, false);
+  const Vec3<double> dw = turn_for(body.plane, body.I, dL);
   for (const int g : members) {
-    const FreeGroup& group = groups.groups[static_cast<std::size_t>(g)];
-    mass += group.Y.m, first += group.Y.m * centre(group);
-    if (group.in_plane) whole.in_plane = true, whole.normal = group.normal;
-  }
-  const Vec3<double> C = first / mass;
-  Mat3<double> I = Mat3<double>::Zero();
-  for (const int g : members) {
-    const FreeGroup& group = groups.groups[static_cast<std::size_t>(g)];
-    const Vec3<double> r = centre(group) - C;
-    I += group.Y.seen_at(-group.Y.h / group.Y.m).I;
-    I += group.Y.m * (r.squaredNorm() * Mat3<double>::Identity() - r * r.transpose());
-  }
-  const Vec3<double> dw = turn_for(whole, I, dL);
-  for (const int g : members) {
+    const PartOfBody& part = parts[static_cast<std::size_t>(g)];
     FreeGroup& group = groups.groups[static_cast<std::size_t>(g)];
-    const Vec3<double> at = centre(group);
-    add_impulse(group, h, at, group.Y.m * dw.cross(Vec3<double>(at - C)));
-    group.L_next += group.Y.seen_at(-group.Y.h / group.Y.m).I * dw;
+    add_impulse(group, h, part.C, part.m * dw.cross(Vec3<double>(part.C - body.C)));
+    group.L_next += part.I * dw;
   }
 }
 
@@ -61,6 +47,7 @@ void add_impulses_of_springs(const Scene& scene, SimulationData& d) {
   ResistingSprings& s = *d.resisting->springs;
   s.cluster.resize(groups.groups.size());
   s.couple.assign(groups.groups.size(), Vec3<double>::Zero());
+  s.parts.resize(groups.groups.size());
   sparse::UnionFind clusters(s.cluster);
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const Spring& spring = scene.springs[static_cast<std::size_t>(s.rows[i].spring)];
@@ -87,7 +74,8 @@ void add_impulses_of_springs(const Scene& scene, SimulationData& d) {
   for (std::size_t first = 0, end = 0; first < s.members.size(); first = end) {
     while (end < s.members.size() && s.cluster[s.members[end]] == s.cluster[s.members[first]]) ++end;
     const Vec3<double>& dL = s.couple[static_cast<std::size_t>(s.cluster[s.members[first]])];
-    if (end - first > 1 && !dL.isZero(0)) turn_together({s.members.data() + first, end - first}, dL, d.h, groups);
+    if (end - first > 1 && !dL.isZero(0))
+      turn_together({s.members.data() + first, end - first}, dL, d.h, s.parts, groups);
   }
 }
 

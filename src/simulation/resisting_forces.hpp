@@ -10,15 +10,22 @@ namespace manycontact {
 
 namespace internal {
 
-/// Memory of bound_energy, per robot; energies are of the clusters of robots that springs and contacts join, at their
+/// Memory of bound_energy, per robot. Energies are of the clusters of robots that springs and contacts join, at their
 /// first.
 struct BoundedEnergy {
   std::vector<int> cluster;
-  std::vector<char> sprung;             // a spring acts on the cluster
-  Eigen::VectorXd before, after, size, kinetic;  // J; before: with what was given in the step
-  Eigen::VectorXd share;                // of v+ that is left
-  Eigen::VectorXd mean, bounded_v;      // nv
+  std::vector<char> sprung, tied;                       // a spring acts on the cluster; the world holds it
+  std::vector<char> far;                                // it turns by angles that are large for its springs
+  std::vector<double> turn;                             // of a robot's joints, the farthest [rad]
+  Eigen::VectorXd before, after, least, size, kinetic;  // J; before: with what was given in the step
+  Eigen::VectorXd share;                                // of the motion beside that as one body
+  Eigen::VectorXd mean, unbounded_v, rigid_v;           // nv
   std::vector<double> none;
+
+  std::vector<PartOfBody> parts;    // per free group
+  std::vector<int> of_group;        // likewise: its cluster
+  std::vector<int> members, first;  // free groups, cluster by cluster; per cluster where they begin
+  std::vector<OneBody> bodies;      // per cluster
 };
 
 /// What semi-implicit Euler solves: the scene at rest, with what joints add to M.
@@ -46,7 +53,7 @@ struct ResistingForces {
   std::unique_ptr<SceneData> dynamics;   // of that
   std::optional<internal::ResistingSprings> springs;  // nullopt: there are none between points
   internal::BoundedEnergy bounded;
-  Eigen::VectorXd b;                                  // nv: right-hand side
+  Eigen::VectorXd b;  // nv: right-hand side
 };
 
 }  // namespace manycontact

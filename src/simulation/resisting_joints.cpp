@@ -62,13 +62,18 @@ ResistingJoints::ResistingJoints(const Scene& scene)
     if (friction[i] > 0) rubbing.push_back(i);
 }
 
-void ResistingJoints::find(const Scene& scene, const PdLaws& pd, double h) {
-  to_add = h * damping;
+void add_stiffness(const Scene& scene, const PdLaws& pd, double scale, Eigen::VectorXd& k) {
   for (const JointSpring& spring : scene.joint_springs) {
     const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
-    to_add[robot.idx_v + robot.model->joints[spring.joint].idx_v] += h * h * spring.stiffness;
+    k[robot.idx_v + robot.model->joints[spring.joint].idx_v] += scale * spring.stiffness;
   }
-  if (pd.kp.size() > 0) to_add += h * pd.kd + h * h * pd.kp;
+  if (pd.kp.size() > 0) k += scale * pd.kp;
+}
+
+void ResistingJoints::find(const Scene& scene, const PdLaws& pd, double h) {
+  to_add = h * damping;
+  add_stiffness(scene, pd, h * h, to_add);
+  if (pd.kd.size() > 0) to_add += h * pd.kd;
 }
 
 bool ResistingJoints::fits(const Scene& scene) const {

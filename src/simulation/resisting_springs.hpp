@@ -3,10 +3,10 @@
 //
 // With J the rate of a spring's ends along a direction, e its stretch and D = h^2 k + h c, the impulse is
 // p = -D (J v+ + g), g = h k e / D: the force -k (e + h J v+) - c J v+ of the step's end. A spring that pulls by T at
-// the length s at the end of the step is stiff across itself, too: there D = h^2 T / s. But where it turns with its bodies its force does as
-// well, and brakes nothing. So g = -r J v' across it, with v' the velocity at the start less what stretches springs and
-// r the share of what its ends do that is such a turn. With K the rest of the matrix and x0 what it gives without
-// springs,
+// the length s at the end of the step is stiff across itself, too: there D = h^2 T / s. But where it turns with its
+// bodies its force does as well, and brakes nothing. So g = -r J v' across it, with v' the velocity at the start less
+// what stretches springs and r the share of what its ends do that is such a turn. With K the rest of the matrix and x0
+// what it gives without springs,
 //
 //     (D^-1 + J K^-1 J^T) p = -(J x0 + g),        and then K v+ = b + J^T p.
 //
@@ -17,6 +17,7 @@
 #include <Eigen/SparseCholesky>
 
 #include "manycontact/simulation/step.hpp"
+#include "one_body.hpp"
 #include "unit_forces.hpp"
 
 namespace manycontact::internal {
@@ -24,9 +25,9 @@ namespace manycontact::internal {
 struct ResistingSprings {
   explicit ResistingSprings(const Scene& scene);
 
-  Scene loads;                                    // the scene without them: pushes and joints' springs act
+  Scene loads;                                      // the scene without them: pushes and joints' springs act
   std::shared_ptr<AppliedForces<double>> of_loads;  // nullptr: there are none
-  std::vector<double> mobility;                   // per spring: its bodies' alone, at least what moves [1/kg]
+  std::vector<double> mobility;                     // per spring: its bodies' alone, at least what moves [1/kg]
 
   struct Row {
     int spring;
@@ -42,11 +43,11 @@ struct ResistingSprings {
   int numbers = 0;              // of `ends`: those of one number are on different islands
   std::vector<int> asked;       // per robot: which of `ends` is asked for on its island, -1
 
-  Eigen::VectorXd p, rate;             // per row: impulse; J v+
-  Eigen::VectorXd stretching;          // per row: impulses that take what stretches springs
-  Eigen::VectorXd own;                 // per row: its entry on the diagonal of J K^-1 J^T
-  std::vector<double> fast;            // per spring: h^2 k J K^-1 J^T along it
-  Eigen::MatrixXd C, with_D;           // J K^-1 J^T of few rows, and with D^-1
+  Eigen::VectorXd p, rate;     // per row: impulse; J v+
+  Eigen::VectorXd stretching;  // per row: impulses that take what stretches springs
+  Eigen::VectorXd own;         // per row: its entry on the diagonal of J K^-1 J^T
+  std::vector<double> fast;    // per spring: h^2 k J K^-1 J^T along it
+  Eigen::MatrixXd C, with_D;   // J K^-1 J^T of few rows, and with D^-1
   Eigen::LDLT<Eigen::MatrixXd> factor;
   std::vector<Eigen::Triplet<double>> entries, own_entries;  // of many
   Eigen::SparseMatrix<double> S;
@@ -56,6 +57,7 @@ struct ResistingSprings {
   // Groups of bodies that springs join, and the angular momentum that they are to be given back.
   std::vector<int> cluster, members;
   std::vector<Vec3<double>> couple;
+  std::vector<PartOfBody> parts;
 };
 
 /// Adds what pushes and joints' springs do at the start of the step to data.w; data.applied is at the state then.

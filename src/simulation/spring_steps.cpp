@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "manycontact/simulation/resisting_joints.hpp"
 #include "unit_forces.hpp"
 
 namespace manycontact {
@@ -18,17 +19,11 @@ constexpr int kMostAsked = 100;  // joints of a robot
 // k and c of joints' coordinates, friction by its slope at rest.
 struct JointForces {
   Eigen::VectorXd k, c;
-  JointForces(const Scene& scene, const PdLaws& pd) : k(Eigen::VectorXd::Zero(scene.nv)), c(k) {
-    for (const JointSpring& spring : scene.joint_springs) {
-      const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
-      k[robot.idx_v + robot.model->joints[spring.joint].idx_v] += spring.stiffness;
-    }
-    for (const Robot& robot : scene.robots) {
-      const Model& model = *robot.model;
-      if (model.damping.size() > 0) c.segment(robot.idx_v, model.nv) += model.damping;
-      if (model.friction.size() > 0) c.segment(robot.idx_v, model.nv) += model.friction / kFrictionVelocity;
-    }
-    if (pd.kp.size() == scene.nv) k += pd.kp, c += pd.kd;
+  JointForces(const Scene& scene, const PdLaws& pd) : k(Eigen::VectorXd::Zero(scene.nv)) {
+    const internal::ResistingJoints joints(scene);
+    internal::add_stiffness(scene, pd, 1, k);
+    c = joints.damping + joints.friction / kFrictionVelocity;
+    if (pd.kd.size() > 0) c += pd.kd;
   }
 };
 

@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "manycontact/model/applied_forces.hpp"
-#include "manycontact/sparse/union_find.hpp"
+#include "robot_sets.hpp"
 
 namespace manycontact::internal {
 
@@ -32,17 +32,12 @@ Scene with_ends(const Scene& scene, std::vector<int> (&push)[2]) {
 }  // namespace
 
 void UnitTorques::find_islands(const Scene& scene, const std::vector<char>& active) {
-  sparse::UnionFind islands(islands_);
-  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
-    const Contact& contact = scene.contacts[c];
-    if (active[c] && moves(contact.A) && moves(contact.B)) islands.join(contact.A.robot, contact.B.robot);
-  }
+  find_robot_sets(scene, active, false, islands_);
   for (std::size_t s = 0; s < scene.springs.size(); ++s)
     for (const int end : {0, 1}) {
       const Attachment& at = end == 0 ? scene.springs[s].A : scene.springs[s].B;
-      island_of_end_[end][s] = moves(at) ? islands.root(at.robot) : -1;
+      island_of_end_[end][s] = moves(at) ? islands_[static_cast<std::size_t>(at.robot)] : -1;
     }
-  for (std::size_t r = 0; r < scene.robots.size(); ++r) islands_[r] = islands.root(static_cast<int>(r));
 }
 
 void UnitTorques::give_number(UnitForce& force) {

@@ -103,6 +103,16 @@ TEST(Mechanisms, RandomBennettLinkagesMove) {
   }
 }
 
+// One row is a 170th of another, and first in the order of elimination.
+TEST(Mechanisms, ABennettLinkageWithASmallRowMoves) {
+  Bennett x{2 * std::asin(0.23132318433806273), 0, 0.2649178765133539, 0};
+  x.beta = 1.5808582310739;
+  x.b = x.a * std::sin(x.beta) / std::sin(x.alpha);
+  const double start = 1.564022476173701;
+  const SceneFile file = bennett_scene(x, start);
+  EXPECT_NEAR(angle_after(file, Integrator::kSemiImplicitEuler, 1000), bennett_angle(x, file, start), 1e-3);
+}
+
 // Drift by gains that correct it, at long steps, and of scenes of a millimetre and of a kilometre.
 TEST(Mechanisms, BennettLinkagesMoveAtAnySizeAndStep) {
   for (int seed = 0; seed < 8; ++seed) {

@@ -6,6 +6,7 @@
 
 #include "manycontact/algorithm/configuration.hpp"
 #include "simulation/scenes.hpp"
+#include "support/allocations.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -159,6 +160,66 @@ TEST(Resisting, SpringsDoNotBrakeWhatTurns) {
       // Of a turn by x = 0.01 rad a step keeps 1 / (1 + x^4).
       EXPECT_NEAR(sim.v[floating ? 5 : 0], 1, 100 * 1e-8);
       EXPECT_NEAR(floating ? 2 * std::asin(sim.q[5]) : sim.q[0], 1, 100 * 1e-8);
+    }
+}
+
+// Boxes in a chain of springs, without gravity, that turn by up to a radian in a step.
+RandomScene boxes_on_springs(int seed, double h, bool tied) {
+  RandomScene s;
+  std::mt19937 rng(static_cast<unsigned>(seed));
+  s.scene.gravity.setZero();
+  const int n = 2 + seed % 3;
+  for (int r = 0; r < n; ++r) {
+    Model model;
+    Joint root;
+    root.name = "root";
+    root.type = JointType::kFloating;
+    const Vec3<double> d = Vec3<double>::NullaryExpr([&] { return uniform(rng, 0.1, 0.5); });
+    const Vec3<double> I = (d.squaredNorm() * Vec3<double>::Ones() - d.cwiseProduct(d)) / 12;
+    root.inertia = Inertia<double>::from_com(1, Vec3<double>::Zero(), I.asDiagonal());
+    root.lower = root.upper = root.velocity_limit = root.effort_limit = VectorXd::Zero(6);
+    model.floating_base = true;
+    model.joints = {root};
+    model.frames = {{"box", 0, {}, false, {}, "root"}};
+    finalize(model);
+    add_robot(s.scene, "r" + std::to_string(r), std::make_shared<const Model>(model));
+  }
+  for (int r = tied ? 0 : 1; r < n; ++r) {
+    Spring spring;
+    spring.name = "s" + std::to_string(r);
+    spring.A = {r, 0, random_placement(rng, 0.3)};
+    spring.B =
+        r == 0 ? Attachment{-1, -1, random_placement(rng, 0.3)} : Attachment{r - 1, 0, random_placement(rng, 0.3)};
+    spring.stiffness = std::pow(10, uniform(rng, 0, 8));
+    spring.length = 0.5 * (seed % 2);
+    add_spring(s.scene, spring);
+  }
+  s.q = neutral(s.scene);
+  for (int r = 0; r < n; ++r) s.q[7 * r] = 0.6 * r;
+  s.v = VectorXd::NullaryExpr(s.scene.nv, [&] { return uniform(rng, -1, 1); }) * std::pow(10, uniform(rng, -2, 0)) / h;
+  s.u = VectorXd::Zero(0);
+  return s;
+}
+
+// Whatever springs of any stiffness do to bodies that turn far in a step, these do not gain energy of motion beyond
+// what they began with, and free ones keep their momentum.
+TEST(Resisting, SpringsDoNotDriveWhatTurnsFar) {
+  for (const bool tied : {false, true})
+    for (int seed = 0; seed < 40; ++seed) {
+      SCOPED_TRACE((tied ? "tied " : "free ") + std::to_string(seed));
+      const RandomScene s = boxes_on_springs(seed, 1e-2, tied);
+      const Invariants first = start_of(s);
+      SimulationData sim(s.scene, s.q, s.v, Integrator::kSemiImplicitEuler, 1e-2);
+      for (int k = 0; k < 100; ++k) {
+        ASSERT_EQ(step(s.scene, s.u, sim), StepStatus::kOk) << k;
+        ASSERT_LE(end_of(s, sim).kinetic, 1.5 * first.energy()) << k;
+      }
+      if (!tied) {
+        EXPECT_LE(error_of(end_of(s, sim).momentum, first.momentum), 1e-9);
+      }
+      if (MANYCONTACT_COUNTS_ALLOCATIONS) {
+        EXPECT_EQ(allocations([&] { (void)step(s.scene, s.u, sim); }), 0u);
+      }
     }
 }
 

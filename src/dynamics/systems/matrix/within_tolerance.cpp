@@ -132,6 +132,8 @@ bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, 
                                  w.D.data(), w.rows) != p.size())
     w.rows.dropped.clear();  // not finite
   if (w.rows.dropped.empty()) return false;
+  w.rows.turned.assign(p.size(), 0);  // a small row may depend on larger ones after it
+  for (int k : w.rows.dropped) w.rows.turned[k] = 1;
   find_null_space(p, w);
   if (w.rows.largest_entry <= tolerance::kLargestEntry) return true;
   if (!rank::exchange_rows(w.rows) || !factorize_without_dropped(p, w)) return false;

@@ -60,6 +60,8 @@ struct ResistingJoints {
   [[nodiscard]] bool settles(const Scene& scene, const SceneData& islands, double h, const Eigen::VectorXd& v_next);
 };
 
+/// scale times the stiffness of springs and PD laws of joints added to k (nv).
+void add_stiffness(const Scene& scene, const PdLaws& pd, double scale, Eigen::VectorXd& k);
 /// kp (q_ref - q) + kd (v_ref - v) added to tau (nv).
 void add_pd_torques(const Scene& scene, const PdLaws& pd, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                     Eigen::VectorXd& tau);

@@ -1,0 +1,11 @@
+#pragma once
+#include <vector>
+
+#include "manycontact/model/scene.hpp"
+
+namespace manycontact::internal {
+
+/// Per robot the first robot of its set. Contacts flagged `active` join robots, and springs where `by_springs`.
+void find_robot_sets(const Scene& scene, const std::vector<char>& active, bool by_springs, std::vector<int>& first);
+
+}  // namespace manycontact::internal
