@@ -17,6 +17,7 @@ Without --systems: matrices/ beside this file, and build/collection where make.p
 import argparse
 import datetime
 import json
+import os
 import pathlib
 import platform
 import subprocess
@@ -30,6 +31,7 @@ TOP = HERE.parents[1]
 SHOWN = ("humanoid", "two_humanoids")  # before others of their kind
 KINDS = ("small", "hostile", "large")
 OURS = ("manycontact", "manycontact:dense")
+DENSE = 2500  # unknowns, above which dense methods are not run
 AT_REST = 1e-4  # accelerations below this part of those without contacts count as none
 
 
@@ -117,6 +119,8 @@ def errors(system, x):
 
 def by_manycontact(program, method, system, _):
     """x and the time of one solve of the scene: kinematics, K, its factor, refinement."""
+    if method.startswith("dense") and system.n > DENSE:
+        raise RuntimeError(f"larger than {DENSE} unknowns")
     command = [program, "solve", "scene.xml", "--json", "-", "--repeat", "50"] + (["--method", method] if method else [])
     done = subprocess.run(command, cwd=system.folder, text=True, capture_output=True, timeout=600)
     if not done.stdout:
@@ -206,7 +210,8 @@ def page(results, chosen):
     lines = [
         "# Solvers on the collection",
         "",
-        f"Written by `bench/collection/run.py`; {', '.join(used)}; {processor()}; {datetime.date.today()}.",
+        f"Written by `bench/collection/run.py`; {', '.join(used)}; {processor()}; {datetime.date.today()},",
+        f"one-minute load {os.getloadavg()[0]:.1f} at the end: above 1 the times are those of a machine that does other work, too.",
         "",
         "The errors are those of the accelerations a, relative to the largest, and of the forces f, relative to the largest,",
         "against x in quadruple precision. Where a all but vanishes, its error is relative to the accelerations without contacts.",

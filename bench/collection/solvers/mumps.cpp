@@ -29,6 +29,7 @@ struct Mumps : Solver {
     call(-1);
     for (int k : {0, 1, 2, 3}) m.icntl[k] = k == 3 ? 0 : -1;  // silent
     m.icntl[9] = refinement;
+    m.icntl[13] = 200;  // percent of memory more than predicted, for pivots that are delayed
     m.n = s.size();
     m.nnz = static_cast<MUMPS_INT8>(values.size());
     m.irn = rows.data();

@@ -3,7 +3,9 @@
 
 #include <amd.h>
 #include <cholmod.h>
+extern "C" {
 #include <ldl.h>
+}
 
 #include <stdexcept>
 
