@@ -6,7 +6,8 @@
 A solver is
 
 * one of manycontact_collection (`--list` names them): dsysv, dsysv_rook, dsysvx, mumps, mumps_refined, cholmod, ldl, sparse-ldl;
-* sparse-ldl:DELTA:STEPS, our factor of K with the damping DELTA and so many steps of refinement on the residual of K;
+* NAME:DELTA, one of these on K with the damping DELTA; sparse-ldl:DELTA:STEPS, our factor of that, and so many steps of
+  refinement on the residual of K as it is;
 * manycontact, or manycontact:METHOD: `manycontact solve` on the scene of the system;
 * any program: it is called with K.mtx b.mtx x.txt, writes x into x.txt, a number a line, and prints the time of one solve [us];
 * all: everything that is there.
@@ -52,10 +53,8 @@ def read_matrix(path):
 class System:
     """A system of the collection: K, b, and x where it is known; products in extended precision."""
 
-    def __init__(self, folder):
-        self.folder = folder
-        self.about = json.loads((folder / "system.json").read_text())
-        self.name = self.about["name"]
+    def __init__(self, folder, name, kind="small", what=""):
+        self.folder, self.name, self.kind, self.what = folder, name, kind, what
         self.K, self.b = folder / "island_0.mtx", folder / "island_0_b.mtx"
         self.i, self.j, self.values, self.n = read_matrix(self.K)
         self.rhs = read_matrix(self.b)
@@ -121,7 +120,7 @@ def by_manycontact(program, method, system, _):
     """x and the time of one solve of the scene: kinematics, K, its factor, refinement."""
     if method.startswith("dense") and system.n > DENSE:
         raise RuntimeError(f"larger than {DENSE} unknowns")
-    command = [program, "solve", "scene.xml", "--json", "-", "--repeat", "50"] + (["--method", method] if method else [])
+    command = [program, "solve", "scene.xml", "--json", "-", "--repeat", str(20 if system.n > 500 else 200)] + (["--method", method] if method else [])
     done = subprocess.run(command, cwd=system.folder, text=True, capture_output=True, timeout=600)
     if not done.stdout:
         raise RuntimeError(done.stderr.strip() or "no answer")
@@ -164,8 +163,9 @@ def solvers(words, bin):
             method = name.partition(":")[2]
             known[name] = (version, lambda s, t, method=method: by_manycontact(str(ours), method, s, t))
     for word in words:
-        if word.partition(":")[0] == "sparse-ldl" and "sparse-ldl" in theirs:
-            known[word] = (theirs["sparse-ldl"], lambda s, t, word=word: by_program([str(bin / "manycontact_collection"), word], s, t))
+        name, dials = word.split(":")[0], word.split(":")[1:]
+        if dials and name in theirs:
+            known[word] = (theirs[name], lambda s, t, word=word: by_program([str(bin / "manycontact_collection"), word], s, t))
     out = {}
     for word in words:
         if word == "all":
@@ -221,11 +221,11 @@ def page(results, chosen):
         "of the scene: kinematics, bias, assembly of K, factorization, refinement and residuals.",
     ]
     for kind in KINDS:
-        of_kind = [s for s in results if s.about["kind"] == kind]
+        of_kind = [s for s in results if s.kind == kind]
         if of_kind:
             lines += ["", f"## {kind.capitalize()}"]
         for system in of_kind:
-            lines += ["", f"### {system.name}", "", f"{system.about['what']}; {system.nv} velocities, {system.nc} rows of rank {system.rank}."]
+            lines += ["", f"### {system.name}", "", f"{system.what}; {system.nv} velocities, {system.nc} rows of rank {system.rank}."]
             lines += ["", "| solver | error of a | error of f | normwise | componentwise | time [us] |", "|---|--:|--:|--:|--:|--:|"]
             for name, result in results[system].items():
                 if isinstance(result, str):
@@ -239,9 +239,9 @@ def find_systems(folders):
     found = {p.parent for folder in folders for p in folder.rglob("system.json")}
     if not found:
         sys.exit(f"run.py: no systems in {', '.join(map(str, folders))}, expected what make.py writes")
-    systems = [System(folder) for folder in sorted(found)]
+    systems = [System(folder, **json.loads((folder / "system.json").read_text())) for folder in sorted(found)]
     first = {name: k for k, name in enumerate(SHOWN)}
-    return sorted(systems, key=lambda s: (KINDS.index(s.about["kind"]), first.get(s.name, len(first)), s.n, s.name))
+    return sorted(systems, key=lambda s: (KINDS.index(s.kind), first.get(s.name, len(first)), s.n, s.name))
 
 
 def main():

@@ -3,7 +3,7 @@
 //     manycontact_collection --list                        a line "NAME VERSION" per solver
 //     manycontact_collection SOLVER K.mtx b.mtx x.txt      writes x, prints the median time of one solve [us]
 //
-// SOLVER is a name, or NAME:DELTA:STEPS with the dials of sparse-ldl.
+// SOLVER is a name, or NAME:DELTA, which solves K - [0 0; 0 DELTA I] instead, or sparse-ldl:DELTA:STEPS (sparse_ldl.cpp).
 
 #include <algorithm>
 #include <chrono>
@@ -56,7 +56,16 @@ System read(const std::string& K, const std::string& b) {
   return out;
 }
 
-// At least `least` solves, and half a second of them.
+// K - [0 0; 0 delta I]
+void damp(System& s) {
+  std::vector<Eigen::Triplet<double>> diagonal;
+  for (int i = s.nv; i < s.size(); ++i) diagonal.emplace_back(i, i, -s.damping);
+  Eigen::SparseMatrix<double> D(s.size(), s.size());
+  D.setFromTriplets(diagonal.begin(), diagonal.end());
+  s.lower = Eigen::SparseMatrix<double>(s.lower + D);
+}
+
+// A few solves at least, and half a second of them.
 double median_time(Solver& solver, Eigen::VectorXd& x) {
   using Clock = std::chrono::steady_clock;
   constexpr int kLeast = 3, kMost = 1001;
@@ -103,6 +112,7 @@ int run(const std::vector<std::string>& words) {
   system.steps = dials.steps;
   if (kind->largest > 0 && system.size() > kind->largest)
     throw std::runtime_error("larger than " + std::to_string(kind->largest) + " unknowns");
+  if (kind->name != "sparse-ldl" && system.damping > 0) damp(system);
   const std::unique_ptr<Solver> solver = kind->make(system);
   Eigen::VectorXd x;
   const double time = median_time(*solver, x);
