@@ -174,7 +174,7 @@ PAGE = """# Accuracy against time, with dials
 
 Written by `bench/collection/chart.py`, which `./run chart` calls; the numbers are in [accuracy.csv](accuracy.csv).
 Each point is one solver: left is faster, low is more accurate. The error is the largest of accelerations and forces, relative to
-the largest of each, against the solution of the undamped system in quadruple precision. Where K is singular, J^T f is compared.
+the largest of each, against the solution of the scene as given in quadruple precision. Where K is singular, J^T f is compared.
 
 * **manycontact, whole solve**: kinematics, K, its factor, refinement and residuals. **damping**: the same with a damping of the scene.
 * **our LDL of K**: the sparse factor of manycontact on the numbers of K, and steps of refinement on the residual of K. **damped**: the
