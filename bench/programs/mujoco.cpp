@@ -1,5 +1,5 @@
 // MuJoCo: mj_forward. Contacts are equality constraints, welds and connects, as stiff as it lets them be; they stay
-// soft, so its answer is a neighbouring one. It leaves dJ/dt v out.
+// soft, so its answer is a neighbouring one. It leaves dJ/dt v out. Compiles against versions 2.2 to 3.12.
 
 #include <mujoco/mujoco.h>
 
@@ -47,12 +47,20 @@ void write_bodies(std::ostream& out, const std::vector<Body>& bodies) {
   for (std::size_t k = 0; k < open.size(); ++k) out << "</body>\n";
 }
 
+// Memory for constraints: their number before version 2.3, after which they share an arena of that size.
+std::string sizes(const Scene& scene) {
+#if mjVERSION_HEADER < 230
+  return "<size nconmax=\"1\" njmax=\"" + std::to_string(6 * scene.contacts.size()) + "\"/>";
+#else
+  return "<size memory=\"" + std::to_string(16 + scene.nrobots()) + "M\"/>";
+#endif
+}
+
 std::string mjcf(const Posed& s) {
   const std::vector<Body> bodies = bodies_of(s);
   std::ostringstream out;
   out << "<mujoco><compiler angle=\"radian\"/><option gravity=\"" << numbers(s.scene.gravity)
-      << "\"><flag contact=\"disable\" warmstart=\"disable\"/></option><size nconmax=\"1\" njmax=\""
-      << 6 * s.scene.contacts.size() << "\"/>\n<worldbody>";
+      << "\"><flag contact=\"disable\" warmstart=\"disable\"/></option>" << sizes(s.scene) << "\n<worldbody>";
   write_bodies(out, bodies);
   out << "</worldbody>\n<equality>\n";
   for (const Hold& h : holds_of(s, bodies)) {
@@ -64,12 +72,22 @@ std::string mjcf(const Posed& s) {
   return out.str();
 }
 
+// A file in memory; by another function since version 3.1.3.
+bool add_file(mjVFS& vfs, const char* name, const std::string& text) {
+  const int size = static_cast<int>(text.size());
+#if mjVERSION_HEADER < 313
+  if (mj_makeEmptyFileVFS(&vfs, name, size) != 0) return false;
+  text.copy(static_cast<char*>(vfs.filedata[vfs.nfile - 1]), text.size());
+  return true;
+#else
+  return mj_addBufferVFS(&vfs, name, text.data(), size) == 0;
+#endif
+}
+
 mjModel* compile(const std::string& xml) {
   mjVFS vfs;
   mj_defaultVFS(&vfs);
-  if (mj_makeEmptyFileVFS(&vfs, "scene.xml", static_cast<int>(xml.size())) != 0)
-    throw std::runtime_error("MuJoCo takes no file of this size");
-  xml.copy(static_cast<char*>(vfs.filedata[vfs.nfile - 1]), xml.size());
+  if (!add_file(vfs, "scene.xml", xml)) throw std::runtime_error("MuJoCo takes no file of this size");
   char error[1000] = "";
   mjModel* model = mj_loadXML("scene.xml", &vfs, error, sizeof error);
   mj_deleteVFS(&vfs);

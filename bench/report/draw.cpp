@@ -18,6 +18,7 @@ const char* colour(const std::string& program) {
   if (program == "Simbody") return "#009E73";
   if (program == "DART") return "#CC79A7";
   if (program == "Pinocchio") return "#0072B2";
+  if (program == "Crocoddyl") return "#D55E00";
   return "black";
 }
 

@@ -1,11 +1,12 @@
-// manycontact-chart: the commands that judge answers by quadruple precision and draw with gnuplot.
+// manycontact-chart: the commands that need quadruple precision.
 
 #include "program/program.hpp"
 
 int main(int argc, char** argv) {
   using namespace manycontact::cli;
-  Command chart = chart_command(), stability = stability_command();
+  Command chart = chart_command(), stability = stability_command(), exporting = export_command();
   chart.run = run_chart;
   stability.run = run_stability;
-  return run_program({chart, stability}, {argv + (argc > 0), argv + argc});
+  exporting.run = run_export;
+  return run_program({chart, stability, exporting}, {argv + (argc > 0), argv + argc});
 }

@@ -15,9 +15,9 @@ TEST_F(Usage, HelpNamesEveryCommandAndOption) {
   for (const char* part :
        {"solve SCENE", "inspect SCENE", "simulate SCENE --time T --step H --out FILE",
         "batch SCENE --states FILE.npy --out FILE.npy", "stability SCENE --out DIR", "chart SCENE... --out DIR",
-        "--method M", "--order O", "--quasi-static", "--repeat N", "--json FILE", "--picture FILE.svg", "Exit status"})
+        "export SCENE --out DIR", "--truth",         "--method M", "--order O", "--quasi-static", "--repeat N", "--json FILE", "--picture FILE.svg", "Exit status"})
     expect_contains(top.out, part);
-  for (const char* command : {"solve", "inspect", "chart", "simulate", "batch", "stability", "view"}) {
+  for (const char* command : {"solve", "inspect", "chart", "simulate", "batch", "stability", "export", "view"}) {
     const Outcome help = run({command, "--help"});
     EXPECT_EQ(help.status, 0);
     EXPECT_EQ(help.err, "");
@@ -29,7 +29,7 @@ TEST_F(Usage, HelpNamesEveryCommandAndOption) {
 TEST_F(Usage, CommandsOfAnAbsentProgramSayHowToGetIt) {
   std::filesystem::copy_file(MANYCONTACT_BINARY, path("manycontact"));
   const std::pair<const char*, const char*> beside[] = {
-      {"chart", "-chart"}, {"stability", "-chart"}, {"optimize", "-optimize"}};
+      {"chart", "-chart"}, {"stability", "-chart"}, {"export", "-chart"}, {"optimize", "-optimize"}};
   for (const auto& [command, program] : beside) {
     const Outcome outcome = run({command, model("arm_pushes_box.xml"), "--out", path("out")}, path("manycontact"));
     EXPECT_EQ(outcome.status, 1);

@@ -33,9 +33,11 @@ const Command& view_command();
 /// their `run` is null here.
 const Command& chart_command();
 const Command& stability_command();
+const Command& export_command();
 const Command& optimize_command();
 int run_chart(const Arguments& arguments);
 int run_stability(const Arguments& arguments);
+int run_export(const Arguments& arguments);
 int run_optimize(const Arguments& arguments);
 
 /// The one operand, SCENE unless it has another name. Throws UsageError.

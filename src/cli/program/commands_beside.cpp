@@ -48,6 +48,24 @@ const Command& stability_command() {
   return command;
 }
 
+const Command& export_command() {
+  static const Command command{
+      "export",
+      "SCENE",
+      "Writes K, b and, in quadruple precision, x of each island as Matrix Market files.",
+      {{"--out", "DIR", "where the files and a README.md about them go; it is made when it is missing", true},
+       {"--truth", "", "also solutions, in 34 digits"},
+       {"--derivatives", "", "also the right-hand sides of the derivatives"}},
+      "DIR/island_N.mtx is K = [M J^T; J -delta I] of the scene's own contacts, island_N_b.mtx is b, island_N_x.mtx\n"
+      "x = [a; -f], island_N_db.mtx and island_N_dx.mtx those of the derivatives, island_N_names.txt the names of the\n"
+      "rows. DIR/README.md lists sizes, ranks, conditions and the correct digits of the solutions.\n"
+      "Exit status: 0; 2 bad usage, bad input or output.\n",
+      nullptr,
+      nullptr,
+      "manycontact-chart"};
+  return command;
+}
+
 const Command& optimize_command() {
   static const Command command{
       "optimize",

@@ -1,0 +1,71 @@
+#pragma once
+// `manycontact export`: the systems K x = b of a scene's islands as Matrix Market files, with solutions in quadruple
+// precision.
+
+#include <Eigen/SparseCore>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "manycontact/dynamics/data.hpp"
+#include "manycontact/io/scene_file.hpp"
+#include "manycontact/kkt/island.hpp"
+
+namespace manycontact::cli {
+
+/// K x = b of one island, x = [a; -f], for the scene's own contacts, and the right-hand sides of its derivatives.
+struct ExportedSystem {
+  Island island;
+  Eigen::SparseMatrix<double> K;  // [M J^T; J -delta I], both triangles
+  Eigen::VectorXd b;              // [tau_b; -a0]
+  Eigen::MatrixXd db;             // nv + nc rows, columns [q | v | u]; empty unless derivatives were requested
+
+  int size() const { return island.size(); }
+};
+
+/// The options by which a scene is solved for an export: every contact keeps its own rows, and every robot its own
+/// intermediate results.
+Options export_options();
+
+/// The system of an island at the last solve by export_options, after `complete`. With derivatives: after
+/// differentiate, whose solution `dx` defines them as db = K dx; entries below the rounding errors of that product are
+/// zero. db is empty if the derivatives are not numbers.
+ExportedSystem system_of(const Scene& scene, const SceneData& data, std::size_t i, bool derivatives);
+
+/// Solutions, in quadruple precision.
+struct ExactSolution {
+  MatX<Quad> x;          // empty if it is not known
+  double digits = 0;     // correct digits of the worst column, relative to the largest entry of its a and of its f;
+                         // far fewer than 32 where a all but vanishes
+};
+
+/// Solves K x = b for the numbers of K and b exactly as they are in double precision: refinement with residuals in
+/// quadruple precision, or, if that does not converge, the dense reference solver for at most kDenseUnknowns unknowns.
+ExactSolution solve_exactly(const ExportedSystem& system, const Eigen::MatrixXd& b);
+inline constexpr int kDenseUnknowns = 400;
+
+/// [a; -f] of the scene itself in quadruple precision, with forces of least norm, for an island with dependent rows.
+/// Empty if the island is larger than kDenseUnknowns.
+ExactSolution solve_scene(const SceneFile& file, SceneData& data, const Island& island, std::size_t i);
+
+/// Matrix Market files. `comments` are lines of the header. Throw InputError if a file cannot be written.
+void write_symmetric(const std::string& path, const Eigen::SparseMatrix<double>& K,
+                     const std::vector<std::string>& comments);
+void write_sparse(const std::string& path, const Eigen::MatrixXd& b, const std::vector<std::string>& comments);
+void write_dense(const std::string& path, const Eigen::MatrixXd& b, const std::vector<std::string>& comments);
+void write_dense(const std::string& path, const MatX<Quad>& x, const std::vector<std::string>& comments);
+
+/// What README.md says about one island.
+struct ExportedPage {
+  std::string name;  // "island_0"
+  int nv = 0, nc = 0, rank = 0;
+  Eigen::Index nonzeros = 0, columns = 0;
+  Status status = Status::kOk;
+  double condition = 0;
+  bool solution = false, of_scene = false, derivatives = false;  // files that are there; x solves the scene, not K
+  double digits = 0, derivative_digits = 0;
+};
+void write_export_page(const std::string& path, const SceneFile& file, const std::vector<ExportedPage>& islands,
+                       const std::string& command);
+
+}  // namespace manycontact::cli

@@ -1,0 +1,60 @@
+// README.md of an export.
+
+#include "../files/output_file.hpp"
+#include "../text/table.hpp"
+#include "export.hpp"
+#include "manycontact/version.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+constexpr const char* kFiles = R"(| file | contents |
+|---|---|
+| `island_N.mtx` | K, symmetric, the lower triangle in coordinates |
+| `island_N_b.mtx` | b, one column |
+| `island_N_x.mtx` | with `--truth`: x, in 34 digits |
+| `island_N_db.mtx` | with `--derivatives`: the right-hand sides of the derivatives, columns [q, v, u], in coordinates |
+| `island_N_dx.mtx` | with both: their solutions, in 34 digits |
+| `island_N_names.txt` | the name of each row of K: a velocity coordinate, or a constraint row |
+
+    K x = b,   K = [ M  J^T; J  -delta I ],   x = [ a; -f ],   b = [ tau - h; -a0 ]
+
+M is the joint-space inertia, J the Jacobian of the active contacts, delta the damping, a the accelerations, f the contact
+forces, tau the torques, h the bias torques, and a0 the acceleration of the constraints at zero joint accelerations. Units
+are SI: kg m^2, kg m and kg in M; N m and N in tau, h and f; rad/s^2 and m/s^2 in a and a0. Every contact of the scene has
+its own rows, also where rows depend on each other.
+
+* **x** solves the system of the files: their numbers, exactly as written, are the problem. `digits` are the correct decimal
+  digits of the worst entry of a, relative to the largest acceleration, and of f, relative to the largest force.
+* **Where `rank` is below `nc`**, K is singular up to its rounding errors, and the system of the files has no meaningful
+  forces. There x is the solution of the scene itself: the accelerations, and the forces of least norm. K x = b holds up to
+  the rounding errors of K and b, if the status is `redundant`; if it is `inconsistent`, x minimises the violation.
+* **db** is K dx, where dx = [da; -df] are the derivatives computed in double precision. Entries below the rounding errors of
+  that product are zero. dx in the file solves K dx = db for the numbers as written.
+)";
+
+std::string digits(bool known, double n) { return known ? number(n, 3) : "unknown"; }
+
+}  // namespace
+
+void write_export_page(const std::string& path, const SceneFile& file, const std::vector<ExportedPage>& islands,
+                       const std::string& command) {
+  OutputFile page(path);
+  std::ostream& out = page.stream();
+  out << "# " << printable(file.scene.name) << "\n\nWritten by manycontact " MANYCONTACT_VERSION ", `" << command
+      << "`, from " << printable(file.path) << ".\n"
+      << count(file.scene.nrobots(), "robot") << ", " << count(static_cast<long>(islands.size()), "island")
+      << ". Robots that contacts couple are one island, with one system.\n\n"
+      << kFiles << "\n"
+      << "| system | nv | nc | rank of J | non-zeros of K | status | condition (1-norm) | x: digits | dx: columns | "
+         "dx: digits |\n|---|--:|--:|--:|--:|---|--:|--:|--:|--:|\n";
+  for (const ExportedPage& i : islands)
+    out << "| " << i.name << " | " << i.nv << " | " << i.nc << " | " << i.rank << " | " << i.nonzeros << " | "
+        << to_string(i.status) << " | " << scientific(i.condition) << " | "
+        << (i.of_scene && i.solution ? "of the scene, " : "") << digits(i.solution, i.digits) << " | " << i.columns
+        << " | " << digits(i.derivatives, i.derivative_digits) << " |\n";
+  page.close();
+}
+
+}  // namespace manycontact::cli
