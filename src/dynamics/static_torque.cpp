@@ -23,7 +23,7 @@ void static_torque(const Scene& scene, const SceneData& data, const double* q, b
   const auto check = [](bool known) {
     if (!known)
       throw std::logic_error(
-          "static_torque: robots were solved in lanes, or by sparse-bodies, which leave no kinematics: "
+          "static_torque: SIMD batches and sparse-bodies keep no kinematics: "
           "call complete first");
   };
   for (int r = 0; r < scene.nrobots(); ++r) check(internal::is_evaluated(w, r));

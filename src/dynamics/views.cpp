@@ -25,7 +25,7 @@ const Workspace& solver(const SceneData& data) {
 [[noreturn]] void not_there(const SceneData& data) {
   throw std::logic_error(data.serial == 0
                              ? "views of a scene's data: solve first"
-                             : "views of a scene's data: robots were solved in lanes, which leave the answer alone: "
+                             : "views of a scene's data: SIMD batches keep only accelerations and forces: "
                                "call complete first; or by sparse-bodies, which has no K (Options::method)");
 }
 
@@ -39,7 +39,7 @@ const RobotData& robot_at_state(const SceneData& data, int robot) {
 const Linearisation& linearised(const SceneData& data, int contact) {
   const Workspace& w = prepared(data);
   if (!internal::has_derivatives(data) || w.linearisation->state.at(contact) != w.state)
-    throw std::logic_error("views of a scene's derivatives: call differentiate first, without lanes (Options::lanes)");
+    throw std::logic_error("views of a scene's derivatives: call differentiate first, without SIMD batches (Options::lanes)");
   return *w.linearisation;
 }
 

@@ -17,19 +17,19 @@ std::string to_string(Reason reason) {
     case Reason::kNotFinite:
       return "the state, the torques or the system is not finite";
     case Reason::kDampingLost:
-      return "the damping is lost in rounding; answered without damping";
+      return "the damping is lost in rounding; solved without damping";
     case Reason::kBadDamping:
       return "the damping is negative or not finite";
     case Reason::kBadQuaternion:
       return "a quaternion is not of unit length";
     case Reason::kSingularInertia:
-      return "the inertia is singular where no contact holds";
+      return "the inertia is singular in directions without constraint";
     case Reason::kSpringWithoutDirection:
       return "the ends of a spring coincide, so that its force has no direction";
     case Reason::kBadMomentLength:
       return "the scene's moment_length is not a finite number above 0";
     case Reason::kUncertain:
-      return "rounding may change the answer by more than its size";
+      return "rounding may change the solution by more than its size";
   }
   return "?";
 }

@@ -146,7 +146,7 @@ class Alone {
  public:
   explicit Alone(const std::shared_ptr<Part>& part)
       : state_(std::dynamic_pointer_cast<StateMultibody>(part->get_state())), twin_(part) {
-    if (!state_) throw py::type_error("numerical twin: the part's state has to be a StateMultibody");
+    if (!state_) throw py::type_error("numerical differences: the state of the part has to be a StateMultibody");
     motion_ = std::make_shared<MultibodyData>(*state_->get_model());
     collector_ = std::make_shared<DataCollector>(motion_.get());
     twin_.set_reevals({[this](const Vector& x, const Vector&) { move(x); }});

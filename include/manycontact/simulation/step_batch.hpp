@@ -24,7 +24,7 @@ struct SimulationBatch {
 
   // These members are set by the caller, between steps, and apply to all states.
   std::vector<char> active;          // one flag per contact; initially as in the scene. Velocities do not jump
-  std::vector<Vec6<double>> pushes;  // one wrench per push; initially as in the scene [N, N m]
+  std::vector<Vec6<double>> pushes;  // one wrench per external wrench of the scene; initially as there [N, N m]
   double velocity_limit = 1e5;       // m/s, rad/s; a faster state is kTooFast
   Eigen::VectorXd kp, kd;            // gains of PD laws as in PdLaws (nv), or empty
   BatchMatrix q_ref, v_ref;          // their references, one row per state (nv columns)
@@ -40,7 +40,7 @@ struct SimulationBatch {
 };
 
 /// Makes `steps` steps of every state with torques u (nu columns, one row per state). If a step is not kOk, its state
-/// remains unchanged and its other steps are not made; the others go on. Throws std::invalid_argument for wrong sizes,
+/// remains unchanged and its other steps are not made; other states continue. Throws std::invalid_argument for wrong sizes,
 /// before anything is computed. While it runs, OpenBLAS is limited to one thread in the whole program.
 void step_batch(const Scene& scene, const ConstBatchRows& u, SimulationBatch& batch, int steps = 1);
 
