@@ -195,6 +195,12 @@ TEST_F(Inspect, CostsAndChoiceAreShown) {
     expect_contains(out, part);
 }
 
+TEST_F(Inspect, WaysToSolveAreListed) {
+  expect_contains(inspect(model("humanoid_standing.xml")),
+                  "solve tries, until one is sound: in a SIMD batch; sparse-ldl in leaf-to-root order;");
+  expect_contains(inspect(model("two_humanoids_carry_beam.xml")), "robot by robot in SIMD batches;");
+}
+
 TEST_F(Inspect, IdleRobotsAndJoints) {
   const std::string out = inspect(scene(R"(<robot name="idle" urdf="arm.urdf" base="fixed"/>
     <robot name="busy" urdf="arm.urdf" base="fixed"><joint name="shoulder_yaw" v="1"/></robot>

@@ -198,6 +198,7 @@ void print_costs(std::ostream& out, const Inspection& x) {
     if (k > 0) out << "\n";
     wrap(out, x.name(kind), 2);
     print_costs(out, *shape_of(x.data, i), x.data.options, choice_of(x.data, i));
+    wrap(out, "solve tries, until one is sound: " + ways_of(scene_solved(x.file.scene, x.data), x.data, i), 4);
     const std::string changed = why_changed(choice_of(x.data, i), x.data.report.islands[i]);
     if (!changed.empty()) wrap(out, "at the scene's state " + changed, 4);
   }

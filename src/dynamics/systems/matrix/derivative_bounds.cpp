@@ -119,8 +119,7 @@ TermsOfDerivatives terms_of_derivatives(const Scene& scene, const SceneData& dat
       const double unit = unit_of(m, row - island.nv);
       const auto [linear, angular] = row_weights(rows, i);
       out.q[row] = unit * (turned * terms.of_row(i) + linear * moved * terms.angular);
-      out.v[row] =
-          unit * (linear * ((2 * w + beta) * moved + 2 * v * turned) + angular * (2 * w + beta) * turned);
+      out.v[row] = unit * (linear * ((2 * w + beta) * moved + 2 * v * turned) + angular * (2 * w + beta) * turned);
     }
   }
   return out;

@@ -17,14 +17,6 @@ namespace manycontact::internal {
 
 namespace {
 
-enum class FactorKind { kChosen, kDependentRows, kProximal, kDense };
-
-struct Attempt {
-  FactorKind kind;
-  Order order;
-  double damping;
-};
-
 Factor& factor_of(MatrixSystem& m, FactorKind kind, Order order) {
   const auto made = [](std::unique_ptr<Factor>& factor, auto&& make) -> Factor& {
     if (!factor) factor = make();
@@ -219,19 +211,13 @@ Attempt by_dependent_rows(const MatrixSystem& m, Order order = Order::kLeafToRoo
   return {depends_globally(m) ? FactorKind::kProximal : FactorKind::kDependentRows, order, 0};
 }
 
-// From the chosen way down: its order, dropping rows that depend on others, where leaf-to-root is far more work; the
-// same method in leaf-to-root order, which is sound unless rows depend on each other (of CHOLMOD only where damping
-// makes them independent: it allocates); that order dropping rows; the oracle.
-struct Attempts {
-  std::array<Attempt, 5> list;
-  int count = 0;
-  void add(const Attempt& attempt) { list[count++] = attempt; }
-};
-Attempts fallbacks_of(const MatrixSystem& m, double damping) {
+}  // namespace
+
+Attempts attempts_of(const MatrixSystem& m, double damping) {
   Attempts out;
   const auto [method, order] = m.owner.choice;
   if (method != Method::kDense) out.add({FactorKind::kChosen, order, damping});
-  if (method == Method::kDenseSchur) return out;  // the baseline stands alone
+  if (method == Method::kDenseSchur) return out;  // the baseline has no fallback
   const bool globally = damping == 0 && depends_globally(m);
   if (damping == 0 && drops_in_chosen_order(m)) out.add(by_dependent_rows(m, order));
   if (!globally && order != Order::kLeafToRoot &&
@@ -243,8 +229,6 @@ Attempts fallbacks_of(const MatrixSystem& m, double damping) {
   if (may_ask_oracle(m)) out.add({FactorKind::kDense, order, damping});
   return out;
 }
-
-}  // namespace
 
 bool solve_by_dependent_rows(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& m,
                              IslandReport& report) {
@@ -268,7 +252,7 @@ bool solve_by_dependent_rows(const Scene& scene, const SceneData& data, FactorSc
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& m,
                         IslandReport& report) {
   const auto [method, order] = m.owner.choice;
-  const Attempts attempts = fallbacks_of(m, scene.damping);
+  const Attempts attempts = attempts_of(m, scene.damping);
   Reason first = Reason::kNone, last = Reason::kNone;
   m.factor = nullptr;
   for (int k = 0; k < attempts.count; ++k) {

@@ -2,6 +2,7 @@
 // An island solved by its whole K in joint space: by the factor that was chosen, by one that drops dependent rows, or
 // by the dense oracle, whichever is sound first (fallbacks.cpp).
 
+#include <array>
 #include <span>
 #include <utility>
 
@@ -135,6 +136,22 @@ void assemble(const Scene& scene, const SceneData& data, Order order, double dam
 /// False where there is none. After evaluate.
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
                         IslandReport& report);
+/// A way to factorize K. The list of an island, from the chosen way down: its order, dropping rows that depend on
+/// others, where leaf-to-root is far more work; the same method in leaf-to-root order, which is sound unless rows
+/// depend on each other (CHOLMOD only where damping makes them independent: it allocates); that order dropping rows;
+/// the dense solver.
+enum class FactorKind { kChosen, kDependentRows, kProximal, kDense };
+struct Attempt {
+  FactorKind kind;
+  Order order;
+  double damping;
+};
+struct Attempts {
+  std::array<Attempt, 5> list;
+  int count = 0;
+  void add(const Attempt& attempt) { list[count++] = attempt; }
+};
+Attempts attempts_of(const MatrixSystem& system, double damping);
 /// The factors that drop dependent rows, alone. False where none is sound, or it finds none.
 bool solve_by_dependent_rows(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
                              IslandReport& report);

@@ -1,6 +1,8 @@
 #pragma once
 // The analyses that a scene's islands rest on (kkt/shape.hpp), to be looked at.
 
+#include <string>
+
 #include "manycontact/dynamics/data.hpp"
 #include "manycontact/kkt/choose.hpp"
 #include "manycontact/kkt/matrix.hpp"
@@ -17,6 +19,9 @@ const KktMatrix& assembled_matrix_of(const SceneData& data, std::size_t i);
 /// (Options::reduce_pairs); elsewhere these themselves. shape_of and choice_of are those of its islands.
 const Scene& scene_solved(const Scene& scene, const SceneData& data);
 const SceneData& data_solved(const SceneData& data);
+/// The ways in which `solve` tries to solve an island, in their order: "robot by robot in SIMD batches; sparse-ldl in
+/// leaf-to-root order; the same without dependent rows; dense".
+std::string ways_of(const Scene& scene, const SceneData& data, std::size_t i);
 /// How often an island's K, whole or robot by robot, was factorized for the solution at hand and what was made of it.
 int factorizations_of(const SceneData& data, std::size_t i);
 /// Number of shapes analysed so far.

@@ -1,0 +1,39 @@
+// The ways to solve an island, as a list (solve.cpp, systems/matrix/fallbacks.cpp).
+
+#include "internal.hpp"
+#include "manycontact/dynamics/shapes.hpp"
+
+namespace manycontact {
+
+namespace {
+
+std::string text_of(const internal::Attempt& by, Method chosen) {
+  const std::string order = " in " + to_string(by.order) + " order";
+  switch (by.kind) {
+    case internal::FactorKind::kDependentRows:
+      return "sparse-ldl" + order + " without dependent rows";
+    case internal::FactorKind::kProximal:
+      return "sparse-ldl" + order + " with proximal steps";
+    case internal::FactorKind::kDense:
+      return to_string(Method::kDense);
+    default:
+      return to_string(chosen == Method::kSparseBodies ? Method::kSparseLdl : chosen) +
+             (has_order(chosen) || chosen == Method::kSparseBodies ? order : "");
+  }
+}
+
+}  // namespace
+
+std::string ways_of(const Scene& scene, const SceneData& data, std::size_t i) {
+  const IslandWork& d = *internal::solver_of(data).islands.at(i);
+  std::string out;
+  const auto add = [&out](const std::string& way) { out += (out.empty() ? "" : "; ") + way; };
+  if (d.alone.group && !is_inexact(scene, d)) add("in a SIMD batch");
+  if (d.robots && d.robots->solves && !is_inexact(scene, d)) add("robot by robot in SIMD batches");
+  if (d.bodies && !is_inexact(scene, d)) add(to_string(Method::kSparseBodies));
+  const internal::Attempts attempts = internal::attempts_of(d.matrix, scene.damping);
+  for (int k = 0; k < attempts.count; ++k) add(text_of(attempts.list[static_cast<std::size_t>(k)], d.choice.method));
+  return out;
+}
+
+}  // namespace manycontact
