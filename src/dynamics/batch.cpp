@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "internal.hpp"
+#include "manycontact/dynamics/copies.hpp"
 #include "manycontact/model/applied_forces.hpp"
 #include "manycontact/sparse/blas_threads.hpp"
 #include "workspace/changes.hpp"
@@ -25,6 +26,10 @@ namespace {
 
 Eigen::Index wrench_numbers(const Scene& scene) { return static_cast<Eigen::Index>(6 * scene.pushes.size()); }
 
+}  // namespace
+
+namespace internal {
+
 Scene copies_of(const Scene& scene, int count) {
   Scene out;
   std::vector<int> robot_at(scene.robots.size());
@@ -45,10 +50,22 @@ Scene copies_of(const Scene& scene, int count) {
   return out;
 }
 
-}  // namespace
+int states_side_by_side(const SceneData& data) {
+  const Workspace& w = solver_of(data);
+  if (!w.lanes.level) return 1;
+  const int width = w.lanes.level->width;
+  const auto leaves_room = [width](const std::vector<int>& members) {
+    return !members.empty() && members.size() < static_cast<std::size_t>(width);
+  };
+  for (const auto& [key, group] : w.lanes.groups)
+    if (group.plan->dropped.empty() && leaves_room(group.islands)) return width;
+  return 1;
+}
+
+}  // namespace internal
 
 BatchCopies::BatchCopies(const Scene& of, int copies, const Options& options)
-    : count(copies), scene(copies_of(of, copies)), data(scene, options) {
+    : count(copies), scene(internal::copies_of(of, copies)), data(scene, options) {
   q.resize(scene.nq);
   for (Eigen::VectorXd* x : {&v, &wa, &wq, &wv}) x->resize(scene.nv);
   for (Eigen::VectorXd* x : {&u, &wu}) x->resize(scene.nu);
@@ -106,18 +123,6 @@ void check(const char* function, const Scene& scene, const BatchStates& s, const
 
 // From how many states on they stand side by side: all copies together cost as much as two alone, whoever is in them.
 std::ptrdiff_t worth_it(int copies) { return std::min(copies, 3); }
-
-// How many states fill the lanes: 1 where the robots of one do, or where there are no lanes.
-int states_side_by_side(const Workspace& w) {
-  if (!w.lanes.level) return 1;
-  const int width = w.lanes.level->width;
-  const auto leaves_room = [width](const std::vector<int>& members) {
-    return !members.empty() && members.size() < static_cast<std::size_t>(width);
-  };
-  for (const auto& [key, group] : w.lanes.groups)
-    if (group.plan->dropped.empty() && leaves_room(group.islands)) return width;
-  return 1;
-}
 
 void prepare_copies(const Scene& scene, BatchData& batch) {
   const int count = internal::solver_of(batch.threads.front().data).lanes.level->width;
@@ -205,7 +210,7 @@ void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std:
   if (of_thread > 1) {
     SceneData& data = batch.threads.front().data;
     prepare(scene, data);
-    at_once = std::min<std::ptrdiff_t>(states_side_by_side(internal::solver_of(data)), of_thread);
+    at_once = std::min<std::ptrdiff_t>(internal::states_side_by_side(data), of_thread);
   }
   if (at_once > 1) prepare_copies(scene, batch);
   const sparse::OneBlasThread one_blas_thread;

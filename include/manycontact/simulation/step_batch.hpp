@@ -1,0 +1,52 @@
+#pragma once
+// Many simulations of one scene, stepped at once.
+//
+//     SimulationBatch batch(scene, Q, V, Integrator::kSemiImplicitEuler, 1e-3);   // a simulation per row
+//     step_batch(scene, U, batch);                                                 // batch.q, batch.v: after the step
+//
+// If the robots of one state do not fill a SIMD batch, several states are stepped together, as one scene with one copy
+// per SIMD element; these groups are distributed over threads. Each state moves as by `step` alone, up to rounding
+// errors: neither the other states nor the number of threads change its numbers.
+
+#include "manycontact/dynamics/batch.hpp"
+#include "manycontact/simulation/step.hpp"
+
+namespace manycontact {
+
+/// The simulations. They belong to the scene they were made for; only its numbers may change, as in `solve`. Only one
+/// batch function may use them at a time.
+struct SimulationBatch {
+  /// Starts one simulation at each row of q (scene.nq columns) and v (nv columns), with steps of h [s]. threads: 0
+  /// takes as many as OpenMP offers. Throws std::invalid_argument for wrong sizes or a wrong number of threads, and
+  /// unless h is finite and positive.
+  SimulationBatch(const Scene& scene, const ConstBatchRows& q, const ConstBatchRows& v, Integrator integrator, double h,
+                  int threads = 0, const Options& options = {});
+
+  // These members are set by the caller, between steps, and apply to all states.
+  std::vector<char> active;          // one flag per contact; initially as in the scene. Velocities do not jump
+  std::vector<Vec6<double>> pushes;  // one wrench per push; initially as in the scene [N, N m]
+  double velocity_limit = 1e5;       // m/s, rad/s; a faster state is kTooFast
+  Eigen::VectorXd kp, kd;            // gains of PD laws as in PdLaws (nv), or empty
+  BatchMatrix q_ref, v_ref;          // their references, one row per state (nv columns)
+
+  // These members are set by step_batch, one row or entry per state.
+  BatchMatrix q, v;                // the states; set_state changes them
+  BatchMatrix f;                   // contact forces at the states before the last step, rows as in Solution::f
+  std::vector<StepStatus> status;  // of the last step that was tried
+
+  struct Part;  // private: states that are stepped together
+  std::vector<std::shared_ptr<Part>> parts;
+  std::shared_ptr<std::vector<internal::Failure>> failures;  // workspace, one per thread
+};
+
+/// Makes `steps` steps of every state with torques u (nu columns, one row per state). If a step is not kOk, its state
+/// remains unchanged and its other steps are not made; the others go on. Throws std::invalid_argument for wrong sizes,
+/// before anything is computed. While it runs, OpenBLAS is limited to one thread in the whole program.
+void step_batch(const Scene& scene, const ConstBatchRows& u, SimulationBatch& batch, int steps = 1);
+
+/// Continues state k from q (nq), v (nv). The others are not changed. Throws std::invalid_argument for a wrong size or
+/// number.
+void set_state(const Scene& scene, Eigen::Index k, const ConstVectorRef& q, const ConstVectorRef& v,
+               SimulationBatch& batch);
+
+}  // namespace manycontact
