@@ -2,6 +2,8 @@
 
 #include "docs/simulation.hpp"
 
+#include <chrono>
+#include <mutex>
 #include <variant>
 
 #include "data.hpp"
@@ -9,6 +11,7 @@
 #include "manycontact/simulation/gains.hpp"
 #include "manycontact/simulation/invariants.hpp"
 #include "manycontact/simulation/step.hpp"
+#include "manycontact/simulation/step_batch.hpp"
 #include "manycontact/simulation/switch.hpp"
 
 namespace manycontact::python {
@@ -55,7 +58,21 @@ py::array stack(const std::vector<Vector>& rows, Eigen::Index cols) {
   return read_only(std::move(out));
 }
 
-constexpr long kStepsBetweenSignals = 64;
+// Ctrl-C is heard every so often, whatever a step takes.
+class Signals {
+ public:
+  void look() {
+    constexpr auto kOften = std::chrono::milliseconds(50);
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < kOften) return;
+    last_ = now;
+    const py::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
 
 // Steps until steps are done, one is not kOk, or Ctrl-C. u: (nu), or a row per step.
 Trajectory simulate(const Scene& scene, py::handle u, Simulation& simulation, long steps, long every) {
@@ -76,14 +93,12 @@ Trajectory simulate(const Scene& scene, py::handle u, Simulation& simulation, lo
     };
     record();
     long recorded = 0;
+    Signals signals;
     for (long k = 0; k < steps; ++k) {
       out.status = step(scene, Eigen::Map<const Vector>(U.data() + k * stride, scene.nu), sim);
       if (out.status != StepStatus::kOk) break;
       if ((k + 1) % every == 0) record(), recorded = k + 1;
-      if (k % kStepsBetweenSignals == 0) {
-        const py::gil_scoped_acquire gil;
-        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      }
+      signals.look();
       if (k + 1 == steps && recorded != steps) record();
     }
   });
@@ -115,7 +130,8 @@ void add_steps(py::module_& m) {
       .def_readonly("pd", &StepWork::pd, "Work of PD laws.")
       .def_readonly("dampers", &StepWork::dampers, "Work of dampers in joints and between points.")
       .def_readonly("friction", &StepWork::friction, "Work of joint friction.")
-      .def_readonly("springs", &StepWork::springs, "Energy that the step took from springs, beyond their change of energy.");
+      .def_readonly("springs", &StepWork::springs,
+                    "Energy that the step took from springs, beyond their change of energy.");
 
   py::class_<Simulation>(m, "SimulationData",
                          "A simulation of a scene: its state, step size, integrator and workspace.")
@@ -215,6 +231,108 @@ void add_step_functions(py::module_& m) {
       py::arg("scene"), py::arg("data"), py::arg("status"), doc::failure);
 }
 
+struct Many {
+  SimulationBatch batch;
+  std::shared_ptr<std::mutex> busy = std::make_shared<std::mutex>();
+
+  template <class Use>
+  auto use(Use&& act) {
+    const std::unique_lock turn(*busy, std::try_to_lock);
+    if (!turn) throw py::value_error("SimulationBatch: another thread steps it");
+    return act(batch);
+  }
+};
+
+BatchMatrix matrix_of(const char* name, py::handle source) {
+  const Doubles X = as_doubles(source, true);
+  if (!X || X.ndim() != 2) throw py::value_error(std::string(name) + " has to be a matrix, one state per row");
+  check_numbers(name, X.data(), X.size());
+  return Eigen::Map<const BatchMatrix>(X.data(), X.shape(0), X.shape(1));
+}
+
+py::array_t<std::int8_t> step_many(const Scene& scene, py::handle u, Many& many, int steps) {
+  const BatchMatrix U = matrix_of("step_batch: u", u);
+  return many.use([&](SimulationBatch& batch) {
+    std::vector<StepStatus> worst(batch.status.size(), StepStatus::kOk);
+    {
+      const py::gil_scoped_release unlocked;
+      Signals signals;
+      for (int k = 0; k < steps; ++k) {
+        step_batch(scene, U, batch);
+        for (std::size_t i = 0; i < worst.size(); ++i)
+          if (batch.status[i] != StepStatus::kOk) worst[i] = batch.status[i];
+        signals.look();
+      }
+    }
+    py::array_t<std::int8_t> out(static_cast<py::ssize_t>(worst.size()));
+    for (std::size_t i = 0; i < worst.size(); ++i) out.mutable_data()[i] = static_cast<std::int8_t>(worst[i]);
+    return out;
+  });
+}
+
+// A member that is a matrix, read as a copy and assigned as a whole.
+template <class Class>
+void add_matrix(Class& c, const char* name, BatchMatrix SimulationBatch::*member, const char* doc) {
+  c.def_property(
+      name, [member](Many& m) { return m.use([&](SimulationBatch& b) -> BatchMatrix { return b.*member; }); },
+      [member, name](Many& m, py::handle x) { m.use([&](SimulationBatch& b) { b.*member = matrix_of(name, x); }); },
+      doc);
+}
+
+void add_batch_of_simulations(py::module_& m) {
+  py::class_<Many> c(m, "SimulationBatch", doc::simulation_batch);
+  c.def(
+      py::init([](const Scene& scene, py::handle q, py::handle v, Integrator integrator, double h, int threads,
+                  const Options& options) {
+        return Many{SimulationBatch(scene, matrix_of("SimulationBatch: q", q), matrix_of("SimulationBatch: v", v),
+                                    integrator, h, threads, options)};
+      }),
+      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("integrator"), py::arg("h"), py::arg("threads") = 0,
+      py::arg_v("options", Options(), "Options()"),
+      "Start at the rows of q (states, nq) and v (states, nv), with the integrator 'semi-implicit-euler' or 'rk4' and "
+      "the step h [s]. threads: 0 takes all.");
+  const auto read = [&c](const char* name, BatchMatrix SimulationBatch::*member, const char* doc) {
+    c.def_property_readonly(
+        name, [member](Many& m) { return m.use([&](SimulationBatch& b) -> BatchMatrix { return b.*member; }); }, doc);
+  };
+  read("q", &SimulationBatch::q, "Configurations (states, nq); set_state changes them.");
+  read("v", &SimulationBatch::v, "Velocities (states, nv).");
+  read("f", &SimulationBatch::f, "Contact forces at the states before the last step (states, rows) [N, N m].");
+  add_matrix(c, "q_ref", &SimulationBatch::q_ref, "References of the PD laws (states, nv) [rad, m].");
+  add_matrix(c, "v_ref", &SimulationBatch::v_ref, "References of the PD laws (states, nv) [rad/s, m/s].");
+  const auto gains = [&c](const char* name, Vector SimulationBatch::*member, const char* doc) {
+    c.def_property(
+        name, [member](Many& m) { return m.use([&](SimulationBatch& b) -> Vector { return b.*member; }); },
+        [member](Many& m, const Vector& x) { m.use([&](SimulationBatch& b) { b.*member = x; }); }, doc);
+  };
+  gains("kp", &SimulationBatch::kp, "Gains of the PD laws (nv) [N m / rad], or empty: there are none.");
+  gains("kd", &SimulationBatch::kd, "Gains of the PD laws (nv) [N m s / rad].");
+  c.def_property(
+       "active",
+       [](Many& m) {
+         return m.use([](SimulationBatch& b) { return std::vector<bool>(b.active.begin(), b.active.end()); });
+       },
+       [](Many& m, py::handle flags) {
+         m.use([&](SimulationBatch& b) { set_flags("SimulationBatch.active", flags, b.active); });
+       },
+       "A flag per contact. Velocities do not jump.")
+      .def_property(
+          "velocity_limit", [](Many& m) { return m.use([](SimulationBatch& b) { return b.velocity_limit; }); },
+          [](Many& m, double limit) { m.use([&](SimulationBatch& b) { b.velocity_limit = limit; }); },
+          "Largest velocity [m/s, rad/s]; a faster step is StepStatus.TOO_FAST.");
+  m.def("step_batch", &step_many, py::arg("scene"), py::arg("u"), py::arg("batch"), py::arg("steps") = 1,
+        doc::step_batch);
+  m.def(
+      "set_state",
+      [](const Scene& scene, Eigen::Index k, const Vector& q, const Vector& v, Many& many) {
+        check_numbers("set_state: q", q.data(), q.size());
+        check_numbers("set_state: v", v.data(), v.size());
+        many.use([&](SimulationBatch& batch) { set_state(scene, k, q, v, batch); });
+      },
+      py::arg("scene"), py::arg("k"), py::arg("q"), py::arg("v"), py::arg("batch"),
+      "Continue state k of a SimulationBatch from q (nq), v (nv); the others do not change.");
+}
+
 void add_invariants(py::module_& m) {
   py::class_<Invariants> kept(m, "Invariants", "Quantities that exact motion conserves.");
   add_value(kept)
@@ -267,6 +385,7 @@ void add_invariants(py::module_& m) {
 void add_simulation(py::module_& m) {
   add_steps(m);
   add_step_functions(m);
+  add_batch_of_simulations(m);
   add_invariants(m);
 }
 

@@ -50,6 +50,34 @@ Raises
 ValueError
     A size does not fit the scene, or a number is not finite.)";
 
+inline constexpr const char* simulation_batch =
+    R"(Many simulations of one scene, one per row, that step_batch steps together in SIMD batches and threads.
+
+Each moves as by step alone, up to rounding errors. active, velocity_limit, kp and kd apply to all.)";
+
+inline constexpr const char* step_batch =
+    R"(Make steps of all simulations of a batch. Ctrl-C ends them between two steps.
+
+Parameters
+----------
+scene : Scene
+u : array (states, nu)
+    Torques of each state, the same in all steps [N m, N].
+batch : SimulationBatch
+    Advanced. A state whose step is not OK is unchanged by it; the others go on.
+steps : int, optional
+    Number of steps.
+
+Returns
+-------
+array (states) of int8
+    StepStatus of each state; if a step was not OK, that of the last such step.
+
+Raises
+------
+ValueError
+    A size does not fit the scene, or a number is not finite.)";
+
 inline constexpr const char* step_contact_force =
     R"(Return the force of a contact on A in the last step.
 
