@@ -3,6 +3,7 @@
 
 #include "action/residual_factory.hpp"
 #include "action/walker.hpp"
+#include "manycontact/action/frame_motion.hpp"
 #include "manycontact/algorithm/frames.hpp"
 
 namespace manycontact::test {
@@ -379,6 +380,40 @@ TEST(OwnResidual, OfBlocksCountsInTerminalNodes) {
   twin.calcDiff(expected, w.x);
   EXPECT_LT(twin_difference(data->Lx, expected->Lx), kByHand);
   EXPECT_GT(size_of(data->Lx), 0.1);
+}
+
+// The height of a foot and its speed, by the motion of a frame.
+struct OfFrame : ResidualModelAbstract {
+  OfFrame(std::shared_ptr<StateAbstract> state, std::size_t nu, FrameIndex frame)
+      : ResidualModelAbstract(std::move(state), 4, nu, true, false, false), frame_(frame) {}
+  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&, const ConstVectorRef&) override {
+    data->r << frame_placement(*state_, *data->shared, frame_).p, 1;
+  }
+  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
+                const ConstVectorRef&) override {
+    const auto J = frame_jacobian(*state_, *data->shared, frame_, LOCAL_WORLD_ALIGNED);
+    data->Rx.topLeftCorner(3, J.cols()) = J.topRows(3);
+  }
+  FrameIndex frame_;
+};
+
+TEST(OwnResidual, OfAFrame) {
+  Walker w;
+  w.add_cost("own", std::make_shared<OfFrame>(w.state, w.nu, w.left));
+  const auto model = w.model();
+  const auto data = evaluated(*model, w.x, w.u);
+  DifferentialActionModelNumDiff twin(model);
+  const auto expected = twin.createData();
+  twin.calc(expected, w.x, w.u);
+  twin.calcDiff(expected, w.x, w.u);
+  EXPECT_LT(twin_difference(data->Lx, expected->Lx), kByHand);
+  EXPECT_GT(size_of(data->Lx), 0.01);
+  const DataCollector& shared = *as_fwddyn(data).multibody;
+  const auto nv = static_cast<Eigen::Index>(w.state->get_nv());
+  EXPECT_LT(twin_difference(frame_velocity(*w.state, shared, w.left),
+                            frame_jacobian(*w.state, shared, w.left) * w.x.tail(nv)),
+            1e-12);
+  EXPECT_THROW((void)frame_placement(*w.state, shared, 100000), std::invalid_argument);
 }
 
 TEST(OwnResidual, WithoutDerivativesSaysSo) {

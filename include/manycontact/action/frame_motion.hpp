@@ -1,0 +1,27 @@
+#pragma once
+// The motion of a frame at the x of the last calc, for user-defined residuals and costs:
+//
+//     data->r = frame_placement(*state_, *data->shared, frame_).p - target_;                              // calc
+//     data->Rx.leftCols(nv) = frame_jacobian(*state_, *data->shared, frame_, LOCAL_WORLD_ALIGNED).topRows(3);
+
+#include "manycontact/action/collector.hpp"
+#include "manycontact/action/state.hpp"
+
+namespace manycontact {
+
+// The functions below throw std::invalid_argument if the state is not a StateMultibody, or has no such frame. shared:
+// the member of the residual's or cost's data.
+
+/// The placement oMf of the frame in the world [m].
+SE3<double> frame_placement(const StateAbstract& state, const DataCollector& shared, FrameIndex frame);
+
+/// Its spatial velocity, linear part first [m/s, rad/s].
+Vec6<double> frame_velocity(const StateAbstract& state, const DataCollector& shared, FrameIndex frame,
+                            ReferenceFrame axes = ReferenceFrame::kLocal);
+
+/// Its Jacobian, 6 x nv of the state: frame_velocity = J v. It is also the derivative of the placement with respect to
+/// q on the tangent space. Allocates.
+Mat6X<double> frame_jacobian(const StateAbstract& state, const DataCollector& shared, FrameIndex frame,
+                             ReferenceFrame axes = ReferenceFrame::kLocal);
+
+}  // namespace manycontact
