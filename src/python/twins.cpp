@@ -1,7 +1,11 @@
 // Parts of Crocoddyl's that stand beside the others: thrusters, squashed controls, a bounded quadratic problem,
 // linear-quadratic differential models, and numerical twins, whose derivatives are central differences.
 
+#include <optional>
+#include <type_traits>
+
 #include "action.hpp"
+#include "manycontact/action/contact.hpp"
 #include "manycontact/action/num_diff_parts.hpp"
 #include "manycontact/action/squashing.hpp"
 #include "manycontact/action/thrusters.hpp"
@@ -91,14 +95,17 @@ void add_box_qp(py::module_& m) {
           },
           py::arg("H"), py::arg("q"), py::arg("lb"), py::arg("ub"), py::arg("xinit"),
           "A BoxQPSolution. Where H is not positive definite on the free components, is_sound is False.")
-      .def_property_readonly("is_sound", &BoxQP::is_sound, "False if H was not positive definite on the free components.")
+      .def_property_readonly("is_sound", &BoxQP::is_sound,
+                             "False if H was not positive definite on the free components.")
       .def_property_readonly(
           "solution", [](const BoxQP& x) { return BoxQPSolution(x.get_solution()); }, "A copy.")
       .def_property_readonly("iter", &BoxQP::get_iter, "Newton steps of the last solve.")
       .def_property("nx", &BoxQP::get_nx, &BoxQP::set_nx, "Number of components of x.")
       .def_property("maxiter", &BoxQP::get_maxiter, &BoxQP::set_maxiter, "Largest number of Newton steps.")
-      .def_property("th_acceptstep", &BoxQP::get_th_acceptstep, &BoxQP::set_th_acceptstep, "Share of the predicted decrease that a step must reach.")
-      .def_property("th_grad", &BoxQP::get_th_grad, &BoxQP::set_th_grad, "Projected gradient at which the iteration ends.")
+      .def_property("th_acceptstep", &BoxQP::get_th_acceptstep, &BoxQP::set_th_acceptstep,
+                    "Share of the predicted decrease that a step must reach.")
+      .def_property("th_grad", &BoxQP::get_th_grad, &BoxQP::set_th_grad,
+                    "Projected gradient at which the iteration ends.")
       .def_property("reg", &BoxQP::get_reg, &BoxQP::set_reg, "Regularisation added to the diagonal of H.")
       .def_property("alphas", &BoxQP::get_alphas, &BoxQP::set_alphas, "Step lengths of the line search.");
 }
@@ -133,6 +140,111 @@ void add_twin(py::module_& m, const char* name, const char* argument) {
           [](Twin& x, double disturbance) { x.set_disturbance(disturbance); }, "The step of the differences.");
 }
 
+// A part by itself, with the motion of its robots: what an action model has for it.
+template <class Twin, class Part>
+class Alone {
+ public:
+  explicit Alone(const std::shared_ptr<Part>& part)
+      : state_(std::dynamic_pointer_cast<StateMultibody>(part->get_state())), twin_(part) {
+    if (!state_) throw py::type_error("numerical twin: the part's state has to be a StateMultibody");
+    motion_ = std::make_shared<MultibodyData>(*state_->get_model());
+    collector_ = std::make_shared<DataCollector>(motion_.get());
+    twin_.set_reevals({[this](const Vector& x, const Vector&) { move(x); }});
+    if constexpr (std::is_same_v<Part, ContactModelAbstract>)
+      data_ = twin_.createData(motion_.get());
+    else
+      data_ = twin_.createData(collector_.get());
+  }
+  Alone(const Alone&) = delete;
+
+  /// The data after calc or calcDiff at x, u; without u those of a terminal node.
+  const auto& at(const Vector& x, const std::optional<Vector>& u, bool differentiate) {
+    check(x, u);
+    move(x);
+    if constexpr (!std::is_same_v<Part, ContactModelAbstract>) {
+      if (u) {
+        twin_.calc(data_, x, *u);
+        if (differentiate) twin_.calcDiff(data_, x, *u);
+        return *data_;
+      }
+    }
+    twin_.calc(data_, x);
+    if (differentiate) twin_.calcDiff(data_, x);
+    return *data_;
+  }
+  double get_disturbance() const { return twin_.get_disturbance(); }
+  void set_disturbance(double disturbance) { twin_.set_disturbance(disturbance); }
+
+ private:
+  void check(const Vector& x, const std::optional<Vector>& u) const {
+    if (x.size() != static_cast<Eigen::Index>(state_->get_nx()))
+      throw py::value_error("x: " + std::to_string(state_->get_nx()) + " numbers are expected");
+    if (u && u->size() != static_cast<Eigen::Index>(twin_.get_model()->get_nu()))
+      throw py::value_error("u: " + std::to_string(twin_.get_model()->get_nu()) + " numbers are expected");
+  }
+  void move(const Vector& x) { motion_->update(x.head(state_->get_nq()), x.tail(state_->get_nv())); }
+
+  std::shared_ptr<StateMultibody> state_;
+  Twin twin_;
+  std::shared_ptr<MultibodyData> motion_;
+  std::shared_ptr<DataCollector> collector_;
+  decltype(std::declval<Part>().createData(nullptr)) data_;
+};
+
+template <class Twin, class Part>
+auto add_alone(py::module_& m, const char* name, const char* doc) {
+  using Class = Alone<Twin, Part>;
+  py::class_<Class, std::shared_ptr<Class>> c(m, name, doc);
+  c.def(py::init([](const std::shared_ptr<Part>& model) { return std::make_shared<Class>(model); }),
+        py::arg("model").none(false))
+      .def_property("disturbance", &Class::get_disturbance, &Class::set_disturbance, "The step of the differences.");
+  return c;
+}
+
+void add_twins_of_parts(py::module_& m) {
+  using Cost = Alone<CostModelNumDiff, CostModelAbstract>;
+  add_alone<CostModelNumDiff, CostModelAbstract>(
+      m, "CostModelNumDiff",
+      "A cost by itself, with derivatives by central differences. Without u: in a terminal node.")
+      .def(
+          "calc", [](Cost& c, const Vector& x, const std::optional<Vector>& u) { return c.at(x, u, false).cost; },
+          py::arg("x"), py::arg("u") = py::none(), "Return the cost.")
+      .def(
+          "calcDiff",
+          [](Cost& c, const Vector& x, const std::optional<Vector>& u) {
+            const CostDataAbstract& d = c.at(x, u, true);
+            return std::make_tuple(Vector(d.Lx), Vector(d.Lu), Matrix(d.Lxx), Matrix(d.Lxu), Matrix(d.Luu));
+          },
+          py::arg("x"), py::arg("u") = py::none(), "Return Lx, Lu, Lxx, Lxu, Luu; Hessians are Gauss-Newton's.");
+  using Constraint = Alone<ConstraintModelNumDiff, ConstraintModelAbstract>;
+  add_alone<ConstraintModelNumDiff, ConstraintModelAbstract>(
+      m, "ConstraintModelNumDiff",
+      "A constraint by itself, with derivatives by central differences. Without u: in a terminal node.")
+      .def(
+          "calc",
+          [](Constraint& c, const Vector& x, const std::optional<Vector>& u) {
+            const ConstraintDataAbstract& d = c.at(x, u, false);
+            return std::make_tuple(Vector(d.g), Vector(d.h));
+          },
+          py::arg("x"), py::arg("u") = py::none(), "Return g, h.")
+      .def(
+          "calcDiff",
+          [](Constraint& c, const Vector& x, const std::optional<Vector>& u) {
+            const ConstraintDataAbstract& d = c.at(x, u, true);
+            return std::make_tuple(Matrix(d.Gx), Matrix(d.Gu), Matrix(d.Hx), Matrix(d.Hu));
+          },
+          py::arg("x"), py::arg("u") = py::none(), "Return Gx, Gu, Hx, Hu.");
+  using Contact = Alone<ContactModelNumDiff, ContactModelAbstract>;
+  add_alone<ContactModelNumDiff, ContactModelAbstract>(m, "ContactModelNumDiff",
+                                                       "A contact by itself, with derivatives by central differences.")
+      .def(
+          "calc", [](Contact& c, const Vector& x) { return Vector(c.at(x, {}, false).a0); }, py::arg("x"),
+          "Return a0, the contact's acceleration without that of the joints (nc).")
+      .def(
+          "calcDiff", [](Contact& c, const Vector& x) { return Matrix(c.at(x, {}, true).da0_dx); }, py::arg("x"),
+          "Return da0/dx (nc, ndx).");
+}
+
 }  // namespace
 
 void add_twins(py::module_& m) {
@@ -146,6 +258,7 @@ void add_twins(py::module_& m) {
   add_twin<ResidualModelNumDiff, ResidualModelAbstract>(m, "ResidualModelNumDiff", "model");
   add_twin<ControlParametrizationModelNumDiff, ControlParametrizationModelAbstract>(
       m, "ControlParametrizationModelNumDiff", "model");
+  add_twins_of_parts(m);
 }
 
 }  // namespace manycontact::python
