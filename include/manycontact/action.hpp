@@ -13,6 +13,7 @@
 #include "manycontact/action/cost_derivatives.hpp"
 #include "manycontact/action/cost_groups.hpp"
 #include "manycontact/action/diff_action.hpp"
+#include "manycontact/action/frame_motion.hpp"
 #include "manycontact/action/fwd.hpp"
 #include "manycontact/action/impulse.hpp"
 #include "manycontact/action/multibody.hpp"

@@ -28,5 +28,6 @@
 #include "manycontact/simulation/gains.hpp"
 #include "manycontact/simulation/invariants.hpp"
 #include "manycontact/simulation/step.hpp"
+#include "manycontact/simulation/step_batch.hpp"
 #include "manycontact/simulation/switch.hpp"
 #include "manycontact/version.hpp"
