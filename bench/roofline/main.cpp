@@ -4,14 +4,15 @@
 #include <malloc.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <cstring>
 #include <functional>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "../scenes.hpp"
 #include "../settings.hpp"
+#include "../../src/cli/text/choice.hpp"
 #include "counts.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
@@ -24,24 +25,22 @@ namespace manycontact::bench {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 double heap() {
   const auto m = mallinfo2();
   return static_cast<double>(m.uordblks + m.hblkhd);
 }
 
-double least_time(double seconds, const std::function<void()>& begin, const std::function<void()>& run) {
-  double least = 1e9, sum = 0;
-  for (int k = 0; k < 5 || sum < seconds; ++k) {
+// The median of calls for so many seconds, three at least; `begin` before each is not timed.
+double median_time(double seconds, const std::function<void()>& begin, const std::function<void()>& run) {
+  std::vector<double> times;
+  for (double sum = 0; times.size() < 3 || sum < seconds; sum += times.back()) {
     begin();
-    const Clock::time_point start = Clock::now();
+    const double start = processor_time();
     run();
-    const double time = std::chrono::duration<double>(Clock::now() - start).count();
-    least = std::min(least, time);
-    sum += time;
+    times.push_back(processor_time() - start);
   }
-  return least;
+  std::nth_element(times.begin(), times.begin() + static_cast<long>(times.size() / 2), times.end());
+  return times[times.size() / 2];
 }
 
 // What K costs, of all islands: rows, entries of the upper triangle of K and below L's diagonal, operations of L's.
@@ -58,48 +57,74 @@ Factor factor_of(const Scene& scene, const SceneData& data) {
     IslandShape& shape = *shape_of(data, i);
     const auto counts = shape.counts(choice_of(data, i).order);
     out.rows += shape.island().size();
-    out.entries += 0.5 * (nonzeros_of_K(shape, scene.damping) + shape.island().size());
+    out.entries += 0.5 * (cli::nonzeros_of_K(shape, scene.damping) + shape.island().size());
     out.below += counts.nonzeros;
     out.operations += counts.flops;
   }
   return out;
 }
 
-void print(const Peaks& peaks, const std::string& what, double time, double operations, double bytes) {
-  const double reach = std::min(peaks.flops, operations / bytes * peaks.memory);
-  std::printf("| %s | %.3g | %.3g | %.3g | %.3g | %.3g | %.2g | %.2g | %.2g |\n", what.c_str(), 1e6 * time,
-              1e-6 * operations, 1e-6 * bytes, operations / bytes, 1e-9 * operations / time,
-              100 * operations / time / peaks.flops, 100 * bytes / time / peaks.memory,
-              100 * operations / time / reach);
+std::string percent(double part, double whole, const char* beyond) {
+  if (!(whole > 0)) return "";
+  char text[16];
+  std::snprintf(text, sizeof text, "%.2g", 100 * part / whole);
+  return part > whole ? beyond : text;
 }
 
-// A scene of `count` robots; `alike`: a small one of the same kind, of which operations are counted.
-void measure(const Peaks& peaks, const std::string& name, const Posed& s, const Posed& alike, bool all_derivatives) {
-  const double scale = double(s.scene.nrobots()) / alike.scene.nrobots();
+// One row of the table: operations and bytes of the workspace, and how to measure the time.
+struct Entry {
+  std::string what;
+  double operations = 0, bytes = 0;
+  std::function<double()> time;
+  double least = 1e9;
+};
+
+// Faster than memory can be, bytes come from the caches.
+void print(const Peaks& peaks, const Entry& e) {
+  std::printf("| %s | %.3g | %.3g | %.3g | %.2g | %.2g | %s | %s |\n", e.what.c_str(), 1e6 * e.least,
+              1e-6 * e.operations, 1e-6 * e.bytes, e.operations / e.bytes, 1e-9 * e.operations / e.least,
+              percent(e.operations / e.least, peaks.flops, "above").c_str(),
+              percent(e.bytes / e.least, peaks.memory, "in caches").c_str());
+}
+
+// A scene and what a call works with.
+struct Work {
+  explicit Work(Posed scene) : s(std::move(scene)), data(s.scene) {}
+  void solve() { (void)manycontact::solve(s.scene, s.q, s.v, s.u, data); }
+  void product() { vjp(s.scene, data, s.v, data.f, wq, wv, wu); }
+  void derive() { (void)differentiate(s.scene, data); }
+  Posed s;
+  SceneData data;
+  Eigen::VectorXd wq = s.v, wv = s.v, wu = s.u;
+};
+
+// Columns of right-hand sides, the mean over islands.
+double columns_of(const SceneData& data) {
+  double columns = 0;
+  for (const IslandDerivatives& of : derivatives(data).islands) columns += of.cols;
+  return columns / static_cast<double>(island_count(data));
+}
+
+// A scene's solve, vjp and, where wanted, all derivatives. `alike`: a small scene of the same kind, of which operations
+// are counted.
+void add(std::vector<Entry>& entries, const std::string& name, Posed scene, const Posed& alike, bool all_derivatives) {
+  const double scale = double(scene.scene.nrobots()) / alike.scene.nrobots();
   const Operations each = count_operations(alike.scene, alike.q, alike.v, 2 * alike.v);
   const double before = heap();
-  SceneData data(s.scene);
-  const auto run = [&] { (void)solve(s.scene, s.q, s.v, s.u, data); };
-  run();
-  const double bytes = heap() - before;
-  const Factor K = factor_of(s.scene, data);
-  const int steps = data.report.refinement_steps / std::max(1, static_cast<int>(island_count(data)));
-  print(peaks, name + ", solve", least_time(1, [] {}, run),
-        scale * each.motion + K.operations + (1 + steps) * (K.solve() + K.residual()), bytes);
-
-  Eigen::VectorXd wa = s.v, wf = data.f, wq = s.v, wv = s.v, wu = s.u;
-  const auto product = [&] { vjp(s.scene, data, wa, wf, wq, wv, wu); };
-  product();
-  const double of_product = heap() - before;
-  print(peaks, name + ", vjp", least_time(1, run, product), scale * each.product + K.solve() + K.residual(), of_product);
+  const auto w = std::make_shared<Work>(std::move(scene));
+  w->solve();
+  const double of_solve = heap() - before;
+  const Factor K = factor_of(w->s.scene, w->data);
+  const int steps = w->data.report.refinement_steps / std::max(1, static_cast<int>(island_count(w->data)));
+  entries.push_back({name + ", solve", scale * each.motion + K.operations + (1 + steps) * (K.solve() + K.residual()),
+                     of_solve, [w] { return median_time(0.2, [] {}, [&] { w->solve(); }); }});
+  w->product();
+  entries.push_back({name + ", vjp", scale * each.product + K.solve() + K.residual(), heap() - before,
+                     [w] { return median_time(0.2, [&] { w->solve(); }, [&] { w->product(); }); }});
   if (!all_derivatives) return;
-  const auto derive = [&] { (void)differentiate(s.scene, data); };
-  derive();
-  const double of_all = heap() - before;
-  double columns = 0;  // of right-hand sides, weighed by their islands' shares
-  for (std::size_t i = 0; i < island_count(data); ++i) columns += derivatives(data).islands[i].cols;
-  columns /= static_cast<double>(island_count(data));
-  print(peaks, name + ", derivatives", least_time(1, run, derive), scale * each.derivatives + columns * K.solve(), of_all);
+  w->derive();
+  entries.push_back({name + ", derivatives", scale * each.derivatives + columns_of(w->data) * K.solve(),
+                     heap() - before, [w] { return median_time(0.2, [&] { w->solve(); }, [&] { w->derive(); }); }});
 }
 
 }  // namespace
@@ -108,14 +133,22 @@ void measure(const Peaks& peaks, const std::string& name, const Posed& s, const 
 
 int main(int argc, char** argv) {
   using namespace manycontact::bench;
+  constexpr int kRounds = 3;  // the least medians and the largest peaks of which count
   settings() = parse(argc, argv);
-  const Peaks peaks = measure_peaks();
+  std::vector<Entry> entries;
+  const Posed one = robots(1), four = robots(4, true);
+  add(entries, "1 robot", one, one, true);
+  add(entries, "256 robots", robots(256), one, true);
+  add(entries, "ring of 1,024", robots(settings().quick ? 64 : 1024, true), four, false);
+  Peaks peaks;
+  for (int round = 0; round < kRounds; ++round) {
+    const Peaks now = measure_peaks();
+    peaks = {now.instructions, std::max(peaks.flops, now.flops), std::max(peaks.memory, now.memory)};
+    for (Entry& e : entries) e.least = std::min(e.least, e.time());
+  }
   std::printf("Peaks of one core: %.1f Gflop/s (%s, fused multiply-adds), %.1f GB/s (triad).\n\n", 1e-9 * peaks.flops,
               peaks.instructions.c_str(), 1e-9 * peaks.memory);
-  std::puts("| | us | Mflop | MB | flop/byte | Gflop/s | % of flop peak | % of bandwidth | % of roofline |\n"
-            "|---|--:|--:|--:|--:|--:|--:|--:|--:|");
-  const Posed one = robots(1), four = robots(4, true);
-  measure(peaks, "1 robot", one, one, true);
-  measure(peaks, "256 robots", robots(256), one, true);
-  measure(peaks, "ring of 1,024", robots(settings().quick ? 64 : 1024, true), four, false);
+  std::puts("| | us | Mflop | MB | flop/byte | Gflop/s | % of peak | % of bandwidth |\n"
+            "|---|--:|--:|--:|--:|--:|--:|--:|");
+  for (const Entry& e : entries) print(peaks, e);
 }
