@@ -1,5 +1,5 @@
-// Crocoddyl: calc of its action model with contacts, a robot's contacts with the world alone, and calcDiff after it, with
-// derivatives of forces. Compiles against versions that have std::shared_ptr (3.1 and later).
+// Crocoddyl: calc of its action model with contacts, a robot's contacts with the world alone, and calcDiff after it,
+// with derivatives of forces. Compiles against versions that have std::shared_ptr (3.1 and later).
 
 #include <crocoddyl/core/costs/cost-sum.hpp>
 #include <crocoddyl/core/utils/version.hpp>
@@ -24,15 +24,13 @@ using crocoddyl::StateMultibody;
 std::shared_ptr<pin::Model> with_frames(const Posed& s, const std::vector<Hold>& holds) {
   auto model = std::make_shared<pin::Model>(model_of(s));
   for (std::size_t k = 0; k < holds.size(); ++k)
-    model->addFrame(
-        pin::Frame("hold" + std::to_string(k), holds[k].a + 1, 0, place(holds[k].in_a), pin::OP_FRAME));
+    model->addFrame(pin::Frame("hold" + std::to_string(k), holds[k].a + 1, 0, place(holds[k].in_a), pin::OP_FRAME));
   return model;
 }
 
 std::shared_ptr<crocoddyl::ContactModelAbstract> contact(const std::shared_ptr<StateMultibody>& state, const Hold& hold,
                                                          std::size_t frame, std::size_t nu) {
-  if (hold.point)
-    return std::make_shared<crocoddyl::ContactModel3D>(state, frame, hold.in_b.p, pin::LOCAL, nu);
+  if (hold.point) return std::make_shared<crocoddyl::ContactModel3D>(state, frame, hold.in_b.p, pin::LOCAL, nu);
   return std::make_shared<crocoddyl::ContactModel6D>(state, frame, place(hold.in_b), pin::LOCAL, nu);
 }
 

@@ -1,8 +1,9 @@
 // `./run bench --fit`: measures islands of many kinds and fits the coefficients of predicted costs (kkt/costs.hpp).
 //
-// A predicted time is linear in the coefficients, t = sum_j c_j n_j of what an island has (rows, entries, multiply-adds).
-// They minimise sum_i (sum_j c_j n_ij / t_i - 1)^2 + w sum_j (c_j / c0_j - 1)^2 over the measured islands i, c0 being the
-// coefficients at hand: what the islands do not tell apart keeps its ratio. Negative ones are left at zero.
+// A predicted time is linear in the coefficients, t = sum_j c_j n_j of what an island has (rows, entries,
+// multiply-adds). They minimise sum_i (sum_j c_j n_ij / t_i - 1)^2 + w sum_j (c_j / c0_j - 1)^2 over the measured
+// islands i, c0 being the coefficients at hand: what the islands do not tell apart keeps its ratio. Negative ones are
+// left at zero.
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -54,9 +55,12 @@ CostModel ldl(Order order) {
            {early ? "kLdlShortRange" : "kLdlRange", early ? kLdlShortRange : kLdlRange}},
           [order](IslandShape& shape) {
             const sparse::LdlCounts& L = shape.counts(order);
-            return std::vector<double>{static_cast<double>(shape.island().size()), contacts_of(shape),
-                                       static_cast<double>(L.nonzeros), static_cast<double>(L.flops),
-                                       static_cast<double>(L.blocks), static_cast<double>(L.scattered)};
+            return std::vector<double>{static_cast<double>(shape.island().size()),
+                                       contacts_of(shape),
+                                       static_cast<double>(L.nonzeros),
+                                       static_cast<double>(L.flops),
+                                       static_cast<double>(L.blocks),
+                                       static_cast<double>(L.scattered)};
           }};
 }
 
@@ -84,7 +88,10 @@ CostModel bodies() {
   options.method = Method::kSparseBodies, options.lanes = Lanes::kOff;
   return {"sparse-bodies",
           options,
-          {{"kBody", kBody}, {"kBodyJoint", kBodyJoint}, {"kBodyRow", kBodyRow}, {"kBodyOpen", kBodyOpen},
+          {{"kBody", kBody},
+           {"kBodyJoint", kBodyJoint},
+           {"kBodyRow", kBodyRow},
+           {"kBodyOpen", kBodyOpen},
            {"kBodyUpdate", kBodyUpdate}},
           [](IslandShape& shape) {
             const BodyPattern& p = *shape.bodies();
@@ -133,8 +140,7 @@ Eigen::VectorXd fit(const CostModel& model, const std::vector<Sample>& samples) 
   Eigen::VectorXd b = Eigen::VectorXd::Ones(m + n);
   const double weight = std::sqrt(kWeight * static_cast<double>(m));
   for (Eigen::Index i = 0; i < m; ++i)
-    for (Eigen::Index j = 0; j < n; ++j)
-      A(i, j) = samples[i].counts[j] * model.coefficients[j].now / samples[i].cost;
+    for (Eigen::Index j = 0; j < n; ++j) A(i, j) = samples[i].counts[j] * model.coefficients[j].now / samples[i].cost;
   A.bottomRows(n).diagonal().setConstant(weight);
   b.tail(n).setConstant(weight);
   Eigen::VectorXd x = A.colPivHouseholderQr().solve(b).cwiseMax(0);

@@ -70,7 +70,8 @@ std::string otherwise(const std::string& program) {
   if (program == "Pinocchio")
     return "Pinocchio: the same answer; constrainedABA: proximal, mu 1e-6, 5 iterations, no contacts between bodies";
   if (program == "Crocoddyl")
-    return "Crocoddyl: the same answer; one dense system for all robots, no contacts between bodies, none that are redundant";
+    return "Crocoddyl: the same answer; one dense system for all robots, no contacts between bodies, none that are "
+           "redundant";
   return {};
 }
 

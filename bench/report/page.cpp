@@ -41,7 +41,8 @@ void write_differences(std::ostream& out, const std::vector<Run>& runs) {
     }
     out << "\n";
   }
-  out << "* Separate robots may also be given to a program one after the other; each then takes the time of one robot.\n"
+  out << "* Separate robots may also be given to a program one after the other; each then takes the time of one "
+         "robot.\n"
          "* Scenes that a program cannot represent, or that take over half a second a call, are left out.\n";
 }
 
@@ -59,14 +60,16 @@ void write_page(const std::vector<Run>& runs, const std::vector<Figure>& drawn, 
   for (const Figure& f : drawn) out << "\n![" << f.title << "](" << f.file << ".png)\n";
   write_differences(out, runs);
   out << "\n## Parts of a solve\n\n"
-         "Each part is repeated in a loop of its own: `derivatives` many times after one solve. In the first table each\n"
+         "Each part is repeated in a loop of its own: `derivatives` many times after one solve. In the first table "
+         "each\n"
          "call of the derivatives follows a new solve, whose time is not counted, so the two times differ.\n\n"
       << table_of_parts(runs.at(0));
   const std::string bodies = table_of_bodies(runs);
   if (!bodies.empty()) out << "\n## A robot without contacts\n\n" << bodies;
   out << "\n## Growth\n\n"
          "The theory counts the numbers of the result: a derivative block of an island has about n^2. In a chain the\n"
-         "factor of the joint-space matrix is dense as well, and solves with it for all columns grow with n^3; few sizes\n"
+         "factor of the joint-space matrix is dense as well, and solves with it for all columns grow with n^3; few "
+         "sizes\n"
          "are measured.\n\n"
       << table_of_exponents(runs);
   const std::string builds = table_of_builds(runs);

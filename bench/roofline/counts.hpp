@@ -1,6 +1,6 @@
 #pragma once
-// Floating-point operations, counted by running the library's own sources in quadruple precision, in which each operation
-// is a call of the compiler's library that the linker redirects to a counter (CMakeLists.txt: --wrap).
+// Floating-point operations, counted by running the library's own sources in quadruple precision, in which each
+// operation is a call of the compiler's library that the linker redirects to a counter (CMakeLists.txt: --wrap).
 
 #include <Eigen/Core>
 
@@ -10,9 +10,9 @@ namespace manycontact::bench {
 
 /// Operations of all robots and contacts of a scene at a state. Sines, cosines and comparisons count as none.
 struct Operations {
-  double motion = 0;      // kinematics, bias torques, joint-space inertia, contact rows
+  double motion = 0;       // kinematics, bias torques, joint-space inertia, contact rows
   double derivatives = 0;  // terms of derivatives of inverse dynamics and of contact rows
-  double product = 0;     // terms of w^T times these
+  double product = 0;      // terms of w^T times these
 };
 
 /// a, f: a solution (any numbers do). Contacts are all active.

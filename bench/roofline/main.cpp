@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "../../src/cli/text/choice.hpp"
 #include "../scenes.hpp"
 #include "../settings.hpp"
-#include "../../src/cli/text/choice.hpp"
 #include "counts.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
@@ -116,15 +116,23 @@ void add(std::vector<Entry>& entries, const std::string& name, Posed scene, cons
   const double of_solve = heap() - before;
   const Factor K = factor_of(w->s.scene, w->data);
   const int steps = w->data.report.refinement_steps / std::max(1, static_cast<int>(island_count(w->data)));
-  entries.push_back({name + ", solve", scale * each.motion + K.operations + (1 + steps) * (K.solve() + K.residual()),
-                     of_solve, [w] { return median_time(0.2, [] {}, [&] { w->solve(); }); }});
+  entries.push_back(
+      {name + ", solve", scale * each.motion + K.operations + (1 + steps) * (K.solve() + K.residual()), of_solve, [w] {
+         return median_time(
+             0.2, [] {}, [&] { w->solve(); });
+       }});
   w->product();
-  entries.push_back({name + ", vjp", scale * each.product + K.solve() + K.residual(), heap() - before,
-                     [w] { return median_time(0.2, [&] { w->solve(); }, [&] { w->product(); }); }});
+  entries.push_back({name + ", vjp", scale * each.product + K.solve() + K.residual(), heap() - before, [w] {
+                       return median_time(
+                           0.2, [&] { w->solve(); }, [&] { w->product(); });
+                     }});
   if (!all_derivatives) return;
   w->derive();
-  entries.push_back({name + ", derivatives", scale * each.derivatives + columns_of(w->data) * K.solve(),
-                     heap() - before, [w] { return median_time(0.2, [&] { w->solve(); }, [&] { w->derive(); }); }});
+  entries.push_back(
+      {name + ", derivatives", scale * each.derivatives + columns_of(w->data) * K.solve(), heap() - before, [w] {
+         return median_time(
+             0.2, [&] { w->solve(); }, [&] { w->derive(); });
+       }});
 }
 
 }  // namespace
@@ -148,7 +156,8 @@ int main(int argc, char** argv) {
   }
   std::printf("Peaks of one core: %.1f Gflop/s (%s, fused multiply-adds), %.1f GB/s (triad).\n\n", 1e-9 * peaks.flops,
               peaks.instructions.c_str(), 1e-9 * peaks.memory);
-  std::puts("| | us | Mflop | MB | flop/byte | Gflop/s | % of peak | % of bandwidth |\n"
-            "|---|--:|--:|--:|--:|--:|--:|--:|");
+  std::puts(
+      "| | us | Mflop | MB | flop/byte | Gflop/s | % of peak | % of bandwidth |\n"
+      "|---|--:|--:|--:|--:|--:|--:|--:|");
   for (const Entry& e : entries) print(peaks, e);
 }

@@ -27,26 +27,31 @@ constexpr int kChains = 12;  // independent sums: more than latency times units
 constexpr long kTurns = 500000;
 volatile double sink;
 
-// kChains sums, kTurns times, by fused multiply-adds. The empty assembly keeps the compiler from shortening them, and names
-// instead of an array keep them in registers.
+// kChains sums, kTurns times, by fused multiply-adds. The empty assembly keeps the compiler from shortening them, and
+// names instead of an array keep them in registers.
 #ifdef __x86_64__
-#define MANYCONTACT_EACH(do) do(0) do(1) do(2) do(3) do(4) do(5) do(6) do(7) do(8) do(9) do(10) do(11)
-#define MANYCONTACT_SUMS(name, level, Vector, broadcast, constraint)                                \
-  __attribute__((target(level))) double name() {                                                    \
-    const Vector x = broadcast(0.5), y = broadcast(1e-9);                                           \
-    MANYCONTACT_EACH(MANYCONTACT_BEGIN##constraint)                                                 \
-    for (long turn = 0; turn < kTurns; ++turn) {                                                    \
-      MANYCONTACT_EACH(MANYCONTACT_ADD##constraint)                                                 \
-    }                                                                                               \
-    Vector all = y;                                                                                 \
-    MANYCONTACT_EACH(MANYCONTACT_END##constraint)                                                   \
-    return all[0];                                                                                  \
+#define MANYCONTACT_EACH(do) \
+  do (0) do(1) do(2) do(3) do(4) do(5) do(6) do(7) do(8) do(9) do(10) do(11)
+#define MANYCONTACT_SUMS(name, level, Vector, broadcast, constraint) \
+  __attribute__((target(level))) double name() {                     \
+    const Vector x = broadcast(0.5), y = broadcast(1e-9);            \
+    MANYCONTACT_EACH(MANYCONTACT_BEGIN##constraint)                  \
+    for (long turn = 0; turn < kTurns; ++turn) {                     \
+      MANYCONTACT_EACH(MANYCONTACT_ADD##constraint)                  \
+    }                                                                \
+    Vector all = y;                                                  \
+    MANYCONTACT_EACH(MANYCONTACT_END##constraint)                    \
+    return all[0];                                                   \
   }
 #define MANYCONTACT_BEGINx(k) __m256d s##k = y;
-#define MANYCONTACT_ADDx(k) s##k = _mm256_fmadd_pd(s##k, x, y); asm volatile("" : "+x"(s##k));
+#define MANYCONTACT_ADDx(k)           \
+  s##k = _mm256_fmadd_pd(s##k, x, y); \
+  asm volatile("" : "+x"(s##k));
 #define MANYCONTACT_ENDx(k) all = _mm256_add_pd(all, s##k);
 #define MANYCONTACT_BEGINv(k) __m512d s##k = y;
-#define MANYCONTACT_ADDv(k) s##k = _mm512_fmadd_pd(s##k, x, y); asm volatile("" : "+v"(s##k));
+#define MANYCONTACT_ADDv(k)           \
+  s##k = _mm512_fmadd_pd(s##k, x, y); \
+  asm volatile("" : "+v"(s##k));
 #define MANYCONTACT_ENDv(k) all = _mm512_add_pd(all, s##k);
 MANYCONTACT_SUMS(sums_avx2, "avx2,fma", __m256d, _mm256_set1_pd, x)
 MANYCONTACT_SUMS(sums_avx512, "avx512f", __m512d, _mm512_set1_pd, v)

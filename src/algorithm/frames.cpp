@@ -71,7 +71,8 @@ void frame_jacobian(const Model& model, const Kinematics<S>& kin, const SE3<doub
 using S = InstantiatedScalar;
 template SE3<S> frame_placement<S>(const Kinematics<S>&, const SE3<double>&, int, const SE3<double>&);
 template Vec6<S> frame_velocity<S>(const Kinematics<S>&, const SE3<double>&, int, const SE3<double>&, ReferenceFrame);
-template Vec6<S> frame_acceleration<S>(const Kinematics<S>&, const SE3<double>&, int, const SE3<double>&, ReferenceFrame);
+template Vec6<S> frame_acceleration<S>(const Kinematics<S>&, const SE3<double>&, int, const SE3<double>&,
+                                       ReferenceFrame);
 template Vec6<S> frame_classical_acceleration<S>(const Kinematics<S>&, const SE3<double>&, int, const SE3<double>&,
                                                  ReferenceFrame);
 template void frame_jacobian<S>(const Model&, const Kinematics<S>&, const SE3<double>&, int, const SE3<double>&,

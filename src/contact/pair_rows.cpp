@@ -145,7 +145,8 @@ Contact pair_of(const Scene& scene, std::span<const int> contacts) {
   Contact pair = member_of(rows->members.front());
   pair.type = ContactType::k6D;
   pair.A.placement = placement_A(rows->members);
-  for (const Contact& member : rows->members) rows->numbers.members.push_back({seen_from(pair.A.placement, member.A.placement), {}, {}});
+  for (const Contact& member : rows->members)
+    rows->numbers.members.push_back({seen_from(pair.A.placement, member.A.placement), {}, {}});
   if (!factorize(*rows)) return pair;
   take_changeable(*rows, pair);
   pair.pair_rank = static_cast<int>(rows->numbers.R.rows());

@@ -39,7 +39,8 @@ const RobotData& robot_at_state(const SceneData& data, int robot) {
 const Linearisation& linearised(const SceneData& data, int contact) {
   const Workspace& w = prepared(data);
   if (!internal::has_derivatives(data) || w.linearisation->state.at(contact) != w.state)
-    throw std::logic_error("views of a scene's derivatives: call differentiate first, without SIMD batches (Options::lanes)");
+    throw std::logic_error(
+        "views of a scene's derivatives: call differentiate first, without SIMD batches (Options::lanes)");
   return *w.linearisation;
 }
 

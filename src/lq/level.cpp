@@ -112,7 +112,7 @@ void add_Az_Atw(ConstPanel A, const double* z, double* sum, double* scale, const
 
 extern const DenseKernels MANYCONTACT_OF_LEVEL(level_);
 const DenseKernels MANYCONTACT_OF_LEVEL(level_) = {add_AB,        add_AtB,  add_ABt, add_lower_AB, add_lower_AtB,
-                                                       add_lower_ABt, cholesky, solve_L, solve_Lt,     solve_Lt_right,
-                                                       add_Ax,        add_Atx,  add_Az,  add_Az_Atw};
+                                                   add_lower_ABt, cholesky, solve_L, solve_Lt,     solve_Lt_right,
+                                                   add_Ax,        add_Atx,  add_Az,  add_Az_Atw};
 
 }  // namespace manycontact::lq

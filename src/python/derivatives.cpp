@@ -103,7 +103,8 @@ py::object kkt_matrix(const Scene& scene, const Data& data, int island) {
 
 void add_derivative_classes(py::module_& m) {
   py::class_<DerivativeRequest> request(
-      m, "DerivativeRequest", "The variables to differentiate with respect to. Columns that are not requested cost nothing.");
+      m, "DerivativeRequest",
+      "The variables to differentiate with respect to. Columns that are not requested cost nothing.");
   add_value(request)
       .def(py::init([](bool q, bool v, bool u, bool forces, bool tau, bool pushes) {
              return DerivativeRequest{q, v, u, forces, tau, pushes};

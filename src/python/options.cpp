@@ -106,8 +106,7 @@ void add_reports(py::module_& m) {
                     "Bound of the relative error of the forces, set by estimate_errors; NaN before.");
 
   island.def_property_readonly(
-      "remedy", [](const IslandReport& r) { return remedy(r); },
-      "Advice about the status, in words; empty for ok.");
+      "remedy", [](const IslandReport& r) { return remedy(r); }, "Advice about the status, in words; empty for ok.");
   py::class_<SolveTimes> times(m, "SolveTimes", "Times of a solve.");
   add_value(times)
       .def_readonly("setup", &SolveTimes::setup, "Time to find islands and analyse new ones [us].")

@@ -29,7 +29,8 @@ void add_goals(py::module_& m) {
       [](const Scene& scene, const FrameName& frame, const std::optional<SE3<double>>& placement, const Given& position,
          const Given& rpy, double weight) {
         if (placement && (position || rpy))
-          throw py::value_error("pose_goal: placement is given together with position or rpy, expected one or the other");
+          throw py::value_error(
+              "pose_goal: placement is given together with position or rpy, expected one or the other");
         const Attachment at = frame.in(scene);
         return placement ? pose_goal(at, *placement, weight)
                          : pose_goal(at, partial("position", position), partial("rpy", rpy), weight);

@@ -194,7 +194,8 @@ void add_residual_base(py::module_& m) {
 
   py::class_<Abstract, PyResidual, std::shared_ptr<Abstract>> model(
       m, "ResidualModelAbstract",
-      "r(x, u). Derive from it: `calc(self, data, x, u)` sets data.r. `calcDiff(self, data, x, u)` sets data.Rx and data.Ru.\n"
+      "r(x, u). Derive from it: `calc(self, data, x, u)` sets data.r. `calcDiff(self, data, x, u)` sets data.Rx and "
+      "data.Ru.\n"
       "u is zero in terminal nodes. data.shared has the robots' kinematics. createData(self, shared) may return data "
       "of a class\n"
       "derived from ResidualDataAbstract.");

@@ -196,7 +196,8 @@ void add_robots(py::module_& m) {
           [](const Held& r, const std::shared_ptr<Model>& model) {
             r.change([&](Robot& robot) { robot.model = model; });
           },
-          "Model. Assign a model of the same joints, as Model.varied makes it; existing data become invalid. Contacts,\n"
+          "Model. Assign a model of the same joints, as Model.varied makes it; existing data become invalid. "
+          "Contacts,\n"
           "pushes and springs remain on the frames that they were made from.")
       .def_property_readonly(
           "idx_q", [](const Held& r) { return r.get().idx_q; }, "First coordinate in the scene's q.")

@@ -54,8 +54,7 @@ std::shared_ptr<Data> created_in_python(const T* model, DataCollector* collector
   const py::gil_scoped_acquire gil;
   const py::function own = py::get_override(model, "createData");
   if (!own) return nullptr;
-  const auto shared =
-      std::make_shared<Shared>(collector, dynamic_cast<const StateMultibody&>(*model->get_state()));
+  const auto shared = std::make_shared<Shared>(collector, dynamic_cast<const StateMultibody&>(*model->get_state()));
   struct End {
     Shared& shared;
     ~End() { shared.end(); }

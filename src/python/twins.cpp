@@ -1,5 +1,5 @@
-// Further classes of Crocoddyl: thrusters, squashed controls, a bounded quadratic problem, linear-quadratic differential
-// models, and parts of action models whose derivatives are central differences.
+// Further classes of Crocoddyl: thrusters, squashed controls, a bounded quadratic problem, linear-quadratic
+// differential models, and parts of action models whose derivatives are central differences.
 
 #include <optional>
 #include <type_traits>
@@ -21,10 +21,12 @@ using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
 void add_thrusters(py::module_& m) {
-  add_enumeration<ThrusterType>(m, "ThrusterType", "type",
-                                "Direction of rotation of a propeller: CW gives a torque along its thrust, CCW one against it.",
-                                {{"CW", CW}, {"CCW", CCW}});
-  py::class_<Thruster, std::shared_ptr<Thruster>>(m, "Thruster", "A propeller on the base. Its thrust acts along its z axis.")
+  add_enumeration<ThrusterType>(
+      m, "ThrusterType", "type",
+      "Direction of rotation of a propeller: CW gives a torque along its thrust, CCW one against it.",
+      {{"CW", CW}, {"CCW", CCW}});
+  py::class_<Thruster, std::shared_ptr<Thruster>>(m, "Thruster",
+                                                  "A propeller on the base. Its thrust acts along its z axis.")
       .def(py::init([](const SE3<double>& pose, double ctorque, ThrusterType type, double min, double max) {
              return Thruster(pose, ctorque, type, min, max);
            }),
@@ -41,7 +43,8 @@ void add_thrusters(py::module_& m) {
       m, "ActuationModelFloatingBaseThrusters", "u = [thrusts; torques of the actuated joints] of one robot.")
       .def(py::init<std::shared_ptr<StateMultibody>, const std::vector<Thruster>&>(), py::arg("state").none(false),
            py::arg("thrusters"))
-      .def_property("thrusters", &Model::get_thrusters, &Model::set_thrusters, "The thrusters, a list; their number is fixed.")
+      .def_property("thrusters", &Model::get_thrusters, &Model::set_thrusters,
+                    "The thrusters, a list; their number is fixed.")
       .def_property_readonly("nthrusters", &Model::get_nthrusters, "Number of thrusters.")
       .def_property_readonly(
           "Wthrust", [](const Model& x) { return x.get_Wthrust(); }, "(nv, nu): tau = W u.")
@@ -63,8 +66,8 @@ void add_squashing(py::module_& m) {
       .def_property("s_lb", &Abstract::get_s_lb, &Abstract::set_s_lb, "Lower bounds of s, for a barrier.")
       .def_property("s_ub", &Abstract::get_s_ub, &Abstract::set_s_ub, "Upper bounds of s, for a barrier.");
   using Smooth = SquashingModelSmoothSat;
-  py::class_<Smooth, Abstract, std::shared_ptr<Smooth>>(m, "SquashingModelSmoothSat",
-                                                        "u close to s inside the bounds, and between the bounds for any s, smoothly.")
+  py::class_<Smooth, Abstract, std::shared_ptr<Smooth>>(
+      m, "SquashingModelSmoothSat", "u close to s inside the bounds, and between the bounds for any s, smoothly.")
       .def(py::init<const ConstVectorRef&, const ConstVectorRef&, std::size_t>(), py::arg("u_lb"), py::arg("u_ub"),
            py::arg("ns"))
       .def_property("smooth", &Smooth::get_smooth, &Smooth::set_smooth, "Smoothness: 0 is the sharp saturation.")

@@ -52,8 +52,9 @@ bool equal(const T& a, const T& b) {
     return a.has_value() == b.has_value() && (!a || equal(*a, *b));
   } else if constexpr (std::is_aggregate_v<T>) {
     const auto x = members(a), y = members(b);
-    return [&]<std::size_t... I>(std::index_sequence<I...>) { return (equal(std::get<I>(x), std::get<I>(y)) && ...); }
-    (std::make_index_sequence<std::tuple_size_v<decltype(x)>>());
+    return [&]<std::size_t... I>(std::index_sequence<I...>) {
+      return (equal(std::get<I>(x), std::get<I>(y)) && ...);
+    }(std::make_index_sequence<std::tuple_size_v<decltype(x)>>());
   } else if constexpr (std::equality_comparable<T>) {
     return a == b;
   } else {
@@ -135,8 +136,9 @@ void unpack(py::handle from, T& x) {
     constexpr std::size_t n = std::tuple_size_v<decltype(to)>;
     const auto state = from.cast<py::tuple>();
     if (state.size() != n) throw py::value_error("pickle: written by another version of manycontact");
-    [&]<std::size_t... I>(std::index_sequence<I...>) { (unpack(state[I], std::get<I>(to)), ...); }
-    (std::make_index_sequence<n>());
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      (unpack(state[I], std::get<I>(to)), ...);
+    }(std::make_index_sequence<n>());
     if constexpr (std::is_same_v<T, Model>) finalize(x);
   } else {
     throw py::type_error("it has a member that cannot be pickled");

@@ -431,9 +431,7 @@ TEST(ActionApi, NamesWithTpl) {
 }
 
 template <class Scalar>
-concept HasScalar = requires {
-  typename StateMultibodyTpl<Scalar>;
-};
+concept HasScalar = requires { typename StateMultibodyTpl<Scalar>; };
 static_assert(HasScalar<double> && !HasScalar<float>);
 
 }  // namespace

@@ -150,13 +150,29 @@ TEST(ActionReadme, UmbrellaIncludesEveryHeader) {
 
 // Classes that Crocoddyl has no name for need none with Tpl.
 TEST(ActionReadme, EveryClassHasItsTplName) {
-  const std::set<std::string> own = {
-      "BlockSparse",     "IslandColumns",   "ResidualBlock",   "Dependence",
-      "CostDerivatives", "FrameResidual",   "ContactResidual", "CentroidalResidual",
-      "GravityResidual", "Vector3MaskType", "MatrixStorage",   "CostGroup",
-      "CostGroups",      "CostSquare",      "Impact",          "ImpulseModelBetweenBodies",
-      "ActuationMatrix", "MultibodyData",   "SpatialForce",    "ContactForce",
-      "Step",            "Reevaluation",    "OwnCost"};
+  const std::set<std::string> own = {"BlockSparse",
+                                     "IslandColumns",
+                                     "ResidualBlock",
+                                     "Dependence",
+                                     "CostDerivatives",
+                                     "FrameResidual",
+                                     "ContactResidual",
+                                     "CentroidalResidual",
+                                     "GravityResidual",
+                                     "Vector3MaskType",
+                                     "MatrixStorage",
+                                     "CostGroup",
+                                     "CostGroups",
+                                     "CostSquare",
+                                     "Impact",
+                                     "ImpulseModelBetweenBodies",
+                                     "ActuationMatrix",
+                                     "MultibodyData",
+                                     "SpatialForce",
+                                     "ContactForce",
+                                     "Step",
+                                     "Reevaluation",
+                                     "OwnCost"};
   const std::string tpl = read(kHeaders / "tpl.hpp");
   std::size_t count = 0;
   for (const fs::path& header : headers())

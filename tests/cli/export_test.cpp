@@ -36,8 +36,7 @@ MatrixFile read_matrix(const std::string& path) {
   out.values.setZero(rows, columns);
   std::string number;
   if (out.kind.find("array") != std::string::npos) {
-    for (long k = 0; k < rows * columns && in >> number; ++k)
-      out.values(k % rows, k / rows) = number_of(number);
+    for (long k = 0; k < rows * columns && in >> number; ++k) out.values(k % rows, k / rows) = number_of(number);
   } else {
     const bool symmetric = out.kind.find("symmetric") != std::string::npos;
     long i = 0, j = 0;
@@ -147,7 +146,8 @@ TEST_F(Export, AppliedForcesAreInTheRightHandSide) {
       "damping=\"1e-3\"");
   write(file, {"--truth", "--derivatives"});
   const auto json = solve({file, "--derivatives"});
-  const LongMatrix K = read("island_0.mtx").values, x = read("island_0_x.mtx").values, dx = read("island_0_dx.mtx").values;
+  const LongMatrix K = read("island_0.mtx").values, x = read("island_0_x.mtx").values,
+                   dx = read("island_0_dx.mtx").values;
   EXPECT_EQ(K(6, 6), -1e-3L + (K(6, 6) + 1e-3L));  // delta, as a double
   EXPECT_NEAR(static_cast<double>(K(6, 6)), -1e-3, 1e-18);
   const LongMatrix a = column_of(json.at("acceleration")), da_dq = rows_of(json.at("da_dq"));
@@ -158,12 +158,14 @@ TEST_F(Export, AppliedForcesAreInTheRightHandSide) {
 // A condition of 1e14: doubles have two digits of it, the file has what quadruple precision leaves.
 TEST_F(Export, BadConditions) {
   const std::string humanoid = "<robot name=\"h\" urdf=\"humanoid.urdf\" base=\"floating\"/>";
-  const std::string file = scene(humanoid +
-                                 "<contact name=\"a\" type=\"3d\" frame=\"h/left_sole\"/>"
-                                 "<contact name=\"b\" type=\"3d\" frame=\"h/left_sole\" offset=\"1e-6 0 0\"/>"
-                                 "<contact name=\"c\" type=\"1d\" axis=\"0 0 1\" frame=\"h/left_sole\" offset=\"0 1e-6 0\"/>");
+  const std::string file =
+      scene(humanoid +
+            "<contact name=\"a\" type=\"3d\" frame=\"h/left_sole\"/>"
+            "<contact name=\"b\" type=\"3d\" frame=\"h/left_sole\" offset=\"1e-6 0 0\"/>"
+            "<contact name=\"c\" type=\"1d\" axis=\"0 0 1\" frame=\"h/left_sole\" offset=\"0 1e-6 0\"/>");
   write(file);
-  const LongMatrix K = read("island_0.mtx").values, x = read("island_0_x.mtx").values, b = read("island_0_b.mtx").values;
+  const LongMatrix K = read("island_0.mtx").values, x = read("island_0_x.mtx").values,
+                   b = read("island_0_b.mtx").values;
   EXPECT_LT(backward_error(K, x, b), 1e-15L);
   const std::string page = read_text(path("out/README.md"));
   const std::size_t row = page.find("| island_0 |");

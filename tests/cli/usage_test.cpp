@@ -12,10 +12,10 @@ class Usage : public Program {};
 TEST_F(Usage, HelpNamesEveryCommandAndOption) {
   const Outcome top = run({"--help"});
   EXPECT_EQ(top.status, 0);
-  for (const char* part :
-       {"solve SCENE", "inspect SCENE", "simulate SCENE --time T --step H --out FILE",
-        "batch SCENE --states FILE.npy --out FILE.npy", "stability SCENE --out DIR", "chart SCENE... --out DIR",
-        "export SCENE --out DIR", "--truth",         "--method M", "--order O", "--quasi-static", "--repeat N", "--json FILE", "--picture FILE.svg", "Exit status"})
+  for (const char* part : {"solve SCENE", "inspect SCENE", "simulate SCENE --time T --step H --out FILE",
+                           "batch SCENE --states FILE.npy --out FILE.npy", "stability SCENE --out DIR",
+                           "chart SCENE... --out DIR", "export SCENE --out DIR", "--truth", "--method M", "--order O",
+                           "--quasi-static", "--repeat N", "--json FILE", "--picture FILE.svg", "Exit status"})
     expect_contains(top.out, part);
   for (const char* command : {"solve", "inspect", "chart", "simulate", "batch", "stability", "export", "view"}) {
     const Outcome help = run({command, "--help"});

@@ -256,7 +256,8 @@ TEST_F(BadInput, NamesOfNeighbours) {
            "/>\n<robot name=\"b\" urdf=\"good.urdf\" copies=\"2\"/></scene>";
   };
   for (const char* name : {"b-1", "b-007"})
-    expect_scene_error(scene_with(name), 2, "has a name that is reserved for neighbours among copies, expected no name");
+    expect_scene_error(scene_with(name), 2,
+                       "has a name that is reserved for neighbours among copies, expected no name");
   for (const char* name : {"b-1", "b-"})
     expect_scene_error(scene_with(name, " copies=\"3\""), 2, "has a name that is reserved for neighbours among copies");
   for (const char* name : {"a-1", "b-", "b-x", "b-1x", "-1"})

@@ -6,11 +6,13 @@
 #include "solver.hpp"
 
 extern "C" {
-void dsysv_(const char*, const int*, const int*, double*, const int*, int*, double*, const int*, double*, const int*, int*);
-void dsysv_rook_(const char*, const int*, const int*, double*, const int*, int*, double*, const int*, double*, const int*,
-                 int*);
+void dsysv_(const char*, const int*, const int*, double*, const int*, int*, double*, const int*, double*, const int*,
+            int*);
+void dsysv_rook_(const char*, const int*, const int*, double*, const int*, int*, double*, const int*, double*,
+                 const int*, int*);
 void dsysvx_(const char*, const char*, const int*, const int*, const double*, const int*, double*, const int*, int*,
-             const double*, const int*, double*, const int*, double*, double*, double*, double*, const int*, int*, int*);
+             const double*, const int*, double*, const int*, double*, double*, double*, double*, const int*, int*,
+             int*);
 void ilaver_(int*, int*, int*);
 }
 
@@ -57,8 +59,8 @@ struct Sysvx : Dense {
     const int length = static_cast<int>(work.size());
     int info = 0;
     double rcond = 0, forward = 0, backward = 0;
-    dsysvx_("N", "L", &n, &kOne, K.data(), &n, F.data(), &n, pivots.data(), b.data(), &n, x.data(), &n, &rcond, &forward,
-            &backward, work.data(), &length, integers.data(), &info);
+    dsysvx_("N", "L", &n, &kOne, K.data(), &n, F.data(), &n, pivots.data(), b.data(), &n, x.data(), &n, &rcond,
+            &forward, &backward, work.data(), &length, integers.data(), &info);
     check(info, n);
     return x;
   }

@@ -3,7 +3,8 @@
 //     manycontact_collection --list                        a line "NAME VERSION" per solver
 //     manycontact_collection SOLVER K.mtx b.mtx x.txt      writes x, prints the median time of one solve [us]
 //
-// SOLVER is a name, or NAME:DELTA, which solves K - [0 0; 0 DELTA I] instead, or sparse-ldl:DELTA:STEPS (sparse_ldl.cpp).
+// SOLVER is a name, or NAME:DELTA, which solves K - [0 0; 0 DELTA I] instead, or sparse-ldl:DELTA:STEPS
+// (sparse_ldl.cpp).
 
 #include <algorithm>
 #include <chrono>
@@ -20,7 +21,8 @@ namespace manycontact::collection {
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> all = [] {
     std::vector<Kind> out = lapack_kinds();
-    for (const auto& more : {mumps_kinds(), suitesparse_kinds(), sparse_ldl_kinds()}) out.insert(out.end(), more.begin(), more.end());
+    for (const auto& more : {mumps_kinds(), suitesparse_kinds(), sparse_ldl_kinds()})
+      out.insert(out.end(), more.begin(), more.end());
     return out;
   }();
   return all;

@@ -1,5 +1,5 @@
-// MUMPS, sequential: multifrontal LDL^T with pivoting for symmetric indefinite systems, as by default and with two steps
-// of refinement.
+// MUMPS, sequential: multifrontal LDL^T with pivoting for symmetric indefinite systems, as by default and with two
+// steps of refinement.
 
 #include "solver.hpp"
 

@@ -59,8 +59,18 @@ struct Cholmod : Solver {
 
 struct Ldl : Solver {
   explicit Ldl(const System& s)
-      : n(s.size()), full(s.lower.selfadjointView<Eigen::Lower>()), b(s.b), P(n), inverse(n), parent(n), count(n), pattern(n),
-        flag(n), Lp(n + 1), D(n), Y(n) {
+      : n(s.size()),
+        full(s.lower.selfadjointView<Eigen::Lower>()),
+        b(s.b),
+        P(n),
+        inverse(n),
+        parent(n),
+        count(n),
+        pattern(n),
+        flag(n),
+        Lp(n + 1),
+        D(n),
+        Y(n) {
     if (amd_order(n, full.outerIndexPtr(), full.innerIndexPtr(), P.data(), nullptr, nullptr) != AMD_OK)
       throw std::runtime_error("AMD has no order");
     ldl_symbolic(n, full.outerIndexPtr(), full.innerIndexPtr(), Lp.data(), parent.data(), count.data(), flag.data(),
@@ -69,9 +79,9 @@ struct Ldl : Solver {
     Lx.resize(Lp[n]);
   }
   Eigen::VectorXd solve() override {
-    const int done = ldl_numeric(n, full.outerIndexPtr(), full.innerIndexPtr(), full.valuePtr(), Lp.data(), parent.data(),
-                                 count.data(), Li.data(), Lx.data(), D.data(), Y.data(), pattern.data(), flag.data(),
-                                 P.data(), inverse.data());
+    const int done = ldl_numeric(n, full.outerIndexPtr(), full.innerIndexPtr(), full.valuePtr(), Lp.data(),
+                                 parent.data(), count.data(), Li.data(), Lx.data(), D.data(), Y.data(), pattern.data(),
+                                 flag.data(), P.data(), inverse.data());
     if (done != n) throw std::runtime_error("a pivot is zero");
     Eigen::VectorXd y(n), x(n), in = b;
     ldl_perm(n, y.data(), in.data(), P.data());

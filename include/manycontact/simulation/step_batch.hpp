@@ -40,8 +40,8 @@ struct SimulationBatch {
 };
 
 /// Makes `steps` steps of every state with torques u (nu columns, one row per state). If a step is not kOk, its state
-/// remains unchanged and its other steps are not made; other states continue. Throws std::invalid_argument for wrong sizes,
-/// before anything is computed. While it runs, OpenBLAS is limited to one thread in the whole program.
+/// remains unchanged and its other steps are not made; other states continue. Throws std::invalid_argument for wrong
+/// sizes, before anything is computed. While it runs, OpenBLAS is limited to one thread in the whole program.
 void step_batch(const Scene& scene, const ConstBatchRows& u, SimulationBatch& batch, int steps = 1);
 
 /// Continues state k from q (nq), v (nv). The others are not changed. Throws std::invalid_argument for a wrong size or

@@ -124,8 +124,8 @@ void check_sizes(const CostDataAbstract& d, const CostDerivatives& out, bool ter
     return M.rows() == rows && M.cols() == cols;
   };
   const bool of_x = d.Lx.size() == nx && is(d.Lxx, nx, nx);
-  require(of_x && (terminal || (d.Lu.size() == nu && is(d.Lxu, nx, nu) && is(d.Luu, nu, nu))),
-          "CostModelSum::calcDiff", "a cost's calcDiff left Lx, Lu, Lxx, Lxu or Luu of another size, theirs is expected");
+  require(of_x && (terminal || (d.Lu.size() == nu && is(d.Lxu, nx, nu) && is(d.Luu, nu, nu))), "CostModelSum::calcDiff",
+          "a cost's calcDiff left Lx, Lu, Lxx, Lxu or Luu of another size, theirs is expected");
 }
 
 }  // namespace

@@ -56,9 +56,9 @@ void write_names(const Scene& scene, const SceneData& data, const Island& island
 }
 
 std::vector<std::string> header(const ExportPlan& plan, const std::string& what, const ExportedPage& page) {
-  return {what + " of " + printable(plan.scene) + ", " + page.name, "nv " + std::to_string(page.nv) + ", nc " +
-                                                                         std::to_string(page.nc) + ", rank of J " +
-                                                                         std::to_string(page.rank)};
+  return {
+      what + " of " + printable(plan.scene) + ", " + page.name,
+      "nv " + std::to_string(page.nv) + ", nc " + std::to_string(page.nc) + ", rank of J " + std::to_string(page.rank)};
 }
 
 // Solutions of the island's systems into their files.

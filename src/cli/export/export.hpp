@@ -34,9 +34,9 @@ ExportedSystem system_of(const Scene& scene, const SceneData& data, std::size_t 
 
 /// Solutions, in quadruple precision.
 struct ExactSolution {
-  MatX<Quad> x;          // empty if it is not known
-  double digits = 0;     // correct digits of the worst column, relative to the largest entry of its a and of its f;
-                         // far fewer than 32 where a all but vanishes
+  MatX<Quad> x;       // empty if it is not known
+  double digits = 0;  // correct digits of the worst column, relative to the largest entry of its a and of its f;
+                      // far fewer than 32 where a all but vanishes
 };
 
 /// Solves K x = b for the numbers of K and b exactly as they are in double precision: refinement with residuals in

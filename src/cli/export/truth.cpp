@@ -1,11 +1,12 @@
 // Solutions in quadruple precision.
 
+#include "manycontact/dynamics/truth.hpp"
+
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
 
 #include "export.hpp"
-#include "manycontact/dynamics/truth.hpp"
 
 namespace manycontact::cli {
 
@@ -30,8 +31,8 @@ double largest(const auto& x) {
 
 double ratio(double part, double whole) { return whole > 0 ? part / whole : part > 0 ? INFINITY : 0; }
 
-// The size of the correction dx: relative to x as a whole, which tells convergence, and to the largest acceleration and the
-// largest force, which may be far smaller than x.
+// The size of the correction dx: relative to x as a whole, which tells convergence, and to the largest acceleration and
+// the largest force, which may be far smaller than x.
 double relative_size(const Eigen::VectorXd& dx, const VecX<Quad>& x) { return ratio(largest(dx), largest(x)); }
 double relative_size_of_parts(const Eigen::VectorXd& dx, const VecX<Quad>& x, int nv) {
   return std::max(ratio(largest(dx.head(nv)), largest(x.head(nv))),
@@ -111,8 +112,8 @@ ExactSolution solve_exactly(const ExportedSystem& s, const Eigen::MatrixXd& b) {
 
 ExactSolution solve_scene(const SceneFile& file, SceneData& data, const Island& island, std::size_t i) {
   const Scene& scene = file.scene;
-  const Truth<Quad> truth = refine_truth<Quad>(scene, data, file.q.cast<Quad>(), file.v.cast<Quad>(),
-                                               file.u.cast<Quad>(), kDenseUnknowns);
+  const Truth<Quad> truth =
+      refine_truth<Quad>(scene, data, file.q.cast<Quad>(), file.v.cast<Quad>(), file.u.cast<Quad>(), kDenseUnknowns);
   if (!truth.regular[i]) return {};
   ExactSolution out{MatX<Quad>(island.size(), 1), kMostDigits};
   each_velocity_block(scene, island,

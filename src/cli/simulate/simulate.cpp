@@ -106,7 +106,8 @@ void write_last_forces(const Scene& scene, Around& around, SimulationData& sim) 
   const Status worst = sim.worst;
   const double t = sim.time();
   around.act(t, sim);
-  if (step(scene, around.control.torques_at(t), sim) == StepStatus::kOk) write_forces_row(t, scene, sim, *around.forces);
+  if (step(scene, around.control.torques_at(t), sim) == StepStatus::kOk)
+    write_forces_row(t, scene, sim, *around.forces);
   sim.q = q, sim.v = v, sim.steps = steps, sim.worst = worst;
 }
 
@@ -207,8 +208,7 @@ std::string name_of(const Scene& scene, const SimulationData& sim, const SpringS
   }
   if (sim.pd.kp.size() > 0 && (sim.pd.kp[i] > 0 || sim.pd.kd[i] > 0)) by.push_back("PD law");
   std::string list;
-  for (std::size_t k = 0; k < by.size(); ++k)
-    list += (k == 0 ? "" : k + 1 == by.size() ? " and " : ", ") + by[k];
+  for (std::size_t k = 0; k < by.size(); ++k) list += (k == 0 ? "" : k + 1 == by.size() ? " and " : ", ") + by[k];
   return "joint " + velocity_names(scene)[static_cast<std::size_t>(i)] + ", by its " + list + ",";
 }
 
@@ -217,8 +217,9 @@ std::string spring_advice(const Scene& scene, const SimulationData& sim, const S
   if (!shortest.any() || shortest.largest >= sim.h) return "";
   const std::string who = name_of(scene, sim, shortest);
   if (sim.integrator == Integrator::kSemiImplicitEuler)
-    return who + " oscillates faster at the start than steps of " + number(sim.h) + " s can follow; that takes steps of " +
-           number(shortest.largest) + " s. The step is stable, and such oscillations are damped";
+    return who + " oscillates faster at the start than steps of " + number(sim.h) +
+           " s can follow; that takes steps of " + number(shortest.largest) +
+           " s. The step is stable, and such oscillations are damped";
   return who + " is unstable with " + to_string(sim.integrator) + " beyond steps of " + number(shortest.largest) +
          " s, for the initial inertia";
 }
@@ -421,7 +422,8 @@ const Command& simulate_command() {
         "CSV: t and columns w:push[0] ... w:push[5], force and torque of the scene's <push>, constant from row to row; "
         "other pushes, and times before the first row, have the scene's"},
        {"--pd", "G",
-        "'kp kd', or 'kp kd; robot/joint kp kd; ...' for joints with their own gains: adds kp (q_ref - q) + kd (v_ref - v) "
+        "'kp kd', or 'kp kd; robot/joint kp kd; ...' for joints with their own gains: adds kp (q_ref - q) + kd (v_ref "
+        "- v) "
         "on actuated joints, at the end of each step, towards the scene's q or"},
        {"--reference", "FILE",
         "CSV: t and columns q:robot/joint, v:robot/joint, as --out writes them; missing velocities are the slopes of "
@@ -437,7 +439,8 @@ const Command& simulate_command() {
        method_option(),
        order_option()},
       "Exit status: 0 ok, redundant, inconsistent; 1 regularised, or stopped before the end; 2 bad usage, bad input\n"
-      "or output. It stops if the solver fails, the state is not finite or faster than 1e5 m/s or rad/s, and by Ctrl-C.\n"
+      "or output. It stops if the solver fails, the state is not finite or faster than 1e5 m/s or rad/s, and by "
+      "Ctrl-C.\n"
       "The motion so far is written.\n",
       run_simulate};
   return command;

@@ -156,12 +156,15 @@ void Watch::print_energy(std::ostream& out, const Scene& scene, const Simulation
                                 kRounding * std::abs(start.energy())}))
     wrap(out,
          "steps of " + number(sim.h) + " s took " + number(-spring_work_) +
-             " J from springs that swing, as the end of a step has it; shorter steps take less, --integrator rk4 next to "
+             " J from springs that swing, as the end of a step has it; shorter steps take less, --integrator rk4 next "
+             "to "
              "nothing",
          2);
   const double gained = end.energy() - start.energy() - work_ - friction_work_ - push_work_ - spring_work_;
   const double passed = std::abs(work_) + std::abs(friction_work_) + std::abs(push_work_) + std::abs(spring_work_);
-  if (!(std::abs(gained) > kGained * std::max(most_kinetic, passed) && std::abs(gained) > 1e-9 * std::abs(start.potential))) return;
+  if (!(std::abs(gained) > kGained * std::max(most_kinetic, passed) &&
+        std::abs(gained) > 1e-9 * std::abs(start.potential)))
+    return;
   const std::string why = "steps of " + number(sim.h) +
                           " s are too long for this motion, or gains correct contacts that are out of place" +
                           (gained < 0 && scene.damping > 0 ? ", or --damping dissipates it" : "");

@@ -100,8 +100,9 @@ void print_total(std::ostream& out, const SolvedScene& s) {
 }
 
 bool nothing_accelerates(const Report& report) {
-  if (report.status == Status::kInconsistent) return false;  // the accelerations of inconsistent contacts are printed,
-                                                             // since they are no rounding errors
+  if (report.status == Status::kInconsistent)
+    return false;  // the accelerations of inconsistent contacts are printed,
+                   // since they are no rounding errors
   return std::all_of(report.islands.begin(), report.islands.end(),
                      [](const IslandReport& r) { return r.nv == 0 || find_rounding(r).acceleration; });
 }

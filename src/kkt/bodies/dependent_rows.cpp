@@ -47,7 +47,8 @@ template <class Use>
 void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& use) {
   const BodyPattern& p = *s.pattern;
   bool known = false;  // bases
-  // Walks towards the base until an entry of J is plainly not zero; after kManyJoints a basis of the body's motions tells.
+  // Walks towards the base until an entry of J is plainly not zero; after kManyJoints a basis of the body's motions
+  // tells.
   const auto moves = [&](int node, V6 G) {
     double largest = 0, size = 0;
     V6 sizes = G.cwiseAbs();
@@ -144,8 +145,8 @@ class Balance {
   double largest_ = 0;
 };
 
-// The null-space column of a dropped row that follows from the rows holding body drop.node: the column has rows that were
-// not dropped before. No coordinate between the two nodes moves.
+// The null-space column of a dropped row that follows from the rows holding body drop.node: the column has rows that
+// were not dropped before. No coordinate between the two nodes moves.
 template <class Put>
 bool null_column(const BodySystem& s, const BodyLdl::Drop& drop, const std::vector<int>& dropped_at, Put&& put) {
   const BodyPattern& p = *s.pattern;

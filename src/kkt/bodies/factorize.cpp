@@ -192,7 +192,8 @@ double compliance(const V6& G, const V6& inverse) {
   pairs::Two sum{0, 0};
   for (int j = 0; j < 6; j += 2) {
     const pairs::Two g = pairs::load(G.data() + j), none{0, 0};
-    sum += g != none ? g * g * pairs::load(inverse.data() + j) : none;  // 1/0: a body without mass has infinite compliance
+    sum +=
+        g != none ? g * g * pairs::load(inverse.data() + j) : none;  // 1/0: a body without mass has infinite compliance
   }
   return sum[0] + sum[1];
 }

@@ -124,8 +124,8 @@ void solve_base(BodyLdl& d, int most, BodyVectors& x) {
   }
 }
 
-// The backward sweep: x from the right-hand side that the forward sweep has reduced. dropped(i): a, f, qdd of node i are
-// known already; closed(i): so are the f of its children, and y at it.
+// The backward sweep: x from the right-hand side that the forward sweep has reduced. dropped(i): a, f, qdd of node i
+// are known already; closed(i): so are the f of its children, and y at it.
 template <class Dropped, class Closed>
 void forward_steps(const BodySystem& system, BodyLdl& d, const BodyVectors& b, BodyVectors& x, Dropped&& dropped,
                    Closed&& closed) {

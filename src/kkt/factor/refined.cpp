@@ -23,8 +23,8 @@ void restore(const KktPattern& p, KktVectors& v) {
 
 // What rows contradict each other by, P b1, is orthogonal to J's range. Rounding of b1's large entries hides how small
 // those of heavy rows (a turn beside a length of micrometres) are: P b1 -= (J^T)^+ J^T P b1, unless that is more than
-// rounding of b1: rows that were dropped all but depend on the others. v.x, v.r and v.scale are scratch here: the answer
-// is computed afterwards.
+// rounding of b1: rows that were dropped all but depend on the others. v.x, v.r and v.scale are scratch here: the
+// answer is computed afterwards.
 void refine_contradiction(Factor& factor, const KktMatrix& K, KktVectors& v) {
   const auto largest = [](const std::vector<double>& x) {
     double out = 0;

@@ -145,7 +145,8 @@ void prepare_robots_derivatives(const Scene& scene, IslandWork& d, const IslandD
   const double ld = static_cast<double>(out.X.cols());
   const auto most = [&](bool dropping) { return tolerance::kCheaper * cost_at_once(d, ld, dropping); };
   if (!d.robots && (!w.lanes.level || !d.joinable)) return;
-  if (!d.robots && costs::kPanelsOnceMore * cost_of_interface(least_interface_counts(*d.shape).nonzeros, ld) >= most(false))
+  if (!d.robots &&
+      costs::kPanelsOnceMore * cost_of_interface(least_interface_counts(*d.shape).nonzeros, ld) >= most(false))
     d.joinable = false;  // whatever the request: both grow with its columns
   make_robots(scene, w, d);
   if (!d.robots) return;

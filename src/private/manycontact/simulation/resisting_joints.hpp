@@ -2,9 +2,9 @@
 // Forces of joints that resist motion, taken at the end of a semi-implicit Euler step of any length.
 //
 // The damper d, the spring k and the PD law of a joint act by -(d + h k) v+ beside what they are at the start, so that
-// M gets h d + h^2 k on its diagonal, as of a rotor's inertia. Coulomb's friction is the multiplier of v+ = 0 while that
-// is below h F. A joint that sticks gets the inertia h F / kStickVelocity, one that slides the constant force. Which
-// does what is found by Newton's method on
+// M gets h d + h^2 k on its diagonal, as of a rotor's inertia. Coulomb's friction is the multiplier of v+ = 0 while
+// that is below h F. A joint that sticks gets the inertia h F / kStickVelocity, one that slides the constant force.
+// Which does what is found by Newton's method on
 //
 //     min  1/2 (v - v0)^T K (v - v0) + h F sum of huber(v),        huber' = clamp(v / kStickVelocity, -1, 1)
 //
@@ -30,7 +30,7 @@ struct ResistingJoints {
   Eigen::VectorXd added, to_add;  // h d + h^2 k: as solved with, and in this step
   std::vector<int> rubbing;       // the coordinates with friction
 
-  bool vary = false;  // robots alike do not share models, so that what is added may change
+  bool vary = false;                           // robots alike do not share models, so that what is added may change
   std::vector<std::shared_ptr<Model>> models;  // per robot its own; nullptr: the scene's, or shared with other robots
 
   // Newton's method, per entry of `rubbing`: v, K (v - v0), and the same after a solve.
