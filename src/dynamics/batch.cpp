@@ -132,9 +132,7 @@ void prepare_copies(const Scene& scene, BatchData& batch) {
       thread.copies = std::make_shared<BatchCopies>(scene, count, thread.data.options);
     }
     Scene& copies = thread.copies->scene;
-    internal::take_changes(scene, copies);
-    for (std::size_t c = 0; c < copies.contacts.size(); ++c)
-      internal::take_changes(scene.contacts[c % scene.contacts.size()], copies.contacts[c]);
+    internal::take_all_changes(scene, copies);
     SceneData& data = thread.copies->data;
     data.options = thread.data.options;
     for (std::size_t c = 0; c < data.active.size(); ++c) data.active[c] = batch.active[c % batch.active.size()];

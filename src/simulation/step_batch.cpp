@@ -95,7 +95,7 @@ void step_alone(const Scene& scene, const ConstBatchRows& u, int steps, Part& pa
 
 void step_part(const Scene& scene, const ConstBatchRows& u, int steps, Part& part, SimulationBatch& b) {
   if (part.alone.empty()) {
-    internal::take_changes(scene, part.scene.contacts.size(), part.scene);
+    internal::take_all_changes(scene, part.scene);
     SimulationData& d = part.together.front();
     take_settings(b, part.first, part.states, d);
     part.u = side_by_side(u, part.first, part.states);
@@ -152,7 +152,7 @@ SimulationBatch::SimulationBatch(const Scene& scene, const ConstBatchRows& q_, c
   for (Eigen::Index first = 0; first < q.rows(); first += at_once) {
     const int states = static_cast<int>(std::min<Eigen::Index>(at_once, q.rows() - first));
     parts.push_back(std::make_shared<Part>(scene, first, states));
-    internal::take_changes(scene, parts.back()->scene.contacts.size(), parts.back()->scene);
+    internal::take_all_changes(scene, parts.back()->scene);
     parts.back()->together.emplace_back(parts.back()->scene, side_by_side(q, first, states),
                                         side_by_side(v, first, states), integrator, h, of_part);
   }

@@ -40,4 +40,11 @@ inline void take_changes(const Scene& from, Scene& to) {
   });
 }
 
+/// The same with the contacts.
+inline void take_all_changes(const Scene& from, Scene& to) {
+  take_changes(from, to);
+  for (std::size_t c = 0; c < to.contacts.size(); ++c)
+    take_changes(from.contacts[c % from.contacts.size()], to.contacts[c]);
+}
+
 }  // namespace manycontact::internal
