@@ -3,8 +3,8 @@
 
     chart.py [SCENE...] [--out DIR] [--bin DIR] [--results results.json]
 
-Without SCENE: all scenes of models/. DIR, by default bench/charts/accuracy, gets SCENE.svg, accuracy.csv, a README.md and, from
-the results of `./run bench`, peers.svg. Python needs numpy and matplotlib. Solvers of others need manycontact_collection.
+Without SCENE: all scenes of models/. DIR, by default bench/charts/accuracy, gets accuracy_SCENE.svg, accuracy.csv, a README.md and, from
+the results of `./run bench`, accuracy_peers.svg. Python needs numpy and matplotlib. Solvers of others need manycontact_collection.
 """
 
 import argparse
@@ -189,10 +189,10 @@ one island times their number.
 def write_page(titles, out, with_peers):
     text = PAGE
     for name, title in titles.items():
-        text += f"\n## {name}\n\n![{title}]({name}.svg)\n"
+        text += f"\n## {name}\n\n![{title}](accuracy_{name}.svg)\n"
     if with_peers:
-        text += "\n## Peers on the same scenes\n\nFrom the results of `./run bench` ([what is not alike](../../results/README.md#what-is-not-alike)).\n"
-        text += "\n![Time of peers and difference of their accelerations from ours](peers.svg)\n"
+        text += "\n## Peers on the same scenes\n\nFrom the results of `./run bench` ([differences between the programs](../../results/README.md#differences-between-the-programs)).\n"
+        text += "\n![Time of peers and difference of their accelerations from ours](accuracy_peers.svg)\n"
     (out / "README.md").write_text(text)
 
 
@@ -212,7 +212,7 @@ def main():
             print(f"{scene.stem}: no truth is known, no chart")
             continue
         found, title = measured
-        draw(found, title, words.out / f"{scene.stem}.svg")
+        draw(found, title, words.out / f"accuracy_{scene.stem}.svg")
         titles[scene.stem] = title
         table += [(scene.stem, *row) for row in found]
         print(f"{scene.stem}: {len(found)} points")
@@ -220,7 +220,7 @@ def main():
         with open(words.out / "accuracy.csv", "w", newline="") as file:
             csv.writer(file, lineterminator="\n").writerows([("scene", "line", "dial", "time_us", "error"), *table])
     if words.results.exists():
-        draw_peers(words.results, words.out / "peers.svg")
+        draw_peers(words.results, words.out / "accuracy_peers.svg")
     write_page(titles, words.out, words.results.exists())
 
 

@@ -330,7 +330,7 @@ void add_batch_of_simulations(py::module_& m) {
         many.use([&](SimulationBatch& batch) { set_state(scene, k, q, v, batch); });
       },
       py::arg("scene"), py::arg("k"), py::arg("q"), py::arg("v"), py::arg("batch"),
-      "Continue state k of a SimulationBatch from q (nq), v (nv); the others do not change.");
+      doc::set_state);
 }
 
 void add_invariants(py::module_& m) {

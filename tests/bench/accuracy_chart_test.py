@@ -35,10 +35,10 @@ def main():
             refined = [errors["the same, K damped by 1e-5 in the factor", str(k)] for k in range(3)]
             check(refined[2] < 1e-3 * refined[1] < 1e-6 * refined[0], f"refinement gains too little: {refined}")
             check(errors["LAPACK's dsysv of K", ""] < 1e-10, errors)
-        svg = (out / "arm_pushes_box.svg").read_text()
+        svg = (out / "accuracy_arm_pushes_box.svg").read_text()
         for text in ("manycontact, whole solve", "13 velocities, 6 contact rows", "lower is more accurate"):
             check(text in svg, f"the chart lacks {text!r}")
-        check("arm_pushes_box.svg" in (out / "README.md").read_text(), "the page lacks the chart")
+        check("accuracy_arm_pushes_box.svg" in (out / "README.md").read_text(), "the page lacks the chart")
 
 
 if __name__ == "__main__":

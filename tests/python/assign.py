@@ -65,6 +65,9 @@ def more_objects():
         mc.StateNumDiff(state), mc.ActivationModelNumDiff(mc.ActivationModelQuad(2)),
         mc.ActuationModelNumDiff(mc.ActuationModelFull(state)), mc.ResidualModelNumDiff(others[0]),
         mc.ControlParametrizationModelNumDiff(mc.ControlParametrizationModelPolyZero(2)),
+        mc.CostModelNumDiff(mc.CostModelResidual(state, others[0])), mc.ContactModelNumDiff(contacts[2]),
+        mc.ConstraintModelNumDiff(mc.ConstraintModelResidual(state, others[0])),
+        mc.SimulationBatch(scene, [pushed.q], [pushed.v], "semi-implicit-euler", 1e-3),
     ]  # fmt: skip
     items = parts + [scene.robots[0], mc.dense_derivatives(scene, data), costs.costs["u"], made.costs["u"], scene.pushes[0], spring, goal, batch, data, mc.CallbackVerbose()]
     return items + frames + others + contacts + activations + [node, made, impact, *residual_data(state)]

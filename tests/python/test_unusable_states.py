@@ -57,7 +57,7 @@ CALLS = {
     "state.diff to": lambda q: STATE.diff(X, np.concatenate([q, V])),
 }
 # Those that answer by a status, of whatever q they are given.
-BY_STATUS = {"solve", "solve_tau", "SimulationData"}
+BY_STATUS = {"solve", "solve_tau", "SimulationData", "set_state"}
 
 
 def unusable():

@@ -55,6 +55,26 @@ inline constexpr const char* simulation_batch =
 
 Each moves as by step alone, up to rounding errors. active, velocity_limit, kp and kd apply to all.)";
 
+inline constexpr const char* set_state =
+    R"(Continue one simulation of a batch from another state; the others do not change.
+
+Parameters
+----------
+scene : Scene
+k : int
+    Number of the simulation.
+q : array (nq)
+    Configuration [rad, m].
+v : array (nv)
+    Velocities [rad/s, m/s].
+batch : SimulationBatch
+    Changed.
+
+Raises
+------
+ValueError
+    A size or the number does not fit, or a number is not finite.)";
+
 inline constexpr const char* step_batch =
     R"(Make steps of all simulations of a batch. Ctrl-C ends them between two steps.
 
