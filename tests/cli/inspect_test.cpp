@@ -198,7 +198,7 @@ TEST_F(Inspect, CostsAndChoiceAreShown) {
 TEST_F(Inspect, WaysToSolveAreListed) {
   expect_contains(inspect(model("humanoid_standing.xml")),
                   "solve tries, until one is sound: in a SIMD batch; sparse-ldl in leaf-to-root order;");
-  expect_contains(inspect(model("two_humanoids_carry_beam.xml")), "robot by robot in SIMD batches;");
+  expect_contains(inspect(model("ring_of_humanoids.xml")), "robot by robot in SIMD batches;");
 }
 
 TEST_F(Inspect, IdleRobotsAndJoints) {

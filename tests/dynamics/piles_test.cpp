@@ -83,10 +83,11 @@ TEST(PilesAtRest, AreSolvedBoxByBox) {
     pile.scene.damping = damping;
     SceneData data(pile.scene);
     const Report& report = solve(pile.scene, pile.q, pile.v, pile.u, data);
-    EXPECT_EQ(report.status, damping > 0 ? Status::kOk : Status::kRedundant);
+    EXPECT_EQ(report.status, Status::kOk);
     EXPECT_EQ(factorizations_of(data, 0), 1);
     EXPECT_LE(report.backward_error, 1e-12);
-    EXPECT_LE(data.a.cwiseAbs().maxCoeff(), damping > 0 ? 1e-3 : 1e-10);
+    const double top = damping * 9 * 9.81 * 60 * 61 / 2;  // each contact gives way to the weight above it
+    EXPECT_NEAR(data.a.cwiseAbs().maxCoeff(), top, 1e-10 + top * top / 9.81);  // weights are less by that part
   }
 }
 

@@ -178,7 +178,7 @@ TEST_F(SceneOfTwo, BodiesThatCannotBeHeldTogether) {
     expect_says(refused(between(top, still)),
                 "contact 'c' fixes frame 'top' of robot 'table', which cannot move, to the world");
   expect_says(refused(between({0, 0, {}}, {0, 0, random_placement(rng)})), "ties joint 'hinge' of robot 'table'");
-  expect_says(refused(between({0, -1, {}}, world)), "holds the base of robot 'table', which cannot move");
+  expect_says(refused(between({0, -1, {}}, world)), "fixes the base of robot 'table', which cannot move");
   expect_says(refused(between({3, 0, {}}, world)), "names robot 3 of 3");
   expect_says(refused(between({0, 1, {}}, world)), "names joint 1 of 1");
   expect_says(refused(between({1, -1, {}}, world)), "names the fixed base of robot 'ball', which has a floating one");
