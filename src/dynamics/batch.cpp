@@ -54,11 +54,12 @@ int states_side_by_side(const SceneData& data) {
   const Workspace& w = solver_of(data);
   if (!w.lanes.level) return 1;
   const int width = w.lanes.level->width;
-  const auto leaves_room = [width](const std::vector<int>& members) {
-    return !members.empty() && members.size() < static_cast<std::size_t>(width);
+  const auto leaves_room = [&](const BlockGroup& group) {
+    const auto members = std::ranges::count_if(w.islands, [&](const auto& d) { return d->alone.group == &group; });
+    return members > 0 && members < width;
   };
   for (const auto& [key, group] : w.lanes.groups)
-    if (group.plan->dropped.empty() && leaves_room(group.islands)) return width;
+    if (leaves_room(group)) return width;
   return 1;
 }
 

@@ -12,6 +12,7 @@
 #include <numeric>
 
 #include "manycontact/algorithm/integrate.hpp"
+#include "manycontact/dynamics/copies.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "support/allocations.hpp"
@@ -265,6 +266,16 @@ TEST(Batch, StatesStandInLanes) {
       batch.active[0] = static_cast<char>(count % 3 > 0);
     }
   }
+}
+
+// A solve of one state uses the same data in between: how many states fill a SIMD batch does not change by it.
+TEST(Batch, StatesFillSimdBatchesAfterASolveToo) {
+  const SceneFile file = load_small(kModels + "humanoid_standing.xml");
+  SceneData data(file.scene);
+  prepare(file.scene, data);
+  const int before = internal::states_side_by_side(data);
+  (void)solve(file.scene, file.q, file.v, file.u, data);
+  EXPECT_EQ(internal::states_side_by_side(data), before);
 }
 
 TEST(Batch, NoStatesAndNoContacts) {

@@ -27,7 +27,7 @@ struct IslandReport;
 struct BlockGroup {
   std::shared_ptr<const lanes::BlockPlan> plan;
   std::vector<std::unique_ptr<lanes::RobotBlocks>> kernels;  // one per thread
-  std::vector<int> islands;                                  // of robots alone: their numbers
+  std::vector<int> islands;                                  // scratch of a call: the islands it solves with this plan
   double seconds = 0;                                        // predicted, of one robot solved alone
 };
 
