@@ -37,11 +37,13 @@ Case case_of(int number, double speed = 0.1) {
       return {"grid", grid(6, ContactType::k6D, false, speed)};
     case 4:
       return {"hub", hub(7, speed)};
+    case 5:
+      return {"uneven", uneven_wall(8, speed)};
     default:
       return {"table", table(60, speed)};
   }
 }
-constexpr int kCases = 6;
+constexpr int kCases = 7;
 std::string name_of(const testing::TestParamInfo<int>& info) { return case_of(info.param).name; }
 
 class Piles : public testing::TestWithParam<int> {};

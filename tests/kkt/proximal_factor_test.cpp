@@ -28,6 +28,8 @@ Case case_of(int number) {
       return {"wall", grid(4, ContactType::k3D, true)};
     case 2:
       return {"grid", grid(4, ContactType::k6D, false)};
+    case 3:
+      return {"uneven", uneven_wall(7)};
     default:
       return {"tower", tower(12)};
   }
@@ -61,7 +63,7 @@ class Proximal : public testing::TestWithParam<int> {
   KktMatrix K_;
   FactorScratch scratch_;
 };
-INSTANTIATE_TEST_SUITE_P(Pile, Proximal, testing::Range(0, 4), [](const auto& info) { return case_of(info.param).name; });
+INSTANTIATE_TEST_SUITE_P(Pile, Proximal, testing::Range(0, 5), [](const auto& info) { return case_of(info.param).name; });
 
 TEST_P(Proximal, GivesTheOraclesAnswers) {
   const auto factor = make_proximal_factor(), oracle = make_dense_factor();

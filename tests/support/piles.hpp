@@ -125,6 +125,25 @@ inline Pile grid(int n, ContactType type, bool row_welded, double speed = 0.1) {
   return make.finish(speed);
 }
 
+/// n x n boxes at uneven places in a plane, each joined to its neighbours by points of this plane, the lowest row welded
+/// to the ground: rows depend on each other with coefficients of any size.
+inline Pile uneven_wall(int n, double speed = 0.1) {
+  PileMaker make;
+  std::mt19937 rng(5);
+  std::uniform_real_distribution<double> noise(-0.3, 0.3);
+  std::vector<Vec3<double>> places;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const Vec3<double> at(i + noise(rng), 0, j + noise(rng));
+      places.push_back(at);
+      const int box = make.box(at[0], at[1], at[2]);
+      if (j == 0) make.join(ContactType::k6D, box, -1, {at[0], 0, -0.5});
+      if (j > 0) make.join(ContactType::k3D, box, box - 1, 0.5 * (at + places[box - 1]));
+      if (i > 0) make.join(ContactType::k3D, box, box - n, 0.5 * (at + places[box - n]));
+    }
+  return make.finish(speed);
+}
+
 /// n x n boxes welded to one box, their hub, and each to its neighbours.
 inline Pile hub(int n, double speed = 0.1) {
   PileMaker make;

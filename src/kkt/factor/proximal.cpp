@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "ldl_numbers.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
@@ -21,12 +22,11 @@
 //   E y = delta (S + delta)^-1 y          from K_delta [.; x] = [0; y] with x = -E y / delta. On the null space of J^T
 //                                         it is the identity, on an eigenvector of S with eigenvalue s it is
 //                                         delta / (delta + s). Its powers converge to the projector P.
-//   x + K_delta^-1 (b - K x)              a proximal step: from x = 0 it converges to the solution of K x = b, b
-//   without
-//                                         P b, whose forces have no part in the null space: those of least norm.
+//   x + K_delta^-1 (b - K x)              a proximal step: from x = 0 it converges to the solution of K x = b
+//                                         without P b, whose forces have no part in the null space: those of least norm.
 //   rank                                  a row that depends on the rows before it has a pivot of delta (1 + |z|^2), z
-//   its
-//                                         coefficients. The pivot of any other row hardly depends on delta.
+//                                         its coefficients: a larger delta enlarges it as many times. The pivot of any
+//                                         other row hardly depends on delta.
 //
 // The residual's own rounding, eps of b, becomes forces eps / delta large in the null space (beside S of 1), which
 // moves nothing: P f is taken out at the end. E keeps a vector of the null space but for a part of eps / delta
@@ -34,6 +34,10 @@
 // Saunders, Shinnerl, SIAM J. Matrix Anal. Appl. 17 (1996).
 
 namespace manycontact {
+
+namespace tolerance {
+inline constexpr double kPivotOfDependent = 1e2, kPivotOfOthers = 1e7, kStiffer = 10;
+}
 
 namespace {
 
@@ -58,9 +62,10 @@ class ProximalFactor final : public Factor {
     const double S = largest_of_S();
     if (!(S > 0) || !std::isfinite(S)) return Reason::kSingularInertia;
     delta_ = tolerance::kProximal * S;
-    if (!factorize_damped(scratch)) return Reason::kZeroPivot;
+    if (in_doubt_ && !find_stiffer_pivots(scratch)) return Reason::kZeroPivot;
+    if (!factorize_damped(delta_, scratch)) return Reason::kZeroPivot;
     if (const Reason reason = judge(scratch.scale.data()); reason != Reason::kNone) return reason;
-    return count_dependent_rows() && certify(scratch) ? Reason::kNone : Reason::kSmallPivot;
+    return find_dependent_rows(scratch) && certify(scratch) ? Reason::kNone : Reason::kSmallPivot;
   }
 
   // The generalised inverse, refined.
@@ -107,6 +112,8 @@ class ProximalFactor final : public Factor {
     M_first_ = std::is_sorted(of_M_.begin(), of_M_.end(), std::greater<>());
     in_null_space_.assign(n, 0);
     dropped_.reserve(pattern->nc);
+    stiffer_.resize(pattern->nc);
+    in_doubt_ = false;
     for (std::vector<double>* x : {&b_, &r_, &scale_, &w_}) x->resize(n);
     for (std::vector<double>* X : {&probes_, &before_}) X->resize(n * kProbes);
     nonzero_.assign(n, 1);
@@ -129,10 +136,10 @@ class ProximalFactor final : public Factor {
     return largest(r_);
   }
 
-  bool factorize_damped(FactorScratch& scratch) {
+  bool factorize_damped(double delta, FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
     std::copy(K_->values.begin(), K_->values.end(), damped_.begin());
-    for (int slot : p.diagonal_slot) damped_[slot] = -delta_;
+    for (int slot : p.diagonal_slot) damped_[slot] = -delta;
     if (ldl_.schedule) {
       sparse::panel_kernels().factor(*ldl_.schedule, damped_.data(), ldl_.L.data(), ldl_.D.data(),
                                      scratch.scale.data());
@@ -158,19 +165,40 @@ class ProximalFactor final : public Factor {
     return growth_ <= tolerance::kMostGrowth ? Reason::kNone : Reason::kSmallPivot;
   }
 
-  // False where pivots are neither plainly those of dependent rows nor plainly others.
-  bool count_dependent_rows() {
-    const KktPattern& p = *ldl_.pattern;
+  // The pivot of a row of J.
+  double pivot(int row) const { return -ldl_.D[ldl_.pattern->iperm[ldl_.pattern->nv + row]]; }
+
+  // Pivots with a larger delta, for the next function. The factor at hand is lost.
+  bool find_stiffer_pivots(FactorScratch& scratch) {
+    if (!factorize_damped(tolerance::kStiffer * delta_, scratch)) return false;
+    for (int k = 0; k < ldl_.pattern->nc; ++k) stiffer_[k] = pivot(k);
+    return true;
+  }
+
+  // Judges rows by the size of their pivots beside delta. Where one is of a size that both kinds of rows may have, all
+  // are judged by how pivots change with delta. The answer does not depend on in_doubt_, which saves a factorization.
+  // False: a row is neither plainly dependent nor plainly independent.
+  bool find_dependent_rows(FactorScratch& scratch) {
+    const int rows = ldl_.pattern->nc;
+    const bool known = std::exchange(in_doubt_, false);
     dropped_.clear();
-    bool plain = true;
-    for (int k = 0; k < p.nc; ++k) {
-      const double d = -ldl_.D[p.iperm[p.nv + k]] / delta_;
-      if (d <= tolerance::kProximalPivot)
+    for (int k = 0; k < rows; ++k) {
+      if (pivot(k) <= tolerance::kPivotOfDependent * delta_)
         dropped_.push_back(k);
-      else if (d < tolerance::kProximalGap * tolerance::kProximalPivot)
-        plain = false;
+      else if (pivot(k) < tolerance::kPivotOfOthers * delta_)
+        in_doubt_ = true;
     }
-    return plain;
+    if (!in_doubt_) return true;
+    if (!known && !(find_stiffer_pivots(scratch) && factorize_damped(delta_, scratch))) return false;
+    dropped_.clear();
+    for (int k = 0; k < rows; ++k) {
+      const double grown = (stiffer_[k] - pivot(k)) / pivot(k);
+      if (grown > 0.5 * (tolerance::kStiffer - 1))
+        dropped_.push_back(k);
+      else if (!(grown < 0.1 * (tolerance::kStiffer - 1)))
+        return false;
+    }
+    return true;
   }
 
   // Y <- E X of panels with all of K's rows, X's rows of M being zero, and so are then Y's.
@@ -221,6 +249,8 @@ class ProximalFactor final : public Factor {
   bool M_first_ = true;                     // no row of M comes after one of J
   std::vector<int> dropped_;                // rows of J
   std::vector<double> damped_;              // K_delta
+  std::vector<double> stiffer_;             // pivots of rows of J with a larger delta
+  bool in_doubt_ = false;                   // whether these were needed at the last state
   double growth_ = 1;
   double drift_ = 0;                                         // of a vector that E keeps: what rounding makes of it
   int applications_ = 1;                                     // of E, until it is P
