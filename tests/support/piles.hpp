@@ -125,8 +125,8 @@ inline Pile grid(int n, ContactType type, bool row_welded, double speed = 0.1) {
   return make.finish(speed);
 }
 
-/// n x n boxes at uneven places in a plane, each joined to its neighbours by points of this plane, the lowest row welded
-/// to the ground: rows depend on each other with coefficients of any size.
+/// n x n boxes at uneven places in a plane, each joined to its neighbours by points of this plane, the lowest row
+/// welded to the ground: rows depend on each other with coefficients of any size.
 inline Pile uneven_wall(int n, double speed = 0.1) {
   PileMaker make;
   std::mt19937 rng(5);
@@ -157,6 +157,57 @@ inline Pile hub(int n, double speed = 0.1) {
       if (i > 0) make.join(ContactType::k6D, box, box - n, {i - 0.5, 1.0 * j, 1});
     }
   return make.finish(speed);
+}
+
+/// Boxes at random places near a grid of a plane or of space, joined to neighbours and some others by points, welds,
+/// four points a face, or by contacts of all types; some bonds are left out. In motion or at rest, turned or not.
+inline Pile random_pile(unsigned seed) {
+  std::mt19937 rng(seed);
+  const auto number = [&rng](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(rng);
+  };
+  const auto integer = [&rng](int low, int high) { return std::uniform_int_distribution<int>(low, high)(rng); };
+  const bool in_space = integer(0, 4) == 0, in_plane = integer(0, 1) == 0;
+  const int side = in_space ? integer(3, 4) : integer(4, 9), boxes = in_space ? side * side * side : side * side;
+  const double noise = integer(0, 2) > 0 ? number(0, 0.3) : 0;
+  PileMaker make;
+  std::vector<Vec3<double>> at;
+  for (int k = 0; k < boxes; ++k) {
+    const double x = number(-noise, noise), y = number(-noise, noise), z = number(-noise, noise);
+    at.emplace_back(k % side + x, in_space ? k / (side * side) + y : in_plane ? 0 : y, k / side % side + z);
+    make.box(at.back()[0], at.back()[1], at.back()[2]);
+  }
+  constexpr ContactType kTypes[] = {ContactType::k3D, ContactType::k6D, ContactType::k1D, ContactType::k2D};
+  const int kind = integer(0, 3), type = integer(0, 2) > 0 ? 0 : 1;
+  const double left_out = integer(0, 1) > 0 ? number(0, 0.4) : 0, others = number(0, 0.3);
+  const auto join = [&](int a, int b) {
+    const Vec3<double> middle = 0.5 * (at[a] + at[b]);
+    if (kind == 2)
+      for (const double x : {-0.2, 0.2})
+        for (const double y : {-0.2, 0.2}) make.join(ContactType::k3D, a, b, middle + Vec3<double>(x, y, 0));
+    else
+      make.join(kTypes[kind == 3 ? integer(0, 3) : type], a, b, middle);
+  };
+  for (int k = 0; k < boxes; ++k) {
+    const int i = k % side, j = k / side % side, l = k / (side * side);
+    if (j == 0 && (k == 0 || integer(0, 3) > 0))
+      make.join(integer(0, 1) > 0 ? ContactType::k6D : ContactType::k3D, k, -1, at[k] - Vec3<double>(0, 0, 0.5));
+    if (j > 0 && number(0, 1) >= left_out) join(k, k - side);
+    if (i > 0 && number(0, 1) >= left_out) join(k, k - 1);
+    if (l > 0 && number(0, 1) >= left_out) join(k, k - side * side);
+    if (number(0, 1) < others)
+      if (const int other = integer(0, boxes - 1); other != k) join(k, other);
+  }
+  Pile pile = make.finish(integer(0, 1) > 0 ? 0.1 : 0);
+  if (integer(0, 2) > 0) return pile;
+  for (const Robot& box : pile.scene.robots) {
+    const auto small = [&] { return Vec3<double>(number(-1, 1), number(-1, 1), number(-1, 1)); };
+    const Vec3<double> moved = small(), turned = small();
+    pile.q.segment<3>(box.idx_q) += 0.1 * moved;
+    pile.q.segment<4>(box.idx_q + 3) =
+        Eigen::Quaterniond(1, 0.2 * turned[0], 0.2 * turned[1], 0.2 * turned[2]).normalized().coeffs();
+  }
+  return pile;
 }
 
 }  // namespace manycontact::test

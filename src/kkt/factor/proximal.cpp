@@ -23,7 +23,8 @@
 //                                         it is the identity, on an eigenvector of S with eigenvalue s it is
 //                                         delta / (delta + s). Its powers converge to the projector P.
 //   x + K_delta^-1 (b - K x)              a proximal step: from x = 0 it converges to the solution of K x = b
-//                                         without P b, whose forces have no part in the null space: those of least norm.
+//                                         without P b, whose forces have no part in the null space: those of least
+//                                         norm.
 //   rank                                  a row that depends on the rows before it has a pivot of delta (1 + |z|^2), z
 //                                         its coefficients: a larger delta enlarges it as many times. The pivot of any
 //                                         other row hardly depends on delta.
@@ -34,10 +35,6 @@
 // Saunders, Shinnerl, SIAM J. Matrix Anal. Appl. 17 (1996).
 
 namespace manycontact {
-
-namespace tolerance {
-inline constexpr double kPivotOfDependent = 1e2, kPivotOfOthers = 1e7, kStiffer = 10;
-}
 
 namespace {
 
@@ -95,7 +92,7 @@ class ProximalFactor final : public Factor {
     for (int k = 0; k < ldl_.pattern->nc; ++k) rows[k] = in_null_space_[ldl_.pattern->iperm[ldl_.pattern->nv + k]];
   }
   double projector_error() const override {
-    return dropped_.empty() ? 0 : tolerance::kBoundRounding * kEps * std::sqrt(ldl_.pattern->nc);
+    return dropped_.empty() ? 0 : std::max(left_, tolerance::kBoundRounding * kEps * std::sqrt(ldl_.pattern->nc));
   }
   void project_out(double* y, double* null_component) override;
   void project_out_panel(double* X, int ld, int cols) override;
@@ -112,7 +109,8 @@ class ProximalFactor final : public Factor {
     M_first_ = std::is_sorted(of_M_.begin(), of_M_.end(), std::greater<>());
     in_null_space_.assign(n, 0);
     dropped_.reserve(pattern->nc);
-    stiffer_.resize(pattern->nc);
+    stiffer_.resize(n);
+    order_.reserve(pattern->nc);
     in_doubt_ = false;
     for (std::vector<double>* x : {&b_, &r_, &scale_, &w_}) x->resize(n);
     for (std::vector<double>* X : {&probes_, &before_}) X->resize(n * kProbes);
@@ -165,39 +163,52 @@ class ProximalFactor final : public Factor {
     return growth_ <= tolerance::kMostGrowth ? Reason::kNone : Reason::kSmallPivot;
   }
 
-  // The pivot of a row of J.
-  double pivot(int row) const { return -ldl_.D[ldl_.pattern->iperm[ldl_.pattern->nv + row]]; }
-
-  // Pivots with a larger delta, for the next function. The factor at hand is lost.
+  // Pivots with a larger delta, for the next functions. The factor at hand is lost.
   bool find_stiffer_pivots(FactorScratch& scratch) {
     if (!factorize_damped(tolerance::kStiffer * delta_, scratch)) return false;
-    for (int k = 0; k < ldl_.pattern->nc; ++k) stiffer_[k] = pivot(k);
+    stiffer_ = ldl_.D;
     return true;
   }
 
-  // Judges rows by the size of their pivots beside delta. Where one is of a size that both kinds of rows may have, all
-  // are judged by how pivots change with delta. The answer does not depend on in_doubt_, which saves a factorization.
-  // False: a row is neither plainly dependent nor plainly independent.
+  // Judges rows by the size of their pivots beside delta, or where one is of a size that both kinds of rows may have,
+  // by how pivots change with delta. The answer does not depend on in_doubt_, which saves a factorization. False: the
+  // rank is in doubt.
   bool find_dependent_rows(FactorScratch& scratch) {
-    const int rows = ldl_.pattern->nc;
+    const KktPattern& p = *ldl_.pattern;
     const bool known = std::exchange(in_doubt_, false);
     dropped_.clear();
-    for (int k = 0; k < rows; ++k) {
-      if (pivot(k) <= tolerance::kPivotOfDependent * delta_)
+    for (int k = 0; k < p.nc; ++k) {
+      const double pivot = -ldl_.D[p.iperm[p.nv + k]];
+      if (pivot <= tolerance::kPivotOfDependent * delta_)
         dropped_.push_back(k);
-      else if (pivot(k) < tolerance::kPivotOfOthers * delta_)
+      else if (pivot < tolerance::kPivotOfOthers * delta_)
         in_doubt_ = true;
     }
     if (!in_doubt_) return true;
-    if (!known && !(find_stiffer_pivots(scratch) && factorize_damped(delta_, scratch))) return false;
+    return (known || (find_stiffer_pivots(scratch) && factorize_damped(delta_, scratch))) && compare_pivots();
+  }
+
+  // The product of all pivots is det M det (S + delta), in which each zero eigenvalue of S is a factor delta: the
+  // exponents of delta in the pivots add up to the number of dependent rows. They are 1 or 0, unless rows nearly depend
+  // on those before them and later rows on all of these: such exponents lie between, and their sum is an integer.
+  bool compare_pivots() {
+    const KktPattern& p = *ldl_.pattern;
+    double plain = 0, between = 0;
     dropped_.clear();
-    for (int k = 0; k < rows; ++k) {
-      const double grown = (stiffer_[k] - pivot(k)) / pivot(k);
-      if (grown > 0.5 * (tolerance::kStiffer - 1))
-        dropped_.push_back(k);
-      else if (!(grown < 0.1 * (tolerance::kStiffer - 1)))
-        return false;
+    order_.clear();
+    for (int k = 0; k < p.size(); ++k) {
+      const double grown = std::log(stiffer_[k] / ldl_.D[k]) / std::log(tolerance::kStiffer);
+      if (!std::isfinite(grown)) return false;
+      const bool is_plain = std::abs(grown - std::round(grown)) <= tolerance::kPlainExponent;
+      (is_plain ? plain : between) += is_plain ? std::round(grown) : grown;
+      if (!of_M_[k] && !(is_plain && std::round(grown) == 0)) order_.emplace_back(-grown, p.perm[k] - p.nv);
     }
+    const double rows = plain + std::round(between);
+    if (std::abs(between - std::round(between)) > tolerance::kExponentsLeft || !(rows >= 0 && rows <= order_.size()))
+      return false;
+    std::sort(order_.begin(), order_.end());
+    for (int k = 0; k < rows; ++k) dropped_.push_back(order_[k].second);
+    std::sort(dropped_.begin(), dropped_.end());
     return true;
   }
 
@@ -245,12 +256,13 @@ class ProximalFactor final : public Factor {
   internal::LdlNumbers ldl_;
   const KktMatrix* K_ = nullptr;
   double delta_ = 0;
-  std::vector<char> of_M_, in_null_space_;  // in K's order
-  bool M_first_ = true;                     // no row of M comes after one of J
-  std::vector<int> dropped_;                // rows of J
-  std::vector<double> damped_;              // K_delta
-  std::vector<double> stiffer_;             // pivots of rows of J with a larger delta
-  bool in_doubt_ = false;                   // whether these were needed at the last state
+  std::vector<char> of_M_, in_null_space_;     // in K's order
+  bool M_first_ = true;                        // no row of M comes after one of J
+  std::vector<int> dropped_;                   // rows of J
+  std::vector<double> damped_;                 // K_delta
+  std::vector<double> stiffer_;                // pivots with a larger delta, in K's order
+  std::vector<std::pair<double, int>> order_;  // rows of J that may depend, the surest first
+  bool in_doubt_ = false;                      // whether these were needed at the last state
   double growth_ = 1;
   double drift_ = 0;                                         // of a vector that E keeps: what rounding makes of it
   int applications_ = 1;                                     // of E, until it is P
@@ -282,7 +294,12 @@ bool ProximalFactor::certify(FactorScratch& scratch) {
       take_null_space_rows();
       return true;
     }
-    if (!(left_ < tolerance::kSlowest * last)) return false;
+    if (left_ < tolerance::kSlowest * last) continue;
+    left_ = std::min(left_, last);
+    if (!(left_ <= tolerance::kMostLeft)) return false;
+    applications_ = k;  // the rest is rounding: an eigenvector that E keeps leaves more
+    take_null_space_rows();
+    return true;
   }
   return false;
 }

@@ -137,7 +137,7 @@ inline constexpr double kMostDrift = 1e-2, kNextPivot = 1e-2;
 
 // ---- large islands -----------------------------------------------------------------------------------------------
 
-/// Rows of J beyond which the oracle is asked only where that was asked for: of 300 it takes 30 ms, of 600 170 ms.
+/// Rows of J up to which the dense solver confirms doubtful answers of others: 300 rows take 30 ms, 600 rows 170 ms.
 /// Used by: the ways to solve the whole K, as all in this part.
 inline constexpr int kFewRows = 300;
 /// Beyond so many loops of robots, in islands of more rows, rows that depend are found by the proximal factor: where
@@ -146,7 +146,7 @@ inline constexpr int kFewLoops = 8;
 /// Rows of J above kFewRows whose null space may be tried where the proximal factor refuses: dense where loops are
 /// many, it takes a second or so.
 inline constexpr int kMostNullSpace = 3000;
-/// Rows of K up to which the dense reference solver may answer for another method: 3000 take 2 s and 72 MB a matrix.
+/// Rows of K up to which the dense solver answers after all others have refused: 3000 take 2 s and 72 MB a matrix.
 inline constexpr int kDenseSize = 3000;
 /// Rows of K up to which it differentiates what sparse-bodies answered: bodies solve for columns one by one, which
 /// takes 4 to 70 times as long where K's factor is sound. Where it is not, the dense solver of a larger K would take
@@ -177,10 +177,13 @@ inline constexpr int kOverdetermined = 300, kTimesOverdetermined = 4, kTooFull =
 /// that depend are then below 4e-10 on walls of 3,600 boxes, others above 3e-8; at 1e-10 the two meet there.
 /// Used by: ProximalFactor, as all in this part.
 inline constexpr double kProximal = 1e-12;
-/// Pivots of dependent rows beside delta, at most: 1 + |z|^2 of the coefficients z, which are 1 to 20 on walls, grids
-/// and pyramids of up to 3,600 boxes. Others are so many times larger: pivots between refuse the factor.
-inline constexpr double kProximalPivot = 1e3;
-inline constexpr double kProximalGap = 3;
+/// Pivots of dependent rows are delta (1 + |z|^2), with their coefficients z, usually below the first number times
+/// delta; pivots of other rows are usually above the second. Where one lies between, K is factorized again with
+/// kStiffer delta. On uneven walls both kinds of rows have pivots of 1e6 delta.
+inline constexpr double kPivotOfDependent = 1e2, kPivotOfOthers = 1e7, kStiffer = 10;
+/// The exponent of delta in a pivot is plain within the first number of an integer. The sum of the others may differ from
+/// an integer by the second: rounding of pivots contributes 1e-3 each.
+inline constexpr double kPlainExponent = 0.02, kExponentsLeft = 0.2;
 /// Of the projection's factor for the smallest eigenvalue of J M^-1 J^T, which is usually below 1e-3: from 1/2 on rows
 /// are taken to depend but nearly.
 inline constexpr double kSlowest = 0.5;
@@ -190,8 +193,11 @@ inline constexpr double kInNullSpace = 1e-11;
 /// What is left of a null space's part, beside all, that no projection more takes out; and how many are made for it.
 inline constexpr double kProjected = 1e-11;
 inline constexpr int kProjections = 6;
-/// Proximal steps gain a factor of 1e3 and more each; a poor posture may need more.
-inline constexpr int kProximalSteps = 8;
+/// J^T times the projections of random vectors may stop falling here, by rounding: an eigenvector of J M^-1 J^T that the
+/// projection keeps leaves sqrt(delta), 1e-6.
+inline constexpr double kMostLeft = 1e-11;
+/// Proximal steps gain a factor of 1e3 and more each; near a singular posture less.
+inline constexpr int kProximalSteps = 30;
 /// Contacts contradict each other where steps leave more than this of delta f in their rows: they leave all of it then,
 /// and rounding of 1e-4 of it otherwise.
 inline constexpr double kProximalAgree = 1e-2;

@@ -29,7 +29,7 @@ Factor& factor_of(MatrixSystem& m, FactorKind kind, Order order) {
   return made(m.chosen, [&m] { return make_factor(m.owner.choice.method, m.owner.shape); });
 }
 
-// Whether the oracle may be asked though another method was asked for: its time is cubic, its memory square.
+// Whether the dense solver may be asked to confirm another: its time is cubic, its memory square.
 bool may_ask_oracle(const MatrixSystem& m) {
   return m.owner.choice.method == Method::kDense ||
          (m.owner.island.nc <= tolerance::kFewRows && m.owner.island.size() <= tolerance::kDenseSize);
@@ -226,7 +226,9 @@ Attempts attempts_of(const MatrixSystem& m, double damping) {
   if (method != Method::kDense && damping == 0) out.add(by_dependent_rows(m));
   if (method != Method::kDense && globally && m.owner.island.nc <= tolerance::kMostNullSpace)
     out.add({FactorKind::kDependentRows, Order::kLeafToRoot, 0});
-  if (may_ask_oracle(m)) out.add({FactorKind::kDense, order, damping});
+  // The last: near a singular posture no sparse factor may be sound.
+  if (method == Method::kDense || m.owner.island.size() <= tolerance::kDenseSize)
+    out.add({FactorKind::kDense, order, damping});
   return out;
 }
 
