@@ -143,9 +143,6 @@ inline constexpr int kFewRows = 300;
 /// Beyond so many loops of robots, in islands of more rows, rows that depend are found by the proximal factor: where
 /// they are dropped, the null space of 64 boxes in a pyramid takes 2.4 ms, of 100 in a grid 33 ms, and it 1 and 3 ms.
 inline constexpr int kFewLoops = 8;
-/// Rows of J above kFewRows whose null space may be tried where the proximal factor refuses: dense where loops are
-/// many, it takes a second or so.
-inline constexpr int kMostNullSpace = 3000;
 /// Rows of K up to which the dense solver answers after all others have refused: 3000 take 2 s and 72 MB a matrix.
 inline constexpr int kDenseSize = 3000;
 /// Rows of K up to which it differentiates what sparse-bodies answered: bodies solve for columns one by one, which

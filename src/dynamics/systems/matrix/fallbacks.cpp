@@ -224,8 +224,6 @@ Attempts attempts_of(const MatrixSystem& m, double damping) {
       (damping > 0 ? has_order(method) : method == Method::kSparseLdl || method == Method::kSparseBodies))
     out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
   if (method != Method::kDense && damping == 0) out.add(by_dependent_rows(m));
-  if (method != Method::kDense && globally && m.owner.island.nc <= tolerance::kMostNullSpace)
-    out.add({FactorKind::kDependentRows, Order::kLeafToRoot, 0});
   // The last: near a singular posture no sparse factor may be sound.
   if (method == Method::kDense || m.owner.island.size() <= tolerance::kDenseSize)
     out.add({FactorKind::kDense, order, damping});
