@@ -2,6 +2,7 @@
 
 #include "manycontact/dynamics/report.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "manycontact/dynamics/differentiate.hpp"
@@ -69,9 +70,13 @@ TEST(Report, HasTheTimesOfTheSolve) {
   const SolveTimes first = solve(file.scene, file.q, file.v, file.u, data).times;
   EXPECT_GT(first.setup, 0);
   EXPECT_GT(first.solve, 0);
-  const SolveTimes second = solve_tau(file.scene, file.q, file.v, data.tau, data).times;
-  EXPECT_GT(second.solve, 0);
-  EXPECT_LT(second.setup, first.setup);  // the islands are there already
+  double setup = first.setup;  // the least: another process may take the core meanwhile
+  for (int k = 0; k < 20; ++k) {
+    const SolveTimes later = solve_tau(file.scene, file.q, file.v, data.tau, data).times;
+    EXPECT_GT(later.solve, 0);
+    setup = std::min(setup, later.setup);
+  }
+  EXPECT_LT(setup, first.setup);  // the islands are there already
 }
 
 }  // namespace
