@@ -30,7 +30,7 @@ struct BoundedEnergy {
 
 /// What semi-implicit Euler solves: the scene at rest, with what joints add to M.
 struct AtRest {
-  const Scene& scene;
+  Scene& scene;
   SceneData& data;  // data.dynamics where they add nothing
 };
 AtRest at_rest_with_joints(SimulationData& data);

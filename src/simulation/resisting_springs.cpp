@@ -3,19 +3,26 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "internal.hpp"
+#include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
+#include "manycontact/dynamics/views.hpp"
 #include "resisting_forces.hpp"
 
 namespace manycontact::internal {
 
 namespace {
 
-constexpr double kFelt = 1e-3;       // D J M^-1 J^T below which a row across a spring changes nothing to speak of
-constexpr double kNothing = 1e-12;   // of that, for a row that does nothing
-constexpr double kIdle = 1e-300;      // D of a row that is left out
-constexpr Eigen::Index kFewRows = 64;  // for a dense factor
+constexpr double kFelt = 1e-3;           // D J M^-1 J^T below which a row across a spring changes nothing to speak of
+constexpr double kNothing = 1e-12;       // of that, for a row that does nothing
+constexpr double kIdle = 1e-300;         // D of a row that is left out
+constexpr std::size_t kFewRows = 64;     // for a dense factor of them all
+constexpr std::size_t kMostRows = 3000;  // for one of those that take part, where ...
+constexpr double kMostZeros = 8;         // ... no more than one entry of so many is not zero
+constexpr int kFewNumbers = 24;          // unit forces on an island, for a solve of each
+constexpr int kMostCoordinates = 2000;   // of an island, for K^-1 as a matrix
 
 // J M^-1 J^T of a body alone, at most; what it is joined to makes it less.
 double mobility_of_end(const Scene& scene, const Attachment& at) {
@@ -67,13 +74,14 @@ Vec3<double> acceleration_of_end(const Scene& scene, const Attachment& at, const
 double turning(const Scene& scene, const Spring& spring, const AppliedForces<double>::OfSpring& at,
                const AppliedForces<double>& forces, double h) {
   const Vec3<double> n = at.d / at.length, across = at.rate - n * n.dot(at.rate);
-  const double bend = n.dot(acceleration_of_end(scene, spring.A, forces) - acceleration_of_end(scene, spring.B, forces));
+  const double bend =
+      n.dot(acceleration_of_end(scene, spring.A, forces) - acceleration_of_end(scene, spring.B, forces));
   const double c2 = across.squaredNorm(), turn2 = h * h * c2 / (at.length * at.length);
   return c2 > 0 ? std::clamp(-at.length * bend / c2, 0.0, 1.0) / (1 + turn2 * turn2) : 0;
 }
 
-void add_rows(const Scene& scene, const Spring& spring, int number, const AppliedForces<double>& forces, double h, double mobility,
-              ResistingSprings& s) {
+void add_rows(const Scene& scene, const Spring& spring, int number, const AppliedForces<double>& forces, double h,
+              double mobility, ResistingSprings& s) {
   const AppliedForces<double>::OfSpring& at = forces.springs[static_cast<std::size_t>(number)];
   const double k = spring.stiffness, D = h * h * k + h * spring.damping, e = at.length - spring.length;
   const Vec3<double> n = at.length > 0 ? Vec3<double>(at.d / at.length) : Vec3<double>(Vec3<double>::UnitX());
@@ -91,15 +99,78 @@ void add_rows(const Scene& scene, const Spring& spring, int number, const Applie
 bool solves(const Eigen::VectorXd& b, const Eigen::VectorXd& wanted, SimulationData& d) {
   const auto [rest, data] = at_rest_with_joints(d);
   const Status status = solve_tau(rest, d.q, d.at_rest.zero, b, wanted, data).status;
+  ++d.solves;
   d.worst = std::max(d.worst, status);
   return status != Status::kFailed;
 }
 
 const Eigen::VectorXd& answer(SimulationData& d) { return at_rest_with_joints(d).data.a; }
 
+// Sets the contacts' gains aside: placement errors have no part in what a unit force gives.
+class WithoutGains {
+ public:
+  WithoutGains(Scene& rest, std::vector<double>& gains) : rest_(rest), gains_(gains) {
+    gains_.resize(rest.contacts.size());
+    for (std::size_t c = 0; c < gains_.size(); ++c) gains_[c] = std::exchange(rest.contacts[c].alpha, 0);
+  }
+  ~WithoutGains() {
+    for (std::size_t c = 0; c < gains_.size(); ++c) rest_.contacts[c].alpha = gains_[c];
+  }
+  WithoutGains(const WithoutGains&) = delete;
+  WithoutGains& operator=(const WithoutGains&) = delete;
+
+ private:
+  Scene& rest_;
+  std::vector<double>& gains_;
+};
+
+bool islands_fit(const SceneData& data) {
+  for (std::size_t i = 0; i < island_count(data); ++i)
+    if (island_of(data, i).nv > kMostCoordinates) return false;
+  return true;
+}
+
+// K^-1 of every island by one panel of right-hand sides; nullptr where a solve for each unit force is cheaper.
+const DerivativeData* find_inverse(SimulationData& d, const ResistingSprings& s) {
+  const auto [rest, data] = at_rest_with_joints(d);
+  if (s.numbers < kFewNumbers || !islands_fit(data)) return nullptr;
+  ++d.solves;
+  if (solve_tau(rest, d.q, d.at_rest.zero, d.at_rest.zero, data).status == Status::kFailed) return nullptr;
+  DerivativeRequest by_torques;
+  by_torques.q = by_torques.v = by_torques.forces = false, by_torques.tau = true;
+  const DerivativeData& inverse = differentiate(rest, data, by_torques);
+  for (const IslandDerivatives& of : inverse.islands)
+    if (!of.X.allFinite()) return nullptr;
+  return &inverse;
+}
+
+// a = K^-1 b
+void multiply(const Scene& rest, const SceneData& data, const DerivativeData& inverse, const Eigen::VectorXd& b,
+              Eigen::VectorXd& a) {
+  a.setZero(b.size());
+  for (std::size_t i = 0; i < inverse.islands.size(); ++i) {
+    const std::vector<int>& robots = island_of(data, i).robots;
+    const auto X = inverse.islands[i].da_du();
+    for (int by = 0, column = 0; const int r : robots) {
+      const Robot& from = rest.robots[static_cast<std::size_t>(r)];
+      const auto own = b.segment(from.idx_v, from.model->nv);
+      column = std::exchange(by, by + from.model->nv);
+      if (own.isZero(0)) continue;
+      for (int row = 0; const int other : robots) {
+        const Robot& to = rest.robots[static_cast<std::size_t>(other)];
+        a.segment(to.idx_v, to.model->nv).noalias() += X.block(row, column, to.model->nv, own.size()) * own;
+        row += to.model->nv;
+      }
+    }
+  }
+}
+
 // use(row, of which row's force, J K^-1 J^T); false when a solve failed.
 template <class Use>
 bool each_response(SimulationData& d, ResistingSprings& s, Use&& use) {
+  const auto [rest, data] = at_rest_with_joints(d);
+  const WithoutGains without(rest, s.gains);
+  const DerivativeData* inverse = find_inverse(d, s);
   s.none.setZero(d.wanted.size());
   for (int number = 0; number < s.numbers; ++number) {
     std::fill(s.asked.begin(), s.asked.end(), -1);
@@ -110,8 +181,11 @@ bool each_response(SimulationData& d, ResistingSprings& s, Use&& use) {
         s.unit.add(s.ends[k], 1);
       }
     s.b = s.unit.torques();
-    if (!solves(s.b, s.none, d)) return false;
-    s.unit.look(answer(d));
+    if (inverse)
+      multiply(rest, data, *inverse, s.b, s.by_unit);
+    else if (!solves(s.b, s.none, d))
+      return false;
+    s.unit.look(inverse ? s.by_unit : answer(d));
     for (std::size_t k = 0; k < s.ends.size(); ++k)
       if (const int by = s.asked[static_cast<std::size_t>(s.ends[k].island)]; by >= 0)
         use(s.row[k], s.row[static_cast<std::size_t>(by)], s.unit.along(s.ends[k]));
@@ -121,14 +195,13 @@ bool each_response(SimulationData& d, ResistingSprings& s, Use&& use) {
 
 bool is_across(const ResistingSprings::Row& row) { return row.keeps >= 0; }
 
-// J K^-1 J^T into C, or into entries where there are many rows.
+// J K^-1 J^T into C, or into entries where it is not dense.
 bool find_responses(SimulationData& d, ResistingSprings& s) {
   const auto n = static_cast<Eigen::Index>(s.rows.size());
-  const bool few = n <= kFewRows;
-  few ? (void)s.C.setZero(n, n) : s.entries.clear();
+  s.is_dense ? (void)s.C.setZero(n, n) : s.entries.clear();
   s.own.setZero(n);
   if (!each_response(d, s, [&](int i, int j, double x) {
-        few ? (void)(s.C(i, j) += x) : (void)s.entries.emplace_back(i, j, x);
+        s.is_dense ? (void)(s.C(i, j) += x) : (void)s.entries.emplace_back(i, j, x);
         if (i == j) s.own[i] += x;
       }))
     return false;
@@ -138,43 +211,85 @@ bool find_responses(SimulationData& d, ResistingSprings& s) {
   return true;
 }
 
-// x of (D^-1 + J K^-1 J^T) x = x, of the rows along springs or of all.
-bool solve_rows(bool all, ResistingSprings& s, Eigen::VectorXd& x) {
-  const auto n = static_cast<Eigen::Index>(s.rows.size());
-  const auto has = [&](Eigen::Index i) { return all || !is_across(s.rows[static_cast<std::size_t>(i)]); };
-  const auto own = [&](Eigen::Index i) { return 1 / s.rows[static_cast<std::size_t>(i)].D; };
-  if (n <= kFewRows) {
-    s.with_D = s.C;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      if (!has(i)) s.with_D.row(i).setZero(), s.with_D.col(i).setZero();
-      s.with_D(i, i) += own(i);
-    }
-    s.factor.compute(s.with_D);
-    s.factor.solveInPlace(x);
-    return true;
+// The rows along springs, or all.
+bool takes_part(const ResistingSprings::Row& row, bool all) { return all || !is_across(row); }
+
+// Few rows: those that take no part are decoupled.
+void factorize_few(bool all, ResistingSprings& s) {
+  s.with_D = s.C;
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    if (!takes_part(s.rows[i], all)) s.with_D.row(k).setZero(), s.with_D.col(k).setZero();
+    s.with_D(k, k) += 1 / s.rows[i].D;
   }
+  s.pivoted_factor.compute(s.with_D);
+}
+
+void factorize_dense(bool all, ResistingSprings& s) {
+  s.used.clear();
+  for (std::size_t i = 0; i < s.rows.size(); ++i)
+    if (takes_part(s.rows[i], all) && s.rows[i].D != kIdle) s.used.push_back(static_cast<int>(i));
+  const auto n = static_cast<Eigen::Index>(s.used.size());
+  const auto row = [&](Eigen::Index k) { return s.used[static_cast<std::size_t>(k)]; };
+  s.with_D.resize(n, n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    for (Eigen::Index i = 0; i < n; ++i) s.with_D(i, j) = s.C(row(i), row(j));
+    s.with_D(j, j) += 1 / s.rows[static_cast<std::size_t>(row(j))].D;
+  }
+  s.factor.compute(s.with_D);
+  if (s.factor.info() != Eigen::Success) s.pivoted_factor.compute(s.with_D);
+}
+
+void solve_dense(ResistingSprings& s, Eigen::VectorXd& x) {
+  const auto n = static_cast<Eigen::Index>(s.used.size());
+  s.of_used.resize(n);
+  for (Eigen::Index k = 0; k < n; ++k) s.of_used[k] = x[s.used[static_cast<std::size_t>(k)]];
+  s.factor.info() == Eigen::Success ? (void)s.factor.solveInPlace(s.of_used)
+                                    : (void)s.pivoted_factor.solveInPlace(s.of_used);
+  x.setZero();
+  for (Eigen::Index k = 0; k < n; ++k) x[s.used[static_cast<std::size_t>(k)]] = s.of_used[k];
+}
+
+bool factorize_sparse(bool all, ResistingSprings& s) {
+  const auto n = static_cast<Eigen::Index>(s.rows.size());
+  const auto has = [&](Eigen::Index i) { return takes_part(s.rows[static_cast<std::size_t>(i)], all); };
   s.own_entries.clear();
   for (const auto& e : s.entries)
     if (has(e.row()) && has(e.col())) s.own_entries.push_back(e);
-  for (Eigen::Index i = 0; i < n; ++i) s.own_entries.emplace_back(static_cast<int>(i), static_cast<int>(i), own(i));
+  for (std::size_t i = 0; i < s.rows.size(); ++i)
+    s.own_entries.emplace_back(static_cast<int>(i), static_cast<int>(i), 1 / s.rows[i].D);
   s.S.resize(n, n);
   s.S.setFromTriplets(s.own_entries.begin(), s.own_entries.end());
   s.sparse_factor.compute(s.S);
-  if (s.sparse_factor.info() != Eigen::Success) return false;
-  x = s.sparse_factor.solve(x).eval();
+  return s.sparse_factor.info() == Eigen::Success;
+}
+
+// D^-1 + J K^-1 J^T of the rows along springs, or of all. False where there is no factor.
+bool factorize_rows(bool all, ResistingSprings& s) {
+  if (!s.is_dense) return factorize_sparse(all, s);
+  s.rows.size() <= kFewRows ? factorize_few(all, s) : factorize_dense(all, s);
   return true;
 }
 
-// D across springs by what they pull with at the end of the step, as far as it is known by the rows along them: a spring
-// that a step relaxes is not stiff across itself.
-bool take_tensions(const SimulationData& d, ResistingSprings& s) {
-  if (std::none_of(s.rows.begin(), s.rows.end(), is_across)) return true;
+// x of (D^-1 + J K^-1 J^T) x = x, of the rows last factorized.
+void solve_rows(ResistingSprings& s, Eigen::VectorXd& x) {
+  if (s.rows.size() <= kFewRows)
+    s.pivoted_factor.solveInPlace(x);
+  else if (s.is_dense)
+    solve_dense(s, x);
+  else
+    x = s.sparse_factor.solve(x).eval();
+}
+
+// D across springs by what they pull with at the end of the step, as far as it is known by the rows along them: a
+// spring that a step relaxes is not stiff across itself.
+void take_tensions(const SimulationData& d, ResistingSprings& s) {
   s.stretching = s.p;
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     double& x = s.stretching[static_cast<Eigen::Index>(i)];
     x = is_across(s.rows[i]) ? 0 : x - s.rows[i].g;
   }
-  if (!solve_rows(false, s, s.stretching)) return false;
+  solve_rows(s, s.stretching);
   double pull = 0;
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     ResistingSprings::Row& row = s.rows[i];
@@ -183,27 +298,42 @@ bool take_tensions(const SimulationData& d, ResistingSprings& s) {
     row.k = std::max(pull, 0.0) / row.length;
     row.D = std::max(d.h * d.h * row.k, kNothing / std::max(s.own[static_cast<Eigen::Index>(i)], kNothing));
   }
-  return true;
 }
 
 // g across springs: J of the velocity at the start less what stretches springs.
-bool keep_turning(const SimulationData& d, ResistingSprings& s) {
+void keep_turning(const SimulationData& d, ResistingSprings& s) {
   const auto n = static_cast<Eigen::Index>(s.rows.size());
-  if (std::none_of(s.rows.begin(), s.rows.end(), is_across)) return true;
   s.rate.resize(n), s.stretching.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const ResistingSprings::Row& row = s.rows[static_cast<std::size_t>(i)];
     s.rate[i] = row.direction.dot(d.applied->springs[static_cast<std::size_t>(row.spring)].rate);
     s.stretching[i] = is_across(row) ? 0 : s.rate[i];
   }
-  if (!solve_rows(false, s, s.stretching)) return false;
-  if (n <= kFewRows)
+  solve_rows(s, s.stretching);
+  if (s.is_dense)
     s.rate.noalias() -= s.C * s.stretching;
   else
     for (const auto& e : s.entries) s.rate[e.row()] -= e.value() * s.stretching[e.col()];
   for (Eigen::Index i = 0; i < n; ++i)
-    if (ResistingSprings::Row& row = s.rows[static_cast<std::size_t>(i)]; is_across(row)) row.g = -row.keeps * s.rate[i];
+    if (ResistingSprings::Row& row = s.rows[static_cast<std::size_t>(i)]; is_across(row))
+      row.g = -row.keeps * s.rate[i];
+}
+
+// What is across springs: D and g, by what the rows along them do.
+bool find_across(const SimulationData& d, ResistingSprings& s) {
+  if (std::none_of(s.rows.begin(), s.rows.end(), is_across)) return true;
+  if (!factorize_rows(false, s)) return false;
+  take_tensions(d, s);
+  keep_turning(d, s);
   return true;
+}
+
+// Whether most of J K^-1 J^T is there.
+bool is_dense(const ResistingSprings& s) {
+  double responses = 0;
+  for (const UnitForce& end : s.ends) responses += 2 * end.number + 1;
+  const auto of_rows = static_cast<double>(s.ends.size());
+  return s.rows.size() <= kFewRows || (s.rows.size() <= kMostRows && kMostZeros * responses >= of_rows * of_rows);
 }
 
 }  // namespace
@@ -218,8 +348,7 @@ ResistingSprings::ResistingSprings(const Scene& scene)
 void add_loads(const Scene& scene, SimulationData& d) {
   if (!d.applied) return;
   ResistingSprings* s = d.resisting && d.resisting->springs ? &*d.resisting->springs : nullptr;
-  if (!s)
-    return add_applied_forces<double>(scene, d.q.data(), d.v.data(), d.dynamics.pushes, *d.applied, d.w.data());
+  if (!s) return add_applied_forces<double>(scene, d.q.data(), d.v.data(), d.dynamics.pushes, *d.applied, d.w.data());
   find_applied_wrenches<double>(scene, d.q.data(), d.v.data(), d.dynamics.pushes, *d.applied);
   follow_loads(scene, s->loads);
   if (s->of_loads)
@@ -244,6 +373,7 @@ void take_springs(const Scene& scene, SimulationData& d) {
     }
   }
   s.numbers = s.unit.numbers();
+  s.is_dense = is_dense(s);
   s.unit.place(scene, d.q);
 }
 
@@ -258,9 +388,10 @@ bool solve_with_springs(const Eigen::VectorXd& b, SimulationData& d) {
     const ResistingSprings::Row& row = s->rows[static_cast<std::size_t>(i)];
     s->p[i] = -s->unit.along(row.spring, row.direction, -1);
   }
-  if (!find_responses(d, *s) || !take_tensions(d, *s) || !keep_turning(d, *s)) return false;
+  if (!find_responses(d, *s) || !find_across(d, *s)) return false;
   for (Eigen::Index i = 0; i < n; ++i) s->p[i] -= s->rows[static_cast<std::size_t>(i)].g;
-  if (!solve_rows(true, *s, s->p)) return false;
+  if (!factorize_rows(true, *s)) return false;
+  solve_rows(*s, s->p);
   s->unit.clear();
   for (std::size_t k = 0; k < s->ends.size(); ++k) s->unit.add(s->ends[k], s->p[s->row[k]]);
   s->b = b + s->unit.torques();

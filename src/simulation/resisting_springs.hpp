@@ -11,7 +11,8 @@
 //     (D^-1 + J K^-1 J^T) p = -(J x0 + g),        and then K v+ = b + J^T p.
 //
 // K^-1 J^T takes a solve for each end of a spring on an island, and one solve serves all islands. Islands are of robots
-// that contacts join, springs do not: the step of many bodies on springs costs in proportion to their number.
+// that contacts join, springs do not: the step of many bodies on springs costs in proportion to their number. An island
+// with many springs takes a panel of right-hand sides instead, K^-1 as a matrix.
 
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCholesky>
@@ -42,14 +43,20 @@ struct ResistingSprings {
   std::vector<int> row;         // of each
   int numbers = 0;              // of `ends`: those of one number are on different islands
   std::vector<int> asked;       // per robot: which of `ends` is asked for on its island, -1
+  std::vector<double> gains;    // per contact: alpha, set aside while unit forces are asked for
+  Eigen::VectorXd by_unit;      // nv: what they give by the matrix K^-1
 
   Eigen::VectorXd p, rate;     // per row: impulse; J v+
   Eigen::VectorXd stretching;  // per row: impulses that take what stretches springs
   Eigen::VectorXd own;         // per row: its entry on the diagonal of J K^-1 J^T
   std::vector<double> fast;    // per spring: h^2 k J K^-1 J^T along it
-  Eigen::MatrixXd C, with_D;   // J K^-1 J^T of few rows, and with D^-1
-  Eigen::LDLT<Eigen::MatrixXd> factor;
-  std::vector<Eigen::Triplet<double>> entries, own_entries;  // of many
+  bool is_dense = true;        // J K^-1 J^T: few rows, or most of them on one island
+  Eigen::MatrixXd C, with_D;   // J K^-1 J^T; of the rows `used`, with D^-1
+  std::vector<int> used;       // rows that are not left out
+  Eigen::VectorXd of_used;
+  Eigen::LLT<Eigen::MatrixXd> factor;                        // of many rows
+  Eigen::LDLT<Eigen::MatrixXd> pivoted_factor;               // of few, and where that fails
+  std::vector<Eigen::Triplet<double>> entries, own_entries;  // where it is not dense
   Eigen::SparseMatrix<double> S;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_factor;
   Eigen::VectorXd b, none;

@@ -31,6 +31,7 @@ bool solve_stage(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Vect
   torques_of_motors(scene, u, data.tau);
   if (data.pd.kp.size() > 0) add_pd_torques(scene, data.pd, q, v, data.tau);
   const Status status = solve_tau(scene, q, v, data.tau, data.dynamics).status;
+  ++data.solves;
   data.worst = std::max(data.worst, status);
   return status != Status::kFailed;
 }

@@ -37,23 +37,79 @@ RandomScene slide(double damping, double friction, double v) {
   return s;
 }
 
+// What resists the slide: a damper or a spring in its joint, a PD law, or a damper or a spring to a point on its axis.
+enum class By { kJoint, kPdLaw, kPoint };
+
+// With damping d and stiffness k towards q = 0, after a time in so many steps.
+SimulationData resisted(By by, double d, double k, double q, double v, double time, int steps) {
+  RandomScene s = slide(by == By::kJoint ? d : 0, 0, v);
+  s.q[0] = q;
+  if (by == By::kJoint && k > 0) s.scene.joint_springs.push_back({0, 0, k, 0});
+  if (by == By::kPoint) {
+    Spring spring{"s", {0, 0, {}}, {-1, -1, {Mat3<double>::Identity(), Vec3<double>(-2, 0, 0)}}, k};
+    spring.length = 2;
+    spring.damping = d;
+    add_spring(s.scene, spring);
+  }
+  SimulationData sim(s.scene, s.q, s.v, Integrator::kSemiImplicitEuler, time / steps);
+  const VectorXd one = VectorXd::Ones(1), none = VectorXd::Zero(1);
+  if (by == By::kPdLaw) sim.pd = {k * one, d * one, none, none};
+  for (int n = 0; n < steps; ++n) EXPECT_EQ(step(s.scene, s.u, sim), StepStatus::kOk);
+  return sim;
+}
+
 // v = v0 exp(-d t / m): the error falls at first order with the step, from h d / m = 1e-6 to 1e6, and energy falls.
 TEST(Resisting, DampersOfAllSizes) {
-  for (double ratio = 1e-6; ratio < 2e6; ratio *= 10)
-    for (const double near : {0.999, 1.001}) {
-      SCOPED_TRACE(ratio * near);
-      const double h = 1e-3, d = ratio * near * kMass / h;
-      const RandomScene s = slide(d, 0, 3);
-      const SimulationData coarse = simulated(s, Integrator::kSemiImplicitEuler, 8 * h, 8),
-                           fine = simulated(s, Integrator::kSemiImplicitEuler, 8 * h, 16);
-      const double run = 3 * kMass / d * -std::expm1(-d * 8 * h / kMass);
-      const auto error = [&](const SimulationData& sim) { return std::abs(sim.q[0] - run); };
-      EXPECT_LE(error(coarse), run * std::min(1.0, d * h / kMass) * 1.01 + 1e-15);
-      if (ratio < 0.02) {
-        EXPECT_NEAR(error(coarse) / error(fine), 2, 0.1);
+  for (const By by : {By::kJoint, By::kPdLaw, By::kPoint})
+    for (double ratio = 1e-6; ratio < 2e6; ratio *= 10)
+      for (const double near : {0.999, 1.001}) {
+        SCOPED_TRACE(std::to_string(static_cast<int>(by)) + " " + std::to_string(ratio * near));
+        const double h = 1e-3, d = ratio * near * kMass / h;
+        const SimulationData coarse = resisted(by, d, 0, 0, 3, 8 * h, 8), fine = resisted(by, d, 0, 0, 3, 8 * h, 16);
+        const double run = 3 * kMass / d * -std::expm1(-d * 8 * h / kMass);
+        const auto error = [&](const SimulationData& sim) { return std::abs(sim.q[0] - run); };
+        EXPECT_LE(error(coarse), run * std::min(1.0, d * h / kMass) * 1.01 + 1e-15);
+        if (ratio < 0.02) {
+          EXPECT_NEAR(error(coarse) / error(fine), 2, 0.1);
+        }
+        EXPECT_NEAR(fine.v[0], 3 * std::pow(1 + d * h / 2 / kMass, -16), 1e-12);
+        EXPECT_LE(std::abs(fine.v[0]), 3);
       }
-      EXPECT_NEAR(fine.v[0], 3 * std::pow(1 + d * h / 2 / kMass, -16), 1e-12);
-      EXPECT_LE(std::abs(fine.v[0]), 3);
+}
+
+// q = q0 cos(w t), from h^2 k / m = 1e-6 to 1e6: the error falls at first order with the step where the step resolves
+// the oscillation, what it does not resolve comes to rest, and nothing jumps in between.
+TEST(Resisting, SpringsOfAllSizes) {
+  constexpr int kSteps = 8;
+  const double h = 1e-3, q0 = 0.1;
+  for (const By by : {By::kJoint, By::kPdLaw, By::kPoint})
+    for (double ratio = 1e-6; ratio < 2e6; ratio *= 10) {
+      double last = NAN;
+      for (const double near : {0.999, 1.001}) {
+        SCOPED_TRACE(std::to_string(static_cast<int>(by)) + " " + std::to_string(ratio * near));
+        const double k = ratio * near * kMass / (h * h), w = std::sqrt(k / kMass);
+        const SimulationData coarse = resisted(by, 0, k, q0, 0, kSteps * h, kSteps),
+                             fine = resisted(by, 0, k, q0, 0, kSteps * h, 2 * kSteps);
+        double q = q0, v = 0;  // m (v+ - v) = -h k (q + h v+)
+        for (int n = 0; n < kSteps; ++n) v = (v - h * w * w * q) / (1 + h * h * w * w), q += h * v;
+        EXPECT_NEAR(coarse.q[0], q, 1e-12 * q0);
+        const auto error = [&](const SimulationData& sim) {
+          return std::abs(sim.q[0] - q0 * std::cos(w * kSteps * h));
+        };
+        // The scheme damps by exp(-h w^2 t / 2), and is late by (h w)^2 / 3 of the phase.
+        EXPECT_LE(error(coarse), q0 * std::min(h * w * w * kSteps * h, 2.0));
+        if (ratio < 2e-3) {
+          EXPECT_NEAR(error(coarse) / error(fine), 2, 0.1);
+        }
+        const auto energy = [&](const SimulationData& sim) {
+          return kMass * sim.v[0] * sim.v[0] / 2 + k * sim.q[0] * sim.q[0] / 2;
+        };
+        EXPECT_LE(energy(coarse), k * q0 * q0 / 2);
+        if (near > 1) {
+          EXPECT_NEAR(coarse.q[0], last, 0.01 * q0);
+        }
+        last = coarse.q[0];
+      }
     }
 }
 

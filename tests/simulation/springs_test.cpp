@@ -195,13 +195,18 @@ TEST(StiffSprings, DampersInJointsToo) {
 }
 
 // The equations of the step with the springs' forces at its end, springs' directions by differences of their lengths:
-// several springs on the same bodies, soft ones beside stiff ones, contacts that hold.
-TEST(StiffSprings, SolveTheEquationsOfTheStep) {
+// several springs on the same bodies, soft ones beside stiff ones, contacts that hold, in place or displaced with
+// gains.
+void expect_equations_of_the_step(bool displaced) {
   RandomScene s = tied_scene(5);
   std::mt19937 rng(3);
   add_random_forces(s.scene, rng, 2, 5);
   const double h = 0.01;
   Scene& scene = s.scene;
+  if (displaced) {
+    set_gains(scene, 1 / (4 * h * h), 3 / (4 * h));
+    s.q = integrate(scene, s.q, VectorXd::Constant(scene.nv, 0.01));
+  }
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
     Spring& spring = scene.springs[k];
     spring.length = 1.2 * spring_length(scene, s.q, spring);  // compressed: nothing is stiff across it
@@ -242,6 +247,13 @@ TEST(StiffSprings, SolveTheEquationsOfTheStep) {
   const VectorXd held = contact_jacobian(plain, s.q).transpose() * (sim.dynamics.f - data.f);
   const VectorXd left = crba(plain, s.q, rigid) * (sim.dynamics.a - data.a) - held;
   EXPECT_LT(left.norm(), 1e-6 * tau.norm());
+}
+
+TEST(StiffSprings, SolveTheEquationsOfTheStep) {
+  for (const bool displaced : {false, true}) {
+    SCOPED_TRACE(displaced);
+    expect_equations_of_the_step(displaced);
+  }
 }
 
 // Masses in space, each by three slides, in a net that hangs on the world, stretched by a twentieth. Where all its

@@ -31,6 +31,51 @@ TEST(Step, AllocatesNothingAfterTheFirst) {
     }
 }
 
+// A chain whose joints and links are resisted: dampers and springs in joints, joint friction, springs and dampers
+// between points on it. One solve suffices for what acts in joints; two more, and one factor of them, serve any number
+// of springs.
+TEST(Step, SolvesAreCounted) {
+  constexpr int kLinks = 40, kSteps = 5;
+  ModelOptions chain;
+  chain.njoints = kLinks;
+  chain.types = {JointType::kRevolute};
+  chain.branching = 0;
+  chain.armature = 0.1;
+  SceneOptions options;
+  options.nrobots = 1;
+  options.ncontacts = 0;
+  options.models = {chain};
+  const auto solves = [&](double damping, double stiffness, double friction, int springs) {
+    std::mt19937 rng(9);
+    RandomScene s = random_scene(rng, options);
+    Model model = *s.scene.robots[0].model;
+    model.damping = Eigen::VectorXd::Constant(model.nv, damping);
+    model.friction = Eigen::VectorXd::Constant(model.nv, friction);
+    s.scene.robots[0].model = std::make_shared<const Model>(model);
+    for (int i = 0; stiffness > 0 && i < kLinks; ++i) s.scene.joint_springs.push_back({0, i, stiffness, 0});
+    for (int i = 0; i < springs; ++i) {
+      Spring spring{"s" + std::to_string(i), {0, i % kLinks, {}}, {-1, -1, random_placement(rng, 3)}, 0.1};
+      spring.length = 100;  // compressed: nothing is stiff across it
+      spring.damping = 1;
+      add_spring(s.scene, spring);
+    }
+    s.v.setZero(), s.u.setZero();
+    SimulationData sim(s.scene, s.q, s.v, Integrator::kSemiImplicitEuler, 1e-3);
+    EXPECT_EQ(step(s.scene, s.u, sim), StepStatus::kOk);
+    const long first = sim.solves;
+    for (int k = 0; k < kSteps; ++k) EXPECT_EQ(step(s.scene, s.u, sim), StepStatus::kOk);
+    EXPECT_EQ((sim.solves - first) % kSteps, 0);
+    return (sim.solves - first) / kSteps;
+  };
+  EXPECT_EQ(solves(0, 0, 0, 0), 1);
+  EXPECT_EQ(solves(1, 0, 0, 0), 1);
+  EXPECT_EQ(solves(1e6, 1e6, 0, 0), 1);
+  EXPECT_EQ(solves(1, 1, 1e4, 0), 1);  // every joint sticks, as in the step before
+  EXPECT_EQ(solves(1, 0, 0, 3), 2 + 3);
+  EXPECT_EQ(solves(1, 0, 0, 40), 3);
+  EXPECT_EQ(solves(1, 0, 0, 80), 3);
+}
+
 TEST(Step, TheSameBitsTwice) {
   for (Integrator integrator : kIntegrators) {
     const RandomScene s = tied_scene(51);

@@ -107,6 +107,7 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
 
   Eigen::VectorXd q, v;        // the state: initial, then updated by step
   long steps = 0;              // number of completed steps
+  long solves = 0;             // number of solves of all steps
   Status worst = Status::kOk;  // the worst status of all solves
   SceneData dynamics;          // a, f and report of the last solve; with semi-implicit Euler a is a mean acceleration,
                                // and there are no derivatives. Between steps, `dynamics.active` may be
