@@ -30,6 +30,8 @@ std::string to_string(Reason reason) {
       return "the scene's moment_length is not a finite number above 0";
     case Reason::kUncertain:
       return "rounding may change the solution by more than its size";
+    case Reason::kLowPrecision:
+      return "the precision is too low for the condition of the island, which was solved in double";
   }
   return "?";
 }
