@@ -31,7 +31,7 @@ std::string to_string(Reason reason) {
     case Reason::kUncertain:
       return "rounding may change the solution by more than its size";
     case Reason::kLowPrecision:
-      return "the precision is too low for the condition of the island, which was solved in double";
+      return "the island cannot be solved in the precision asked for, and was solved in double";
   }
   return "?";
 }
