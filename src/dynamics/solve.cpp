@@ -146,6 +146,7 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   w.prescribed.assign(prescribed.begin(), prescribed.end());
   remake(data.a, scene.nv);
   data.v = v;
+  if (data.options.precision == Precision::kExtended) keep_torques(scene, data, tau.data());
   if (tau.data() != data.tau.data()) data.tau = tau;
   for (const Robot& robot : scene.robots)
     add_friction(*robot.model, data.v.data() + robot.idx_v, data.tau.data() + robot.idx_v);
@@ -162,8 +163,9 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   }
   for (std::size_t i = 0; i < w.islands.size(); ++i)
     if (!w.islands[i]->answered) fail(scene, data, w.islands[i]->island, data.report.islands[i]);
-  summarise(data.report);
   data.serial = w.current = w.state;
+  if (data.options.precision == Precision::kExtended) refine_extended(scene, data);
+  summarise(data.report);
   return data.report;
 }
 

@@ -52,6 +52,20 @@ std::string to_string(Lanes lanes) {
   return "?";
 }
 
+std::string to_string(Precision precision) {
+  switch (precision) {
+    case Precision::kSingle:
+      return "single";
+    case Precision::kMixed:
+      return "mixed";
+    case Precision::kDouble:
+      return "double";
+    case Precision::kExtended:
+      return "extended";
+  }
+  return "?";
+}
+
 namespace {
 template <class T, std::size_t N>
 std::optional<T> called(const std::string& name, const T (&all)[N]) {
@@ -64,5 +78,6 @@ std::optional<T> called(const std::string& name, const T (&all)[N]) {
 std::optional<Method> method_from_string(const std::string& name) { return called(name, kMethods); }
 std::optional<Order> order_from_string(const std::string& name) { return called(name, kOrders); }
 std::optional<Lanes> lanes_from_string(const std::string& name) { return called(name, kLanes); }
+std::optional<Precision> precision_from_string(const std::string& name) { return called(name, kPrecisions); }
 
 }  // namespace manycontact

@@ -30,6 +30,8 @@ std::string to_string(Reason reason) {
       return "the scene's moment_length is not a finite number above 0";
     case Reason::kUncertain:
       return "rounding may change the solution by more than its size";
+    case Reason::kLowPrecision:
+      return "the island cannot be solved in the precision asked for, and was solved in double";
   }
   return "?";
 }

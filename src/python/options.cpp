@@ -32,6 +32,11 @@ void add_enumerations(py::module_& m) {
                           {"BASELINE", Lanes::kBaseline},
                           {"AVX2", Lanes::kAvx2},
                           {"AVX512", Lanes::kAvx512}});
+  add_enumeration<Precision>(m, "Precision", "precision", "The arithmetic of a solve and of its derivatives.",
+                             {{"SINGLE", Precision::kSingle},
+                              {"MIXED", Precision::kMixed},
+                              {"DOUBLE", Precision::kDouble},
+                              {"EXTENDED", Precision::kExtended}});
   add_enumeration<Reason>(m, "Reason", "reason",
                           "Why another method than the requested one was used, or why there is no solution.",
                           {{"NONE", Reason::kNone},
@@ -46,19 +51,21 @@ void add_enumerations(py::module_& m) {
                            {"SINGULAR_INERTIA", Reason::kSingularInertia},
                            {"SPRING_WITHOUT_DIRECTION", Reason::kSpringWithoutDirection},
                            {"BAD_MOMENT_LENGTH", Reason::kBadMomentLength},
-                           {"UNCERTAIN", Reason::kUncertain}});
+                           {"UNCERTAIN", Reason::kUncertain},
+                           {"LOW_PRECISION", Reason::kLowPrecision}});
 }
 
 void add_how_to_solve(py::module_& m) {
   using Held = Handle<Options>;
   py::class_<Held> c(m, "Options",
                      "Options of a solve. Assigning to the attributes of data.options changes those of the data.");
-  c.def(py::init([](Method method, std::optional<Order> order, Lanes lanes, int threads, bool reduce_pairs) {
-          return Held(Options{method, order, lanes, threads, reduce_pairs});
+  c.def(py::init([](Method method, std::optional<Order> order, Lanes lanes, int threads, bool reduce_pairs,
+                   Precision precision) {
+          return Held(Options{method, order, lanes, threads, reduce_pairs, precision});
         }),
         py::arg_v("method", Method::kAuto, "'auto'"), py::arg("order") = py::none(),
         py::arg_v("lanes", Lanes::kAuto, "'auto'"), py::arg("threads") = 1, py::arg("reduce_pairs") = true,
-        "Make options; see the attributes.");
+        py::arg_v("precision", Precision::kDouble, "'double'"), "Make options; see the attributes.");
   handle_field(c, "method", &Options::method, "Method, or its name: 'sparse-ldl', 'dense', ...");
   handle_field(c, "order", &Options::order, "Order, or None: the order of least predicted cost.");
   handle_field(c, "lanes", &Options::lanes, "SIMD instructions for batches of robots, a member of `Lanes`.");
@@ -67,12 +74,15 @@ void add_how_to_solve(py::module_& m) {
       "Number of OpenMP threads inside a call of solve, differentiate, jvp or vjp; 0: as many as OpenMP offers.");
   handle_field(c, "reduce_pairs", &Options::reduce_pairs,
                "Whether rows of several contacts between the same two bodies are reduced to at most six.");
+  handle_field(c, "precision", &Options::precision,
+               "The arithmetic: 'single', 'mixed', 'double' or 'extended', or a member of `Precision`.");
   add_value(c).def("__repr__", [](const Held& h) {
     const Options& o = h.get();
     return "Options('" + to_string(o.method) + "'" + (o.order ? ", '" + to_string(*o.order) + "'" : "") +
            (o.lanes == Lanes::kAuto ? "" : ", lanes='" + to_string(o.lanes) + "'") +
            (o.threads == 1 ? "" : ", threads=" + std::to_string(o.threads)) +
-           (o.reduce_pairs ? "" : ", reduce_pairs=False") + ")";
+           (o.reduce_pairs ? "" : ", reduce_pairs=False") +
+           (o.precision == Precision::kDouble ? "" : ", precision='" + to_string(o.precision) + "'") + ")";
   });
 }
 
@@ -83,6 +93,7 @@ void add_reports(py::module_& m) {
       .def_readonly("status", &IslandReport::status, "Status of the island's solution.")
       .def_readonly("method", &IslandReport::method, "Method that computed the solution.")
       .def_readonly("order", &IslandReport::order, "Elimination order of that method, if it has one.")
+      .def_readonly("precision", &IslandReport::precision, "Precision of the solution.")
       .def_readonly("reason", &IslandReport::reason, "Reason of the last change of order or method, or of the failure.")
       .def_readonly("changed_order", &IslandReport::changed_order,
                     "Whether the chosen order was not accurate, and leaf-to-root was used instead.")

@@ -36,6 +36,9 @@ set(robot_sources src/algorithm/crba.cpp src/algorithm/kinematics.cpp src/algori
                   src/contact/derivatives.cpp src/contact/pair_motion.cpp src/contact/products.cpp src/contact/rows.cpp
                   src/dynamics/lanes/level.cpp)
 set(matrix_sources sparse/src/panels/level.cpp src/lq/level.cpp)
+# The same templates in double-double, for the precision `extended`.
+set(extended_sources src/algorithm/applied_forces.cpp src/algorithm/kinematics.cpp src/algorithm/rnea.cpp
+                     src/contact/pair_motion.cpp src/contact/rows.cpp src/dynamics/extended/level.cpp)
 
 # The static library manycontact_kernels. Floors call its kernels, and these call floors: static libraries may.
 target_link_libraries(manycontact INTERFACE manycontact_kernels)
@@ -43,7 +46,7 @@ if(MANYCONTACT_FUZZ_LINKS)
   built_floor(kernels manycontact_kkt)
   return()
 endif()
-add_library(manycontact_kernels STATIC src/simd/levels.cpp)
+add_library(manycontact_kernels STATIC src/simd/levels.cpp src/simd/equations.cpp)
 add_library(manycontact::kernels ALIAS manycontact_kernels)
 set_target_properties(manycontact_kernels PROPERTIES EXPORT_NAME kernels UNITY_BUILD OFF)
 target_compile_options(manycontact_kernels PRIVATE ${own_flags})
@@ -52,11 +55,24 @@ target_include_directories(manycontact_kernels PRIVATE src)
 target_link_libraries(manycontact_kernels PUBLIC manycontact_kkt)
 foreach(level IN LISTS lane_levels)
   set(objects)
-  foreach(kernels IN ITEMS robot matrix)
+  set(all_kernels robot matrix)
+  if(NOT level STREQUAL "avx512")  # double-double gains nothing from it
+    list(APPEND all_kernels extended)
+  endif()
+  foreach(kernels IN LISTS all_kernels)
     set(target ${kernels}_kernels_${level})
     add_library(${target} OBJECT ${${kernels}_sources})
     target_compile_options(${target} PRIVATE ${own_flags} -Wno-psabi -ffp-contract=off ${lane_flags_${level}})
-    target_compile_definitions(${target} PRIVATE MANYCONTACT_LEVEL=${level} MANYCONTACT_LANES=${lane_width_${level}})
+    target_compile_definitions(${target} PRIVATE MANYCONTACT_LEVEL=${level})
+    set(max_align 64)
+    set(static_align 64)
+    if(kernels STREQUAL "extended")  # no packs: the library's own headers, alignment and memory
+      set(max_align ${abi_max_align})
+      set(static_align ${abi_static_align})
+      target_compile_definitions(${target} PRIVATE $<$<NOT:$<STREQUAL:${level},baseline>>:EIGEN_DONT_VECTORIZE>)
+    else()
+      target_compile_definitions(${target} PRIVATE MANYCONTACT_LANES=${lane_width_${level}})
+    endif()
     target_include_directories(${target} PRIVATE include src ${PROJECT_BINARY_DIR}/include)
     target_link_libraries(${target} PRIVATE Eigen3::Eigen)
     target_compile_features(${target} PRIVATE cxx_std_20)
@@ -64,12 +80,15 @@ foreach(level IN LISTS lane_levels)
       # Vectors of the level's width want their own alignment; no memory of Eigen's crosses the border.
       target_compile_options(${target} PRIVATE
         $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique> -UEIGEN_MAX_ALIGN_BYTES -UEIGEN_MAX_STATIC_ALIGN_BYTES
-        -DEIGEN_MAX_ALIGN_BYTES=64 -DEIGEN_MAX_STATIC_ALIGN_BYTES=64
+        -DEIGEN_MAX_ALIGN_BYTES=${max_align} -DEIGEN_MAX_STATIC_ALIGN_BYTES=${static_align}
         $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)  # GCC 12 warns of its own AVX-512 header
     endif()
     list(APPEND objects $<TARGET_OBJECTS:${target}>)
   endforeach()
   set_target_properties(robot_kernels_${level} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+  if(TARGET extended_kernels_${level})
+    set_target_properties(extended_kernels_${level} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+  endif()
   set_target_properties(matrix_kernels_${level} PROPERTIES UNITY_BUILD OFF)  # both have their `product`
   target_compile_definitions(manycontact_kernels PRIVATE MANYCONTACT_LEVEL_${level})
   if(level STREQUAL "baseline")

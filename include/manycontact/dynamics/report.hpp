@@ -34,6 +34,7 @@ struct IslandReport {  // Status and accuracy of the solution of one island.
   Method method = Method::kSparseLdl;  // the method that computed the solution
   Order order = Order::kLeafToRoot;    // its elimination order, if the method has one
   Reason reason = Reason::kNone;       // of the last change of order or method, of the failure, or kUncertain
+  Precision precision = Precision::kDouble;  // the precision of the solution
   bool changed_order = false;          // the chosen order was not accurate, and leaf-to-root was used instead
   int nv = 0, nc = 0;
   int rank = 0;                     // of J; nc with damping, since K is regular then; 0 if failed

@@ -66,6 +66,21 @@ std::string to_string(Lanes lanes);                               // "auto", "of
 std::optional<Lanes> lanes_from_string(const std::string& name);  // the level with the given name, as to_string writes
                                                                   // it
 
+/// The arithmetic of a solve and of the derivatives and products at its solution. The terms of K and of the right-hand
+/// side, its factor, and the residuals of iterative refinement are computed in:
+enum class Precision {
+  kSingle,    // float, float, float: errors of about 1e-7 times the condition of K
+  kMixed,     // double, float, double: as accurate as kDouble
+  kDouble,    // double throughout
+  kExtended,  // double-double, double, double-double: errors of a few units in the last place of a double, up to a
+              // condition of 1e15
+};
+inline constexpr Precision kPrecisions[] = {Precision::kSingle, Precision::kMixed, Precision::kDouble,
+                                            Precision::kExtended};
+std::string to_string(Precision precision);  // "single", "mixed", "double", "extended"
+/// The precision with the given name, as to_string writes it; none if there is no such precision.
+std::optional<Precision> precision_from_string(const std::string& name);
+
 inline constexpr int kMostThreads = 4096;  // larger numbers of threads are refused
 
 struct Options {  // How to solve.
@@ -84,6 +99,9 @@ struct Options {  // How to solve.
   /// the contacts are expressed in A's axes. If false, dependent rows are found in K instead, and `complete` shows
   /// every contact.
   bool reduce_pairs = true;
+  /// Islands that cannot be solved in this precision are solved in kDouble; IslandReport::precision shows which was
+  /// used, and IslandReport::reason is kLowPrecision.
+  Precision precision = Precision::kDouble;
   bool operator==(const Options&) const = default;
 };
 

@@ -19,6 +19,7 @@ enum class Reason {
   kSpringWithoutDirection,  // the two ends of a spring coincide
   kBadMomentLength,         // the scene's moment_length is not finite and positive
   kUncertain,  // rounding errors may change the solution by more than its size, according to estimate_errors
+  kLowPrecision,  // the island cannot be solved in the precision of the options; it was solved in double
 };
 std::string to_string(Reason reason);  // in words, for people
 

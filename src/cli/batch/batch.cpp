@@ -259,7 +259,8 @@ const Command& batch_command() {
        {"--threads", "N", "default: all cores; under mpirun 1 per process"},
        {"--islands", "", "under mpirun: processes share the scene's islands, not the states"},
        method_option(),
-       order_option()},
+       order_option(),
+       precision_option()},
       "Islands that failed have NaN in a, f and the derivatives. A file appears under its name when it is whole. "
       "The\n"
       "bytes do not depend on the number of threads or processes.\n"

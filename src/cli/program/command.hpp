@@ -57,9 +57,10 @@ void check_folder(const std::string& option, const std::string& folder, const st
 /// Whether one of the options `written` names standard output. Then nothing else is printed there.
 bool is_standard_output(const Arguments& arguments, const std::vector<std::string>& written);
 
-/// --method and --order, and what they mean. Throws UsageError.
+/// --method, --order and --precision, and their values. Throws UsageError.
 Option method_option();
 Option order_option();
+Option precision_option();
 Options solver_options(const Arguments& arguments);
 
 /// "usage: manycontact solve SCENE [--method M] ...", one line.

@@ -21,6 +21,8 @@ Option order_option() {
   return {"--order", "O", "of elimination, for sparse-ldl and sparse-cholmod: " + names_of(kOrders)};
 }
 
+Option precision_option() { return {"--precision", "P", "arithmetic of the solution: " + names_of(kPrecisions)}; }
+
 Options solver_options(const Arguments& arguments) {
   Options options;
   if (const auto name = arguments.value("--method")) {
@@ -35,6 +37,11 @@ Options solver_options(const Arguments& arguments) {
     if (!options.order) throw UsageError("unknown order '" + *name + "', expected one of " + names_of(kOrders));
     if (!has_order(options.method) && options.method != Method::kAuto)
       throw UsageError("method " + to_string(options.method) + " has no order to choose");
+  }
+  if (const auto name = arguments.value("--precision")) {
+    const auto precision = precision_from_string(*name);
+    if (!precision) throw UsageError("unknown precision '" + *name + "', expected one of " + names_of(kPrecisions));
+    options.precision = *precision;
   }
   return options;
 }

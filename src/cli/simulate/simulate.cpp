@@ -437,7 +437,8 @@ const Command& simulate_command() {
        view_option(),
        {"--progress", "", "shows progress even where standard error is not a terminal"},
        method_option(),
-       order_option()},
+       order_option(),
+       precision_option()},
       "Exit status: 0 ok, redundant, inconsistent; 1 regularised, or stopped before the end; 2 bad usage, bad input\n"
       "or output. It stops if the solver fails, the state is not finite or faster than 1e5 m/s or rad/s, and by "
       "Ctrl-C.\n"

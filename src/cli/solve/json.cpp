@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -37,6 +38,7 @@ Json island_entry(const Scene& scene, const Island& island, const IslandReport& 
           {"status", to_string(r.status)},
           {"method", to_string(r.method)},
           {"order", order_of(r)},
+          {"precision", to_string(r.precision)},
           {"reason", to_string(r.reason)},
           {"remedy", remedy(r)},
           {"nv", r.nv},
@@ -54,6 +56,13 @@ Json island_entry(const Scene& scene, const Island& island, const IslandReport& 
           {"dependent_rows", dependent}};
 }
 
+// The least precise of the islands; without islands the one asked for.
+Precision least_precision(const Report& report, Precision asked) {
+  Precision least = report.islands.empty() ? asked : report.islands.front().precision;
+  for (const IslandReport& island : report.islands) least = std::min(least, island.precision);
+  return least;
+}
+
 Json report(const SolvedScene& s) {
   const Report& r = s.data.report;
   Json list = Json::array();
@@ -66,6 +75,7 @@ Json report(const SolvedScene& s) {
   return {{"status", to_string(r.status)},
           {"remedy", remedy(r)},
           {"method", to_string(r.method)},
+          {"precision", to_string(least_precision(r, s.data.options.precision))},
           {"answered_by", answered},
           {"islands", count_islands(s.file.scene, s.data)},
           {"nv", r.nv},

@@ -139,6 +139,7 @@ const Command& solve_command() {
       "Accelerations and contact forces of the scene, with status and accuracy.",
       {method_option(),
        order_option(),
+       precision_option(),
        {"--derivatives", "", "also those of accelerations and forces with respect to q, v and u"},
        {"--quasi-static", "", "also the torques that keep the scene at rest"},
        {"--repeat", "N", "times are medians over N solves, after one to warm up"},

@@ -53,9 +53,9 @@ std::vector<Alike> alike_islands(const SceneData& data) {
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
     const IslandReport& r = data.report.islands[i];
     const Rounding rounding = find_rounding(r);
-    const std::vector<int> key{int(r.status),  int(r.method), int(r.order), int(r.reason),     r.changed_order,
-                               r.nv,           r.nc,          r.rank,       r.factor_nonzeros, rounding.acceleration,
-                               rounding.forces};
+    const std::vector<int> key{int(r.status),         int(r.method),  int(r.order), int(r.reason), r.changed_order,
+                               int(r.precision),      r.nv,           r.nc,         r.rank,        r.factor_nonzeros,
+                               rounding.acceleration, rounding.forces};
     const auto [at, fresh] = seen.emplace(key, out.size());
     if (fresh) out.push_back({{}, i, r});
     Alike& alike = out[at->second];
@@ -106,6 +106,13 @@ std::string errors_in_words(const IslandReport& r) {
   return a + (a.empty() || f.empty() ? "" : ", ") + f;
 }
 
+// Empty where nothing but double was asked for.
+std::string precision_in_words(const SolvedScene& s, const IslandReport& r) {
+  const Precision asked = s.data.options.precision;
+  if (asked == Precision::kDouble) return "";
+  return to_string(r.precision) + (r.precision == asked ? "" : ", since " + to_string(Reason::kLowPrecision));
+}
+
 std::string times(const SolvedScene& s) {
   return "analysis " + number(s.time.symbolic) + " us, set-up " + number(s.time.setup) + " us, one solve " +
          number(s.time.solve) + " us" + (s.repeat > 1 ? " (medians of " + std::to_string(s.repeat) + ")" : "");
@@ -128,6 +135,7 @@ void print_one_kind(std::ostream& out, const SolvedScene& s, const Alike& kind) 
   line("dependent", dependent_rows(s, r));
   line("method", to_string(r.method) + (has_order(r.method) ? ", " + to_string(r.order) + " order" : ""));
   line("why", why(s, kind));
+  line("precision", precision_in_words(s, r));
   line("factor",
        count(r.factor_nonzeros, "non-zero") + each + "; " + count(r.refinement_steps, "step") + " of refinement");
   line("residuals",
@@ -174,7 +182,9 @@ void print_several_kinds(std::ostream& out, const SolvedScene& s, const std::vec
   print_kinds(out, s, kinds, shown);
   for (std::size_t k = 0; k < shown; ++k) {
     const std::string text = why(s, kinds[k]), errors = errors_in_words(kinds[k].report);
-    const std::string both = text + (text.empty() || errors.empty() ? "" : "; errors: ") + errors;
+    std::string both = text + (text.empty() || errors.empty() ? "" : "; errors: ") + errors;
+    if (const std::string precision = precision_in_words(s, kinds[k].report); !precision.empty())
+      both += (both.empty() ? "precision: " : "; precision: ") + precision;
     if (!both.empty()) wrap(out, both, 2, islands_name(s.file, kinds[k].islands) + ": ");
   }
   wrap(out,

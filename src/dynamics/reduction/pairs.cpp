@@ -188,6 +188,7 @@ void prepare_reduction(const Scene& scene, SceneData& data) {
   Reduction& r = *w.reduction;
   Options options = data.options;
   options.reduce_pairs = false;
+  if (options.precision == Precision::kExtended) options.precision = Precision::kDouble;  // refined on the scene itself
   if (!r.data) {
     std::vector<char> active;
     set_active(data.active, r, active);

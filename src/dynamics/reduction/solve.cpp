@@ -198,6 +198,10 @@ const Report& solve_reduced(const Scene& scene, const ConstVector& q, const Cons
   if (scene.damping > 0) add_damped_contradictions(data, scene.damping, r, prescribed, data.f);
   take_report(scene, data, r, prescribed);
   data.serial = w.current = ++w.state;
+  if (data.options.precision != Precision::kExtended) return data.report;
+  keep_torques(scene, data, r.given.data());
+  refine_extended(scene, data);
+  summarise(data.report);
   return data.report;
 }
 

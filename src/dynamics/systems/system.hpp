@@ -23,6 +23,7 @@
 namespace manycontact {
 
 struct IslandWork;
+struct ProductWork;
 struct ThreadWork;
 
 namespace internal {
@@ -94,6 +95,8 @@ class IslandSystem {
   /// Products with them, by a solve that is refined once.
   virtual bool jvp(const Scene &, SceneData &, ThreadWork &, const TangentProduct &) { return false; }
   virtual bool vjp(const Scene &, SceneData &, ThreadWork &, const AdjointProduct &) { return false; }
+  /// [a; y] <- K^+ [a; y] of the scratch of products (Workspace::products), refined at least once.
+  virtual bool invert(const Scene &, SceneData &, ThreadWork &, ProductWork &) { return false; }
   /// error_acceleration and error_forces of the report, as estimate_errors has them.
   virtual bool bound_errors(const Scene &, SceneData &, IslandReport &) { return false; }
   /// The report's condition.

@@ -6,6 +6,7 @@
 
 #include "../applied_forces.hpp"
 #include "../derivatives/linearisation.hpp"
+#include "../extended/extended.hpp"
 #include "../reduction/reduction.hpp"
 #include "../robot_quantities.hpp"
 #include "../systems/bodies/bodies.hpp"
@@ -150,6 +151,9 @@ struct Workspace {
   std::unique_ptr<Linearisation> linearisation;
   DerivativeData derivatives;
   std::unique_ptr<ProductWork> products;
+
+  // by solve in the precision `extended`
+  std::unique_ptr<ExtendedWork> extended;
 };
 
 namespace internal {

@@ -225,4 +225,21 @@ bool BodiesSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const A
   return true;
 }
 
+bool BodiesSystem::invert(const Scene& scene, SceneData& data, ThreadWork&, ProductWork& work) {
+  if (!make_current(scene, data)) return false;
+  products.resize(*factor.system.pattern);
+  BodySolve& w = products;
+  w.b.set_zero();
+  each_velocity_block(scene, owner.island,
+                      [&](int from, int to, int n) { w.b.joints.segment(to, n) = work.a.segment(from, n); });
+  each_force_block(scene, data.f_offset, owner.island,
+                   [&](int from, int to, int n) { w.b.rows.segment(to, n) = work.y.segment(from, n); });
+  (void)solve_refined(factor.system, factor.ldl, w, 1);
+  each_velocity_block(scene, owner.island,
+                      [&](int to, int from, int n) { work.a.segment(to, n) = w.x.joints.segment(from, n); });
+  each_force_block(scene, data.f_offset, owner.island,
+                   [&](int to, int from, int n) { work.y.segment(to, n) = w.x.rows.segment(from, n); });
+  return true;
+}
+
 }  // namespace manycontact

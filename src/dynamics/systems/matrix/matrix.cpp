@@ -216,4 +216,8 @@ bool MatrixSystem::vjp(const Scene& scene, SceneData& data, ThreadWork& thread, 
   return else_by_oracle(scene, data, thread, *this, [&] { return vjp_once(scene, data, thread.v, *this, p); });
 }
 
+bool MatrixSystem::invert(const Scene& scene, SceneData& data, ThreadWork& thread, ProductWork& work) {
+  return factor && solve_product(scene, data, *this, thread.v, work);
+}
+
 }  // namespace manycontact

@@ -38,6 +38,7 @@ class MatrixSystem final : public IslandSystem {
   bool differentiate(const Scene&, SceneData&, ThreadWork&, IslandDerivatives&) override;
   bool jvp(const Scene&, SceneData&, ThreadWork&, const TangentProduct&) override;
   bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) override;
+  bool invert(const Scene&, SceneData&, ThreadWork&, ProductWork&) override;
   bool bound_errors(const Scene&, SceneData&, IslandReport&) override;
   bool estimate_condition(const Scene&, SceneData&, IslandReport&) override;
 

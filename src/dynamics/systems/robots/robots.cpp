@@ -422,4 +422,10 @@ bool RobotsSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const A
   return true;
 }
 
+bool RobotsSystem::invert(const Scene& scene, SceneData& data, ThreadWork&, ProductWork& work) {
+  if (drops) return false;
+  internal::solve_once_refined(scene, data, *this, work);
+  return true;
+}
+
 }  // namespace manycontact

@@ -79,6 +79,7 @@ class RobotsSystem final : public IslandSystem {
   bool differentiate(const Scene&, SceneData&, ThreadWork&, IslandDerivatives&) override;
   bool jvp(const Scene&, SceneData&, ThreadWork&, const TangentProduct&) override;
   bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) override;
+  bool invert(const Scene&, SceneData&, ThreadWork&, ProductWork&) override;
 
   /// From here on with or without the rows of `dropped`.
   void drop_rows(bool on);

@@ -1,0 +1,67 @@
+#pragma once
+// The equations of a scene in double-double, for the precision `extended`:
+//
+//     [M  J^T     ] [ a]   [tau - h        ]
+//     [J  -delta I] [-f] = [prescribed - a0].
+//
+// K is never formed: K x is inverse dynamics of the accelerations a with the contacts' forces f on the bodies, and the
+// relative accelerations of the contacts' frames, at a cost linear in the bodies. A double factor of K corrects x
+// (extended.cpp). Compiled once per level of instructions (src/simd/levels.cmake), where the scalar stays.
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "manycontact/model/scene.hpp"
+
+namespace manycontact::extended {
+
+/// A state in the scene's coordinates. Everything is read during the calls alone.
+struct Job {
+  const Scene& scene;
+  const double *q, *v, *tau;         // tau (nv): without friction, springs and external wrenches
+  std::span<const Vec6<double>> w;   // external wrenches, one per push of the scene
+  bool applied;                      // whether any wrench or spring acts
+  const double* prescribed;          // of the rows, as f; nullptr: zero
+  const std::vector<int>& f_offset;  // per contact; negative: not active
+};
+
+/// What a call is about: whole islands.
+struct Part {
+  std::span<const int> robots, contacts;  // of the scene
+};
+
+class Equations {
+ public:
+  virtual ~Equations() = default;
+
+  /// The terms at a state. x = [a; f], of nv and of f's rows; r = b - K x.
+  virtual void begin(const Job& job, const Part& part, const double* a, const double* f) = 0;
+  /// x += [da; df], and with `residual` r -= K [da; df].
+  virtual void add(const Part& part, const double* da, const double* df, bool residual) = 0;
+  /// r, rounded.
+  virtual void residual(const Part& part, double* of_dynamics, double* of_contacts) const = 0;
+  /// x, rounded.
+  virtual void round(const Part& part, double* a, double* f) const = 0;
+
+  // The forces of least norm |S^-1 f| with the same J^T f: f = S^2 J y.
+  /// rest = f, of x or of the caller's, y = 0. weights: S, per row of f.
+  virtual void begin_projection(const Part& part, const double* weights, const double* f) = 0;
+  /// y += dy, rest -= S^2 J dy.
+  virtual void project(const Part& part, const double* dy) = 0;
+  /// S^-2 rest, rounded: what a step dy is to satisfy as J dy.
+  virtual void rest(const Part& part, double* f) const = 0;
+  /// Takes the rest from x's f, and from r what it changes.
+  virtual void take_rest(const Part& part) = 0;
+  /// |J^T rest| relative to |J|^T |rest| as the bodies' forces show it, the largest of each over all coordinates.
+  virtual double force_of_rest(const Part& part) = 0;
+};
+
+struct Level {
+  std::unique_ptr<Equations> (*make)(const Scene& scene);
+};
+
+/// The fastest level that runs here.
+const Level& level_here();
+
+}  // namespace manycontact::extended

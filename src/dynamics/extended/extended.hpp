@@ -1,0 +1,57 @@
+#pragma once
+// The precision `extended`: an answer in double, of whichever system, refined with residuals in double-double until a
+// and f do not change any more. The terms of the scene are evaluated in double-double, x = [a; f] is one, and each
+// correction is K^+ r by what answered in double (IslandSystem::invert). Forces of dependent rows are projected so
+// that they have the least norm, in double-double too.
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "equations.hpp"
+#include "manycontact/dynamics/report.hpp"
+#include "manycontact/kkt/island.hpp"
+
+namespace manycontact {
+
+struct SceneData;
+
+struct ExtendedWork {
+  explicit ExtendedWork(const Scene& scene);
+
+  /// One island at work, and afterwards what its bounds need.
+  struct OfIsland {
+    bool open = false;                    // it is being refined
+    bool refined = false;                 // it converged
+    bool projects = false;                // its rows depend on each other
+    double before = 0, now = 0;           // sizes of corrections, relative to a and f, the larger
+    double at_rest_a = 0, at_rest_f = 0;  // what vanishing a and f are small beside
+    double size_a = 0, size_f = 0;        // the largest of a and f, as the double answer had them
+    double last_a = 0, last_f = 0;        // the last correction, relative to the largest of a and f
+    double contradiction = 0;             // what the rows contradict each other by, relative to their terms
+    int steps = 0;
+    Status status = Status::kOk;  // of the answer
+    Reason reason = Reason::kNone;
+  };
+
+  std::unique_ptr<extended::Equations> equations;
+  std::vector<OfIsland> islands;
+  std::vector<int> robots, contacts;  // of the islands at work
+  Eigen::VectorXd tau;                // nv: the torques given
+  Eigen::VectorXd a, f;               // x, rounded
+  Eigen::VectorXd r, r_a;             // of the scene: residuals
+  Eigen::VectorXd weights, rest;      // per row of f
+};
+
+namespace internal {
+
+/// Keeps the torques given (nv), without friction, springs and external wrenches.
+void keep_torques(const Scene& scene, SceneData& data, const double* tau);
+/// Refines the double answer at hand.
+void refine_extended(const Scene& scene, SceneData& data);
+/// Bounds of islands that were refined, in place of those of their double answers, which the report has.
+void take_extended_bounds(const Scene& scene, SceneData& data);
+
+}  // namespace internal
+
+}  // namespace manycontact

@@ -1,0 +1,19 @@
+#include "dynamics/extended/equations.hpp"
+
+#include <string_view>
+
+#include "simd/levels.hpp"
+
+namespace manycontact::extended {
+
+extern const Level level_baseline, level_avx2;
+
+// Double-double needs the fused product alone, and gains nothing from wider registers.
+const Level& level_here() {
+#ifdef MANYCONTACT_LEVEL_avx2
+  if (simd::levels().front().name != std::string_view("baseline")) return level_avx2;
+#endif
+  return level_baseline;
+}
+
+}  // namespace manycontact::extended
