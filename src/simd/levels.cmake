@@ -36,6 +36,9 @@ set(robot_sources src/algorithm/crba.cpp src/algorithm/kinematics.cpp src/algori
                   src/contact/derivatives.cpp src/contact/pair_motion.cpp src/contact/products.cpp src/contact/rows.cpp
                   src/dynamics/lanes/level.cpp)
 set(matrix_sources sparse/src/panels/level.cpp src/lq/level.cpp)
+# Robots alone in floats, twice as many in a register.
+set(single_sources src/algorithm/crba.cpp src/algorithm/kinematics.cpp src/algorithm/rnea.cpp
+                   src/contact/pair_motion.cpp src/contact/rows.cpp src/dynamics/lanes/single.cpp)
 
 # The static library manycontact_kernels. Floors call its kernels, and these call floors: static libraries may.
 target_link_libraries(manycontact INTERFACE manycontact_kernels)
@@ -52,11 +55,16 @@ target_include_directories(manycontact_kernels PRIVATE src)
 target_link_libraries(manycontact_kernels PUBLIC manycontact_kkt)
 foreach(level IN LISTS lane_levels)
   set(objects)
-  foreach(kernels IN ITEMS robot matrix)
+  foreach(kernels IN ITEMS robot matrix single)
     set(target ${kernels}_kernels_${level})
     add_library(${target} OBJECT ${${kernels}_sources})
     target_compile_options(${target} PRIVATE ${own_flags} -Wno-psabi -ffp-contract=off ${lane_flags_${level}})
-    target_compile_definitions(${target} PRIVATE MANYCONTACT_LEVEL=${level} MANYCONTACT_LANES=${lane_width_${level}})
+    set(pack ${lane_width_${level}})
+    if(kernels STREQUAL "single")
+      math(EXPR pack "2 * ${pack}")
+      set(pack "${pack},float")
+    endif()
+    target_compile_definitions(${target} PRIVATE MANYCONTACT_LEVEL=${level} MANYCONTACT_LANES=${pack})
     target_include_directories(${target} PRIVATE include src ${PROJECT_BINARY_DIR}/include)
     target_link_libraries(${target} PRIVATE Eigen3::Eigen)
     target_compile_features(${target} PRIVATE cxx_std_20)
@@ -69,7 +77,8 @@ foreach(level IN LISTS lane_levels)
     endif()
     list(APPEND objects $<TARGET_OBJECTS:${target}>)
   endforeach()
-  set_target_properties(robot_kernels_${level} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+  set_target_properties(robot_kernels_${level} single_kernels_${level} PROPERTIES UNITY_BUILD ON
+                                                                              UNITY_BUILD_BATCH_SIZE 0)
   set_target_properties(matrix_kernels_${level} PROPERTIES UNITY_BUILD OFF)  # both have their `product`
   target_compile_definitions(manycontact_kernels PRIVATE MANYCONTACT_LEVEL_${level})
   if(level STREQUAL "baseline")
