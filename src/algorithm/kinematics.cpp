@@ -7,6 +7,11 @@
 
 namespace manycontact {
 
+#ifdef MANYCONTACT_LANES
+template <int W>
+inline constexpr int kAngles<Pack<W, float>> = W == 1 ? 8 : 4;
+#endif
+
 template <class S>
 Kinematics<S>::Kinematics(const Model& model)
     : origins(model.trees.size()),

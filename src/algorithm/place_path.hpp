@@ -14,7 +14,8 @@ namespace detail {
 /// The upper half of a number's digits. Source: Veltkamp, as in Dekker, Numerische Mathematik 18 (1971).
 template <class S>
 inline S upper_half(const S& a) {
-  constexpr int digits = std::numeric_limits<S>::is_specialized ? std::numeric_limits<S>::digits : 53;  // packs: 53
+  int digits = std::numeric_limits<S>::digits;
+  if constexpr (requires { typename S::Element; }) digits = std::numeric_limits<typename S::Element>::digits;
   const S c = a * (S(static_cast<double>(std::int64_t(1) << ((digits + 1) / 2))) + S(1));
   return c - (c - a);
 }

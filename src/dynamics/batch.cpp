@@ -53,7 +53,7 @@ Scene copies_of(const Scene& scene, int count) {
 int states_side_by_side(const SceneData& data) {
   const Workspace& w = solver_of(data);
   if (!w.lanes.level) return 1;
-  const int width = w.lanes.level->width;
+  const int width = batch_width(w);
   const auto leaves_room = [&](const BlockGroup& group) {
     const auto members = std::ranges::count_if(w.islands, [&](const auto& d) { return d->alone.group == &group; });
     return members > 0 && members < width;
@@ -126,7 +126,7 @@ void check(const char* function, const Scene& scene, const BatchStates& s, const
 std::ptrdiff_t worth_it(int copies) { return std::min(copies, 3); }
 
 void prepare_copies(const Scene& scene, BatchData& batch) {
-  const int count = internal::solver_of(batch.threads.front().data).lanes.level->width;
+  const int count = internal::batch_width(internal::solver_of(batch.threads.front().data));
   for (BatchData::Thread& thread : batch.threads) {
     if (!thread.copies || thread.copies->count != count) {
       thread.copies.reset();

@@ -36,7 +36,9 @@ void evaluate_bias(const Model& model, const SE3<B>& base, const ConstVecRef<S>&
 /// their rounding.
 template <class S, class Column>
 S without_rounding(const S& m, const Column& J, const Inertia<S>& Y) {
-  const S rounding(tolerance::kRounding * std::numeric_limits<double>::epsilon());
+  double eps = std::numeric_limits<double>::epsilon();
+  if constexpr (requires { typename S::Element; }) eps = std::numeric_limits<typename S::Element>::epsilon();
+  const S rounding(tolerance::kRounding * eps);
   const S terms = J.template head<3>().squaredNorm() * Y.m + J.template tail<3>().squaredNorm() * Y.I.trace();
   return select(absolute(m) <= rounding * terms, S(0), m);
 }

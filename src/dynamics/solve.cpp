@@ -93,6 +93,15 @@ void solve_joined(const Scene& scene, SceneData& data, Dropped dropped) {
   }
 }
 
+// Which islands were solved in double, though the options ask for less.
+void tell_precision(SceneData& data) {
+  const Precision wanted = data.workspace->options.precision;
+  if (wanted != Precision::kSingle && wanted != Precision::kMixed) return;
+  for (IslandReport& report : data.report.islands)
+    if (report.status != Status::kFailed && report.precision == Precision::kDouble && report.reason == Reason::kNone)
+      report.reason = Reason::kLowPrecision;
+}
+
 }  // namespace
 
 void reset_warm_starts(SceneData& data) {
@@ -157,12 +166,14 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   for (const auto& d : w.islands) d->answered = nullptr, d->factorizations = 0, d->refused = false;
   const OneBlasOfThreads one_blas_thread(w);
   for (const Dropped dropped : {Dropped::kAsBefore, Dropped::kNone, Dropped::kAsFound}) {
+    if (dropped == Dropped::kNone) solve_alone_in_low(scene, data);
     solve_alone(scene, data, dropped);
     solve_joined(scene, data, dropped);
     solve_left(scene, data, dropped);
   }
   for (std::size_t i = 0; i < w.islands.size(); ++i)
     if (!w.islands[i]->answered) fail(scene, data, w.islands[i]->island, data.report.islands[i]);
+  tell_precision(data);
   data.serial = w.current = w.state;
   if (data.options.precision == Precision::kExtended) refine_extended(scene, data);
   summarise(data.report);

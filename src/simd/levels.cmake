@@ -39,6 +39,9 @@ set(matrix_sources sparse/src/panels/level.cpp src/lq/level.cpp)
 # The same templates in double-double, for the precision `extended`.
 set(extended_sources src/algorithm/applied_forces.cpp src/algorithm/kinematics.cpp src/algorithm/rnea.cpp
                      src/contact/pair_motion.cpp src/contact/rows.cpp src/dynamics/extended/level.cpp)
+# Robots alone in floats, twice as many in a register.
+set(single_sources src/algorithm/crba.cpp src/algorithm/kinematics.cpp src/algorithm/rnea.cpp
+                   src/contact/pair_motion.cpp src/contact/rows.cpp src/dynamics/lanes/single.cpp)
 
 # The static library manycontact_kernels. Floors call its kernels, and these call floors: static libraries may.
 target_link_libraries(manycontact INTERFACE manycontact_kernels)
@@ -55,7 +58,7 @@ target_include_directories(manycontact_kernels PRIVATE src)
 target_link_libraries(manycontact_kernels PUBLIC manycontact_kkt)
 foreach(level IN LISTS lane_levels)
   set(objects)
-  set(all_kernels robot matrix)
+  set(all_kernels robot matrix single)
   if(NOT level STREQUAL "avx512")  # double-double gains nothing from it
     list(APPEND all_kernels extended)
   endif()
@@ -71,7 +74,12 @@ foreach(level IN LISTS lane_levels)
       set(static_align ${abi_static_align})
       target_compile_definitions(${target} PRIVATE $<$<NOT:$<STREQUAL:${level},baseline>>:EIGEN_DONT_VECTORIZE>)
     else()
-      target_compile_definitions(${target} PRIVATE MANYCONTACT_LANES=${lane_width_${level}})
+      set(pack ${lane_width_${level}})
+      if(kernels STREQUAL "single")
+        math(EXPR pack "2 * ${pack}")
+        set(pack "${pack},float")
+      endif()
+      target_compile_definitions(${target} PRIVATE MANYCONTACT_LANES=${pack})
     endif()
     target_include_directories(${target} PRIVATE include src ${PROJECT_BINARY_DIR}/include)
     target_link_libraries(${target} PRIVATE Eigen3::Eigen)
@@ -85,7 +93,8 @@ foreach(level IN LISTS lane_levels)
     endif()
     list(APPEND objects $<TARGET_OBJECTS:${target}>)
   endforeach()
-  set_target_properties(robot_kernels_${level} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+  set_target_properties(robot_kernels_${level} single_kernels_${level} PROPERTIES UNITY_BUILD ON
+                                                                              UNITY_BUILD_BATCH_SIZE 0)
   if(TARGET extended_kernels_${level})
     set_target_properties(extended_kernels_${level} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
   endif()

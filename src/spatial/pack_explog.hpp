@@ -8,11 +8,11 @@
 
 namespace manycontact {
 
-template <int W, class Function>
-auto lane_by_lane(const SE3<Pack<W>>& M, Function&& function) {
+template <int W, class E, class Function>
+auto lane_by_lane(const SE3<Pack<W, E>>& M, Function&& function) {
   SE3<double> of_lane;
   using Result = decltype(function(of_lane));
-  Eigen::Matrix<Pack<W>, Result::RowsAtCompileTime, Result::ColsAtCompileTime> out;
+  Eigen::Matrix<Pack<W, E>, Result::RowsAtCompileTime, Result::ColsAtCompileTime> out;
   for (int l = 0; l < W; ++l) {
     for (int i = 0; i < 9; ++i) of_lane.R.data()[i] = M.R.data()[i][l];
     for (int i = 0; i < 3; ++i) of_lane.p[i] = M.p[i][l];
@@ -21,12 +21,12 @@ auto lane_by_lane(const SE3<Pack<W>>& M, Function&& function) {
   }
   return out;
 }
-template <int W>
-Vec6<Pack<W>> log6(const SE3<Pack<W>>& M) {
+template <int W, class E>
+Vec6<Pack<W, E>> log6(const SE3<Pack<W, E>>& M) {
   return lane_by_lane(M, [](const SE3<double>& m) { return log6<double>(m); });
 }
-template <int W>
-Mat6<Pack<W>> log6_derivative(const SE3<Pack<W>>& M) {
+template <int W, class E>
+Mat6<Pack<W, E>> log6_derivative(const SE3<Pack<W, E>>& M) {
   return lane_by_lane(M, [](const SE3<double>& m) { return log6_derivative<double>(m); });
 }
 

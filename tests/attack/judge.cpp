@@ -107,14 +107,19 @@ struct Probe;
 struct Trying {
   Trial& trial;
   const SceneFile& file;
-  Method method;
+  Options options;
+  std::string name;
   Judgement& out;
   SceneData data;
 
-  Trying(Trial& t, const SceneFile& f, Method m, Judgement& o)
-      : trial(t), file(f), method(m), out(o), data(f.scene, Options{m, {}}) {}
+  Trying(Trial& t, const SceneFile& f, Method method, Precision precision, Judgement& o)
+      : trial(t), file(f), options{method, {}}, name(to_string(method)), out(o), data(f.scene) {
+    options.precision = precision;
+    if (precision != Precision::kDouble) name += " in " + to_string(precision);
+    data.options = options;
+  }
 
-  void find(Fault fault, std::string words) { out.findings.push_back({fault, to_string(method), std::move(words)}); }
+  void find(Fault fault, std::string words) { out.findings.push_back({fault, name, std::move(words)}); }
   bool one_island() const { return data.report.islands.size() == 1; }
 
   bool values();
@@ -442,7 +447,7 @@ bool Trying::values() {
   const std::vector<int>& ranks = trial.truth.ranks();
   if (r.status == Status::kFailed) {
     const Answer& t = trial.truth.at(ranks.back());
-    if (method != Method::kDenseSchur && t.regular && t.condition < 1e10)
+    if (options.method != Method::kDenseSchur && t.regular && t.condition < 1e10)
       find(Fault::kNoAnswer, text("%s, condition %.1e, rank %d of %d", to_string(r.islands.front().reason).c_str(),
                                   t.condition, t.rank, trial.truth.rows()));
     return false;
@@ -473,7 +478,9 @@ bool Trying::values() {
   judge_values(*best);
   judge_condition(*best);
   judge_bounds(*best);
-  const bool exact = trial.truth.ranks().size() == 1 && best->condition < 1e13;
+  // Those in single precision are as wrong as a and f, which bounds of derivatives do not know.
+  const bool exact =
+      trial.truth.ranks().size() == 1 && best->condition < 1e13 && options.precision != Precision::kSingle;
   if (exact && out.findings.size() == before && trial.rank_is_constant()) judge_derivatives(*best);
   return true;
 }
@@ -546,14 +553,16 @@ Judgement judge_as(const Case& c, const Case& given, const std::string& folder, 
   SceneFile file;
   if (!load(given, folder, file, out)) return out;
   Trial trial(c);
-  for (Method method : methods) {
+  const auto judge_by = [&](Method method, Precision precision) {
     try {
-      Trying trying(trial, file, method, out);
+      Trying trying(trial, file, method, precision, out);
       out.judged = trying.values() || out.judged;
     } catch (const std::exception& e) {
       out.findings.push_back({Fault::kException, to_string(method), e.what()});
     }
-  }
+  };
+  for (Method method : methods) judge_by(method, Precision::kDouble);
+  for (Precision precision : {Precision::kSingle, Precision::kMixed}) judge_by(Method::kAuto, precision);
   judge_quasi_static(trial, file, out);
   return out;
 }

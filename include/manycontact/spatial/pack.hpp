@@ -1,5 +1,6 @@
 #pragma once
-// A SIMD vector of W doubles, one for each of W robots of a batch: a scalar for the templates of the forward path.
+// A SIMD vector of W numbers, doubles or floats, one for each of W robots of a batch: a scalar for the templates of the
+// forward path.
 // Operations are element by element, in the order in which they are written. The result of a robot is therefore bitwise
 // independent of W and of the other robots; a Pack of 1 is used for a single robot. Compile with -ffp-contract=off, so
 // that the compiler does not fuse products and sums; `multiply_add` is fused if the processor supports it. The types
@@ -8,6 +9,8 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
+#include <type_traits>
 #ifdef __SSE2__
 #include <immintrin.h>
 #endif
@@ -21,36 +24,49 @@
 namespace manycontact {
 
 namespace detail {
-template <int W>
-struct PackOf {
-  typedef double Real __attribute__((vector_size(8 * W)));
-  typedef std::int64_t Int __attribute__((vector_size(8 * W)));
+template <class E>
+struct BitsOf;
+template <>
+struct BitsOf<double> {
+  using Int = std::int64_t;
 };
 template <>
-struct PackOf<1> {
-  using Real = double;
-  using Int = std::int64_t;
+struct BitsOf<float> {
+  using Int = std::int32_t;
+};
+template <int W, class E>
+struct PackOf {
+  typedef E Real __attribute__((vector_size(sizeof(E) * W)));
+  typedef typename BitsOf<E>::Int Int __attribute__((vector_size(sizeof(E) * W)));
+};
+template <class E>
+struct PackOf<1, E> {
+  using Real = E;
+  using Int = typename BitsOf<E>::Int;
 };
 }  // namespace detail
 
-template <int W>
+/// E: double or float.
+template <int W, class E = double>
 struct Pack {
   static constexpr int width = W;
-  using Real = typename detail::PackOf<W>::Real;
-  using Int = typename detail::PackOf<W>::Int;
+  using Element = E;
+  using Bits = typename detail::BitsOf<E>::Int;  // of one element
+  using Real = typename detail::PackOf<W, E>::Real;
+  using Int = typename detail::PackOf<W, E>::Int;
   /// The result of a comparison: all bits are set if it is true, otherwise 0.
   struct Mask {
     Int bits;
-    bool operator[](int lane) const { return reinterpret_cast<const std::int64_t*>(&bits)[lane] != 0; }
+    bool operator[](int lane) const { return reinterpret_cast<const Bits*>(&bits)[lane] != 0; }
     friend Mask operator&(Mask a, Mask b) { return {a.bits & b.bits}; }
     bool any() const {
-      std::int64_t all = 0;
-      for (int l = 0; l < W; ++l) all |= reinterpret_cast<const std::int64_t*>(&bits)[l];
+      Bits all = 0;
+      for (int l = 0; l < W; ++l) all |= reinterpret_cast<const Bits*>(&bits)[l];
       return all != 0;
     }
     bool all() const {
-      std::int64_t every = -1;
-      for (int l = 0; l < W; ++l) every &= reinterpret_cast<const std::int64_t*>(&bits)[l];
+      Bits every = -1;
+      for (int l = 0; l < W; ++l) every &= reinterpret_cast<const Bits*>(&bits)[l];
       return every != 0;
     }
   };
@@ -64,20 +80,29 @@ struct Pack {
     v = b.v;
     return *this;
   }
-  Pack(double x) : v(Real{} + x) {}  // NOLINT: implicit, as a number's conversion is
+  Pack(double x) : v(Real{} + static_cast<E>(x)) {}  // NOLINT: implicit, as a number's conversion is
+  /// Of the other element, rounded where that is the wider one.
+  template <class Other>
+    requires(!std::is_same_v<Other, E>)
+  explicit Pack(const Pack<W, Other>& b) {
+    if constexpr (W == 1)
+      v = static_cast<E>(b.v);
+    else
+      v = __builtin_convertvector(b.v, Real);
+  }
   static Pack of(Real x) {
     Pack p;
     p.v = x;
     return p;
   }
-  static Pack load(const double* x) {
+  static Pack load(const E* x) {
     Pack p;
     std::memcpy(&p.v, x, sizeof p.v);
     return p;
   }
-  void store(double* x) const { std::memcpy(x, &v, sizeof v); }
-  double operator[](int lane) const { return reinterpret_cast<const double*>(&v)[lane]; }
-  void set(int lane, double x) { reinterpret_cast<double*>(&v)[lane] = x; }
+  void store(E* x) const { std::memcpy(x, &v, sizeof v); }
+  E operator[](int lane) const { return reinterpret_cast<const E*>(&v)[lane]; }
+  void set(int lane, double x) { reinterpret_cast<E*>(&v)[lane] = static_cast<E>(x); }
 
   Pack& operator+=(Pack b) { return v += b.v, *this; }
   Pack& operator-=(Pack b) { return v -= b.v, *this; }
@@ -100,21 +125,23 @@ struct Pack {
     else
       return of(m.bits ? a.v : b.v);
   }
-  friend Pack absolute(Pack a) { return of(from_bits(to_bits(a.v) & (Int{} + INT64_MAX))); }
+  friend Pack absolute(Pack a) { return of(from_bits(to_bits(a.v) & (Int{} + std::numeric_limits<Bits>::max()))); }
   friend Pack abs(Pack a) { return absolute(a); }
   /// The larger; b where they do not compare.
   [[gnu::always_inline]] friend Pack larger(Pack a, Pack b) {
     if constexpr (W == 1) return of(a.v > b.v ? a.v : b.v);
 #ifdef __SSE2__
-    if constexpr (W == 2) return of((Real)_mm_max_pd((__m128d)a.v, (__m128d)b.v));
+    if constexpr (kBytes == 16 && kDouble) return of((Real)_mm_max_pd((__m128d)a.v, (__m128d)b.v));
+    if constexpr (kBytes == 16 && !kDouble) return of((Real)_mm_max_ps((__m128)a.v, (__m128)b.v));
 #endif
 #ifdef __AVX__
-    if constexpr (W == 4) return of((Real)_mm256_max_pd((__m256d)a.v, (__m256d)b.v));
+    if constexpr (kBytes == 32 && kDouble) return of((Real)_mm256_max_pd((__m256d)a.v, (__m256d)b.v));
+    if constexpr (kBytes == 32 && !kDouble) return of((Real)_mm256_max_ps((__m256)a.v, (__m256)b.v));
 #endif
 #ifdef __AVX512F__
-    if constexpr (W == 8)  // for all elements; _mm512_max_pd makes GCC 12 warn about a value that it leaves undefined
-                           // on purpose
-      return of((Real)_mm512_maskz_max_pd(0xff, (__m512d)a.v, (__m512d)b.v));
+    // for all elements; _mm512_max_pd makes GCC 12 warn about a value that it leaves undefined on purpose
+    if constexpr (kBytes == 64 && kDouble) return of((Real)_mm512_maskz_max_pd(0xff, (__m512d)a.v, (__m512d)b.v));
+    if constexpr (kBytes == 64 && !kDouble) return of((Real)_mm512_maskz_max_ps(0xffff, (__m512)a.v, (__m512)b.v));
 #endif
     return select(a > b, a, b);
   }
@@ -122,11 +149,15 @@ struct Pack {
   /// a b + c
   [[gnu::always_inline]] friend Pack multiply_add(Pack a, Pack b, Pack c) {
 #ifdef __FMA__
-    if constexpr (W == 1) return of(__builtin_fma(a.v, b.v, c.v));
-    if constexpr (W == 2) return of((Real)_mm_fmadd_pd((__m128d)a.v, (__m128d)b.v, (__m128d)c.v));
-    if constexpr (W == 4) return of((Real)_mm256_fmadd_pd((__m256d)a.v, (__m256d)b.v, (__m256d)c.v));
+    if constexpr (W == 1 && kDouble) return of(__builtin_fma(a.v, b.v, c.v));
+    if constexpr (W == 1 && !kDouble) return of(__builtin_fmaf(a.v, b.v, c.v));
+    if constexpr (kBytes == 16 && kDouble) return of((Real)_mm_fmadd_pd((__m128d)a.v, (__m128d)b.v, (__m128d)c.v));
+    if constexpr (kBytes == 16 && !kDouble) return of((Real)_mm_fmadd_ps((__m128)a.v, (__m128)b.v, (__m128)c.v));
+    if constexpr (kBytes == 32 && kDouble) return of((Real)_mm256_fmadd_pd((__m256d)a.v, (__m256d)b.v, (__m256d)c.v));
+    if constexpr (kBytes == 32 && !kDouble) return of((Real)_mm256_fmadd_ps((__m256)a.v, (__m256)b.v, (__m256)c.v));
 #ifdef __AVX512F__
-    if constexpr (W == 8) return of((Real)_mm512_fmadd_pd((__m512d)a.v, (__m512d)b.v, (__m512d)c.v));
+    if constexpr (kBytes == 64 && kDouble) return of((Real)_mm512_fmadd_pd((__m512d)a.v, (__m512d)b.v, (__m512d)c.v));
+    if constexpr (kBytes == 64 && !kDouble) return of((Real)_mm512_fmadd_ps((__m512)a.v, (__m512)b.v, (__m512)c.v));
 #endif
 #endif
     return of(a.v * b.v + c.v);
@@ -134,11 +165,15 @@ struct Pack {
   /// c - a b, rounded as multiply_add(-a, b, c) is.
   [[gnu::always_inline]] friend Pack subtract_product(Pack a, Pack b, Pack c) {
 #ifdef __FMA__
-    if constexpr (W == 1) return of(__builtin_fma(-a.v, b.v, c.v));
-    if constexpr (W == 2) return of((Real)_mm_fnmadd_pd((__m128d)a.v, (__m128d)b.v, (__m128d)c.v));
-    if constexpr (W == 4) return of((Real)_mm256_fnmadd_pd((__m256d)a.v, (__m256d)b.v, (__m256d)c.v));
+    if constexpr (W == 1 && kDouble) return of(__builtin_fma(-a.v, b.v, c.v));
+    if constexpr (W == 1 && !kDouble) return of(__builtin_fmaf(-a.v, b.v, c.v));
+    if constexpr (kBytes == 16 && kDouble) return of((Real)_mm_fnmadd_pd((__m128d)a.v, (__m128d)b.v, (__m128d)c.v));
+    if constexpr (kBytes == 16 && !kDouble) return of((Real)_mm_fnmadd_ps((__m128)a.v, (__m128)b.v, (__m128)c.v));
+    if constexpr (kBytes == 32 && kDouble) return of((Real)_mm256_fnmadd_pd((__m256d)a.v, (__m256d)b.v, (__m256d)c.v));
+    if constexpr (kBytes == 32 && !kDouble) return of((Real)_mm256_fnmadd_ps((__m256)a.v, (__m256)b.v, (__m256)c.v));
 #ifdef __AVX512F__
-    if constexpr (W == 8) return of((Real)_mm512_fnmadd_pd((__m512d)a.v, (__m512d)b.v, (__m512d)c.v));
+    if constexpr (kBytes == 64 && kDouble) return of((Real)_mm512_fnmadd_pd((__m512d)a.v, (__m512d)b.v, (__m512d)c.v));
+    if constexpr (kBytes == 64 && !kDouble) return of((Real)_mm512_fnmadd_ps((__m512)a.v, (__m512)b.v, (__m512)c.v));
 #endif
 #endif
     return of(c.v - a.v * b.v);
@@ -156,10 +191,12 @@ struct Pack {
   }
 
  private:
+  static constexpr int kBytes = static_cast<int>(sizeof(E)) * W;  // 16, 32, 64: a register
+  static constexpr bool kDouble = sizeof(E) == sizeof(double);
   template <class Compared>
   static Mask mask(Compared holds) {
     if constexpr (W == 1)
-      return {holds ? std::int64_t(-1) : std::int64_t(0)};
+      return {holds ? Bits(-1) : Bits(0)};
     else
       return {(Int)holds};
   }
@@ -167,9 +204,9 @@ struct Pack {
 
 namespace detail {
 /// One step of a transposition: of blocks of H x H among 2H x 2H, the off-diagonal ones change places.
-template <int W, int H>
-inline void exchange(Pack<W>* x) {
-  typename Pack<W>::Int low, high;
+template <int H, int W, class E>
+inline void exchange(Pack<W, E>* x) {
+  typename Pack<W, E>::Int low, high;
   for (int l = 0; l < W; ++l) {
     low[l] = (l & H) ? W + l - H : l;
     high[l] = (l & H) ? W + l : l + H;
@@ -187,18 +224,18 @@ inline void exchange(Pack<W>* x) {
     x[k + H].v = __builtin_shuffle(a, b, high);
 #endif
   }
-  if constexpr (H > 1) exchange<W, H / 2>(x);
+  if constexpr (H > 1) exchange<H / 2>(x);
 }
 }  // namespace detail
 
 /// Exchanges x[k] element l and x[l] element k, for W packs.
-template <int W>
-inline void transpose(Pack<W>* x) {
-  if constexpr (W > 1) detail::exchange<W, W / 2>(x);
+template <int W, class E>
+inline void transpose(Pack<W, E>* x) {
+  if constexpr (W > 1) detail::exchange<W / 2>(x);
 }
 
 /// Angles up to which sin_cos is good to one unit in the last place; beyond, it gives NaN.
-inline constexpr double kLargestAngle = 1e6;
+inline constexpr double kLargestAngle = 1e6, kLargestFloatAngle = 1e3;
 
 /// Source: fdlibm's k_sin.c, k_cos.c and the three-step reduction of e_rem_pio2.c (Sun, 1993), without branches.
 template <int W>
@@ -243,10 +280,41 @@ template <int W>
   c = select(known, c, P(std::nan("")));
 }
 
+/// Of floats, good to two units in the last place. Source: Cephes' sinf.c and cosf.c (Moshier, 1992), with three steps
+/// of reduction.
+template <int W>
+[[gnu::always_inline]] inline void sin_cos(Pack<W, float> angle, Pack<W, float>& s, Pack<W, float>& c) {
+  using P = Pack<W, float>;
+  using Int = typename P::Int;
+  const P shift = 12582912.0;  // 1.5 * 2^23
+  const P shifted = angle * P(0.636619772367581343) + shift, n = shifted - shift;
+  const Int quadrant = P::to_bits(shifted.v);
+  const P y = ((angle - n * P(1.5703125)) - n * P(4.837512969970703125e-4)) - n * P(7.549789948768648e-8), z = y * y;
+  const P ps = multiply_add(multiply_add(P(-1.9515295891e-4), z, P(8.3321608736e-3)), z, P(-1.6666654611e-1));
+  const P sine = multiply_add(ps * z, y, y);
+  const P pc =
+      multiply_add(multiply_add(P(2.443315711809948e-5), z, P(-1.388731625493765e-3)), z, P(4.166664568298827e-2));
+  const P cosine = multiply_add(pc * z, z, P(1) - P(0.5) * z);
+  const auto where = [&quadrant](std::int32_t bit) {
+    if constexpr (W == 1)
+      return typename P::Mask{(quadrant & bit) ? std::int32_t(-1) : std::int32_t(0)};
+    else
+      return typename P::Mask{(Int)((quadrant & bit) != 0)};
+  };
+  const auto swapped = where(1);
+  const P sq = select(swapped, cosine, sine), cq = select(swapped, sine, cosine);
+  s = select(where(2), -sq, sq);
+  c = select(where(2), -cq, cq);
+  c = select(swapped, -c, c);
+  const auto known = absolute(angle) <= P(kLargestFloatAngle);
+  s = select(known, s, P(std::nan("")));
+  c = select(known, c, P(std::nan("")));
+}
+
 /// Sines and cosines of `count` angles of one robot. As many are computed at a time as the SIMD level has elements,
 /// each as by sin_cos.
-template <int count>
-inline void sin_cos(const Pack<1>* angle, Pack<1>* s, Pack<1>* c) {
+template <int count, class E>
+inline void sin_cos(const Pack<1, E>* angle, Pack<1, E>* s, Pack<1, E>* c) {
 #if defined __AVX512F__
   constexpr int W = 8;
 #elif defined __AVX__
@@ -256,8 +324,8 @@ inline void sin_cos(const Pack<1>* angle, Pack<1>* s, Pack<1>* c) {
 #endif
   static_assert(count % W == 0);
   for (int k = 0; k < count; k += W) {
-    Pack<W> sine, cosine;
-    sin_cos(Pack<W>::load(&angle[k].v), sine, cosine);
+    Pack<W, E> sine, cosine;
+    sin_cos(Pack<W, E>::load(&angle[k].v), sine, cosine);
     sine.store(&s[k].v);
     cosine.store(&c[k].v);
   }
@@ -265,9 +333,9 @@ inline void sin_cos(const Pack<1>* angle, Pack<1>* s, Pack<1>* c) {
 
 }  // namespace manycontact
 
-template <int W>
-struct Eigen::NumTraits<manycontact::Pack<W>> : Eigen::GenericNumTraits<double> {
-  using Real = manycontact::Pack<W>;
+template <int W, class E>
+struct Eigen::NumTraits<manycontact::Pack<W, E>> : Eigen::GenericNumTraits<E> {
+  using Real = manycontact::Pack<W, E>;
   using NonInteger = Real;
   using Literal = Real;
   using Nested = Real;

@@ -2,6 +2,7 @@
 // Between the arrays of robots or contacts and the lanes of S = Pack<W>; rows of contacts whose ends are placed.
 
 #include <limits>
+#include <utility>
 
 #include "block.hpp"
 #include "manycontact/contact/pair_rows.hpp"
@@ -9,17 +10,26 @@
 
 namespace manycontact::lanes {
 
-/// To the sparse kernels one robot alone is doubles: they take several rows of a column at a time then.
-inline double* as_scalar(Pack<1>* x) { return x ? &x->v : nullptr; }  // null: of no numbers at all
-inline const double* as_scalar(const Pack<1>* x) { return x ? &x->v : nullptr; }
-template <int W>
-Pack<W>* as_scalar(Pack<W>* x) {
+/// To the sparse kernels one robot alone is plain numbers: they take several rows of a column at a time then.
+template <class E>
+E* as_scalar(Pack<1, E>* x) {
+  return x ? &x->v : nullptr;  // null: of no numbers at all
+}
+template <class E>
+const E* as_scalar(const Pack<1, E>* x) {
+  return x ? &x->v : nullptr;
+}
+template <int W, class E>
+Pack<W, E>* as_scalar(Pack<W, E>* x) {
   return x;
 }
-template <int W>
-const Pack<W>* as_scalar(const Pack<W>* x) {
+template <int W, class E>
+const Pack<W, E>* as_scalar(const Pack<W, E>* x) {
   return x;
 }
+
+/// The most robots that a SIMD batch has: of floats in the widest registers.
+inline constexpr int kMostInBatch = 16;
 
 /// to[k] lane l = from[l][k] for k < count. Lanes beyond those given repeat the last one.
 template <int W>
@@ -29,6 +39,32 @@ template <int W>
   for (; k + W <= count; k += W) {
     for (int l = 0; l < W; ++l) to[k + l] = Pack<W>::load(lane(l) + k);
     transpose(to + k);
+  }
+  for (int l = 0; l < W; ++l)
+    for (int i = k; i < count; ++i) to[i].set(l, lane(l)[i]);
+}
+
+/// The doubles of two packs as floats, those of `a` first.
+template <int H, std::size_t... I>
+Pack<2 * H, float> narrowed(const Pack<H>& a, const Pack<H>& b, std::index_sequence<I...>) {
+  typedef float Half __attribute__((vector_size(sizeof(float) * H)));
+  const Half x = __builtin_convertvector(a.v, Half), y = __builtin_convertvector(b.v, Half);
+  return Pack<2 * H, float>::of(__builtin_shufflevector(x, y, I...));
+}
+
+/// The same, rounded to floats.
+template <int W>
+[[gnu::noinline]] void load_arrays(std::span<const double* const> from, int count, Pack<W, float>* to) {
+  const auto lane = [&](int l) { return from[std::min<std::size_t>(l, from.size() - 1)]; };
+  int k = 0;
+  if constexpr (W > 1) {
+    constexpr int H = W / 2;
+    for (; k + H <= count; k += H) {
+      Pack<H> halves[2][H];
+      for (int l = 0; l < W; ++l) halves[l / H][l % H] = Pack<H>::load(lane(l) + k);
+      transpose(halves[0]), transpose(halves[1]);
+      for (int i = 0; i < H; ++i) to[k + i] = narrowed(halves[0][i], halves[1][i], std::make_index_sequence<W>());
+    }
   }
   for (int l = 0; l < W; ++l)
     for (int i = k; i < count; ++i) to[i].set(l, lane(l)[i]);
@@ -48,9 +84,16 @@ template <int W>
     for (int i = k; i < count; ++i) to[l][i] = from[i][static_cast<int>(l)];
 }
 
+/// The same, of floats.
+template <int W>
+[[gnu::noinline]] void store_arrays(const Pack<W, float>* from, int count, std::span<double* const> to) {
+  for (std::size_t l = 0; l < to.size(); ++l)
+    for (int i = 0; i < count; ++i) to[l][i] = from[i][static_cast<int>(l)];
+}
+
 /// One of the pointers that each of `items` has, at(item), side by side.
-template <class P, class Item, class At>
-std::span<P const> side_by_side(std::span<Item> items, P (&memory)[8], At&& at) {
+template <class P, int N, class Item, class At>
+std::span<P const> side_by_side(std::span<Item> items, P (&memory)[N], At&& at) {
   for (std::size_t l = 0; l < items.size(); ++l) memory[l] = at(items[l]);
   return {memory, items.size()};
 }
@@ -58,11 +101,11 @@ std::span<P const> side_by_side(std::span<Item> items, P (&memory)[8], At&& at) 
 /// What pairs of contacts have in place of a contact's own numbers, those of rows(item) of each item.
 template <class S, class Item, class Of>
 void load_pair(std::span<Item> items, Of&& contact_of, PairNumbers<S>& to) {
-  const double* from[8];
+  const double* from[kMostInBatch];
   const auto load = [&](auto&& numbers, S* at, Eigen::Index count) {
-    load_arrays(side_by_side(items, from, [&](auto& item) -> const double* {
-                  return numbers(contact_of(item).pair->numbers);
-                }), static_cast<int>(count), at);
+    load_arrays(
+        side_by_side(items, from, [&](auto& item) -> const double* { return numbers(contact_of(item).pair->numbers); }),
+        static_cast<int>(count), at);
   };
   using Numbers = const PairNumbers<double>&;
   load([](Numbers n) { return n.R.data(); }, to.R.data(), to.R.size());

@@ -3,10 +3,12 @@
 
 #include <limits>
 #include <span>
+#include <type_traits>
 
 #include "manycontact/model/model.hpp"
 #include "manycontact/rank/pivots.hpp"
 #include "manycontact/sparse/tolerances.hpp"
+#include "manycontact/spatial/pack.hpp"
 
 namespace manycontact::lanes {
 
@@ -34,13 +36,19 @@ struct FourLargest {  // of numbers that are not negative
   S total() const { return larger(larger(of[0], of[1]), larger(of[2], of[3])); }
 };
 
+/// By how much more than doubles floats have to leave of a pivot or a row, and of two pivots in turn.
+template <class S>
+inline constexpr double kLeft = std::is_same_v<typename S::Element, float> ? tolerance::kSingleLeft : 1;
+template <class S>
+inline constexpr double kPassedOn = std::is_same_v<typename S::Element, float> ? tolerance::kSinglePassedOn : 1;
+
 /// Input is finite, quaternions have unit length.
 template <class S>
 typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S>& v, const VecX<S>& tau) {
   FourSums<S> sum;  // finite numbers times zero are zero
   for (const VecX<S>* x : {&q, &v, &tau})
     in_four(static_cast<std::size_t>(x->size()), [&](std::size_t k, int c) { sum.of[c] += (*x)[k] * S(0); });
-  constexpr double k = tolerance::kQuaternion;
+  constexpr double k = tolerance::kQuaternion / (kLeft<S> > 1 ? 2 : 1);  // floats leave the last 1e-7 to doubles
   typename S::Mask usable = sum.total() <= S(0);
   for (const Joint& joint : model.joints) {
     if (joint.type != JointType::kFloating) continue;
@@ -59,8 +67,9 @@ typename S::Mask accept_pivots(OfM&& of_M, std::span<const S> D, const S* terms,
   for (std::size_t k = 0; k < D.size(); ++k) {
     const S own = diagonal(k);
     const rank::Pivot<S> pivot{of_M(k), D[k], terms[k], larger(own, S(0))};
-    good = good & passed_on.accepts(pivot.of_M, select(own < S(0), S(1), S(abs(pivot.d) / pivot.terms))) &
-           rank::is_left(pivot) & rank::has_its_sign(pivot);
+    const S left = abs(pivot.d) / (S(kPassedOn<S>) * pivot.terms);
+    good = good & passed_on.accepts(pivot.of_M, select(own < S(0), S(1), left)) & rank::is_left(pivot, kLeft<S>) &
+           rank::has_its_sign(pivot);
   }
   return good;
 }
@@ -71,7 +80,7 @@ S componentwise_error(std::span<const S> r, const S* scale) {
   FourLargest<S> largest, error;
   FourSums<S> sum;
   in_four(r.size(), [&](std::size_t k, int c) { largest.take(c, scale[k]); });
-  const S floor = largest.total() * S(std::numeric_limits<double>::epsilon());
+  const S floor = largest.total() * S(std::numeric_limits<typename S::Element>::epsilon());
   in_four(r.size(), [&](std::size_t k, int c) {
     const S bound = larger(scale[k], floor), size = abs(r[k]);
     sum.of[c] += size + bound;
@@ -87,9 +96,10 @@ struct Refinement {
 
   /// correct(open): x += A^-1 r where the lane is open; returns the error of all.
   template <class Correct>
-  Refinement(typename S::Mask usable, S error_of_x, Correct&& correct) : error(error_of_x), first(error_of_x) {
+  Refinement(typename S::Mask usable, S error_of_x, Correct&& correct, int most = tolerance::kRefinementSteps)
+      : error(error_of_x), first(error_of_x) {
     typename S::Mask open = usable & (error > S(tolerance::kRefined));
-    for (int step = 0; step < tolerance::kRefinementSteps && open.any(); ++step) {
+    for (int step = 0; step < most && open.any(); ++step) {
       const S before = error;
       error = correct(open);
       steps += select(open, S(1), S(0));

@@ -76,8 +76,8 @@ struct Answer {
 };
 
 /// Robots of one plan, in all calls one of them, or after `reserve_batch` as many as fit side by side, their contacts
-/// alike but for placements (`alike`).
-class RobotBlocks {
+/// alike but for placements (`alike`): the steps of a solve.
+class SolvingBlocks {
  public:
   struct Robot {
     int number;           // of the scene
@@ -102,20 +102,13 @@ class RobotBlocks {
     const double* next;
   };
 
-  virtual ~RobotBlocks() = default;
+  virtual ~SolvingBlocks() = default;
   /// Memory for robots side by side, from then on: one that stands alone needs none.
   virtual void reserve_batch() = 0;
 
   // Robots alone: islands of their own, solved by LDL of K in the plan's order. Between calls the numbers of those last
   // met stay: where the next call is about the same ones at the same solution, they are taken from there.
   virtual void solve(const Job& job, std::span<Robot> robots, std::span<Answer> answers) = 0;
-  /// The islands' derivatives, of answers that were sound and whose panels are safe; or, with their memory, of robots
-  /// joined to others the columns of their own part.
-  virtual void differentiate(const DerivativeJob& job, std::span<Robot> robots, double* memory,
-                             std::span<const Panel> panels) = 0;
-  /// Products with these derivatives, refined once (systems/matrix/matrix.cpp).
-  virtual void jvp(const ProductJob& job, std::span<Robot> robots) = 0;
-  virtual void vjp(const ProductJob& job, std::span<Robot> robots) = 0;
 
   // Robots joined to others, whose numbers are in memory of the caller's.
   // Memory of one, or for as many as fit where there are several: BlockPlan::memory_size of each, at a cache line's
@@ -124,17 +117,31 @@ class RobotBlocks {
   virtual void evaluate(const Job& job, std::span<Robot> robots, Memory memory) = 0;
   /// The factor; x = 0, and b's part of the border.
   virtual void factor(std::span<Robot> robots, Memory memory) = 0;
-  /// After factor, another right-hand side: b = [a; -f] of the robots and the contacts on them alone.
-  virtual void load(const Job& job, std::span<Robot> robots, double* memory) = 0;
   /// x += K^-1 r with the border's answer y, r = b - K x, and r's part of the border.
   virtual void correct(std::span<Robot> robots, Memory memory) = 0;
+  /// Accelerations, and forces of the contacts on the robots alone.
+  virtual void store(const Job& job, std::span<Robot> robots, double* memory) = 0;
+};
+
+/// The same, and what comes after a solve.
+class RobotBlocks : public SolvingBlocks {
+ public:
+  /// The islands' derivatives, of answers that were sound and whose panels are safe; or, with their memory, of robots
+  /// joined to others the columns of their own part.
+  virtual void differentiate(const DerivativeJob& job, std::span<Robot> robots, double* memory,
+                             std::span<const Panel> panels) = 0;
+  /// Products with these derivatives, refined once (systems/matrix/matrix.cpp).
+  virtual void jvp(const ProductJob& job, std::span<Robot> robots) = 0;
+  virtual void vjp(const ProductJob& job, std::span<Robot> robots) = 0;
+
+  // Robots joined to others, as above.
+  /// After factor, another right-hand side: b = [a; -f] of the robots and the contacts on them alone.
+  virtual void load(const Job& job, std::span<Robot> robots, double* memory) = 0;
   /// r = b - K x of columns given with the border's answer y; what load and correct had there is lost.
   virtual void check(std::span<Robot> robots, Memory memory) = 0;
   /// After the last correction, where any robot's rows depend on each other: r and scale with what these contradict
   /// each other by.
   virtual void finish(std::span<Robot> robots, Memory memory) = 0;
-  /// Accelerations, and forces of the contacts on the robots alone.
-  virtual void store(const Job& job, std::span<Robot> robots, double* memory) = 0;
   /// MovingEnd of each contact that joins the robots, at the solution.
   virtual void move_ends(const DerivativeJob& job, std::span<Robot> robots) = 0;
 };
@@ -166,14 +173,30 @@ class InterfaceContacts {
 struct SubtreePlan;  // lanes/subtrees.hpp
 class SubtreeBatch;
 
+/// Robots alone in single precision, in all calls one of them, or after `reserve_batch` as many as fit. Where the
+/// condition leaves fewer than two digits (tolerance::kWorthless), the answer is not sound.
+class SingleBlocks {
+ public:
+  virtual ~SingleBlocks() = default;
+  virtual void reserve_batch() = 0;
+  virtual void solve(const Job& job, std::span<RobotBlocks::Robot> robots, std::span<Answer> answers) = 0;
+};
+struct SingleLevel {
+  int width;  // robots of a batch: twice those of doubles
+  std::unique_ptr<SingleBlocks> (*make)(std::shared_ptr<const BlockPlan> plan);
+};
+
 /// A level of instructions that kernels were compiled for.
 struct Level {
   int width;  // robots side by side
   std::unique_ptr<RobotBlocks> (*make)(std::shared_ptr<const BlockPlan> plan);
+  /// With a factor in single precision; of plans without rows that depend on others.
+  std::unique_ptr<SolvingBlocks> (*make_mixed)(std::shared_ptr<const BlockPlan> plan);
   /// contact: any of the kernel's, in its scene.
   std::unique_ptr<InterfaceContacts> (*make_contacts)(const Scene& scene, const Contact& contact,
                                                       const ContactSupport& support);
   std::unique_ptr<SubtreeBatch> (*make_subtrees)(std::shared_ptr<const SubtreePlan> plan);
+  const SingleLevel& single;
 };
 
 /// The one that options ask for; nullptr: none, or it does not run here.

@@ -3,8 +3,6 @@
 // the linker (src/simd/levels.cmake), or functions that it shares with the rest of the program, Eigen's and std's,
 // might be taken from here and meet a processor without these instructions.
 
-#include <optional>
-
 #include "interface_contacts.hpp"
 #include "robot_block/alone.hpp"
 #include "robot_block/derivatives.hpp"
@@ -12,6 +10,7 @@
 #include "robot_block/linearise.hpp"
 #include "robot_block/products.hpp"
 #include "robot_block/terms.hpp"
+#include "scalar_or_batch.hpp"
 #include "simd/levels.hpp"
 #include "subtree_batch.hpp"
 
@@ -19,30 +18,12 @@ namespace manycontact::lanes {
 
 namespace {
 
-// Work of one robot, island or contact; once a batch is reserved, of as many as fit side by side. The arguments are
-// those of Work.
-template <template <class> class Work>
-class ScalarOrBatch {
- public:
-  template <class... Arguments>
-  explicit ScalarOrBatch(const Arguments&... arguments) : alone_(arguments...) {}
-  template <class... Arguments>
-  void reserve_batch(const Arguments&... arguments) {
-    if (!together_) together_.emplace(arguments...);
-  }
-  /// use(work) on the one for so many.
-  template <class Use>
-  void of(std::size_t count, Use&& use) {
-    if (count == 1)
-      use(alone_);
-    else
-      use(*together_);
-  }
-
- private:
-  Work<Pack<1>> alone_;
-  std::optional<Work<Pack<MANYCONTACT_LANES>>> together_;
-};
+template <int W, class E>
+using Blocks = RobotBlock<Pack<W, E>>;
+template <int W, class E>
+using MixedBlocks = RobotBlock<Pack<W, E>, Pack<W, float>>;
+template <int W, class E>
+using Contacts = InterfaceContactsOf<Pack<W, E>>;
 
 class LevelBlocks final : public RobotBlocks {
  public:
@@ -88,7 +69,33 @@ class LevelBlocks final : public RobotBlocks {
 
  private:
   std::shared_ptr<const BlockPlan> plan_;
-  ScalarOrBatch<RobotBlock> work_;
+  ScalarOrBatch<Blocks, MANYCONTACT_LANES> work_;
+};
+
+// The steps of a solve; derivatives and products are those of LevelBlocks.
+class LevelMixed final : public SolvingBlocks {
+ public:
+  explicit LevelMixed(std::shared_ptr<const BlockPlan> plan) : plan_(std::move(plan)), work_(plan_) {}
+  void reserve_batch() override { work_.reserve_batch(plan_); }
+  void solve(const Job& job, std::span<Robot> robots, std::span<Answer> answers) override {
+    work_.of(robots.size(), [&](auto& work) { work.solve(job, robots, answers); });
+  }
+  void evaluate(const Job& job, std::span<Robot> robots, Memory memory) override {
+    work_.of(robots.size(), [&](auto& work) { work.evaluate(job, robots, memory); });
+  }
+  void factor(std::span<Robot> robots, Memory memory) override {
+    work_.of(robots.size(), [&](auto& work) { work.factor(robots, memory); });
+  }
+  void correct(std::span<Robot> robots, Memory memory) override {
+    work_.of(robots.size(), [&](auto& work) { work.correct(robots, memory); });
+  }
+  void store(const Job& job, std::span<Robot> robots, double* memory) override {
+    work_.of(robots.size(), [&](auto& work) { work.store(job, robots, memory); });
+  }
+
+ private:
+  std::shared_ptr<const BlockPlan> plan_;
+  ScalarOrBatch<MixedBlocks, MANYCONTACT_LANES> work_;
 };
 
 class LevelContacts final : public InterfaceContacts {
@@ -105,7 +112,7 @@ class LevelContacts final : public InterfaceContacts {
   }
 
  private:
-  ScalarOrBatch<InterfaceContactsOf> work_;
+  ScalarOrBatch<Contacts, MANYCONTACT_LANES> work_;
 };
 
 class LevelSubtrees final : public SubtreeBatch {
@@ -120,6 +127,9 @@ class LevelSubtrees final : public SubtreeBatch {
 std::unique_ptr<RobotBlocks> make(std::shared_ptr<const BlockPlan> plan) {
   return std::make_unique<LevelBlocks>(std::move(plan));
 }
+std::unique_ptr<SolvingBlocks> make_mixed(std::shared_ptr<const BlockPlan> plan) {
+  return std::make_unique<LevelMixed>(std::move(plan));
+}
 std::unique_ptr<InterfaceContacts> make_contacts(const Scene& scene, const Contact& contact,
                                                  const ContactSupport& support) {
   return std::make_unique<LevelContacts>(scene, contact, support);
@@ -130,7 +140,9 @@ std::unique_ptr<SubtreeBatch> make_subtrees(std::shared_ptr<const SubtreePlan> p
 
 }  // namespace
 
+extern const SingleLevel MANYCONTACT_OF_LEVEL(single_level_);
 extern const Level MANYCONTACT_OF_LEVEL(level_);
-const Level MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LANES, make, make_contacts, make_subtrees};
+const Level MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LANES, make,          make_mixed,
+                                            make_contacts,     make_subtrees, MANYCONTACT_OF_LEVEL(single_level_)};
 
 }  // namespace manycontact::lanes

@@ -26,6 +26,15 @@ inline double multiply_add(double a, double b, double c) {
 }
 inline double subtract_product(double a, double b, double c) { return multiply_add(-a, b, c); }
 inline double absolute(double x) { return __builtin_fabs(x); }
+inline float multiply_add(float a, float b, float c) {
+#ifdef __FMA__
+  return __builtin_fmaf(a, b, c);
+#else
+  return a * b + c;
+#endif
+}
+inline float subtract_product(float a, float b, float c) { return multiply_add(-a, b, c); }
+inline float absolute(float x) { return __builtin_fabsf(x); }
 
 namespace kernel {
 
@@ -88,7 +97,8 @@ struct Register<8> {
 
 /// Doubles in the machine's own vectors.
 template <int N>
-requires(N > 1) struct Tile<double, N> {
+  requires(N > 1)
+struct Tile<double, N> {
   // Few rows are read again soon, a row further: registers of eight would wait for two stores then.
   static constexpr int kWidest = N <= 8 && kRegister == 8 ? 4 : kRegister;
   static constexpr int kWidth = N < kWidest ? N : kWidest, kVectors = N / kWidth;
@@ -175,17 +185,17 @@ inline void finish_streams() {
 #endif
 }
 
-/// What a sweep over a matrix asks for while it works: the same entries of another one of its pattern, so many values
+/// What a sweep over a matrix asks for while it works: the same entries of another one of its pattern, so many bytes
 /// further, which is met next and is not in the nearest cache any more. By default nothing.
 struct PrefetchNext {
-  std::ptrdiff_t values;
+  std::ptrdiff_t bytes;
   template <class V>
   void fetch(const V* x) const {
-    __builtin_prefetch(x + values, 0, 2);
+    __builtin_prefetch(reinterpret_cast<const char*>(x) + bytes, 0, 2);
   }
   template <class V>
   void fetch_to_write(const V* x) const {
-    __builtin_prefetch(x + values, 1, 2);
+    __builtin_prefetch(reinterpret_cast<const char*>(x) + bytes, 1, 2);
   }
 };
 struct NoPrefetch {
@@ -344,9 +354,10 @@ inline void backward(int width, int below, const V* L, const V* D, const LdlSche
 }  // namespace kernel
 
 /// A = L D L^T, and scale[k] = |A_kk| + sum_j L_kj^2 |D_j|, the terms of pivot k. Lx: as LdlSymbolic has it, D, scale:
-/// n. Goes on where a pivot is zero: L and D are not finite then, and the caller judges D and scale.
-template <class V, class Prefetch = kernel::NoPrefetch>
-void ldl_scheduled_factor(const LdlSchedule& schedule, const V* Ax, V* Lx, V* D, V* scale, Prefetch prefetch = {}) {
+/// n. Goes on where a pivot is zero: L and D are not finite then, and the caller judges D and scale. A: of A's entries,
+/// which may be of higher precision.
+template <class A, class V, class Prefetch = kernel::NoPrefetch>
+void ldl_scheduled_factor(const LdlSchedule& schedule, const A* Ax, V* Lx, V* D, V* scale, Prefetch prefetch = {}) {
   const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
   const LdlSchedule::Run* runs = schedule.runs.data();
   const int* fill = schedule.fill.data();
@@ -360,10 +371,10 @@ void ldl_scheduled_factor(const LdlSchedule& schedule, const V* Ax, V* Lx, V* D,
   for (int k = 0; k < entries; ++k) {
     prefetch.fetch(Ax + from[k]);
     prefetch.fetch_to_write(Lx + to[k]);
-    Lx[to[k]] = Ax[from[k]];
+    Lx[to[k]] = static_cast<V>(Ax[from[k]]);
   }
   for (int k = 0; k < schedule.n; ++k) {
-    D[k] = Ax[schedule.diagonal.data()[k]];
+    D[k] = static_cast<V>(Ax[schedule.diagonal.data()[k]]);
     scale[k] = absolute(D[k]);
   }
   for (int k = 0; k < schedule.eliminated; ++k) {

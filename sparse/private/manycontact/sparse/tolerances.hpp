@@ -244,6 +244,21 @@ inline constexpr int kTruthSteps = 60;
 /// A correction of x by less than this part leaves |K| |x| as it is. Used by: SIMD batches, which then need no sizes.
 inline constexpr double kSameSize = 1e-6;
 
+// ---- single and mixed precision -------------------------------------------------------------------------------------
+
+/// By how much more than doubles floats have to leave of a pivot or a row (kPivotLeft, kRank), and of two pivots in
+/// turn (kRowRounding): 1e-5, 100 eps of floats, and 1e-7. What leaves more is judged by its effect.
+/// Used by: SIMD batches of floats.
+inline constexpr double kSingleLeft = 1e6, kSinglePassedOn = 1e3;
+
+/// Corrections by a factor of floats, in mixed precision: each gains 3 to 6 digits where it is worth anything.
+/// Used by: SIMD batches and robots that contacts join.
+inline constexpr int kMixedSteps = 10;
+
+/// What rounding may change of the largest acceleration and force, for a solution in single precision to be worth
+/// anything. The change is what the rounding of all terms makes with signs without pattern: two digits are left.
+inline constexpr double kWorthless = 1e-2;
+
 // ---- judging answers ------------------------------------------------------------------------------------------
 
 /// Contacts contradict each other (design's definition): |J a + a0| > 1e-8 (| |J| |a| | + |a0|), maximum norms ...

@@ -2,59 +2,79 @@
 // RobotBlock: islands of one robot, factorized, refined and judged.
 
 #include "robot_block.hpp"
+#include "single.hpp"
 
 namespace manycontact::lanes {
 
-template <class S>
-void RobotBlock<S>::solve(const Job& job, Robots robots, std::span<Answer> answers) {
-  use(reinterpret_cast<double*>(own_.data()));
+template <class S, class Low>
+void RobotBlock<S, Low>::solve(const Job& job, Robots robots, std::span<Answer> answers) {
+  if constexpr (kSingle)
+    use(own_.data());
+  else
+    use(reinterpret_cast<double*>(own_.data()));
   set_up(job, robots);
   keep(job.serial, robots);
   factorize();
   usable_ = usable_ & sound_pivots();
-  if (!dependent_) usable_ = usable_ & (smallest_row_ > S(tolerance::kRank) * motion_);
-  refine();
+  if (!dependent_) usable_ = usable_ & (smallest_row_ > S(kLeft<Low> * tolerance::kRank) * motion_);
+  if constexpr (kSingle)
+    solve_unrefined(job.scene, robots);
+  else
+    refine();
   report(job, robots, answers);
-  if (dependent_) report_dependence(robots, answers);
+  if constexpr (!kLow)
+    if (dependent_) report_dependence(robots, answers);
 }
 
 /// L and D, without the rows that depend on others.
-template <class S>
-void RobotBlock<S>::factorize(Prefetch prefetch) {
-  if (dependent_) dependent_->damp(n_.K);
+template <class S, class Low>
+void RobotBlock<S, Low>::factorize(Prefetch prefetch) {
+  if constexpr (!kLow)
+    if (dependent_) dependent_->damp(n_.K);
   sparse::ldl_scheduled_factor(schedule_, as_scalar(n_.K), as_scalar(n_.L), as_scalar(n_.D),
                                as_scalar(pivot_terms_.data()), prefetch);
-  if (dependent_) dependent_->undamp(n_.K, n_.D, pivot_terms_.data());
+  if constexpr (!kLow)
+    if (dependent_) dependent_->undamp(n_.K, n_.D, pivot_terms_.data());
 }
 
 /// Whether the pivots are more than rounding; where rows are dropped, whether these are the ones.
-template <class S>
-typename S::Mask RobotBlock<S>::sound_pivots() {
-  if (dependent_) return dependent_->hold(n_.K, n_.L, n_.D, pivot_terms_.data(), [this](S* x) { solve_by_factor(x); });
+template <class S, class Low>
+typename S::Mask RobotBlock<S, Low>::sound_pivots() {
+  if constexpr (!kLow)
+    if (dependent_)
+      return dependent_->hold(n_.K, n_.L, n_.D, pivot_terms_.data(), [this](S* x) { solve_by_factor(x); });
   const auto of_M = [this](std::size_t k) { return pattern_.perm[k] < pattern_.nv; };
-  return accept_pivots<S>(of_M, {n_.D, static_cast<std::size_t>(rows_)}, pivot_terms_.data(), diagonal());
+  return mask_of(accept_pivots<Low>(of_M, {n_.D, static_cast<std::size_t>(rows_)}, pivot_terms_.data(), diagonal()));
 }
 
 /// x <- K^-1 x by L and D, without the border: what x has there, of all the pattern's rows, is lost.
-template <class S>
-void RobotBlock<S>::solve_by_factor(S* x) const {
-  if (plan_->border == 0) return sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
-  sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(x));
-  std::fill_n(x + rows_, plan_->border, S(0));
-  sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
+template <class S, class Low>
+void RobotBlock<S, Low>::solve_by_factor(S* x) const {
+  if constexpr (kMixed) {
+    convert(x, rows_, n_.low);
+    sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(n_.low));
+    convert(n_.low, rows_, x);
+  } else {
+    if (plan_->border == 0)
+      return sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
+    sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(x));
+    std::fill_n(x + rows_, plan_->border, S(0));
+    sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
+  }
 }
 
 /// x <- K^-1 x; where rows depend, (I - P) K_kept^-1 x, of an x without part P x (Factor::correct).
-template <class S>
-void RobotBlock<S>::apply_inverse(S* x) {
+template <class S, class Low>
+void RobotBlock<S, Low>::apply_inverse(S* x) {
   solve_by_factor(x);
-  if (dependent_) dependent_->project_out(x);
+  if constexpr (!kLow)
+    if (dependent_) dependent_->project_out(x);
 }
 
 /// x += K^-1 r in the lanes that are open. Where no entry moves by more than tolerance::kSameSize of itself: there |K|
 /// |x| stays what it is, but for as much.
-template <class S>
-typename S::Mask RobotBlock<S>::correct(Mask open) {
+template <class S, class Low>
+typename S::Mask RobotBlock<S, Low>::correct(Mask open) {
   std::copy_n(r_.data(), rows_, n_.w);
   apply_inverse(n_.w);
   Mask same_sizes = all();
@@ -67,24 +87,27 @@ typename S::Mask RobotBlock<S>::correct(Mask open) {
 }
 
 /// r, scale, and the backward error.
-template <class S>
-S RobotBlock<S>::residual() {
+template <class S, class Low>
+S RobotBlock<S, Low>::residual() {
   residual_and_sizes();
   return backward_error();
 }
 
 /// The componentwise backward error of r, NaN where any is (Factor::backward_error).
-template <class S>
-S RobotBlock<S>::backward_error() {
+template <class S, class Low>
+S RobotBlock<S, Low>::backward_error() {
   const std::span<const S> r(r_.data(), static_cast<std::size_t>(rows_));
-  if (!dependent_) return componentwise_error<S>(r, scale_.data());
-  dependent_->scale_of_dependent(scale_.data(), n_.w);
-  return componentwise_error<S>(r, n_.w);
+  if constexpr (!kLow)
+    if (dependent_) {
+      dependent_->scale_of_dependent(scale_.data(), n_.w);
+      return componentwise_error<S>(r, n_.w);
+    }
+  return componentwise_error<S>(r, scale_.data());
 }
 
 /// The same after `correct`, which says where scale need not be computed again.
-template <class S>
-S RobotBlock<S>::residual(Mask same_sizes) {
+template <class S, class Low>
+S RobotBlock<S, Low>::residual(Mask same_sizes) {
   if (same_sizes.all()) {
     sparse::ldl_scheduled_residual(pattern_.K, as_scalar(n_.K), as_scalar(n_.x), as_scalar(n_.b), as_scalar(r_.data()));
   } else {
@@ -96,30 +119,35 @@ S RobotBlock<S>::residual(Mask same_sizes) {
 }
 
 /// x = K^-1 b, each lane refined as if it stood alone (sparse/refine.hpp).
-template <class S>
-void RobotBlock<S>::refine() {
-  if (dependent_) dependent_->project_out(n_.b, true);
+template <class S, class Low>
+void RobotBlock<S, Low>::refine() {
+  if constexpr (!kLow)
+    if (dependent_) dependent_->project_out(n_.b, true);
   std::copy_n(n_.b, rows_, n_.x);
   apply_inverse(n_.x);
-  const Refinement<S> refined(usable_, residual(), [&](Mask open) { return residual(correct(open)); });
+  constexpr int most = kMixed ? tolerance::kMixedSteps : tolerance::kRefinementSteps;
+  const Refinement<S> refined(
+      usable_, residual(), [&](Mask open) { return residual(correct(open)); }, most);
   steps_ = refined.steps, backward_error_ = refined.error, first_error_ = refined.first;
   usable_ = usable_ & (backward_error_ <= S(tolerance::kConverged));
-  if (dependent_) restore_contradiction();
+  if constexpr (!kLow)
+    if (dependent_) restore_contradiction();
 }
 
-template <class S>
-void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answers) const {
+template <class S, class Low>
+void RobotBlock<S, Low>::report(const Job& job, Robots robots, std::span<Answer> answers) const {
   // Residuals relative to the terms they are left of; those of the contacts at least to gravity.
   const std::span<const int> rows(pattern_.iperm);
   const Largest<S> dynamics(0, rows.first(pattern_.nv), r_.data(), scale_.data());
   Largest<S> contact(S(0), rows.subspan(pattern_.nv), r_.data(), scale_.data());
   const S contact_terms = contact.scale;
   contact.scale = larger(contact.scale, S(job.scene.gravity.norm()));
-  const Growth<S> growth(static_cast<std::size_t>(rows_), pivot_terms_.data(), diagonal());
-  const Mask safe =
-      growth.terms * S(std::numeric_limits<double>::epsilon()) <= S(tolerance::kConverged) * growth.diagonal;
-  const S factor = select(growth.diagonal > S(0), growth.terms / growth.diagonal, S(1));
-  const Mask sound = usable_ & (factor <= S(std::numeric_limits<double>::max())) & plainly_damped(job.scene.damping);
+  const Growth<Low> growth(static_cast<std::size_t>(rows_), pivot_terms_.data(), diagonal());
+  const S terms(growth.terms), entries(growth.diagonal);
+  const Mask safe = terms * S(std::numeric_limits<double>::epsilon()) <= S(tolerance::kConverged) * entries;
+  const S factor = select(entries > S(0), terms / entries, S(1));
+  Mask sound = usable_ & (factor <= S(std::numeric_limits<typename S::Element>::max()));
+  if constexpr (!kSingle) sound = sound & plainly_damped(job.scene.damping);  // floats have judged that
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
     Answer& answer = answers[l];
@@ -138,8 +166,8 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
 
 /// Whether rounding of a damped row's terms is little beside the forces (kInDoubt), or a thousandth of the loads'
 /// terms.
-template <class S>
-typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
+template <class S, class Low>
+typename S::Mask RobotBlock<S, Low>::plainly_damped(double damping) const {
   if (!(damping > 0)) return all();
   S scale(0), force(0);
   for (int i = 0; i < pattern_.size() - plan_->border; ++i) {
@@ -153,8 +181,8 @@ typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
 // ---- rows that depend on each other (systems/matrix/fallbacks.cpp) ------------------------------------------------
 
 /// What rows of J are judged beside, and what their contradictions are.
-template <class S>
-void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
+template <class S, class Low>
+void RobotBlock<S, Low>::size_rows(const Scene& scene, Robots robots) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& c = scene.contacts[robots.front().contacts[k]];
     const S moved = row_size<S>(c, contacts_[k], 0), turned = c.rows() > 3 ? row_size<S>(c, contacts_[k], 3) : moved;
@@ -170,8 +198,8 @@ void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
 }
 
 /// Rows of b and r with what was taken out of them: what dependent rows contradict each other by.
-template <class S>
-void RobotBlock<S>::restore_contradiction() {
+template <class S, class Low>
+void RobotBlock<S, Low>::restore_contradiction() {
   for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) {
     const int k = pattern_.iperm[i];
     const S of_null = dependent_->null_component(k);
@@ -183,8 +211,8 @@ void RobotBlock<S>::restore_contradiction() {
   backward_error_ = componentwise_error<S>(r_, scale_.data());
 }
 
-template <class S>
-rank::Contradiction<S> RobotBlock<S>::contradicted() const {
+template <class S, class Low>
+rank::Contradiction<S> RobotBlock<S, Low>::contradicted() const {
   rank::Contradiction<S> out;
   const auto each_row = [this](auto&& use) {
     for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) use(pattern_.iperm[i]);
@@ -197,8 +225,8 @@ rank::Contradiction<S> RobotBlock<S>::contradicted() const {
   return out;
 }
 
-template <class S>
-void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) {
+template <class S, class Low>
+void RobotBlock<S, Low>::report_dependence(Robots robots, std::span<Answer> answers) {
   const rank::Contradiction<S> of = contradicted();
   for (std::size_t l = 0; l < robots.size(); ++l) {
     answers[l].contradiction = of.of_lane(static_cast<int>(l));
@@ -209,9 +237,9 @@ void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) 
 }
 
 /// A lane's x = [a; -f] into the scene's a and f.
-template <class S>
-void RobotBlock<S>::scatter(const Scene& scene, const std::vector<int>& f_offset, const Robot& robot, int lane,
-                            double* a, double* f) const {
+template <class S, class Low>
+void RobotBlock<S, Low>::scatter(const Scene& scene, const std::vector<int>& f_offset, const Robot& robot, int lane,
+                                 double* a, double* f) const {
   const int* iperm = pattern_.iperm.data();
   a += scene.robots[robot.number].idx_v;
   for (int i = 0; i < model_->nv; ++i) a[i] = n_.x[iperm[i]][lane];

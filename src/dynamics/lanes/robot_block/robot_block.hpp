@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <limits>
 #include <optional>
+#include <type_traits>
 
 #include "../../derivatives/jacobian_rate.hpp"
 #include "../../robot_quantities.hpp"
@@ -26,10 +27,21 @@
 
 namespace manycontact::lanes {
 
-template <class S>
+/// In place of what only kernels of doubles have.
+struct Without {
+  explicit Without(const Model&) {}
+};
+
+/// Low: what the factor is in, S or, for mixed precision, floats of as many robots.
+template <class S, class Low = S>
 class RobotBlock {
  public:
   static constexpr int W = S::width;
+  /// Of floats: they solve robots alone, without rows that depend on others, and do no more (single.hpp).
+  static constexpr bool kSingle = std::is_same_v<typename S::Element, float>;
+  /// Floats for the factor alone: solves of robots alone and joined, without rows that depend on others.
+  static constexpr bool kMixed = !std::is_same_v<S, Low>;
+  static constexpr bool kLow = kSingle || kMixed;
   using Mask = typename S::Mask;
   using Robot = RobotBlocks::Robot;
   using Robots = std::span<Robot>;
@@ -52,10 +64,13 @@ class RobotBlock {
 
  private:
   /// The sparse kernels' value.
-  using Number = std::conditional_t<W == 1, double, S>;
-  /// In the memory of a batch: K, L, D as KktMatrix, LdlSymbolic have them; w = L^-1 r.
+  using Number = std::conditional_t<W == 1, typename S::Element, S>;
+  /// In the memory of a batch: K, L, D as KktMatrix, LdlSymbolic have them; w = L^-1 r, in mixed precision `low`.
   struct Numbers {
-    S *K, *b, *L, *D, *x, *w;
+    S *K, *b;
+    Low *L, *D;
+    S *x, *w;
+    Low* low;
   };
   /// Robots joined to others: a batch meets its numbers again after all others have met theirs.
   using Prefetch = std::conditional_t<W == 1, sparse::kernel::NoPrefetch, sparse::kernel::PrefetchNext>;
@@ -63,17 +78,34 @@ class RobotBlock {
     if constexpr (W == 1)
       return {};
     else
-      return {(memory.next - memory.at) / W};
+      return {(memory.next - memory.at) * static_cast<std::ptrdiff_t>(sizeof(double))};
   }
   void use(double* memory) {
-    Numbers& n = n_;
-    n.K = reinterpret_cast<S*>(memory);
-    n.b = n.K + pattern_.K.nonzeros();
-    n.L = n.b + pattern_.size();
-    n.D = n.L + pattern_.ldl.nonzeros();
-    n.x = n.D + pattern_.size();
-    n.w = n.x + pattern_.size();
+    use(reinterpret_cast<S*>(memory));
     if (dependent_) dependent_->use(memory + plan_->dependence_at() * W);
+  }
+  void use(S* numbers) {
+    Numbers& n = n_;
+    n.K = numbers;
+    n.b = n.K + pattern_.K.nonzeros();
+    S* const behind = n.b + pattern_.size();
+    if constexpr (kMixed) {
+      n.x = behind;
+      n.L = reinterpret_cast<Low*>(n.x + pattern_.size());
+      n.D = n.L + pattern_.ldl.nonzeros();
+      n.low = n.D + pattern_.size();
+      n.w = w_.data();
+    } else {
+      n.L = behind;
+      n.D = n.L + pattern_.ldl.nonzeros();
+      n.x = n.D + pattern_.size();
+      n.w = n.low = n.x + pattern_.size();
+    }
+  }
+  /// Numbers of one of the two precisions in the other.
+  template <class To, class From>
+  static void convert(const From* from, int count, To* to) {
+    for (int k = 0; k < count; ++k) to[k] = static_cast<To>(from[k]);
   }
 
   /// Of a panel: columns at a time; those of them in registers, four rows of each; and those of a part, which stand
@@ -87,7 +119,7 @@ class RobotBlock {
   }
   static constexpr Columns kOfPanel = columns_of(sparse::kernel::kRegister);
   static constexpr int kColumns = kOfPanel.at_a_time, kPart = kOfPanel.of_part, kParts = kColumns / kPart;
-  static_assert(8 % kPart == 0 && 8 % W == 0);
+  static_assert(kLow || (8 % kPart == 0 && 8 % W == 0));
   struct Chunk {
     int first[kParts], parts;
     std::size_t at;      // in B_: rows that it reaches, its columns side by side
@@ -136,6 +168,14 @@ class RobotBlock {
   S backward_error();
   S residual(Mask same_sizes);
   void refine();
+  // of floats
+  template <class Job>
+  void load_near(const Job& job, Robots robots);
+  void size_torques(const Scene& scene, Robots robots, S* sizes);
+  void size_drifts(const Scene& scene, Robots robots, const S& a, S* sizes) const;
+  S largest(const S* x, bool forces) const;
+  void make_single();
+  void solve_unrefined(const Scene& scene, Robots robots);
   Mask plainly_damped(double damping) const;
   void report(const Job& job, Robots robots, std::span<Answer> answers) const;
   // of rows that depend on each other
@@ -201,9 +241,17 @@ class RobotBlock {
   /// Where the rows of a contact stand in K.
   const int* rows_of(std::size_t k) const { return pattern_.iperm.data() + model_->nv + plan_->island.row_offset[k]; }
   auto diagonal() const {
-    return [this](std::size_t k) { return n_.K[pattern_.K.p[k + 1] - 1]; };
+    return [this](std::size_t k) { return static_cast<Low>(n_.K[pattern_.K.p[k + 1] - 1]); };
   }
   static Mask all() { return S(0) <= S(0); }
+  static Mask mask_of(typename Low::Mask of) {
+    if constexpr (!kMixed)
+      return of;
+    else if constexpr (W == 1)
+      return {of.bits};
+    else
+      return {__builtin_convertvector(of.bits, typename S::Int)};
+  }
   /// Lanes without a robot of their own repeat the last one.
   static const Robot& in_lane(Robots robots, int lane) {
     return robots[std::min<std::size_t>(static_cast<std::size_t>(lane), robots.size() - 1)];
@@ -211,13 +259,13 @@ class RobotBlock {
   /// at(robot in its scene, robot) of each, an array of `count`, into the lanes of `to`.
   template <class At>
   static void load_each(const Scene& scene, Robots robots, int count, S* to, At&& at) {
-    const double* from[8];
+    const double* from[kMostInBatch];
     load_arrays(side_by_side(robots, from, [&](const Robot& r) { return at(scene.robots[r.number], r); }), count, to);
   }
   /// from, of the border, into the robots' arrays.
   template <class To>
   static void store_border(const S* from, int count, Robots robots, To&& to) {
-    double* memory[8];
+    double* memory[kMostInBatch];
     store_arrays(from, count, side_by_side(robots, memory, [&](const Robot& r) { return to(r.border); }));
   }
 
@@ -229,6 +277,14 @@ class RobotBlock {
 
   VecX<S> q_, v_, tau_;
   SE3<S> base_;
+  // of floats (single.hpp)
+  struct BodySizes {  // of accelerations by qdd, and of forces
+    S moved, turned, force, moment;
+  };
+  std::vector<double> near_q_, per_turn_;  // q, each robot's own; 1/(2 pi) of its angles
+  std::array<Vec3<double>, W> origin_;     // each robot's base: all places are seen from there
+  std::vector<BodySizes> body_sizes_;
+  std::vector<float> signs_;  // per row of K: 1 or -1
   std::vector<std::array<StandingEnd<S>, 2>>
       standing_;                                // per contact on the robots alone: A, B, where they stand still
   std::vector<std::array<SE3<S>, 2>> on_body_;  // and the frames on the bodies where they move
@@ -240,7 +296,8 @@ class RobotBlock {
 
   Numbers n_;           // those at work
   std::vector<S> own_;  // of robots alone
-  std::vector<S> pivot_terms_, r_, scale_;
+  std::vector<Low> pivot_terms_;
+  std::vector<S> r_, scale_, w_;               // w_: in mixed precision
   std::optional<DependentRows<S>> dependent_;  // where the plan drops rows
   S steps_, backward_error_, first_error_;
   std::uint64_t serial_ = 0;  // the solution and the robots that kinematics, M, K, L, D are of
@@ -254,7 +311,7 @@ class RobotBlock {
   VecX<S> a_;
   std::vector<VecX<S>> contact_f_, contact_scratch_;  // rows of each contact
   std::vector<Vec6<S>> fext_;
-  RneaDerivativesOf<S> rnea_;
+  std::conditional_t<kLow, Without, RneaDerivativesOf<S>> rnea_;
   std::vector<ContactDerivativesOf<S>> contact_terms_;
   std::vector<std::vector<int>> columns_;  // per contact: its coordinates
   std::vector<Slot> places_;               // of -dr/dq, -dr/dv: where they are not zero
@@ -284,8 +341,8 @@ class RobotBlock {
   std::vector<S> slope_;  // nv, where joints have friction: -d tau_f / dv
 };
 
-template <class S>
-RobotBlock<S>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
+template <class S, class Low>
+RobotBlock<S, Low>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
     : plan_(std::move(plan)),
       model_(plan_->model()),
       pattern_(*plan_->pattern),
@@ -311,12 +368,12 @@ RobotBlock<S>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
       rnea_(*model_),
       nonzero_(rows_),
       inner_L_(plan_->border > 0 ? inner_.ldl.nonzeros() : 0),
-      packed_(inner_schedule_.packed.size()),
+      packed_(kLow ? 0 : inner_schedule_.packed.size()),
       inverse_(rows_),
-      Lx_(inner_.ldl.nonzeros()),
+      Lx_(kLow ? 0 : inner_.ldl.nonzeros()),
       Dx_(rows_),
-      Kx_(inner_.K.nonzeros()),
-      work_(sparse::panel_kernels().work_size(inner_schedule_)),
+      Kx_(kLow ? 0 : inner_.K.nonzeros()),
+      work_(kLow ? 0 : sparse::panel_kernels().work_size(inner_schedule_)),
       rounding_(sparse::ldl_rounding(inner_.ldl)),
       body_(model_->njoints()),
       u_(model_->njoints()),
@@ -331,13 +388,16 @@ RobotBlock<S>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
   for (std::size_t k = 0; k < standing_.size(); ++k) {
     const ContactSupport& support = plan_->supports[k];
     contacts_.emplace_back(contact(k), support);
-    contact_terms_.emplace_back(plan_->scene, contact(k), support);
+    if constexpr (!kLow) contact_terms_.emplace_back(plan_->scene, contact(k), support);
     contact_f_.emplace_back(contact(k).rows());
     contact_scratch_.emplace_back(contact(k).rows());
     columns_.push_back(support.a);
     columns_.back().insert(columns_.back().end(), support.b.begin(), support.b.end());
   }
-  if (!plan_->dropped.empty()) dependent_.emplace(*plan_);
+  if constexpr (kSingle) make_single();
+  if constexpr (kMixed) w_.resize(pattern_.size());
+  if constexpr (!kLow)
+    if (!plan_->dropped.empty()) dependent_.emplace(*plan_);
   const sparse::LdlSymbolic& ldl = pattern_.ldl;
   for (int j = rows_; j < ldl.n; ++j)
     for (int i = rows_; i < j; ++i) {
@@ -345,7 +405,7 @@ RobotBlock<S>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
       const auto at = std::lower_bound(first, last, j);
       triangle_.push_back(at != last && *at == j ? static_cast<int>(at - ldl.Li.begin()) : -1);
     }
-  find_places();
+  if constexpr (!kLow) find_places();
 }
 
 }  // namespace manycontact::lanes

@@ -2,24 +2,29 @@
 // RobotBlock: what the robots are given, and K x = b made of it.
 
 #include "robot_block.hpp"
+#include "single.hpp"
 
 namespace manycontact::lanes {
 
-template <class S>
+template <class S, class Low>
 template <class Job>
-void RobotBlock<S>::load_state(const Job& job, Robots robots) {
+void RobotBlock<S, Low>::load_state(const Job& job, Robots robots) {
   serial_ = 0;  // nothing is kept: robots that springs alone join have no border, and come to kernels of robots alone
-  load_each(job.scene, robots, model_->nq, q_.data(), [&](const auto& r, auto&) { return job.q + r.idx_q; });
+  if constexpr (kSingle)
+    load_near(job, robots);
+  else
+    load_each(job.scene, robots, model_->nq, q_.data(), [&](const auto& r, auto&) { return job.q + r.idx_q; });
   load_each(job.scene, robots, model_->nv, v_.data(), [&](const auto& r, auto&) { return job.v + r.idx_v; });
   if (!model_->floating_base)
     load_each(job.scene, robots, 12, base_.R.data(), [](const auto& r, auto&) { return r.base.R.data(); });
+  if constexpr (kSingle) base_.p.setZero();
   load_model(job.scene, robots);
   load_ends(job.scene, robots);
 }
 
 /// The robots' own placements, inertias and armatures, unless they are the model's.
-template <class S>
-void RobotBlock<S>::load_model(const Scene& scene, Robots robots) {
+template <class S, class Low>
+void RobotBlock<S, Low>::load_model(const Scene& scene, Robots robots) {
   static_assert(sizeof(Inertia<double>) == 13 * sizeof(double) && sizeof(Inertia<S>) == 13 * sizeof(S));
   const auto of = [&scene](const Robot& r) -> const std::shared_ptr<const Model>& {
     return scene.robots[r.number].model;
@@ -27,7 +32,7 @@ void RobotBlock<S>::load_model(const Scene& scene, Robots robots) {
   robot_.kin.own = nullptr;
   if (std::all_of(robots.begin(), robots.end(), [&](const Robot& r) { return of(r) == model_; })) return;
   robot_.kin.own = &own_model_;
-  const double* from[8];
+  const double* from[kMostInBatch];
   const auto load = [&](int count, S* to, auto&& at) {
     load_arrays(side_by_side(robots, from, [&](const Robot& r) -> const double* { return at(*of(r)); }), count, to);
   };
@@ -39,11 +44,11 @@ void RobotBlock<S>::load_model(const Scene& scene, Robots robots) {
 }
 
 /// Where the ends of contacts are: on their bodies, or where they stand.
-template <class S>
-void RobotBlock<S>::load_ends(const Scene& scene, Robots robots) {
+template <class S, class Low>
+void RobotBlock<S, Low>::load_ends(const Scene& scene, Robots robots) {
   static_assert(sizeof(StandingEnd<double>) == 15 * sizeof(double) && sizeof(StandingEnd<S>) == 15 * sizeof(S));
   StandingEnd<double> ends[W];
-  const double* from[8];
+  const double* from[kMostInBatch];
   for (std::size_t k = 0; k < standing_.size(); ++k) {
     if (contacts_[k].pair)
       load_pair<S>(
@@ -60,6 +65,7 @@ void RobotBlock<S>::load_ends(const Scene& scene, Robots robots) {
       }
       for (std::size_t l = 0; l < robots.size(); ++l) {
         ends[l] = standing_end(scene, end(robots[l]));
+        if constexpr (kSingle) ends[l].origin -= origin_[l];
         from[l] = ends[l].frame.R.data();
       }
       load_arrays(std::span<const double* const>(from, robots.size()), 15, standing_[k][B].frame.R.data());
@@ -68,8 +74,8 @@ void RobotBlock<S>::load_ends(const Scene& scene, Robots robots) {
 }
 
 /// The robots' own part of K x = b, and which robots' input can be used.
-template <class S>
-void RobotBlock<S>::set_up(const Job& job, Robots robots) {
+template <class S, class Low>
+void RobotBlock<S, Low>::set_up(const Job& job, Robots robots) {
   load_state(job, robots);
   load_each(job.scene, robots, model_->nv, tau_.data(), [&](const auto& r, auto&) { return job.tau + r.idx_v; });
   usable_ = usable_input<S>(*model_, q_, v_, tau_);
@@ -78,13 +84,14 @@ void RobotBlock<S>::set_up(const Job& job, Robots robots) {
   evaluate_rows(job.scene, robots);
   store_left(job, robots);
   check_rows(job.scene, robots);
-  if (dependent_) size_rows(job.scene, robots);
+  if constexpr (!kLow)
+    if (dependent_) size_rows(job.scene, robots);
   assemble_rows(job.scene.damping);
   assemble_right_side(job, robots);
 }
 
-template <class S>
-void RobotBlock<S>::evaluate_rows(const Scene& scene, Robots robots) {
+template <class S, class Low>
+void RobotBlock<S, Low>::evaluate_rows(const Scene& scene, Robots robots) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& c = scene.contacts[robots.front().contacts[k]];
     const auto& [on_A, on_B] = on_body_[k];
@@ -97,9 +104,9 @@ void RobotBlock<S>::evaluate_rows(const Scene& scene, Robots robots) {
 }
 
 /// What the contacts of pairs contradict each other by.
-template <class S>
-void RobotBlock<S>::store_left(const Job& job, Robots robots) const {
-  double* to[8];
+template <class S, class Low>
+void RobotBlock<S, Low>::store_left(const Job& job, Robots robots) const {
+  double* to[kMostInBatch];
   for (std::size_t k = 0; k < contacts_.size(); ++k)
     if (contacts_[k].pair)
       store_arrays(contacts_[k].left.data(), static_cast<int>(contacts_[k].left.size()),
@@ -110,8 +117,8 @@ void RobotBlock<S>::store_left(const Job& job, Robots robots) const {
 
 /// The smallest row of J, and the largest motion that rows are picked from: rows that are nothing but rounding beside
 /// that no pivot shows.
-template <class S>
-void RobotBlock<S>::check_rows(const Scene& scene, Robots robots) {
+template <class S, class Low>
+void RobotBlock<S, Low>::check_rows(const Scene& scene, Robots robots) {
   smallest_row_ = S(std::numeric_limits<double>::infinity()), motion_ = S(0);
   if (scene.damping > 0) return;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
@@ -121,8 +128,8 @@ void RobotBlock<S>::check_rows(const Scene& scene, Robots robots) {
 }
 
 /// J and -delta I in K; of the border J comes later, and no damping.
-template <class S>
-void RobotBlock<S>::assemble_rows(double damping) {
+template <class S, class Low>
+void RobotBlock<S, Low>::assemble_rows(double damping) {
   const int* slot = pattern_.J_slot.data();
   for (const ContactData<S>& rows : contacts_)
     for (Eigen::Index k = 0; k < rows.J.size(); ++k) n_.K[*slot++] = rows.J.data()[k];
@@ -131,8 +138,8 @@ void RobotBlock<S>::assemble_rows(double damping) {
 }
 
 /// b = [tau - h; wanted - a0; 0]
-template <class S>
-void RobotBlock<S>::assemble_right_side(const Job& job, Robots robots) {
+template <class S, class Low>
+void RobotBlock<S, Low>::assemble_right_side(const Job& job, Robots robots) {
   for (int i = 0; i < model_->nv; ++i) n_.b[pattern_.iperm[i]] = tau_[i] - robot_.h[i];
   for (std::size_t k = 0; k < contacts_.size(); ++k)
     for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i) {
@@ -145,8 +152,8 @@ void RobotBlock<S>::assemble_right_side(const Job& job, Robots robots) {
 }
 
 /// r = b - K x, scale = |b| + |K| |x|.
-template <class S>
-void RobotBlock<S>::residual_and_sizes() {
+template <class S, class Low>
+void RobotBlock<S, Low>::residual_and_sizes() {
   sparse::ldl_scheduled_residual(pattern_.K, as_scalar(n_.K), as_scalar(n_.x), as_scalar(n_.b), as_scalar(r_.data()),
                                  as_scalar(scale_.data()));
 }

@@ -28,8 +28,10 @@ lanes::Job job_at_state(const Scene& scene, SceneData& data) {
 
 namespace {
 
-void take_answer(BlockGroup& by, const lanes::Answer& answer, IslandWork& d, IslandReport& report) {
+void take_answer(BlockGroup& by, Precision precision, const lanes::Answer& answer, IslandWork& d,
+                 IslandReport& report) {
   reset(report, d.island);
+  report.precision = precision;
   report.method = Method::kSparseLdl;
   report.order = d.choice.order;
   report.factor_nonzeros = by.plan->factor_nonzeros() + d.island.size();
@@ -52,10 +54,9 @@ void take_dependence(const SceneData& data, const lanes::Answer& answer, IslandW
   report_dropped_rows(data, d, d.matrix.dependent, answer.contradiction, report);
 }
 
-// The islands into w.lanes, each with the group that group_of(island) gives it, if any: in batches of as many as there
-// are SIMD lanes.
+// The islands into w.lanes, each with the group that group_of(island) gives it, if any: in batches of `width`.
 template <class GroupOf>
-void form_batches(const Scene& scene, Workspace& w, GroupOf&& group_of) {
+void form_batches(const Scene& scene, Workspace& w, int width, GroupOf&& group_of) {
   InLanes& in = w.lanes;
   in.islands.clear();
   in.robots.clear();
@@ -67,7 +68,7 @@ void form_batches(const Scene& scene, Workspace& w, GroupOf&& group_of) {
     bool begun = false;
     for (int i : group.islands) {
       const Island& island = w.islands[i]->island;
-      if (!begun || in.batches.back().count == in.level->width ||
+      if (!begun || in.batches.back().count == width ||
           !lanes::alike(scene, w.islands[in.islands[in.batches.back().first]]->island.contacts, island.contacts))
         in.batches.push_back({&group, static_cast<int>(in.robots.size()), 0});
       begun = true;
@@ -93,13 +94,12 @@ void prefetch_models(const Scene& scene, Robots robots) {
     }
 }
 
-// use(group, robots, numbers of their islands, memory of the thread) for each batch. of_solve: its work, relative to a
-// solve's.
+// use(group, robots, numbers of their islands, memory of the thread) for each batch of `width`. of_solve: its work,
+// relative to a solve's.
 template <class GroupOf, class Use>
-void each_in_lanes(const Scene& scene, Workspace& w, double of_solve, GroupOf&& group_of, Use&& use) {
-  if (!w.lanes.level) return;
+void each_batch_of(int width, const Scene& scene, Workspace& w, double of_solve, GroupOf&& group_of, Use&& use) {
   InLanes& in = w.lanes;
-  form_batches(scene, w, group_of);
+  form_batches(scene, w, width, group_of);
   double seconds = 0;
   for (const InLanes::Batch& batch : in.batches)
     seconds += of_solve * batch.group->seconds * together(static_cast<std::size_t>(batch.count));
@@ -109,6 +109,12 @@ void each_in_lanes(const Scene& scene, Workspace& w, double of_solve, GroupOf&& 
       prefetch_models(scene, Robots(in.robots).subspan(in.batches[k + 1].first, in.batches[k + 1].count));
     use(*group, Robots(in.robots).subspan(first, count), Numbers(in.islands).subspan(first, count), thread);
   });
+}
+
+// The same in batches of doubles.
+template <class GroupOf, class Use>
+void each_in_lanes(const Scene& scene, Workspace& w, double of_solve, GroupOf&& group_of, Use&& use) {
+  if (w.lanes.level) each_batch_of(w.lanes.level->width, scene, w, of_solve, group_of, use);
 }
 
 // The group that an island is solved in; nullptr: none, or not now.
@@ -131,6 +137,29 @@ BlockGroup* group_of_answer(const IslandWork& d) { return d.served_in_lanes() ? 
 
 }  // namespace
 
+void solve_alone_in_low(const Scene& scene, SceneData& data) {
+  Workspace& w = *data.workspace;
+  const Precision precision = w.options.precision;
+  const bool single = precision == Precision::kSingle;
+  if (!(single || precision == Precision::kMixed) || !w.lanes.level || !usable_numbers(scene)) return;
+  const lanes::Job job = job_at_state(scene, data);
+  const auto group_of = [&](IslandWork& d) -> BlockGroup* {
+    BlockGroup* group = group_of_solve(scene, w, d, Dropped::kNone);
+    return group && (single ? !group->single.empty() : !group->mixed.empty()) ? group : nullptr;
+  };
+  const auto solve = [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
+    const std::span<lanes::Answer> answers(thread.answers.data(), robots.size());
+    if (single)
+      group.single[thread.number]->solve(job, robots, answers);
+    else
+      group.mixed[thread.number]->solve(job, robots, answers);
+    for (std::size_t k = 0; k < robots.size(); ++k)
+      if (answers[k].sound)
+        take_answer(group, precision, answers[k], *w.islands[numbers[k]], data.report.islands[numbers[k]]);
+  };
+  each_batch_of(batch_width(w), scene, w, 1, group_of, solve);
+}
+
 void solve_alone(const Scene& scene, SceneData& data, Dropped dropped) {
   if (!usable_numbers(scene)) return;
   Workspace& w = *data.workspace;
@@ -144,7 +173,7 @@ void solve_alone(const Scene& scene, SceneData& data, Dropped dropped) {
       d.refused = d.refused || (!answer.sound && dropped != Dropped::kNone);
       if (!answer.sound) continue;
       IslandReport& report = data.report.islands[numbers[k]];
-      take_answer(group, answer, d, report);
+      take_answer(group, Precision::kDouble, answer, d, report);
       if (!group.plan->dropped.empty()) take_dependence(data, answer, d, report);
     }
   });

@@ -308,7 +308,7 @@ bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, boo
 
 // The factors of the state at hand, where another system answered.
 bool make_current(const Scene& scene, SceneData& data, RobotsSystem& system) {
-  if (system.state == data.workspace->state) return true;
+  if (system.state == data.workspace->state) return system.factorize_in_double(scene, data);
   system.first_error = system.owner.matrix.first_error;
   return system.factorize(scene, data);
 }

@@ -93,9 +93,19 @@ BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
 }
 
 void make_kernels(Workspace& w, BlockGroup& group, bool side_by_side) {
-  while (group.kernels.size() < w.threads.size()) group.kernels.push_back(w.lanes.level->make(group.plan));
-  if (!side_by_side) return;
-  for (const auto& kernel : group.kernels) kernel->reserve_batch();
+  const auto make = [&](auto& kernels, auto* of_plan) {
+    while (kernels.size() < w.threads.size()) kernels.push_back(of_plan(group.plan));
+    if (!side_by_side) return;
+    for (const auto& kernel : kernels) kernel->reserve_batch();
+  };
+  make(group.kernels, w.lanes.level->make);
+  if (!group.plan->dropped.empty()) return;  // those are solved in double
+  if (w.options.precision == Precision::kMixed) make(group.mixed, w.lanes.level->make_mixed);
+  // What the contacts of a pair contradict each other by is judged beside the rounding of doubles.
+  const auto is_pair = [](const Contact& c) { return c.pair != nullptr; };
+  if (w.options.precision == Precision::kSingle && group.plan->border == 0 &&
+      std::ranges::none_of(group.plan->scene.contacts, is_pair))
+    make(group.single, w.lanes.level->single.make);
 }
 
 // Of an island of one robot that is not large; nullptr: it has no place in lanes.
@@ -298,6 +308,11 @@ void bind_robots(const Scene& scene, Workspace& w, IslandWork& d) {
   if (d.robots) bind_island(scene, w, d, *d.robots);
 }
 
+int batch_width(const Workspace& w) {
+  if (!w.lanes.level) return 1;
+  return w.options.precision == Precision::kSingle ? w.lanes.level->single.width : w.lanes.level->width;
+}
+
 void group_robots_alone(Workspace& w) {
   InLanes& in = w.lanes;
   for (auto& [key, group] : in.groups) group.islands.clear();
@@ -306,7 +321,7 @@ void group_robots_alone(Workspace& w) {
   in.robots.reserve(w.islands.size());
   in.batches.reserve(w.islands.size());
   for (ThreadWork& thread : w.threads) {
-    thread.answers.resize(in.level->width);
+    thread.answers.resize(batch_width(w));
     thread.panels.reserve(in.level->width);
     thread.interface_contacts.reserve(in.level->width);
     thread.interface_derivatives.reserve(in.level->width);

@@ -27,8 +27,11 @@ struct IslandReport;
 struct BlockGroup {
   std::shared_ptr<const lanes::BlockPlan> plan;
   std::vector<std::unique_ptr<lanes::RobotBlocks>> kernels;  // one per thread
-  std::vector<int> islands;                                  // scratch of a call: the islands it solves with this plan
-  double seconds = 0;                                        // predicted, of one robot solved alone
+  // likewise, where the options ask for these: of robots alone in single precision; with a factor in single precision
+  std::vector<std::unique_ptr<lanes::SingleBlocks>> single;
+  std::vector<std::unique_ptr<lanes::SolvingBlocks>> mixed;
+  std::vector<int> islands;  // scratch of a call: the islands it solves with this plan
+  double seconds = 0;        // predicted, of one robot solved alone
 };
 
 /// Contacts that join two robots, alike but for places and gains.
@@ -87,6 +90,8 @@ class RobotsSystem final : public IslandSystem {
   /// The factors of the robots and of the interface rows, and the right-hand side, at the state at hand. False where
   /// these are not sound.
   bool factorize(const Scene& scene, SceneData& data);
+  /// The same in double, where the factors at hand are not: for all that comes after a solve.
+  bool factorize_in_double(const Scene& scene, SceneData& data);
   bool solve_in_use(const Scene&, SceneData&, IslandReport&);  // by the groups in use
   /// Growth of K's entries in these factors, as Factor has it.
   double growth() const;
@@ -138,6 +143,7 @@ class RobotsSystem final : public IslandSystem {
   std::vector<Batch> batches;
   std::vector<ContactBatch> contact_batches;
   std::uint64_t state = 0;                         // that all of this is of; 0 where it is not sound
+  bool mixed = false;                              // the robots' factors are in single precision
   double first_error = 0;                          // backward error of the answer before refinement
   bool back = false;                               // the way the last step took through the batches
   sparse::LargeMemory memory;                      // of the batches and their robots
@@ -165,6 +171,11 @@ void make_robots(const Scene& scene, Workspace& work, IslandWork& island);
 /// Solves the islands of one robot that have a place in a SIMD batch, at w.q, data.v, data.tau: those not answered yet,
 /// or, of rows found to depend, those that the whole K answered.
 void solve_alone(const Scene& scene, SceneData& data, Dropped dropped);
+/// The same islands, those not answered yet, in single or mixed precision where the options ask for it. Those whose
+/// condition is too poor for that are left.
+void solve_alone_in_low(const Scene& scene, SceneData& data);
+/// How many robots alone, or states, a SIMD batch has at most; 1 without SIMD batches.
+int batch_width(const Workspace& w);
 /// What the report of an island says of rows of its J that were dropped: status, rank, names.
 void report_dropped_rows(const SceneData& data, const IslandWork& island, std::span<const int> rows,
                          const rank::Contradiction<double>& contradiction, IslandReport& report);
