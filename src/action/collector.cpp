@@ -97,6 +97,8 @@ DataCollector::DataCollector(MultibodyData* motion, std::shared_ptr<ContactDataM
     : DataCollector(motion, nullptr, std::move(contact)) {}
 DataCollector::DataCollector(std::shared_ptr<ActuationDataAbstract> act)
     : DataCollector(nullptr, std::move(act), nullptr) {}
+DataCollector::DataCollector(std::shared_ptr<ContactDataMultiple> contact)
+    : DataCollector(nullptr, nullptr, std::move(contact)) {}
 DataCollector::~DataCollector() = default;
 
 void DataCollector::prepare() {

@@ -21,7 +21,7 @@ constexpr double kIdle = 1e-300;         // D of a row that is left out
 constexpr std::size_t kFewRows = 64;     // for a dense factor of them all
 constexpr std::size_t kMostRows = 3000;  // for one of those that take part, where ...
 constexpr double kMostZeros = 8;         // ... no more than one entry of so many is not zero
-constexpr int kFewNumbers = 24;          // unit forces on an island, for a solve of each
+constexpr int kFewNumbers = 32;          // unit forces on an island, for a solve of each
 constexpr int kMostCoordinates = 2000;   // of an island, for K^-1 as a matrix
 
 // J M^-1 J^T of a body alone, at most; what it is joined to makes it less.

@@ -55,6 +55,7 @@ struct DataCollector {  // The data that residuals depend on.
                          std::shared_ptr<ContactDataMultiple> contact = nullptr);
   DataCollector(MultibodyData* motion, std::shared_ptr<ContactDataMultiple> contact);  // for standalone evaluation
   explicit DataCollector(std::shared_ptr<ActuationDataAbstract> act);                  // for standalone evaluation
+  explicit DataCollector(std::shared_ptr<ContactDataMultiple> contact);                // for standalone evaluation
   DataCollector(const DataCollector&) = delete;
   virtual ~DataCollector();
 
@@ -91,6 +92,8 @@ struct DataCollector {  // The data that residuals depend on.
 };
 using DataCollectorAbstract = DataCollector;
 using DataCollectorActuation = DataCollector;
+using DataCollectorContact = DataCollector;
+using DataCollectorImpulse = DataCollector;
 using DataCollectorMultibody = DataCollector;
 using DataCollectorActMultibody = DataCollector;
 using DataCollectorMultibodyInContact = DataCollector;

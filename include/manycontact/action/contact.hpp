@@ -65,6 +65,9 @@ struct ContactDataAbstract {
   ContactDataAbstract(const ContactDataAbstract&) = delete;  // it contains views of itself
 };
 
+/// Crocoddyl's base class of the data of contacts and impulses.
+using ForceDataAbstract = ContactDataAbstract;
+
 /// A contact. The action model evaluates all contacts at once and calls no function of this class. Therefore only the
 /// classes below derive from it.
 class ContactModelAbstract {

@@ -62,6 +62,7 @@ template <std::same_as<double> Scalar> using ConstraintItemTpl = ConstraintItem;
 template <std::same_as<double> Scalar> using ConstraintDataManagerTpl = ConstraintDataManager;
 template <std::same_as<double> Scalar> using ConstraintModelManagerTpl = ConstraintModelManager;
 
+template <std::same_as<double> Scalar> using ForceDataAbstractTpl = ForceDataAbstract;
 template <std::same_as<double> Scalar> using ContactDataAbstractTpl = ContactDataAbstract;
 template <std::same_as<double> Scalar> using ContactModelAbstractTpl = ContactModelAbstract;
 template <std::same_as<double> Scalar> using ContactModel1DTpl = ContactModel1D;
@@ -138,6 +139,8 @@ template <std::same_as<double> Scalar> using CostModelNumDiffTpl = CostModelNumD
 template <std::same_as<double> Scalar> using ConstraintModelNumDiffTpl = ConstraintModelNumDiff;
 template <std::same_as<double> Scalar> using ContactModelNumDiffTpl = ContactModelNumDiff;
 template <std::same_as<double> Scalar> using ConstraintDataAbstractTpl = ConstraintDataAbstract;
+template <std::same_as<double> Scalar> using DataCollectorContactTpl = DataCollectorContact;
+template <std::same_as<double> Scalar> using DataCollectorImpulseTpl = DataCollectorImpulse;
 template <std::same_as<double> Scalar> using DataCollectorMultibodyTpl = DataCollectorMultibody;
 template <std::same_as<double> Scalar> using DataCollectorActMultibodyTpl = DataCollectorActMultibody;
 template <std::same_as<double> Scalar> using DataCollectorMultibodyInContactTpl = DataCollectorMultibodyInContact;
