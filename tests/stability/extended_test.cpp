@@ -50,7 +50,7 @@ TEST_P(Extended, AFewUnitsInTheLastPlace) {
     if (which.bad_input) continue;
     const Problem p = which.make();
     const Truths truths(p);
-    if (!truths.exists) continue;
+    if (!truths.exists || p.only_known) continue;  // what is known is not the answer to the last digits of q
     for (const Way& way : extended_ways()) {
       if (!which.small && way.options.method == Method::kDense) continue;
       SCOPED_TRACE(which.name + " by " + way.name);
@@ -82,7 +82,7 @@ TEST_P(Extended, AFewUnitsInTheLastPlace) {
       const double error = worse(cell.error_a, cell.error_f);
       sums.worst = worse(sums.worst, error);
       sums.beyond = worse(sums.beyond, cell.beyond_bound);
-      EXPECT_LE(cell.beyond_bound, 1) << "bounds " << data.report.error_acceleration << " " << data.report.error_forces;
+      EXPECT_LE(cell.beyond_bound, 1) << "errors " << cell.error_a << " " << cell.error_f << " condition " << cond << note << " bounds " << data.report.error_acceleration << " " << data.report.error_forces;
       if (cond <= 1e15)
         EXPECT_LE(error, 4 * kEps) << cell.error_a << " " << cell.error_f << ", condition " << cond << note;
     }
