@@ -207,7 +207,7 @@ void correct(const Scene& scene, SceneData& data, ExtendedWork& e) {
 
 // The part n of x's forces f = n + S^2 J y that is none of the least norm: y by steps, until what is left of f does not
 // change beside f. False: it does.
-bool project(const Scene& scene, SceneData& data, ExtendedWork& e) {
+bool project(const Scene& scene, SceneData& data, const OfIsland& of, ExtendedWork& e) {
   const Eigen::Index rows = data.f.size();
   double before = std::numeric_limits<double>::infinity();
   for (int step = 0; step < kMostSteps; ++step) {
@@ -218,7 +218,7 @@ bool project(const Scene& scene, SceneData& data, ExtendedWork& e) {
         size = std::max(size, std::abs(e.f[k]) / (e.weights[k] * e.weights[k]));
         change = sparse::larger_or_nan(change, step == 0 ? 0.0 : std::abs(e.r[k] - e.rest[k]));
       }
-    if (step > 1 && change <= kConverged * size) return true;
+    if (step > 1 && change <= std::max(kConverged * size, kVanishing * of.at_rest_f)) return true;
     if (!std::isfinite(change) || (step > 2 && change > kSlow * before)) return false;
     before = step == 0 ? before : change;
     e.rest.head(rows) = e.r.head(rows);
@@ -285,7 +285,7 @@ void take_least_norm(const Scene& scene, SceneData& data, ExtendedWork& e) {
     take_part(data, e);
     take_weights(scene, data, e);
     e.equations->begin_projection(part_of(e), e.weights.data(), nullptr);
-    if (project(scene, data, e))
+    if (project(scene, data, of, e))
       e.equations->take_rest(part_of(e));
     else
       refuse(of, data.report.islands[i]);
