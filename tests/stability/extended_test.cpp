@@ -18,6 +18,9 @@ namespace manycontact::test {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
+// Up to here the truth in quadruple precision, whose own error is its rounding times the condition, is better than eps.
+// Beyond, extended answers by different factors agree to more digits than any has in common with the truth.
+constexpr double kTrueCondition = 1e15;
 
 const std::vector<Way>& extended_ways() {
   static const std::vector<Way> all = [] {
@@ -50,7 +53,7 @@ TEST_P(Extended, AFewUnitsInTheLastPlace) {
     if (which.bad_input) continue;
     const Problem p = which.make();
     const Truths truths(p);
-    if (!truths.exists) continue;
+    if (!truths.exists || p.only_known) continue;  // what is known is not the answer to the last digits of q
     for (const Way& way : extended_ways()) {
       if (!which.small && way.options.method == Method::kDense) continue;
       SCOPED_TRACE(which.name + " by " + way.name);
@@ -63,7 +66,7 @@ TEST_P(Extended, AFewUnitsInTheLastPlace) {
         cond = std::max(cond, condition_of(truths, data.report, i));
         extended = extended && report_of(data.report, i).precision == Precision::kExtended;
       }
-      Sums& sums = cond <= 1e12 ? up_to_12 : cond <= 1e15 ? up_to_15 : beyond;
+      Sums& sums = cond <= 1e12 ? up_to_12 : cond <= kTrueCondition ? up_to_15 : beyond;
       ++sums.answers;
       std::string note;
       for (const IslandReport& island : data.report.islands) {
@@ -82,9 +85,11 @@ TEST_P(Extended, AFewUnitsInTheLastPlace) {
       const double error = worse(cell.error_a, cell.error_f);
       sums.worst = worse(sums.worst, error);
       sums.beyond = worse(sums.beyond, cell.beyond_bound);
-      EXPECT_LE(cell.beyond_bound, 1) << "bounds " << data.report.error_acceleration << " " << data.report.error_forces;
-      if (cond <= 1e15)
-        EXPECT_LE(error, 4 * kEps) << cell.error_a << " " << cell.error_f << ", condition " << cond << note;
+      if (cond > kTrueCondition) continue;
+      EXPECT_LE(cell.beyond_bound, 1) << "errors " << cell.error_a << " " << cell.error_f << " condition " << cond
+                                      << note << " bounds " << data.report.error_acceleration << " "
+                                      << data.report.error_forces;
+      EXPECT_LE(error, 4 * kEps) << cell.error_a << " " << cell.error_f << ", condition " << cond << note;
     }
   }
   const auto show = [&](const char* name, const Sums& s) {

@@ -37,7 +37,7 @@ class Equations {
 
   /// The terms at a state. x = [a; f], of nv and of f's rows; r = b - K x.
   virtual void begin(const Job& job, const Part& part, const double* a, const double* f) = 0;
-  /// x += [da; df], and with `residual` r -= K [da; df].
+  /// x += [da; df], and with `residual` r = b - K x.
   virtual void add(const Part& part, const double* da, const double* df, bool residual) = 0;
   /// r, rounded.
   virtual void residual(const Part& part, double* of_dynamics, double* of_contacts) const = 0;
@@ -45,16 +45,18 @@ class Equations {
   virtual void round(const Part& part, double* a, double* f) const = 0;
 
   // The forces of least norm |S^-1 f| with the same J^T f: f = S^2 J y.
-  /// rest = f, of x or of the caller's, y = 0. weights: S, per row of f.
+  /// rest = f, of x where f is nullptr, y = 0. weights: S, per row of f.
   virtual void begin_projection(const Part& part, const double* weights, const double* f) = 0;
   /// y += dy, rest -= S^2 J dy.
   virtual void project(const Part& part, const double* dy) = 0;
   /// S^-2 rest, rounded: what a step dy is to satisfy as J dy.
   virtual void rest(const Part& part, double* f) const = 0;
-  /// Takes the rest from x's f, and from r what it changes.
+  /// Takes the rest from x's f.
   virtual void take_rest(const Part& part) = 0;
-  /// |J^T rest| relative to |J|^T |rest| as the bodies' forces show it, the largest of each over all coordinates.
-  virtual double force_of_rest(const Part& part) = 0;
+  /// torque = J^T rest, rounded. Returns its largest entry relative to the largest sum of the terms of one.
+  virtual double torque_of_rest(const Part& part, double* torque) = 0;
+  /// rest += df
+  virtual void add_to_rest(const Part& part, const double* df) = 0;
 };
 
 struct Level {

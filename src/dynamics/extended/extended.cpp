@@ -29,7 +29,6 @@ constexpr double kSlow = 0.8;           // a correction of more than so much of 
 constexpr double kVanishing = 0x1p-80;  // beside what acts: changes of a and f below are none
 constexpr double kVanishingAtLast = 0x1p-60;  // and where rounding in double-double stops refinement
 constexpr double kDependent = 0x1p-75;        // |J^T n| of null vectors of rows that depend exactly
-constexpr int kProjectionSteps = 60;
 
 using OfIsland = ExtendedWork::OfIsland;
 
@@ -206,22 +205,26 @@ void correct(const Scene& scene, SceneData& data, ExtendedWork& e) {
   }
 }
 
-// n of z = n + S^2 J y for the forces z given to begin_projection: y by steps until the rest stays. False: it does not.
-bool project(const Scene& scene, SceneData& data, ExtendedWork& e) {
-  double before = std::numeric_limits<double>::infinity(), first = 0;
-  for (int step = 0; step < kProjectionSteps; ++step) {
+// The part n of x's forces f = n + S^2 J y that is none of the least norm: y by steps, until what is left of f does not
+// change beside f. False: it does.
+bool project(const Scene& scene, SceneData& data, const OfIsland& of, ExtendedWork& e) {
+  const Eigen::Index rows = data.f.size();
+  double before = std::numeric_limits<double>::infinity();
+  for (int step = 0; step < kMostSteps; ++step) {
     e.equations->rest(part_of(e), e.r.data());
+    double change = 0, size = 0;
+    for (int c : e.contacts)
+      for (int k = data.f_offset[c]; k < data.f_offset[c] + scene.contacts[c].rows(); ++k) {
+        size = std::max(size, std::abs(e.f[k]) / (e.weights[k] * e.weights[k]));
+        change = sparse::larger_or_nan(change, step == 0 ? 0.0 : std::abs(e.r[k] - e.rest[k]));
+      }
+    if (step > 1 && change <= std::max(kConverged * size, kVanishing * of.at_rest_f)) return true;
+    if (!std::isfinite(change) || (step > 2 && change > kSlow * before)) return false;
+    before = step == 0 ? before : change;
+    e.rest.head(rows) = e.r.head(rows);
     e.r_a.setZero();
     invert(scene, data, e);
-    double size = 0;
-    for (std::size_t i = 0; i < e.islands.size(); ++i)
-      if (e.islands[i].open) size = sparse::larger_or_nan(size, largest(scene, island_at(data, i), e.r_a));
-    if (!std::isfinite(size)) return false;
-    if (step == 0) first = size;
     e.equations->project(part_of(e), e.r_a.data());
-    if (size <= 0x1p-90 * first) return true;
-    if (step > 1 && size > kSlow * before) return size <= 0x1p-60 * first;
-    before = size;
   }
   return false;
 }
@@ -233,8 +236,34 @@ void take_weights(const Scene& scene, const SceneData& data, ExtendedWork& e) {
           row_unit(scene, scene.contacts[static_cast<std::size_t>(c)], i);
 }
 
-// Whether rows that depend on each other in double do so exactly: null vectors of J^T, found in double-double, are.
-// Others depend by rounding of the state alone, and the right forces are none that double could be refined to.
+// Forces whose numbers have nothing to do with the contacts' (Knuth's linear congruential generator).
+void take_any_forces(Eigen::VectorXd& f) {
+  std::uint64_t state = 1;
+  for (double& x : f) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    x = static_cast<double>(state >> 11) * 0x1p-52 - 1;
+  }
+}
+
+// Whether J^T n = 0 in double-double for forces n that double takes for one of J^T's null space: what is left of J^T n
+// is taken from n by K^+ until nothing is, or what no forces of double's rank can take.
+bool depend_exactly(const Scene& scene, SceneData& data, ExtendedWork& e) {
+  take_any_forces(e.rest);
+  e.equations->begin_projection(part_of(e), e.weights.data(), e.rest.data());
+  double before = std::numeric_limits<double>::infinity();
+  for (int step = 0; step < kMostSteps; ++step) {
+    const double left = e.equations->torque_of_rest(part_of(e), e.r_a.data());
+    if (left <= kDependent) return true;
+    if (!(left < (step > 1 ? kSlow * before : std::numeric_limits<double>::infinity()))) return false;
+    before = left;
+    e.r.setZero();
+    invert(scene, data, e);
+    e.equations->add_to_rest(part_of(e), e.r.data());
+  }
+  return false;
+}
+
+// Rows that depend on each other by rounding of the state alone have other forces, if any, than those of double's rank.
 void refuse_nearly_dependent(const Scene& scene, SceneData& data, ExtendedWork& e) {
   for (std::size_t i = 0; i < e.islands.size(); ++i) {
     OfIsland& of = e.islands[i];
@@ -243,14 +272,7 @@ void refuse_nearly_dependent(const Scene& scene, SceneData& data, ExtendedWork& 
     of.open = true;
     take_part(data, e);
     take_weights(scene, data, e);
-    std::uint64_t state = 1;
-    for (Eigen::Index k = 0; k < data.f.size(); ++k) {  // any forces; Knuth's numbers
-      state = state * 6364136223846793005u + 1442695040888963407u;
-      e.rest[k] = static_cast<double>(state >> 11) * 0x1p-52 - 1;
-    }
-    e.equations->begin_projection(part_of(e), e.weights.data(), e.rest.data());
-    const bool depend = project(scene, data, e) && e.equations->force_of_rest(part_of(e)) <= kDependent;
-    if (!depend) refuse(of, data.report.islands[i]);
+    if (!depend_exactly(scene, data, e)) refuse(of, data.report.islands[i]);
   }
 }
 
@@ -263,7 +285,7 @@ void take_least_norm(const Scene& scene, SceneData& data, ExtendedWork& e) {
     take_part(data, e);
     take_weights(scene, data, e);
     e.equations->begin_projection(part_of(e), e.weights.data(), nullptr);
-    if (project(scene, data, e))
+    if (project(scene, data, of, e))
       e.equations->take_rest(part_of(e));
     else
       refuse(of, data.report.islands[i]);
@@ -327,12 +349,13 @@ void take_answers(const Scene& scene, SceneData& data, ExtendedWork& e) {
   }
 }
 
-// A bound of a refined answer, relative to its largest entry `size`: its own rounding, the last correction, whose part
-// is left, and the share of double-double in the bound of double's answer, relative to `size_before`.
+// A bound of a refined answer, relative to its largest entry `size`: its own rounding, the last correction, of which a
+// part is left or which shows what double-double rounds, and the share of double-double in the bound of double's
+// answer, relative to `size_before`.
 double bound_of(double of_double, double size_before, double size, double last, double contradiction) {
   constexpr double kShare = 0x1p-46;  // 2^-104 / 2^-53, and 32 for the constants of sums and products
   if (of_double == 0) return 0;
-  return 0x1p-53 + 4 * last + of_double * (size_before / size) * (kShare + contradiction);
+  return 0x1p-53 + 64 * last + of_double * (size_before / size) * (kShare + contradiction);
 }
 
 }  // namespace

@@ -21,12 +21,22 @@ using S = DoubleDouble;
 using V6 = Vec6<S>;
 using Rows = Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1>;  // of a contact
 
+struct ForceSize {
+  double force = 0, moment = 0;
+};
+
 // One robot at work: its kinematics at the state, and what a vector x makes of its bodies.
 struct RobotWork {
   explicit RobotWork(const Model& model)
-      : kin(model), a(model.njoints()), f(model.njoints()), external(model.njoints()), h(model.nv) {}
+      : kin(model),
+        a(model.njoints()),
+        f(model.njoints()),
+        external(model.njoints()),
+        sizes(model.njoints()),
+        h(model.nv) {}
   Kinematics<S> kin;
   std::vector<V6> a, f, external;  // njoints: accelerations; forces, and those of contacts
+  std::vector<ForceSize> sizes;    // njoints: of these, scratch
   VecX<S> h;
 };
 
@@ -42,7 +52,8 @@ class LevelEquations final : public Equations {
   void project(const Part& part, const double* dy) override;
   void rest(const Part& part, double* f) const override;
   void take_rest(const Part& part) override;
-  double force_of_rest(const Part& part) override;
+  double torque_of_rest(const Part& part, double* torque) override;
+  void add_to_rest(const Part& part, const double* df) override;
 
  private:
   int first_row(int c) const { return (*f_offset_)[static_cast<std::size_t>(c)]; }
@@ -65,9 +76,9 @@ class LevelEquations final : public Equations {
   void motions(const Part& part, const S* a);
   Rows contact_rows_of_motion(int c) const;
   void put_forces(const Part& part, const S* f);
+  void put_sizes(const Part& part);
   void torques(const Part& part, bool inertial);
-  template <class X>
-  void subtract(const Part& part, const X* a, const X* f);
+  void evaluate_residual(const Part& part);
 
   const Scene* scene_ = nullptr;
   const std::vector<int>* f_offset_ = nullptr;
@@ -75,9 +86,9 @@ class LevelEquations final : public Equations {
   std::vector<std::optional<ContactData<S>>> contacts_;  // no J
   std::optional<AppliedForces<S>> applied_;
   std::vector<V6> w_;
-  VecX<S> q_, v_, tau_;              // of the scene
-  VecX<S> a_, f_, r_a_, r_f_;        // x and r
-  VecX<S> da_, df_, torque_, rest_;  // scratch
+  VecX<S> q_, v_, tau_;                    // of the scene
+  VecX<S> a_, f_, b_a_, b_f_, r_a_, r_f_;  // x, b and r
+  VecX<S> y_, torque_, rest_;              // scratch
   std::vector<double> weights_;
 };
 
@@ -91,8 +102,8 @@ LevelEquations::LevelEquations(const Scene& scene) : contacts_(scene.contacts.si
   if (has_applied_forces(scene)) applied_.emplace(scene);
   w_.resize(scene.pushes.size());
   q_.resize(scene.nq);
-  for (VecX<S>* x : {&v_, &tau_, &a_, &r_a_, &da_, &torque_}) x->resize(scene.nv);
-  for (VecX<S>* x : {&f_, &r_f_, &df_, &rest_}) x->resize(all);
+  for (VecX<S>* x : {&v_, &tau_, &a_, &b_a_, &r_a_, &y_, &torque_}) x->resize(scene.nv);
+  for (VecX<S>* x : {&f_, &b_f_, &r_f_, &rest_}) x->resize(all);
   weights_.resize(static_cast<std::size_t>(all));
 }
 
@@ -135,16 +146,16 @@ void LevelEquations::begin(const Job& job, const Part& part, const double* a, co
   for (int r : part.robots) {
     const Robot& of = scene_->robots[static_cast<std::size_t>(r)];
     const RobotWork& at = robot(r);
-    for (int i = 0; i < of.model->nv; ++i) r_a_[of.idx_v + i] = tau_[of.idx_v + i] - at.h[i];
+    for (int i = 0; i < of.model->nv; ++i) b_a_[of.idx_v + i] = tau_[of.idx_v + i] - at.h[i];
   }
   for (int c : part.contacts) {
     const auto& a0 = contacts_[static_cast<std::size_t>(c)]->a0;
     for (Eigen::Index i = 0, k = first_row(c); i < rows(c); ++i, ++k)
-      r_f_[k] = (job.prescribed ? S(job.prescribed[k]) : S(0)) - a0[i];
+      b_f_[k] = (job.prescribed ? S(job.prescribed[k]) : S(0)) - a0[i];
   }
-  each_coordinate(part, [&](Eigen::Index k) { a_[k] = S(0); });
-  each_row(part, [&](Eigen::Index k) { f_[k] = S(0); });
-  add(part, a, f, true);
+  each_coordinate(part, [&](Eigen::Index k) { a_[k] = a[k]; });
+  each_row(part, [&](Eigen::Index k) { f_[k] = f[k]; });
+  evaluate_residual(part);
 }
 
 // The bodies' accelerations that joint accelerations alone make.
@@ -210,27 +221,27 @@ void LevelEquations::torques(const Part& part, bool inertial) {
   }
 }
 
-// r -= K [a; f]
-template <class X>
-void LevelEquations::subtract(const Part& part, const X* a, const X* f) {
-  motions(part, a);
-  put_forces(part, f);
+// r = b - K x of all of x: what rounding makes of it shows in the next correction.
+void LevelEquations::evaluate_residual(const Part& part) {
+  motions(part, a_.data());
+  put_forces(part, f_.data());
   torques(part, true);
   for (int r : part.robots) {
     const Robot& of = scene_->robots[static_cast<std::size_t>(r)];
-    for (int i = 0; i < of.model->nv; ++i)
-      r_a_[of.idx_v + i] -= torque_[of.idx_v + i] + S(of.model->armature[i]) * a[of.idx_v + i];
+    for (int i = 0, k = of.idx_v; i < of.model->nv; ++i, ++k)
+      r_a_[k] = b_a_[k] - torque_[k] - S(of.model->armature[i]) * a_[k];
   }
   for (int c : part.contacts) {
     const Rows Ja = contact_rows_of_motion(c);
-    for (Eigen::Index i = 0, k = first_row(c); i < rows(c); ++i, ++k) r_f_[k] -= Ja[i] + S(scene_->damping) * f[k];
+    for (Eigen::Index i = 0, k = first_row(c); i < rows(c); ++i, ++k)
+      r_f_[k] = b_f_[k] - Ja[i] - S(scene_->damping) * f_[k];
   }
 }
 
 void LevelEquations::add(const Part& part, const double* da, const double* df, bool residual) {
-  each_coordinate(part, [&](Eigen::Index k) { a_[k] += da_[k] = da[k]; });
-  each_row(part, [&](Eigen::Index k) { f_[k] += df_[k] = df[k]; });
-  if (residual) subtract(part, da_.data(), df_.data());
+  each_coordinate(part, [&](Eigen::Index k) { a_[k] += S(da[k]); });
+  each_row(part, [&](Eigen::Index k) { f_[k] += S(df[k]); });
+  if (residual) evaluate_residual(part);
 }
 
 void LevelEquations::residual(const Part& part, double* of_dynamics, double* of_contacts) const {
@@ -251,8 +262,8 @@ void LevelEquations::begin_projection(const Part& part, const double* weights, c
 }
 
 void LevelEquations::project(const Part& part, const double* dy) {
-  each_coordinate(part, [&](Eigen::Index k) { da_[k] = dy[k]; });
-  motions(part, da_.data());
+  each_coordinate(part, [&](Eigen::Index k) { y_[k] = dy[k]; });
+  motions(part, y_.data());
   for (int c : part.contacts) {
     const Rows Jy = contact_rows_of_motion(c);
     for (Eigen::Index i = 0, k = first_row(c); i < rows(c); ++i, ++k) {
@@ -270,34 +281,61 @@ void LevelEquations::rest(const Part& part, double* f) const {
 }
 
 void LevelEquations::take_rest(const Part& part) {
-  put_forces(part, rest_.data());
-  torques(part, false);  // -J^T rest
-  each_coordinate(part, [&](Eigen::Index k) { r_a_[k] += torque_[k]; });
-  each_row(part, [&](Eigen::Index k) {
-    f_[k] -= rest_[k];
-    r_f_[k] += S(scene_->damping) * rest_[k];
-  });
+  each_row(part, [&](Eigen::Index k) { f_[k] -= rest_[k]; });
 }
 
-double LevelEquations::force_of_rest(const Part& part) {
+// Sizes of the forces that each contact puts on bodies, before any cancel, in `sizes`.
+void LevelEquations::put_sizes(const Part& part) {
+  for (int r : part.robots) std::ranges::fill(robot(r).sizes, ForceSize{});
+  const auto put = [&](const Attachment& at, const SE3<S>& M, double force, double moment) {
+    if (!moves(at)) return;
+    ForceSize& size = robot(at.robot).sizes[static_cast<std::size_t>(at.joint)];
+    size.force += force;
+    size.moment += moment + M.p.template cast<double>().norm() * force;
+  };
+  for (int c : part.contacts) {
+    const Contact& contact = scene_->contacts[static_cast<std::size_t>(c)];
+    const ContactData<S>& of = *contacts_[static_cast<std::size_t>(c)];
+    double force = 0, moment = 0;
+    for (Eigen::Index i = 0; i < rows(c); ++i) {
+      const double size = std::abs(rest_[first_row(c) + i].hi);
+      force += of.W.row(i).template head<3>().template cast<double>().norm() * size;
+      moment += of.W.row(i).template tail<3>().template cast<double>().norm() * size;
+    }
+    put(contact.A, of.aMA, force, moment);
+    put(contact.B, of.bMA, force, moment);
+  }
+}
+
+double LevelEquations::torque_of_rest(const Part& part, double* torque) {
   put_forces(part, rest_.data());
   torques(part, false);
-  double left = 0, terms = 0;
-  each_coordinate(part, [&](Eigen::Index k) { left = std::max(left, std::abs(torque_[k].hi)); });
-  for (int r : part.robots) {  // what the torques were summed from
-    const Robot& of = scene_->robots[static_cast<std::size_t>(r)];
+  put_sizes(part);
+  double largest = 0, terms = 0;
+  each_coordinate(part, [&](Eigen::Index k) {
+    torque[k] = -torque_[k].hi;
+    largest = std::max(largest, std::abs(torque[k]));
+  });
+  for (int r : part.robots) {
+    const Model& model = *scene_->robots[static_cast<std::size_t>(r)].model;
     RobotWork& at = robot(r);
-    for (int i = of.model->njoints() - 1; i >= 0; --i) {
-      const Joint& joint = of.model->joints[static_cast<std::size_t>(i)];
-      const V6& force = at.external[static_cast<std::size_t>(i)];
-      for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k)
-        for (int e = 0; e < 6; ++e) terms = std::max(terms, std::abs(at.kin.J(e, k).hi * force[e].hi));
+    for (int i = model.njoints() - 1; i >= 0; --i) {
+      const Joint& joint = model.joints[static_cast<std::size_t>(i)];
+      const ForceSize& size = at.sizes[static_cast<std::size_t>(i)];
+      for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) {
+        const Vec6<double> J = at.kin.J.col(k).template cast<double>();
+        terms = std::max(terms, J.head<3>().norm() * size.force + J.tail<3>().norm() * size.moment);
+      }
       if (joint.parent < 0) continue;
-      V6& up = at.external[static_cast<std::size_t>(joint.parent)];
-      for (int e = 0; e < 6; ++e) up[e] = std::abs(up[e].hi) + std::abs(force[e].hi);
+      at.sizes[static_cast<std::size_t>(joint.parent)].force += size.force;
+      at.sizes[static_cast<std::size_t>(joint.parent)].moment += size.moment;
     }
   }
-  return left == 0 ? 0 : left / terms;
+  return largest == 0 ? 0 : largest / terms;
+}
+
+void LevelEquations::add_to_rest(const Part& part, const double* df) {
+  each_row(part, [&](Eigen::Index k) { rest_[k] += S(df[k]); });
 }
 
 std::unique_ptr<Equations> make(const Scene& scene) { return std::make_unique<LevelEquations>(scene); }
