@@ -32,7 +32,7 @@ void add_enumerations(py::module_& m) {
                           {"BASELINE", Lanes::kBaseline},
                           {"AVX2", Lanes::kAvx2},
                           {"AVX512", Lanes::kAvx512}});
-  add_enumeration<Precision>(m, "Precision", "precision", "The arithmetic of a solve and of its derivatives.",
+  add_enumeration<Precision>(m, "Precision", "precision", "The arithmetic of a solve.",
                              {{"SINGLE", Precision::kSingle},
                               {"MIXED", Precision::kMixed},
                               {"DOUBLE", Precision::kDouble},

@@ -81,7 +81,7 @@ struct Pack {
     return *this;
   }
   Pack(double x) : v(Real{} + static_cast<E>(x)) {}  // NOLINT: implicit, as a number's conversion is
-  /// Of the other element, rounded where that is the wider one.
+  /// Converts a pack of the other element, and rounds where that is the wider one.
   template <class Other>
     requires(!std::is_same_v<Other, E>)
   explicit Pack(const Pack<W, Other>& b) {
@@ -280,7 +280,7 @@ template <int W>
   c = select(known, c, P(std::nan("")));
 }
 
-/// Of floats, good to two units in the last place. Source: Cephes' sinf.c and cosf.c (Moshier, 1992), with three steps
+/// The same for floats, good to two units in the last place. Source: Cephes' sinf.c, cosf.c (Moshier), with three steps
 /// of reduction.
 template <int W>
 [[gnu::always_inline]] inline void sin_cos(Pack<W, float> angle, Pack<W, float>& s, Pack<W, float>& c) {

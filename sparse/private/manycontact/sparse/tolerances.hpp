@@ -259,6 +259,14 @@ inline constexpr int kMixedSteps = 10;
 /// anything. The change is what the rounding of all terms makes with signs without pattern: two digits are left.
 inline constexpr double kWorthless = 1e-2;
 
+/// The largest term of a robot's rows, in its units: below, floats may have lost it to underflow, which begins at 1e-38.
+/// Used by: the same.
+inline constexpr double kSmallestTerm = 1e-25;
+
+/// 1 + the trace of a rotation that an orientation is off by: floats know it to 1e-6, and below this, which is 0.01 rad
+/// from half a turn, they may take the other way round. Used by: the same.
+inline constexpr double kHalfTurn = 1e-4;
+
 // ---- judging answers ------------------------------------------------------------------------------------------
 
 /// Contacts contradict each other (design's definition): |J a + a0| > 1e-8 (| |J| |a| | + |a0|), maximum norms ...

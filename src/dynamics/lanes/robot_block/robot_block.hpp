@@ -174,6 +174,7 @@ class RobotBlock {
   void size_torques(const Scene& scene, Robots robots, S* sizes);
   void size_drifts(const Scene& scene, Robots robots, const S& a, S* sizes) const;
   S largest(const S* x, bool forces) const;
+  Mask knows_turns(const Scene& scene, Robots robots) const;
   void make_single();
   void solve_unrefined(const Scene& scene, Robots robots);
   Mask plainly_damped(double damping) const;

@@ -135,6 +135,19 @@ S RobotBlock<S, Low>::largest(const S* x, bool forces) const {
   return of.total();
 }
 
+/// Whether no contact's orientation is off by half a turn, where it is not known which way.
+template <class S, class Low>
+typename S::Mask RobotBlock<S, Low>::knows_turns(const Scene& scene, Robots robots) const {
+  Mask out = all();
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& c = scene.contacts[robots.front().contacts[k]];
+    const Mat3<S>& R = contacts_[k].G.R;
+    if (c.type == ContactType::k6D && c.alpha != 0)
+      out = out & (R(0, 0) + R(1, 1) + R(2, 2) > S(tolerance::kHalfTurn - 1));
+  }
+  return out;
+}
+
 /// x = K^-1 b. Usable where rounding changes no acceleration by more than tolerance::kWorthless of the largest or of
 /// gravity, and no force by more than that of the largest.
 template <class S, class Low>
@@ -150,7 +163,9 @@ void RobotBlock<S, Low>::solve_unrefined(const Scene& scene, Robots robots) {
   const S eps(std::numeric_limits<typename S::Element>::epsilon());
   for (int k = 0; k < rows_; ++k) w[k] = multiply_add(S(signs_[k]) * eps, w[k], r_[k]);
   solve_by_factor(w);
-  usable_ = usable_ & (largest(w, false) <= S(tolerance::kWorthless) * a) &
+  const S terms = larger(largest(scale_.data(), false), largest(scale_.data(), true));
+  usable_ = usable_ & knows_turns(scene, robots) & (terms > S(tolerance::kSmallestTerm)) &
+            (largest(w, false) <= S(tolerance::kWorthless) * a) &
             (largest(w, true) <= S(tolerance::kWorthless) * largest(n_.x, true));
 }
 
