@@ -1,10 +1,11 @@
-#include "dynamics/extended/equations.hpp"
-
 #include <string_view>
 
 #include "simd/levels.hpp"
 
 namespace manycontact::extended {
+
+struct Level;  // src/dynamics/extended/equations.hpp, as is
+const Level& level_here();
 
 extern const Level level_baseline, level_avx2;
 

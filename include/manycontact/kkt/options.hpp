@@ -72,8 +72,8 @@ enum class Precision {
   kSingle,    // float, float, float, not refined: errors of about 1e-7 times the condition of K
   kMixed,     // double, float, double: as accurate as kDouble
   kDouble,    // double throughout
-  kExtended,  // double-double, double, double-double: errors of a few units in the last place of a double, up to a
-              // condition of 1e15
+  kExtended,  // double-double, double, double-double: errors of a and f of at most 4 eps of their largest entries, up
+              // to a condition of 1e15; derivatives and products are those of kDouble at this solution
 };
 inline constexpr Precision kPrecisions[] = {Precision::kSingle, Precision::kMixed, Precision::kDouble,
                                             Precision::kExtended};
