@@ -45,6 +45,21 @@ class Simulate : public Program {
   Csv trajectory() const { return Csv(path("t.csv")); }
 };
 
+// The motions of all precisions are those of double, but for rounding.
+TEST_F(Simulate, WorksInEachPrecision) {
+  const std::string scene = model("quadruped_loop.xml");
+  std::map<std::string, double> last;
+  for (const std::string precision : {"single", "mixed", "double", "extended"}) {
+    SCOPED_TRACE(precision);
+    ASSERT_EQ(run(words(scene, {"--precision", precision})).status, 0);
+    const Csv csv = trajectory();
+    last[precision] = csv.last(csv.names.at(3));
+  }
+  EXPECT_NEAR(last["extended"], last["double"], 1e-9);
+  EXPECT_NEAR(last["mixed"], last["double"], 1e-9);
+  EXPECT_NEAR(last["single"], last["double"], 1e-3);
+}
+
 // A reference without velocities is followed with the slope of its positions.
 TEST_F(Simulate, FollowsTheSlopeOfPositions) {
   std::ofstream(path("pendulum.urdf"))

@@ -340,6 +340,11 @@ def test_names_of_members_wherever_one_is_taken(file):
     assert (options.order, options.lanes, options.threads) == (mc.Order.CAMD, mc.Lanes.OFF, 2)
     options.order = None
     assert options.order is None
+    options.precision = "extended"
+    assert options == mc.Options("dense", lanes="off", threads=2, precision=mc.Precision.EXTENDED)
+    data = mc.SceneData(scene, mc.Options(precision="extended"))
+    report = mc.solve(scene, file.q, file.v, file.u, data)
+    assert {island.precision for island in report.islands} == {mc.Precision.EXTENDED}
     sim = mc.SimulationData(scene, file.q, file.v, "rk4", H)
     assert sim.integrator == mc.Integrator.RK4 and mc.failure(scene, sim, "ok") == ""
     state = mc.StateMultibody(scene)
@@ -352,6 +357,7 @@ def test_names_of_members_wherever_one_is_taken(file):
     for call, says in [
         (lambda: mc.Options("sparse"), "unknown method 'sparse', expected one of 'dense', "),
         (lambda: setattr(options, "lanes", "avx3"), "expected one of 'auto', 'off', 'baseline', 'avx2', 'avx512'"),
+        (lambda: mc.Options(precision="half"), "expected one of 'single', 'mixed', 'double', 'extended'"),
         (lambda: setattr(model, "type", "locl"), "'local', 'world', 'local-world-aligned'"),
         (lambda: mc.SimulationData(scene, file.q, file.v, "euler", H), "'semi-implicit-euler', 'rk4'"),
         (lambda: mc.optimize(mc.load_task(str(MODELS / "tasks/humanoid_reaches.xml")), solver="ipopt"), "'fddp', "),
