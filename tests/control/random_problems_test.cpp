@@ -155,8 +155,8 @@ TEST(RandomProblems, ConstraintsThatCanBeMetAreMetAtLeastCost) {
   }
 }
 
-// Where the Hessians of controls are small and the scale is still 1, 1e-6 ... 1e-4, th_kkt is absolute: controls are then
-// right to 1e-5 alone.
+// Where the Hessians of controls are small and the scale is still 1, 1e-6 ... 1e-4, th_kkt is absolute: controls are
+// then right to 1e-5 alone.
 TEST(RandomProblems, ConstraintsAreMetWhateverTheCostWeighs) {
   for (int seed = 0; seed < 20; ++seed)
     for (const double weight : {1e-10, 1e-3, 1e3, 1e6, 1e10}) {
