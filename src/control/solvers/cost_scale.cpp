@@ -22,12 +22,8 @@ struct Sizes {
 template <class Matrix>
 double largest_diagonal(const Matrix& H) {
   double out = 0;
-  if constexpr (requires { H.coeff(0, 0); }) {  // takes no memory
-    for (Eigen::Index i = 0; i < std::min(H.rows(), H.cols()); ++i) out = std::max(out, std::abs(H.coeff(i, i)));
-  } else {
-    const Eigen::VectorXd diagonal = H.diagonal();
-    for (const double h : diagonal) out = std::max(out, std::abs(h));
-  }
+  const Eigen::VectorXd diagonal = H.diagonal();
+  for (const double h : diagonal) out = std::max(out, std::abs(h));
   return out;
 }
 
