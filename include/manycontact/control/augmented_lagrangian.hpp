@@ -96,11 +96,9 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   /// The number of separate minimisations of the violation in the last solve.
   std::size_t get_restorations() const { return restorations_; }
   /// The size of the cost, as in SolverDDP. The penalties (set_penalty_init, set_penalty_max), th_stop and th_kkt are
-  /// multiplied by it. A solve measures it at its guess, unless set_measures_scale(false) is called; it remains 1 for
-  /// ordinary sizes. The weights of a problem times a number then give the same motion and verdict.
+  /// multiplied by it. With set_measures_scale(true) a solve measures it at its guess.
   double get_scale() const { return scale_; }
-  bool get_measures_scale() const { return measures_scale_; }
-  void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }
+  void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }  // see get_measures_scale
   /// They throw std::invalid_argument for numbers out of range.
   void set_penalty(double penalty);              // above 0
   void set_penalty_init(double penalty);         // above 0; of new solvers, and after reset()
@@ -193,7 +191,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   int flat_ = 0;                          // those without progress of the constraints, although these outweigh the cost
   std::size_t outer_ = 0, total_ = 0, restorations_ = 0;
   double scale_ = 1;
-  bool measures_scale_ = true;
+  bool measures_scale_ = false;
 };
 
 }  // namespace manycontact
