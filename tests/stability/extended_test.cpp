@@ -100,13 +100,13 @@ TEST_P(Extended, AFewUnitsInTheLastPlace) {
   show("up to 1e12", up_to_12), show("up to 1e15", up_to_15), show("beyond", beyond);
 }
 
-std::vector<int> numbers() {
+std::vector<int> case_numbers() {
   std::vector<int> out(all_causes().size());
   for (std::size_t k = 0; k < out.size(); ++k) out[k] = static_cast<int>(k);
   return out;
 }
 
-INSTANTIATE_TEST_SUITE_P(Causes, Extended, testing::ValuesIn(numbers()), [](const auto& info) {
+INSTANTIATE_TEST_SUITE_P(Causes, Extended, testing::ValuesIn(case_numbers()), [](const auto& info) {
   std::string name = all_causes()[info.param].cause;
   for (char& c : name)
     if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
