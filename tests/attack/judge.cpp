@@ -478,9 +478,7 @@ bool Trying::values() {
   judge_values(*best);
   judge_condition(*best);
   judge_bounds(*best);
-  // Those in single precision are as wrong as a and f, which bounds of derivatives do not know.
-  const bool exact =
-      trial.truth.ranks().size() == 1 && best->condition < 1e13 && options.precision != Precision::kSingle;
+  const bool exact = trial.truth.ranks().size() == 1 && best->condition < 1e13;
   if (exact && out.findings.size() == before && trial.rank_is_constant()) judge_derivatives(*best);
   return true;
 }
@@ -562,7 +560,7 @@ Judgement judge_as(const Case& c, const Case& given, const std::string& folder, 
     }
   };
   for (Method method : methods) judge_by(method, Precision::kDouble);
-  for (Precision precision : {Precision::kSingle, Precision::kMixed}) judge_by(Method::kAuto, precision);
+  judge_by(Method::kAuto, Precision::kMixed);
   judge_quasi_static(trial, file, out);
   return out;
 }
