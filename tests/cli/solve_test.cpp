@@ -30,21 +30,21 @@ TEST_F(Solve, RefusesDenseMatricesThatFillTheMemory) {
 
 // The same accelerations in each precision, as accurate as it is; a dense solution is in double whatever was asked for.
 TEST_F(Solve, TellsThePrecision) {
-  const std::string herd = scene("<robot name=\"h\" urdf=\"humanoid.urdf\" base=\"floating\" copies=\"4\"/>");
+  const std::string loop = model("quadruped_loop.xml");
   const auto accelerations = [](const json& j) { return j.at("acceleration").get<std::vector<double>>(); };
-  const std::vector<double> truth = accelerations(solve({herd, "--precision", "extended"}));
+  const std::vector<double> truth = accelerations(solve({loop, "--precision", "extended"}));
   for (const auto& [precision, most] :
        std::map<std::string, double>{{"single", 1e-2}, {"mixed", 1e-10}, {"double", 1e-10}, {"extended", 1e-15}}) {
     SCOPED_TRACE(precision);
-    const json j = solve({herd, "--precision", precision});
+    const json j = solve({loop, "--precision", precision});
     EXPECT_EQ(j.at("report").at("precision"), precision);
     for (const json& island : j.at("report").at("island_list")) EXPECT_EQ(island.at("precision"), precision);
     const std::vector<double> a = accelerations(j);
     for (std::size_t k = 0; k < a.size(); ++k) EXPECT_NEAR(a[k], truth[k], 10 * most) << k;
-    const Outcome words = run({"solve", herd, "--precision", precision});
+    const Outcome words = run({"solve", loop, "--precision", precision});
     if (precision != "double") expect_contains(words.out, precision);
   }
-  const json dense = solve({herd, "--method", "dense", "--precision", "single"});
+  const json dense = solve({loop, "--method", "dense", "--precision", "single"});
   EXPECT_EQ(dense.at("report").at("precision"), "double");
   EXPECT_EQ(dense.at("report").at("island_list").at(0).at("reason"), to_string(Reason::kLowPrecision));
 }
