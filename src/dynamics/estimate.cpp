@@ -27,19 +27,17 @@ double internal::inverse_norm(int n, const std::function<void(double*)>& solve) 
 void estimate_errors(const Scene& scene, SceneData& data) {
   internal::check_not_prescribed(scene, data, "estimate_errors");
   Workspace& w = *data.workspace;
-  const bool extended = data.options.precision == Precision::kExtended;
   if (w.reduction) {
     internal::estimate_errors_reduced(scene, data);
-    if (extended) internal::take_extended_bounds(scene, data);
-    return;
+  } else {
+    for (std::size_t i = 0; i < w.islands.size(); ++i) {
+      IslandReport& report = data.report.islands[i];
+      if (!internal::ask(scene, data, *w.islands[i], w.threads.front(),
+                         [&](IslandSystem& system) { return system.bound_errors(scene, data, report); }))
+        report.error_acceleration = report.error_forces = std::numeric_limits<double>::infinity();
+    }
   }
-  for (std::size_t i = 0; i < w.islands.size(); ++i) {
-    IslandReport& report = data.report.islands[i];
-    if (!internal::ask(scene, data, *w.islands[i], w.threads.front(),
-                       [&](IslandSystem& system) { return system.bound_errors(scene, data, report); }))
-      report.error_acceleration = report.error_forces = std::numeric_limits<double>::infinity();
-  }
-  if (extended) internal::take_extended_bounds(scene, data);
+  if (data.options.precision == Precision::kExtended) internal::take_extended_bounds(scene, data);
   summarise(data.report);
 }
 

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "manycontact/algorithm/crba.hpp"
+#include "manycontact/sparse/largest.hpp"
 #include "workspace/workspace.hpp"
 
 namespace manycontact::internal {
@@ -43,6 +44,12 @@ inline void keep_left(Workspace& w, int contact, const ContactData<double>& rows
 inline const Workspace& solver_of(const SceneData& data) {
   const Workspace& w = *data.workspace;
   return w.reduction ? *w.reduction->data->workspace : w;
+}
+
+/// The scratch of products, made where there is none yet.
+inline ProductWork& products_of(const Scene& scene, Workspace& w) {
+  if (!w.products) w.products = std::make_unique<ProductWork>(scene);
+  return *w.products;
 }
 
 /// use(system) of the system that answered an island, or where that says false, of the whole K, made for it. False:
@@ -119,6 +126,16 @@ void gather(const Scene& scene, const std::vector<int>& f_offset, const KktPatte
   each_force_block(scene, f_offset, island, [&](int from, int to, int n) {
     for (int i = 0; i < n; ++i) x[iperm[island.nv + to + i]] = y[from + i];
   });
+}
+
+/// The largest of an island's forces, by size; NaN where one is.
+inline double largest_force(const Scene& scene, const std::vector<int>& f_offset, const Island& island,
+                            const Eigen::VectorXd& f) {
+  double out = 0;
+  each_force_block(scene, f_offset, island, [&](int first, int, int n) {
+    for (int i = 0; i < n; ++i) out = sparse::larger_or_nan(out, std::abs(f[first + i]));
+  });
+  return out;
 }
 
 }  // namespace manycontact::internal

@@ -53,7 +53,7 @@ void begin(const Scene& scene, SceneData& data, const char* function) {
     internal::make_joint_space(scene, w, *d);
     linearisation.assign(scene, w, d->island);
   }
-  if (!w.products) w.products = std::make_unique<ProductWork>(scene);
+  (void)internal::products_of(scene, w);
 }
 
 // All robots, as an island has them.

@@ -49,8 +49,7 @@ bool has_pairs(const SceneData& data, std::size_t i) {
 }
 
 // Whether the double answer is one of this scene's equations.
-bool may_refine(const SceneData& data, const IslandWork& d, const IslandReport& report) {
-  (void)data;
+bool may_refine(const IslandWork& d, const IslandReport& report) {
   if (!d.answered || d.matrix.tolerated > 0) return false;
   if (report.status == Status::kRegularised) return report.reason == Reason::kUncertain;
   return report.status == Status::kOk || report.status == Status::kRedundant;
@@ -75,19 +74,6 @@ double largest(const Scene& scene, const Island& island, const Eigen::VectorXd& 
   });
   return out;
 }
-double largest_row(const Scene& scene, const SceneData& data, const Island& island, const Eigen::VectorXd& f) {
-  double out = 0;
-  each_force_block(scene, data.f_offset, island, [&](int first, int, int n) {
-    for (int i = 0; i < n; ++i) out = sparse::larger_or_nan(out, std::abs(f[first + i]));
-  });
-  return out;
-}
-
-ProductWork& products_of(const Scene& scene, Workspace& w) {
-  if (!w.products) w.products = std::make_unique<ProductWork>(scene);
-  return *w.products;
-}
-
 // [a; y] <- K^+ [a; y] of the scratch of products, of the open islands. NaN where an island's system cannot tell.
 void invert_islands(const Scene& scene, SceneData& data, const ExtendedWork& e) {
   Workspace& w = *data.workspace;
@@ -152,8 +138,8 @@ double change_of_parts(const Scene& scene, const SceneData& data, const Extended
 enum class Progress { kGoesOn, kConverged, kFailed };
 Progress judge(const Scene& scene, const SceneData& data, const ExtendedWork& e, std::size_t i, OfIsland& of) {
   const Island& island = island_at(data, i);
-  const double da = largest(scene, island, e.r_a), df = largest_row(scene, data, island, e.r);
-  const double a = largest(scene, island, e.a), f = largest_row(scene, data, island, e.f);
+  const double da = largest(scene, island, e.r_a), df = largest_force(scene, data.f_offset, island, e.r);
+  const double a = largest(scene, island, e.a), f = largest_force(scene, data.f_offset, island, e.f);
   if (!std::isfinite(da) || !std::isfinite(df)) return Progress::kFailed;
   of.last_a = da == 0 ? 0 : da / std::max(a, std::numeric_limits<double>::min());
   of.last_f = df == 0 ? 0 : df / std::max(f, std::numeric_limits<double>::min());
@@ -209,6 +195,7 @@ void correct(const Scene& scene, SceneData& data, ExtendedWork& e) {
 // change beside f. False: it does.
 bool project(const Scene& scene, SceneData& data, const OfIsland& of, ExtendedWork& e) {
   const Eigen::Index rows = data.f.size();
+  e.equations->begin_projection(part_of(e), e.weights.data(), nullptr);
   double before = std::numeric_limits<double>::infinity();
   for (int step = 0; step < kMostSteps; ++step) {
     e.equations->rest(part_of(e), e.r.data());
@@ -263,19 +250,8 @@ bool depend_exactly(const Scene& scene, SceneData& data, ExtendedWork& e) {
   return false;
 }
 
-// Rows that depend on each other by rounding of the state alone have other forces, if any, than those of double's rank.
-void refuse_nearly_dependent(const Scene& scene, SceneData& data, ExtendedWork& e) {
-  for (std::size_t i = 0; i < e.islands.size(); ++i) {
-    OfIsland& of = e.islands[i];
-    if (!of.projects || !of.refined) continue;
-    for (OfIsland& other : e.islands) other.open = false;
-    of.open = true;
-    take_part(data, e);
-    take_weights(scene, data, e);
-    if (!depend_exactly(scene, data, e)) refuse(of, data.report.islands[i]);
-  }
-}
-
+// Forces of least norm where rows depend on each other. Those that do by rounding of the state alone have other forces,
+// if any, than those of double's rank.
 void take_least_norm(const Scene& scene, SceneData& data, ExtendedWork& e) {
   for (std::size_t i = 0; i < e.islands.size(); ++i) {
     OfIsland& of = e.islands[i];
@@ -284,8 +260,7 @@ void take_least_norm(const Scene& scene, SceneData& data, ExtendedWork& e) {
     of.open = true;
     take_part(data, e);
     take_weights(scene, data, e);
-    e.equations->begin_projection(part_of(e), e.weights.data(), nullptr);
-    if (project(scene, data, of, e))
+    if (depend_exactly(scene, data, e) && project(scene, data, of, e))
       e.equations->take_rest(part_of(e));
     else
       refuse(of, data.report.islands[i]);
@@ -300,7 +275,7 @@ void begin(const Scene& scene, SceneData& data, ExtendedWork& e) {
     OfIsland& of = e.islands[i];
     report.precision = Precision::kDouble;
     if (report.status == Status::kFailed) continue;
-    of.open = may_refine(data, *solver.islands[i], report);
+    of.open = may_refine(*solver.islands[i], report);
     if (!of.open) {
       refuse(of, report);
       continue;
@@ -308,7 +283,7 @@ void begin(const Scene& scene, SceneData& data, ExtendedWork& e) {
     const Island& island = island_at(data, i);
     of.projects = scene.damping == 0 && (report.rank < report.nc || has_pairs(data, i));
     of.size_a = largest(scene, island, data.a);
-    of.size_f = largest_row(scene, data, island, data.f);
+    of.size_f = largest_force(scene, data.f_offset, island, data.f);
     of.at_rest_a = std::max(scene.gravity.norm(), report.contact_terms);
     each_velocity_block(scene, island, [&](int first, int, int n) {
       for (int k = 0; k < n; ++k) of.at_rest_f = std::max(of.at_rest_f, std::abs(data.tau[first + k]));
@@ -327,7 +302,7 @@ void take_contradictions(const Scene& scene, SceneData& data, ExtendedWork& e) {
   e.equations->residual(part_of(e), e.r_a.data(), e.r.data());
   for (std::size_t i = 0; i < e.islands.size(); ++i)
     if (const double terms = data.report.islands[i].contact_terms; e.islands[i].open && terms > 0)
-      e.islands[i].contradiction = largest_row(scene, data, island_at(data, i), e.r) / terms;
+      e.islands[i].contradiction = largest_force(scene, data.f_offset, island_at(data, i), e.r) / terms;
 }
 
 void take_answers(const Scene& scene, SceneData& data, ExtendedWork& e) {
@@ -375,13 +350,12 @@ void take_extended_bounds(const Scene& scene, SceneData& data) {
     const Island& island = island_at(data, i);
     const double a =
         bound_of(report.error_acceleration, of.size_a, largest(scene, island, data.a), of.last_a, of.contradiction);
-    const double f =
-        bound_of(report.error_forces, of.size_f, largest_row(scene, data, island, data.f), of.last_f, of.contradiction);
+    const double f = bound_of(report.error_forces, of.size_f, largest_force(scene, data.f_offset, island, data.f),
+                              of.last_f, of.contradiction);
     if (!std::isfinite(a) || !std::isfinite(f)) continue;
     report.error_acceleration = a, report.error_forces = f;
     report.status = of.status, report.reason = of.reason;
   }
-  summarise(data.report);
 }
 
 void refine_extended(const Scene& scene, SceneData& data) {
@@ -399,7 +373,6 @@ void refine_extended(const Scene& scene, SceneData& data) {
                           data.f_offset};
   e.equations->begin(job, part_of(e), data.a.data(), data.f.data());
   correct(scene, data, e);
-  refuse_nearly_dependent(scene, data, e);
   take_least_norm(scene, data, e);
   take_contradictions(scene, data, e);
   take_answers(scene, data, e);

@@ -49,7 +49,8 @@ namespace internal {
 void keep_torques(const Scene& scene, SceneData& data, const double* tau);
 /// Refines the double answer at hand.
 void refine_extended(const Scene& scene, SceneData& data);
-/// Bounds of islands that were refined, in place of those of their double answers, which the report has.
+/// Bounds of islands that were refined, in place of those of their double answers, which the report has. It is to be
+/// summarised then.
 void take_extended_bounds(const Scene& scene, SceneData& data);
 
 }  // namespace internal

@@ -77,15 +77,6 @@ double largest_share(const Reduction& r, std::size_t i) {
   return largest;
 }
 
-double largest_force(const Scene& scene, const std::vector<int>& f_offset, const Island& island,
-                     const Eigen::VectorXd& f) {
-  double largest = 0;
-  each_force_block(scene, f_offset, island, [&](int at, int, int n) {
-    largest = std::max(largest, f.segment(at, n).lpNorm<Eigen::Infinity>());
-  });
-  return largest;
-}
-
 // A bound relative to the largest y, as one relative to the largest f.
 double relative_to_forces(double bound, double share, double y, double f) {
   if (bound == 0 || !std::isfinite(bound)) return bound;

@@ -289,15 +289,11 @@ bool ProximalFactor::certify(FactorScratch& scratch) {
     apply_to_probes();
     measure_drift();
     left_ = left_of_probes(scratch);
-    if (left_ <= std::max(tolerance::kRowLeft, tolerance::kGrown * kEps * growth_)) {
-      applications_ = k + 1;
-      take_null_space_rows();
-      return true;
-    }
-    if (left_ < tolerance::kSlowest * last) continue;
-    left_ = std::min(left_, last);
-    if (!(left_ <= tolerance::kMostLeft)) return false;
-    applications_ = k;  // the rest is rounding: an eigenvector that E keeps leaves more
+    const bool vanishes = left_ <= std::max(tolerance::kRowLeft, tolerance::kGrown * kEps * growth_);
+    if (!vanishes && left_ < tolerance::kSlowest * last) continue;
+    left_ = std::min(left_, last);  // where it stalls, the rest is rounding: an eigenvector that E keeps leaves more
+    if (!vanishes && !(left_ <= tolerance::kMostLeft)) return false;
+    applications_ = vanishes ? k + 1 : k;
     take_null_space_rows();
     return true;
   }
