@@ -237,6 +237,29 @@ inline void transpose(Pack<W, E>* x) {
 /// Angles up to which sin_cos is good to one unit in the last place; beyond, it gives NaN.
 inline constexpr double kLargestAngle = 1e6, kLargestFloatAngle = 1e3;
 
+namespace detail {
+/// s and c of an angle from those of its remainder, by the quadrant that the remainder was taken in; NaN where the
+/// angle is not known.
+template <int W, class E>
+[[gnu::always_inline]] inline void turn(typename Pack<W, E>::Int quadrant, typename Pack<W, E>::Mask known,
+                                        Pack<W, E> sine, Pack<W, E> cosine, Pack<W, E>& s, Pack<W, E>& c) {
+  using P = Pack<W, E>;
+  const auto where = [&quadrant](typename P::Bits bit) {
+    if constexpr (W == 1)
+      return typename P::Mask{(quadrant & bit) ? typename P::Bits(-1) : typename P::Bits(0)};
+    else
+      return typename P::Mask{(typename P::Int)((quadrant & bit) != 0)};
+  };
+  const auto swapped = where(1);
+  const P sq = select(swapped, cosine, sine), cq = select(swapped, sine, cosine);
+  s = select(where(2), -sq, sq);
+  c = select(where(2), -cq, cq);
+  c = select(swapped, -c, c);
+  s = select(known, s, P(std::nan("")));
+  c = select(known, c, P(std::nan("")));
+}
+}  // namespace detail
+
 /// Source: fdlibm's k_sin.c, k_cos.c and the three-step reduction of e_rem_pio2.c (Sun, 1993), without branches.
 template <int W>
 [[gnu::always_inline]] inline void sin_cos(Pack<W> angle, Pack<W>& s, Pack<W>& c) {
@@ -264,20 +287,7 @@ template <int W>
   const P one_less_h = P(1) - h;
   const P cosine = one_less_h + (((P(1) - one_less_h) - h) + (z * pc - y * tail));
 
-  const auto where = [&quadrant](std::int64_t bit) {
-    if constexpr (W == 1)
-      return typename P::Mask{(quadrant & bit) ? std::int64_t(-1) : std::int64_t(0)};
-    else
-      return typename P::Mask{(Int)((quadrant & bit) != 0)};
-  };
-  const auto swapped = where(1);
-  const P sq = select(swapped, cosine, sine), cq = select(swapped, sine, cosine);
-  s = select(where(2), -sq, sq);
-  c = select(where(2), -cq, cq);
-  c = select(swapped, -c, c);
-  const auto known = absolute(angle) <= P(kLargestAngle);
-  s = select(known, s, P(std::nan("")));
-  c = select(known, c, P(std::nan("")));
+  detail::turn(quadrant, absolute(angle) <= P(kLargestAngle), sine, cosine, s, c);
 }
 
 /// The same for floats, good to two units in the last place. Source: Cephes' sinf.c, cosf.c (Moshier), with three steps
@@ -295,20 +305,7 @@ template <int W>
   const P pc =
       multiply_add(multiply_add(P(2.443315711809948e-5), z, P(-1.388731625493765e-3)), z, P(4.166664568298827e-2));
   const P cosine = multiply_add(pc * z, z, P(1) - P(0.5) * z);
-  const auto where = [&quadrant](std::int32_t bit) {
-    if constexpr (W == 1)
-      return typename P::Mask{(quadrant & bit) ? std::int32_t(-1) : std::int32_t(0)};
-    else
-      return typename P::Mask{(Int)((quadrant & bit) != 0)};
-  };
-  const auto swapped = where(1);
-  const P sq = select(swapped, cosine, sine), cq = select(swapped, sine, cosine);
-  s = select(where(2), -sq, sq);
-  c = select(where(2), -cq, cq);
-  c = select(swapped, -c, c);
-  const auto known = absolute(angle) <= P(kLargestFloatAngle);
-  s = select(known, s, P(std::nan("")));
-  c = select(known, c, P(std::nan("")));
+  detail::turn(quadrant, absolute(angle) <= P(kLargestFloatAngle), sine, cosine, s, c);
 }
 
 /// Sines and cosines of `count` angles of one robot. As many are computed at a time as the SIMD level has elements,
