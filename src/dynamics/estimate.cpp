@@ -24,20 +24,22 @@ double internal::inverse_norm(int n, const std::function<void(double*)>& solve) 
   return n <= tolerance::kSmallInverse ? sparse::norm_1_by_columns(n, solve) : sparse::inverse_norm_1(n, solve);
 }
 
+void internal::bound_errors(const Scene& scene, SceneData& data) {
+  Workspace& w = *data.workspace;
+  if (w.reduction) return bound_errors_reduced(scene, data);
+  for (std::size_t i = 0; i < w.islands.size(); ++i) {
+    IslandReport& report = data.report.islands[i];
+    if (!ask(scene, data, *w.islands[i], w.threads.front(),
+             [&](IslandSystem& system) { return system.bound_errors(scene, data, report); }))
+      report.error_acceleration = report.error_forces = std::numeric_limits<double>::infinity();
+  }
+}
+
 void estimate_errors(const Scene& scene, SceneData& data) {
   internal::check_not_prescribed(scene, data, "estimate_errors");
-  Workspace& w = *data.workspace;
-  if (w.reduction) {
-    internal::estimate_errors_reduced(scene, data);
-  } else {
-    for (std::size_t i = 0; i < w.islands.size(); ++i) {
-      IslandReport& report = data.report.islands[i];
-      if (!internal::ask(scene, data, *w.islands[i], w.threads.front(),
-                         [&](IslandSystem& system) { return system.bound_errors(scene, data, report); }))
-        report.error_acceleration = report.error_forces = std::numeric_limits<double>::infinity();
-    }
-  }
-  if (data.options.precision == Precision::kExtended) internal::take_extended_bounds(scene, data);
+  internal::refine_for_bounds(scene, data);
+  internal::bound_errors(scene, data);
+  internal::take_extended_bounds(scene, data);
   summarise(data.report);
 }
 

@@ -61,6 +61,9 @@ bool ask(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& t
   return d.answered != &d.matrix && d.matrix.make_current(scene, data, thread) && use(d.matrix);
 }
 
+/// Bounds of the errors by |K^-1| (mathematics.md), into the islands' reports.
+void bound_errors(const Scene& scene, SceneData& data);
+
 /// Forgets what a solve leaves to the next one for speed alone: the next answer depends on its state alone, as that of
 /// new data does.
 void reset_warm_starts(SceneData& data);

@@ -155,7 +155,7 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   w.prescribed.assign(prescribed.begin(), prescribed.end());
   remake(data.a, scene.nv);
   data.v = v;
-  if (data.options.precision == Precision::kExtended) keep_torques(scene, data, tau.data());
+  w.given = tau;
   if (tau.data() != data.tau.data()) data.tau = tau;
   for (const Robot& robot : scene.robots)
     add_friction(*robot.model, data.v.data() + robot.idx_v, data.tau.data() + robot.idx_v);

@@ -129,6 +129,12 @@ void add_solutions(py::module_& m) {
       },
       py::arg("scene"), py::arg("data"), doc::estimate_condition);
   m.def(
+      "system_quality",
+      [](const Scene& scene, const Data& data) {
+        return data.use([&](SceneData& d) { return system_quality(scene, d); });
+      },
+      py::arg("scene"), py::arg("data"), doc::system_quality);
+  m.def(
       "estimate_errors",
       [](const Scene& scene, const Data& data) {
         return data.use([&](SceneData& d) {

@@ -60,7 +60,7 @@ void add_how_to_solve(py::module_& m) {
   py::class_<Held> c(m, "Options",
                      "Options of a solve. Assigning to the attributes of data.options changes those of the data.");
   c.def(py::init([](Method method, std::optional<Order> order, Lanes lanes, int threads, bool reduce_pairs,
-                   Precision precision) {
+                    Precision precision) {
           return Held(Options{method, order, lanes, threads, reduce_pairs, precision});
         }),
         py::arg_v("method", Method::kAuto, "'auto'"), py::arg("order") = py::none(),
@@ -118,6 +118,19 @@ void add_reports(py::module_& m) {
 
   island.def_property_readonly(
       "remedy", [](const IslandReport& r) { return remedy(r); }, "Advice about the status, in words; empty for ok.");
+  py::class_<SystemQuality> quality(m, "SystemQuality", "How well an island's equations K x = b are solved.");
+  add_value(quality)
+      .def_readonly("componentwise_backward_error", &SystemQuality::componentwise_backward_error,
+                    "Largest |r_k| / (|K| |x| + |b|)_k.")
+      .def_readonly("normwise_backward_error", &SystemQuality::normwise_backward_error,
+                    "|r| / (|K| |x| + |b|) in the maximum norm.")
+      .def_readonly("growth", &SystemQuality::growth, "Largest term of a pivot over the largest diagonal entry of K.")
+      .def_readonly("condition", &SystemQuality::condition, "1-norm condition number of K.")
+      .def_readonly("scaled_condition", &SystemQuality::scaled_condition,
+                    "The same where the largest entry of each row and column is scaled to 1.")
+      .def_readonly("positive", &SystemQuality::positive, "Number of positive eigenvalues of K.")
+      .def_readonly("negative", &SystemQuality::negative, "Number of negative eigenvalues of K.")
+      .def_readonly("zero", &SystemQuality::zero, "Number of dependent rows.");
   py::class_<SolveTimes> times(m, "SolveTimes", "Times of a solve.");
   add_value(times)
       .def_readonly("setup", &SolveTimes::setup, "Time to find islands and analyse new ones [us].")

@@ -3,6 +3,7 @@
 # its symbols only those named after the level stay visible: were Eigen's and std's functions in it shared with the rest of
 # the program, the linker might take those that the processor at hand does not have.
 option(MANYCONTACT_LANES "Compile kernels for AVX2 and AVX-512 too, where the compiler and GNU binutils can" ON)
+option(MANYCONTACT_ALL_LANES "Of these also what this very machine cannot execute: as packages need" ON)
 
 set(lane_levels baseline)
 set(lane_width_baseline 2)
@@ -25,7 +26,15 @@ if(MANYCONTACT_LANES AND CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$" AND C
    AND NOT MANYCONTACT_FUZZ AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize|--coverage")
   execute_process(COMMAND ${CMAKE_LINKER} --help OUTPUT_VARIABLE linker_help ERROR_QUIET)
   if(linker_help MATCHES "--force-group-allocation")
-    list(APPEND lane_levels avx2 avx512)
+    list(APPEND lane_levels avx2)
+    if(NOT MANYCONTACT_ALL_LANES)
+      include(CheckCXXSourceRuns)
+      check_cxx_source_runs("int main() { return !(__builtin_cpu_supports(\"avx512f\") && __builtin_cpu_supports(\"avx512dq\"));  }"
+                            MANYCONTACT_RUNS_AVX512)
+    endif()
+    if(MANYCONTACT_ALL_LANES OR MANYCONTACT_RUNS_AVX512)
+      list(APPEND lane_levels avx512)
+    endif()
   endif()
 endif()
 

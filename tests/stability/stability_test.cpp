@@ -40,9 +40,13 @@ class Summary : public testing::Environment {
       for (const Cell& cell : row.cells)
         if (cell.beyond_bound > 0) beyond.push_back(cell.beyond_bound);
     std::sort(beyond.begin(), beyond.end());
+    if (done.size() == all_causes().size()) {
+      EXPECT_GE(beyond[beyond.size() / 2], 1.0 / 30) << "bounds are loose: the median";
+      EXPECT_GE(beyond[beyond.size() / 20], 1.0 / 1000) << "bounds are loose: one in twenty";
+    }
     if (!beyond.empty())
-      std::cout << "true error over its bound: median " << beyond[beyond.size() / 2] << ", largest " << beyond.back()
-                << "\n";
+      std::cout << "bound over true error: least " << 1 / beyond.back() << ", median " << 1 / beyond[beyond.size() / 2]
+                << ", 95 % below " << 1 / beyond[beyond.size() / 20] << "\n";
     if (std::getenv("MANYCONTACT_WRITE_PAGE") && done.size() == all_causes().size())
       std::ofstream(page_path()) << page(done);
   }

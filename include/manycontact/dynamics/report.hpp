@@ -31,11 +31,11 @@ std::string to_string(Status status);  // "ok", "redundant", ...
 
 struct IslandReport {  // Status and accuracy of the solution of one island.
   Status status = Status::kOk;
-  Method method = Method::kSparseLdl;  // the method that computed the solution
-  Order order = Order::kLeafToRoot;    // its elimination order, if the method has one
-  Reason reason = Reason::kNone;       // of the last change of order or method, of the failure, or kUncertain
+  Method method = Method::kSparseLdl;        // the method that computed the solution
+  Order order = Order::kLeafToRoot;          // its elimination order, if the method has one
+  Reason reason = Reason::kNone;             // of the last change of order or method, of the failure, or kUncertain
   Precision precision = Precision::kDouble;  // the precision of the solution
-  bool changed_order = false;          // the chosen order was not accurate, and leaf-to-root was used instead
+  bool changed_order = false;                // the chosen order was not accurate, and leaf-to-root was used instead
   int nv = 0, nc = 0;
   int rank = 0;                     // of J; nc with damping, since K is regular then; 0 if failed
   std::vector<int> dependent_rows;  // without damping: the nc - rank rows of data.f that depend on the others,
@@ -53,6 +53,29 @@ struct IslandReport {  // Status and accuracy of the solution of one island.
   /// NaN. Above 1 only the size of the errors is known. Then a and f may be rounding errors, as the accelerations of a
   /// scene at rest, or the solution is that of a neighbouring problem (Reason::kUncertain).
   double error_acceleration = kNotEstimated, error_forces = kNotEstimated;
+};
+
+/// How well the linear system K x = b of an island is solved, and how hard it is. K has one row per contact row that
+/// the solver keeps (pairs of bodies have at most six), in the solver's units. All numbers are NaN for failed islands
+/// and for deep trees whose K is too large.
+struct SystemQuality {
+  /// max_k |r_k| / (|K| |x| + |b|)_k, r = b - K x: the smallest relative change of K's and b's entries with which x is
+  /// exact (Oettli, Prager, Numer. Math. 6, 1964). Rows whose terms are below eps of the largest are measured relative
+  /// to that.
+  double componentwise_backward_error;
+  /// |r| / (|K| |x| + |b|) in the maximum norm: the same, relative to the norms of K and b (Rigal, Gaches, J. ACM 14,
+  /// 1967).
+  double normwise_backward_error;
+  /// The largest term of a pivot over the largest diagonal entry of K; 1 for the dense factor.
+  double growth;
+  /// |K|_1 |K^-1|_1, estimated; of the generalised inverse if K is singular.
+  double condition;
+  /// The same of D K D, with the diagonal D for which the largest entry of each row is about 1 (Ruiz, RAL-TR-2001-034).
+  /// Units, as metres with radians or grams with tonnes, change the condition and not this number.
+  double scaled_condition;
+  /// Signs of the eigenvalues of K: the velocity coordinates, the independent contact rows, and the dependent ones. A
+  /// factor with other signs of pivots is not accepted.
+  int positive = 0, negative = 0, zero = 0;
 };
 
 struct Report {  // Status and accuracy of the solution of the whole scene.

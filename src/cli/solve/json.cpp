@@ -56,6 +56,15 @@ Json island_entry(const Scene& scene, const Island& island, const IslandReport& 
           {"dependent_rows", dependent}};
 }
 
+Json quality_entry(const SystemQuality& of) {
+  return {{"componentwise_backward_error", of.componentwise_backward_error},
+          {"normwise_backward_error", of.normwise_backward_error},
+          {"growth", of.growth},
+          {"condition", of.condition},
+          {"scaled_condition", of.scaled_condition},
+          {"signature", {of.positive, of.negative, of.zero}}};
+}
+
 // The least precise of the islands; without islands the one asked for.
 Precision least_precision(const Report& report, Precision asked) {
   Precision least = report.islands.empty() ? asked : report.islands.front().precision;
@@ -70,6 +79,7 @@ Json report(const SolvedScene& s) {
   const std::vector<std::string> names = force_names(s.file.scene, s.data);
   for (std::size_t i = 0; i < r.islands.size(); ++i) {
     list.push_back(island_entry(s.file.scene, island_of(s.data, i), r.islands[i], names));
+    if (!s.quality.empty()) list.back()["quality"] = quality_entry(s.quality[i]);
     answered.insert(to_string(r.islands[i].method));
   }
   return {{"status", to_string(r.status)},

@@ -99,6 +99,7 @@ int run_solve(const Arguments& arguments) {
   SolvedScene solved = solve_scene(file, options, repeat, arguments.has("--derivatives"));
   solved.findings = find(file, solved.data);
   solved.unique = unique_forces(file.scene, file.q, solved.data);
+  if (arguments.has("--quality")) solved.quality = system_quality(file.scene, solved.data);
   solved.compare = arguments.has("--compare");
   if (arguments.has("--quasi-static")) solved.quasi_static_u = quasi_static(file.scene, file.q);
   if (const auto json = arguments.value("--json"))
@@ -142,6 +143,7 @@ const Command& solve_command() {
        precision_option(),
        {"--derivatives", "", "also those of accelerations and forces with respect to q, v and u"},
        {"--quasi-static", "", "also the torques that keep the scene at rest"},
+       {"--quality", "", "also backward errors, growth, signature and scaling of each island's equations"},
        {"--repeat", "N", "times are medians over N solves, after one to warm up"},
        {"--threads", "N", "inside a solve, for large scenes; default 1. Results do not depend on it"},
        {"--compare", "",

@@ -26,6 +26,7 @@ struct SolvedScene {
   std::optional<Eigen::VectorXd> quasi_static_u;
   bool derivatives = false;                              // derivatives(data) are there
   std::vector<DerivativeBounds> derivative_errors = {};  // ... and of each island, or empty
+  std::vector<SystemQuality> quality = {};               // of each island, or empty
   Findings findings = {};
   std::vector<char> unique = {};  // per row of data.f: unique_forces; empty: not asked for
   bool compare = false;           // compare with the dense reference solver, however long it takes

@@ -195,6 +195,32 @@ void print_several_kinds(std::ostream& out, const SolvedScene& s, const std::vec
   wrap(out, times(s), 2);
 }
 
+// How well K x = b is solved, and how hard it is.
+void print_quality(std::ostream& out, const SolvedScene& s, const std::vector<Alike>& kinds) {
+  constexpr std::size_t kShown = 10;
+  Table table({{"islands"},
+               {"robots", Table::kLeft, 22},
+               {"backward error: entries"},
+               {"norms"},
+               {"growth"},
+               {"condition"},
+               {"scaled"},
+               {"signature"}});
+  for (std::size_t k = 0; k < std::min(kinds.size(), kShown); ++k) {
+    const SystemQuality& of = s.quality[kinds[k].number];
+    table.add(
+        {std::to_string(kinds[k].islands.size()), islands_name(s.file, kinds[k].islands),
+         scientific(of.componentwise_backward_error), scientific(of.normwise_backward_error), scientific(of.growth),
+         scientific(of.condition), scientific(of.scaled_condition),
+         std::to_string(of.positive) + "+ " + std::to_string(of.negative) + "- " + std::to_string(of.zero) + "x0"});
+  }
+  out << "\nEquations K x = b\n";
+  table.print(out);
+  if (kinds.size() > kShown) out << "  ... and " << kinds.size() - kShown << " more kinds of island\n";
+  out << "  scaled: the condition with a largest entry of 1 in each row and column; signature: signs of K's "
+         "eigenvalues\n";
+}
+
 }  // namespace
 
 void print_report(std::ostream& out, const SolvedScene& s) {
@@ -207,6 +233,7 @@ void print_report(std::ostream& out, const SolvedScene& s) {
     print_one_kind(out, s, kinds[0]);
   else if (!kinds.empty())
     print_several_kinds(out, s, kinds);
+  if (!s.quality.empty()) print_quality(out, s, kinds);
 }
 
 void print_summary(std::ostream& out, const SolvedScene& s) {

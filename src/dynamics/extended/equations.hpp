@@ -43,16 +43,24 @@ class Equations {
   virtual void residual(const Part& part, double* of_dynamics, double* of_contacts) const = 0;
   /// x, rounded.
   virtual void round(const Part& part, double* a, double* f) const = 0;
+  /// x - [a; f], rounded.
+  virtual void difference(const Part& part, const double* a, const double* f, double* da, double* df) const = 0;
 
-  // The forces of least norm |S^-1 f| with the same J^T f: f = S^2 J y.
-  /// rest = f, of x where f is nullptr, y = 0. weights: S, per row of f.
-  virtual void begin_projection(const Part& part, const double* weights, const double* f) = 0;
-  /// y += dy, rest -= S^2 J dy.
-  virtual void project(const Part& part, const double* dy) = 0;
-  /// S^-2 rest, rounded: what a step dy is to satisfy as J dy.
+  // The part of forces that moves nothing, n of f = n + S^2 J y, J^T n = 0; or of the contacts' residual r = n + J y
+  // what no accelerations answer, J^T S^2 n = 0.
+  enum class Projected { kForces, kResidual };
+  /// rest = f of x, or r; y = 0. weights: S, per row of f.
+  virtual void begin_projection(const Part& part, Projected what, const double* weights) = 0;
+  /// y += dy. change: what that takes from the rest, in the units of the rest.
+  virtual void project(const Part& part, const double* dy, double* change) = 0;
+  /// What a step dy is to satisfy as J dy, rounded: the rest, of forces in units of S^2.
   virtual void rest(const Part& part, double* f) const = 0;
-  /// Takes the rest from x's f.
+  /// Takes the rest from x's f, or from b.
   virtual void take_rest(const Part& part) = 0;
+
+  // Forces of J^T's null space.
+  /// rest = f
+  virtual void set_rest(const Part& part, const double* f) = 0;
   /// torque = J^T rest, rounded. Returns its largest entry relative to the largest sum of the terms of one.
   virtual double torque_of_rest(const Part& part, double* torque) = 0;
   /// rest += df

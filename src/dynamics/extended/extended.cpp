@@ -7,11 +7,12 @@
 #include "../internal.hpp"
 #include "manycontact/rank/row_units.hpp"
 #include "manycontact/sparse/largest.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
 
 ExtendedWork::ExtendedWork(const Scene& scene) : equations(extended::level_here().make(scene)) {
-  for (Eigen::VectorXd* x : {&tau, &a, &r_a}) x->setZero(scene.nv);
+  for (Eigen::VectorXd* x : {&a, &r_a}) x->setZero(scene.nv);
   Eigen::Index rows = 0;
   for (const Contact& contact : scene.contacts) rows += contact.rows();
   for (Eigen::VectorXd* x : {&f, &r, &weights, &rest}) x->setZero(rows);
@@ -21,14 +22,7 @@ namespace internal {
 
 namespace {
 
-constexpr int kMostSteps = 60;          // up to a condition where a step gains half a digit
-constexpr double kConverged = 0x1p-56;  // the last correction, relative to a and f: an eighth of rounding
-constexpr double kConvergedAtLast =
-    0x1p-52;                            // and where rounding in double-double stops it: at the edge of what it can
-constexpr double kSlow = 0.8;           // a correction of more than so much of the one before ends refinement
-constexpr double kVanishing = 0x1p-80;  // beside what acts: changes of a and f below are none
-constexpr double kVanishingAtLast = 0x1p-60;  // and where rounding in double-double stops refinement
-constexpr double kDependent = 0x1p-75;        // |J^T n| of null vectors of rows that depend exactly
+using tolerance::kExtendedConverged, tolerance::kExtendedVanishing, tolerance::kExtendedSlow;
 
 using OfIsland = ExtendedWork::OfIsland;
 
@@ -52,7 +46,7 @@ bool has_pairs(const SceneData& data, std::size_t i) {
 bool may_refine(const IslandWork& d, const IslandReport& report) {
   if (!d.answered || d.matrix.tolerated > 0) return false;
   if (report.status == Status::kRegularised) return report.reason == Reason::kUncertain;
-  return report.status == Status::kOk || report.status == Status::kRedundant;
+  return report.status <= Status::kInconsistent;
 }
 
 void take_part(const SceneData& data, ExtendedWork& e) {
@@ -125,11 +119,11 @@ double change_of_parts(const Scene& scene, const SceneData& data, const Extended
   each_velocity_block(scene, island, [&](int at, int, int n) {
     if (n > 0)
       out = std::max(out, relative(e.r_a.segment(at, n).cwiseAbs().maxCoeff(), e.a.segment(at, n).cwiseAbs().maxCoeff(),
-                                   kVanishing * of.at_rest_a));
+                                   kExtendedVanishing * of.at_rest_a));
   });
   each_force_block(scene, data.f_offset, island, [&](int at, int, int n) {
     out = std::max(out, relative(e.r.segment(at, n).cwiseAbs().maxCoeff(), e.f.segment(at, n).cwiseAbs().maxCoeff(),
-                                 kVanishing * of.at_rest_f));
+                                 kExtendedVanishing * of.at_rest_f));
   });
   return out;
 }
@@ -141,79 +135,50 @@ Progress judge(const Scene& scene, const SceneData& data, const ExtendedWork& e,
   const double da = largest(scene, island, e.r_a), df = largest_force(scene, data.f_offset, island, e.r);
   const double a = largest(scene, island, e.a), f = largest_force(scene, data.f_offset, island, e.f);
   if (!std::isfinite(da) || !std::isfinite(df)) return Progress::kFailed;
-  of.last_a = da == 0 ? 0 : da / std::max(a, std::numeric_limits<double>::min());
-  of.last_f = df == 0 ? 0 : df / std::max(f, std::numeric_limits<double>::min());
-  of.now = std::max(relative(da, a, kVanishing * of.at_rest_a), relative(df, f, kVanishing * of.at_rest_f));
-  const bool slow = of.steps > 1 && of.now > kSlow * of.before;
-  if (change_of_parts(scene, data, e, island, of) <= kConverged) return Progress::kConverged;
+  of.last_a = da, of.last_f = df;
+  of.now =
+      std::max(relative(da, a, kExtendedVanishing * of.at_rest_a), relative(df, f, kExtendedVanishing * of.at_rest_f));
+  const bool slow = of.steps > 1 && of.now > kExtendedSlow * of.before;
+  if (change_of_parts(scene, data, e, island, of) <= kExtendedConverged) return Progress::kConverged;
   if (slow)
-    return relative(da, a, kVanishingAtLast * of.at_rest_a) <= kConvergedAtLast &&
-                   relative(df, f, kVanishingAtLast * of.at_rest_f) <= kConvergedAtLast
+    return relative(da, a, tolerance::kExtendedStoppedVanishing * of.at_rest_a) <= tolerance::kExtendedStopped &&
+                   relative(df, f, tolerance::kExtendedStoppedVanishing * of.at_rest_f) <= tolerance::kExtendedStopped
                ? Progress::kConverged
                : Progress::kFailed;
   of.before = of.now;
-  return ++of.steps < kMostSteps ? Progress::kGoesOn : Progress::kFailed;
+  return ++of.steps < tolerance::kExtendedSteps ? Progress::kGoesOn : Progress::kFailed;
 }
 
-void refuse(OfIsland& of, IslandReport& report) {
-  of.open = of.refined = false;
-  if (report.status != Status::kRegularised) report.reason = Reason::kLowPrecision;  // that has a reason to keep
-}
+void refuse(OfIsland& of) { of.open = of.refined = false; }
 
 bool any_open(const ExtendedWork& e) {
   return std::ranges::any_of(e.islands, [](const OfIsland& of) { return of.open; });
 }
 
-// x of the open islands, until it does not change: those stay in e.islands as `refined`.
+void open_all(const SceneData& data, ExtendedWork& e) {
+  for (OfIsland& of : e.islands) of.open = of.refined;
+  take_part(data, e);
+}
+
+// x, until it does not change any more.
 void correct(const Scene& scene, SceneData& data, ExtendedWork& e) {
   extended::Equations& equations = *e.equations;
-  while (any_open(e)) {
-    take_part(data, e);
+  for (open_all(data, e); any_open(e); take_part(data, e)) {
     equations.residual(part_of(e), e.r_a.data(), e.r.data());
     equations.round(part_of(e), e.a.data(), e.f.data());
     invert(scene, data, e);
-    bool closed = false;
     for (std::size_t i = 0; i < e.islands.size(); ++i) {
       OfIsland& of = e.islands[i];
       if (!of.open) continue;
       const Progress progress = judge(scene, data, e, i, of);
-      of.refined = progress == Progress::kConverged;
-      if (progress == Progress::kFailed) refuse(of, data.report.islands[i]);
-      closed = closed || of.refined;
+      of.converged = progress == Progress::kConverged;
+      if (progress == Progress::kFailed) refuse(of);
     }
     take_part(data, e);
-    const bool residual = std::ranges::any_of(e.islands, [](const OfIsland& of) {
-      return of.open && (of.projects || !of.refined);  // what contradicting rows leave is asked for later
-    });
-    equations.add(part_of(e), e.r_a.data(), e.r.data(), residual);
-    if (!closed) continue;
-    for (OfIsland& of : e.islands) of.open = of.open && !of.refined;
+    const bool goes_on = std::ranges::any_of(e.islands, [](const OfIsland& of) { return of.open && !of.converged; });
+    equations.add(part_of(e), e.r_a.data(), e.r.data(), goes_on);
+    for (OfIsland& of : e.islands) of.open = of.open && !of.converged;
   }
-}
-
-// The part n of x's forces f = n + S^2 J y that is none of the least norm: y by steps, until what is left of f does not
-// change beside f. False: it does.
-bool project(const Scene& scene, SceneData& data, const OfIsland& of, ExtendedWork& e) {
-  const Eigen::Index rows = data.f.size();
-  e.equations->begin_projection(part_of(e), e.weights.data(), nullptr);
-  double before = std::numeric_limits<double>::infinity();
-  for (int step = 0; step < kMostSteps; ++step) {
-    e.equations->rest(part_of(e), e.r.data());
-    double change = 0, size = 0;
-    for (int c : e.contacts)
-      for (int k = data.f_offset[c]; k < data.f_offset[c] + scene.contacts[c].rows(); ++k) {
-        size = std::max(size, std::abs(e.f[k]) / (e.weights[k] * e.weights[k]));
-        change = sparse::larger_or_nan(change, step == 0 ? 0.0 : std::abs(e.r[k] - e.rest[k]));
-      }
-    if (step > 1 && change <= std::max(kConverged * size, kVanishing * of.at_rest_f)) return true;
-    if (!std::isfinite(change) || (step > 2 && change > kSlow * before)) return false;
-    before = step == 0 ? before : change;
-    e.rest.head(rows) = e.r.head(rows);
-    e.r_a.setZero();
-    invert(scene, data, e);
-    e.equations->project(part_of(e), e.r_a.data());
-  }
-  return false;
 }
 
 void take_weights(const Scene& scene, const SceneData& data, ExtendedWork& e) {
@@ -232,53 +197,108 @@ void take_any_forces(Eigen::VectorXd& f) {
   }
 }
 
-// Whether J^T n = 0 in double-double for forces n that double takes for one of J^T's null space: what is left of J^T n
-// is taken from n by K^+ until nothing is, or what no forces of double's rank can take.
-bool depend_exactly(const Scene& scene, SceneData& data, ExtendedWork& e) {
-  take_any_forces(e.rest);
-  e.equations->begin_projection(part_of(e), e.weights.data(), e.rest.data());
-  double before = std::numeric_limits<double>::infinity();
-  for (int step = 0; step < kMostSteps; ++step) {
-    const double left = e.equations->torque_of_rest(part_of(e), e.r_a.data());
-    if (left <= kDependent) return true;
-    if (!(left < (step > 1 ? kSlow * before : std::numeric_limits<double>::infinity()))) return false;
-    before = left;
-    e.r.setZero();
-    invert(scene, data, e);
-    e.equations->add_to_rest(part_of(e), e.r.data());
-  }
-  return false;
-}
-
-// Forces of least norm where rows depend on each other. Those that do by rounding of the state alone have other forces,
-// if any, than those of double's rank.
-void take_least_norm(const Scene& scene, SceneData& data, ExtendedWork& e) {
-  for (std::size_t i = 0; i < e.islands.size(); ++i) {
-    OfIsland& of = e.islands[i];
-    if (!of.projects || !of.refined) continue;
-    for (OfIsland& other : e.islands) other.open = false;
-    of.open = true;
+// Steps of all open islands, until judge(i, of, step) closes each.
+template <class Judge, class Step>
+void repeat(const SceneData& data, ExtendedWork& e, const Judge& judge, const Step& step) {
+  for (int k = 0; any_open(e); ++k) {
+    for (std::size_t i = 0; i < e.islands.size(); ++i) {
+      OfIsland& of = e.islands[i];
+      if (!of.open) continue;
+      const Progress progress = k < tolerance::kExtendedSteps ? judge(i, of, k) : Progress::kFailed;
+      if (progress == Progress::kConverged) of.open = false;
+      if (progress == Progress::kFailed) refuse(of);
+    }
     take_part(data, e);
-    take_weights(scene, data, e);
-    if (depend_exactly(scene, data, e) && project(scene, data, of, e))
-      e.equations->take_rest(part_of(e));
-    else
-      refuse(of, data.report.islands[i]);
+    if (any_open(e)) step();
   }
 }
 
-void begin(const Scene& scene, SceneData& data, ExtendedWork& e) {
-  const Workspace& solver = *solved_data(data).workspace;
+// Refuses open islands unless J^T n = 0 in double-double for forces n that double takes for one of J^T's null space:
+// what is left of J^T n is taken from n by K^+ until nothing is, or what no forces of double's rank can take.
+void refuse_unless_dependent(const Scene& scene, SceneData& data, ExtendedWork& e) {
+  take_any_forces(e.rest);
+  e.equations->set_rest(part_of(e), e.rest.data());
+  repeat(
+      data, e,
+      [&](std::size_t i, OfIsland& of, int step) {
+        const Island& island = island_at(data, i);
+        const double left = e.equations->torque_of_rest({island.robots, island.contacts}, e.r_a.data());
+        if (left <= tolerance::kExtendedDependent) return Progress::kConverged;
+        if (!std::isfinite(left) || (step > 1 && left >= kExtendedSlow * of.before)) return Progress::kFailed;
+        of.before = left;
+        return Progress::kGoesOn;
+      },
+      [&] {
+        e.r.setZero();
+        invert(scene, data, e);
+        e.equations->add_to_rest(part_of(e), e.r.data());
+      });
+}
+
+// The rest of open islands by steps of y, until these change nothing that the answer shows: of forces their own digits,
+// of what least squares leave the digits of double-double, since x is what is left beside it.
+void project(const Scene& scene, SceneData& data, extended::Equations::Projected what, ExtendedWork& e) {
+  const bool forces = what == extended::Equations::Projected::kForces;
+  e.equations->begin_projection(part_of(e), what, e.weights.data());
+  e.equations->rest(part_of(e), e.r.data());
+  e.rest = e.r;
+  repeat(
+      data, e,
+      [&](std::size_t i, OfIsland& of, int step) {
+        const double change = largest_force(scene, data.f_offset, island_at(data, i), e.rest);
+        if (step == 0) of.rest = change;
+        const double digits =
+            forces ? std::max(kExtendedConverged * of.rest, kExtendedVanishing * of.at_rest_f)
+                   : std::max(tolerance::kExtendedDigits * of.rest, tolerance::kExtendedDigitsVanishing * of.at_rest_a);
+        if (change <= digits && (step > 0 || change == 0)) return Progress::kConverged;
+        if (!std::isfinite(change)) return Progress::kFailed;
+        if (step > 2 && change > kExtendedSlow * of.before)
+          return !forces && change <= tolerance::kExtendedDigitsStopped * of.rest ? Progress::kConverged
+                                                                                  : Progress::kFailed;
+        of.before = change;
+        return Progress::kGoesOn;
+      },
+      [&] {
+        e.equations->rest(part_of(e), e.r.data());
+        e.r_a.setZero();
+        invert(scene, data, e);
+        e.equations->project(part_of(e), e.r_a.data(), e.rest.data());
+      });
+}
+
+// Opens islands whose rows depend on each other. Whether there are any.
+bool open_dependent(const SceneData& data, ExtendedWork& e) {
+  for (OfIsland& of : e.islands) of.open = of.refined && of.projects;
+  take_part(data, e);
+  return any_open(e);
+}
+
+void take_projection(const Scene& scene, SceneData& data, extended::Equations::Projected what, ExtendedWork& e) {
+  if (!open_dependent(data, e)) return;
+  project(scene, data, what, e);
+  if (open_dependent(data, e)) e.equations->take_rest(part_of(e));
+}
+
+// Rows that depend by rounding of the state alone have other answers, if any, than those of double's rank.
+void take_dependence(const Scene& scene, SceneData& data, ExtendedWork& e) {
+  if (!open_dependent(data, e)) return;
+  take_weights(scene, data, e);
+  refuse_unless_dependent(scene, data, e);
+}
+
+void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
+  const Workspace& w = *data.workspace;
+  const Workspace& solver = w.reduction ? *w.reduction->data->workspace : w;
   e.islands.assign(island_count_of(data), {});
   for (std::size_t i = 0; i < e.islands.size(); ++i) {
-    IslandReport& report = data.report.islands[i];
+    const IslandReport& report = data.report.islands[i];
     OfIsland& of = e.islands[i];
-    report.precision = Precision::kDouble;
-    if (report.status == Status::kFailed) continue;
-    of.open = may_refine(*solver.islands[i], report);
-    if (!of.open) {
-      refuse(of, report);
-      continue;
+    of.refined = may_refine(*solver.islands[i], report);
+    if (!of.refined) continue;
+    of.status = report.status, of.reason = report.reason;
+    if (report.status == Status::kRegularised) {  // by bounds of an earlier call
+      of.status = report.rank < report.nc ? Status::kRedundant : Status::kOk;
+      of.reason = Reason::kNone;
     }
     const Island& island = island_at(data, i);
     of.projects = scene.damping == 0 && (report.rank < report.nc || has_pairs(data, i));
@@ -295,87 +315,105 @@ void begin(const Scene& scene, SceneData& data, ExtendedWork& e) {
   }
 }
 
-// What rows that depend on each other contradict each other by: all that x leaves of them.
-void take_contradictions(const Scene& scene, SceneData& data, ExtendedWork& e) {
-  for (OfIsland& of : e.islands) of.open = of.refined && of.projects;
-  take_part(data, e);
-  e.equations->residual(part_of(e), e.r_a.data(), e.r.data());
-  for (std::size_t i = 0; i < e.islands.size(); ++i)
-    if (const double terms = data.report.islands[i].contact_terms; e.islands[i].open && terms > 0)
-      e.islands[i].contradiction = largest_force(scene, data.f_offset, island_at(data, i), e.r) / terms;
-}
-
-void take_answers(const Scene& scene, SceneData& data, ExtendedWork& e) {
-  e.equations->round(part_of(e), e.a.data(), e.f.data());
-  for (std::size_t i = 0; i < e.islands.size(); ++i) {
-    if (!e.islands[i].refined) continue;
-    const Island& island = island_at(data, i);
-    each_velocity_block(scene, island, [&](int at, int, int n) { data.a.segment(at, n) = e.a.segment(at, n); });
-    each_force_block(scene, data.f_offset, island,
-                     [&](int at, int, int n) { data.f.segment(at, n) = e.f.segment(at, n); });
-    IslandReport& report = data.report.islands[i];
-    report.precision = Precision::kExtended;
-    report.refinement_steps += e.islands[i].steps;
-    if (report.status == Status::kRegularised) {
-      report.status = report.rank < report.nc ? Status::kRedundant : Status::kOk;
-      report.reason = Reason::kNone;
-    }
-    e.islands[i].status = report.status, e.islands[i].reason = report.reason;
-  }
-}
-
-// A bound of a refined answer, relative to its largest entry `size`: its own rounding, the last correction, of which a
-// part is left or which shows what double-double rounds, and the share of double-double in the bound of double's
-// answer, relative to `size_before`.
-double bound_of(double of_double, double size_before, double size, double last, double contradiction) {
-  constexpr double kShare = 0x1p-46;  // 2^-104 / 2^-53, and 32 for the constants of sums and products
-  if (of_double == 0) return 0;
-  return 0x1p-53 + 64 * last + of_double * (size_before / size) * (kShare + contradiction);
-}
-
-}  // namespace
-
-void keep_torques(const Scene& scene, SceneData& data, const double* tau) {
-  Workspace& w = *data.workspace;
-  if (!w.extended) w.extended = std::make_unique<ExtendedWork>(scene);
-  std::copy_n(tau, scene.nv, w.extended->tau.data());
-}
-
-void take_extended_bounds(const Scene& scene, SceneData& data) {
-  const ExtendedWork& e = *data.workspace->extended;
-  for (std::size_t i = 0; i < e.islands.size(); ++i) {
-    const OfIsland& of = e.islands[i];
-    if (!of.refined) continue;
-    IslandReport& report = data.report.islands[i];
-    const Island& island = island_at(data, i);
-    const double a =
-        bound_of(report.error_acceleration, of.size_a, largest(scene, island, data.a), of.last_a, of.contradiction);
-    const double f = bound_of(report.error_forces, of.size_f, largest_force(scene, data.f_offset, island, data.f),
-                              of.last_f, of.contradiction);
-    if (!std::isfinite(a) || !std::isfinite(f)) continue;
-    report.error_acceleration = a, report.error_forces = f;
-    report.status = of.status, report.reason = of.reason;
-  }
-}
-
-void refine_extended(const Scene& scene, SceneData& data) {
-  Workspace& w = *data.workspace;
-  ExtendedWork& e = *w.extended;
+// x of the answer at hand, in e. Nothing else changes.
+void refine(const Scene& scene, SceneData& data, ExtendedWork& e) {
+  const Workspace& w = *data.workspace;
+  e.state = 0;
   begin(scene, data, e);
-  take_part(data, e);
+  open_all(data, e);
   const extended::Job job{scene,
                           w.q.data(),
                           data.v.data(),
-                          e.tau.data(),
+                          w.given.data(),
                           data.pushes,
                           forces_are_applied(*solved_data(data).workspace),
                           w.prescribed.empty() ? nullptr : w.prescribed.data(),
                           data.f_offset};
   e.equations->begin(job, part_of(e), data.a.data(), data.f.data());
+  take_dependence(scene, data, e);
+  take_projection(scene, data, extended::Equations::Projected::kResidual, e);  // least squares leave it
   correct(scene, data, e);
-  take_least_norm(scene, data, e);
-  take_contradictions(scene, data, e);
-  take_answers(scene, data, e);
+  take_projection(scene, data, extended::Equations::Projected::kForces, e);  // forces of least norm
+  open_all(data, e);
+  e.equations->round(part_of(e), e.a.data(), e.f.data());
+  e.state = w.current;
+}
+
+void take_answers(const Scene& scene, SceneData& data, ExtendedWork& e) {
+  for (std::size_t i = 0; i < e.islands.size(); ++i) {
+    const OfIsland& of = e.islands[i];
+    IslandReport& report = data.report.islands[i];
+    report.precision = of.refined ? Precision::kExtended : Precision::kDouble;
+    if (!of.refined) {
+      if (report.status < Status::kRegularised) report.reason = Reason::kLowPrecision;
+      continue;
+    }
+    const Island& island = island_at(data, i);
+    each_velocity_block(scene, island, [&](int at, int, int n) { data.a.segment(at, n) = e.a.segment(at, n); });
+    each_force_block(scene, data.f_offset, island,
+                     [&](int at, int, int n) { data.f.segment(at, n) = e.f.segment(at, n); });
+    report.refinement_steps += of.steps;
+    report.status = of.status, report.reason = of.reason;
+  }
+}
+
+// An answer's size and the bound by |K^-1|, which is relative to it; and what is known since.
+struct Distance {
+  double size, size_before, by_inverse;
+  double distance, last, at_rest;
+  // A bound of the error: the distance to x, and the error of x itself: the last correction, of which a part is left or
+  // which shows what double-double rounds, and the share of double-double in the bound by |K^-1|. What underflows has
+  // no second double.
+  double error() const {
+    constexpr double kRounding = 1 + 0x1p-20;  // of the distance
+    return kRounding * distance + 64 * last + tolerance::kExtendedShare * by_inverse * std::max(size, size_before) +
+           std::numeric_limits<double>::min();
+  }
+  bool is_known(double error) const { return error < std::max(size, at_rest); }
+  // The digits of an answer in double that vanishes beside what acts are those of rounding.
+  bool vanishes() const { return by_inverse >= 1 && is_known(by_inverse * size); }
+};
+
+double relative_bound(const Distance& of, bool extended) {
+  if (of.by_inverse == 0) return 0;
+  const double bound = of.error() / of.size;
+  return !extended && of.vanishes() ? std::max(bound, 1.0) : bound;
+}
+
+}  // namespace
+
+void refine_extended(const Scene& scene, SceneData& data) {
+  Workspace& w = *data.workspace;
+  if (!w.extended) w.extended = std::make_unique<ExtendedWork>(scene);
+  refine(scene, data, *w.extended);
+  take_answers(scene, data, *w.extended);
+}
+
+void refine_for_bounds(const Scene& scene, SceneData& data) {
+  Workspace& w = *data.workspace;
+  if (!w.extended) w.extended = std::make_unique<ExtendedWork>(scene);
+  if (w.extended->state != w.current) refine(scene, data, *w.extended);
+}
+
+void take_extended_bounds(const Scene& scene, SceneData& data) {
+  ExtendedWork& e = *data.workspace->extended;
+  open_all(data, e);
+  e.equations->difference(part_of(e), data.a.data(), data.f.data(), e.r_a.data(), e.r.data());
+  for (std::size_t i = 0; i < e.islands.size(); ++i) {
+    const OfIsland& of = e.islands[i];
+    if (!of.refined) continue;
+    IslandReport& report = data.report.islands[i];
+    const Island& island = island_at(data, i);
+    const Distance a{largest(scene, island, data.a), of.size_a, report.error_acceleration,
+                     largest(scene, island, e.r_a),  of.last_a, of.at_rest_a};
+    const Distance f{largest_force(scene, data.f_offset, island, data.f), of.size_f, report.error_forces,
+                     largest_force(scene, data.f_offset, island, e.r),    of.last_f, of.at_rest_f};
+    const bool extended = report.precision == Precision::kExtended;
+    const double bound_a = relative_bound(a, extended), bound_f = relative_bound(f, extended);
+    if (!std::isfinite(bound_a) || !std::isfinite(bound_f)) continue;
+    report.error_acceleration = bound_a, report.error_forces = bound_f;
+    if (a.is_known(a.error()) && f.is_known(f.error())) report.status = of.status, report.reason = of.reason;
+  }
 }
 
 }  // namespace internal

@@ -1,8 +1,8 @@
 #pragma once
-// The precision `extended`: an answer in double, of whichever system, refined with residuals in double-double until a
-// and f do not change any more. The terms of the scene are evaluated in double-double, x = [a; f] is one, and each
-// correction is K^+ r by what answered in double (IslandSystem::invert). Forces of dependent rows are projected so
-// that they have the least norm, in double-double too.
+// The precision `extended`, and what any answer's errors are bounded by: an answer in double, of whichever system,
+// refined with residuals in double-double until a and f do not change any more. The terms of the scene are evaluated in
+// double-double, x = [a; f] is one, and each correction is K^+ r by what answered in double (IslandSystem::invert).
+// Forces of dependent rows are projected so that they have the least norm, in double-double too.
 
 #include <Eigen/Core>
 #include <memory>
@@ -21,23 +21,24 @@ struct ExtendedWork {
 
   /// One island at work, and afterwards what its bounds need.
   struct OfIsland {
-    bool open = false;                    // it is being refined
-    bool refined = false;                 // it converged
+    bool open = false;                    // it is at work
+    bool refined = false;                 // it is to be refined; afterwards: it is
+    bool converged = false;               // x has
     bool projects = false;                // its rows depend on each other
-    double before = 0, now = 0;           // sizes of corrections, relative to a and f, the larger
+    double before = 0, now = 0;           // sizes of corrections
     double at_rest_a = 0, at_rest_f = 0;  // what vanishing a and f are small beside
     double size_a = 0, size_f = 0;        // the largest of a and f, as the double answer had them
-    double last_a = 0, last_f = 0;        // the last correction, relative to the largest of a and f
-    double contradiction = 0;             // what the rows contradict each other by, relative to their terms
+    double last_a = 0, last_f = 0;        // the last correction
+    double rest = 0;                      // what is projected
     int steps = 0;
-    Status status = Status::kOk;  // of the answer
+    Status status = Status::kOk;  // of the answer, before its bounds
     Reason reason = Reason::kNone;
   };
 
   std::unique_ptr<extended::Equations> equations;
   std::vector<OfIsland> islands;
+  std::uint64_t state = 0;            // whose they are (Workspace::state)
   std::vector<int> robots, contacts;  // of the islands at work
-  Eigen::VectorXd tau;                // nv: the torques given
   Eigen::VectorXd a, f;               // x, rounded
   Eigen::VectorXd r, r_a;             // of the scene: residuals
   Eigen::VectorXd weights, rest;      // per row of f
@@ -45,12 +46,12 @@ struct ExtendedWork {
 
 namespace internal {
 
-/// Keeps the torques given (nv), without friction, springs and external wrenches.
-void keep_torques(const Scene& scene, SceneData& data, const double* tau);
-/// Refines the double answer at hand.
+/// Refines the double answer at hand, and takes what it becomes where that converges.
 void refine_extended(const Scene& scene, SceneData& data);
-/// Bounds of islands that were refined, in place of those of their double answers, which the report has. It is to be
-/// summarised then.
+/// Refines a copy of the answer at hand, of any precision.
+void refine_for_bounds(const Scene& scene, SceneData& data);
+/// Bounds of errors by the distance to the copy, where that converged, in place of those by |K^-1|, which the report
+/// has. It is to be summarised then.
 void take_extended_bounds(const Scene& scene, SceneData& data);
 
 }  // namespace internal

@@ -48,10 +48,12 @@ class LevelEquations final : public Equations {
   void add(const Part& part, const double* da, const double* df, bool residual) override;
   void residual(const Part& part, double* of_dynamics, double* of_contacts) const override;
   void round(const Part& part, double* a, double* f) const override;
-  void begin_projection(const Part& part, const double* weights, const double* f) override;
-  void project(const Part& part, const double* dy) override;
+  void difference(const Part& part, const double* a, const double* f, double* da, double* df) const override;
+  void begin_projection(const Part& part, Projected what, const double* weights) override;
+  void project(const Part& part, const double* dy, double* change) override;
   void rest(const Part& part, double* f) const override;
   void take_rest(const Part& part) override;
+  void set_rest(const Part& part, const double* f) override;
   double torque_of_rest(const Part& part, double* torque) override;
   void add_to_rest(const Part& part, const double* df) override;
 
@@ -88,8 +90,8 @@ class LevelEquations final : public Equations {
   std::vector<V6> w_;
   VecX<S> q_, v_, tau_;                    // of the scene
   VecX<S> a_, f_, b_a_, b_f_, r_a_, r_f_;  // x, b and r
-  VecX<S> y_, torque_, rest_;              // scratch
-  std::vector<double> weights_;
+  VecX<S> y_, torque_, rest_, square_;     // scratch
+  Projected projected_ = Projected::kForces;
 };
 
 LevelEquations::LevelEquations(const Scene& scene) : contacts_(scene.contacts.size()) {
@@ -103,8 +105,7 @@ LevelEquations::LevelEquations(const Scene& scene) : contacts_(scene.contacts.si
   w_.resize(scene.pushes.size());
   q_.resize(scene.nq);
   for (VecX<S>* x : {&v_, &tau_, &a_, &b_a_, &r_a_, &y_, &torque_}) x->resize(scene.nv);
-  for (VecX<S>* x : {&f_, &b_f_, &r_f_, &rest_}) x->resize(all);
-  weights_.resize(static_cast<std::size_t>(all));
+  for (VecX<S>* x : {&f_, &b_f_, &r_f_, &rest_, &square_}) x->resize(all);
 }
 
 // Friction, springs and external wrenches beside the torques given.
@@ -254,34 +255,45 @@ void LevelEquations::round(const Part& part, double* a, double* f) const {
   each_row(part, [&](Eigen::Index k) { f[k] = static_cast<double>(f_[k]); });
 }
 
-void LevelEquations::begin_projection(const Part& part, const double* weights, const double* f) {
+void LevelEquations::difference(const Part& part, const double* a, const double* f, double* da, double* df) const {
+  each_coordinate(part, [&](Eigen::Index k) { da[k] = static_cast<double>(a_[k] - S(a[k])); });
+  each_row(part, [&](Eigen::Index k) { df[k] = static_cast<double>(f_[k] - S(f[k])); });
+}
+
+void LevelEquations::begin_projection(const Part& part, Projected what, const double* weights) {
+  projected_ = what;
   each_row(part, [&](Eigen::Index k) {
-    weights_[static_cast<std::size_t>(k)] = weights[k];
-    rest_[k] = f ? S(f[k]) : f_[k];
+    square_[k] = what == Projected::kForces ? S(weights[k]) * S(weights[k]) : S(1);
+    rest_[k] = what == Projected::kForces ? f_[k] : r_f_[k];
   });
 }
 
-void LevelEquations::project(const Part& part, const double* dy) {
+void LevelEquations::project(const Part& part, const double* dy, double* change) {
   each_coordinate(part, [&](Eigen::Index k) { y_[k] = dy[k]; });
   motions(part, y_.data());
   for (int c : part.contacts) {
     const Rows Jy = contact_rows_of_motion(c);
     for (Eigen::Index i = 0, k = first_row(c); i < rows(c); ++i, ++k) {
-      const S weight(weights_[static_cast<std::size_t>(k)]);
-      rest_[k] -= weight * weight * Jy[i];
+      const S taken = square_[k] * Jy[i];
+      rest_[k] -= taken;
+      change[k] = static_cast<double>(taken) / static_cast<double>(square_[k]);
     }
   }
 }
 
 void LevelEquations::rest(const Part& part, double* f) const {
-  each_row(part, [&](Eigen::Index k) {
-    const double weight = weights_[static_cast<std::size_t>(k)];
-    f[k] = static_cast<double>(rest_[k]) / (weight * weight);
-  });
+  each_row(part, [&](Eigen::Index k) { f[k] = static_cast<double>(rest_[k]) / static_cast<double>(square_[k]); });
 }
 
 void LevelEquations::take_rest(const Part& part) {
-  each_row(part, [&](Eigen::Index k) { f_[k] -= rest_[k]; });
+  if (projected_ == Projected::kForces)
+    each_row(part, [&](Eigen::Index k) { f_[k] -= rest_[k]; });
+  else
+    each_row(part, [&](Eigen::Index k) { b_f_[k] -= rest_[k], r_f_[k] -= rest_[k]; });
+}
+
+void LevelEquations::set_rest(const Part& part, const double* f) {
+  each_row(part, [&](Eigen::Index k) { rest_[k] = f[k]; });
 }
 
 // Sizes of the forces that each contact puts on bodies, before any cancel, in `sizes`.

@@ -118,7 +118,7 @@ SceneData& differentiated(const Scene& scene, SceneData& data) {
   }
   r.plain->active = data.active;
   r.plain->pushes = data.pushes;
-  (void)solve_tau(scene, w.q, data.v, r.given, *r.plain);
+  (void)solve_tau(scene, w.q, data.v, w.given, *r.plain);
   r.plain_is_current = true;
   return *r.plain;
 }
@@ -164,9 +164,9 @@ std::vector<DerivativeBounds> derivative_errors_reduced(const Scene& scene, Scen
   return out;
 }
 
-void estimate_errors_reduced(const Scene& scene, SceneData& data) {
+void bound_errors_reduced(const Scene& scene, SceneData& data) {
   const Reduction& r = *data.workspace->reduction;
-  estimate_errors(r.scene, *r.data);
+  bound_errors(r.scene, *r.data);
   take_bounds(scene, data, r);
 }
 

@@ -41,7 +41,7 @@ struct Reduction {
   std::unique_ptr<SceneData> data;               // of `scene`
   std::unique_ptr<SceneData> plain;   // of the scene without pairs, for derivatives of damped contacts that slide
   std::vector<Island> islands;        // with the contacts of the scene, one per island of `data`
-  Eigen::VectorXd prescribed, given;  // rows of `data`; torques before friction and springs
+  Eigen::VectorXd prescribed;  // rows of `data`
   Eigen::VectorXd df;                 // scratch of products: rows of `data`
   std::vector<char> set;              // scratch
   bool plain_is_current = false;      // of the answer at hand
@@ -79,7 +79,7 @@ void reduce_forces(const SceneData& data, const double* f, double* y);
 
 const DerivativeData& differentiate_reduced(const Scene& scene, SceneData& data, const DerivativeRequest& request);
 std::vector<DerivativeBounds> derivative_errors_reduced(const Scene& scene, SceneData& data);
-void estimate_errors_reduced(const Scene& scene, SceneData& data);
+void bound_errors_reduced(const Scene& scene, SceneData& data);
 void estimate_condition_reduced(const Scene& scene, SceneData& data);
 
 }  // namespace internal

@@ -181,7 +181,7 @@ const Report& solve_reduced(const Scene& scene, const ConstVector& q, const Cons
   w.prescribed.assign(prescribed.begin(), prescribed.end());
   refresh(scene, data, r);
   r.plain_is_current = false;
-  r.given = tau;
+  w.given = tau;
   std::span<const double> of_solved;
   if (!prescribed.empty()) {
     r.prescribed.resize(r.data->f.size());
@@ -199,7 +199,6 @@ const Report& solve_reduced(const Scene& scene, const ConstVector& q, const Cons
   take_report(scene, data, r, prescribed);
   data.serial = w.current = ++w.state;
   if (data.options.precision != Precision::kExtended) return data.report;
-  keep_torques(scene, data, r.given.data());
   refine_extended(scene, data);
   summarise(data.report);
   return data.report;

@@ -146,13 +146,14 @@ struct Workspace {
   // by solve
   std::unique_ptr<AppliedWork> applied;  // nullptr: the scene has neither pushes nor springs
   Eigen::VectorXd q;                     // nq: the configuration solved at
+  Eigen::VectorXd given;                 // nv: the torques given, without friction, springs and external wrenches
 
   // by differentiate, jvp, vjp
   std::unique_ptr<Linearisation> linearisation;
   DerivativeData derivatives;
   std::unique_ptr<ProductWork> products;
 
-  // by solve in the precision `extended`
+  // by solve in the precision `extended`, by estimate_errors in any
   std::unique_ptr<ExtendedWork> extended;
 };
 

@@ -78,6 +78,23 @@ Raises
 ValueError
     The data are of another scene.)";
 
+inline constexpr const char* system_quality =
+    R"(Compute backward errors, growth, condition and signature of each island's equations after a solve.
+
+Parameters
+----------
+scene : Scene
+data : SceneData
+
+Returns
+-------
+list of SystemQuality
+
+Raises
+------
+ValueError
+    There is no solution.)";
+
 inline constexpr const char* estimate_condition =
     R"(Estimate the 1-norm condition number of each island's K after a solve.
 

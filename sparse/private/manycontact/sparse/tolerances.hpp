@@ -178,8 +178,8 @@ inline constexpr double kProximal = 1e-12;
 /// delta; pivots of other rows are usually above the second. Where one lies between, K is factorized again with
 /// kStiffer delta. On uneven walls both kinds of rows have pivots of 1e6 delta.
 inline constexpr double kPivotOfDependent = 1e2, kPivotOfOthers = 1e7, kStiffer = 10;
-/// The exponent of delta in a pivot is plain within the first number of an integer. The sum of the others may differ from
-/// an integer by the second: rounding of pivots contributes 1e-3 each.
+/// The exponent of delta in a pivot is plain within the first number of an integer. The sum of the others may differ
+/// from an integer by the second: rounding of pivots contributes 1e-3 each.
 inline constexpr double kPlainExponent = 0.02, kExponentsLeft = 0.2;
 /// Of the projection's factor for the smallest eigenvalue of J M^-1 J^T, which is usually below 1e-3: from 1/2 on rows
 /// are taken to depend but nearly.
@@ -190,8 +190,8 @@ inline constexpr double kInNullSpace = 1e-11;
 /// What is left of a null space's part, beside all, that no projection more takes out; and how many are made for it.
 inline constexpr double kProjected = 1e-11;
 inline constexpr int kProjections = 6;
-/// J^T times the projections of random vectors may stop falling here, by rounding: an eigenvector of J M^-1 J^T that the
-/// projection keeps leaves sqrt(delta), 1e-6.
+/// J^T times the projections of random vectors may stop falling here, by rounding: an eigenvector of J M^-1 J^T that
+/// the projection keeps leaves sqrt(delta), 1e-6.
 inline constexpr double kMostLeft = 1e-11;
 /// Proximal steps gain a factor of 1e3 and more each; near a singular posture less.
 inline constexpr int kProximalSteps = 30;
@@ -259,8 +259,8 @@ inline constexpr int kMixedSteps = 10;
 /// anything. The change is what the rounding of all terms makes with signs without pattern: two digits are left.
 inline constexpr double kWorthless = 1e-2;
 
-/// The largest term of a robot's rows, in its units: below, floats may have lost it to underflow, which begins at 1e-38.
-/// Used by: the same.
+/// The largest term of a robot's rows, in its units: below, floats may have lost it to underflow, which begins at
+/// 1e-38. Used by: the same.
 inline constexpr double kSmallestTerm = 1e-25;
 
 /// 1 + the trace of a rotation that an orientation is off by: floats know it to 1e-6, and below this, which is 0.01 rad
@@ -307,6 +307,29 @@ inline constexpr double kLeastLoad = 1e-3;
 /// Where a backward error is above kConverged, rows are compared with this part of the data they are computed from: two
 /// digits less are not accepted. Used by: backward_error_of_data.
 inline constexpr double kPartOfData = 1e-2;
+
+// ---- the precision `extended` ---------------------------------------------------------------------------------
+// Used by: dynamics/extended, which refines answers in double-double, whose own rounding is about 2^-104.
+
+/// Refinement has converged when the last correction of each robot's accelerations and each contact's forces is at most
+/// this part of them (an eighth of double's rounding), or this part of what acts, which bounds answers that vanish.
+inline constexpr double kExtendedConverged = 0x1p-56, kExtendedVanishing = 0x1p-80;
+/// A correction of more than kExtendedSlow times the one before ends refinement. Rounding in double-double stops it: it
+/// has converged if its corrections are at most these parts, which leave the last digits of double.
+inline constexpr double kExtendedSlow = 0.8;
+inline constexpr double kExtendedStopped = 0x1p-52, kExtendedStoppedVanishing = 0x1p-60;
+/// Least squares leave a part of the right-hand side that may be far larger than what the answer is computed from. All
+/// its digits count: the last change is at most this part of it, or of what acts, or this part where it stops.
+inline constexpr double kExtendedDigits = 0x1p-96, kExtendedDigitsVanishing = 0x1p-110,
+                        kExtendedDigitsStopped = 0x1p-85;
+/// Rows depend exactly if forces exist with J^T n of at most this part of its terms. Rounding of a state in double
+/// leaves 2^-53.
+inline constexpr double kExtendedDependent = 0x1p-75;
+/// Steps of refinement, enough up to a condition where each gains half a binary digit.
+inline constexpr int kExtendedSteps = 60;
+/// The share of double-double in an error bound of double: 2^-104 / 2^-53, and 32 for the constants of its sums and
+/// products. Used by: estimate_errors.
+inline constexpr double kExtendedShare = 0x1p-46;
 
 // ---- choosing -------------------------------------------------------------------------------------------------
 

@@ -329,18 +329,24 @@ bool MatrixSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
   return true;
 }
 
+void internal::solve_refined_once(MatrixSystem& m, double* x) {
+  const std::size_t n = static_cast<std::size_t>(m.owner.island.size());
+  std::vector<double> b(x, x + n), r(n), scale(n);
+  m.factor->solve(x);
+  sparse::residual(m.K.pattern->K, m.K.values.data(), x, b.data(), r.data(), scale.data());
+  m.factor->solve(r.data());
+  for (std::size_t k = 0; k < n; ++k) x[k] += r[k];
+}
+
+double internal::condition_of(MatrixSystem& m) {
+  const int n = m.owner.island.size();
+  std::vector<double> sums(n);
+  return sparse::norm_1(m.K.pattern->K, m.K.values.data(), sums.data()) *
+         inverse_norm(n, [&m](double* x) { solve_refined_once(m, x); });
+}
+
 bool MatrixSystem::estimate_condition(const Scene&, SceneData&, IslandReport& report) {
-  const int n = owner.island.size();
-  std::vector<double> sums(n), b(n), r(n), scale(n);
-  // refined once: beside masses of next to nothing a single solve leaves rounding of what cancels
-  const auto solve = [&](double* x) {
-    std::copy_n(x, n, b.data());
-    factor->solve(x);
-    sparse::residual(K.pattern->K, K.values.data(), x, b.data(), r.data(), scale.data());
-    factor->solve(r.data());
-    for (int k = 0; k < n; ++k) x[k] += r[k];
-  };
-  report.condition = sparse::norm_1(K.pattern->K, K.values.data(), sums.data()) * internal::inverse_norm(n, solve);
+  report.condition = internal::condition_of(*this);
   return true;
 }
 

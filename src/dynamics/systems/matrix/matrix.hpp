@@ -91,6 +91,10 @@ bool weighed_right_hand_sides(const Scene& scene, SceneData& data, MatrixSystem&
                               PanelWork& work);
 /// Bounds of the errors of a and f, and what they are beside (bounds.cpp).
 std::pair<Known, Known> known_answer(const Scene& scene, SceneData& data, MatrixSystem& system);
+/// x <- K^-1 x, refined once: next to masses of almost nothing a single solve leaves rounding of what cancels.
+void solve_refined_once(MatrixSystem& system, double* x);
+/// |K|_1 |K^-1|_1, estimated.
+double condition_of(MatrixSystem& system);
 /// The largest entry of |K^-1| w among rows first ... first+count-1 of the island's, those of f in newtons and newton
 /// metres, within a factor of three. w: a size per row of K, in order of elimination.
 double bound_of_solution(MatrixSystem& system, const std::vector<double>& w, int first, int count);
