@@ -93,7 +93,7 @@ struct CholmodSymbolic::Impl {
   std::vector<int> perm;             // row eliminated k-th; empty: k
   UpperCsc triangle;                 // of the permuted matrix, as CHOLMOD works on it (for LL' a lower one)
   std::vector<int> from;             // positions of its values in the pattern's slots; empty: the same
-  double nonzeros = 0, flops = 0;
+  double nonzeros = 0;
 
   explicit Impl(CholmodKind k) : kind(k) {}
   Impl(const Impl&) = delete;
@@ -129,7 +129,6 @@ CholmodSymbolic::CholmodSymbolic(const UpperCsc& pattern, CholmodKind kind, bool
   }
   s.analyze(s.triangle, false, s.supernodal());
   s.nonzeros = s.common.lnz;
-  s.flops = s.common.fl;
   if (!s.supernodal()) return;
   std::vector<int> upper;
   s.triangle = transposed(s.triangle, upper);
@@ -139,10 +138,8 @@ CholmodSymbolic::CholmodSymbolic(const UpperCsc& pattern, CholmodKind kind, bool
 }
 
 CholmodSymbolic::~CholmodSymbolic() = default;
-CholmodKind CholmodSymbolic::kind() const { return impl_->kind; }
 int CholmodSymbolic::size() const { return impl_->triangle.n; }
 int CholmodSymbolic::factor_nonzeros() const { return static_cast<int>(impl_->nonzeros); }
-double CholmodSymbolic::flops() const { return impl_->flops; }
 
 struct Cholmod::Impl {
   std::shared_ptr<const CholmodSymbolic> shared;
@@ -247,7 +244,7 @@ void Cholmod::pivots(double* D) const {
   for (std::size_t j = 0; j < L.n; ++j) D[j] = static_cast<const double*>(L.x)[p[j]];
 }
 
-double Cholmod::smallest_pivot_ratio(const double* Ax, double* scale) const {
+void Cholmod::pivot_terms(const double* Ax, double* terms) const {
   const CholmodSymbolic::Impl& s = impl_->symbolic;
   const UpperCsc& A = s.triangle;
   const cholmod_factor& L = *impl_->factor;
@@ -256,15 +253,12 @@ double Cholmod::smallest_pivot_ratio(const double* Ax, double* scale) const {
   const double* x = static_cast<const double*>(L.x);
   for (int k = 0; k < A.n; ++k) {
     const int diagonal = A.p[k + 1] - 1;
-    scale[k] = std::abs(Ax[s.from.empty() ? diagonal : s.from[diagonal]]);
+    terms[k] = std::abs(Ax[s.from.empty() ? diagonal : s.from[diagonal]]);
   }
-  double ratio = 1;
-  for (int j = 0; j < A.n; ++j) {  // column j is final once columns before it were added
+  for (int j = 0; j < A.n; ++j) {
     const double d = std::abs(x[p[j]]);
-    if (!(d >= ratio * scale[j])) ratio = d > 0 && std::isfinite(scale[j]) ? d / scale[j] : 0;
-    for (int k = p[j] + 1; k < p[j] + count[j]; ++k) scale[rows[k]] += x[k] * x[k] * d;
+    for (int k = p[j] + 1; k < p[j] + count[j]; ++k) terms[rows[k]] += x[k] * x[k] * d;
   }
-  return ratio;
 }
 
 void Cholmod::parts_left(double* left) const {
@@ -283,6 +277,5 @@ void Cholmod::parts_left(double* left) const {
 }
 const CholmodSymbolic& Cholmod::symbolic() const { return *impl_->shared; }
 int Cholmod::factor_nonzeros() const { return symbolic().factor_nonzeros(); }
-double Cholmod::flops() const { return symbolic().flops(); }
 
 }  // namespace manycontact::sparse

@@ -150,23 +150,13 @@ void ldl_solve_trailing_columns(const LdlSymbolic& s, const double* Lx, const do
   solve_trailing<kTrailingColumns>(s, Lx, D, first, X);
 }
 
-double smallest_pivot_ratio(const UpperCsc& A, const LdlSymbolic& s, const double* Ax, const double* Lx,
-                            const double* D, double* scale) {
-  for (int k = 0; k < s.n; ++k) scale[k] = std::abs(Ax[A.p[k + 1] - 1]);
+void pivot_terms(const UpperCsc& A, const LdlSymbolic& s, const double* Ax, const double* Lx, const double* D,
+                 double* terms) {
+  for (int k = 0; k < s.n; ++k) terms[k] = std::abs(Ax[A.p[k + 1] - 1]);
   for (int j = 0; j < s.n; ++j) {
     const double d = std::abs(D[j]);
-    for (int k = s.Lp[j]; k < s.Lp[j + 1]; ++k) scale[s.Li[k]] += Lx[k] * Lx[k] * d;
+    for (int k = s.Lp[j]; k < s.Lp[j + 1]; ++k) terms[s.Li[k]] += Lx[k] * Lx[k] * d;
   }
-  return smallest_pivot_ratio(s.n, D, scale);
-}
-
-double smallest_pivot_ratio(int n, const double* D, const double* scale) {
-  double ratio = 1;
-  for (int k = 0; k < n; ++k) {
-    const double d = std::abs(D[k]);
-    if (!(d >= ratio * scale[k])) ratio = d > 0 && std::isfinite(scale[k]) ? d / scale[k] : 0;
-  }
-  return ratio;
 }
 
 double ldl_rounding(const LdlSymbolic& s) {

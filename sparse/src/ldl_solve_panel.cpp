@@ -1,67 +1,29 @@
 #include "manycontact/sparse/ldl.hpp"
+#include "manycontact/sparse/ldl_kernels.hpp"
 
 namespace manycontact::sparse {
 
 namespace {
 
-// A register's doubles, and the widest chunk that leaves the machine's registers room. Vectors wider than a register
-// the compiler keeps in memory.
-#if defined(__AVX512F__)
-constexpr int kRegister = 8, kWide = 64;
-#elif defined(__AVX__)
-constexpr int kRegister = 4, kWide = 32;
-#else
-constexpr int kRegister = 2, kWide = 16;
-#endif
-
-// N doubles held in registers.
-template <int N>
-struct Chunk {
-  typedef double Vector __attribute__((vector_size(8 * kRegister), aligned(8), may_alias));
-  static constexpr int kVectors = N / kRegister;
-  Vector v[kVectors];
-
-  static Chunk load(const double* x) {
-    Chunk c;
-    for (int k = 0; k < kVectors; ++k) c.v[k] = *reinterpret_cast<const Vector*>(x + kRegister * k);
-    return c;
-  }
-  void store(double* x) const {
-    for (int k = 0; k < kVectors; ++k) *reinterpret_cast<Vector*>(x + kRegister * k) = v[k];
-  }
-  void subtract(double l, const double* x) {  // *this -= l x
-    for (int k = 0; k < kVectors; ++k) v[k] -= l * *reinterpret_cast<const Vector*>(x + kRegister * k);
-  }
-  void scale(double s) {
-    for (int k = 0; k < kVectors; ++k) v[k] *= s;
-  }
-};
-
-template <>
-struct Chunk<1> {
-  double v;
-  static Chunk load(const double* x) { return {*x}; }
-  void store(double* x) const { *x = v; }
-  void subtract(double l, const double* x) { v -= l * *x; }
-  void scale(double s) { v *= s; }
-};
+constexpr int kWide = 8 * kernel::kRegister;  // the widest chunk that leaves the machine's registers room
 
 // Row by row, so that a row stays in registers while the rows it depends on stream past.
 template <int N>
 void sweep(const LdlSymbolic& s, const double* Lx, const double* D, const int* row, double* X, int ld,
            const char* nonzero) {
+  using Chunk = kernel::Tile<double, N>;
   const auto at = [&](int k) { return X + static_cast<std::ptrdiff_t>(row[k]) * ld; };
   for (int k = 0; k < s.n; ++k) {  // X = L \ X
     if (!nonzero[k] || s.Rp[k] == s.Rp[k + 1]) continue;
-    Chunk<N> x = Chunk<N>::load(at(k));
+    Chunk x = Chunk::load(at(k));
     for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p)
-      if (nonzero[s.Rj[p]]) x.subtract(Lx[s.Rk[p]], at(s.Rj[p]));
+      if (nonzero[s.Rj[p]]) x.add(-Lx[s.Rk[p]], at(s.Rj[p]));
     x.store(at(k));
   }
   for (int k = s.n - 1; k >= 0; --k) {  // X = L^T \ (D \ X)
-    Chunk<N> x = Chunk<N>::load(at(k));
-    x.scale(1 / D[k]);
-    for (int p = s.Lp[k]; p < s.Lp[k + 1]; ++p) x.subtract(Lx[p], at(s.Li[p]));
+    Chunk x = Chunk::load(at(k));
+    x = x.times(1 / D[k]);
+    for (int p = s.Lp[k]; p < s.Lp[k + 1]; ++p) x.add(-Lx[p], at(s.Li[p]));
     x.store(at(k));
   }
 }

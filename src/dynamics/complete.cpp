@@ -14,7 +14,7 @@ void show_contacts(const Scene& scene, const SceneData& data) {
   for (const auto& island : w.islands) {
     MatrixSystem& m = island->matrix;
     if (m.state == w.state) continue;
-    internal::evaluate_at_solution(scene, data, *island);
+    internal::evaluate_at_state(scene, data, *island);
     internal::assemble(scene, data, island->choice.order, scene.damping, false, m);
     m.state = w.state;
   }
@@ -29,7 +29,7 @@ void complete(const Scene& scene, const SceneData& data) {
   internal::each_item(w, w.islands.size(), [&](std::size_t i, ThreadWork& thread) {
     IslandWork& d = *w.islands[i];
     if (d.answered_by(d.bodies.get()) && d.bodies->make_current(scene, data)) {
-      if (internal::joint_space_fits(d)) internal::evaluate_at_solution(scene, data, d);
+      if (internal::joint_space_fits(d)) internal::evaluate_at_state(scene, data, d);
     } else if (d.answered && d.matrix.make_current(scene, data, thread) && d.answered_by(&d.alone)) {
       d.answered = &d.matrix;  // from here on K differentiates it: lanes leave nothing to look at
     }

@@ -176,7 +176,7 @@ void release(IslandWork& d) {
   else if (d.robots)
     d.robots->derivatives.reset();
   d.matrix.rows.reset();
-  for (Factor* factor : {d.matrix.chosen.get(), d.matrix.safe_in_order.get(), d.matrix.safe.get(),
+  for (Factor* factor : {d.matrix.chosen.get(), d.matrix.dropping_in_order.get(), d.matrix.dropping.get(),
                          d.matrix.proximal.get(), d.matrix.dense.get()})
     if (factor) factor->release_panels();
 }

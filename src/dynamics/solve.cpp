@@ -59,7 +59,7 @@ void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, Dropp
     return true;
   };
   // The views of the terms show them even where the input is refused.
-  if (!d.bodies && dropped == Dropped::kNone) evaluate_at_solution(scene, data, d);
+  if (!d.bodies && dropped == Dropped::kNone) evaluate_at_state(scene, data, d);
   report.reason = check_input(scene, data.workspace->q, data.v, data.tau, d.island);
   if (report.reason == Reason::kNotFinite && lacks_direction(scene, *data.workspace, d.island))
     report.reason = Reason::kSpringWithoutDirection;

@@ -11,12 +11,6 @@ namespace manycontact {
 
 namespace {
 
-double largest(const std::vector<double>& x) {
-  double out = 0;
-  for (double entry : x) out = sparse::larger_or_nan(out, std::abs(entry));
-  return out;
-}
-
 // x of the answer at hand, in the order of elimination.
 std::vector<double> given_solution(const Scene& scene, const SceneData& data, const MatrixSystem& m) {
   const Island& island = m.owner.island;
@@ -65,6 +59,7 @@ SystemQuality quality_of(const Scene& scene, const SceneData& data, MatrixSystem
   sparse::residual(m.K.pattern->K, m.K.values.data(), x.data(), m.v.b.data(), r.data(), scale.data());
   if (m.deficient()) m.factor->project_out(r.data(), nullptr);  // least squares leave that
   const double norm = sparse::norm_1(m.K.pattern->K, m.K.values.data(), sums.data());
+  using sparse::largest;
   SystemQuality out;
   out.componentwise_backward_error = sparse::componentwise_backward_error(r, scale);
   out.normwise_backward_error = largest(r) == 0 ? 0 : largest(r) / (norm * largest(x) + largest(m.v.b));

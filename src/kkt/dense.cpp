@@ -181,18 +181,11 @@ void solve(const DenseKkt<S>& kkt, const MatX<S>& b1, const MatX<S>& b2, MatX<S>
   }
   solve_once<S>(kkt, b1, b2, a, f);
   // What least squares leaves of r2 is orthogonal to J's range and changes nothing.
-  MatX<S> r1, r2, da, df;
-  sparse::refine_unjudged(
-      1,
-      [&] {
-        r1 = b1 - kkt.M * a + kkt.J.transpose() * f;
-        r2 = b2 - kkt.J * a - kkt.delta * f;
-      },
-      [&] {
-        solve_once<S>(kkt, r1, r2, da, df);
-        a += da;
-        f += df;
-      });
+  const MatX<S> r1 = b1 - kkt.M * a + kkt.J.transpose() * f, r2 = b2 - kkt.J * a - kkt.delta * f;
+  MatX<S> da, df;
+  solve_once<S>(kkt, r1, r2, da, df);
+  a += da;
+  f += df;
 }
 
 template struct DenseKkt<InstantiatedScalar>;

@@ -49,6 +49,18 @@ TEST_F(Solve, TellsThePrecision) {
   EXPECT_EQ(dense.at("report").at("island_list").at(0).at("reason"), to_string(Reason::kLowPrecision));
 }
 
+TEST_F(Solve, QualityOnRequest) {
+  const std::string herd = kModels + std::string("herd.xml");
+  EXPECT_FALSE(solve({herd}).at("report").at("island_list").at(0).contains("quality"));
+  for (const json& island : solve({herd, "--quality"}).at("report").at("island_list")) {
+    const json& of = island.at("quality");
+    EXPECT_EQ(of.at("signature"), json({island.at("nv"), island.at("rank"), 0}));
+    EXPECT_GE(of.at("growth").get<double>(), 1);
+    EXPECT_LE(of.at("normwise_backward_error"), of.at("componentwise_backward_error"));
+  }
+  EXPECT_NE(run({"solve", herd, "--quality"}).out.find("Equations K x = b"), std::string::npos);
+}
+
 TEST_F(Solve, JsonHasTheSizesOfTheScene) {
   for (const std::string& path : model_scenes()) {
     SCOPED_TRACE(path);

@@ -12,6 +12,7 @@
 #include "manycontact/kkt/factor/refined.hpp"
 #include "support/allocations.hpp"
 #include "support/dense.hpp"
+#include "support/pivot_ratio.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -121,8 +122,8 @@ TEST_P(Patterns, LdlHasTheInertiaAndSolvesOrTheRatioTells) {
         std::vector<double> L(p.ldl.nonzeros()), D(p.size()), scale(p.size());
         const int done = sparse::ldl_factor(p.K, p.ldl, Kx, work, L.data(), D.data());
         const bool may_fail = order == Order::kContactsEarly && delta == 0;
-        const double ratio =
-            done < p.size() ? 0 : sparse::smallest_pivot_ratio(p.K, p.ldl, Kx, L.data(), D.data(), scale.data());
+        sparse::pivot_terms(p.K, p.ldl, Kx, L.data(), D.data(), scale.data());
+        const double ratio = done < p.size() ? 0 : smallest_pivot_ratio(p.size(), D.data(), scale.data());
         for (Method method : {Method::kSparseLdl, Method::kSuiteSparseLdl}) {
           SCOPED_TRACE(to_string(method) + " " + to_string(order));
           FactorScratch scratch;
@@ -137,7 +138,7 @@ TEST_P(Patterns, LdlHasTheInertiaAndSolvesOrTheRatioTells) {
           const MatrixXd K = n.K(delta);
           const VectorXd truth = random_vector(p.size(), rng), b = K * truth;
           for (int k = 0; k < p.size(); ++k) system.v.b[k] = b[p.perm[k]];
-          const sparse::Refinement refinement = solve_refined(*factor, system.K, system.v, 5);
+          const sparse::Refinement refinement = factor->solve_refined(system.K, system.v, 5);
           EXPECT_LE(refinement.backward_error, 1e-15);
           VectorXd x(p.size());
           for (int k = 0; k < p.size(); ++k) x[p.perm[k]] = system.v.x[k];
@@ -338,7 +339,7 @@ TEST_P(Patterns, AssembleAllocatesNothing) {
     const auto count = allocations([&] {
       assemble(n.M_spans, n.J_spans, 0, system.K);
       reason = factor->factorize(system.K, scratch);
-      (void)solve_refined(*factor, system.K, system.v, 3);
+      (void)factor->solve_refined(system.K, system.v, 3);
     });
     EXPECT_EQ(count, 0u);
     EXPECT_EQ(reason, Reason::kNone);

@@ -37,7 +37,9 @@ Case case_of(int number) {
 
 class Proximal : public testing::TestWithParam<int> {
  protected:
-  Proximal() : case_(case_of(GetParam())), numbers_(case_.pile, whole_scene(case_.pile.scene, active_flags(case_.pile.scene))) {
+  Proximal()
+      : case_(case_of(GetParam())),
+        numbers_(case_.pile, whole_scene(case_.pile.scene, active_flags(case_.pile.scene))) {
     K_.reset(numbers_.shape.pattern(Order::kLeafToRoot));
     take(numbers_.J);
   }
@@ -63,7 +65,8 @@ class Proximal : public testing::TestWithParam<int> {
   KktMatrix K_;
   FactorScratch scratch_;
 };
-INSTANTIATE_TEST_SUITE_P(Pile, Proximal, testing::Range(0, 5), [](const auto& info) { return case_of(info.param).name; });
+INSTANTIATE_TEST_SUITE_P(Pile, Proximal, testing::Range(0, 5),
+                         [](const auto& info) { return case_of(info.param).name; });
 
 TEST_P(Proximal, GivesTheOraclesAnswers) {
   const auto factor = make_proximal_factor(), oracle = make_dense_factor();
@@ -139,7 +142,7 @@ TEST_P(Proximal, AllocatesNothingAgain) {
   const auto solve_once = [&] {
     ASSERT_EQ(factor->factorize(K_, scratch_), Reason::kNone);
     std::copy(b.begin(), b.end(), v.b.begin());
-    (void)solve_refined(*factor, K_, v, 5);
+    (void)factor->solve_refined(K_, v, 5);
     factor->dependent_rows(dependent);
   };
   solve_once();

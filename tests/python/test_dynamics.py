@@ -49,6 +49,11 @@ def test_report(humanoid):
     assert report.residual_dynamics < 1e-12
     assert mc.estimate_condition(file.scene, data).condition > 1
     assert 0 < mc.estimate_errors(file.scene, data).error_acceleration
+    quality = mc.system_quality(file.scene, data)
+    assert len(quality) == len(report.islands) and quality == mc.system_quality(file.scene, data)
+    assert (quality[0].positive, quality[0].negative, quality[0].zero) == (38, 12, 0)
+    assert 0 < quality[0].normwise_backward_error <= quality[0].componentwise_backward_error < 1e-12
+    assert quality[0].growth >= 1 and 1 < quality[0].scaled_condition and 1 < quality[0].condition
     mc.differentiate(file.scene, data)
     bounds = mc.estimate_derivative_errors(file.scene, data)
     assert len(bounds) == len(data.report.islands)

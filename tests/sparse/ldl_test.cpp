@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-
 #include "sparse/symmetric.hpp"
 #include "spatial/compare.hpp"
 #include "support/allocations.hpp"
 #include "support/dense.hpp"
+#include "support/pivot_ratio.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -34,7 +34,8 @@ struct LdlFactor {
   int positive() const { return static_cast<int>((pivots().array() > 0).count()); }
   double pivot_ratio(const Symmetric& A) const {
     std::vector<double> scale(A.n(), NAN);
-    return sparse::smallest_pivot_ratio(A.pattern, symbolic, A.x.data(), L.data(), D.data(), scale.data());
+    sparse::pivot_terms(A.pattern, symbolic, A.x.data(), L.data(), D.data(), scale.data());
+    return smallest_pivot_ratio(A.n(), D.data(), scale.data());
   }
 };
 
@@ -213,7 +214,7 @@ TEST(Ldl, AllocatesNothingAfterTheFirstCall) {
     f.done = sparse::ldl_factor(A.pattern, f.symbolic, A.x.data(), f.work, f.L.data(), f.D.data());
     sparse::ldl_solve(f.symbolic, f.L.data(), f.D.data(), x.data());
     sparse::residual(A.pattern, A.x.data(), x.data(), b.data(), r.data(), scale.data());
-    sparse::smallest_pivot_ratio(A.pattern, f.symbolic, A.x.data(), f.L.data(), f.D.data(), scale.data());
+    sparse::pivot_terms(A.pattern, f.symbolic, A.x.data(), f.L.data(), f.D.data(), scale.data());
     sparse::norm_1(A.pattern, A.x.data(), scale.data());
   });
   EXPECT_EQ(count, 0u);

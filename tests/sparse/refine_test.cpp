@@ -78,13 +78,6 @@ TEST(Refine, NanStops) {
   EXPECT_EQ(infinite.run(5, 1e-15).steps, 1);
 }
 
-TEST(Refine, UnjudgedMakesAllStepsOfOneResidualEach) {
-  std::vector<char> calls;
-  sparse::refine_unjudged(
-      2, [&] { calls.push_back('r'); }, [&] { calls.push_back('c'); });
-  EXPECT_EQ(std::string(calls.begin(), calls.end()), "rcrc");
-}
-
 // x = b / a in quadruple precision by divisions that are off by a thousandth, on a panel of two numbers.
 TEST(Refine, ServesWiderScalars) {
   const Quad a = 3, b[2] = {Quad(1), Quad(1e-30)};

@@ -7,7 +7,9 @@ std::string why_changed(const Choice& choice, const IslandReport& report) {
   // the reason is no longer known if the solution was checked since
   const std::string reason = report.reason == Reason::kUncertain ? "" : " (" + to_string(report.reason) + ")";
   if (!report.dependent_rows.empty() && report.method == Method::kSparseLdl)
-    return "rows are dependent, so that sparse-ldl in leaf-to-root order solved without them";
+    return report.reason == Reason::kNone ? ""
+                                          : "rows are dependent: sparse-ldl in " + to_string(report.order) +
+                                                " order computed the forces of least norm";
   if (report.changed_order)
     return to_string(choice.order) + " order was not accurate" + reason + ", " + to_string(report.order) + " solved it";
   if (report.method != choice.method)

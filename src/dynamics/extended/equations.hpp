@@ -49,9 +49,9 @@ class Equations {
   // The part of forces that moves nothing, n of f = n + S^2 J y, J^T n = 0; or of the contacts' residual r = n + J y
   // what no accelerations answer, J^T S^2 n = 0.
   enum class Projected { kForces, kResidual };
-  /// rest = f of x, or r; y = 0. weights: S, per row of f.
+  /// rest = f of x, or r. weights: S, per row of f.
   virtual void begin_projection(const Part& part, Projected what, const double* weights) = 0;
-  /// y += dy. change: what that takes from the rest, in the units of the rest.
+  /// rest -= S^2 J dy, of forces, or J dy. change: what that subtracts, in the units of the rest.
   virtual void project(const Part& part, const double* dy, double* change) = 0;
   /// What a step dy is to satisfy as J dy, rounded: the rest, of forces in units of S^2.
   virtual void rest(const Part& part, double* f) const = 0;

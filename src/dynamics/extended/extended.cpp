@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "../internal.hpp"
+#include "manycontact/dynamics/views.hpp"
 #include "manycontact/rank/row_units.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/tolerances.hpp"
@@ -26,15 +27,6 @@ using tolerance::kExtendedConverged, tolerance::kExtendedVanishing, tolerance::k
 
 using OfIsland = ExtendedWork::OfIsland;
 
-// The islands of the answer, with contacts of the scene, and what solved them.
-const Island& island_at(const SceneData& data, std::size_t i) {
-  const Workspace& w = *data.workspace;
-  return w.reduction ? w.reduction->islands[i] : w.islands[i]->island;
-}
-std::size_t island_count_of(const SceneData& data) {
-  const Workspace& w = *data.workspace;
-  return w.reduction ? w.reduction->islands.size() : w.islands.size();
-}
 SceneData& solved_data(SceneData& data) { return data.workspace->reduction ? *data.workspace->reduction->data : data; }
 
 bool has_pairs(const SceneData& data, std::size_t i) {
@@ -54,7 +46,7 @@ void take_part(const SceneData& data, ExtendedWork& e) {
   e.contacts.clear();
   for (std::size_t i = 0; i < e.islands.size(); ++i) {
     if (!e.islands[i].open) continue;
-    const Island& island = island_at(data, i);
+    const Island& island = island_of(data, i);
     e.robots.insert(e.robots.end(), island.robots.begin(), island.robots.end());
     e.contacts.insert(e.contacts.end(), island.contacts.begin(), island.contacts.end());
   }
@@ -131,7 +123,7 @@ double change_of_parts(const Scene& scene, const SceneData& data, const Extended
 // Whether an island has converged or cannot, by the correction at hand, which is yet to be added.
 enum class Progress { kGoesOn, kConverged, kFailed };
 Progress judge(const Scene& scene, const SceneData& data, const ExtendedWork& e, std::size_t i, OfIsland& of) {
-  const Island& island = island_at(data, i);
+  const Island& island = island_of(data, i);
   const double da = largest(scene, island, e.r_a), df = largest_force(scene, data.f_offset, island, e.r);
   const double a = largest(scene, island, e.a), f = largest_force(scene, data.f_offset, island, e.f);
   if (!std::isfinite(da) || !std::isfinite(df)) return Progress::kFailed;
@@ -221,7 +213,7 @@ void refuse_unless_dependent(const Scene& scene, SceneData& data, ExtendedWork& 
   repeat(
       data, e,
       [&](std::size_t i, OfIsland& of, int step) {
-        const Island& island = island_at(data, i);
+        const Island& island = island_of(data, i);
         const double left = e.equations->torque_of_rest({island.robots, island.contacts}, e.r_a.data());
         if (left <= tolerance::kExtendedDependent) return Progress::kConverged;
         if (!std::isfinite(left) || (step > 1 && left >= kExtendedSlow * of.before)) return Progress::kFailed;
@@ -245,7 +237,7 @@ void project(const Scene& scene, SceneData& data, extended::Equations::Projected
   repeat(
       data, e,
       [&](std::size_t i, OfIsland& of, int step) {
-        const double change = largest_force(scene, data.f_offset, island_at(data, i), e.rest);
+        const double change = largest_force(scene, data.f_offset, island_of(data, i), e.rest);
         if (step == 0) of.rest = change;
         const double digits =
             forces ? std::max(kExtendedConverged * of.rest, kExtendedVanishing * of.at_rest_f)
@@ -287,9 +279,8 @@ void take_dependence(const Scene& scene, SceneData& data, ExtendedWork& e) {
 }
 
 void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
-  const Workspace& w = *data.workspace;
-  const Workspace& solver = w.reduction ? *w.reduction->data->workspace : w;
-  e.islands.assign(island_count_of(data), {});
+  const Workspace& solver = solver_of(data);
+  e.islands.assign(island_count(data), {});
   for (std::size_t i = 0; i < e.islands.size(); ++i) {
     const IslandReport& report = data.report.islands[i];
     OfIsland& of = e.islands[i];
@@ -300,7 +291,7 @@ void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
       of.status = report.rank < report.nc ? Status::kRedundant : Status::kOk;
       of.reason = Reason::kNone;
     }
-    const Island& island = island_at(data, i);
+    const Island& island = island_of(data, i);
     of.projects = scene.damping == 0 && (report.rank < report.nc || has_pairs(data, i));
     of.size_a = largest(scene, island, data.a);
     of.size_f = largest_force(scene, data.f_offset, island, data.f);
@@ -348,7 +339,7 @@ void take_answers(const Scene& scene, SceneData& data, ExtendedWork& e) {
       if (report.status < Status::kRegularised) report.reason = Reason::kLowPrecision;
       continue;
     }
-    const Island& island = island_at(data, i);
+    const Island& island = island_of(data, i);
     each_velocity_block(scene, island, [&](int at, int, int n) { data.a.segment(at, n) = e.a.segment(at, n); });
     each_force_block(scene, data.f_offset, island,
                      [&](int at, int, int n) { data.f.segment(at, n) = e.f.segment(at, n); });
@@ -403,7 +394,7 @@ void take_extended_bounds(const Scene& scene, SceneData& data) {
     const OfIsland& of = e.islands[i];
     if (!of.refined) continue;
     IslandReport& report = data.report.islands[i];
-    const Island& island = island_at(data, i);
+    const Island& island = island_of(data, i);
     const Distance a{largest(scene, island, data.a), of.size_a, report.error_acceleration,
                      largest(scene, island, e.r_a),  of.last_a, of.at_rest_a};
     const Distance f{largest_force(scene, data.f_offset, island, data.f), of.size_f, report.error_forces,

@@ -25,7 +25,6 @@ struct Reduction {
     std::vector<char> constant_rows;  // per contact of the scene
     bool damped = false;
     double moment_length = 1;
-    bool operator==(const Terms&) const = default;
   };
 
   struct Set {        // of active contacts between two bodies, once met
@@ -37,14 +36,14 @@ struct Reduction {
   Terms terms;
   std::vector<std::vector<int>> groups;  // contacts of the scene between the same two bodies, with constant rows
   std::vector<std::map<std::vector<char>, Set>> sets;  // per group, by which of its contacts are active
-  std::vector<std::shared_ptr<PairRows>> pairs;  // of contacts behind those of the scene
-  std::unique_ptr<SceneData> data;               // of `scene`
-  std::unique_ptr<SceneData> plain;   // of the scene without pairs, for derivatives of damped contacts that slide
-  std::vector<Island> islands;        // with the contacts of the scene, one per island of `data`
-  Eigen::VectorXd prescribed;  // rows of `data`
-  Eigen::VectorXd df;                 // scratch of products: rows of `data`
-  std::vector<char> set;              // scratch
-  bool plain_is_current = false;      // of the answer at hand
+  std::vector<std::shared_ptr<PairRows>> pairs;        // of contacts behind those of the scene
+  std::unique_ptr<SceneData> data;                     // of `scene`
+  std::unique_ptr<SceneData> plain;  // of the scene without pairs, for derivatives of damped contacts that slide
+  std::vector<Island> islands;       // with the contacts of the scene, one per island of `data`
+  Eigen::VectorXd prescribed;        // rows of `data`
+  Eigen::VectorXd df;                // scratch of products: rows of `data`
+  std::vector<char> set;             // scratch
+  bool plain_is_current = false;     // of the answer at hand
 
   int first_pair() const { return static_cast<int>(scene.contacts.size() - pairs.size()); }
   /// The rows of a contact of `scene`; nullptr where it is no pair.

@@ -79,7 +79,8 @@ struct AdjointProduct {
 enum class Dropped {
   kAsBefore,  // those that depended at the solve before, where some did; it only saves time to try them first
   kNone,
-  kAsFound,  // those that the factor of the whole K has just found
+  kAsFound,  // those that the factor of the whole K has just found: SIMD batches solve their islands again, so that
+             // the answer is the same whether they were known before or not
 };
 
 /// Every function returns false where the system has no sound answer to that: then what it was to write is not known.

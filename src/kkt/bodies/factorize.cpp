@@ -6,7 +6,6 @@
 #include "manycontact/kkt/bodies/ldl.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "pairs.hpp"
-#include "sweep.hpp"
 
 namespace manycontact {
 

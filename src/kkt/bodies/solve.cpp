@@ -1,6 +1,5 @@
 #include "manycontact/kkt/bodies/ldl.hpp"
 #include "pairs.hpp"
-#include "sweep.hpp"
 
 namespace manycontact {
 

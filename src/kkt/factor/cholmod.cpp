@@ -23,7 +23,7 @@ class CholmodFactor final : public Factor {
     scratch.scale.resize(std::max<std::size_t>(scratch.scale.size(), K.size()));
     if (!cholmod_->factorize(K.values.data())) return Reason::kZeroPivot;
     cholmod_->pivots(D_.data());
-    (void)cholmod_->smallest_pivot_ratio(K.values.data(), scratch.scale.data());
+    cholmod_->pivot_terms(K.values.data(), scratch.scale.data());
     growth_ = internal::growth_of(K, scratch.scale.data());
     return internal::judge_pivots(K, nullptr, D_.data(), scratch);
   }

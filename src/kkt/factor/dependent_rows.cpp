@@ -138,18 +138,10 @@ class DependentRowsFactor final : public Factor {
   // without them.
   void factorize_kept(const KktMatrix& K, FactorScratch& scratch) {
     constexpr double kDamping = tolerance::kDroppedDamping, kInfinite = std::numeric_limits<double>::infinity();
-    std::vector<double>& scale = scratch.scale;
     std::copy(K.values.begin(), K.values.end(), penalised_.begin());
     for (int k : dependence_.dropped) penalised_[ldl_.pattern->K.p[k + 1] - 1] = -kDamping;
-    if (ldl_.schedule) {
-      sparse::panel_kernels().factor(*ldl_.schedule, penalised_.data(), ldl_.L.data(), ldl_.D.data(), scale.data());
-    } else {  // what fails leaves pivots that are not finite
-      (void)sparse::ldl_factor(ldl_.pattern->K, ldl_.pattern->ldl, penalised_.data(), scratch.ldl, ldl_.L.data(),
-                               ldl_.D.data());
-      (void)sparse::smallest_pivot_ratio(ldl_.pattern->K, ldl_.pattern->ldl, penalised_.data(), ldl_.L.data(),
-                                         ldl_.D.data(), scale.data());
-    }
-    for (int k : dependence_.dropped) ldl_.D[k] = kInfinite, scale[k] = 0;
+    (void)ldl_.factor(penalised_.data(), scratch);  // what fails leaves pivots that are not finite
+    for (int k : dependence_.dropped) ldl_.D[k] = kInfinite, scratch.scale[k] = 0;
   }
 
   // The rows dropped last once more, by the compiled schedule. False where `drop` would drop others.

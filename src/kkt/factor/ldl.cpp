@@ -17,18 +17,8 @@ class LdlFactor final : public Factor {
 
   Reason factorize(const KktMatrix& K, FactorScratch& scratch) override {
     if (ldl_.pattern != K.pattern) ldl_.take(K.pattern, method_ == Method::kSparseLdl);
-    if (scratch.scale.size() < ldl_.D.size()) scratch.scale.resize(ldl_.D.size());
-    const double* Kx = K.values.data();
-    double* scale = scratch.scale.data();
-    if (ldl_.schedule) {
-      sparse::panel_kernels().factor(*ldl_.schedule, Kx, ldl_.L.data(), ldl_.D.data(), scale);
-    } else {
-      if (sparse::ldl_factor(ldl_.pattern->K, ldl_.pattern->ldl, Kx, scratch.ldl, ldl_.L.data(), ldl_.D.data()) !=
-          K.size())
-        return Reason::kZeroPivot;
-      (void)sparse::smallest_pivot_ratio(ldl_.pattern->K, ldl_.pattern->ldl, Kx, ldl_.L.data(), ldl_.D.data(), scale);
-    }
-    growth_ = internal::growth_of(K, scale);
+    if (!ldl_.factor(K.values.data(), scratch)) return Reason::kZeroPivot;
+    growth_ = internal::growth_of(K, scratch.scale.data());
     const Reason reason = internal::judge_pivots(K, ldl_.L.data(), ldl_.D.data(), scratch);
     // Growth beyond all numbers: no residual of a solve vouches for other right-hand sides.
     return reason == Reason::kNone && !std::isfinite(growth_) ? Reason::kSmallPivot : reason;

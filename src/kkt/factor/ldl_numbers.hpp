@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "manycontact/kkt/factor/factor.hpp"
 #include "manycontact/kkt/pattern.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 
@@ -21,6 +22,19 @@ struct LdlNumbers {
     D.resize(p->size());
     schedule = compiled && compiled->compiled ? compiled : nullptr;
     pattern = p;
+  }
+
+  /// L and D of A with values Ax, and the terms of the pivots in scratch.scale. False: a pivot is zero.
+  bool factor(const double* Ax, FactorScratch& scratch) {
+    if (scratch.scale.size() < D.size()) scratch.scale.resize(D.size());
+    if (schedule) {
+      sparse::panel_kernels().factor(*schedule, Ax, L.data(), D.data(), scratch.scale.data());
+      return true;
+    }
+    const bool complete =
+        sparse::ldl_factor(pattern->K, pattern->ldl, Ax, scratch.ldl, L.data(), D.data()) == pattern->size();
+    sparse::pivot_terms(pattern->K, pattern->ldl, Ax, L.data(), D.data(), scratch.scale.data());
+    return complete;
   }
 
   void solve(double* x) const {

@@ -42,11 +42,7 @@ constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr int kProbes = sparse::kTrailingColumns;  // as fast as a few vectors
 constexpr int kChunk = 64;                         // columns of a panel at a time
 
-double largest(std::span<const double> x) {
-  double out = 0;
-  for (double entry : x) out = sparse::larger_or_nan(out, std::abs(entry));
-  return out;
-}
+using sparse::largest;
 
 class ProximalFactor final : public Factor {
  public:
@@ -55,7 +51,6 @@ class ProximalFactor final : public Factor {
   Reason factorize(const KktMatrix& K, FactorScratch& scratch) override {
     if (ldl_.pattern != K.pattern) take(K.pattern);
     K_ = &K;
-    if (scratch.scale.size() < ldl_.D.size()) scratch.scale.resize(ldl_.D.size());
     const double S = largest_of_S();
     if (!(S > 0) || !std::isfinite(S)) return Reason::kSingularInertia;
     delta_ = tolerance::kProximal * S;
@@ -82,7 +77,7 @@ class ProximalFactor final : public Factor {
   sparse::Refinement solve_refined(const KktMatrix& K, KktVectors& v, int max_steps) override;
   void solve_panel(double* X, int ld, int first, int cols, char* nonzero) override;
 
-  int own_refinements() const override { return 2; }
+  int own_refinements() const override { return 2; }  // of solve and solve_panel; solve_refined has proximal steps
   double growth() const override { return growth_; }
   int rank() const override { return ldl_.pattern->nc - static_cast<int>(dropped_.size()); }
   void dependent_rows(std::vector<int>& rows) const override { rows.assign(dropped_.begin(), dropped_.end()); }
@@ -135,18 +130,9 @@ class ProximalFactor final : public Factor {
   }
 
   bool factorize_damped(double delta, FactorScratch& scratch) {
-    const KktPattern& p = *ldl_.pattern;
     std::copy(K_->values.begin(), K_->values.end(), damped_.begin());
-    for (int slot : p.diagonal_slot) damped_[slot] = -delta;
-    if (ldl_.schedule) {
-      sparse::panel_kernels().factor(*ldl_.schedule, damped_.data(), ldl_.L.data(), ldl_.D.data(),
-                                     scratch.scale.data());
-      return true;
-    }
-    if (sparse::ldl_factor(p.K, p.ldl, damped_.data(), scratch.ldl, ldl_.L.data(), ldl_.D.data()) != p.size())
-      return false;
-    (void)sparse::smallest_pivot_ratio(p.K, p.ldl, damped_.data(), ldl_.L.data(), ldl_.D.data(), scratch.scale.data());
-    return true;
+    for (int slot : ldl_.pattern->diagonal_slot) damped_[slot] = -delta;
+    return ldl_.factor(damped_.data(), scratch);
   }
 
   // M's pivots as of any factor; those of J's rows have their sign.

@@ -26,11 +26,7 @@ void restore(const KktPattern& p, KktVectors& v) {
 // rounding of b1: rows that were dropped all but depend on the others. v.x, v.r and v.scale are scratch here: the
 // answer is computed afterwards.
 void refine_contradiction(Factor& factor, const KktMatrix& K, KktVectors& v) {
-  const auto largest = [](const std::vector<double>& x) {
-    double out = 0;
-    for (double entry : x) out = sparse::larger_or_nan(out, std::abs(entry));
-    return out;
-  };
+  using sparse::largest;
   const double missed = largest(v.null_component), size = std::max(largest(v.b), missed);
   if (!(missed > tolerance::kDriftRounding * size)) return;
   std::fill(v.x.begin(), v.x.end(), 0.0);
@@ -45,21 +41,21 @@ void refine_contradiction(Factor& factor, const KktMatrix& K, KktVectors& v) {
   }
 }
 
-}  // namespace
-
-void internal::take_out_contradiction(Factor& factor, const KktMatrix& K, KktVectors& v) {
+void take_out_contradiction(Factor& factor, const KktMatrix& K, KktVectors& v) {
   if (factor.rank() == K.nc()) return;
   std::fill(v.null_component.begin(), v.null_component.end(), 0.0);
   factor.project_out(v.b.data(), v.null_component.data());
   refine_contradiction(factor, K, v);
 }
 
+}  // namespace
+
 void internal::put_back_contradiction(const Factor& factor, const KktMatrix& K, KktVectors& v) {
   if (factor.rank() < K.nc()) restore(*K.pattern, v);
 }
 
 sparse::Refinement Factor::solve_refined(const KktMatrix& K, KktVectors& v, int max_steps) {
-  internal::take_out_contradiction(*this, K, v);
+  take_out_contradiction(*this, K, v);
   v.x = v.b;
   solve(v.x.data());
   const sparse::Refinement refinement = sparse::refine(

@@ -38,11 +38,9 @@ class CholmodSymbolic {
   CholmodSymbolic(const CholmodSymbolic&) = delete;
   CholmodSymbolic& operator=(const CholmodSymbolic&) = delete;
 
-  CholmodKind kind() const;
   int size() const;
-  /// Non-zeros of the factor, diagonal included, and operations of the numeric phase.
+  /// Non-zeros of the factor, diagonal included.
   int factor_nonzeros() const;
-  double flops() const;
 
  private:
   friend class Cholmod;
@@ -67,14 +65,13 @@ class Cholmod {
   void solve(double* X, int cols);
   /// After kSimplicialLdl: copies the n pivots to D, in the order of elimination.
   void pivots(double* D) const;
-  /// After kSimplicialLdl: as smallest_pivot_ratio in ldl.hpp. scale: n, scratch.
-  double smallest_pivot_ratio(const double* Ax, double* scale) const;
+  /// After kSimplicialLdl: as pivot_terms in ldl.hpp (n).
+  void pivot_terms(const double* Ax, double* terms) const;
   /// After kSupernodalLlt: what part of its diagonal entry each of the n pivots is, in the order of elimination.
   void parts_left(double* left) const;
   const CholmodSymbolic& symbolic() const;
   /// As CholmodSymbolic's.
   int factor_nonzeros() const;
-  double flops() const;
 
  private:
   struct Impl;

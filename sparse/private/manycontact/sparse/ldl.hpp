@@ -1,6 +1,6 @@
 #pragma once
 // A = L D L^T of a symmetric matrix in the order given, by SuiteSparse's LDL. No pivoting: whether the pivots were
-// sound is for the caller to judge from D (its signs are A's inertia) and from smallest_pivot_ratio. Source: Davis,
+// sound is for the caller to judge from D (its signs are A's inertia) and from pivot_terms. Source: Davis,
 // Algorithm 849: a concise sparse Cholesky factorization package (2005).
 
 #include <vector>
@@ -61,12 +61,9 @@ void ldl_solve_trailing_columns(const LdlSymbolic& symbolic, const double* Lx, c
 void ldl_solve_panel(const LdlSymbolic& symbolic, const double* Lx, const double* D, const int* row, double* X, int ld,
                      int first, int cols, char* nonzero);
 
-/// min over k of |D_k| / (|A_kk| + sum_j L_kj^2 |D_j|): how much of a pivot is left after cancellation. Near eps, the
-/// pivot is noise. scale: n, scratch.
-double smallest_pivot_ratio(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, const double* Lx,
-                            const double* D, double* scale);
-/// The same of pivots and their terms; 0 where one is not finite.
-double smallest_pivot_ratio(int n, const double* D, const double* scale);
+/// The terms of the pivots, terms_k = |A_kk| + sum_j L_kj^2 |D_j| (n): a pivot of eps times its terms is noise.
+void pivot_terms(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, const double* Lx, const double* D,
+                 double* terms);
 
 /// c such that whatever is solved for with a computed factor solves (A + dA) x = b, |dA| <= c |L||D||L^T|: so the
 /// backward error of every column of a panel is bounded beforehand. Each entry of L D L^T and each row of the two

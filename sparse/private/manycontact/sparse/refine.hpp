@@ -32,15 +32,6 @@ Refinement refine(int max_steps, double small, Residual&& residual, Correct&& co
   return out;
 }
 
-/// A given number of corrections that nobody judges, one residual each: residual() may return anything.
-template <class Residual, class Correct>
-void refine_unjudged(int steps, Residual&& residual, Correct&& correct) {
-  for (int step = 0; step < steps; ++step) {
-    residual();
-    correct();
-  }
-}
-
 /// Componentwise backward error max |r_k| / scale_k of r = b - A x, scale = |b| + |A| |x|. Rows whose scale is below
 /// eps times the largest count as if it were eps times the largest. NaN when r or scale is not finite. largest: of the
 /// system's rows that are not among these.

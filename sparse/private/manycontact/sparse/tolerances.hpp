@@ -269,7 +269,7 @@ inline constexpr double kHalfTurn = 1e-4;
 
 // ---- judging answers ------------------------------------------------------------------------------------------
 
-/// Contacts contradict each other (design's definition): |J a + a0| > 1e-8 (| |J| |a| | + |a0|), maximum norms ...
+/// Contacts contradict each other (mathematics.md): |J a + a0| > 1e-8 (| |J| |a| | + |a0|), maximum norms ...
 /// Used by: `inconsistent`, in all methods.
 inline constexpr double kContradiction = 1e-8;
 /// ... unless of every row it is rounding of the largest term that its a0 is computed from (contact_drift, [m/s^2] or

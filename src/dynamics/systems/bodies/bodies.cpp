@@ -278,7 +278,7 @@ bool BodiesSystem::make_current(const Scene& scene, const SceneData& data) {
 
 bool BodiesSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork&, IslandDerivatives& out) {
   if (!make_current(scene, data)) return false;
-  internal::evaluate_at_solution(scene, data, owner);
+  internal::evaluate_at_state(scene, data, owner);
   const AtSolution at(scene, data, owner.island);
   internal::right_hand_sides(scene, data, owner, out);
   if (out.cols > 0) factor.solve_panel(out.X.data(), static_cast<int>(out.X.cols()));

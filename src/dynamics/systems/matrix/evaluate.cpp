@@ -70,7 +70,7 @@ void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Wo
   for (int c : island.contacts) evaluate_contact(scene, w, c);
 }
 
-void evaluate_at_solution(const Scene& scene, const SceneData& data, IslandWork& d) {
+void evaluate_at_state(const Scene& scene, const SceneData& data, IslandWork& d) {
   Workspace& w = *data.workspace;
   if (is_evaluated(w, d.island.robots.front())) return;
   make_joint_space(scene, w, d);
@@ -78,7 +78,7 @@ void evaluate_at_solution(const Scene& scene, const SceneData& data, IslandWork&
   d.matrix.tolerated = scene.tolerance > 0 && d.island.nc > 0 ? d.matrix.within.make_dependent(scene, w, d) : 0;
 }
 
-void place_at_solution(const Scene& scene, const SceneData& data, const Island& island) {
+void place_at_state(const Scene& scene, const SceneData& data, const Island& island) {
   Workspace& w = *data.workspace;
   for (int r : island.robots) {
     RobotData& of = w.robots[r];

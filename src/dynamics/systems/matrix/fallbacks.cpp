@@ -23,7 +23,7 @@ Factor& factor_of(MatrixSystem& m, FactorKind kind, Order order) {
     return *factor;
   };
   if (kind == FactorKind::kDependentRows)
-    return made(order == Order::kLeafToRoot ? m.safe : m.safe_in_order, make_dependent_rows_factor);
+    return made(order == Order::kLeafToRoot ? m.dropping : m.dropping_in_order, make_dependent_rows_factor);
   if (kind == FactorKind::kProximal) return made(m.proximal, make_proximal_factor);
   if (kind == FactorKind::kDense) return made(m.dense, make_dense_factor);
   return made(m.chosen, [&m] { return make_factor(m.owner.choice.method, m.owner.shape); });
@@ -84,11 +84,11 @@ rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace
   return of;
 }
 
-// The backward error where rows are judged beside what they are computed from as well, however small the products are
-// that this enters: entries of M are rounded beside sqrt(M_jj M_kk), of J beside row_size, and two digits less are not
-// believed. At rest, or falling, whole rows are such rounding. (Not where rows were dropped: those kept are judged
-// strictly, since what rounding is may be what they were told apart by. The proximal factor drops none. It leaves
-// rounding of the largest acceleration in all rows: of what terms of M's rows accelerate, or J's rows ask for.)
+// The backward error relative to the data: each row is compared with the terms from which its entries of M, J and b
+// were computed. Entries of M are rounded relative to sqrt(M_jj M_kk), those of J relative to row_size; two digits less
+// are not accepted. It is used where the ordinary error is too large, since rows of a scene at rest or in free fall
+// consist of rounding. Factors that dropped rows are excluded, because such rounding decided which rows were dropped.
+// The proximal factor drops none: it leaves rounding of the largest acceleration in all rows.
 double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const std::vector<double>& row_size,
                               std::vector<double>& forces) {
   const KktPattern& p = *m.K.pattern;
@@ -152,9 +152,9 @@ Reason factorize_and_solve(const Scene& scene, const SceneData& data, FactorScra
   ++m.owner.factorizations;
   if (const Reason reason = factor.factorize(m.K, scratch); reason != Reason::kNone) return reason;
   const int own = factor.own_refinements();
-  sparse::Refinement refinement = solve_refined(factor, m.K, m.v, own > 0 ? 0 : tolerance::kRefinementSteps);
+  sparse::Refinement refinement = factor.solve_refined(m.K, m.v, own > 0 ? 0 : tolerance::kRefinementSteps);
   report.factor_nonzeros = factor.nonzeros();
-  report.refinement_steps = own + refinement.steps;
+  report.refinement_steps = refinement.steps + (by.kind == FactorKind::kProximal ? 0 : own);
   if (!all_finite(m.v.x))
     return all_finite(m.K.values) && all_finite(m.v.b) ? Reason::kLargeResidual : Reason::kNotFinite;
   // the oracle's answer is the best there is

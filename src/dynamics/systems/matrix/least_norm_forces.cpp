@@ -54,7 +54,7 @@ const Eigen::VectorXd& any_motion(const Scene& scene, const SceneData& data, Mat
     v.x = v.b;
     m.factor->particular_solution(v.x.data());
   } else {
-    solve_refined(*m.factor, m.K, v, tolerance::kRefinementSteps);
+    m.factor->solve_refined(m.K, v, tolerance::kRefinementSteps);
   }
   remake(w.y, island.nv);
   for (int k = 0; k < island.nv; ++k) w.y[k] = v.x[iperm[k]];

@@ -68,7 +68,7 @@ bool solve_at_state(const Scene& scene, const SceneData& data, ThreadWork& threa
                     IslandReport& report) {
   m.factor = nullptr;
   if (!internal::joint_space_fits(m.owner)) return false;
-  internal::evaluate_at_solution(scene, data, m.owner);
+  internal::evaluate_at_state(scene, data, m.owner);
   return solve_with_kept_rows(scene, data, m, report,
                               [&] { return internal::solve_by_fallbacks(scene, data, thread.scratch, m, report); });
 }
@@ -104,7 +104,7 @@ void take_judged_answer(const Scene& scene, SceneData& data, ThreadWork& thread,
 // By the factors that drop rows, which most states need where the one before did.
 bool solve_dependent(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& m,
                      IslandReport& report) {
-  internal::evaluate_at_solution(scene, data, m.owner);
+  internal::evaluate_at_state(scene, data, m.owner);
   return solve_with_kept_rows(scene, data, m, report, [&] {
     return internal::solve_by_dependent_rows(scene, data, thread.scratch, m, report);
   });
@@ -125,14 +125,14 @@ bool MatrixSystem::solve(const Scene& scene, SceneData& data, ThreadWork& thread
 
 bool MatrixSystem::make_current(const Scene& scene, const SceneData& data, ThreadWork& thread) {
   if (state == data.workspace->state) {
-    if (factor) internal::evaluate_at_solution(scene, data, owner);  // sparse-bodies, asked since then, overwrote J
+    if (factor) internal::evaluate_at_state(scene, data, owner);  // sparse-bodies, asked since then, overwrote J
     return factor;
   }
   if ((owner.answered_by(&owner.alone) && owner.alone.by == owner.alone.dependent) ||
       (owner.answered_by(owner.robots.get()) && owner.robots->drops) ||
       (owner.answered_by(owner.bodies.get()) && owner.bodies->drops &&
        internal::joint_space_fits(owner))) {  // rows that K has to drop, too
-    internal::evaluate_at_solution(scene, data, owner);
+    internal::evaluate_at_state(scene, data, owner);
     if (internal::solve_by_dependent_rows(scene, data, thread.scratch, *this, thread.spare_report)) return true;
   }
   return solve_at_state(scene, data, thread, *this, thread.spare_report);

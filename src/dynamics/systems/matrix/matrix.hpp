@@ -53,7 +53,9 @@ class MatrixSystem final : public IslandSystem {
   bool deficient() const;
   /// Whether that is why a factor which drops such rows answered.
   bool dropped_rows() const;
-  bool by_dependent_rows() const { return deficient() && (factor == safe.get() || factor == safe_in_order.get()); }
+  bool by_dependent_rows() const {
+    return deficient() && (factor == dropping.get() || factor == dropping_in_order.get());
+  }
   /// The same, or by the proximal factor, which no robot in lanes can follow.
   bool found_dependent() const { return by_dependent_rows() || (deficient() && factor == proximal.get()); }
 
@@ -64,9 +66,9 @@ class MatrixSystem final : public IslandSystem {
   KktVectors v;                   // x: the answer
   std::vector<double> row_terms;  // nc, scratch of the factorization
   std::vector<double> unit;       // nc, or empty where all are 1: S of row_units.hpp, of K and v
-  // Made when first needed: the choice's, and those it falls back to, without dependent rows in the chosen order and
-  // leaf-to-root, and dense.
-  std::unique_ptr<Factor> chosen, safe_in_order, safe, proximal, dense;
+  // Made when first needed, one per attempt (Attempts below): the chosen method's, those that drop dependent rows in
+  // the chosen order and leaf-to-root, the proximal factor, and the dense one.
+  std::unique_ptr<Factor> chosen, dropping_in_order, dropping, proximal, dense;
   Factor* factor = nullptr;    // the one that answered; nullptr: none did
   double first_error = 0;      // backward error before refinement
   bool contradiction = false;  // the contacts contradict each other: least squares
@@ -124,11 +126,11 @@ bool is_evaluated(const Workspace& work, int robot);
 void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
 /// Kinematics, bias, inertia and contact rows of an island's robots, which have memory for that.
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);
-/// The same at the solution at hand, unless they are there already; with memory, so that the island may be one of
+/// The same at the current state (q, v), unless they are there already; with memory, so that the island may be one of
 /// sparse-bodies'.
-void evaluate_at_solution(const Scene& scene, const SceneData& data, IslandWork& d);
+void evaluate_at_state(const Scene& scene, const SceneData& data, IslandWork& d);
 /// Of these, the bodies' placements alone: what products with derivatives take of them, beside the rows at the answer.
-void place_at_solution(const Scene& scene, const SceneData& data, const Island& island);
+void place_at_state(const Scene& scene, const SceneData& data, const Island& island);
 /// Whether joint-space terms may be made: of an island of sparse-bodies only up to kMostJointSpace numbers.
 bool joint_space_fits(const IslandWork& d);
 /// Throws std::length_error, in the name of `function`, where they may not. instead: what to ask for.
@@ -141,10 +143,11 @@ void assemble(const Scene& scene, const SceneData& data, Order order, double dam
 /// False where there is none. After evaluate.
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
                         IslandReport& report);
-/// A way to factorize K. The list of an island, from the chosen way down: its order, dropping rows that depend on
-/// others, where leaf-to-root is far more work; the same method in leaf-to-root order, which is sound unless rows
-/// depend on each other (CHOLMOD only where damping makes them independent: it allocates); that order dropping rows;
-/// the dense solver.
+/// A way to factorize K. The attempts of an island, in order: the chosen method and order; LDL that drops dependent
+/// rows in the chosen order, if that costs less than half of leaf-to-root; the chosen method in leaf-to-root order,
+/// which is sound unless rows depend on each other (CHOLMOD only with damping, since it allocates); LDL that drops
+/// dependent rows in leaf-to-root order; the dense reference solver. In large islands with many loops the proximal
+/// factor takes the place of the two that drop rows.
 enum class FactorKind { kChosen, kDependentRows, kProximal, kDense };
 struct Attempt {
   FactorKind kind;
@@ -157,7 +160,7 @@ struct Attempts {
   void add(const Attempt& attempt) { list[count++] = attempt; }
 };
 Attempts attempts_of(const MatrixSystem& system, double damping);
-/// The factors that drop dependent rows, alone. False where none is sound, or it finds none.
+/// Tries only the factors for dependent rows. False if none is sound, or if it finds no dependent row.
 bool solve_by_dependent_rows(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
                              IslandReport& report);
 /// The oracle, alone, where another factor does not serve for derivatives. False where it would take too long or was

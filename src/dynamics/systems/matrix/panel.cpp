@@ -112,7 +112,7 @@ bool solve_one_by_one(MatrixSystem& m, double* X, int ld, KktVectors& v) {
   for (int c = 0; c < ld; ++c) {
     for (int k = 0; k < p.size(); ++k) v.b[k] = X[static_cast<std::ptrdiff_t>(p.perm[k]) * ld + c];
     if (std::all_of(v.b.begin(), v.b.end(), [](double b) { return b == 0; })) continue;
-    (void)solve_refined(*m.factor, m.K, v, tolerance::kRefinementSteps);
+    (void)m.factor->solve_refined(m.K, v, tolerance::kRefinementSteps);
     if (!(normwise_error(m, v) <= tolerance::kConverged)) return false;
     for (int k = 0; k < p.size(); ++k) X[static_cast<std::ptrdiff_t>(p.perm[k]) * ld + c] = v.x[k];
   }
@@ -160,7 +160,7 @@ bool solve_columns(MatrixSystem& m, double* X, int ld, PanelWork& work) {
 bool solve_vector(MatrixSystem& m, KktVectors& v) {
   const bool judged = m.factor->own_refinements() == 0 && grows_too_much(*m.factor);
   const int steps = !judged ? 1 : m.deficient() ? tolerance::kRefinementSteps : tolerance::kPanelSteps - 1;
-  (void)solve_refined(*m.factor, m.K, v, steps);
+  (void)m.factor->solve_refined(m.K, v, steps);
   if (!judged || normwise_error(m, v) <= tolerance::kConverged) return true;
   std::fill(v.x.begin(), v.x.end(), std::numeric_limits<double>::quiet_NaN());
   return false;

@@ -32,7 +32,8 @@ namespace internal {
 namespace {
 
 // Multiply-adds of a panel that goes through the island's factor, and is refined in every second state. Where rows
-// depend it is always refined, and projected five times (measured on rows of humanoids on the corners of their soles).
+// depend it is always refined, and projected five times (measured on humanoids on the corners of
+// their soles, with reduce_pairs = false).
 double cost_at_once(const IslandWork& d, double ld, bool dropping) {
   const KktPattern& p = *d.shape->pattern(d.choice.order);
   return (dropping ? costs::kPanelDropping : 1) * ld * (3.0 * p.ldl.nonzeros() + p.K.nonzeros());

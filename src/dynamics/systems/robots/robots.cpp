@@ -421,7 +421,7 @@ bool RobotsSystem::solve_in_use(const Scene& scene, SceneData& data, IslandRepor
 bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const TangentProduct& p) {
   if (drops) return false;  // the whole K has what the forces of least norm add
   if (!factorize_in_double(scene, data)) return false;
-  internal::place_at_solution(scene, data, owner.island);
+  internal::place_at_state(scene, data, owner.island);
   internal::tangent_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });
   return true;
@@ -430,7 +430,7 @@ bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const T
 bool RobotsSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const AdjointProduct& p) {
   if (drops) return false;  // the whole K has what the forces of least norm add
   if (!factorize_in_double(scene, data)) return false;
-  internal::place_at_solution(scene, data, owner.island);
+  internal::place_at_state(scene, data, owner.island);
   internal::adjoint_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });
   return true;

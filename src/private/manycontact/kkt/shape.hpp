@@ -32,7 +32,7 @@ class IslandShape {
   /// Of the factor in that order, whose pattern need not be made to know.
   const sparse::LdlCounts& counts(Order order);
   const std::shared_ptr<const KktPattern>& pattern(Order order);
-  /// Contacts less than would make the graph of robots and ground they join a forest, those of like ends being one.
+  /// The number of independent loops in the graph of robots and ground. Contacts between the same two count once.
   int loops();
   const std::shared_ptr<const SchurPattern>& schur();
   /// CHOLMOD's analysis of K in that order, rows left as they are.

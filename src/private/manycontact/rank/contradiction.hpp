@@ -1,8 +1,8 @@
 #pragma once
-// Whether contacts whose rows depend on each other contradict each other: design's definition is
-// |P (J a + a0)| > 1e-8 (| |J| |a| | + |a0|), maximum norms, with P the projector on the null space of J^T. What is
-// left there may still be rounding of the terms that a0 is computed from, and that is no contradiction. Templates on
-// the scalar: SIMD batches have one value per robot.
+// Whether contacts whose rows depend on each other contradict each other: the definition (mathematics.md, Redundant
+// contacts) is |P (J a + a0)| > 1e-8 (| |J| |a| | + |a0|), maximum norms, with P the projector on the null space of
+// J^T. What is left there may still be rounding of the terms that a0 is computed from, and that is no contradiction.
+// Templates on the scalar: SIMD batches have one value per robot.
 
 #include <cmath>
 #include <limits>

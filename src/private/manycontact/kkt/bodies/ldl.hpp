@@ -93,7 +93,8 @@ HeldRows held_rows(const BodyPattern& pattern, const BodyLdl& ldl, int node);
 [[nodiscard]] Reason factorize_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors* b = nullptr,
                                       bool drop = false);
 
-/// The first half of solving, from the leaves: what b leaves at the bases.
+/// The first half of solving, from the leaves: what b leaves at the bases; one step of it: of node i for its parent.
+void backward_step(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, int i);
 void backward_sweep(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b);
 
 /// The second, from the bases: x of the b lifted, and how far it is from solving.

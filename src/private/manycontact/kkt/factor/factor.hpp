@@ -1,5 +1,6 @@
 #pragma once
-// A factor of an island's K, whatever its kind. One file each: ldl, dependent_rows, cholmod, schur, dense, dense_schur.
+// A factor of an island's K, whatever its kind. One file each: ldl, dependent_rows,
+// proximal, cholmod, schur, dense, dense_schur.
 
 #include <algorithm>
 #include <limits>
@@ -37,7 +38,8 @@ class Factor {  // one island's factor, whatever the method
   /// The same of what an answer leaves, b - K x, where b has no part P b (project_out): of dependent rows those kept
   /// alone. What rounding leaves of J x in the others no correction of x takes away.
   virtual void correct(double* r) { solve(r); }
-  /// v.x <- K^-1 v.b, refined by at most max_steps corrections of the true residual; see refined.hpp.
+  /// v.x <- K^-1 v.b, refined by at most max_steps corrections of the true residual; v.r and v.scale are those of x.
+  /// Where rows are dependent, what they cannot agree on is taken out of b meanwhile, and left in v.null_component.
   virtual sparse::Refinement solve_refined(const KktMatrix& K, KktVectors& v, int max_steps);
   /// The componentwise backward error of that (sparse/refine.hpp). Of dependent rows those dropped, sums of z_j times
   /// rows kept, are judged beside |z_j| times these rows' scale.

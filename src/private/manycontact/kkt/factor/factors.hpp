@@ -14,7 +14,8 @@ namespace manycontact {
 std::unique_ptr<Factor> make_ldl_factor(Method method);
 
 /// The same, damping 0, where rows of J may depend on each other: those that do are dropped
-/// (rank/dependent_rows.hpp). K must be in leaf-to-root order. Refused where rounding hides which rows these are.
+/// (rank/dependent_rows.hpp). K may be in any order, as long as rows of M that follow rows of J have sound pivots.
+/// Refused where rounding hides which rows these are.
 std::unique_ptr<Factor> make_dependent_rows_factor();
 
 /// The same, damping 0, where rows depend on each other across many bodies: by the factor of K with a small damping,

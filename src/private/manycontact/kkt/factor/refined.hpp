@@ -6,17 +6,9 @@
 
 namespace manycontact {
 
-/// v.x <- K^-1 v.b, v.r and v.scale those of the answer. Where rows are dependent, what they cannot agree on is taken
-/// out of b while K x = b is refined, and left in v.null_component; b and r are as without that when this returns.
-inline sparse::Refinement solve_refined(Factor& factor, const KktMatrix& K, KktVectors& v, int max_steps) {
-  return factor.solve_refined(K, v, max_steps);
-}
-
 namespace internal {
 
-/// The same around any way to solve K x = b without what dependent rows cannot agree on: takes that out of v.b, and
-/// puts it back.
-void take_out_contradiction(Factor& factor, const KktMatrix& K, KktVectors& v);
+/// Adds what was taken out of v.b, because dependent rows cannot agree on it, to v.b and v.r again.
 void put_back_contradiction(const Factor& factor, const KktMatrix& K, KktVectors& v);
 
 }  // namespace internal
