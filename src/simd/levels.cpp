@@ -19,7 +19,9 @@ namespace {
 #ifdef MANYCONTACT_LEVEL_avx2
 // -mavx2 -mfma
 bool runs_avx2() { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
+#endif
 
+#ifdef MANYCONTACT_LEVEL_avx512
 // -mavx512f -mavx512dq -mavx512vl -mavx512bw -mavx512cd -mavx2 -mfma
 bool runs_avx512() {
   return runs_avx2() && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
@@ -29,8 +31,10 @@ bool runs_avx512() {
 
 // Each level runs wherever the one before does. AVX-512 gains nothing over AVX2 in Eigen's products of dense blocks.
 constexpr Level kLevels[] = {
-#ifdef MANYCONTACT_LEVEL_avx2
+#ifdef MANYCONTACT_LEVEL_avx512
     {"avx512", sparse::level_avx512, lq::level_avx2, lanes::level_avx512},
+#endif
+#ifdef MANYCONTACT_LEVEL_avx2
     {"avx2", sparse::level_avx2, lq::level_avx2, lanes::level_avx2},
 #endif
     {"baseline", sparse::level_baseline, lq::level_baseline, lanes::level_baseline},
@@ -40,7 +44,9 @@ std::span<const Level> levels_here() {
   std::span<const Level> all(kLevels);
 #ifdef MANYCONTACT_LEVEL_avx2
   __builtin_cpu_init();
+#ifdef MANYCONTACT_LEVEL_avx512
   if (!runs_avx512()) all = all.subspan(1);
+#endif
   if (!runs_avx2()) all = all.subspan(1);
 #endif
   return all;
