@@ -1,5 +1,6 @@
 #include "manycontact/dynamics/keep_dependent.hpp"
 
+#include "internal.hpp"
 #include "workspace/workspace.hpp"
 
 namespace manycontact {
@@ -11,6 +12,12 @@ void keep_dependent(SceneData& data) {
     const IslandReport& report = data.report.islands[i];
     d.depended = d.answered && !d.answered_by(d.bodies.get()) ? report.nc - report.rank : 0;
   }
+}
+
+void forget_dependent(SceneData& data) {
+  internal::reset_warm_starts(data);
+  Workspace& w = data.workspace->reduction ? *data.workspace->reduction->data->workspace : *data.workspace;
+  for (const auto& d : w.islands) d->depended = 0;
 }
 
 namespace {

@@ -1,42 +1,59 @@
 #include "manycontact/simulation/step_batch.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 #include "dynamics/workspace/changes.hpp"
 #include "dynamics/workspace/parallel.hpp"
 #include "manycontact/dynamics/copies.hpp"
+#include "manycontact/dynamics/keep_dependent.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/sparse/blas_threads.hpp"
 #include "resisting_forces.hpp"
 
 namespace manycontact {
 
-/// States side by side as copies of the scene, or, after a step of one of them failed, each with its own data.
+/// States side by side as copies of the scene, or, after a step of one of them failed, each with its own data. Between
+/// its steps a part is no more than what `step` goes on from; the memory of solves is the thread's. A part whose rows
+/// depend on each other keeps the data that found them.
 struct SimulationBatch::Part {
-  Part(const Scene& of, Eigen::Index first_, int states_)
-      : first(first_), states(states_), scene(internal::copies_of(of, states_)) {}
-
   Eigen::Index first;
   int states;
-  Scene scene;                                  // the copies
-  std::vector<SimulationData> together, alone;  // one, or none; none, or one for each state
-  Eigen::VectorXd u;
+  Eigen::VectorXd q, v, left_q, left_v, contact_v;  // as in SimulationData, of all copies
+  std::vector<char> left_active, kept_active;
+  std::vector<signed char> slip;
+  long steps = 0;
+  std::unique_ptr<SimulationData> own;  // nullptr: the thread's
+  std::vector<SimulationData> alone;    // none, or one for each state
+  Eigen::VectorXd u;                    // scratch
+};
+
+struct SimulationBatch::Work {
+  int copies;
+  Scene scene;  // the copies
+  Integrator integrator;
+  double h;
+  Options options;
+  std::vector<Part> parts;
+  std::vector<std::unique_ptr<SimulationData>> of_threads;
+  std::vector<internal::Failure> failures;  // one per thread
 };
 
 namespace {
 
 using Part = SimulationBatch::Part;
+using Work = SimulationBatch::Work;
 
 void expect(bool fits, const char* what) {
   if (!fits) throw std::invalid_argument(what);
 }
 
-// Rows first ... of X, one after the other.
-Eigen::VectorXd side_by_side(const ConstBatchRows& X, Eigen::Index first, int states) {
-  Eigen::VectorXd out(states * X.cols());
-  for (int k = 0; k < states; ++k) out.segment(k * X.cols(), X.cols()) = X.row(first + k).transpose();
-  return out;
+// Rows first ... of X, one after the other; copies left over take the last row.
+void side_by_side(const ConstBatchRows& X, Eigen::Index first, int copies, Eigen::VectorXd& out) {
+  out.resize(copies * X.cols());
+  for (int k = 0; k < copies; ++k)
+    out.segment(k * X.cols(), X.cols()) = X.row(std::min(first + k, X.rows() - 1)).transpose();
 }
 
 int states_at_once(const Scene& scene, const Options& options) {
@@ -55,7 +72,7 @@ void take_settings(const SimulationBatch& b, Eigen::Index first, int states, Sim
     return;
   }
   d.pd.kp = b.kp.replicate(states, 1), d.pd.kd = b.kd.replicate(states, 1);
-  d.pd.q_ref = side_by_side(b.q_ref, first, states), d.pd.v_ref = side_by_side(b.v_ref, first, states);
+  side_by_side(b.q_ref, first, states, d.pd.q_ref), side_by_side(b.v_ref, first, states, d.pd.v_ref);
 }
 
 void put_state(const Scene& scene, const SimulationData& d, int copy, Eigen::Index state, SimulationBatch& b) {
@@ -93,23 +110,66 @@ void step_alone(const Scene& scene, const ConstBatchRows& u, int steps, Part& pa
   }
 }
 
-void step_part(const Scene& scene, const ConstBatchRows& u, int steps, Part& part, SimulationBatch& b) {
-  if (part.alone.empty()) {
-    internal::take_all_changes(scene, part.scene);
-    SimulationData& d = part.together.front();
-    take_settings(b, part.first, part.states, d);
-    part.u = side_by_side(u, part.first, part.states);
-    int made = 0;
-    while (made < steps && step(part.scene, part.u, d) == StepStatus::kOk) ++made;
-    if (made == steps) {
-      for (int k = 0; k < part.states; ++k) {
-        b.status[static_cast<std::size_t>(part.first + k)] = StepStatus::kOk;
-        if (steps > 0) put_state(scene, d, k, part.first + k, b);
-      }
-      return;
+std::unique_ptr<SimulationData> data_of_copies(const Work& work, const Part& part) {
+  return std::make_unique<SimulationData>(work.scene, part.q, part.v, work.integrator, work.h, work.options);
+}
+
+// What a step goes on from, into the data and back.
+void exchange(Part& part, SimulationData& d) {
+  part.q.swap(d.q), part.v.swap(d.v);
+  part.left_q.swap(d.left_q), part.left_v.swap(d.left_v);
+  part.contact_v.swap(d.contact_v);
+  part.left_active.swap(d.left_active), part.kept_active.swap(d.kept_active);
+  std::swap(part.steps, d.steps);
+  if (!d.resisting) return;
+  part.slip.resize(d.resisting->joints.slip.size(), 0);
+  part.slip.swap(d.resisting->joints.slip);
+}
+
+bool rows_depend(SimulationData& d) {
+  const auto has_dependent = [](const IslandReport& island) { return island.rank < island.nc; };
+  return std::ranges::any_of(internal::at_rest_with_joints(d).data.report.islands, has_dependent);
+}
+
+// use(data) of a part: its own, or the thread's. True: the data are the part's own from then on.
+template <class Use>
+void with_data(const Work& work, std::unique_ptr<SimulationData>& of_thread, Part& part, Use&& use) {
+  if (part.own) return (void)use(*part.own);
+  if (!of_thread) of_thread = data_of_copies(work, part);
+  SimulationData& d = *of_thread;
+  for (SceneData* data : {&d.dynamics, &internal::at_rest_with_joints(d).data}) forget_dependent(*data);
+  exchange(part, d);
+  use(d) ? part.own.swap(of_thread) : exchange(part, d);
+}
+
+// Steps of copies side by side: those that were made before one failed.
+int step_together(const Scene& scene, const ConstBatchRows& u, int steps, const Work& work, Part& part,
+                  SimulationData& d, SimulationBatch& b) {
+  take_settings(b, part.first, work.copies, d);
+  side_by_side(u, part.first, work.copies, part.u);
+  int made = 0;
+  while (made < steps && step(work.scene, part.u, d) == StepStatus::kOk) ++made;
+  for (int k = 0; k < part.states; ++k) {
+    if (made < steps) {
+      part.alone.push_back(taken_out(scene, d, k, b.f.cols()));
+      continue;
     }
-    for (int k = 0; k < part.states; ++k) part.alone.push_back(taken_out(scene, d, k, b.f.cols()));
-    part.together.clear();
+    b.status[static_cast<std::size_t>(part.first + k)] = StepStatus::kOk;
+    if (steps > 0) put_state(scene, d, k, part.first + k, b);
+  }
+  return made;
+}
+
+void step_part(const Scene& scene, const ConstBatchRows& u, int steps, const Work& work,
+               std::unique_ptr<SimulationData>& of_thread, Part& part, SimulationBatch& b) {
+  if (part.alone.empty()) {
+    int made = 0;
+    with_data(work, of_thread, part, [&](SimulationData& d) {
+      made = step_together(scene, u, steps, work, part, d, b);
+      return made > 0 && rows_depend(d);
+    });
+    if (made == steps) return;
+    part.own.reset();
     steps -= made;
   }
   step_alone(scene, u, steps, part, b);
@@ -148,39 +208,48 @@ SimulationBatch::SimulationBatch(const Scene& scene, const ConstBatchRows& q_, c
   for (const Push& push : scene.pushes) pushes.push_back(push.wrench);
   Options of_part = options;
   of_part.threads = 1;
-  const int at_once = states_at_once(scene, of_part);
-  for (Eigen::Index first = 0; first < q.rows(); first += at_once) {
-    const int states = static_cast<int>(std::min<Eigen::Index>(at_once, q.rows() - first));
-    parts.push_back(std::make_shared<Part>(scene, first, states));
-    internal::take_all_changes(scene, parts.back()->scene);
-    parts.back()->together.emplace_back(parts.back()->scene, side_by_side(q, first, states),
-                                        side_by_side(v, first, states), integrator, h, of_part);
+  const int copies = static_cast<int>(std::clamp<Eigen::Index>(q.rows(), 1, states_at_once(scene, of_part)));
+  work.reset(new Work{copies, internal::copies_of(scene, copies), integrator, h, of_part, {}, {}, {}});
+  internal::take_all_changes(scene, work->scene);
+  for (Eigen::Index first = 0; first < q.rows(); first += copies) {
+    Part& part = work->parts.emplace_back();
+    part.first = first, part.states = static_cast<int>(std::min<Eigen::Index>(copies, q.rows() - first));
+    side_by_side(q, first, copies, part.q), side_by_side(v, first, copies, part.v);
+    part.left_q.setConstant(part.q.size(), std::numeric_limits<double>::quiet_NaN());  // unlike any state
+    part.left_v = part.v;
   }
+  work->failures.resize(static_cast<std::size_t>(threads > 0 ? threads : internal::default_threads()));
+  work->of_threads.resize(work->failures.size());
+  Part neutral;
+  neutral.q.setZero(work->scene.nq), neutral.v.setZero(work->scene.nv);
+  work->of_threads.front() = data_of_copies(*work, neutral);
   f = BatchMatrix::Zero(q.rows(), rows_of_active(scene, active));
-  failures = std::make_shared<std::vector<internal::Failure>>(
-      static_cast<std::size_t>(threads > 0 ? threads : internal::default_threads()));
 }
 
 void step_batch(const Scene& scene, const ConstBatchRows& u, SimulationBatch& batch, int steps) {
   check(scene, u, batch, steps);
   if (const int rows = rows_of_active(scene, batch.active); rows != batch.f.cols())
     batch.f = BatchMatrix::Zero(batch.q.rows(), rows);
+  Work& work = *batch.work;
+  internal::take_all_changes(scene, work.scene);
   const sparse::OneBlasThread one_blas_thread;
-  internal::run_items(
-      std::span<internal::Failure>(*batch.failures), static_cast<std::ptrdiff_t>(batch.parts.size()),
-      [&](std::ptrdiff_t k, int) { step_part(scene, u, steps, *batch.parts[static_cast<std::size_t>(k)], batch); });
+  internal::run_items(std::span<internal::Failure>(work.failures), static_cast<std::ptrdiff_t>(work.parts.size()),
+                      [&](std::ptrdiff_t k, int thread) {
+                        step_part(scene, u, steps, work, work.of_threads[static_cast<std::size_t>(thread)],
+                                  work.parts[static_cast<std::size_t>(k)], batch);
+                      });
 }
 
 namespace {
 
 // The velocities of contacts that the next step of the whole is to go on from, where one state is another.
-void renew(const Scene& scene, int copy, Eigen::Index rows, Part& part, SimulationData& d) {
+void renew(const Scene& scene, const Scene& copies, int copy, Eigen::Index rows, SimulationData& d) {
   d.left_q.segment(copy * scene.nq, scene.nq) = d.q.segment(copy * scene.nq, scene.nq);
   d.left_v.segment(copy * scene.nv, scene.nv) = d.v.segment(copy * scene.nv, scene.nv);
   if (d.left_active != d.dynamics.active || rows == 0) return;
   Eigen::VectorXd c = d.contact_v;
   d.stage_v.setZero();
-  d.at_rest.inverse_dynamics_of(part.scene, d.q, d.v, d.stage_v, part.scene.gravity, d.tau);
+  d.at_rest.inverse_dynamics_of(copies, d.q, d.v, d.stage_v, copies.gravity, d.tau);
   d.at_rest.contact_velocities(d.dynamics.f_offset, c);
   d.contact_v.segment(copy * rows, rows) = c.segment(copy * rows, rows);
 }
@@ -191,16 +260,23 @@ void set_state(const Scene& scene, Eigen::Index k, const ConstVector& q, const C
   expect(q.size() == scene.nq && v.size() == scene.nv && batch.q.cols() == scene.nq,
          "set_state: q or v does not fit the scene");
   expect(k >= 0 && k < batch.q.rows(), "set_state: there is no such state");
-  for (const std::shared_ptr<Part>& part : batch.parts) {
-    const int copy = static_cast<int>(k - part->first);
-    if (copy < 0 || copy >= part->states) continue;
-    const bool alone = !part->alone.empty();
-    SimulationData& d = alone ? part->alone[static_cast<std::size_t>(copy)] : part->together.front();
-    const int at = alone ? 0 : copy;
+  Work& work = *batch.work;
+  Part& part = work.parts[static_cast<std::size_t>(k / work.copies)];
+  const int copy = static_cast<int>(k - part.first), last = copy + 1 == part.states ? work.copies : copy + 1;
+  const auto set = [&](SimulationData& d, int at) {
     d.q.segment(at * scene.nq, scene.nq) = q;
     d.v.segment(at * scene.nv, scene.nv) = v;
-    if (!alone && d.steps > 0) renew(scene, copy, batch.f.cols(), *part, d);
-  }
+  };
+  if (!part.alone.empty())
+    set(part.alone[static_cast<std::size_t>(copy)], 0);
+  else
+    with_data(work, work.of_threads.front(), part, [&](SimulationData& d) {
+      for (int at = copy; at < last; ++at) {  // those left over, too
+        set(d, at);
+        if (d.steps > 0) renew(scene, work.scene, at, batch.f.cols(), d);
+      }
+      return false;
+    });
   batch.q.row(k) = q.transpose(), batch.v.row(k) = v.transpose();
 }
 

@@ -65,6 +65,29 @@ TEST(StepBatch, EachIsStepped) {
     }
 }
 
+// Rows that depend on each other, and a state that begins anew among these.
+TEST(StepBatch, RowsThatDependDoSoStateByState) {
+  constexpr int kStates = 11, kSteps = 10, kAnew = 3;
+  for (const Integrator integrator : {Integrator::kSemiImplicitEuler, Integrator::kRk4}) {
+    Herd h = herd(7, kStates, false);
+    Contact again = h.s.scene.contacts[1];
+    again.name = "grounded again";
+    add_contact(h.s.scene, again);
+    SimulationBatch batch(h.s.scene, h.q, h.v, integrator, 1e-3, 2);
+    step_batch(h.s.scene, h.u, batch, kSteps);
+    set_state(h.s.scene, kAnew, h.q.row(kAnew).transpose(), h.v.row(kAnew).transpose(), batch);
+    step_batch(h.s.scene, h.u, batch, kSteps);
+    for (int k = 0; k < kStates; ++k) {
+      SimulationData alone(h.s.scene, h.q.row(k).transpose(), h.v.row(k).transpose(), integrator, 1e-3);
+      for (int n = 0; n < (k == kAnew ? kSteps : 2 * kSteps); ++n)
+        ASSERT_EQ(step(h.s.scene, h.u.row(k).transpose(), alone), StepStatus::kOk);
+      EXPECT_EQ(alone.worst, Status::kRedundant);
+      EXPECT_LE((batch.q.row(k).transpose() - alone.q).cwiseAbs().maxCoeff(), 1e-11) << k;
+      EXPECT_LE((batch.v.row(k).transpose() - alone.v).cwiseAbs().maxCoeff(), 1e-9) << k;
+    }
+  }
+}
+
 // What is not finite or too fast stops alone, and goes on from another state.
 TEST(StepBatch, OneThatFailsStopsAlone) {
   constexpr int kStates = 11, kBad = 5;

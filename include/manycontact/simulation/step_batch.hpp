@@ -35,8 +35,8 @@ struct SimulationBatch {
   std::vector<StepStatus> status;  // of the last step that was tried
 
   struct Part;  // private: states that are stepped together
-  std::vector<std::shared_ptr<Part>> parts;
-  std::shared_ptr<std::vector<internal::Failure>> failures;  // workspace, one per thread
+  struct Work;  // private: all of these, and a workspace per thread
+  std::shared_ptr<Work> work;
 };
 
 /// Makes `steps` steps of every state with torques u (nu columns, one row per state). If a step is not kOk, its state
