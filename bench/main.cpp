@@ -128,6 +128,7 @@ void initialize(int argc, char** argv) {
 int main(int argc, char** argv) try {
   using namespace manycontact::bench;
   settings() = parse(argc, argv);
+  if (!settings().scene.empty()) return run_on_scene(), 0;
   initialize(argc, argv);
   register_all();
   const std::string native = std::string(MANYCONTACT_FLAGS).ends_with("-march=native") ? " native" : "";

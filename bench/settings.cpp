@@ -40,6 +40,10 @@ Settings parse(int& argc, char** argv) {
       s.hands = two_names(word, value());
     else if (word == "--out")
       s.out = value();
+    else if (word == "--scene")
+      s.scene = value();
+    else if (word == "--task")
+      s.task = value();
     else if (word == "--quick")
       s.quick = true;
     else

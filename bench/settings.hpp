@@ -12,9 +12,10 @@ struct Settings {
   std::vector<std::string> hands;  // two frames by which a ring is closed; empty: farthest to the left and to the right
   bool quick = false;              // fewer sizes, shorter
   std::string out;                 // JSON file of the results; empty: none
+  std::string scene, task;         // one scene's file and the task on it, with its dials; empty: the benchmarks
 };
 
-/// Takes its own options out of argv (--robot, --feet, --hands, --quick, --out); the rest is Google Benchmark's.
+/// Takes its own options out of argv (--robot, --feet, --hands, --quick, --out, --scene, --task); the rest is Google Benchmark's.
 /// Throws std::invalid_argument.
 Settings parse(int& argc, char** argv);
 

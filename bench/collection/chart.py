@@ -19,7 +19,7 @@ import tempfile
 
 import matplotlib
 
-matplotlib.use("svg")
+matplotlib.use("agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import matplotlib.ticker as ticker  # noqa: E402
 
@@ -30,6 +30,7 @@ DAMPINGS = ("1e-12", "1e-10", "1e-8", "1e-6", "1e-4")
 STEPS = (0, 1, 2, 3)
 ROUNDS = 3
 EXACT = 1e-17  # errors are drawn from here on
+SOLVE = "manycontact, whole solve, by precision"
 # line: (colour, marker, whether it is the whole solve of the scene, label)
 OURS, DIAL, THEIRS = "black", "#0072B2", ("#D55E00", "#CC79A7", "#009E73", "#E69F00", "#56B4E9")
 
@@ -37,7 +38,7 @@ OURS, DIAL, THEIRS = "black", "#0072B2", ("#D55E00", "#CC79A7", "#009E73", "#E69
 def lines():
     """{label: (colour, filled, [(name of a point, solver, damping of the scene)])}"""
     out = {
-        "manycontact, whole solve": (OURS, True, [("", "manycontact", None)]),
+        SOLVE: (OURS, True, [(p, f"manycontact:{p}", None) for p in run.PRECISIONS]),
         "manycontact, damping of 1e-12 to 1e-4": (OURS, False, [(d, "manycontact", d) for d in DAMPINGS]),
         "manycontact dense, whole solve": ("#777777", True, [("", "manycontact:dense", None)]),
         "our LDL of K, 0 to 3 steps of refinement": (DIAL, True, [(f"{s}", f"sparse-ldl:0:{s}", None) for s in STEPS]),
@@ -71,45 +72,47 @@ def export(program, scene, folder):
     return run.System(pathlib.Path(folder), scene.stem), len(list(pathlib.Path(folder).glob("island_*_b.mtx")))
 
 
-def measure(scene, bin):
-    """Rows (line, point, time, error) of a scene, a title, and notes of what has no answer. Every point is measured in each of
+def measure(scene, bin, lines):
+    """Rows (line, point, time, error of a, error of f) of a scene, a title, and notes of what has no answer. Every point is measured in each of
     ROUNDS rounds, and its time is the least, so that other work of the machine does not decide."""
     program, times, error, silent = str(bin / "manycontact"), {}, {}, []
     with tempfile.TemporaryDirectory() as folder:
         system, islands = export(program, scene, folder)
         if system.x is None:
             return None
-        solvers = run.solvers([s for _, _, points in lines().values() for _, s, _ in points if available(s, bin)], bin)
-        points = [(label, *point) for label, (_, _, of) in lines().items() for point in of if point[1] in solvers]
+        solvers = run.solvers([s for _, _, points in lines.values() for _, s, _ in points if available(s, bin)], bin)
+        points = [(label, *point) for label, (_, _, of) in lines.items() for point in of if point[1] in solvers]
         for _ in range(ROUNDS):
             for label, point, solver, damping in points:
                 if (label, point) in silent:
                     continue
                 damped_scene(scene, damping, folder)
-                result = run.judge(system, solvers[solver][1], folder)
+                result = run.judge(system, solvers[solver][1], folder, run.given_the_scene(solver))
                 if isinstance(result, str):
                     silent.append((label, point))
                     print(f"  {scene.stem}, {label} {point}: {result}")
                     continue
                 (a, f, _, _), time = result
-                times.setdefault((label, point), []).append(time * (1 if solver.startswith("manycontact") else islands))
-                error[label, point] = max(a, f)
+                times.setdefault((label, point), []).append(time * (1 if run.given_the_scene(solver) else islands))
+                error[label, point] = (a, f)
     title = f"{scene.stem}: {system.nv * islands} velocities, {system.nc * islands} contact rows of rank {system.rank * islands}"
-    return [(*key, min(of), error[key]) for key, of in times.items()], title
+    return [(*key, min(of), *error[key]) for key, of in times.items()], title
 
 
 def available(solver, bin):
+    if solver.startswith("peer:"):
+        return (bin / f"manycontact_bench_{solver.split(':')[1]}").exists()
     return solver.startswith("manycontact") or solver.split(":")[0] in run.versions(bin)
 
 
 def draw(found, title, path):
     figure, axes = plt.subplots(figsize=(9.5, 6.2))
     for label, (colour, filled, _) in lines().items():
-        points = [(time, max(error, EXACT), point) for l, point, time, error in found if l == label]
+        points = [(time, max(a, f, EXACT), point) for l, point, time, a, f in found if l == label]
         if not points:
             continue
         times, errors, names = zip(*points)
-        size = 11 if label == "manycontact, whole solve" else 7
+        size = 11 if label == SOLVE else 7
         axes.plot(times, errors, "-", color=colour, linewidth=1, alpha=0.6, zorder=2)
         axes.plot(times, errors, "*" if size == 11 else "o", color=colour, markerfacecolor=colour if filled else "white",
                   markersize=size * (1.4 if size == 11 else 1), linestyle="none", label=label, zorder=3)
@@ -176,7 +179,8 @@ Written by `bench/collection/chart.py`, which `./run chart` calls; the numbers a
 Each point is one solver: left is faster, low is more accurate. The error is the largest of accelerations and forces, relative to
 the largest of each, against the solution of the scene as given in quadruple precision. Where K is singular, J^T f is compared.
 
-* **manycontact, whole solve**: kinematics, K, its factor, refinement and residuals. **damping**: the same with a damping of the scene.
+* **manycontact, whole solve**: kinematics, K, its factor, refinement and residuals, in single, mixed, double and extended precision where
+  the scene can be solved in that (`Options::precision`). **damping**: in double, with a damping of the scene.
 * **our LDL of K**: the sparse factor of manycontact on the numbers of K, and steps of refinement on the residual of K. **damped**: the
   factor is that of a damped K; steps of refinement lead to the solution of K itself.
 * **LAPACK, MUMPS, CHOLMOD**: factor and solution of the same K. CHOLMOD does not pivot, and needs a damping.
@@ -207,14 +211,14 @@ def main():
     matplotlib.rcParams.update({"svg.hashsalt": "manycontact", "svg.fonttype": "none"})
     table, titles = [], {}
     for scene in words.scenes or sorted((TOP / "models").glob("*.xml")):
-        measured = measure(scene.resolve(), words.bin.resolve())
+        measured = measure(scene.resolve(), words.bin.resolve(), lines())
         if measured is None:
             print(f"{scene.stem}: no truth is known, no chart")
             continue
         found, title = measured
         draw(found, title, words.out / f"accuracy_{scene.stem}.svg")
         titles[scene.stem] = title
-        table += [(scene.stem, *row) for row in found]
+        table += [(scene.stem, *row[:3], max(row[3:])) for row in found]
         print(f"{scene.stem}: {len(found)} points")
     if table:
         with open(words.out / "accuracy.csv", "w", newline="") as file:

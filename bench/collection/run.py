@@ -8,7 +8,8 @@ A solver is
 * one of manycontact_collection (`--list` names them): dsysv, dsysv_rook, dsysvx, mumps, mumps_refined, cholmod, ldl, sparse-ldl;
 * NAME:DELTA, one of these on K with the damping DELTA; sparse-ldl:DELTA:STEPS, our factor of that, and so many steps of
   refinement on the residual of K as it is;
-* manycontact, or manycontact:METHOD: `manycontact solve` on the scene of the system;
+* manycontact, or manycontact:METHOD, manycontact:PRECISION: `manycontact solve` on the scene of the system;
+* peer:PROGRAM:TASK[:DIALS]: manycontact_bench_PROGRAM, where it was built (`./run bench --peers`), on that scene: accelerations alone;
 * any program: it is called with K.mtx b.mtx x.txt, writes x into x.txt, a number a line, and prints the time of one solve [us];
 * all: everything that is there.
 
@@ -32,6 +33,7 @@ TOP = HERE.parents[1]
 SHOWN = ("humanoid", "two_humanoids")  # before others of their kind
 KINDS = ("small", "hostile", "large")
 OURS = ("manycontact", "manycontact:dense")
+PRECISIONS = ("single", "mixed", "double", "extended")
 DENSE = 2500  # unknowns, above which dense methods are not run
 AT_REST = 1e-4  # accelerations below this part of those without contacts count as none
 
@@ -60,6 +62,8 @@ class System:
         self.rhs = read_matrix(self.b)
         truth = folder / "island_0_x.mtx"
         self.x = read_matrix(truth) if truth.exists() else None
+        truth = folder / "island_0_scene_x.mtx"  # K and b not rounded
+        self.x_of_scene = read_matrix(truth) if truth.exists() else self.x
         sizes = [line for line in self.K.read_text().splitlines()[:5] if line.startswith("% nv")][0]
         self.nv, self.nc, self.rank = (int(word.split()[-1]) for word in sizes[2:].split(","))
 
@@ -94,43 +98,70 @@ def relative(difference, scale):
     return largest(difference) / scale if scale > 0 else largest(difference)
 
 
-def errors(system, x):
-    """Forward errors of a and f, normwise and componentwise backward error."""
+def errors(system, x, of_scene=False):
+    """Forward errors of a and f, normwise and componentwise backward error; of a alone where x has no forces. of_scene: of a solver that
+    is given the scene, not K and b as they are rounded to doubles."""
+    forward = forward_errors(system, x, system.x_of_scene if of_scene else system.x)
+    if len(x) == system.nv:
+        return (*forward, None, None)
     r = system.rhs - system.product(x)
     terms = system.product(np.abs(x), np.abs(system.values)) + np.abs(system.rhs)
     rows = system.product(np.ones(system.n, dtype=np.longdouble), np.abs(system.values))
     norm = float(rows.max()) * largest(x) + largest(system.rhs)
     normwise = largest(r) / norm
     componentwise = float((np.abs(r) / np.where(terms > 0, terms, 1)).max())
-    if system.x is None:
-        return None, None, normwise, componentwise
-    nv, truth = system.nv, system.x
+    return (*forward, normwise, componentwise)
+
+
+def forward_errors(system, x, truth):
+    if truth is None:
+        return None, None
+    nv = system.nv
     scale = largest(truth[:nv])
     if system.nv <= 1000 and scale < AT_REST * largest(free := system.free()):
         scale = largest(free)
     accelerations = relative(x[:nv] - truth[:nv], scale)
+    if len(x) == nv:
+        return accelerations, None
     if system.rank < system.nc:
         forces = relative(system.forces_on_joints(x - truth), largest(system.forces_on_joints(truth)))
     else:
         forces = relative(x[nv:] - truth[nv:], largest(truth[nv:]))
-    return accelerations, forces, normwise, componentwise
+    return accelerations, forces
 
 
 def by_manycontact(program, method, system, _):
-    """x and the time of one solve of the scene: kinematics, K, its factor, refinement."""
+    """x and the time of one solve of the scene: kinematics, K, its factor, refinement. `method` may be a precision."""
     if method.startswith("dense") and system.n > DENSE:
         raise RuntimeError(f"larger than {DENSE} unknowns")
-    command = [program, "solve", "scene.xml", "--json", "-", "--repeat", str(20 if system.n > 500 else 200)] + (["--method", method] if method else [])
+    command = [program, "solve", "scene.xml", "--json", "-", "--repeat", str(20 if system.n > 500 else 200)] + (["--precision" if method in PRECISIONS else "--method", method] if method else [])
     done = subprocess.run(command, cwd=system.folder, text=True, capture_output=True, timeout=600)
     if not done.stdout:
         raise RuntimeError(done.stderr.strip() or "no answer")
     answer = json.loads(done.stdout)
+    report = answer["report"]
+    if report["status"] == "failed":
+        raise RuntimeError("failed")
+    if method in PRECISIONS and report["precision"] != method:
+        raise RuntimeError(f"refused in {method}, solved in {report['precision']}")
     by_name = dict(zip(answer["velocity_names"], answer["acceleration"]))
     by_name.update((name, -f) for name, f in zip(answer["force_names"], answer["forces"]))
     names = (system.folder / "island_0_names.txt").read_text().splitlines()
-    if answer["report"]["status"] == "failed":
-        raise RuntimeError("failed")
-    return np.array([by_name[name] for name in names]).astype(np.longdouble), answer["report"]["time_us"]["solve"]
+    return np.array([by_name[name] for name in names]).astype(np.longdouble), report["time_us"]["solve"]
+
+
+def by_peer(bin, word, system, folder):
+    """The accelerations of another program on the scene, and the time of one call of it."""
+    _, program, task = word.split(":", 2)
+    out = pathlib.Path(folder) / "a.txt"
+    command = [bin / f"manycontact_bench_{program}", "--scene", "scene.xml", "--task", task, "--out", out]
+    done = subprocess.run(command, cwd=system.folder, text=True, capture_output=True, timeout=600)
+    if done.returncode:
+        raise RuntimeError(done.stderr.strip().split("\n")[-1] or f"ended with {done.returncode}")
+    ours = subprocess.run([bin / "manycontact", "solve", "scene.xml", "--json", "-"], cwd=system.folder, text=True, capture_output=True)
+    by_name = dict(zip(json.loads(ours.stdout)["velocity_names"], map(float, out.read_text().split())))
+    names = (system.folder / "island_0_names.txt").read_text().splitlines()[: system.nv]
+    return np.array([by_name[name] for name in names]).astype(np.longdouble), float(done.stdout.split()[-1])
 
 
 def by_program(command, system, folder):
@@ -164,6 +195,8 @@ def solvers(words, bin):
             known[name] = (version, lambda s, t, method=method: by_manycontact(str(ours), method, s, t))
     for word in words:
         name, dials = word.split(":")[0], word.split(":")[1:]
+        if name == "peer" and dials and (bin / f"manycontact_bench_{dials[0]}").exists():
+            known[word] = ("", lambda s, t, word=word: by_peer(bin, word, s, t))
         if dials and name in theirs:
             known[word] = (theirs[name], lambda s, t, word=word: by_program([str(bin / "manycontact_collection"), word], s, t))
     out = {}
@@ -179,7 +212,7 @@ def solvers(words, bin):
     return out
 
 
-def judge(system, call, folder):
+def judge(system, call, folder, of_scene=False):
     """(errors, time), or the reason why there are none."""
     try:
         x, time = call(system, folder)
@@ -187,7 +220,11 @@ def judge(system, call, folder):
         return str(error)
     if not np.isfinite(x.astype(float)).all():
         return "not a number"
-    return errors(system, x), time
+    return errors(system, x, of_scene), time
+
+
+def given_the_scene(solver):
+    return solver.startswith(("manycontact", "peer"))
 
 
 def scientific(x):
@@ -256,7 +293,7 @@ def main():
     results = {}
     with tempfile.TemporaryDirectory() as folder:
         for system in find_systems(folders):
-            results[system] = {name: judge(system, call, folder) for name, (_, call) in chosen.items()}
+            results[system] = {name: judge(system, call, folder, given_the_scene(name)) for name, (_, call) in chosen.items()}
             print(f"run.py: {system.name}", file=sys.stderr)
     text = page(results, chosen)
     if words.out:

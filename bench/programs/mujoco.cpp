@@ -56,17 +56,27 @@ std::string sizes(const Scene& scene) {
 #endif
 }
 
-std::string mjcf(const Posed& s) {
+// "mj_forward:TOLERANCE:IMPEDANCE": of its solver, and of its constraints, which are rigid at 1.
+struct Dials {
+  double tolerance = 1e-8, impedance = 0.9999;
+};
+Dials dials_of(const std::string& words) {
+  const Task task = task_of(words);
+  return task.dials.size() == 2 ? Dials{task.dials[0], task.dials[1]} : Dials{};
+}
+
+std::string mjcf(const Posed& s, const Dials& dials) {
   const std::vector<Body> bodies = bodies_of(s);
   std::ostringstream out;
-  out << "<mujoco><compiler angle=\"radian\"/><option gravity=\"" << numbers(s.scene.gravity)
-      << "\"><flag contact=\"disable\" warmstart=\"disable\"/></option>" << sizes(s.scene) << "\n<worldbody>";
+  out.precision(17);
+  out << "<mujoco><compiler angle=\"radian\"/><option tolerance=\"" << dials.tolerance << "\" gravity=\""
+      << numbers(s.scene.gravity) << "\"><flag contact=\"disable\" warmstart=\"disable\"/></option>" << sizes(s.scene) << "\n<worldbody>";
   write_bodies(out, bodies);
   out << "</worldbody>\n<equality>\n";
   for (const Hold& h : holds_of(s, bodies)) {
     out << (h.point ? "<connect anchor=\"" + numbers(h.in_a.p) + "\"" : "<weld") << " body1=\"" << name(h.a) << "\"";
     if (h.b >= 0) out << " body2=\"" << name(h.b) << "\"";
-    out << " solimp=\"0.9999 0.9999 0.001\"/>\n";
+    out << " solimp=\"" << dials.impedance << " " << dials.impedance << " 0.001\"/>\n";
   }
   out << "</equality></mujoco>\n";
   return out.str();
@@ -101,7 +111,8 @@ std::string warned;
 void keep_warning(const char* text) { warned = text; }
 
 struct Forward : Loaded {
-  explicit Forward(const Posed& scene) : s(scene), bodies(bodies_of(scene)), model(compile(mjcf(scene))) {
+  Forward(const Posed& scene, const Dials& dials)
+      : s(scene), bodies(bodies_of(scene)), model(compile(mjcf(scene, dials))) {
     data = mj_makeData(model);
     mju_copy(data->qvel, s.v.data(), model->nv);
     mju_zero(data->qfrc_applied, model->nv);
@@ -141,9 +152,9 @@ std::string refuses(const Posed& s, const std::string&) {
   return strange(s);
 }
 
-std::unique_ptr<Loaded> load(const Posed& s, const std::string&) {
+std::unique_ptr<Loaded> load(const Posed& s, const std::string& task) {
   mju_user_warning = keep_warning;
-  return std::make_unique<Forward>(s);
+  return std::make_unique<Forward>(s, dials_of(task));
 }
 
 }  // namespace

@@ -39,6 +39,13 @@ pin::ProximalSettings settings_for(const Posed& s) {
   return dependent ? pin::ProximalSettings(1e-12, 1e-6, 20) : pin::ProximalSettings(1e-12, 0, 1);
 }
 
+// "constraintDynamics:MU:ITERATIONS": all of these iterations, whatever their residual.
+pin::ProximalSettings dialled(const std::string& words, const pin::ProximalSettings& usual) {
+  const Task task = task_of(words);
+  if (task.dials.size() != 2) return usual;
+  return {0, task.dials[0], static_cast<int>(task.dials[1])};
+}
+
 struct Common : Loaded {
   explicit Common(const Posed& s)
       : model(model_of(s)), data(model), constraints(constraints_of(s, model)), q(s.q), v(s.v), tau(s.v) {
@@ -57,7 +64,8 @@ struct Common : Loaded {
 };
 
 struct ConstraintDynamics : Common {
-  explicit ConstraintDynamics(const Posed& s) : Common(s), settings(settings_for(s)) {
+  explicit ConstraintDynamics(const Posed& s, const std::string& words = {})
+      : Common(s), settings(dialled(words, settings_for(s))) {
     pin::initConstraintDynamics(model, data, constraints);
     ConstraintDynamics::run();
   }
@@ -73,7 +81,7 @@ struct Derivatives : ConstraintDynamics {
 };
 
 struct ConstrainedAba : Common {
-  explicit ConstrainedAba(const Posed& s) : Common(s), settings(1e-12, 1e-6, 5) {
+  ConstrainedAba(const Posed& s, const std::string& words) : Common(s), settings(dialled(words, {1e-12, 1e-6, 5})) {
     pin::initPvSolver(model, data, constraints);
   }
   void run() override { pin::constrainedABA(model, data, q, v, tau, constraints, constraint_datas, settings); }
@@ -105,9 +113,10 @@ std::string refuses(const Posed& s, const std::string& task) {
 }
 
 std::unique_ptr<Loaded> load(const Posed& s, const std::string& task) {
-  if (task == "constrainedABA") return std::make_unique<ConstrainedAba>(s);
-  if (task == "derivatives") return std::make_unique<Derivatives>(s);
-  if (task == "constraintDynamics") return std::make_unique<ConstraintDynamics>(s);
+  const std::string name = task_of(task).name;
+  if (name == "constrainedABA") return std::make_unique<ConstrainedAba>(s, task);
+  if (name == "derivatives") return std::make_unique<Derivatives>(s);
+  if (name == "constraintDynamics") return std::make_unique<ConstraintDynamics>(s, task);
   return std::make_unique<Bodies>(s, task);
 }
 

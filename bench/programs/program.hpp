@@ -27,8 +27,20 @@ struct Program {
   std::vector<std::string> of_bodies;
   /// Empty, or why this program does not do this.
   std::string (*refuses)(const Posed& scene, const std::string& task);
+  /// A task may have dials, numbers after its name: "constrainedABA:1e-6:5".
   std::unique_ptr<Loaded> (*load)(const Posed& scene, const std::string& task);
 };
+
+struct Task {
+  std::string name;
+  std::vector<double> dials;
+};
+Task task_of(const std::string& words);
+
+/// Runs the task of settings() on its scene: the accelerations, a number a line in manycontact's coordinates, go to
+/// settings().out, and the median time of a run [us] to standard output. Throws std::runtime_error where the program does
+/// not do this.
+void run_on_scene();
 
 /// The one this executable is for.
 const Program& program();

@@ -176,5 +176,22 @@ TEST(TheJudge, FindsWhatIsWrong) {
   EXPECT_FALSE(judge_as(c, other, folder.path().string(), {Method::kSparseLdl}).findings.empty());
 }
 
+// In each precision, what it claims: single allows what an error of a billionth in a mass does, extended does not.
+TEST(TheJudge, KnowsWhatAPrecisionClaims) {
+  const Case c = random_case(1, {});
+  const test::TemporaryFolder folder;
+  const auto found_in = [&](const std::string& precision, double change) {
+    Case other = c;
+    other.trees[0].links.back().mass *= 1 + change;
+    const Judgement j = judge_as(c, other, folder.path().string(), {});
+    return std::ranges::any_of(j.findings, [&](const Finding& f) { return f.method == "auto in " + precision; });
+  };
+  for (const char* precision : {"single", "mixed", "extended"}) EXPECT_FALSE(found_in(precision, 0)) << precision;
+  EXPECT_FALSE(found_in("single", 1e-9));
+  EXPECT_TRUE(found_in("single", 0.5));
+  EXPECT_TRUE(found_in("mixed", 1e-9));
+  EXPECT_TRUE(found_in("extended", 1e-9));
+}
+
 }  // namespace
 }  // namespace manycontact::attack

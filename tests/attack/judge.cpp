@@ -13,6 +13,7 @@
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
+#include "manycontact/dynamics/truth.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/simulation/switch.hpp"
 #include "reference.hpp"
@@ -24,6 +25,9 @@ namespace {
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kNoise = 100;  // times what an eps in every number of the input does to the truth
 constexpr int kBlurs = 4;
+// Contracts of Precision: an answer in single is refused beyond this, one in extended is as good as that up to a
+// condition.
+constexpr double kMostOfSingle = 1e-2, kMostOfExtended = 4 * kEps, kMostCondition = 1e15;
 
 double most(double a, double b) { return a > b || std::isnan(a) ? a : b; }
 
@@ -54,7 +58,7 @@ struct Trial {
   const Case& c;
   Reference truth;
   std::vector<std::unique_ptr<Reference>> blurs;
-  std::optional<bool> constant_rank;  // by rank_is_constant
+  std::optional<bool> constant_rank;             // by rank_is_constant
   std::map<std::pair<int, int>, Slopes> slopes;  // by rank and number of the direction, the same for every method
 
   const Slopes& along(int rank, int number, const Direction& direction) {
@@ -121,22 +125,33 @@ struct Trying {
 
   void find(Fault fault, std::string words) { out.findings.push_back({fault, name, std::move(words)}); }
   bool one_island() const { return data.report.islands.size() == 1; }
+  // Whether an island was solved in this precision.
+  bool in(Precision precision) const {
+    return std::ranges::any_of(data.report.islands, [=](const auto& i) { return i.precision == precision; });
+  }
 
   bool values();
   double excess(const Answer& t) const;
+  double allowed(const Answer& t) const;
   void judge_values(const Answer& t);
   void judge_status(const Answer& t);
   void judge_bounds(const Answer& t);
+  void judge_last_digits(const Answer& t);
   void judge_condition(const Answer& t);
   void judge_derivatives(const Answer& t);
-  void judge_derivative_bounds(const Answer& t, const std::vector<DerivativeBounds>& stated, const Blocks& blocks,
-                               const Probe& p, const Slopes& truth, double floor_a, double floor_f);
+  std::array<bool, 2> judge_derivative_bounds(const Answer& t, const std::vector<DerivativeBounds>& stated,
+                                              const Blocks& blocks, const Probe& p, const Slopes& truth, double floor_a,
+                                              double floor_f);
   void judge_products(const Answer& t, const Blocks& blocks, const double* floor_a, const double* floor_f,
                       double bound);
   double derivative_noise(const Answer& t, const Slopes& truth, const Direction& along, bool of_a);
 };
 
 double allowed(const Answer& t) { return std::max(1e-12, 100 * kEps * t.condition); }
+
+double Trying::allowed(const Answer& t) const {
+  return std::max(in(Precision::kSingle) ? kMostOfSingle : 0, attack::allowed(t));
+}
 
 constexpr double kVanishing = 1e-26;  // products of two that rounding leaves of what cancels
 
@@ -160,6 +175,8 @@ void Trying::judge_values(const Answer& t) {
                         std::size_t count, double bound) {
     const double d = distance(span(x), t.*of, first, count), size = size_of(t.*of, first, count);
     if (d <= allowed(t) * size) return;
+    const double gravity = Vec3<double>(trial.c.gravity.data()).norm();
+    if (in(Precision::kSingle) && of == &Answer::a && d <= kMostOfSingle * gravity) return;
     // What vanishes is rounding of what it is a difference of.
     const double of_terms =
         kEps * (of == &Answer::a ? std::max(t.terms, trial.truth.free_size())
@@ -210,16 +227,75 @@ void Trying::judge_condition(const Answer& t) {
     find(Fault::kCondition, text("condition %.2e, right is %.2e", data.report.condition, t.condition));
 }
 
+// Where an island's accelerations and forces are among the scene's.
+struct Places {
+  std::vector<std::size_t> a, f;
+};
+std::vector<Places> places_of(const Scene& scene, const SceneData& data) {
+  std::vector<Places> list(data.report.islands.size());
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const auto add_to = [](std::vector<std::size_t>& to) {
+      return [&to](int at, int, int n) {
+        for (int k = 0; k < n; ++k) to.push_back(static_cast<std::size_t>(at + k));
+      };
+    };
+    each_velocity_block(scene, island_of(data, i), add_to(list[i].a));
+    each_force_block(scene, data.f_offset, island_of(data, i), add_to(list[i].f));
+  }
+  return list;
+}
+
 void Trying::judge_bounds(const Answer& t) {
-  if (!one_island()) return;
-  const auto part = [&](const char* name, const Eigen::VectorXd& x, const Column& truth, double bound) {
-    const double d = distance(span(x), truth, 0, truth.size());
-    if (d > bound * largest(x))
-      find(Fault::kBound, text("%s off by %.2e of %.2e, bound %.2e, condition %.1e", name, d / largest(x), largest(x),
-                               bound, t.condition));
-  };
-  part("a", data.a, t.a, data.report.error_acceleration);
-  part("f", data.f, t.f, data.report.error_forces);
+  if (data.report.islands.size() != island_count(data)) return;  // one system of the whole scene
+  const std::vector<Places> places = places_of(file.scene, data);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const IslandReport& report = data.report.islands[i];
+    const auto part = [&](const char* name, const Eigen::VectorXd& x, Column Answer::*of,
+                          const std::vector<std::size_t>& rows, double bound) {
+      double off = 0, size = 0;
+      for (std::size_t row : rows) {
+        off = most(static_cast<double>(fabsq(Quad(x[row]) - (t.*of)[row])), off);
+        size = most(std::abs(x[row]), size);
+      }
+      if (!(off > bound * size)) return;
+      // The bounds of extended are those of the scene as it was read, without the rounding of the file's numbers.
+      if (report.precision == Precision::kExtended && off <= kNoise * trial.noise(t.rank, of, 0, (t.*of).size()))
+        return;
+      find(Fault::kBound, text("%s of island %zu off by %.2e of %.2e, bound %.2e, condition %.1e", name, i, off / size,
+                               size, bound, t.condition));
+    };
+    part("a", data.a, &Answer::a, places[i].a, report.error_acceleration);
+    part("f", data.f, &Answer::f, places[i].f, report.error_forces);
+  }
+}
+
+// Of islands solved in extended, against the scene as it was read, in quadruple precision by the library's own terms:
+// what the rounding of a file's numbers does to an answer is more than these digits.
+void Trying::judge_last_digits(const Answer& t) {
+  if (!in(Precision::kExtended) || !(t.condition <= kMostCondition)) return;
+  const auto quad = [](const Eigen::VectorXd& x) { return x.cast<manycontact::Quad>().eval(); };
+  const std::vector<char> active(file.scene.contacts.size(), 1);
+  const auto truth = solve_truth<manycontact::Quad>(file.scene, active, quad(file.q), quad(file.v), quad(file.u));
+  const std::vector<Places> places = places_of(file.scene, data);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const IslandReport& report = data.report.islands[i];
+    if (report.precision != Precision::kExtended || !truth.regular[i] || truth.rank[i] != report.rank) continue;
+    const auto part = [&](const char* name, const Eigen::VectorXd& x, const VecX<manycontact::Quad>& right,
+                          const std::vector<std::size_t>& rows, double bound, double terms) {
+      double off = 0, size = 0;
+      for (std::size_t row : rows) {
+        off = most(std::abs(static_cast<double>(x[row] - right[row])), off);
+        size = most(std::abs(x[row]), size);
+      }
+      const bool vanishes = size <= 1e-12 * terms;  // then its bound says how much of it is right
+      if (!(off > (vanishes ? bound : std::min(bound, kMostOfExtended)) * size)) return;
+      find(off > bound * size ? Fault::kBound : Fault::kValue,
+           text("%s of island %zu off by %.1f eps of %.1e, bound %.1f eps, %s, condition %.1e", name, i,
+                off / size / kEps, size, bound / kEps, to_string(report.status).c_str(), t.condition));
+    };
+    part("a", data.a, truth.a, places[i].a, report.error_acceleration, std::max(t.terms, trial.truth.free_size()));
+    part("f", data.f, truth.f, places[i].f, report.error_forces, trial.truth.load() / trial.truth.largest_J());
+  }
 }
 
 // A direction of one kind of coordinate: +-1 by a seed, or a single coordinate.
@@ -262,24 +338,6 @@ Direction direction_of(const Case& c, const std::vector<Probe>& all) {
   return d;
 }
 
-// Where an island's accelerations and forces are among the scene's.
-struct Places {
-  std::vector<std::size_t> a, f;
-};
-std::vector<Places> places_of(const Scene& scene, const SceneData& data) {
-  std::vector<Places> list(data.report.islands.size());
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const auto add_to = [](std::vector<std::size_t>& to) {
-      return [&to](int at, int, int n) {
-        for (int k = 0; k < n; ++k) to.push_back(static_cast<std::size_t>(at + k));
-      };
-    };
-    each_velocity_block(scene, island_of(data, i), add_to(list[i].a));
-    each_force_block(scene, data.f_offset, island_of(data, i), add_to(list[i].f));
-  }
-  return list;
-}
-
 constexpr const char* kNames[2][kKinds] = {{"da_dq", "da_dv", "da_du", "da_dw"},
                                            {"dforces_dq", "dforces_dv", "dforces_du", "dforces_dw"}};
 using Bounds = std::array<std::array<double, kKinds>, 2>;
@@ -301,12 +359,15 @@ double Trying::derivative_noise(const Answer& t, const Slopes& truth, const Dire
   return noise;
 }
 
-// Island by island, each beside its own matrices.
-void Trying::judge_derivative_bounds(const Answer& t, const std::vector<DerivativeBounds>& stated, const Blocks& blocks,
-                                     const Probe& p, const Slopes& truth, double floor_a, double floor_f) {
+// Island by island, each beside its own matrices. Whether all of a and of f are within bounds that say something.
+std::array<bool, 2> Trying::judge_derivative_bounds(const Answer& t, const std::vector<DerivativeBounds>& stated,
+                                                    const Blocks& blocks, const Probe& p, const Slopes& truth,
+                                                    double floor_a, double floor_f) {
   const std::vector<Places> places = places_of(file.scene, data);
-  if (stated.size() != places.size()) return;  // of one system of the whole scene
-  const auto part = [&](std::size_t island, int which, const Eigen::MatrixXd& block, const Column& right, double floor) {
+  if (stated.size() != places.size()) return {false, false};  // of one system of the whole scene
+  std::array<bool, 2> within{true, true};
+  const auto part = [&](std::size_t island, int which, const Eigen::MatrixXd& block, const Column& right,
+                        double floor) {
     const Eigen::VectorXd x = block * p.x;
     double off = 0, size = 0;
     for (std::size_t row : which == 0 ? places[island].a : places[island].f) {
@@ -314,16 +375,19 @@ void Trying::judge_derivative_bounds(const Answer& t, const std::vector<Derivati
       size = most(largest(block.row(row)), size);
     }
     const double bound = numbers(stated[island])[which][p.kind] * p.x.lpNorm<1>();
+    within[which] = within[which] && bound < 1 && off <= bound * size;
     if (off > bound * size + kVanishing * floor)
       find(Fault::kBound, text("%s of island %zu off by %.2e of %.2e, bound %.2e, condition %.1e",
                                kNames[which][p.kind], island, off, size, bound, t.condition));
     if (!std::isfinite(bound) && size > 0 && t.condition < 1e10)
-      find(Fault::kBound, text("%s of island %zu has none, condition %.1e", kNames[which][p.kind], island, t.condition));
+      find(Fault::kBound,
+           text("%s of island %zu has none, condition %.1e", kNames[which][p.kind], island, t.condition));
   };
   for (std::size_t i = 0; i < stated.size(); ++i) {
     part(i, 0, *blocks.a[p.kind], truth.a, floor_a);
     part(i, 1, *blocks.f[p.kind], truth.f, floor_f);
   }
+  return within;
 }
 
 void Trying::judge_derivatives(const Answer& t) {
@@ -356,19 +420,21 @@ void Trying::judge_derivatives(const Answer& t) {
   for (const Probe& p : probes({scene.nv, scene.nv, scene.nu, trial.c.wrenches()})) {
     const Direction along = direction_of(trial.c, {p});
     const Slopes& truth = trial.along(t.rank, ++number, along);
-    judge_derivative_bounds(t, stated, blocks, p, truth, floor_a[p.kind], floor_f[p.kind]);
+    const std::array<bool, 2> within =
+        judge_derivative_bounds(t, stated, blocks, p, truth, floor_a[p.kind], floor_f[p.kind]);
     const auto part = [&](int which, const Eigen::MatrixXd& block, const Column& right, double floor) {
       const Eigen::VectorXd x = block * p.x;
       const double off = distance(span(x), right, 0, right.size()), size = std::max(floor, largest(block));
       const double bound = bounds[which][p.kind] * p.x.lpNorm<1>();
-      if (off <= 10 * allowed(t) * size || (stated.size() == 1 && bound < 1 && off <= bound * largest(block))) return;
+      if (off <= 10 * allowed(t) * size || within[which]) return;
+      if (stated.size() == 1 && bound < 1 && off <= bound * largest(block)) return;
       const double noise = std::max(kEps * (which == 0 && p.kind >= 2 ? std::max(size, free) : size),
                                     derivative_noise(t, truth, along, which == 0));
       if (off <= 10 * kNoise * noise) return;
       good = false;
       find(Fault::kDerivative,
-           text("%s off by %.1e of %.1e, allowed %.1e, noise %.1e, %s, condition %.1e", kNames[which][p.kind], off, size,
-                10 * allowed(t), noise, to_string(data.report.status).c_str(), t.condition));
+           text("%s off by %.1e of %.1e, allowed %.1e, noise %.1e, %s, condition %.1e", kNames[which][p.kind], off,
+                size, 10 * allowed(t), noise, to_string(data.report.status).c_str(), t.condition));
     };
     part(0, *blocks.a[p.kind], truth.a, floor_a[p.kind]);
     part(1, *blocks.f[p.kind], truth.f, floor_f[p.kind]);
@@ -414,7 +480,8 @@ void Trying::judge_products(const Answer& t, const Blocks& blocks, const double*
   near("jvp a", da, right_a, size_a), near("jvp f", df, right_f, size_f);
   const Direction along = direction_of(trial.c, x);
   const Slopes& truth = trial.along(t.rank, 0, along);
-  const auto near_truth = [&](const char* name, const Eigen::VectorXd& got, const Column& right, double size, bool of_a) {
+  const auto near_truth = [&](const char* name, const Eigen::VectorXd& got, const Column& right, double size,
+                              bool of_a) {
     const double off = distance(span(got), right, 0, right.size());
     if (off <= tolerance * size || off <= 10 * kNoise * derivative_noise(t, truth, along, of_a)) return;
     find(Fault::kProduct, text("%s off the truth by %.1e of %.1e, allowed %.1e, condition %.1e", name, off, size,
@@ -431,13 +498,14 @@ void Trying::judge_products(const Answer& t, const Blocks& blocks, const double*
   Quad right = 0;
   for (int k = 0; k < scene.nv; ++k) right += Quad(wa[k]) * truth.a[k];
   for (Eigen::Index k = 0; k < df.size(); ++k) right += Quad(wf[k]) * truth.f[k];
-  const double off = static_cast<double>(fabsq(right - Quad(got))), size = sizes * static_cast<double>(scene.nv + df.size());
+  const double off = static_cast<double>(fabsq(right - Quad(got))),
+               size = sizes * static_cast<double>(scene.nv + df.size());
   if (off <= tolerance * size) return;
   const double noise = derivative_noise(t, truth, along, true) * wa.lpNorm<1>() +
                        (df.size() > 0 ? derivative_noise(t, truth, along, false) * wf.lpNorm<1>() : 0);
   if (!(off <= 10 * kNoise * noise))
-    find(Fault::kProduct, text("vjp off the truth by %.1e of %.1e, allowed %.1e, condition %.1e", off, size, tolerance,
-                               t.condition));
+    find(Fault::kProduct,
+         text("vjp off the truth by %.1e of %.1e, allowed %.1e, condition %.1e", off, size, tolerance, t.condition));
 }
 
 bool Trying::values() {
@@ -478,6 +546,8 @@ bool Trying::values() {
   judge_values(*best);
   judge_condition(*best);
   judge_bounds(*best);
+  judge_last_digits(*best);
+  if (in(Precision::kSingle)) return true;  // derivatives are as accurate as a and f, which are judged
   const bool exact = trial.truth.ranks().size() == 1 && best->condition < 1e13;
   if (exact && out.findings.size() == before && trial.rank_is_constant()) judge_derivatives(*best);
   return true;
@@ -500,8 +570,7 @@ double applied_size(const Case& c) {
   }
   for (const Tree& t : c.trees)
     for (const Link& l : t.links)
-      if (l.moves() && l.stiffness != 0)
-        size = std::max(size, l.stiffness * (std::abs(l.rest) + std::abs(t.q[l.iq])));
+      if (l.moves() && l.stiffness != 0) size = std::max(size, l.stiffness * (std::abs(l.rest) + std::abs(t.q[l.iq])));
   return size;
 }
 
@@ -560,7 +629,8 @@ Judgement judge_as(const Case& c, const Case& given, const std::string& folder, 
     }
   };
   for (Method method : methods) judge_by(method, Precision::kDouble);
-  judge_by(Method::kAuto, Precision::kMixed);
+  for (Precision precision : {Precision::kSingle, Precision::kMixed, Precision::kExtended})
+    judge_by(Method::kAuto, precision);
   judge_quasi_static(trial, file, out);
   return out;
 }

@@ -103,6 +103,19 @@ TEST_F(Export, SolutionIsThatOfSolve) {
   EXPECT_GE(text.find('e') - text.find('.'), 33u) << text;
 }
 
+// x of the scene has the last digits of a solve in extended precision; those of x differ, as K and b are rounded.
+TEST_F(Export, WritesTheSolutionOfTheScene) {
+  const std::string file = model("two_humanoids_carry_beam.xml");
+  write(file);
+  const auto json = solve({file, "--precision", "extended"});
+  ASSERT_EQ(json.at("report").at("precision"), "extended");
+  const LongMatrix f = column_of(json.at("forces"), -1);
+  const LongMatrix of_scene = read("island_0_scene_x.mtx").values.bottomRows(f.rows()),
+                   of_k = read("island_0_x.mtx").values.bottomRows(f.rows());
+  EXPECT_LT((of_scene - f).cwiseAbs().maxCoeff(), 4 * kEpsilon * f.cwiseAbs().maxCoeff());
+  EXPECT_GT((of_k - of_scene).cwiseAbs().maxCoeff(), 0);
+}
+
 // Every contact has its own rows, though solve reduces those between the same bodies, and x has forces of least norm.
 TEST_F(Export, KeepsRowsThatDependOnEachOther) {
   const std::string file = model("feet_on_corners.xml");

@@ -18,9 +18,6 @@ namespace manycontact::test {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-// Up to here the truth in quadruple precision, whose own error is its rounding times the condition, is better than eps.
-// Beyond, extended answers by different factors agree to more digits than any has in common with the truth.
-constexpr double kTrueCondition = 1e15;
 
 const std::vector<Way>& extended_ways() {
   static const std::vector<Way> all = [] {

@@ -14,6 +14,7 @@ namespace manycontact::test {
 namespace {
 
 constexpr double kNoDigits = 1e-2;         // an error above this is a wrong answer whatever the condition
+constexpr double kMostOfSingle = 1e-2;    // of the largest entry: single is refused beyond
 constexpr double kVanishingForce = 1e-12;  // of their scale: forces that balance to nothing
 
 bool is_failed(const Report& report, std::size_t island) { return report_of(report, island).status == Status::kFailed; }
@@ -29,7 +30,12 @@ bool failed_islands_are_nan(const Truths& truths, const SceneData& data) {
   return true;
 }
 
+bool any_in(Precision precision, const Report& report) {
+  return std::ranges::any_of(report.islands, [=](const auto& i) { return i.precision == precision; });
+}
+
 Outcome outcome_of(const Report& report, const Way& way) {
+  if (report.status != Status::kFailed && !any_in(way.options.precision, report)) return Outcome::kInDouble;
   switch (report.status) {
     case Status::kRedundant:
       return Outcome::kRedundant;
@@ -87,7 +93,9 @@ ValueErrors value_errors(const Truths& truths, const SceneData& data) {
     const double ef = relative(difference_of(data.f(at.f), f), vanishing > 0 ? vanishing : size_of(f));
     out.a = worse(out.a, ea);
     out.f = worse(out.f, ef);
-    out.excess = worse(out.excess, worse(ea, ef) / allowed(condition_of(truths, data.report, at.island)));
+    const bool single = report_of(data.report, at.island).precision == Precision::kSingle;
+    out.excess = worse(out.excess, worse(ea, ef) / std::max(single ? kMostOfSingle : 0,
+                                                            allowed(condition_of(truths, data.report, at.island))));
   }
   return out;
 }
@@ -158,6 +166,13 @@ std::string classes(const std::string& letters) {
   return out;
 }
 
+bool agree(const std::string& classes, const std::string& others) {
+  const std::string answers = "aDIGd";
+  return std::ranges::equal(classes, others, [&](char a, char b) {
+    return a == b || ((a == 'd' || b == 'd') && answers.find(a) < answers.size() && answers.find(b) < answers.size());
+  });
+}
+
 std::string Row::letters() const {
   std::string out;
   for (std::size_t k = 0; k < table_ways().size(); ++k) out += letter(cells[k].outcome);
@@ -165,12 +180,25 @@ std::string Row::letters() const {
 }
 
 const std::vector<Way>& table_ways() {
-  static const std::vector<Way> all = ways(true);
+  static const std::vector<Way> all = [] {
+    std::vector<Way> out = ways(true);
+    for (Precision precision : kPrecisions) {
+      if (precision == Precision::kDouble) continue;
+      out.push_back({"auto in " + to_string(precision), {}});
+      out.back().options.precision = precision;
+    }
+    return out;
+  }();
   return all;
 }
 
 const std::vector<Way>& judged_ways() {
-  static const std::vector<Way> all = ways_here(true);
+  static const std::vector<Way> all = [] {
+    std::vector<Way> out = table_ways();
+    const std::vector<Way> here = ways_here(true);
+    out.insert(out.end(), here.begin() + static_cast<std::ptrdiff_t>(ways(true).size()), here.end());
+    return out;
+  }();
   return all;
 }
 
@@ -192,13 +220,19 @@ Cell judge_answer(const Problem& p, const Truths& truths, SceneData& data, const
     wrong("numbers where there are none");
     return cell;
   }
-  for (std::size_t i = 0; i < truths.islands.size(); ++i)
+  for (std::size_t i = 0; i < truths.islands.size(); ++i) {
+    cell.condition = worse(cell.condition, condition_of(truths, data.report, i));
     cell.allowed = worse(cell.allowed, allowed(condition_of(truths, data.report, i)));
+  }
+  const bool single = any_in(Precision::kSingle, data.report);  // derivatives are as accurate as a and f
+  if (single) cell.allowed = worse(cell.allowed, kMostOfSingle);
   const ValueErrors e = value_errors(truths, data);
   cell.error_a = e.a;
   cell.error_f = e.f;
   cell.beyond_bound = beyond_bound(p, truths, data);
-  const DirectionErrors d = direction_errors(p, truths, data);
+  if (any_in(Precision::kExtended, data.report) && (p.only_known || cell.condition > kTrueCondition))
+    cell.beyond_bound = 0;  // the truth is no better
+  const DirectionErrors d = single ? DirectionErrors{} : direction_errors(p, truths, data);
   cell.error_d = d.largest;
   if (!(e.excess <= 1 && e.a <= kNoDigits && e.f <= kNoDigits)) wrong("values");
   if (!(d.excess <= 1)) wrong("derivatives");

@@ -47,8 +47,9 @@ class Summary : public testing::Environment {
     if (!beyond.empty())
       std::cout << "bound over true error: least " << 1 / beyond.back() << ", median " << 1 / beyond[beyond.size() / 2]
                 << ", 95 % below " << 1 / beyond[beyond.size() / 20] << "\n";
-    if (std::getenv("MANYCONTACT_WRITE_PAGE") && done.size() == all_causes().size())
-      std::ofstream(page_path()) << page(done);
+    if (!std::getenv("MANYCONTACT_WRITE_PAGE") || done.size() != all_causes().size()) return;
+    std::ofstream(page_path()) << page(done);
+    std::ofstream(errors_path()) << errors_by_precision(all);
   }
 };
 const testing::Environment* const summary = testing::AddGlobalTestEnvironment(new Summary);
@@ -72,7 +73,8 @@ TEST_P(Stability, NoWrongAnswers) {
       if (judged_ways()[k].options.method == Method::kDenseSchur) continue;
       EXPECT_TRUE(row.cells[k].answered && row.cells[k].outcome != Outcome::kRegularised)
           << row.which->name << " by " << judged_ways()[k].name << " " << row.cells[k].note;
-      EXPECT_LE(row.cells[k].error_a, 1e-9) << row.which->name << " by " << judged_ways()[k].name;
+      const bool single = judged_ways()[k].options.precision == Precision::kSingle;
+      EXPECT_LE(row.cells[k].error_a, single ? 1e-2 : 1e-9) << row.which->name << " by " << judged_ways()[k].name;
     }
   }
 // The page is the release build's, with every method: cases at the edge fall to either side by the compiler's choices.
@@ -80,7 +82,8 @@ TEST_P(Stability, NoWrongAnswers) {
   if (!std::getenv("MANYCONTACT_WRITE_PAGE")) {
     auto committed = read_page()[cases.cause];
     for (const Row& row : rows)
-      EXPECT_EQ(classes(row.letters()), committed[row.which->name]) << row.which->name << ": not as on the page";
+      EXPECT_TRUE(agree(classes(row.letters()), committed[row.which->name]))
+          << row.which->name << ": " << classes(row.letters()) << ", " << committed[row.which->name] << " on the page";
     EXPECT_EQ(committed.size(), rows.size());
   }
 #endif
@@ -110,7 +113,7 @@ TEST(Cases, ReachEveryOutcome) {
   std::string letters;
   for (const auto& [cause, rows] : read_page())
     for (const auto& [name, cells] : rows) letters += cells;
-  for (char c : std::string("aDIG-")) EXPECT_NE(letters.find(c), std::string::npos) << c;
+  for (char c : std::string("aDIGd-")) EXPECT_NE(letters.find(c), std::string::npos) << c;
   EXPECT_EQ(letters.find_first_of("WM"), std::string::npos);
 }
 

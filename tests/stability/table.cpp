@@ -10,7 +10,7 @@ namespace manycontact::test {
 namespace {
 
 const char* const kNames[] = {"exact",       "refined", "reordered", "fallback",    "redundant", "inconsistent",
-                              "regularised", "refused", "WRONG",     "MISLABELLED", "not tried"};
+                              "regularised", "in double", "refused", "WRONG",     "MISLABELLED", "not tried"};
 
 const char kIntroduction[] = R"(# Stability: every case by every method
 
@@ -28,6 +28,7 @@ if a number or a derivative is wrong, whatever the status.
 | `D` | redundant: contacts are dependent and consistent; unique accelerations, forces of least norm |
 | `I` | inconsistent: contacts contradict each other; least squares |
 | `G` | regularised: the damping is below rounding errors; the solution without it |
+| `d` | solved in double precision, because the requested precision is refused; otherwise as above |
 | `-` | refused: status `failed` and NaN, or an exception when the scene is built |
 | `W` | **wrong**: a wrong number or derivative, or an exception when solving |
 | `M` | **mislabelled**: right numbers, but `ok`, `redundant` and `inconsistent` are mixed up, or no damping was lost |
@@ -36,6 +37,14 @@ if a number or a derivative is wrong, whatever the status.
 The way to a solution is counted, but not compared: it may differ from machine to machine. Whether there is a solution
 may not differ. *exact* is the requested method and order with at most one step of refinement, *refined* the same with
 more steps. *reordered* is leaf-to-root order because the requested order was not accurate, *fallback* another method.
+
+The last columns are `auto` in single, mixed and extended precision. In single precision a number is right if its error is at
+most 1e-2 of the largest one, where single precision is refused, and at most the bound that the report states.
+[errors.csv](errors.csv) contains the numbers of both charts, which `bench/collection/stability.py` draws.
+
+![Error over condition, a chart for each precision](error_over_condition.png)
+
+![Error over its bound](error_over_bound.png)
 )";
 
 // How often each way reached each outcome, as columns of a table.
@@ -98,6 +107,26 @@ std::string text_table(const std::string& cause, const std::vector<Row>& rows) {
     }
   }
   out << "  " << counts(rows) << "\n";
+  return out.str();
+}
+
+std::string errors_path() { return MANYCONTACT_SOURCE_DIR "/tests/stability/errors.csv"; }
+
+std::string errors_by_precision(const std::vector<Row>& rows) {
+  std::ostringstream out;
+  out << "asked,solved,condition,error_a,error_f,error_over_bound\n";
+  for (std::size_t k = 0; k < table_ways().size(); ++k) {
+    const Options& options = table_ways()[k].options;
+    if (options.method != Method::kAuto) continue;
+    for (const Row& row : rows) {
+      const Cell& cell = row.cells[k];
+      if (!row.truth || !cell.answered) continue;
+      const bool refused = cell.outcome == Outcome::kInDouble;
+      out << to_string(options.precision) << "," << to_string(refused ? Precision::kDouble : options.precision) << ","
+          << number(cell.condition) << "," << number(cell.error_a) << "," << number(cell.error_f) << ","
+          << number(cell.beyond_bound) << "\n";
+    }
+  }
   return out.str();
 }
 

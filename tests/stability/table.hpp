@@ -16,6 +16,9 @@ std::string text_table(const std::string& cause, const std::vector<Row>& rows);
 std::string counts(const std::vector<Row>& rows);
 
 std::string page_path();
+std::string errors_path();
+/// A line per case and precision, by auto: precision that solved it, condition, errors of a and f, and over their bound.
+std::string errors_by_precision(const std::vector<Row>& rows);
 /// The page for these causes and rows.
 std::string page(const std::vector<std::pair<std::string, std::vector<Row>>>& causes);
 /// Letters by case, cause by cause, of the page as committed.

@@ -26,7 +26,7 @@ struct ExportPlan {
 
 std::vector<std::string> kinds_of(const ExportPlan& plan) {
   std::vector<std::string> kinds{".mtx", "_b.mtx", "_names.txt"};
-  if (plan.truth) kinds.push_back("_x.mtx");
+  if (plan.truth) kinds.insert(kinds.end(), {"_x.mtx", "_scene_x.mtx"});
   if (plan.derivatives) kinds.push_back("_db.mtx");
   if (plan.derivatives && plan.truth) kinds.push_back("_dx.mtx");
   return kinds;
@@ -62,10 +62,11 @@ std::vector<std::string> header(const ExportPlan& plan, const std::string& what,
 }
 
 // Solutions of the island's systems into their files.
-void write_truth(const ExportPlan& plan, const SceneFile& file, SceneData& data, const ExportedSystem& s, std::size_t i,
-                 ExportedPage& page) {
+void write_truth(const ExportPlan& plan, const ExactSolution& of_scene, const ExportedSystem& s, ExportedPage& page) {
   page.of_scene = page.rank < page.nc;
-  const ExactSolution x = page.of_scene ? solve_scene(file, data, s.island, i) : solve_exactly(s, s.b);
+  if (!page.of_scene && of_scene.x.size() > 0)
+    write_dense(plan.path(page.name + "_scene_x.mtx"), of_scene.x, header(plan, "x = [a; -f] of the scene", page));
+  const ExactSolution x = page.of_scene ? of_scene : solve_exactly(s, s.b);
   page.solution = x.x.size() > 0;
   page.digits = x.digits;
   if (page.solution) write_dense(plan.path(page.name + "_x.mtx"), x.x, header(plan, "x = [a; -f]", page));
@@ -76,7 +77,8 @@ void write_truth(const ExportPlan& plan, const SceneFile& file, SceneData& data,
   if (page.derivatives) write_dense(plan.path(page.name + "_dx.mtx"), dx.x, header(plan, "dx = [da; -df]", page));
 }
 
-ExportedPage write_island(const ExportPlan& plan, const SceneFile& file, SceneData& data, std::size_t i) {
+ExportedPage write_island(const ExportPlan& plan, const SceneFile& file, const SceneData& data, const Truth<Quad>& truth,
+                          std::size_t i) {
   const ExportedSystem s = system_of(file.scene, data, i, plan.derivatives);
   const IslandReport& report = data.report.islands[i];
   ExportedPage page;
@@ -92,7 +94,7 @@ ExportedPage write_island(const ExportPlan& plan, const SceneFile& file, SceneDa
   write_dense(plan.path(page.name + "_b.mtx"), Eigen::MatrixXd(s.b), header(plan, "b = [tau - h; -a0]", page));
   write_names(file.scene, data, s.island, plan.path(page.name + "_names.txt"));
   if (s.db.size() > 0) write_sparse(plan.path(page.name + "_db.mtx"), s.db, header(plan, "db = -[dr1; dr2]", page));
-  if (plan.truth) write_truth(plan, file, data, s, i, page);
+  if (plan.truth) write_truth(plan, of_island(truth, file.scene, data, s.island, i), s, page);
   return page;
 }
 
@@ -134,10 +136,11 @@ int run_export(const Arguments& arguments) {
   if (plan.derivatives) (void)differentiate(file.scene, data);
   estimate_condition(file.scene, data);
 
+  const Truth<Quad> truth = plan.truth ? solve_scene(file, data) : Truth<Quad>{};
   std::vector<ExportedPage> pages;
   Progress progress("islands", static_cast<double>(island_count(data)));
   for (std::size_t i = 0; i < island_count(data); ++i) {
-    pages.push_back(write_island(plan, file, data, i));
+    pages.push_back(write_island(plan, file, data, truth, i));
     progress.update(static_cast<double>(i + 1));
   }
   progress.clear();

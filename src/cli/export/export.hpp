@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "manycontact/dynamics/data.hpp"
+#include "manycontact/dynamics/truth.hpp"
 #include "manycontact/io/scene_file.hpp"
 #include "manycontact/kkt/island.hpp"
 
@@ -44,9 +45,11 @@ struct ExactSolution {
 ExactSolution solve_exactly(const ExportedSystem& system, const Eigen::MatrixXd& b);
 inline constexpr int kDenseUnknowns = 400;
 
-/// [a; -f] of the scene itself in quadruple precision, with forces of least norm, for an island with dependent rows.
-/// Empty if the island is larger than kDenseUnknowns.
-ExactSolution solve_scene(const SceneFile& file, SceneData& data, const Island& island, std::size_t i);
+/// The solution of the scene itself in quadruple precision, with forces of least norm where rows are dependent.
+Truth<Quad> solve_scene(const SceneFile& file, SceneData& data);
+/// [a; -f] of an island of it. Empty if rows are dependent and the island is larger than kDenseUnknowns.
+ExactSolution of_island(const Truth<Quad>& truth, const Scene& scene, const SceneData& data, const Island& island,
+                        std::size_t i);
 
 /// Matrix Market files. `comments` are lines of the header. Throw InputError if a file cannot be written.
 void write_symmetric(const std::string& path, const Eigen::SparseMatrix<double>& K,

@@ -14,6 +14,7 @@ constexpr const char* kFiles = R"(| file | contents |
 | `island_N.mtx` | K, symmetric, the lower triangle in coordinates |
 | `island_N_b.mtx` | b, one column |
 | `island_N_x.mtx` | with `--truth`: x, in 34 digits |
+| `island_N_scene_x.mtx` | with `--truth`: x of the scene, whose K and b are not rounded to double precision, in 34 digits |
 | `island_N_db.mtx` | with `--derivatives`: the right-hand sides of the derivatives, columns [q, v, u], in coordinates |
 | `island_N_dx.mtx` | with both: their solutions, in 34 digits |
 | `island_N_names.txt` | the name of each row of K: a velocity coordinate, or a constraint row |

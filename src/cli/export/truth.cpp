@@ -1,7 +1,5 @@
 // Solutions in quadruple precision.
 
-#include "manycontact/dynamics/truth.hpp"
-
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
@@ -110,10 +108,13 @@ ExactSolution solve_exactly(const ExportedSystem& s, const Eigen::MatrixXd& b) {
   return s.size() <= kDenseUnknowns ? solve_densely(s, b) : ExactSolution{};
 }
 
-ExactSolution solve_scene(const SceneFile& file, SceneData& data, const Island& island, std::size_t i) {
-  const Scene& scene = file.scene;
-  const Truth<Quad> truth =
-      refine_truth<Quad>(scene, data, file.q.cast<Quad>(), file.v.cast<Quad>(), file.u.cast<Quad>(), kDenseUnknowns);
+Truth<Quad> solve_scene(const SceneFile& file, SceneData& data) {
+  return refine_truth<Quad>(file.scene, data, file.q.cast<Quad>(), file.v.cast<Quad>(), file.u.cast<Quad>(),
+                            kDenseUnknowns);
+}
+
+ExactSolution of_island(const Truth<Quad>& truth, const Scene& scene, const SceneData& data, const Island& island,
+                        std::size_t i) {
   if (!truth.regular[i]) return {};
   ExactSolution out{MatX<Quad>(island.size(), 1), kMostDigits};
   each_velocity_block(scene, island,

@@ -56,9 +56,10 @@ const Command& export_command() {
       {{"--out", "DIR", "where the files and a README.md about them go; it is made when it is missing", true},
        {"--truth", "", "also solutions, in 34 digits"},
        {"--derivatives", "", "also the right-hand sides of the derivatives"}},
-      "DIR/island_N.mtx is K = [M J^T; J -delta I] of the scene's own contacts, island_N_b.mtx is b, island_N_x.mtx\n"
-      "x = [a; -f], island_N_db.mtx and island_N_dx.mtx those of the derivatives, island_N_names.txt the names of the\n"
-      "rows. DIR/README.md lists sizes, ranks, conditions and the correct digits of the solutions.\n"
+      "DIR/island_N.mtx is K = [M J^T; J -delta I] of the scene's own contacts, island_N_b.mtx is b, island_N_x.mtx is\n"
+      "x = [a; -f]. island_N_scene_x.mtx is x of the scene, before K and b were rounded. island_N_db.mtx and\n"
+      "island_N_dx.mtx are those of the derivatives, island_N_names.txt the names of the rows. DIR/README.md lists sizes,\n"
+      "ranks, conditions and the correct digits of the solutions.\n"
       "Exit status: 0; 2 bad usage, bad input or output.\n",
       nullptr,
       nullptr,

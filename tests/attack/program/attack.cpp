@@ -1,5 +1,6 @@
-// usage: attack SECONDS FIRST_SEED FOLDER [DIMENSION...]   random cases for that long from that seed on; what is found
-// is shrunk and kept in FOLDER, one folder a fault. Exit 1 where anything was found.
+// usage: attack SECONDS FIRST_SEED FOLDER [--auto] [DIMENSION...]   random cases for that long from that seed on; what
+// is found is shrunk and kept in FOLDER, one folder a fault. Exit 1 where anything was found. --auto: of the methods
+// only auto, in every precision.
 
 #include <chrono>
 #include <cstdio>
@@ -23,8 +24,9 @@ struct Tally {
 // The smallest case found of a fault, with what was found and how to see it again.
 void keep(const Case& c, const Finding& finding, const std::string& folder) {
   test::TemporaryFolder scratch;
-  const std::vector<Method> methods =
-      finding.method.empty() ? std::vector<Method>{} : std::vector<Method>{*method_from_string(finding.method)};
+  const std::size_t in = finding.method.find(" in ");  // a precision: every judgement contains these
+  std::vector<Method> methods;
+  if (const auto method = method_from_string(finding.method)) methods.push_back(*method);
   const auto same = [&](const Case& smaller) {
     for (const Finding& f : judge(smaller, scratch.path().string(), methods).findings)
       if (f.fault == finding.fault) return true;
@@ -35,10 +37,15 @@ void keep(const Case& c, const Finding& finding, const std::string& folder) {
   std::ofstream(folder + "/finding.txt") << c.name << "\n"
                                          << to_string(finding.fault) << ": " << finding.text << "\n"
                                          << "manycontact solve " << scene << " --derivatives"
-                                         << (finding.method.empty() ? "" : " --method " + finding.method) << "\n";
+                                         << (in != std::string::npos  ? " --precision " + finding.method.substr(in + 4)
+                                             : finding.method.empty() ? ""
+                                                                      : " --method " + finding.method)
+                                         << "\n";
 }
 
-int attack(double seconds, std::uint64_t first, const std::string& folder, const std::vector<std::string>& dimensions) {
+int attack(double seconds, std::uint64_t first, const std::string& folder, std::vector<std::string> dimensions) {
+  const bool only_auto = std::erase(dimensions, "--auto") > 0;
+  const std::vector<Method> methods = only_auto ? std::vector{Method::kAuto} : test::methods();
   test::TemporaryFolder scratch;
   Tally tally;
   std::map<std::string, int> kept;
@@ -46,7 +53,7 @@ int attack(double seconds, std::uint64_t first, const std::string& folder, const
   const auto spent = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
   for (std::uint64_t seed = first; spent() < seconds; ++seed) {
     const Case c = random_case(seed, dimensions.empty() ? draw_dimensions(seed, kDimensions) : dimensions);
-    const Judgement j = judge(c, scratch.path().string(), test::methods());
+    const Judgement j = judge(c, scratch.path().string(), methods);
     ++tally.cases, tally.judged += j.judged, tally.faulty += !j.findings.empty();
     for (const Finding& f : j.findings) {
       ++tally.faults[to_string(f.fault)];
@@ -67,7 +74,7 @@ int attack(double seconds, std::uint64_t first, const std::string& folder, const
 
 int main(int argc, char** argv) {
   if (argc < 4) {
-    std::fprintf(stderr, "usage: attack SECONDS FIRST_SEED FOLDER [DIMENSION...]\n");
+    std::fprintf(stderr, "usage: attack SECONDS FIRST_SEED FOLDER [--auto] [DIMENSION...]\n");
     return 2;
   }
   return manycontact::attack::attack(std::atof(argv[1]), std::strtoull(argv[2], nullptr, 10), argv[3],
