@@ -227,13 +227,30 @@ void refuse_unless_dependent(const Scene& scene, SceneData& data, ExtendedWork& 
       });
 }
 
-// The rest of open islands by steps of y, until these change nothing that the answer shows: of forces their own digits,
-// of what least squares leave the digits of double-double, since x is what is left beside it.
+// The step dy of a projection, in e.r_a: of forces S^2 J dy = rest; of residuals J^T S^2 J dy = J^T S^2 rest, by forces
+// z of J^T z = J^T S^2 rest and S^2 J dy = z.
+void step_of_projection(const Scene& scene, SceneData& data, bool forces, ExtendedWork& e) {
+  if (forces) {
+    e.equations->rest(part_of(e), e.r.data());
+  } else {
+    e.equations->gradient_of_rest(part_of(e), e.r_a.data());
+    e.r.setZero();
+    invert(scene, data, e);
+    for (int c : e.contacts)
+      for (int i = 0, k = data.f_offset[static_cast<std::size_t>(c)];
+           i < scene.contacts[static_cast<std::size_t>(c)].rows(); ++i, ++k)
+        e.r[k] /= -e.weights[k] * e.weights[k];
+  }
+  e.r_a.setZero();
+  invert(scene, data, e);
+}
+
+// The rest of open islands by steps of y, until these change nothing that the solution shows: of forces their own
+// digits, of what least squares leave the digits of double-double, since x may be small beside it.
 void project(const Scene& scene, SceneData& data, extended::Equations::Projected what, ExtendedWork& e) {
   const bool forces = what == extended::Equations::Projected::kForces;
   e.equations->begin_projection(part_of(e), what, e.weights.data());
-  e.equations->rest(part_of(e), e.r.data());
-  e.rest = e.r;
+  e.equations->rest(part_of(e), e.rest.data());
   repeat(
       data, e,
       [&](std::size_t i, OfIsland& of, int step) {
@@ -251,9 +268,7 @@ void project(const Scene& scene, SceneData& data, extended::Equations::Projected
         return Progress::kGoesOn;
       },
       [&] {
-        e.equations->rest(part_of(e), e.r.data());
-        e.r_a.setZero();
-        invert(scene, data, e);
+        step_of_projection(scene, data, forces, e);
         e.equations->project(part_of(e), e.r_a.data(), e.rest.data());
       });
 }

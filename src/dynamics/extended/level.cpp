@@ -52,6 +52,7 @@ class LevelEquations final : public Equations {
   void begin_projection(const Part& part, Projected what, const double* weights) override;
   void project(const Part& part, const double* dy, double* change) override;
   void rest(const Part& part, double* f) const override;
+  void gradient_of_rest(const Part& part, double* torque) override;
   void take_rest(const Part& part) override;
   void set_rest(const Part& part, const double* f) override;
   double torque_of_rest(const Part& part, double* torque) override;
@@ -90,7 +91,8 @@ class LevelEquations final : public Equations {
   std::vector<V6> w_;
   VecX<S> q_, v_, tau_;                    // of the scene
   VecX<S> a_, f_, b_a_, b_f_, r_a_, r_f_;  // x, b and r
-  VecX<S> y_, torque_, rest_, square_;     // scratch
+  VecX<S> y_, torque_;                     // scratch
+  VecX<S> rest_, square_, weighed_;        // of projections: the rest, S^2, their product
   Projected projected_ = Projected::kForces;
 };
 
@@ -105,7 +107,7 @@ LevelEquations::LevelEquations(const Scene& scene) : contacts_(scene.contacts.si
   w_.resize(scene.pushes.size());
   q_.resize(scene.nq);
   for (VecX<S>* x : {&v_, &tau_, &a_, &b_a_, &r_a_, &y_, &torque_}) x->resize(scene.nv);
-  for (VecX<S>* x : {&f_, &b_f_, &r_f_, &rest_, &square_}) x->resize(all);
+  for (VecX<S>* x : {&f_, &b_f_, &r_f_, &rest_, &square_, &weighed_}) x->resize(all);
 }
 
 // Friction, springs and external wrenches beside the torques given.
@@ -263,7 +265,7 @@ void LevelEquations::difference(const Part& part, const double* a, const double*
 void LevelEquations::begin_projection(const Part& part, Projected what, const double* weights) {
   projected_ = what;
   each_row(part, [&](Eigen::Index k) {
-    square_[k] = what == Projected::kForces ? S(weights[k]) * S(weights[k]) : S(1);
+    square_[k] = S(weights[k]) * S(weights[k]);
     rest_[k] = what == Projected::kForces ? f_[k] : r_f_[k];
   });
 }
@@ -274,15 +276,21 @@ void LevelEquations::project(const Part& part, const double* dy, double* change)
   for (int c : part.contacts) {
     const Rows Jy = contact_rows_of_motion(c);
     for (Eigen::Index i = 0, k = first_row(c); i < rows(c); ++i, ++k) {
-      const S taken = square_[k] * Jy[i];
-      rest_[k] -= taken;
-      change[k] = static_cast<double>(taken) / static_cast<double>(square_[k]);
+      rest_[k] -= projected_ == Projected::kForces ? square_[k] * Jy[i] : Jy[i];
+      change[k] = static_cast<double>(Jy[i]);
     }
   }
 }
 
 void LevelEquations::rest(const Part& part, double* f) const {
   each_row(part, [&](Eigen::Index k) { f[k] = static_cast<double>(rest_[k]) / static_cast<double>(square_[k]); });
+}
+
+void LevelEquations::gradient_of_rest(const Part& part, double* torque) {
+  each_row(part, [&](Eigen::Index k) { weighed_[k] = square_[k] * rest_[k]; });
+  put_forces(part, weighed_.data());
+  torques(part, false);
+  each_coordinate(part, [&](Eigen::Index k) { torque[k] = -static_cast<double>(torque_[k]); });
 }
 
 void LevelEquations::take_rest(const Part& part) {
