@@ -23,6 +23,7 @@ struct Job {
   std::span<const Vec6<double>> w;   // external wrenches, one per push of the scene
   bool applied;                      // whether any wrench or spring acts
   const double* prescribed;          // of the rows, as f; nullptr: zero
+  const double* damping;             // delta, per contact of the scene
   const std::vector<int>& f_offset;  // per contact; negative: not active
 };
 

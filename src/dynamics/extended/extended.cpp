@@ -17,6 +17,7 @@ ExtendedWork::ExtendedWork(const Scene& scene) : equations(extended::level_here(
   Eigen::Index rows = 0;
   for (const Contact& contact : scene.contacts) rows += contact.rows();
   for (Eigen::VectorXd* x : {&f, &r, &weights, &rest}) x->setZero(rows);
+  damping.resize(scene.contacts.size());
 }
 
 namespace internal {
@@ -37,7 +38,8 @@ bool has_pairs(const SceneData& data, std::size_t i) {
 // Whether the double answer is one of this scene's equations.
 bool may_refine(const IslandWork& d, const IslandReport& report) {
   if (!d.answered || d.matrix.tolerated > 0) return false;
-  if (report.status == Status::kRegularised) return report.reason == Reason::kUncertain;
+  if (report.status == Status::kRegularised)
+    return report.reason == Reason::kUncertain || report.reason == Reason::kDampingLost;
   return report.status <= Status::kInconsistent;
 }
 
@@ -88,14 +90,20 @@ void invert(const Scene& scene, SceneData& data, ExtendedWork& e) {
     e.r.head(rows) = -x.y.head(rows);
   } else {
     reduce_forces(data, e.r.data(), x.y.data());
-    if (scene.damping > 0) {  // the damping alone bears what the pairs' contacts contradict each other by
+    const bool damped = scene.damping > 0;  // the damping alone bears what the pairs' contacts contradict each other by
+    if (damped) {
       expand_forces(data, x.y.data(), e.rest.data());
-      e.rest.head(rows) = (e.r.head(rows) - e.rest.head(rows)) / scene.damping;
+      for (int c : e.contacts)
+        for (int i = 0, k = data.f_offset[static_cast<std::size_t>(c)];
+             i < scene.contacts[static_cast<std::size_t>(c)].rows(); ++i, ++k) {
+          const double damping = e.damping[static_cast<std::size_t>(c)];
+          e.rest[k] = damping > 0 ? (e.r[k] - e.rest[k]) / damping : 0;
+        }
     }
     invert_islands(of, solved, e);
     expand_forces(data, x.y.data(), e.r.data());
     e.r.head(rows) *= -1;
-    if (scene.damping > 0) e.r.head(rows) += e.rest.head(rows);
+    if (damped) e.r.head(rows) += e.rest.head(rows);
   }
   e.r_a = x.a;
 }
@@ -302,12 +310,14 @@ void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
     of.refined = may_refine(*solver.islands[i], report);
     if (!of.refined) continue;
     of.status = report.status, of.reason = report.reason;
-    if (report.status == Status::kRegularised) {  // by bounds of an earlier call
+    if (report.reason == Reason::kUncertain) {  // by bounds of an earlier call
       of.status = report.rank < report.nc ? Status::kRedundant : Status::kOk;
       of.reason = Reason::kNone;
     }
     const Island& island = island_of(data, i);
-    of.projects = scene.damping == 0 && (report.rank < report.nc || has_pairs(data, i));
+    const double damping = report.reason == Reason::kDampingLost ? 0 : scene.damping;
+    for (int c : island.contacts) e.damping[static_cast<std::size_t>(c)] = damping;
+    of.projects = damping == 0 && (report.rank < report.nc || has_pairs(data, i));
     of.size_a = largest(scene, island, data.a);
     of.size_f = largest_force(scene, data.f_offset, island, data.f);
     of.at_rest_a = std::max(scene.gravity.norm(), report.contact_terms);
@@ -334,6 +344,7 @@ void refine(const Scene& scene, SceneData& data, ExtendedWork& e) {
                           data.pushes,
                           forces_are_applied(*solved_data(data).workspace),
                           w.prescribed.empty() ? nullptr : w.prescribed.data(),
+                          e.damping.data(),
                           data.f_offset};
   e.equations->begin(job, part_of(e), data.a.data(), data.f.data());
   take_dependence(scene, data, e);
@@ -383,6 +394,7 @@ struct Distance {
 double relative_bound(const Distance& of, bool extended) {
   if (of.by_inverse == 0) return 0;
   const double bound = of.error() / of.size;
+  if (!std::isfinite(bound)) return of.by_inverse;
   return !extended && of.vanishes() ? std::max(bound, 1.0) : bound;
 }
 
@@ -415,9 +427,7 @@ void take_extended_bounds(const Scene& scene, SceneData& data) {
     const Distance f{largest_force(scene, data.f_offset, island, data.f), of.size_f, report.error_forces,
                      largest_force(scene, data.f_offset, island, e.r),    of.last_f, of.at_rest_f};
     const bool extended = report.precision == Precision::kExtended;
-    const double bound_a = relative_bound(a, extended), bound_f = relative_bound(f, extended);
-    if (!std::isfinite(bound_a) || !std::isfinite(bound_f)) continue;
-    report.error_acceleration = bound_a, report.error_forces = bound_f;
+    report.error_acceleration = relative_bound(a, extended), report.error_forces = relative_bound(f, extended);
     if (a.is_known(a.error()) && f.is_known(f.error())) report.status = of.status, report.reason = of.reason;
   }
 }

@@ -42,6 +42,7 @@ struct ExtendedWork {
   Eigen::VectorXd a, f;               // x, rounded
   Eigen::VectorXd r, r_a;             // of the scene: residuals
   Eigen::VectorXd weights, rest;      // per row of f
+  std::vector<double> damping;        // per contact: the scene's, or none where it was lost in rounding
 };
 
 namespace internal {

@@ -85,6 +85,7 @@ class LevelEquations final : public Equations {
 
   const Scene* scene_ = nullptr;
   const std::vector<int>* f_offset_ = nullptr;
+  const double* damping_ = nullptr;
   std::vector<std::unique_ptr<RobotWork>> robots_;
   std::vector<std::optional<ContactData<S>>> contacts_;  // no J
   std::optional<AppliedForces<S>> applied_;
@@ -145,6 +146,7 @@ void LevelEquations::evaluate(const Job& job, const Part& part) {
 void LevelEquations::begin(const Job& job, const Part& part, const double* a, const double* f) {
   scene_ = &job.scene;
   f_offset_ = &job.f_offset;
+  damping_ = job.damping;
   evaluate(job, part);
   for (int r : part.robots) {
     const Robot& of = scene_->robots[static_cast<std::size_t>(r)];
@@ -236,8 +238,8 @@ void LevelEquations::evaluate_residual(const Part& part) {
   }
   for (int c : part.contacts) {
     const Rows Ja = contact_rows_of_motion(c);
-    for (Eigen::Index i = 0, k = first_row(c); i < rows(c); ++i, ++k)
-      r_f_[k] = b_f_[k] - Ja[i] - S(scene_->damping) * f_[k];
+    const S damping(damping_[c]);
+    for (Eigen::Index i = 0, k = first_row(c); i < rows(c); ++i, ++k) r_f_[k] = b_f_[k] - Ja[i] - damping * f_[k];
   }
 }
 
