@@ -171,6 +171,26 @@ TEST(RandomProblems, ConstraintsThatContradictAreNeverMet) {
   }
 }
 
+// Here quasi-Newton steps end far from the optimum, after steps of the box rule that were all short; from there the box
+// rule has long ones.
+TEST(RandomProblems, TheBoxRuleGoesOnFromWhereQuasiNewtonStepsEnd) {
+  constexpr int kSeed = 230;
+  const double limit = 0.5 * RandomProblem(kSeed).best().lpNorm<Eigen::Infinity>();
+  const RandomProblem p(kSeed, 1, limit);
+  const double best = p.cost(p.best_within(limit));
+  for (const double guess : {0.0, 1.0}) {
+    SCOPED_TRACE(guess);
+    Vectors us = p.us;
+    for (VectorXd& u : us) u *= guess;
+    SolverBoxFDDP solver(p.problem);
+    solver.set_th_stop(1e-12);
+    solver.set_th_kkt(1e-9);
+    EXPECT_TRUE(solver.solve(p.xs, us, 200)) << to_string(solver.reason());
+    EXPECT_LE(solver.get_kkt_residual(), 1e-9);
+    EXPECT_NEAR(p.cost(RandomProblem::stacked(solver.get_us())), best, 1e-9 * std::abs(best));
+  }
+}
+
 // MANYCONTACT_CONTROL_ATTACK=1000: so many (tests/task/control_attack_test.cpp).
 TEST(RandomProblems, LimitsAreKeptAtLeastCost) {
   const char* asked = std::getenv("MANYCONTACT_CONTROL_ATTACK");

@@ -160,6 +160,8 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   bool findDirection(bool recalc);  // computes a direction, and increases the regularisation if it fails
   bool searchLine();                // tries steps along the direction; returns whether one was accepted
   bool adaptRegularization();  // adapts the regularisation to the last step; returns whether it is below its maximum
+  StopReason iterate(std::size_t first,
+                     std::size_t maxiter);              // Crocoddyl's iterations from number `first` on, and polish
   StopReason polish(std::size_t maxiter);               // continues until the KKT residual is below th_kkt
   StopReason descendWithinLimits(std::size_t maxiter);  // continues with `descend`, within control limits
   bool isOptimalWithinLimits();                         // whether the projected gradient promises no gain

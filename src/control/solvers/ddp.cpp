@@ -150,54 +150,54 @@ void SolverDDP::start(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
 bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us,
                       std::size_t maxiter, bool is_feasible, double init_reg) {
   start(init_xs, init_us, is_feasible, init_reg);
+  if (judges_ && keeps_limits()) allocateDescent();  // of the verdict at the end
+  reason_ = iterate(0, maxiter);
+  constexpr int kRounds = 3;
+  for (int round = 0;; ++round) {
+    // Crocoddyl's rule may stop near the optimum instead of at it. This is decided by th_kkt, or by the gap if no
+    // th_kkt was set.
+    const bool by_kkt = std::isfinite(th_kkt_);
+    const bool doubted = reason_ == StopReason::kConverged && judges_ && keeps_limits() && !by_kkt;
+    if (!(doubted && !isOptimalWithinLimits()) && !(reason_ == StopReason::kNoStep && is_feasible_)) break;
+    if (!keeps_limits()) {
+      if (by_kkt) reason_ = judgeWithoutStep();
+      break;
+    }
+    const double before = cost_;
+    reason_ = descendWithinLimits(maxiter);
+    // Where quasi-Newton steps bring no more, the box rule may go on from what they brought.
+    if (reason_ != StopReason::kNoStep || round == kRounds || !(judges_ || by_kkt) || !(cost_ < before)) break;
+    problem_->calc(xs_, us_);
+    preg_ = dreg_ = reg_min_ * scale_;
+    reason_ = iterate(1, maxiter);
+  }
+  return reason_ == StopReason::kConverged;
+}
+
+StopReason SolverDDP::iterate(std::size_t first, std::size_t maxiter) {
   bool recalc = true;
   // Directions within limits may be good for short steps only, for hundreds of them; those of `descend` are not. Not
   // where Crocoddyl's iterates are asked for, and nothing more.
   constexpr double kShort = 1. / 16;
   constexpr int kManyShort = 10;
   int short_steps = 0;  // in a row
-  reason_ = StopReason::kIterations;
-  if (judges_ && keeps_limits()) allocateDescent();  // of the verdict at the end
-  for (iter_ = 0; iter_ < maxiter; ++iter_) {
-    if (!findDirection(recalc)) {
-      reason_ = StopReason::kNoDirection;
-      break;
-    }
+  for (iter_ = first; iter_ < maxiter; ++iter_) {
+    if (!findDirection(recalc)) return StopReason::kNoDirection;
     recalc = searchLine() || rollOutCandidate();
-    if (!adaptRegularization()) {
-      reason_ = StopReason::kNoStep;
-      break;
-    }
+    if (!adaptRegularization()) return StopReason::kNoStep;
     stop_ = stoppingCriteria();
     callCallbacks();
     if (was_feasible_ && stop_ < th_stop_ * scale_) {
-      reason_ = StopReason::kConverged;
-      break;
+      if (!std::isfinite(th_kkt_)) return StopReason::kConverged;
+      const StopReason polished = polish(maxiter);
+      // Polishing by the box rule may go round between limits for ever.
+      return keeps_limits() && polished == StopReason::kIterations ? StopReason::kNoStep : polished;
     }
-    if (interrupted_) {
-      reason_ = StopReason::kInterrupted;
-      break;
-    }
+    if (interrupted_) return StopReason::kInterrupted;
     short_steps = stepped_ && is_feasible_ && steplength_ <= kShort ? short_steps + 1 : 0;
-    if (keeps_limits() && std::isfinite(th_kkt_) && short_steps == kManyShort) {
-      reason_ = StopReason::kNoStep;
-      break;
-    }
+    if (keeps_limits() && std::isfinite(th_kkt_) && short_steps == kManyShort) return StopReason::kNoStep;
   }
-  const bool polished = reason_ == StopReason::kConverged && std::isfinite(th_kkt_);
-  if (polished) reason_ = polish(maxiter);
-  // Polishing by the box rule may go round between limits for ever.
-  if (polished && keeps_limits() && reason_ == StopReason::kIterations) reason_ = StopReason::kNoStep;
-  // Crocoddyl's rule may stop near the optimum instead of at it. This is decided by th_kkt, or by the gap if no th_kkt
-  // was set.
-  const bool doubted = reason_ == StopReason::kConverged && judges_ && keeps_limits() && !std::isfinite(th_kkt_);
-  if ((doubted && !isOptimalWithinLimits()) || (reason_ == StopReason::kNoStep && is_feasible_)) {
-    if (keeps_limits())
-      reason_ = descendWithinLimits(maxiter);
-    else if (std::isfinite(th_kkt_))
-      reason_ = judgeWithoutStep();
-  }
-  return reason_ == StopReason::kConverged;
+  return StopReason::kIterations;
 }
 
 namespace {
