@@ -50,7 +50,7 @@ TEST_F(Solve, TellsThePrecision) {
 }
 
 TEST_F(Solve, QualityOnRequest) {
-  const std::string herd = kModels + std::string("herd.xml");
+  const std::string herd = model("herd.xml");
   EXPECT_FALSE(solve({herd}).at("report").at("island_list").at(0).contains("quality"));
   for (const json& island : solve({herd, "--quality"}).at("report").at("island_list")) {
     const json& of = island.at("quality");

@@ -7,6 +7,7 @@
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/dynamics/truth.hpp"
+#include "manycontact/io/urdf.hpp"
 #include "manycontact/simulation/step.hpp"
 #include "support/allocations.hpp"
 #include "support/applied.hpp"

@@ -13,7 +13,7 @@ namespace manycontact::test {
 
 namespace {
 
-constexpr int kLargest = 80;          // unknowns of an island: differences of the truth take five solves of it
+constexpr int kLargest = 80;                // unknowns of an island: differences of the truth take five solves of it
 constexpr double kVanishingChange = 1e-12;  // of what else changes: nothing
 
 Truth<Quad> truth_along(const Problem& p, const Direction& d, const Quad& h) {

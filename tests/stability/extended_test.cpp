@@ -57,6 +57,8 @@ TEST_P(Extended, AFewUnitsInTheLastPlace) {
       SceneData data(p.scene, way.options);
       (void)solve(p.scene, p.q, p.v, p.u, data);
       if (data.report.status == Status::kFailed) continue;
+      if (std::ranges::any_of(data.report.islands, [](const auto& i) { return i.reason == Reason::kDampingLost; }))
+        continue;  // the solution of another problem, which stability_test judges
       double cond = 0;
       bool extended = true;
       for (std::size_t i = 0; i < truths.islands.size(); ++i) {

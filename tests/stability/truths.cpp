@@ -12,9 +12,9 @@ namespace manycontact::test {
 
 namespace {
 
-constexpr int kDenseTruth = 75;        // velocity coordinates up to which the truth is solved densely
-constexpr int kDenseIfSingular = 110;  // unknowns up to which it is where refinement does not end
-constexpr double kVanishingMotion = 1e-12;   // of their scale: accelerations that balance to nothing
+constexpr int kDenseTruth = 75;             // velocity coordinates up to which the truth is solved densely
+constexpr int kDenseIfSingular = 110;       // unknowns up to which it is where refinement does not end
+constexpr double kVanishingMotion = 1e-12;  // of their scale: accelerations that balance to nothing
 
 template <class D>
 bool finite(const Eigen::MatrixBase<D>& x) {
