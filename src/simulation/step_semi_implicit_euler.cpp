@@ -12,7 +12,7 @@ namespace manycontact::internal {
 namespace {
 
 // Whether the contacts' velocities are those of the last step's end.
-bool goes_on(const SimulationData& d) {
+bool goes_on_from_last(const SimulationData& d) {
   return d.left_active == d.dynamics.active && d.left_q == d.q && d.left_v == d.v;
 }
 
@@ -25,18 +25,18 @@ void find_momentum_of_armatures(const Scene& scene, SimulationData& d) {
 
 // M v and the bias into tau, as far as the solve in SIMD batches does not compute them; kinematics where they are used
 // outside of it.
-void begin_motion(const Scene& scene, SimulationData& d) {
+void begin_motion(const Scene& scene, bool goes_on, SimulationData& d) {
   d.in_batches = scene.springs.empty();
   if (!d.in_batches) return find_momentum(d);
   find_momentum_of_armatures(scene, d);
   const bool any_free = find_free_groups(scene, d.dynamics.active, d.free_groups);
-  if (any_free || !goes_on(d)) kinematics_at(scene, d.q, d.v, d.at_rest.kin);
+  if (any_free || !goes_on) kinematics_at(scene, d.q, d.v, d.at_rest.kin);
 }
 
 // (1 - beta h) c; c is J v where the state or the contacts are not those of the last step.
-void want_contact_velocities(const Scene& scene, SimulationData& d) {
+void want_contact_velocities(const Scene& scene, bool goes_on, SimulationData& d) {
   prepare(d.at_rest.scene, d.dynamics);
-  if (!goes_on(d)) {
+  if (!goes_on) {
     d.contact_v.resize(d.dynamics.f.size());
     d.at_rest.contact_velocities(d.dynamics.f_offset, d.contact_v);
   }
@@ -102,8 +102,9 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
     throw std::invalid_argument("step: dynamics.pushes does not fit the scene");
   const double h = d.h;
   d.at_rest.follow(scene, h);
-  begin_motion(scene, d);
-  want_contact_velocities(scene, d);
+  const bool goes_on = goes_on_from_last(d);
+  begin_motion(scene, goes_on, d);
+  want_contact_velocities(scene, goes_on, d);
   begin_forces(scene, u, d);
   if (!d.in_batches || d.free_groups.any)
     begin_free_motion(scene, d.dynamics.active, d.w, h, d.at_rest.kin, d.free_groups);
