@@ -8,6 +8,7 @@
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
+#include "manycontact/dynamics/solve_step.hpp"
 #include "manycontact/model/torques.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "reduction/reduction.hpp"
@@ -146,12 +147,10 @@ void begin(const char* function, const Scene& scene, const ConstVector& q, const
   prepare_checked(scene, data);
 }
 
-}  // namespace
-
-const Report& solve_prepared(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
-                             SceneData& data, std::span<const double> prescribed) {
+// What is solved, and that nothing is yet.
+void begin_state(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
+                 SceneData& data, std::span<const double> prescribed) {
   Workspace& w = *data.workspace;
-  if (w.reduction) return solve_reduced(scene, q, v, tau, data, prescribed);
   w.prescribed.assign(prescribed.begin(), prescribed.end());
   remake(data.a, scene.nv);
   data.v = v;
@@ -164,6 +163,15 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   data.report.method = data.options.method;
   ++w.state;  // never given twice, whatever became of the solve that had it
   for (const auto& d : w.islands) d->answered = nullptr, d->factorizations = 0, d->refused = false;
+}
+
+}  // namespace
+
+const Report& solve_prepared(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
+                             SceneData& data, std::span<const double> prescribed) {
+  Workspace& w = *data.workspace;
+  if (w.reduction) return solve_reduced(scene, q, v, tau, data, prescribed);
+  begin_state(scene, q, v, tau, data, prescribed);
   const OneBlasOfThreads one_blas_thread(w);
   for (const Dropped dropped : {Dropped::kAsBefore, Dropped::kNone, Dropped::kAsFound}) {
     if (dropped == Dropped::kNone) solve_alone_in_low(scene, data);
@@ -210,6 +218,26 @@ const Report& solve_tau(const Scene& scene, const ConstVector& q, const ConstVec
   internal::check_size("solve_tau", "prescribed", prescribed.size(), data.f.size());
   internal::solve_prepared(scene, q, v, tau, data, {prescribed.data(), static_cast<std::size_t>(prescribed.size())});
   return clock.report(data.report);
+}
+
+bool solve_step(const Scene& scene, const ConstVector& q, const ConstVector& tau, const ConstVector& prescribed,
+                const StartOfStep& start, SceneData& data) {
+  Workspace& w = *data.workspace;
+  if (w.prepared && w.active == data.active && !internal::stand_alone(scene, w)) return false;
+  internal::SolveClock clock;
+  data.v.setZero(scene.nv);
+  internal::begin("step", scene, q, data.v, "tau", tau, scene.nv, data);
+  clock.prepared();
+  if (!internal::stand_alone(scene, w)) return false;
+  internal::begin_state(scene, q, data.v, tau, data, {prescribed.data(), static_cast<std::size_t>(prescribed.size())});
+  const internal::OneBlasOfThreads one_blas_thread(w);
+  for (const Dropped dropped : {Dropped::kAsBefore, Dropped::kNone})
+    internal::solve_alone(scene, data, dropped, &start);
+  if (std::ranges::any_of(w.islands, [](const auto& d) { return !d->answered; })) return false;
+  data.serial = w.current = w.state;
+  summarise(data.report);
+  clock.report(data.report);
+  return true;
 }
 
 }  // namespace manycontact

@@ -12,6 +12,7 @@ SceneAtRest::SceneAtRest(const Scene& of) : scene(of), zero(Eigen::VectorXd::Zer
 }
 
 void SceneAtRest::follow(const Scene& of, double h) {
+  gravity = of.gravity;
   scene.damping = of.damping;
   scene.tolerance = of.tolerance;
   scene.moment_length = of.moment_length;

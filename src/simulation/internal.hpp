@@ -26,6 +26,9 @@ void end_step(const Scene& scene, SimulationData& data);
 /// v+ in the place of a, and f in newtons.
 void bound_energy(const Scene& scene, SimulationData& data);
 
+/// data.tau = M v - h ID(q, v, 0), with data.at_rest.kin at q, v.
+void find_momentum(SimulationData& data);
+
 /// data.f, f_offset: those of data.dynamics.
 void keep_forces(SimulationData& data);
 

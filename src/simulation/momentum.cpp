@@ -67,11 +67,9 @@ void join_nodes(const Scene& scene, const std::vector<char>& active, FreeGroups&
 // Which groups are tied to the world, and which to a plane of it.
 void find_groups(const Scene& scene, const std::vector<char>& active, const std::vector<Kinematics<double>>& kin,
                  FreeGroups& groups) {
-  join_nodes(scene, active, groups);
-  for (FreeGroup& group : groups.groups) group.tied = true;
+  (void)find_free_groups(scene, active, groups);
   for (const FreeGroups::FreeJoint& j : groups.joints) {
     FreeGroup& group = group_at(groups, j.node);
-    group.tied = groups.group[j.node] == groups.group[0];
     group.in_plane = false;
     group.reference = kin[j.robot].origin(j.joint);
   }
@@ -130,6 +128,18 @@ void add_torques_of(const Scene& scene, const FreeGroups::FreeJoint& j, const Ei
 }  // namespace
 
 namespace internal {
+
+bool find_free_groups(const Scene& scene, const std::vector<char>& active, FreeGroups& groups) {
+  join_nodes(scene, active, groups);
+  groups.any = false;
+  for (FreeGroup& group : groups.groups) group.tied = true;
+  for (const FreeGroups::FreeJoint& j : groups.joints) {
+    FreeGroup& group = group_at(groups, j.node);
+    group.tied = groups.group[j.node] == groups.group[0];
+    groups.any = groups.any || !group.tied;
+  }
+  return groups.any;
+}
 
 void measure(const Scene& scene, const std::vector<Kinematics<double>>& kin, FreeGroups& groups) {
   for (FreeGroup& group : groups.groups) group.Y = {}, group.momentum.setZero();

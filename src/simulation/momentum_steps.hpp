@@ -25,6 +25,8 @@ void each_side(Groups& groups, const FreeGroups::FreeJoint& j, Use&& use) {
 Vec3<double> added_displacement(const FreeGroups& groups, const FreeGroups::FreeJoint& j);
 Vec6<double> added_velocity(const FreeGroups& groups, const FreeGroups::FreeJoint& j, const Vec3<double>& at);
 
+/// groups.any: whether the world does not hold a group. begin_free_motion finds the same; this needs no kinematics.
+bool find_free_groups(const Scene& scene, const std::vector<char>& active, FreeGroups& groups);
 /// Places and velocities of all robots; accelerations are not used.
 void kinematics_at(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                    std::vector<Kinematics<double>>& kin);

@@ -53,7 +53,6 @@ struct ResistingForces {
   std::unique_ptr<SceneData> dynamics;   // of that
   std::optional<internal::ResistingSprings> springs;  // nullopt: there are none between points
   internal::BoundedEnergy bounded;
-  Eigen::VectorXd b;  // nv: right-hand side
 };
 
 }  // namespace manycontact

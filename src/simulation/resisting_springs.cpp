@@ -8,6 +8,7 @@
 #include "internal.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
+#include "manycontact/dynamics/solve_step.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "resisting_forces.hpp"
 
@@ -96,12 +97,29 @@ void add_rows(const Scene& scene, const Spring& spring, int number, const Applie
                       spring.length == 0 ? 0 : at.length});
 }
 
-bool solves(const Eigen::VectorXd& b, const Eigen::VectorXd& wanted, SimulationData& d) {
-  const auto [rest, data] = at_rest_with_joints(d);
-  const Status status = solve_tau(rest, d.q, d.at_rest.zero, b, wanted, data).status;
+bool solved(Status status, SimulationData& d) {
   ++d.solves;
   d.worst = std::max(d.worst, status);
   return status != Status::kFailed;
+}
+
+bool solves(const Eigen::VectorXd& b, const Eigen::VectorXd& wanted, SimulationData& d) {
+  const auto [rest, data] = at_rest_with_joints(d);
+  return solved(solve_tau(rest, d.q, d.at_rest.zero, b, wanted, data).status, d);
+}
+
+// K v+ = b with M v and the bias by SIMD batches. False: these do not serve; b and d.tau have M v and the bias then.
+bool solve_in_batches(Eigen::VectorXd& b, SimulationData& d) {
+  if (!d.in_batches) return false;
+  d.next_contact_v.resize(d.wanted.size());
+  const auto [rest, data] = at_rest_with_joints(d);
+  const StartOfStep start{d.v.data(), d.at_rest.gravity, d.h, d.next_contact_v.data()};
+  d.in_batches = solve_step(rest, d.q, b, d.wanted, start, data);
+  if (d.in_batches) return solved(data.report.status, d);
+  b -= d.tau;
+  find_momentum(d);
+  b += d.tau;
+  return false;
 }
 
 const Eigen::VectorXd& answer(SimulationData& d) { return at_rest_with_joints(d).data.a; }
@@ -377,7 +395,8 @@ void take_springs(const Scene& scene, SimulationData& d) {
   s.unit.place(scene, d.q);
 }
 
-bool solve_with_springs(const Eigen::VectorXd& b, SimulationData& d) {
+bool solve_with_springs(Eigen::VectorXd& b, SimulationData& d) {
+  if (solve_in_batches(b, d)) return true;
   ResistingSprings* s = d.resisting && d.resisting->springs ? &*d.resisting->springs : nullptr;
   if (!solves(b, d.wanted, d)) return false;
   if (!s || s->rows.empty()) return true;

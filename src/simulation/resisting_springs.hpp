@@ -71,8 +71,9 @@ struct ResistingSprings {
 void add_loads(const Scene& scene, SimulationData& data);
 /// After it: the rows. Where a spring has no direction, data.w is NaN.
 void take_springs(const Scene& scene, SimulationData& data);
-/// K v+ = b with the springs' impulses: into the data of at_rest_with_joints. False when a solve failed.
-[[nodiscard]] bool solve_with_springs(const Eigen::VectorXd& b, SimulationData& data);
+/// K v+ = b with the springs' impulses: into the data of at_rest_with_joints. False when a solve failed. Where
+/// data.in_batches, M v and the bias are not in b: the solve adds them. Where it cannot, they are in b, data.tau then.
+[[nodiscard]] bool solve_with_springs(Eigen::VectorXd& b, SimulationData& data);
 /// After it: adds the impulses to the momentum that free groups will have.
 void add_impulses_of_springs(const Scene& scene, SimulationData& data);
 /// data.work of springs and dampers between points.

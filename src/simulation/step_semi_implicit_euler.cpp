@@ -4,16 +4,39 @@
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
 #include "manycontact/model/torques.hpp"
+#include "momentum_steps.hpp"
 #include "resisting_forces.hpp"
 
 namespace manycontact::internal {
 
 namespace {
 
+// Whether the contacts' velocities are those of the last step's end.
+bool goes_on_from_last(const SimulationData& d) {
+  return d.left_active == d.dynamics.active && d.left_q == d.q && d.left_v == d.v;
+}
+
+// What of M v has no part in the robots' inverse dynamics.
+void find_momentum_of_armatures(const Scene& scene, SimulationData& d) {
+  for (const Robot& robot : scene.robots)
+    d.tau.segment(robot.idx_v, robot.model->nv) =
+        robot.model->armature.cwiseProduct(d.v.segment(robot.idx_v, robot.model->nv));
+}
+
+// M v and the bias into tau, as far as the solve in SIMD batches does not compute them; kinematics where they are used
+// outside of it.
+void begin_motion(const Scene& scene, bool goes_on, SimulationData& d) {
+  d.in_batches = scene.springs.empty();
+  if (!d.in_batches) return find_momentum(d);
+  find_momentum_of_armatures(scene, d);
+  const bool any_free = find_free_groups(scene, d.dynamics.active, d.free_groups);
+  if (any_free || !goes_on) kinematics_at(scene, d.q, d.v, d.at_rest.kin);
+}
+
 // (1 - beta h) c; c is J v where the state or the contacts are not those of the last step.
-void want_contact_velocities(const Scene& scene, SimulationData& d) {
+void want_contact_velocities(const Scene& scene, bool goes_on, SimulationData& d) {
   prepare(d.at_rest.scene, d.dynamics);
-  if (d.left_active != d.dynamics.active || d.left_q != d.q || d.left_v != d.v) {
+  if (!goes_on) {
     d.contact_v.resize(d.dynamics.f.size());
     d.at_rest.contact_velocities(d.dynamics.f_offset, d.contact_v);
   }
@@ -23,19 +46,21 @@ void want_contact_velocities(const Scene& scene, SimulationData& d) {
       d.wanted.segment(first, scene.contacts[c].rows()) *= 1 - scene.contacts[c].beta * d.h;
 }
 
-}  // namespace
-
-namespace {
+// The same at the end of the step.
+void follow_contact_velocities(SimulationData& d) {
+  d.wanted = d.contact_v;
+  if (d.in_batches)
+    d.contact_v.swap(d.next_contact_v);
+  else
+    d.at_rest.contact_velocities_at(d.next_v, d.dynamics.f_offset, d.contact_v);
+}
 
 // K v+ = tau + h w with all that resists: into the data of at_rest_with_joints. False when a solve failed.
 bool solve_to_the_end(const Scene& scene, SimulationData& d) {
-  if (!d.resisting) {
-    d.tau += d.h * d.w;
-    return solve_with_springs(d.tau, d);
-  }
-  Eigen::VectorXd& b = d.resisting->b;
+  Eigen::VectorXd& b = d.b;
   for (int k = 0; k < kMostSolves; ++k) {
     b = d.tau + d.h * d.w;
+    if (!d.resisting) return solve_with_springs(b, d);
     ResistingJoints& joints = d.resisting->joints;
     joints.set_inertias(scene, d.h);
     joints.add_sliding(d.h, b);
@@ -65,18 +90,24 @@ void account_for_work(const Scene& scene, SimulationData& d) {
 
 }  // namespace
 
+void find_momentum(SimulationData& d) {
+  d.stage_v = d.v / -d.h;
+  d.at_rest.inverse_dynamics_of(d.at_rest.scene, d.q, d.v, d.stage_v, d.at_rest.gravity, d.tau);
+  d.tau *= -d.h;
+}
+
 bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, SimulationData& d) {
   if (u.size() != scene.nu) throw std::invalid_argument("step: u does not fit the scene");
   if (d.dynamics.pushes.size() != scene.pushes.size())
     throw std::invalid_argument("step: dynamics.pushes does not fit the scene");
   const double h = d.h;
   d.at_rest.follow(scene, h);
-  d.stage_v = d.v / -h;
-  d.at_rest.inverse_dynamics_of(scene, d.q, d.v, d.stage_v, scene.gravity, d.tau);
-  d.tau *= -h;  // M v - h h(q, v)
-  want_contact_velocities(scene, d);
+  const bool goes_on = goes_on_from_last(d);
+  begin_motion(scene, goes_on, d);
+  want_contact_velocities(scene, goes_on, d);
   begin_forces(scene, u, d);
-  begin_free_motion(scene, d.dynamics.active, d.w, h, d.at_rest.kin, d.free_groups);
+  if (!d.in_batches || d.free_groups.any)
+    begin_free_motion(scene, d.dynamics.active, d.w, h, d.at_rest.kin, d.free_groups);
   const bool solved = solve_to_the_end(scene, d);
   const auto [rest, data] = at_rest_with_joints(d);
   if (&data != &d.dynamics) d.dynamics.a = data.a, d.dynamics.f = data.f, d.dynamics.report = data.report;
@@ -87,8 +118,7 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
   d.next_v = d.dynamics.a;
   d.dynamics.f /= h;
   account_for_work(scene, d);
-  d.wanted = d.contact_v;
-  d.at_rest.contact_velocities_at(d.next_v, d.dynamics.f_offset, d.contact_v);
+  follow_contact_velocities(d);
   end_step(scene, d);
   bound_energy(scene, d);
   d.dynamics.a = (d.dynamics.a - d.v) / h;

@@ -65,6 +65,49 @@ TEST(StepBatch, EachIsStepped) {
     }
 }
 
+// Robots alone, whose M v, bias and contact velocities SIMD batches compute, move as without these.
+TEST(StepBatch, RobotsAloneMoveAsWithoutSimdBatches) {
+  constexpr int kSteps = 30;
+  Options plain;
+  plain.lanes = Lanes::kOff;
+  for (const bool with_forces : {false, true})
+    for (const bool with_laws : {false, true}) {
+      SCOPED_TRACE(std::string(with_forces ? "with forces" : "") + (with_laws ? " with PD laws" : ""));
+      Herd h = herd(8, 1, false);
+      for (Contact& contact : h.s.scene.contacts) contact.alpha = 50, contact.beta = 10;
+      h.s.scene.contacts.erase(h.s.scene.contacts.begin());  // the one that joins the robots
+      Scene scene = h.s.scene;
+      scene.contacts.clear(), scene.contact_index.clear();
+      for (const Contact& contact : h.s.scene.contacts) add_contact(scene, contact);
+      std::mt19937 rng(8);
+      if (with_forces) {
+        add_random_forces(scene, rng, 2, 0);
+        for (Robot& robot : scene.robots) {
+          Model model = *robot.model;
+          model.damping = VectorXd::Constant(model.nv, 0.1), model.friction = VectorXd::Constant(model.nv, 0.05);
+          model.damping.head<6>().setZero(), model.friction.head<6>().setZero();
+          robot.model = std::make_shared<const Model>(model);
+        }
+      }
+      SimulationData batched(scene, h.s.q, h.s.v, Integrator::kSemiImplicitEuler, 1e-3),
+          alone(scene, h.s.q, h.s.v, Integrator::kSemiImplicitEuler, 1e-3, plain);
+      for (SimulationData* d : {&batched, &alone}) {
+        if (with_laws) {
+          d->pd.kp = VectorXd::Zero(scene.nv);
+          d->pd.kd = VectorXd::Constant(scene.nv, 2);
+          d->pd.q_ref = d->pd.v_ref = VectorXd::Zero(scene.nv);
+        }
+        for (int n = 0; n < kSteps; ++n) ASSERT_EQ(step(scene, h.s.u, *d), StepStatus::kOk);
+      }
+      EXPECT_TRUE(batched.in_batches);
+      EXPECT_FALSE(alone.in_batches);
+      EXPECT_LE((batched.q - alone.q).cwiseAbs().maxCoeff(), 1e-11);
+      EXPECT_LE((batched.v - alone.v).cwiseAbs().maxCoeff(), 1e-9);
+      EXPECT_LE((batched.f - alone.f).cwiseAbs().maxCoeff(), 1e-6 * (1 + alone.f.cwiseAbs().maxCoeff()));
+      EXPECT_LE((batched.contact_v - alone.contact_v).cwiseAbs().maxCoeff(), 1e-9);
+    }
+}
+
 // Rows that depend on each other, and a state that begins anew among these.
 TEST(StepBatch, RowsThatDependDoSoStateByState) {
   constexpr int kStates = 11, kSteps = 10, kAnew = 3;

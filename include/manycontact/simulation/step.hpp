@@ -72,9 +72,10 @@ struct SceneAtRest {
                            const Eigen::VectorXd& a, const Vec3<double>& gravity, Eigen::VectorXd& tau);
 
   Scene scene;
-  Eigen::VectorXd zero;                 // nv
-  std::vector<Kinematics<double>> kin;  // per robot
-  std::vector<Vec6<double>> f;          // workspace
+  Vec3<double> gravity = Vec3<double>::Zero();  // by follow: the gravity of `of`
+  Eigen::VectorXd zero;                         // nv
+  std::vector<Kinematics<double>> kin;          // per robot
+  std::vector<Vec6<double>> f;                  // workspace
   std::vector<ContactData<double>> contacts;
 };
 
@@ -132,7 +133,8 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
   std::vector<char> left_active;
 
   // workspace
-  Eigen::VectorXd wanted;
+  bool in_batches = false;  // whether the solve adds M v and the bias to b, in its SIMD batches
+  Eigen::VectorXd b, wanted, next_contact_v;
   Eigen::VectorXd stage_q, stage_v, tau, w, w_rate, v_rate, w_sum, v_sum;
 
   double time() const { return static_cast<double>(steps) * h; }  // s, since the start

@@ -12,6 +12,7 @@
 #include "block.hpp"
 #include "manycontact/dynamics/derivatives.hpp"
 #include "manycontact/dynamics/solve.hpp"
+#include "manycontact/dynamics/solve_step.hpp"
 #include "manycontact/rank/contradiction.hpp"
 
 namespace manycontact::lanes {
@@ -26,6 +27,7 @@ struct Job {
   double *a, *f;                                  // the robots' parts are written where the answer is sound
   const std::vector<int>* left_offset = nullptr;  // per contact, of pairs
   double* left = nullptr;                         // ContactData::left of pairs on single robots
+  const StartOfStep* start = nullptr;             // of a step, of robots alone; v is zero then
 };
 
 /// Right-hand sides of a robot's panel that are copied out: a column, and where its rows go.

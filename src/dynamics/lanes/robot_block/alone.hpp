@@ -22,6 +22,7 @@ void RobotBlock<S, Low>::solve(const Job& job, Robots robots, std::span<Answer> 
   else
     refine();
   report(job, robots, answers);
+  if (job.start) store_contact_velocities(job, robots);
   if constexpr (!kLow)
     if (dependent_) report_dependence(robots, answers);
 }

@@ -153,6 +153,9 @@ class RobotBlock {
   void load_model(const Scene& scene, Robots robots);
   void load_ends(const Scene& scene, Robots robots);
   void set_up(const Job& job, Robots robots);
+  void load_start(const Job& job, Robots robots);
+  void evaluate_start(const StartOfStep& start);
+  void store_contact_velocities(const Job& job, Robots robots);
   void evaluate_rows(const Scene& scene, Robots robots);
   void store_left(const Job& job, Robots robots) const;
   void check_rows(const Scene& scene, Robots robots);

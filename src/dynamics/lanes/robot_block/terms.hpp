@@ -78,8 +78,12 @@ template <class S, class Low>
 void RobotBlock<S, Low>::set_up(const Job& job, Robots robots) {
   load_state(job, robots);
   load_each(job.scene, robots, model_->nv, tau_.data(), [&](const auto& r, auto&) { return job.tau + r.idx_v; });
+  if (job.start) load_start(job, robots);
   usable_ = usable_input<S>(*model_, q_, v_, tau_);
-  internal::evaluate_bias<S>(*model_, base_, q_, v_, job.scene.gravity, robot_);
+  if (job.start)
+    evaluate_start(*job.start);
+  else
+    internal::evaluate_bias<S>(*model_, base_, q_, v_, job.scene.gravity, robot_);
   internal::evaluate_inertia<S>(*model_, robot_, pattern_.M_slot.data(), n_.K);
   evaluate_rows(job.scene, robots);
   store_left(job, robots);
@@ -88,6 +92,42 @@ void RobotBlock<S, Low>::set_up(const Job& job, Robots robots) {
     if (dependent_) size_rows(job.scene, robots);
   assemble_rows(job.scene.damping);
   assemble_right_side(job, robots);
+}
+
+template <class S, class Low>
+void RobotBlock<S, Low>::load_start(const Job& job, Robots robots) {
+  load_each(job.scene, robots, model_->nv, v_.data(), [&](const auto& r, auto&) { return job.start->v + r.idx_v; });
+}
+
+/// h ID(q, v, -v / h) in the place of the bias, and then the robots at rest.
+template <class S, class Low>
+void RobotBlock<S, Low>::evaluate_start(const StartOfStep& start) {
+  Kinematics<S>& kin = robot_.kin;
+  a_ = v_ * S(-1 / start.h);
+  forward_kinematics<S>(*model_, base_, q_, kin);
+  forward_accelerations<S>(*model_, v_, a_.data(), start.gravity, kin);
+  inverse_dynamics<S>(*model_, kin, nullptr, {}, robot_.f, robot_.h);
+  robot_.h *= S(start.h);
+  v_.setZero();
+  for (std::vector<Vec6<S>>* motion : {&kin.v, &kin.a}) std::fill(motion->begin(), motion->end(), Vec6<S>::Zero());
+}
+
+/// J x of the contacts on the robots.
+template <class S, class Low>
+void RobotBlock<S, Low>::store_contact_velocities(const Job& job, Robots robots) {
+  double* to[kMostInBatch];
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const MatX<S>& J = contacts_[k].J;
+    VecX<S>& velocity = contact_scratch_[k];
+    velocity.setZero();
+    for (Eigen::Index j = 0; j < J.cols(); ++j) {
+      const S x = n_.x[pattern_.iperm[columns_[k][static_cast<std::size_t>(j)]]];
+      for (Eigen::Index i = 0; i < J.rows(); ++i) velocity[i] = multiply_add(J(i, j), x, velocity[i]);
+    }
+    store_arrays(velocity.data(), static_cast<int>(velocity.size()), side_by_side(robots, to, [&](const Robot& r) {
+                   return job.start->contact_v + job.f_offset[static_cast<std::size_t>(r.contacts[k])];
+                 }));
+  }
 }
 
 template <class S, class Low>

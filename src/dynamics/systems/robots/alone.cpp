@@ -160,10 +160,11 @@ void solve_alone_in_low(const Scene& scene, SceneData& data) {
   each_batch_of(batch_width(w), scene, w, 1, group_of, solve);
 }
 
-void solve_alone(const Scene& scene, SceneData& data, Dropped dropped) {
+void solve_alone(const Scene& scene, SceneData& data, Dropped dropped, const StartOfStep* start) {
   if (!usable_numbers(scene)) return;
   Workspace& w = *data.workspace;
-  const lanes::Job job = job_at_state(scene, data);
+  lanes::Job job = job_at_state(scene, data);
+  job.start = start;
   const auto group_of = [&](IslandWork& d) { return group_of_solve(scene, w, d, dropped); };
   each_in_lanes(scene, w, 1, group_of, [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
     group.kernels[thread.number]->solve(job, robots, {thread.answers.data(), robots.size()});
@@ -177,6 +178,11 @@ void solve_alone(const Scene& scene, SceneData& data, Dropped dropped) {
       if (!group.plan->dropped.empty()) take_dependence(data, answer, d, report);
     }
   });
+}
+
+bool stand_alone(const Scene& scene, const Workspace& w) {
+  return w.lanes.level && !w.reduction && w.options.precision == Precision::kDouble && usable_numbers(scene) &&
+         std::ranges::all_of(w.islands, [&](const auto& d) { return d->alone.group && !is_inexact(scene, *d); });
 }
 
 void differentiate_alone(const Scene& scene, SceneData& data) {

@@ -170,7 +170,10 @@ void make_robots(const Scene& scene, Workspace& work, IslandWork& island);
 
 /// Solves the islands of one robot that have a place in a SIMD batch, at w.q, data.v, data.tau: those not answered yet,
 /// or, of rows found to depend, those that the whole K answered.
-void solve_alone(const Scene& scene, SceneData& data, Dropped dropped);
+/// start: of a step, whose forces are then not in data.tau.
+void solve_alone(const Scene& scene, SceneData& data, Dropped dropped, const StartOfStep* start = nullptr);
+/// Whether all robots are islands that have a place in a SIMD batch of doubles.
+bool stand_alone(const Scene& scene, const Workspace& w);
 /// The same islands, those not answered yet, in single or mixed precision where the options ask for it. Those whose
 /// condition is too poor for that are left.
 void solve_alone_in_low(const Scene& scene, SceneData& data);
