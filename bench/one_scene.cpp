@@ -38,7 +38,8 @@ std::string beyond_peers(const Scene& scene) {
   for (const Contact& c : scene.contacts)
     if (c.alpha != 0 || c.beta != 0) return "gains";
   for (const Robot& r : scene.robots)
-    if (r.model->armature.any() || r.model->damping.any() || r.model->friction.any()) return "armature or joint friction";
+    if (r.model->armature.any() || r.model->damping.any() || r.model->friction.any())
+      return "armature or joint friction";
   return {};
 }
 

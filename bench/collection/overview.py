@@ -9,6 +9,7 @@ has built their programs. Python needs numpy and matplotlib.
 
 import argparse
 import csv
+import datetime
 import pathlib
 import sys
 import tempfile
@@ -39,7 +40,7 @@ LINES = {
     "LAPACK": (ORANGE, "o", [(name, name, None) for name in ("dsysv", "dsysv_rook", "dsysvx")]),
     "MUMPS": (GREEN, "o", [("MUMPS", "mumps", None)]),
     "Pinocchio constraintDynamics": (PURPLE, "s", [(m, f"peer:pinocchio:constraintDynamics:{m}:1", None) for m in MUS]),
-    "Pinocchio constrainedABA": (PINK, "D", [(f"{n}", f"peer:pinocchio:constrainedABA:1e-4:{n}", None) for n in (1, 2, 5, 10)]),
+    "Pinocchio constrainedABA": (PINK, "D", [(f"{n}", f"peer:pinocchio:constrainedABA:1e-4:{n}", None) for n in (1, 3, 5, 10)]),
     "MuJoCo": (BROWN, "^", [(d, f"peer:mujoco:mj_forward:1e-8:{d}", None) for d in ("0.9", "0.99", "0.999", "0.9999")]),
 }
 
@@ -97,12 +98,17 @@ class Labels:
             if best is None or covered < best[0] - 1:
                 if best:
                     best[1].remove()
-                best = (covered, drawn, box)
+                best = (covered, drawn, box, np.hypot(dx, dy))
             else:
                 drawn.remove()
             if covered == 0:
                 break
         self.boxes.append(best[2])
+        if best[3] > 15:  # a line leads to it
+            nearest = np.clip(self.axes.transData.transform(point), best[2].min, best[2].max)
+            ends = self.axes.transData.inverted().transform([nearest])
+            self.axes.annotate("", point, ends[0], arrowprops={"arrowstyle": "-", "color": more["color"], "lw": 0.6, "alpha": 0.6, "shrinkA": 8},
+                               zorder=1)
 
 
 def draw_panel(axes, table, name):
@@ -128,7 +134,7 @@ def label_panel(axes, table, name):
         for k, (dial, time, error) in enumerate(points):
             labels.marker(time, error, 15 if marker == "*" else 6)
             if line not in ENDS or k in (0, len(points) - 1):
-                texts.append((ENDS.get(line, "{}").format(dial), (time, error), colour, "bold" if marker == "*" else "normal"))
+                texts.append((ENDS.get(line, "{}").format(dial).replace(" 1 iterations", " 1 iteration"), (time, error), colour, "bold" if marker == "*" else "normal"))
     for text, point, colour, weight in texts:
         labels.add(text, point, color=colour, fontweight=weight)
 
@@ -139,13 +145,13 @@ ENDS = {
     "manycontact, damped": "damping {}",
     "our LDL of K damped by 1e-5, refined": "{} refinements",
     "Pinocchio constraintDynamics": "mu {}",
-    "Pinocchio constrainedABA": "{} iterations",
+    "Pinocchio constrainedABA": "ABA, {} iterations",
     "MuJoCo": "impedance {}",
 }
 
 
 def legend(figure, table):
-    entries = [("*", BLACK, BLACK, "manycontact, by precision"), (".", BLACK, BLACK, "damped"),
+    entries = [("*", BLACK, BLACK, "manycontact, by precision"), (".", BLACK, BLACK, "manycontact, damped"),
                ("o", BLUE, "white", "our LDL of a damped K, refined"), ("o", ORANGE, "white", "LAPACK"), ("o", GREEN, "white", "MUMPS")]
     peers = [line for line in LINES if line.startswith(("Pinocchio", "MuJoCo")) and any(row[1] == line for row in table)]
     entries += [(LINES[line][1], LINES[line][0], LINES[line][0], line) for line in peers]
@@ -173,7 +179,8 @@ def draw(table, path):
     figure.suptitle("Accuracy against time: lower left is better", x=0.03, y=0.99, ha="left", fontsize=13, fontweight="bold")
     legend(figure, table)
     figure.text(0.03, 0.008, "Filled marks: the whole solve from positions and velocities. Open marks: K is given, and only factored and solved. "
-                "Errors are differences from quadruple precision.", fontsize=8.5)
+                "Errors are differences from quadruple precision. "
+                f"{run.processor()}, {datetime.date.today()}.", fontsize=8.5)
     figure.tight_layout(rect=(0, 0.025, 1, 0.94))
     figure.canvas.draw()
     for axes, name in zip(panels.flat, PANELS):

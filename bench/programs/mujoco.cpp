@@ -70,7 +70,8 @@ std::string mjcf(const Posed& s, const Dials& dials) {
   std::ostringstream out;
   out.precision(17);
   out << "<mujoco><compiler angle=\"radian\"/><option tolerance=\"" << dials.tolerance << "\" gravity=\""
-      << numbers(s.scene.gravity) << "\"><flag contact=\"disable\" warmstart=\"disable\"/></option>" << sizes(s.scene) << "\n<worldbody>";
+      << numbers(s.scene.gravity) << "\"><flag contact=\"disable\" warmstart=\"disable\"/></option>" << sizes(s.scene)
+      << "\n<worldbody>";
   write_bodies(out, bodies);
   out << "</worldbody>\n<equality>\n";
   for (const Hold& h : holds_of(s, bodies)) {

@@ -250,6 +250,7 @@ void Trying::judge_bounds(const Answer& t) {
   const std::vector<Places> places = places_of(file.scene, data);
   for (std::size_t i = 0; i < places.size(); ++i) {
     const IslandReport& report = data.report.islands[i];
+    if (report.precision == Precision::kExtended) continue;  // of the scene as it was read: judge_last_digits
     const auto part = [&](const char* name, const Eigen::VectorXd& x, Column Answer::*of,
                           const std::vector<std::size_t>& rows, double bound) {
       double off = 0, size = 0;
@@ -258,9 +259,6 @@ void Trying::judge_bounds(const Answer& t) {
         size = most(std::abs(x[row]), size);
       }
       if (!(off > bound * size)) return;
-      // The bounds of extended are those of the scene as it was read, without the rounding of the file's numbers.
-      if (report.precision == Precision::kExtended && off <= kNoise * trial.noise(t.rank, of, 0, (t.*of).size()))
-        return;
       find(Fault::kBound, text("%s of island %zu off by %.2e of %.2e, bound %.2e, condition %.1e", name, i, off / size,
                                size, bound, t.condition));
     };

@@ -68,6 +68,16 @@ void expect_extended(const Scene& scene, const VectorXd& q, const VectorXd& v, c
   }
 }
 
+// A robot that cannot move has no joints.
+TEST(ExtendedPrecision, RobotsWithoutJoints) {
+  Scene scene;
+  for (bool floating : {false, true})
+    add_robot(scene, floating ? "free" : "fixed",
+              std::make_shared<const Model>(load_urdf(kModels + "box.urdf", {.floating_base = floating})));
+  ASSERT_TRUE(scene.robots[0].model->joints.empty());
+  expect_extended(scene, neutral(scene), VectorXd::Zero(scene.nv), VectorXd::Zero(scene.nu));
+}
+
 TEST(ExtendedPrecision, RandomScenes) {
   for (int seed = 0; seed < 6; ++seed) {
     SCOPED_TRACE(seed);

@@ -14,7 +14,7 @@ namespace manycontact::test {
 namespace {
 
 constexpr double kNoDigits = 1e-2;         // an error above this is a wrong answer whatever the condition
-constexpr double kMostOfSingle = 1e-2;    // of the largest entry: single is refused beyond
+constexpr double kMostOfSingle = 1e-2;     // of the largest entry: single is refused beyond
 constexpr double kVanishingForce = 1e-12;  // of their scale: forces that balance to nothing
 
 bool is_failed(const Report& report, std::size_t island) { return report_of(report, island).status == Status::kFailed; }

@@ -9,8 +9,8 @@ namespace manycontact::test {
 
 namespace {
 
-const char* const kNames[] = {"exact",       "refined", "reordered", "fallback",    "redundant", "inconsistent",
-                              "regularised", "in double", "refused", "WRONG",     "MISLABELLED", "not tried"};
+const char* const kNames[] = {"exact",       "refined",   "reordered", "fallback", "redundant",   "inconsistent",
+                              "regularised", "in double", "refused",   "WRONG",    "MISLABELLED", "not tried"};
 
 const char kIntroduction[] = R"(# Stability: every case by every method
 

@@ -77,8 +77,8 @@ void write_truth(const ExportPlan& plan, const ExactSolution& of_scene, const Ex
   if (page.derivatives) write_dense(plan.path(page.name + "_dx.mtx"), dx.x, header(plan, "dx = [da; -df]", page));
 }
 
-ExportedPage write_island(const ExportPlan& plan, const SceneFile& file, const SceneData& data, const Truth<Quad>& truth,
-                          std::size_t i) {
+ExportedPage write_island(const ExportPlan& plan, const SceneFile& file, const SceneData& data,
+                          const Truth<Quad>& truth, std::size_t i) {
   const ExportedSystem s = system_of(file.scene, data, i, plan.derivatives);
   const IslandReport& report = data.report.islands[i];
   ExportedPage page;

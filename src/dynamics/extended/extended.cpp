@@ -300,9 +300,8 @@ void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
       for (int k = 0; k < n; ++k) of.at_rest_f = std::max(of.at_rest_f, std::abs(data.tau[first + k]));
     });
     for (int r : island.robots)
-      of.at_rest_f =
-          std::max(of.at_rest_f,
-                   scene.gravity.norm() * scene.robots[static_cast<std::size_t>(r)].model->joints.front().inertia.m);
+      for (const Joint& joint : scene.robots[static_cast<std::size_t>(r)].model->joints)
+        of.at_rest_f = std::max(of.at_rest_f, scene.gravity.norm() * joint.inertia.m);
   }
 }
 
