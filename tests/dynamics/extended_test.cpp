@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/dynamics/batch.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/dynamics/truth.hpp"
+#include "manycontact/io/urdf.hpp"
 #include "manycontact/simulation/step.hpp"
 #include "support/allocations.hpp"
 #include "support/applied.hpp"
