@@ -25,6 +25,7 @@ namespace {
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kNoise = 100;  // times what an eps in every number of the input does to the truth
 constexpr int kBlurs = 4;
+constexpr double kQuadRounding = 1e-32;  // of a truth in quadruple precision, times the condition
 // Contracts of Precision: an answer in single is refused beyond this, one in extended is as good as that up to a
 // condition.
 constexpr double kMostOfSingle = 1e-2, kMostOfExtended = 4 * kEps, kMostCondition = 1e15;
@@ -58,6 +59,7 @@ struct Trial {
   const Case& c;
   Reference truth;
   std::vector<std::unique_ptr<Reference>> blurs;
+  std::optional<manycontact::Truth<manycontact::Quad>> read;
   std::optional<bool> constant_rank;             // by rank_is_constant
   std::map<std::pair<int, int>, Slopes> slopes;  // by rank and number of the direction, the same for every method
 
@@ -65,6 +67,14 @@ struct Trial {
     const auto [at, is_new] = slopes.try_emplace({rank, number});
     if (is_new) at->second = truth.along(rank, direction);
     return at->second;
+  }
+  // The scene of the file.
+  const manycontact::Truth<manycontact::Quad>& as_read(const SceneFile& file) {
+    const auto quad = [](const Eigen::VectorXd& x) { return x.cast<manycontact::Quad>().eval(); };
+    if (!read)
+      read = solve_truth<manycontact::Quad>(file.scene, std::vector<char>(file.scene.contacts.size(), 1), quad(file.q),
+                                            quad(file.v), quad(file.u));
+    return *read;
   }
   void blur() {
     for (int k = 0; blurs.empty() || k < kBlurs; ++k) blurs.push_back(std::make_unique<Reference>(blurred(c, k)));
@@ -136,7 +146,6 @@ struct Trying {
   void judge_values(const Answer& t);
   void judge_status(const Answer& t);
   void judge_bounds(const Answer& t);
-  void judge_last_digits(const Answer& t);
   void judge_condition(const Answer& t);
   void judge_derivatives(const Answer& t);
   std::array<bool, 2> judge_derivative_bounds(const Answer& t, const std::vector<DerivativeBounds>& stated,
@@ -245,39 +254,17 @@ std::vector<Places> places_of(const Scene& scene, const SceneData& data) {
   return list;
 }
 
+// Against the scene as it was read, in quadruple precision by the library's own terms: bounds do not contain what the
+// rounding of a file's numbers does to an answer. The same for the digits of extended precision.
 void Trying::judge_bounds(const Answer& t) {
   if (data.report.islands.size() != island_count(data)) return;  // one system of the whole scene
+  const auto& truth = trial.as_read(file);
   const std::vector<Places> places = places_of(file.scene, data);
+  const double gravity = std::max(t.terms, trial.truth.free_size()),
+               load = trial.truth.load() / trial.truth.largest_J();
   for (std::size_t i = 0; i < places.size(); ++i) {
     const IslandReport& report = data.report.islands[i];
-    if (report.precision == Precision::kExtended) continue;  // of the scene as it was read: judge_last_digits
-    const auto part = [&](const char* name, const Eigen::VectorXd& x, Column Answer::*of,
-                          const std::vector<std::size_t>& rows, double bound) {
-      double off = 0, size = 0;
-      for (std::size_t row : rows) {
-        off = most(static_cast<double>(fabsq(Quad(x[row]) - (t.*of)[row])), off);
-        size = most(std::abs(x[row]), size);
-      }
-      if (!(off > bound * size)) return;
-      find(Fault::kBound, text("%s of island %zu off by %.2e of %.2e, bound %.2e, condition %.1e", name, i, off / size,
-                               size, bound, t.condition));
-    };
-    part("a", data.a, &Answer::a, places[i].a, report.error_acceleration);
-    part("f", data.f, &Answer::f, places[i].f, report.error_forces);
-  }
-}
-
-// Of islands solved in extended, against the scene as it was read, in quadruple precision by the library's own terms:
-// what the rounding of a file's numbers does to an answer is more than these digits.
-void Trying::judge_last_digits(const Answer& t) {
-  if (!in(Precision::kExtended) || !(t.condition <= kMostCondition)) return;
-  const auto quad = [](const Eigen::VectorXd& x) { return x.cast<manycontact::Quad>().eval(); };
-  const std::vector<char> active(file.scene.contacts.size(), 1);
-  const auto truth = solve_truth<manycontact::Quad>(file.scene, active, quad(file.q), quad(file.v), quad(file.u));
-  const std::vector<Places> places = places_of(file.scene, data);
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const IslandReport& report = data.report.islands[i];
-    if (report.precision != Precision::kExtended || !truth.regular[i] || truth.rank[i] != report.rank) continue;
+    if (!truth.regular[i] || truth.rank[i] != report.rank) continue;
     const auto part = [&](const char* name, const Eigen::VectorXd& x, const VecX<manycontact::Quad>& right,
                           const std::vector<std::size_t>& rows, double bound, double terms) {
       double off = 0, size = 0;
@@ -285,14 +272,20 @@ void Trying::judge_last_digits(const Answer& t) {
         off = most(std::abs(static_cast<double>(x[row] - right[row])), off);
         size = most(std::abs(x[row]), size);
       }
-      const bool vanishes = size <= 1e-12 * terms;  // then its bound says how much of it is right
-      if (!(off > (vanishes ? bound : std::min(bound, kMostOfExtended)) * size)) return;
-      find(off > bound * size ? Fault::kBound : Fault::kValue,
-           text("%s of island %zu off by %.1f eps of %.1e, bound %.1f eps, %s, condition %.1e", name, i,
-                off / size / kEps, size, bound / kEps, to_string(report.status).c_str(), t.condition));
+      const double of_truth = kQuadRounding * t.condition * std::max(size, terms);
+      const bool last_digits = report.precision == Precision::kExtended && t.condition <= kMostCondition &&
+                               size > 1e-12 * terms;  // of what vanishes, its bound says how much is right
+      const auto text_of = [&] {
+        return text("%s of island %zu off by %.2e of %.2e, bound %.2e, %s, condition %.1e", name, i, off / size, size,
+                    bound, to_string(report.status).c_str(), t.condition);
+      };
+      if (off > bound * size + of_truth)
+        find(Fault::kBound, text_of());
+      else if (last_digits && off > kMostOfExtended * size + of_truth)
+        find(Fault::kValue, text_of());
     };
-    part("a", data.a, truth.a, places[i].a, report.error_acceleration, std::max(t.terms, trial.truth.free_size()));
-    part("f", data.f, truth.f, places[i].f, report.error_forces, trial.truth.load() / trial.truth.largest_J());
+    part("a", data.a, truth.a, places[i].a, report.error_acceleration, gravity);
+    part("f", data.f, truth.f, places[i].f, report.error_forces, load);
   }
 }
 
@@ -544,7 +537,6 @@ bool Trying::values() {
   judge_values(*best);
   judge_condition(*best);
   judge_bounds(*best);
-  judge_last_digits(*best);
   if (in(Precision::kSingle)) return true;  // derivatives are as accurate as a and f, which are judged
   const bool exact = trial.truth.ranks().size() == 1 && best->condition < 1e13;
   if (exact && out.findings.size() == before && trial.rank_is_constant()) judge_derivatives(*best);

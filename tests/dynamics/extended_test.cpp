@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/dynamics/batch.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
