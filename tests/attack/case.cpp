@@ -32,7 +32,8 @@ void number_coordinates(Tree& tree) {
     std::vector<int> children;
     for (int k = 0; k < static_cast<int>(tree.links.size()); ++k)
       if (tree.links[k].parent == i) children.push_back(k);
-    std::sort(children.begin(), children.end(), [&](int a, int b) { return tree.links[a].joint < tree.links[b].joint; });
+    std::sort(children.begin(), children.end(),
+              [&](int a, int b) { return tree.links[a].joint < tree.links[b].joint; });
     for (int k : children) self(self, k);
   };
   visit(visit, 0);
@@ -143,9 +144,7 @@ std::string push_element(const Case& c, const Push& p, int k) {
 }
 
 std::string spring_element(const Case& c, const Spring& s, int k) {
-  const std::string to = s.to_tree < 0
-                             ? " xyz=\""
-                             : " to=\"" + frame_of(c, s.to_tree, s.to_link) + "\" to_offset=\"";
+  const std::string to = s.to_tree < 0 ? " xyz=\"" : " to=\"" + frame_of(c, s.to_tree, s.to_link) + "\" to_offset=\"";
   return "<spring name=\"s" + std::to_string(k) + "\" frame=\"" + frame_of(c, s.tree, s.link) + "\" offset=\"" +
          numbers(s.offset) + "\"" + to + numbers(s.place) + "\" stiffness=\"" + number(s.stiffness) + "\" length=\"" +
          number(s.length) + "\" damping=\"" + number(s.damping) + "\"/>\n";
@@ -157,7 +156,8 @@ std::string urdf_text(const Tree& tree) {
   std::string text = "<robot name=\"r\">\n";
   for (const Link& l : tree.links) {
     text += "<link name=\"" + l.name + "\">";
-    const bool nothing = l.mass == 0 && std::all_of(l.inertia.begin(), l.inertia.end(), [](double x) { return x == 0; });
+    const bool nothing =
+        l.mass == 0 && std::all_of(l.inertia.begin(), l.inertia.end(), [](double x) { return x == 0; });
     if (!nothing) {
       constexpr const char* kNames[] = {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
       text += "<inertial><origin xyz=\"" + numbers(l.com) + "\" rpy=\"" + numbers(l.com_rpy) + "\"/><mass value=\"" +
@@ -172,8 +172,7 @@ std::string urdf_text(const Tree& tree) {
     const std::string &above = tree.links[l.parent].name, &below = l.name;
     text += "<joint name=\"" + l.joint + "\" type=\"" + type_of(l.kind) + "\"><parent link=\"" +
             (l.reversed ? below : above) + "\"/><child link=\"" + (l.reversed ? above : below) + "\"/><origin xyz=\"" +
-            numbers(l.xyz) +
-            "\" rpy=\"" + numbers(l.rpy) + "\"/><axis xyz=\"" + numbers(l.axis) + "\"/>";
+            numbers(l.xyz) + "\" rpy=\"" + numbers(l.rpy) + "\"/><axis xyz=\"" + numbers(l.axis) + "\"/>";
     if (l.kind == Kind::kPrismatic) text += "<limit lower=\"-1e30\" upper=\"1e30\" effort=\"1e30\" velocity=\"1e30\"/>";
     text += "</joint>\n";
   }
@@ -181,8 +180,8 @@ std::string urdf_text(const Tree& tree) {
 }
 
 std::string scene_text(const Case& c) {
-  std::string text = "<scene name=\"attack\" gravity=\"" + numbers(c.gravity) + "\" damping=\"" + number(c.damping) +
-                     "\">\n";
+  std::string text =
+      "<scene name=\"attack\" gravity=\"" + numbers(c.gravity) + "\" damping=\"" + number(c.damping) + "\">\n";
   for (std::size_t k = 0; k < c.trees.size(); ++k) text += robot_element(c, static_cast<int>(k));
   for (std::size_t k = 0; k < c.holds.size(); ++k) text += contact_element(c, c.holds[k], static_cast<int>(k));
   for (std::size_t k = 0; k < c.pushes.size(); ++k) text += push_element(c, c.pushes[k], static_cast<int>(k));

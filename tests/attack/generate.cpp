@@ -318,9 +318,11 @@ Case Makes::make() {
   }
   if (has("damping")) c.damping = r.of(std::vector<double>{1e-14, 1e-12, 1e-9, 1e-6, 1e-3, 1});
   for (int n = has("push") ? 1 + r.below(3) : 0; n > 0; --n) c.pushes.push_back(push(c));
-  for (int n = !has("spring") ? 0 : has("herd") ? r.below(3) : 1 + r.below(3); n > 0; --n) c.springs.push_back(spring(c));
+  for (int n = !has("spring") ? 0 : has("herd") ? r.below(3) : 1 + r.below(3); n > 0; --n)
+    c.springs.push_back(spring(c));
   drop_refused(c);
-  if (has("units")) rescale(c, r.of(std::vector<double>{1e-3, 1e3, 1e-6, 1e6}), r.of(std::vector<double>{1e-3, 1, 1e3}), false);
+  if (has("units"))
+    rescale(c, r.of(std::vector<double>{1e-3, 1e3, 1e-6, 1e6}), r.of(std::vector<double>{1e-3, 1, 1e3}), false);
   if (has("mixed")) rescale(c, r.of(std::vector<double>{1e-3, 1e-4, 1e3}), 1, true);
   if (!has("drift")) place_where_they_are(c);
   return c;

@@ -143,7 +143,8 @@ TEST_F(Reported, SpringsOfOtherRobotsAreNotForgotten) {
     by_v << 1.406643751779, 0.313735525143, -8.650834715754, -0.969480461125;
     EXPECT_LE((d.da_dq.block<2, 2>(6, 6) - by_q).norm(), 1e-9);
     EXPECT_LE((d.da_dv.block<2, 2>(6, 6) - by_v).norm(), 1e-9);
-    for (const DerivativeBounds& bound : estimate_derivative_errors(s.file.scene, s.data)) EXPECT_LE(bound.da_dq, 1e-8);  // cond(K) is 100 to 1,000
+    for (const DerivativeBounds& bound : estimate_derivative_errors(s.file.scene, s.data))
+      EXPECT_LE(bound.da_dq, 1e-8);  // cond(K) is 100 to 1,000
   }
 }
 TEST_F(Reported, TheConditionOfASmallKIsExact) {
@@ -512,9 +513,10 @@ TEST(Bounds, CountWhatDroppedRowsLeave) {
   }
 }
 
-// An answer whose bound is its own size is none of the scene asked, and says so; accelerations that rounding leaves of
-// a scene at rest, and forces of one on which nothing acts, are known to be next to nothing.
-TEST(Bounds, OfTheAnswersSizeMakeItRegularised) {
+// What rounding may do to an answer by |K^-1| can be more than its size, where it is far less by the distance to the
+// refined copy: the status stays. So it does for accelerations that rounding leaves of a scene at rest, and for forces
+// of one on which nothing acts.
+TEST(Bounds, OfWhatIsKnownKeepTheStatus) {
   const SceneFile near =
       box("<contact name=\"one\" type=\"3d\" frame=\"r/crate\" offset=\"0.3 0 0\"/>"
           "<contact name=\"two\" type=\"1d\" axis=\"1 0 0\" frame=\"r/crate\" offset=\"0.3 5e-11 0\"/>");
@@ -525,9 +527,8 @@ TEST(Bounds, OfTheAnswersSizeMakeItRegularised) {
     SCOPED_TRACE(to_string(method));
     Solved uncertain(near, method);
     estimate_errors(uncertain.file.scene, uncertain.data);
-    EXPECT_GE(uncertain.report().error_forces, 1);
-    EXPECT_EQ(uncertain.report().status, Status::kRegularised);
-    EXPECT_EQ(uncertain.report().islands[0].reason, Reason::kUncertain);
+    EXPECT_LE(uncertain.report().error_forces, 0.1);
+    EXPECT_EQ(uncertain.report().status, Status::kOk);
     for (const SceneFile& file : {rests, falls}) {
       Solved s(file, method);
       estimate_errors(s.file.scene, s.data);

@@ -95,7 +95,8 @@ Wrench<T> inertial(const Link& l, const Body<T>& b, const Vec<T>& gravity) {
   const auto& I = l.inertia;
   const auto times_I = [&](const Vec<T>& x) {
     const Vec<T> y = back(R, x);
-    return R * Vec<T>(T(I[0]) * y[0] + T(I[1]) * y[1] + T(I[2]) * y[2], T(I[1]) * y[0] + T(I[3]) * y[1] + T(I[4]) * y[2],
+    return R * Vec<T>(T(I[0]) * y[0] + T(I[1]) * y[1] + T(I[2]) * y[2],
+                      T(I[1]) * y[0] + T(I[3]) * y[1] + T(I[4]) * y[2],
                       T(I[2]) * y[0] + T(I[4]) * y[1] + T(I[5]) * y[2]);
   };
   const Vec<T> force = T(l.mass) * (c.acceleration - gravity);
@@ -169,12 +170,11 @@ std::array<Vec<T>, 2> logarithm(const Rot<T>& R, const Vec<T>& p) {
   Vec<T> w;
   T of_square;  // 1/t^2 - (1 + cos t) / (2 t sin t)
   if (value(s2) < Quad(1e-8) && value(c) > 0) {
-    const T by = T(1.0) + s2 * (T(1.0) / T(6.0) + s2 * (T(3.0) / T(40.0) + s2 * (T(5.0) / T(112.0) +
-                                                                                s2 * (T(35.0) / T(1152.0)))));
+    const T by = T(1.0) + s2 * (T(1.0) / T(6.0) +
+                                s2 * (T(3.0) / T(40.0) + s2 * (T(5.0) / T(112.0) + s2 * (T(35.0) / T(1152.0)))));
     w = by * z;
     const T t2 = dot(w, w);
-    of_square = T(1.0) / T(12.0) +
-                t2 * (T(1.0) / T(720.0) + t2 * (T(1.0) / T(30240.0) + t2 * (T(1.0) / T(1209600.0))));
+    of_square = T(1.0) / T(12.0) + t2 * (T(1.0) / T(720.0) + t2 * (T(1.0) / T(30240.0) + t2 * (T(1.0) / T(1209600.0))));
   } else {
     const T s = root(s2), t = angle(s, c);
     w = (t / s) * z;
@@ -246,11 +246,11 @@ Touch<T> touch(const Case& c, const Hold& h, const std::vector<std::vector<Body<
   return t;
 }
 
-#define MANYCONTACT_ATTACK_INSTANTIATE(T)                                                                            \
-  template std::vector<Body<T>> move(const Tree&, const T*, const T*, const T*);                                     \
-  template Body<T> point_of(const Body<T>&, const Numbers&);                                                         \
-  template std::vector<T> joint_forces(const Tree&, const std::vector<Body<T>>&, const Vec<T>&, const T*,            \
-                                       std::vector<Wrench<T>>);                                                      \
+#define MANYCONTACT_ATTACK_INSTANTIATE(T)                                                                 \
+  template std::vector<Body<T>> move(const Tree&, const T*, const T*, const T*);                          \
+  template Body<T> point_of(const Body<T>&, const Numbers&);                                              \
+  template std::vector<T> joint_forces(const Tree&, const std::vector<Body<T>>&, const Vec<T>&, const T*, \
+                                       std::vector<Wrench<T>>);                                           \
   template Touch<T> touch(const Case&, const Hold&, const std::vector<std::vector<Body<T>>>&);
 MANYCONTACT_ATTACK_INSTANTIATE(Quad)
 MANYCONTACT_ATTACK_INSTANTIATE(Dual)

@@ -118,7 +118,8 @@ void add_pushes(const Case& c, const State<T>& s, const Bodies<T>& bodies, std::
 template <class T>
 void add_springs(const Case& c, const Bodies<T>& bodies, std::vector<std::vector<Wrench<T>>>& on) {
   for (const Spring& s : c.springs) {
-    const Body<T> world{}, &link = bodies[s.tree][s.link], &other = s.to_tree < 0 ? world : bodies[s.to_tree][s.to_link];
+    const Body<T> world{}, &link = bodies[s.tree][s.link],
+                           &other = s.to_tree < 0 ? world : bodies[s.to_tree][s.to_link];
     const Body<T> A = point_of(link, s.offset), B = point_of(other, s.place);
     const Vec<T> d = A.p - B.p;
     T pull(s.stiffness);  // over the length

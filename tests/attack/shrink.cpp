@@ -67,8 +67,7 @@ std::vector<Case> smaller_cases(const Case& c) {
     with([&](Case& s) { return put(s.holds[k].turned, std::array<double, 4>{0, 0, 0, 1}); });
     with([&](Case& s) { return put(s.holds[k].frame, std::string("local")); });
     with([&](Case& s) { return put(s.holds[k].axis, Numbers{0, 0, 1}); });
-    for (int rows : {1, 2, 3, 5})
-      with([&](Case& s) { return rows < s.holds[k].rows && put(s.holds[k].rows, rows); });
+    for (int rows : {1, 2, 3, 5}) with([&](Case& s) { return rows < s.holds[k].rows && put(s.holds[k].rows, rows); });
   }
   for (std::size_t k = 0; k < c.pushes.size(); ++k) {
     with([&](Case& s) { return s.pushes.erase(s.pushes.begin() + static_cast<std::ptrdiff_t>(k)), true; });

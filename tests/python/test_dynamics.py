@@ -52,7 +52,8 @@ def test_report(humanoid):
     quality = mc.system_quality(file.scene, data)
     assert len(quality) == len(report.islands) and quality == mc.system_quality(file.scene, data)
     assert (quality[0].positive, quality[0].negative, quality[0].zero) == (38, 12, 0)
-    assert 0 < quality[0].normwise_backward_error <= quality[0].componentwise_backward_error < 1e-12
+    assert 0 < quality[0].normwise_backward_error <= quality[0].componentwise_backward_error
+    assert quality[0].normwise_backward_error < 1e-12
     assert quality[0].growth >= 1 and 1 < quality[0].scaled_condition and 1 < quality[0].condition
     mc.differentiate(file.scene, data)
     bounds = mc.estimate_derivative_errors(file.scene, data)

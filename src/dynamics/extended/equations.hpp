@@ -52,7 +52,7 @@ class Equations {
   enum class Projected { kForces, kResidual };
   /// rest = f of x, or r. weights: S, per row of f.
   virtual void begin_projection(const Part& part, Projected what, const double* weights) = 0;
-  /// rest -= S^2 J dy, of forces, or J dy. change: what that subtracts, in units of S^2 for forces.
+  /// rest -= S^2 J dy, of forces, or J dy. change: what that subtracts.
   virtual void project(const Part& part, const double* dy, double* change) = 0;
   /// What a step dy is to satisfy as J dy, of forces: S^-2 rest, rounded.
   virtual void rest(const Part& part, double* f) const = 0;

@@ -258,12 +258,13 @@ void step_of_projection(const Scene& scene, SceneData& data, bool forces, Extend
 void project(const Scene& scene, SceneData& data, extended::Equations::Projected what, ExtendedWork& e) {
   const bool forces = what == extended::Equations::Projected::kForces;
   e.equations->begin_projection(part_of(e), what, e.weights.data());
-  e.equations->rest(part_of(e), e.rest.data());
+  if (!forces) e.equations->residual(part_of(e), e.r_a.data(), e.rest.data());
   repeat(
       data, e,
       [&](std::size_t i, OfIsland& of, int step) {
-        const double change = largest_force(scene, data.f_offset, island_of(data, i), e.rest);
-        if (step == 0) of.rest = change;
+        const Island& island = island_of(data, i);
+        if (step == 0) of.rest = largest_force(scene, data.f_offset, island, forces ? e.f : e.rest);
+        const double change = step == 0 ? of.rest : largest_force(scene, data.f_offset, island, e.rest);
         const double digits =
             forces ? std::max(kExtendedConverged * of.rest, kExtendedVanishing * of.at_rest_f)
                    : std::max(tolerance::kExtendedDigits * of.rest, tolerance::kExtendedDigitsVanishing * of.at_rest_a);
@@ -394,7 +395,7 @@ double relative_bound(const Distance& of, bool extended) {
   if (of.by_inverse == 0) return 0;
   const double bound = of.error() / of.size;
   if (!std::isfinite(bound)) return of.by_inverse;
-  return !extended && of.vanishes() ? std::max(bound, 1.0) : bound;
+  return !extended && of.vanishes() ? std::max(bound, 1 + 0x1p-20) : bound;
 }
 
 }  // namespace

@@ -278,8 +278,9 @@ void LevelEquations::project(const Part& part, const double* dy, double* change)
   for (int c : part.contacts) {
     const Rows Jy = contact_rows_of_motion(c);
     for (Eigen::Index i = 0, k = first_row(c); i < rows(c); ++i, ++k) {
-      rest_[k] -= projected_ == Projected::kForces ? square_[k] * Jy[i] : Jy[i];
-      change[k] = static_cast<double>(Jy[i]);
+      const S taken = projected_ == Projected::kForces ? square_[k] * Jy[i] : Jy[i];
+      rest_[k] -= taken;
+      change[k] = static_cast<double>(taken);
     }
   }
 }

@@ -59,15 +59,16 @@ typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S
 }
 
 /// Whether all pivots are more than rounding. of_M(k): pivot k is of a row of M; diagonal(k): K_kk, negative where a
-/// row of J is damped.
+/// row of J is damped. passed_on_more: by how much more two pivots in turn have to leave than those of doubles.
 template <class S, class OfM, class Diagonal>
-typename S::Mask accept_pivots(OfM&& of_M, std::span<const S> D, const S* terms, Diagonal&& diagonal) {
+typename S::Mask accept_pivots(OfM&& of_M, std::span<const S> D, const S* terms, Diagonal&& diagonal,
+                               double passed_on_more = kPassedOn<S>) {
   rank::PassedOn<S> passed_on;
   typename S::Mask good = S(0) <= S(0);
   for (std::size_t k = 0; k < D.size(); ++k) {
     const S own = diagonal(k);
     const rank::Pivot<S> pivot{of_M(k), D[k], terms[k], larger(own, S(0))};
-    const S left = abs(pivot.d) / (S(kPassedOn<S>) * pivot.terms);
+    const S left = abs(pivot.d) / (S(passed_on_more) * pivot.terms);
     good = good & passed_on.accepts(pivot.of_M, select(own < S(0), S(1), left)) & rank::is_left(pivot, kLeft<S>) &
            rank::has_its_sign(pivot);
   }

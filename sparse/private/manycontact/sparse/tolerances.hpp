@@ -250,6 +250,9 @@ inline constexpr double kSameSize = 1e-6;
 /// turn (kRowRounding): 1e-5, 100 eps of floats, and 1e-7. What leaves more is judged by its effect.
 /// Used by: SIMD batches of floats.
 inline constexpr double kSingleLeft = 1e6, kSinglePassedOn = 1e3;
+/// The same of two pivots in mixed precision, whose refinement hides what a dependent row does to the forces: 4e-5, as
+/// many eps of floats as kRowRounding has of doubles.
+inline constexpr double kMixedPassedOn = 2e4;
 
 /// Corrections by a factor of floats, in mixed precision: each gains 3 to 6 digits where it is worth anything.
 /// Used by: SIMD batches and robots that contacts join.

@@ -45,7 +45,8 @@ typename S::Mask RobotBlock<S, Low>::sound_pivots() {
     if (dependent_)
       return dependent_->hold(n_.K, n_.L, n_.D, pivot_terms_.data(), [this](S* x) { solve_by_factor(x); });
   const auto of_M = [this](std::size_t k) { return pattern_.perm[k] < pattern_.nv; };
-  return mask_of(accept_pivots<Low>(of_M, {n_.D, static_cast<std::size_t>(rows_)}, pivot_terms_.data(), diagonal()));
+  return mask_of(accept_pivots<Low>(of_M, {n_.D, static_cast<std::size_t>(rows_)}, pivot_terms_.data(), diagonal(),
+                                    kMixed ? tolerance::kMixedPassedOn : kPassedOn<Low>));
 }
 
 /// x <- K^-1 x by L and D, without the border: what x has there, of all the pattern's rows, is lost.
