@@ -268,7 +268,10 @@ void project(const Scene& scene, SceneData& data, extended::Equations::Projected
         const double digits =
             forces ? std::max(kExtendedConverged * of.rest, kExtendedVanishing * of.at_rest_f)
                    : std::max(tolerance::kExtendedDigits * of.rest, tolerance::kExtendedDigitsVanishing * of.at_rest_a);
-        if (change <= digits && (step > 0 || change == 0)) return Progress::kConverged;
+        if (change <= digits && (step > 0 || change == 0)) {
+          if (forces) of.last_f = std::max(of.last_f, change);
+          return Progress::kConverged;
+        }
         if (!std::isfinite(change)) return Progress::kFailed;
         if (step > 2 && change > kExtendedSlow * of.before)
           return !forces && change <= tolerance::kExtendedDigitsStopped * of.rest ? Progress::kConverged
