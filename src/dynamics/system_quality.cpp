@@ -1,7 +1,5 @@
-
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "internal.hpp"
 #include "manycontact/sparse/condition.hpp"

@@ -55,6 +55,15 @@ void take_part(const SceneData& data, ExtendedWork& e) {
 }
 extended::Part part_of(const ExtendedWork& e) { return {e.robots, e.contacts}; }
 
+// use(contact, row of the contact, row of f) of the islands at work.
+template <class Use>
+void each_row(const Scene& scene, const SceneData& data, const ExtendedWork& e, const Use& use) {
+  for (int c : e.contacts)
+    for (int i = 0, k = data.f_offset[static_cast<std::size_t>(c)];
+         i < scene.contacts[static_cast<std::size_t>(c)].rows(); ++i, ++k)
+      use(static_cast<std::size_t>(c), i, k);
+}
+
 double largest(const Scene& scene, const Island& island, const Eigen::VectorXd& a) {
   double out = 0;
   each_velocity_block(scene, island, [&](int first, int, int n) {
@@ -93,12 +102,9 @@ void invert(const Scene& scene, SceneData& data, ExtendedWork& e) {
     const bool damped = scene.damping > 0;  // the damping alone bears what the pairs' contacts contradict each other by
     if (damped) {
       expand_forces(data, x.y.data(), e.rest.data());
-      for (int c : e.contacts)
-        for (int i = 0, k = data.f_offset[static_cast<std::size_t>(c)];
-             i < scene.contacts[static_cast<std::size_t>(c)].rows(); ++i, ++k) {
-          const double damping = e.damping[static_cast<std::size_t>(c)];
-          e.rest[k] = damping > 0 ? (e.r[k] - e.rest[k]) / damping : 0;
-        }
+      each_row(scene, data, e, [&](std::size_t c, int, int k) {
+        e.rest[k] = e.damping[c] > 0 ? (e.r[k] - e.rest[k]) / e.damping[c] : 0;
+      });
     }
     invert_islands(of, solved, e);
     expand_forces(data, x.y.data(), e.r.data());
@@ -182,10 +188,7 @@ void correct(const Scene& scene, SceneData& data, ExtendedWork& e) {
 }
 
 void take_weights(const Scene& scene, const SceneData& data, ExtendedWork& e) {
-  for (int c : e.contacts)
-    for (int i = 0; i < scene.contacts[static_cast<std::size_t>(c)].rows(); ++i)
-      e.weights[data.f_offset[static_cast<std::size_t>(c)] + i] =
-          row_unit(scene, scene.contacts[static_cast<std::size_t>(c)], i);
+  each_row(scene, data, e, [&](std::size_t c, int i, int k) { e.weights[k] = row_unit(scene, scene.contacts[c], i); });
 }
 
 // Forces whose numbers have nothing to do with the contacts' (Knuth's linear congruential generator).
@@ -244,10 +247,7 @@ void step_of_projection(const Scene& scene, SceneData& data, bool forces, Extend
     e.equations->gradient_of_rest(part_of(e), e.r_a.data());
     e.r.setZero();
     invert(scene, data, e);
-    for (int c : e.contacts)
-      for (int i = 0, k = data.f_offset[static_cast<std::size_t>(c)];
-           i < scene.contacts[static_cast<std::size_t>(c)].rows(); ++i, ++k)
-        e.r[k] /= -e.weights[k] * e.weights[k];
+    each_row(scene, data, e, [&](std::size_t, int, int k) { e.r[k] /= -e.weights[k] * e.weights[k]; });
   }
   e.r_a.setZero();
   invert(scene, data, e);
@@ -359,6 +359,11 @@ void refine(const Scene& scene, SceneData& data, ExtendedWork& e) {
   e.state = w.current;
 }
 
+ExtendedWork& work_of(const Scene& scene, Workspace& w) {
+  if (!w.extended) w.extended = std::make_unique<ExtendedWork>(scene);
+  return *w.extended;
+}
+
 void take_answers(const Scene& scene, SceneData& data, ExtendedWork& e) {
   for (std::size_t i = 0; i < e.islands.size(); ++i) {
     const OfIsland& of = e.islands[i];
@@ -377,6 +382,8 @@ void take_answers(const Scene& scene, SceneData& data, ExtendedWork& e) {
   }
 }
 
+constexpr double kJustAbove = 1 + 0x1p-20;  // rounding of a distance; of a bound that is to be above 1
+
 // An answer's size and the bound by |K^-1|, which is relative to it; and what is known since.
 struct Distance {
   double size, size_before, by_inverse;
@@ -385,8 +392,7 @@ struct Distance {
   // which shows what double-double rounds, and the share of double-double in the bound by |K^-1|. What underflows has
   // no second double.
   double error() const {
-    constexpr double kRounding = 1 + 0x1p-20;  // of the distance
-    return kRounding * distance + 64 * last + tolerance::kExtendedShare * by_inverse * std::max(size, size_before) +
+    return kJustAbove * distance + 64 * last + tolerance::kExtendedShare * by_inverse * std::max(size, size_before) +
            std::numeric_limits<double>::min();
   }
   bool is_known(double error) const { return error < std::max(size, at_rest); }
@@ -398,22 +404,20 @@ double relative_bound(const Distance& of, bool extended) {
   if (of.by_inverse == 0) return 0;
   const double bound = of.error() / of.size;
   if (!std::isfinite(bound)) return of.by_inverse;
-  return !extended && of.vanishes() ? std::max(bound, 1 + 0x1p-20) : bound;
+  return !extended && of.vanishes() ? std::max(bound, kJustAbove) : bound;
 }
 
 }  // namespace
 
 void refine_extended(const Scene& scene, SceneData& data) {
-  Workspace& w = *data.workspace;
-  if (!w.extended) w.extended = std::make_unique<ExtendedWork>(scene);
-  refine(scene, data, *w.extended);
-  take_answers(scene, data, *w.extended);
+  ExtendedWork& e = work_of(scene, *data.workspace);
+  refine(scene, data, e);
+  take_answers(scene, data, e);
 }
 
 void refine_for_bounds(const Scene& scene, SceneData& data) {
-  Workspace& w = *data.workspace;
-  if (!w.extended) w.extended = std::make_unique<ExtendedWork>(scene);
-  if (w.extended->state != w.current) refine(scene, data, *w.extended);
+  ExtendedWork& e = work_of(scene, *data.workspace);
+  if (e.state != data.workspace->current) refine(scene, data, e);
 }
 
 void take_extended_bounds(const Scene& scene, SceneData& data) {
