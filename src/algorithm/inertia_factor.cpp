@@ -1,23 +1,17 @@
 #include "manycontact/algorithm/inertia_factor.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
-#include <limits>
 
 namespace manycontact {
 
-namespace {
-
-constexpr double kNothing = 64 * std::numeric_limits<double>::epsilon();  // of the entry a pivot was computed from
-
-}  // namespace
-
-std::vector<int> factorize_inertia(const Model& model, double* M, double* diagonal) {
+std::vector<int> factorize_inertia(const Model& model, double* M, double* diagonal, double least) {
   std::vector<int> nothing;
   for (int k = 0; k < model.nv; ++k) diagonal[k] = M[model.M_begin[k]];
   for (int k = model.nv - 1; k >= 0; --k) {
     double* row = M + model.M_begin[k];
-    if (!(row[0] > kNothing * diagonal[k])) {
+    if (!(row[0] > least * diagonal[k]) || !std::isfinite(1 / row[0])) {
       nothing.push_back(k);
       continue;
     }
@@ -41,19 +35,29 @@ void subtract(int n, double l, const double* __restrict y, double* __restrict x)
 
 }  // namespace
 
-void solve_inertia(const Model& model, const double* factor, int n, double* X) {
+void solve_inertia_transposed(const Model& model, const double* factor, int n, double* X) {
   const auto row_of = [&](int k) { return X + static_cast<std::ptrdiff_t>(k) * n; };
-  for (int k = model.nv - 1; k >= 0; --k) {  // X = L^T\X
+  for (int k = model.nv - 1; k >= 0; --k) {
     const double* row = factor + model.M_begin[k];
     for (int i = model.dof_parent[k], a = 1; i >= 0; i = model.dof_parent[i], ++a)
       subtract(n, row[a], row_of(k), row_of(i));
   }
-  for (int k = 0; k < model.nv; ++k) {  // X = L\(D\X)
+}
+
+void solve_inertia_unit(const Model& model, const double* factor, int n, double* X) {
+  const auto row_of = [&](int k) { return X + static_cast<std::ptrdiff_t>(k) * n; };
+  for (int k = 0; k < model.nv; ++k) {
     const double* row = factor + model.M_begin[k];
-    for (int c = 0; c < n; ++c) row_of(k)[c] /= row[0];
     for (int i = model.dof_parent[k], a = 1; i >= 0; i = model.dof_parent[i], ++a)
       subtract(n, row[a], row_of(i), row_of(k));
   }
+}
+
+void solve_inertia(const Model& model, const double* factor, int n, double* X) {
+  solve_inertia_transposed(model, factor, n, X);
+  for (int k = 0; k < model.nv; ++k)
+    for (int c = 0; c < n; ++c) X[static_cast<std::ptrdiff_t>(k) * n + c] /= factor[model.M_begin[k]];
+  solve_inertia_unit(model, factor, n, X);
 }
 
 }  // namespace manycontact

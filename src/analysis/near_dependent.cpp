@@ -34,11 +34,11 @@ RankGap gap_of(const Scene& scene, const SceneData& data, std::size_t island) {
   RankGap out;
   out.most_dropped = kEps;
   if (!judged(scene, data.report.islands[island])) return out;
-  const std::vector<double> left = internal::row_remainders(scene, data, island);
+  const auto [left, dependent] = internal::row_remainders(scene, data, island);
   const std::vector<int> rows = internal::rows_of(scene, data, island);
   out.known = !left.empty();
   for (std::size_t k = 0; k < left.size(); ++k) {
-    const bool kept = left[k] > tolerance::kRank;
+    const bool kept = left[k] > dependent;
     if (kept && (out.kept < 0 || left[k] < out.least_kept)) out.least_kept = left[k], out.kept = rows[k];
     if (!kept && (out.dropped < 0 || left[k] > out.most_dropped)) {
       out.most_dropped = std::max(kEps, left[k]);
@@ -90,13 +90,13 @@ std::vector<NearDependent> near_dependent(const Scene& scene, const ConstVectorR
   complete_judged(scene, data);
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
     if (!judged(scene, data.report.islands[i])) continue;
-    const std::vector<double> left = internal::row_remainders(scene, data, i);
+    const auto [left, dependent] = internal::row_remainders(scene, data, i);
     const std::vector<int> rows = internal::rows_of(scene, data, i);
     NearDependent found;
     found.island = i;
     found.left = kOnlyJust;
     for (std::size_t k = 0; k < left.size(); ++k) {
-      if (!(left[k] > tolerance::kRank && left[k] < kOnlyJust)) continue;
+      if (!(left[k] > dependent && left[k] < kOnlyJust)) continue;
       found.rows.push_back(rows[k]);
       found.left = std::min(found.left, left[k]);
     }

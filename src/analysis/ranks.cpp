@@ -56,8 +56,9 @@ Eigen::MatrixXd rows_of(const Examined& x, const std::vector<int>& positions) {
   return Jt;
 }
 
-// What the columns of J^T before it leave of each. Gram-Schmidt, twice.
-std::vector<double> remainders_of(const Eigen::MatrixXd& Jt) {
+// The norm of each column of J^T after projection on the complement of those before it that are above `dependent`.
+// Gram-Schmidt, twice.
+std::vector<double> remainders_of(const Eigen::MatrixXd& Jt, double dependent = tolerance::kRank) {
   std::vector<double> left;
   Eigen::MatrixXd Q(Jt.rows(), std::min(Jt.rows(), Jt.cols()));
   Eigen::Index rank = 0;
@@ -65,10 +66,25 @@ std::vector<double> remainders_of(const Eigen::MatrixXd& Jt) {
     Eigen::VectorXd w = Jt.col(j);
     for (int pass = 0; pass < 2; ++pass) w -= Q.leftCols(rank) * (Q.leftCols(rank).transpose() * w).eval();
     const double norm = rank < Q.cols() ? w.norm() : 0;
-    if (norm > tolerance::kRank) Q.col(rank++) = w / norm;
+    if (norm > dependent) Q.col(rank++) = w / norm;
     left.push_back(norm);
   }
   return left;
+}
+
+// Remainders of an island's rows. With a tolerance of the scene, the smallest ones are those of dependent rows, as many
+// as the rank of the solve leaves out.
+internal::RowRemainders remainders_of(const Scene& scene, const IslandReport& report, const Eigen::MatrixXd& Jt) {
+  internal::RowRemainders out{remainders_of(Jt)};
+  if (scene.tolerance == 0 || report.status == Status::kFailed || report.rank >= report.nc) return out;
+  const auto largest_dependent = [&] {
+    std::vector<double> sorted = out.left;
+    std::sort(sorted.begin(), sorted.end());
+    return std::max(tolerance::kRank, sorted[static_cast<std::size_t>(report.nc - report.rank - 1)]);
+  };
+  out.left = remainders_of(Jt, largest_dependent());
+  out.dependent = largest_dependent();
+  return out;
 }
 
 // least: what has to be left of a row that counts.
@@ -230,19 +246,21 @@ IslandRanks internal::ranks_of_island(const Scene& scene, const SceneData& data,
   if (nv * nc * nc > kMostWork) return out;
   const Eigen::MatrixXd rows = rows_of(x, all);
   out.known = true;
-  out.rank = rank_of(rows);
-  for (const double left : remainders_of(rows)) out.redundant.push_back(!(left > tolerance::kRank));
+  const IslandReport& report = data.report.islands[number];
+  const internal::RowRemainders remainders = remainders_of(scene, report, rows);
+  out.rank = remainders.dependent > tolerance::kRank ? report.rank : rank_of(rows);
+  for (const double left : remainders.left) out.redundant.push_back(!(left > remainders.dependent));
   return out;
 }
 
-std::vector<double> internal::row_remainders(const Scene& scene, const SceneData& data, std::size_t number) {
+internal::RowRemainders internal::row_remainders(const Scene& scene, const SceneData& data, std::size_t number) {
   const Island& island = island_of(data, number);
   const Examined x{scene, data, island, island_support_of(data, number)};
   for (int c : island.contacts)
     if (contact_of(data, c).J.size() == 0 && scene.contacts[c].rows() > 0) return {};  // too deep for joint space
   std::vector<int> all(island.contacts.size());
   std::iota(all.begin(), all.end(), 0);
-  return remainders_of(rows_of(x, all));
+  return remainders_of(scene, data.report.islands[number], rows_of(x, all));
 }
 
 RowSelection select_rows(const Scene& scene, const Island& island, const IslandRanks& ranks) {

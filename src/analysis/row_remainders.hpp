@@ -6,10 +6,14 @@
 
 namespace manycontact::internal {
 
-/// Per row of an island's J, what the rows before it that count leave of it, of its own size (rank/row_size.hpp);
-/// up to tolerance::kRank it counts for nothing. Dense, by Gram and Schmidt, twice. After a solve and complete
-/// (dynamics/views.hpp); empty where J is not in joint space.
-std::vector<double> row_remainders(const Scene& scene, const SceneData& data, std::size_t island);
+/// Per row of an island's J, its norm after projection on the complement of the independent rows before it, relative to
+/// its size (rank/row_size.hpp).
+struct RowRemainders {
+  std::vector<double> left;             // empty where J is not in joint space
+  double dependent = tolerance::kRank;  // rows with remainders up to this one depend on the rows before them
+};
+/// Dense, by Gram and Schmidt, twice. After a solve and complete (dynamics/views.hpp).
+RowRemainders row_remainders(const Scene& scene, const SceneData& data, std::size_t island);
 
 /// find_ranks of an island after complete, which goes over the whole scene.
 IslandRanks ranks_of_island(const Scene& scene, const SceneData& data, std::size_t island);

@@ -21,15 +21,15 @@ OfRows<S> weighed_rows(const PairRows& pair, std::size_t m, int row, const Vec6<
 
 template <class S>
 void take_pair(const Contact& contact, ContactData<S>& data) {
-  const PairNumbers<double>& from = contact.pair->numbers;
+  const PairNumbers<double>& from = *contact.pair->numbers;
   PairNumbers<S>& to = *data.pair;
+  to.Q = from.Q.template cast<S>();
   to.R = from.R.template cast<S>();
   to.R_right = from.R_right.template cast<S>();
   to.terms = from.terms.template cast<S>();
-  for (std::size_t m = 0; m < from.members.size(); ++m) {
-    to.members[m].A = from.members[m].A.template cast<S>();
-    to.members[m].B = from.members[m].B.template cast<S>();
-    to.members[m].Q = from.members[m].Q.template cast<S>();
+  for (std::size_t m = 0; m < from.A.size(); ++m) {
+    to.A[m] = from.A[m].template cast<S>();
+    data.pair_B[m] = contact.pair->B[m].template cast<S>();
   }
 }
 
@@ -49,10 +49,10 @@ void judge_motion(const Contact& c, ContactData<S>& d) {
   };
   S lever = largest_in<S>(d.aMA.p) + largest_in<S>(d.bMA.p), reach(0), off(0);
   for (std::size_t m = 0; m < c.pair->members.size(); ++m) {
-    const auto& at = d.pair->members[m];
-    reach = larger(largest_in<S>(at.A.p), reach);
+    const SE3<S>& A = d.pair->A[m];
+    reach = larger(largest_in<S>(A.p), reach);
     if (c.pair->members[m].alpha == 0) continue;
-    const Vec6<S> error = contact_error<S>(c.pair->members[m], at.B.inverse() * (d.G * at.A));
+    const Vec6<S> error = contact_error<S>(c.pair->members[m], d.pair_B[m].inverse() * (d.G * A));
     off = larger(larger(largest_in<S>(error.template head<3>()), largest_in<S>(error.template tail<3>())), off);
   }
   lever += reach;
@@ -70,21 +70,15 @@ void pair_motion(const Contact& c, ContactData<S>& d) {
   const PairRows& pair = *c.pair;
   const PairNumbers<S>& numbers = *d.pair;
   d.W = numbers.R;
-  OfRows<S> e = OfRows<S>::Zero(c.rows());
+  auto own = d.left.head(numbers.Q.rows());
   int row = 0;
   for (std::size_t m = 0; m < pair.members.size(); ++m) {
-    const auto& at = numbers.members[m];
-    const OfRows<S> own = weighed_rows<S>(pair, m, row, MemberMotion<S>(pair.members[m], at, d).drift());
-    d.left.segment(row, own.size()) = own;
-    e += at.Q.transpose().lazyProduct(own);
-    row += static_cast<int>(own.size());
+    const int rows = pair.members[m].rows();
+    own.segment(row, rows) = weighed_rows<S>(pair, m, row, MemberMotion<S>(d, pair, m).drift());
+    row += rows;
   }
-  row = 0;
-  for (std::size_t m = 0; m < pair.members.size(); ++m) {
-    const auto& Q = numbers.members[m].Q;
-    d.left.segment(row, Q.rows()) -= Q.lazyProduct(e);
-    row += static_cast<int>(Q.rows());
-  }
+  const OfRows<S> e = numbers.Q.transpose().lazyProduct(own);
+  own -= numbers.Q.lazyProduct(e);
   d.x = d.nudot;
   d.x += numbers.R_right.lazyProduct(e);
   d.a0 = e;
@@ -101,16 +95,16 @@ PairSlopes<S> pair_slopes(const Contact& c, const ContactData<S>& d) {
   int row = 0;
   for (std::size_t m = 0; m < pair.members.size(); ++m) {
     const Contact& member = pair.members[m];
-    const auto& at = numbers.members[m];
-    const MemberMotion<S> motion(member, at, d);
+    const auto Q = numbers.Q.middleRows(row, member.rows());
+    const MemberMotion<S> motion(d, pair, m);
     Mat6<S> log = Mat6<S>::Zero();
     if (member.alpha != 0 && member.type == ContactType::k6D) log = log6_derivative(motion.G);
     for (int j = 0; j < 6; ++j) {
-      const Vec6<S> unit = at.A.act_inverse(Vec6<S>(Vec6<S>::Unit(j)));
-      by_motion.col(j) += at.Q.transpose().lazyProduct(weighed_rows<S>(pair, m, row, motion.by_motion(unit)));
+      const Vec6<S> unit = numbers.A[m].act_inverse(Vec6<S>(Vec6<S>::Unit(j)));
+      by_motion.col(j) += Q.transpose().lazyProduct(weighed_rows<S>(pair, m, row, motion.by_motion(unit)));
       if (member.alpha == 0) continue;
       by_displacement.col(j) +=
-          at.Q.transpose().lazyProduct(weighed_rows<S>(pair, m, row, motion.by_displacement(unit, log)));
+          Q.transpose().lazyProduct(weighed_rows<S>(pair, m, row, motion.by_displacement(unit, log)));
     }
     row += member.rows();
   }

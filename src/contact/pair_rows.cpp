@@ -1,6 +1,7 @@
 #include "manycontact/contact/pair_rows.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <mutex>
 
@@ -49,14 +50,14 @@ Contact member_of(const Contact& from) {
 }
 
 // S_m W_m X_m of all members.
-Eigen::MatrixXd rows_of_all(const PairRows& pair) {
+Eigen::MatrixXd rows_of_all(const PairRows& pair, const std::vector<SE3<double>>& A) {
   Eigen::MatrixXd B(static_cast<Eigen::Index>(pair.unit.size()), 6);
   Eigen::Index row = 0;
   for (std::size_t m = 0; m < pair.members.size(); ++m) {
     const int n = pair.members[m].rows();
     for (int j = 0; j < 6; ++j)
-      B.block(row, j, n, 1) = rows_of_member<double>(
-          pair.members[m], pair.numbers.members[m].A.act_inverse(Vec6<double>(Vec6<double>::Unit(j))));
+      B.block(row, j, n, 1) =
+          rows_of_member<double>(pair.members[m], A[m].act_inverse(Vec6<double>(Vec6<double>::Unit(j))));
     for (int i = 0; i < n; ++i, ++row) B.row(row) *= pair.unit[static_cast<std::size_t>(row)];
   }
   return B;
@@ -93,14 +94,13 @@ std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
 }
 
 // B = Q R; false where its rows are independent, or the rank is in doubt.
-bool factorize(PairRows& pair) {
-  const Eigen::MatrixXd B = rows_of_all(pair);
+bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
+  const Eigen::MatrixXd B = rows_of_all(pair, numbers.A);
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(B);
   const int rank = plain_rank(qr, B.rows());
   if (rank <= 0 || rank == B.rows()) return false;
-  const Eigen::MatrixXd Q = qr.householderQ() * Eigen::MatrixXd::Identity(B.rows(), rank);
-  PairNumbers<double>& numbers = pair.numbers;
-  numbers.R = Q.transpose() * B;
+  numbers.Q = qr.householderQ() * Eigen::MatrixXd::Identity(B.rows(), rank);
+  numbers.R = numbers.Q.transpose() * B;
   // Computes a right inverse with rotations in units of the moment arms, as in R, so that its error does not depend on
   // the lengths of the arms.
   Vec6<double> unit = Vec6<double>::Ones();
@@ -109,14 +109,9 @@ bool factorize(PairRows& pair) {
   const Eigen::MatrixXd scaled = numbers.R * unit.asDiagonal();
   numbers.R_right = unit.asDiagonal() * scaled.completeOrthogonalDecomposition().pseudoInverse();
   pair.spans = first_independent(B, rank);
-  const Eigen::MatrixXd sizes = Q.cwiseAbs().transpose() * B.cwiseAbs();
+  const Eigen::MatrixXd sizes = numbers.Q.cwiseAbs().transpose() * B.cwiseAbs();
   numbers.terms.resize(rank, 2);
   numbers.terms << sizes.leftCols<3>().rowwise().maxCoeff(), sizes.rightCols<3>().rowwise().maxCoeff();
-  Eigen::Index row = 0;
-  for (std::size_t m = 0; m < pair.members.size(); ++m) {
-    numbers.members[m].Q = Q.middleRows(row, pair.members[m].rows());
-    row += pair.members[m].rows();
-  }
   return true;
 }
 
@@ -128,7 +123,7 @@ void take_changeable(PairRows& rows, Contact& pair) {
     const Contact& member = rows.members[m];
     pair.alpha = std::max(pair.alpha, std::abs(member.alpha));
     pair.beta = std::max(pair.beta, std::abs(member.beta));
-    rows.numbers.members[m].B = seen_from(pair.B.placement, member.B.placement);
+    rows.B[m] = seen_from(pair.B.placement, member.B.placement);
   }
 }
 
@@ -145,14 +140,36 @@ Contact pair_of(const Scene& scene, std::span<const int> contacts) {
   Contact pair = member_of(rows->members.front());
   pair.type = ContactType::k6D;
   pair.A.placement = placement_A(rows->members);
-  for (const Contact& member : rows->members)
-    rows->numbers.members.push_back({seen_from(pair.A.placement, member.A.placement), {}, {}});
-  if (!factorize(*rows)) return pair;
+  const auto numbers = std::make_shared<PairNumbers<double>>();
+  for (const Contact& member : rows->members) numbers->A.push_back(seen_from(pair.A.placement, member.A.placement));
+  if (!factorize(*rows, *numbers)) return pair;
+  rows->numbers = numbers;
+  rows->B.resize(rows->members.size());
   take_changeable(*rows, pair);
-  pair.pair_rank = static_cast<int>(rows->numbers.R.rows());
+  pair.pair_rank = static_cast<int>(numbers->R.rows());
   rows->kind = kind_of(pair.pair_rank, rows->members);
   pair.pair = rows;
   return pair;
+}
+
+namespace {
+
+std::array<std::span<const double>, 3> deciding(const PairNumbers<double>& of) {
+  static_assert(sizeof(SE3<double>) == 12 * sizeof(double));
+  return {std::span(of.R.data(), static_cast<std::size_t>(of.R.size())),
+          std::span(of.Q.data(), static_cast<std::size_t>(of.Q.size())),
+          std::span(of.A.front().R.data(), 12 * of.A.size())};
+}
+
+}  // namespace
+
+bool PairNumbersLess::operator()(const SharedPairNumbers& a, const SharedPairNumbers& b) const {
+  const auto of_a = deciding(*a), of_b = deciding(*b);
+  for (std::size_t k = 0; k < of_a.size(); ++k) {
+    if (std::ranges::lexicographical_compare(of_a[k], of_b[k])) return true;
+    if (std::ranges::lexicographical_compare(of_b[k], of_a[k])) return false;
+  }
+  return false;
 }
 
 void refresh_pair(const Scene& scene, PairRows& rows, Contact& pair) {

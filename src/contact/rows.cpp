@@ -22,11 +22,12 @@ ContactData<S>::ContactData(const Contact& contact, const ContactSupport& suppor
       a0(VecX<S>::Zero(contact.rows())) {
   if (!contact.pair) return;
   pair.emplace();
+  pair->Q.setZero(static_cast<Eigen::Index>(contact.pair->unit.size()), contact.rows());
   pair->R.setZero(contact.rows(), 6);
   pair->R_right.setZero(6, contact.rows());
   pair->terms.setZero(contact.rows(), 2);
-  for (const Contact& member : contact.pair->members)
-    pair->members.push_back({{}, {}, MatX<S>::Zero(member.rows(), contact.rows())});
+  pair->A.resize(contact.pair->members.size());
+  pair_B.resize(contact.pair->members.size());
   left.setZero(static_cast<Eigen::Index>(contact.pair->unit.size()) + 2);
 }
 

@@ -4,43 +4,10 @@
 #include <cmath>
 #include <map>
 
+#include "manycontact/algorithm/inertia_factor.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
-
-bool factor_inertia(const Model& model, double* M, double* diagonal) {
-  for (int k = 0; k < model.nv; ++k) diagonal[k] = M[model.M_begin[k]];
-  for (int k = model.nv - 1; k >= 0; --k) {
-    double* row = M + model.M_begin[k];
-    const double D = row[0];
-    if (!(D > tolerance::kPivotLeft * diagonal[k]) || !std::isfinite(1 / D)) return false;
-    int a = 1;
-    for (int i = model.dof_parent[k]; i >= 0; i = model.dof_parent[i], ++a) {
-      const double l = row[a] / D;
-      double* target = M + model.M_begin[i];  // M_ij -= L_ki M_kj for the ancestors j of i, i included
-      const int count = model.dof_depth[i] + 1;
-      for (int j = 0; j < count; ++j) target[j] -= l * row[a + j];
-      row[a] = l;
-    }
-  }
-  return true;
-}
-
-void solve_inertia_transposed(const Model& model, const double* L, double* x) {
-  for (int k = model.nv - 1; k >= 0; --k) {
-    const double* row = L + model.M_begin[k] + 1;
-    for (int i = model.dof_parent[k]; i >= 0; i = model.dof_parent[i]) x[i] -= *row++ * x[k];
-  }
-}
-
-void solve_inertia_unit(const Model& model, const double* L, double* x) {
-  for (int k = 0; k < model.nv; ++k) {
-    const double* row = L + model.M_begin[k] + 1;
-    double s = 0;
-    for (int i = model.dof_parent[k]; i >= 0; i = model.dof_parent[i]) s += *row++ * x[i];
-    x[k] -= s;
-  }
-}
 
 namespace {
 
@@ -140,12 +107,12 @@ bool form_schur(const Scene& scene, const Island& island, const IslandSupport& s
     const std::span<const double> own = M.first(model.M_begin[model.nv]);
     M = M.subspan(own.size());
     data.L[r].assign(own.begin(), own.end());
-    if (!factor_inertia(model, data.L[r].data(), data.scratch.data())) return false;
+    if (!factorize_inertia(model, data.L[r].data(), data.scratch.data(), tolerance::kPivotLeft).empty()) return false;
     const SchurPattern::OnRobot& on = pattern.robots[r];
     Eigen::MatrixXd& Z = data.Z[r];
     Z.resize(model.nv, on.rows);
     gather_rows(scene, island, support, static_cast<int>(r), pattern, J, Z);
-    for (int c = 0; c < on.rows; ++c) solve_inertia_transposed(model, data.L[r].data(), Z.col(c).data());
+    for (int c = 0; c < on.rows; ++c) solve_inertia_transposed(model, data.L[r].data(), 1, Z.col(c).data());
     for (int i = 0; i < model.nv; ++i) Z.row(i) /= std::sqrt(data.L[r][model.M_begin[i]]);
     for (int j = 0; j < on.rows; ++j)  // S += Z^T Z with Z = D^-1/2 L^-T J^T
       for (int i = 0; i <= j; ++i) data.Sx[*slot++] += Z.col(i).dot(Z.col(j));

@@ -172,7 +172,7 @@ void add_places(const Scene& scene, const Island& island, Words& key) {
     if (place_counts(contact)) add(contact.A.placement.R), add(contact.A.placement.p);
     if (has_axis(contact.type)) add(contact.axis);
     if (!contact.pair || !place_counts(contact)) continue;
-    for (const double x : contact.pair->numbers.R.reshaped())  // as floats, since copies' differ by rounding
+    for (const double x : contact.pair->numbers->R.reshaped())  // as floats, since copies' differ by rounding
       key.push_back(std::bit_cast<std::uint32_t>(static_cast<float>(x)));
   }
 }
@@ -184,8 +184,7 @@ void reserve(const Island& island, Words& key) {
 
 }  // namespace
 
-const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const Island& island,
-                                                   bool by_places) {
+const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const Island& island, bool by_places) {
   // The shapes that any cache of the program holds, so that data of one scene, as the nodes of a horizon are, read the
   // same analyses, which stay in the processor's caches. By a key that names a shape's models while these live.
   static Interned<IslandShape> at_hand;

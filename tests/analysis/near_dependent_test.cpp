@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "manycontact/analysis/advice.hpp"
+#include "manycontact/analysis/ranks.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "support/dense.hpp"
 #include "support/folder.hpp"
@@ -47,6 +48,19 @@ TEST(NearDependent, ATiltedAxisHoldsALoopStill) {
   }
   EXPECT_TRUE(Solved(tilted_four_bar(0.1)).near().empty());  // a spatial loop that is meant
   EXPECT_TRUE(Solved(tilted_four_bar(0)).near().empty());    // a plane one, whose row is dropped
+}
+
+TEST(NearDependent, RowsWithinTheToleranceAreDependent) {
+  SceneFile file = tilted_four_bar(1e-6);
+  file.scene.tolerance = 1e-4;
+  const Solved s(std::move(file));
+  ASSERT_EQ(s.data.report.islands[0].rank, 2);
+  EXPECT_TRUE(s.near().empty());
+  EXPECT_EQ(s.gap().dropped, 2);
+  EXPECT_GT(s.gap().least_kept, 1e-3);
+  const IslandRanks ranks = find_ranks(s.file.scene, s.data, 0);
+  EXPECT_EQ(ranks.rank, 2);
+  EXPECT_EQ(ranks.redundant, (std::vector<char>{0, 0, 1}));
 }
 
 TEST(NearDependent, TheGapSaysHowNearItWas) {

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <iostream>
 
 #include "judge.hpp"
 #include "motion.hpp"
@@ -28,6 +30,23 @@ struct Kinds {
 };
 void PrintTo(const Kinds& k, std::ostream* out) { *out << k.name; }
 
+std::vector<double> bound_over_error;  // of all kinds
+
+// At the end, if all kinds were judged: whether bounds are tight.
+class TightBounds : public testing::Environment {
+  void TearDown() override {
+    if (bound_over_error.size() < 10000) return;
+    std::sort(bound_over_error.begin(), bound_over_error.end());
+    const double median = bound_over_error[bound_over_error.size() / 2],
+                 most = bound_over_error[bound_over_error.size() * 19 / 20];
+    std::cout << "bound over error: least " << bound_over_error.front() << ", median " << median << ", 95 % below "
+              << most << " (" << bound_over_error.size() << ")\n";
+    EXPECT_LE(median, 30);
+    EXPECT_LE(most, 1000);
+  }
+};
+const testing::Environment* const tight_bounds = testing::AddGlobalTestEnvironment(new TightBounds);
+
 class Attack : public testing::TestWithParam<Kinds> {};
 
 TEST_P(Attack, FindsNothing) {
@@ -39,6 +58,7 @@ TEST_P(Attack, FindsNothing) {
     const Judgement j = judge(c, folder.path().string(), test::methods());
     expect_nothing(c, j);
     judged += j.judged;
+    bound_over_error.insert(bound_over_error.end(), j.bound_over_error.begin(), j.bound_over_error.end());
   }
   EXPECT_GE(judged, kinds.count / 2);
 }

@@ -254,8 +254,8 @@ std::vector<Places> places_of(const Scene& scene, const SceneData& data) {
   return list;
 }
 
-// Against the scene as it was read, in quadruple precision by the library's own terms: bounds do not contain what the
-// rounding of a file's numbers does to an answer. The same for the digits of extended precision.
+// Bounds contain the rounding of the file's numbers. Extended precision is judged against the scene as it was read, in
+// quadruple precision with the library's own terms: its bounds do not contain that rounding, and its digits are right.
 void Trying::judge_bounds(const Answer& t) {
   if (data.report.islands.size() != island_count(data)) return;  // one system of the whole scene
   const auto& truth = trial.as_read(file);
@@ -264,29 +264,32 @@ void Trying::judge_bounds(const Answer& t) {
                load = trial.truth.load() / trial.truth.largest_J();
   for (std::size_t i = 0; i < places.size(); ++i) {
     const IslandReport& report = data.report.islands[i];
-    if (!truth.regular[i] || truth.rank[i] != report.rank) continue;
-    if (report.precision == Precision::kExtended && t.condition > kMostCondition) continue;  // the truth is no better
-    const auto part = [&](const char* name, const Eigen::VectorXd& x, const VecX<manycontact::Quad>& right,
-                          const std::vector<std::size_t>& rows, double bound, double terms) {
+    const bool extended = report.precision == Precision::kExtended;
+    if (extended && (!truth.regular[i] || truth.rank[i] != report.rank)) continue;
+    if (extended && t.condition > kMostCondition) continue;  // the truth is no better
+    const auto part = [&](const char* name, const Eigen::VectorXd& x, const VecX<manycontact::Quad>& of_read,
+                          const Column& of_file, const std::vector<std::size_t>& rows, double bound, double terms) {
       double off = 0, size = 0;
       for (std::size_t row : rows) {
-        off = most(std::abs(static_cast<double>(x[row] - right[row])), off);
+        const double error =
+            extended ? static_cast<double>(x[row] - of_read[row]) : static_cast<double>(Quad(x[row]) - of_file[row]);
+        off = most(std::abs(error), off);
         size = most(std::abs(x[row]), size);
       }
       const double of_truth = kQuadRounding * t.condition * std::max(size, terms);
-      const bool last_digits = report.precision == Precision::kExtended &&
-                               size > 1e-12 * terms;  // of what vanishes, its bound says how much is right
+      const bool last_digits = extended && size > 1e-12 * terms;  // of what vanishes, its bound says how much is right
       const auto text_of = [&] {
         return text("%s of island %zu off by %.2e of %.2e, bound %.2e, %s, condition %.1e", name, i, off / size, size,
                     bound, to_string(report.status).c_str(), t.condition);
       };
+      if (!extended && off > 0 && bound < 1) out.bound_over_error.push_back(bound * size / off);
       if (off > bound * size + of_truth)
         find(Fault::kBound, text_of());
       else if (last_digits && off > kMostOfExtended * size + of_truth)
         find(Fault::kValue, text_of());
     };
-    part("a", data.a, truth.a, places[i].a, report.error_acceleration, gravity);
-    part("f", data.f, truth.f, places[i].f, report.error_forces, load);
+    part("a", data.a, truth.a, t.a, places[i].a, report.error_acceleration, gravity);
+    part("f", data.f, truth.f, t.f, places[i].f, report.error_forces, load);
   }
 }
 

@@ -11,19 +11,19 @@ namespace manycontact::attack {
 
 /// What is judged, and may be wrong.
 enum class Fault {
-  kLoad,         // a file that should be read was refused
-  kException,    // of a kind that is not documented
-  kNoAnswer,     // `failed` though K's condition is moderate
-  kSingular,     // answered though K is singular
-  kValue,        // a or f, beyond what rounding explains and beyond the bound that is stated
-  kRank,         // none that J may be said to have
+  kLoad,       // a file that should be read was refused
+  kException,  // of a kind that is not documented
+  kNoAnswer,   // `failed` though K's condition is moderate
+  kSingular,   // answered though K is singular
+  kValue,      // a or f, beyond what rounding explains and beyond the bound that is stated
+  kRank,       // none that J may be said to have
   kStatus,
-  kCondition,    // not within a factor 10
-  kBound,        // an error beyond the bound that is stated for it
-  kSilent,       // `ok` or `redundant` with a bound of 1 or more, and wrong by that much
+  kCondition,  // not within a factor 10
+  kBound,      // an error beyond the bound that is stated for it
+  kSilent,     // `ok` or `redundant` with a bound of 1 or more, and wrong by that much
   kDerivative,
-  kProduct,      // jvp or vjp, not the derivatives' own
-  kNotFinite,    // derivatives
+  kProduct,    // jvp or vjp, not the derivatives' own
+  kNotFinite,  // derivatives
   kQuasiStatic,
   kImpact,
 };
@@ -36,7 +36,8 @@ struct Finding {
 
 struct Judgement {
   std::vector<Finding> findings;
-  bool judged = false;  // the case had something to be judged
+  bool judged = false;                   // the case had something to be judged
+  std::vector<double> bound_over_error;  // of a and f of each island, if the bound is below 1
 };
 
 /// Values, status, rank, condition, bounds, derivatives, products and quasi-static torques of a case. Its files are

@@ -513,22 +513,14 @@ TEST(Bounds, CountWhatDroppedRowsLeave) {
   }
 }
 
-// What rounding may do to an answer by |K^-1| can be more than its size, where it is far less by the distance to the
-// refined copy: the status stays. So it does for accelerations that rounding leaves of a scene at rest, and for forces
-// of one on which nothing acts.
-TEST(Bounds, OfWhatIsKnownKeepTheStatus) {
-  const SceneFile near =
-      box("<contact name=\"one\" type=\"3d\" frame=\"r/crate\" offset=\"0.3 0 0\"/>"
-          "<contact name=\"two\" type=\"1d\" axis=\"1 0 0\" frame=\"r/crate\" offset=\"0.3 5e-11 0\"/>");
+// The status stays for accelerations that rounding leaves of a scene at rest, and for forces of one on which nothing
+// acts.
+TEST(Bounds, OfWhatVanishesKeepTheStatus) {
   const SceneFile rests = box("<contact name=\"one\" type=\"6d\" frame=\"r/crate\" offset=\"0.3 0.1 0.2\"/>");
   const SceneFile falls =
       box("<contact name=\"one\" type=\"1d\" axis=\"0.6 0.8 0\" frame=\"r/crate\" offset=\"0.1 0.2 0.3\"/>");
   for (Method method : methods_for_dependent_rows()) {
     SCOPED_TRACE(to_string(method));
-    Solved uncertain(near, method);
-    estimate_errors(uncertain.file.scene, uncertain.data);
-    EXPECT_LE(uncertain.report().error_forces, 0.1);
-    EXPECT_EQ(uncertain.report().status, Status::kOk);
     for (const SceneFile& file : {rests, falls}) {
       Solved s(file, method);
       estimate_errors(s.file.scene, s.data);

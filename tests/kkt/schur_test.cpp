@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "kkt/island_numbers.hpp"
+#include "manycontact/algorithm/inertia_factor.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 #include "support/dense.hpp"
 
 namespace manycontact::test {
@@ -36,7 +38,7 @@ TEST_P(Schur, FactorOfTheInertiaAndItsSolves) {
       const Model& model = *s.scene.robots[n.island.robots[r]].model;
       const MatrixXd M = n.M.block(n.island.dof_offset[r], n.island.dof_offset[r], model.nv, model.nv);
       std::vector<double> packed = n.packed[r], scratch(model.nv, NAN);
-      ASSERT_TRUE(factor_inertia(model, packed.data(), scratch.data()));
+      ASSERT_TRUE(factorize_inertia(model, packed.data(), scratch.data(), tolerance::kPivotLeft).empty());
       const MatrixXd L = dense_L(model, packed.data());
       VectorXd D(model.nv);
       for (int i = 0; i < model.nv; ++i) D[i] = packed[model.M_begin[i]];
@@ -45,13 +47,13 @@ TEST_P(Schur, FactorOfTheInertiaAndItsSolves) {
 
       const VectorXd truth = random_vector(model.nv, rng);
       VectorXd x = L.transpose() * truth, y = L * truth, z = M * truth;
-      solve_inertia_transposed(model, packed.data(), x.data());
-      solve_inertia_unit(model, packed.data(), y.data());
+      solve_inertia_transposed(model, packed.data(), 1, x.data());
+      solve_inertia_unit(model, packed.data(), 1, y.data());
       EXPECT_LE(error_of(x, truth), kEps * condition_1(L));
       EXPECT_LE(error_of(y, truth), kEps * condition_1(L));
-      solve_inertia_transposed(model, packed.data(), z.data());  // M^-1 = L^-1 D^-1 L^-T
+      solve_inertia_transposed(model, packed.data(), 1, z.data());  // M^-1 = L^-1 D^-1 L^-T
       z.array() /= D.array();
-      solve_inertia_unit(model, packed.data(), z.data());
+      solve_inertia_unit(model, packed.data(), 1, z.data());
       EXPECT_LE(error_of(z, truth), 4 * kEps * condition_1(M));
     }
 }
@@ -64,7 +66,8 @@ TEST_P(Schur, FactorRefusesWhatIsNotPositive) {
     for (double value : {-1.0, 0.0, static_cast<double>(NAN)}) {
       std::vector<double> packed = n.packed[0];
       packed[model.M_begin[bad]] = value;
-      EXPECT_FALSE(factor_inertia(model, packed.data(), scratch.data())) << bad << ' ' << value;
+      EXPECT_FALSE(factorize_inertia(model, packed.data(), scratch.data(), tolerance::kPivotLeft).empty())
+          << bad << ' ' << value;
     }
   }
 }
@@ -76,7 +79,7 @@ TEST(SchurFactor, RefusesAPivotLostInCancellation) {
   double scratch[2];
   for (double gap : {1e-6, 0.0, 4 * kEps}) {
     double packed[] = {1, 1 + gap, 1};  // rows: M00; M11 M10
-    EXPECT_EQ(factor_inertia(model, packed, scratch), gap > 1e-10) << gap;
+    EXPECT_EQ(factorize_inertia(model, packed, scratch, tolerance::kPivotLeft).empty(), gap > 1e-10) << gap;
   }
 }
 

@@ -40,10 +40,6 @@ class Summary : public testing::Environment {
       for (const Cell& cell : row.cells)
         if (cell.beyond_bound > 0) beyond.push_back(cell.beyond_bound);
     std::sort(beyond.begin(), beyond.end());
-    if (done.size() == all_causes().size()) {
-      EXPECT_GE(beyond[beyond.size() / 2], 1.0 / 30) << "bounds are loose: the median";
-      EXPECT_GE(beyond[beyond.size() / 20], 1.0 / 1000) << "bounds are loose: one in twenty";
-    }
     if (!beyond.empty())
       std::cout << "bound over true error: least " << 1 / beyond.back() << ", median " << 1 / beyond[beyond.size() / 2]
                 << ", 95 % below " << 1 / beyond[beyond.size() / 20] << "\n";

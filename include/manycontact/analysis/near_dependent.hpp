@@ -10,7 +10,7 @@
 namespace manycontact {
 
 /// A row is nearly dependent if its component orthogonal to the preceding rows is less than this share of its norm, but
-/// more than rounding error.
+/// more than rounding error. Rows that Scene::tolerance makes dependent are not nearly dependent.
 constexpr double kOnlyJust = 1e-3;
 /// Below this ratio of the smallest accepted to the largest rejected row, the rank decision is not reliable.
 constexpr double kCloseGap = 1e3;

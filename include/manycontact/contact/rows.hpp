@@ -50,15 +50,12 @@ ContactSupport contact_support(const Scene& scene, const Contact& contact);  // 
 /// columns.
 template <class S>
 struct PairNumbers {
-  struct Member {  // one of the contacts
-    SE3<S> A, B;   // its A in the pair's A, its B' in the pair's B'
-    MatX<S> Q;     // its rows of Q: rows x rank
-  };
   // They are on the heap, since kernels with other alignment read them.
-  MatX<S> R;        // rank x 6
-  MatX<S> R_right;  // 6 x rank: R R_right = 1
-  MatX<S> terms;    // rank x 2: magnitudes of the terms of R, for displacements and for rotations
-  std::vector<Member> members;
+  MatX<S> Q;              // rows of all contacts x rank
+  MatX<S> R;              // rank x 6
+  MatX<S> R_right;        // 6 x rank: R R_right = 1
+  MatX<S> terms;          // rank x 2: magnitudes of the terms of R, for displacements and for rotations
+  std::vector<SE3<S>> A;  // per contact, its A in the pair's A
 };
 
 /// The constraint rows of one contact and the quantities that they are computed from. Allocated once. Everything
@@ -79,6 +76,7 @@ struct ContactData {
   Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> a0;  // rows
   S joint_lever = S(0);  // largest distance of the joints that rotate the contact from the origin of their tree [m]
   std::optional<PairNumbers<S>> pair;  // of a contact that represents several contacts; set by take_places
+  std::vector<SE3<S>> pair_B;          // per contact of the pair, its B' in the pair's B'
   /// For a pair: the part of each contact's own a0 that the reduced rows do not contain, one number per row, in order.
   /// Then the largest terms that these are computed from. Then the deviations of the bodies from a common motion and
   /// from their reference placement, relative to the velocities and lengths.

@@ -388,11 +388,13 @@ constexpr double kJustAbove = 1 + 0x1p-20;  // rounding of a distance; of a boun
 struct Distance {
   double size, size_before, by_inverse;
   double distance, last, at_rest;
-  // A bound of the error: the distance to x, and the error of x itself: the last correction, of which a part is left or
-  // which shows what double-double rounds, and the share of double-double in the bound by |K^-1|. What underflows has
-  // no second double.
+  double share;  // of the bound by |K^-1|
+  // A bound of the error is the sum of the distance to x and of the errors of x. These are the last correction, of
+  // which a part remains or which shows what double-double rounds, and a share of the bound by |K^-1|. What underflows
+  // has no second double.
   double error() const {
-    return kJustAbove * distance + 64 * last + tolerance::kExtendedShare * by_inverse * std::max(size, size_before) +
+    return kJustAbove * distance + 64 * last +
+           (tolerance::kReadRounding + share * by_inverse) * std::max(size, size_before) +
            std::numeric_limits<double>::min();
   }
   bool is_known(double error) const { return error < std::max(size, at_rest); }
@@ -429,11 +431,22 @@ void take_extended_bounds(const Scene& scene, SceneData& data) {
     if (!of.refined) continue;
     IslandReport& report = data.report.islands[i];
     const Island& island = island_of(data, i);
-    const Distance a{largest(scene, island, data.a), of.size_a, report.error_acceleration,
-                     largest(scene, island, e.r_a),  of.last_a, of.at_rest_a};
-    const Distance f{largest_force(scene, data.f_offset, island, data.f), of.size_f, report.error_forces,
-                     largest_force(scene, data.f_offset, island, e.r),    of.last_f, of.at_rest_f};
     const bool extended = report.precision == Precision::kExtended;
+    const double share = extended ? tolerance::kExtendedShare : tolerance::kReadShare;
+    const Distance a{largest(scene, island, data.a),
+                     of.size_a,
+                     report.error_acceleration,
+                     largest(scene, island, e.r_a),
+                     of.last_a,
+                     of.at_rest_a,
+                     share};
+    const Distance f{largest_force(scene, data.f_offset, island, data.f),
+                     of.size_f,
+                     report.error_forces,
+                     largest_force(scene, data.f_offset, island, e.r),
+                     of.last_f,
+                     of.at_rest_f,
+                     share};
     report.error_acceleration = relative_bound(a, extended), report.error_forces = relative_bound(f, extended);
     if (a.is_known(a.error()) && f.is_known(f.error())) report.status = of.status, report.reason = of.reason;
   }

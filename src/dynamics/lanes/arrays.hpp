@@ -98,24 +98,29 @@ std::span<P const> side_by_side(std::span<Item> items, P (&memory)[N], At&& at) 
   return {memory, items.size()};
 }
 
-/// What pairs of contacts have in place of a contact's own numbers, those of rows(item) of each item.
+/// Loads what pairs of contacts have in place of a contact's own numbers, for the contact of each item. `common` are
+/// the numbers that all elements of the batch contain already, or nullptr.
 template <class S, class Item, class Of>
-void load_pair(std::span<Item> items, Of&& contact_of, PairNumbers<S>& to) {
+void load_pair(std::span<Item> items, Of&& contact_of, ContactData<S>& to, const PairNumbers<double>*& common) {
   const double* from[kMostInBatch];
   const auto load = [&](auto&& numbers, S* at, Eigen::Index count) {
-    load_arrays(
-        side_by_side(items, from, [&](auto& item) -> const double* { return numbers(contact_of(item).pair->numbers); }),
-        static_cast<int>(count), at);
+    load_arrays(side_by_side(items, from, [&](auto& item) -> const double* { return numbers(*contact_of(item).pair); }),
+                static_cast<int>(count), at);
   };
-  using Numbers = const PairNumbers<double>&;
-  load([](Numbers n) { return n.R.data(); }, to.R.data(), to.R.size());
-  load([](Numbers n) { return n.R_right.data(); }, to.R_right.data(), to.R_right.size());
-  load([](Numbers n) { return n.terms.data(); }, to.terms.data(), to.terms.size());
-  for (std::size_t m = 0; m < to.members.size(); ++m) {
-    load([m](Numbers n) { return n.members[m].A.R.data(); }, to.members[m].A.R.data(), 12);
-    load([m](Numbers n) { return n.members[m].B.R.data(); }, to.members[m].B.R.data(), 12);
-    load([m](Numbers n) { return n.members[m].Q.data(); }, to.members[m].Q.data(), to.members[m].Q.size());
-  }
+  for (std::size_t m = 0; m < to.pair_B.size(); ++m)
+    load([m](const PairRows& pair) { return pair.B[m].R.data(); }, to.pair_B[m].R.data(), 12);
+  const PairNumbers<double>* const first = contact_of(items.front()).pair->numbers.get();
+  const bool alike =
+      std::ranges::all_of(items, [&](auto& item) { return contact_of(item).pair->numbers.get() == first; });
+  if (alike && common == first) return;
+  common = alike ? first : nullptr;
+  PairNumbers<S>& own = *to.pair;
+  load([](const PairRows& pair) { return pair.numbers->Q.data(); }, own.Q.data(), own.Q.size());
+  load([](const PairRows& pair) { return pair.numbers->R.data(); }, own.R.data(), own.R.size());
+  load([](const PairRows& pair) { return pair.numbers->R_right.data(); }, own.R_right.data(), own.R_right.size());
+  load([](const PairRows& pair) { return pair.numbers->terms.data(); }, own.terms.data(), own.terms.size());
+  for (std::size_t m = 0; m < own.A.size(); ++m)
+    load([m](const PairRows& pair) { return pair.numbers->A[m].R.data(); }, own.A[m].R.data(), 12);
 }
 
 /// Per lane, the largest entry of the row of J whose entries are the smallest.

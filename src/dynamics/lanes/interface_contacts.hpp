@@ -112,7 +112,9 @@ class InterfaceContactsOf {
   template <class Row>
   void evaluate_between(const Vec3<double>& gravity, std::span<Row> all) {
     const Contact& contact = *all.front().contact;
-    if (rows_.pair) load_pair<S>(all, [](const auto& r) -> const Contact& { return *r.contact; }, *rows_.pair);
+    if (rows_.pair)
+      load_pair<S>(
+          all, [](const auto& r) -> const Contact& { return *r.contact; }, rows_, common_pair_);
     rows_between<S>(gravity, contact, support_, A_.kin, A_.placed(contact.A.joint), A_.on_body.p, B_.kin,
                     B_.placed(contact.B.joint), B_.on_body.p, rows_);
   }
@@ -148,6 +150,7 @@ class InterfaceContactsOf {
   ContactSupport support_;
   End A_, B_;
   ContactData<S> rows_;
+  const PairNumbers<double>* common_pair_ = nullptr;  // of load_pair
   ContactDerivativesOf<S> terms_;
   VecX<S> f_;
   std::vector<S> out_;

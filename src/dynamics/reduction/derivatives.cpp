@@ -40,12 +40,12 @@ void expand_rows(const Reduction& r, std::size_t i, const From& from, To&& to) {
       to.middleRows(row_of(own, c), rows) = from.middleRows(first, rows);
       continue;
     }
-    std::size_t unit = 0;
+    int row = 0;
     for (std::size_t m = 0; m < pair->contacts.size(); ++m) {
-      const auto& Q = pair->numbers.members[m].Q;
       const int at = row_of(own, pair->contacts[m]);
-      for (Eigen::Index row = 0; row < Q.rows(); ++row, ++unit)
-        to.row(at + row).noalias() = (pair->unit[unit] * Q.row(row)) * from.middleRows(first, rows);
+      for (int i = 0; i < pair->members[m].rows(); ++i, ++row)
+        to.row(at + i).noalias() =
+            (pair->unit[static_cast<std::size_t>(row)] * pair->numbers->Q.row(row)) * from.middleRows(first, rows);
     }
   }
 }
@@ -69,10 +69,8 @@ double largest_share(const Reduction& r, std::size_t i) {
   for (int c : island_of(*r.data, i).contacts) {
     const PairRows* pair = r.pair_of(c);
     if (!pair) continue;
-    std::size_t unit = 0;
-    for (const auto& member : pair->numbers.members)
-      for (Eigen::Index row = 0; row < member.Q.rows(); ++row)
-        largest = std::max(largest, pair->unit[unit++] * member.Q.row(row).lpNorm<1>());
+    for (std::size_t row = 0; row < pair->unit.size(); ++row)
+      largest = std::max(largest, pair->unit[row] * pair->numbers->Q.row(static_cast<Eigen::Index>(row)).lpNorm<1>());
   }
   return largest;
 }

@@ -78,6 +78,10 @@ bool add_pair(const Scene& scene, std::size_t g, const std::vector<char>& set, R
   Reduction::Set of;
   if (contacts.size() > 1) of.pair = pair_of(scene, contacts);
   const bool found = of.pair.pair != nullptr;
+  if (found) {
+    const auto rows = std::const_pointer_cast<PairRows>(of.pair.pair);
+    rows->numbers = *r.numbers.insert(rows->numbers).first;
+  }
   r.sets[g].try_emplace(set, std::move(of));
   return found;
 }
@@ -121,13 +125,16 @@ void make_scene(const Scene& scene, Reduction& r) {
   r.data.reset();
   r.scene = unnamed(scene);
   r.pairs.clear();
+  std::size_t rows = 0;
   for (auto& sets : r.sets)
     for (auto& [set, of] : sets) {
       if (!of.pair.pair) continue;
       of.number = static_cast<int>(r.scene.contacts.size());
       r.scene.contacts.push_back(of.pair);
       r.pairs.push_back(std::const_pointer_cast<PairRows>(of.pair.pair));
+      rows = std::max(rows, of.pair.pair->unit.size());
     }
+  r.rows_of_pair.resize(static_cast<Eigen::Index>(rows));
 }
 
 // Which contacts of the scene solved are active.

@@ -8,6 +8,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 
 #include "manycontact/contact/pair_rows.hpp"
 #include "manycontact/dynamics/data.hpp"
@@ -35,14 +36,16 @@ struct Reduction {
   Scene scene;  // that is solved
   Terms terms;
   std::vector<std::vector<int>> groups;  // contacts of the scene between the same two bodies, with constant rows
-  std::vector<std::map<std::vector<char>, Set>> sets;  // per group, by which of its contacts are active
-  std::vector<std::shared_ptr<PairRows>> pairs;        // of contacts behind those of the scene
-  std::unique_ptr<SceneData> data;                     // of `scene`
+  std::vector<std::map<std::vector<char>, Set>> sets;    // per group, by which of its contacts are active
+  std::vector<std::shared_ptr<PairRows>> pairs;          // of contacts behind those of the scene
+  std::set<SharedPairNumbers, PairNumbersLess> numbers;  // all that pairs had; SIMD batches compare their addresses
+  std::unique_ptr<SceneData> data;                       // of `scene`
   std::unique_ptr<SceneData> plain;  // of the scene without pairs, for derivatives of damped contacts that slide
   std::vector<Island> islands;       // with the contacts of the scene, one per island of `data`
   Eigen::VectorXd prescribed;        // rows of `data`
   Eigen::VectorXd df;                // scratch of products: rows of `data`
   std::vector<char> set;             // scratch
+  Eigen::VectorXd rows_of_pair;      // scratch, for all rows of any pair
   bool plain_is_current = false;     // of the answer at hand
 
   int first_pair() const { return static_cast<int>(scene.contacts.size() - pairs.size()); }

@@ -22,15 +22,20 @@ void refresh(const Scene& scene, const SceneData& data, Reduction& r) {
   r.data->pushes = data.pushes;
 }
 
-// use(first row of the scene's f, of a member's unit and `left`, the member's numbers) for each contact of a pair.
+// use(first row of the scene's f, first row of the pair, rows) for each contact of a pair.
 template <class Use>
 void each_member(const std::vector<int>& f_offset, const PairRows& pair, Use&& use) {
   int first = 0;
   for (std::size_t m = 0; m < pair.contacts.size(); ++m) {
-    use(f_offset[static_cast<std::size_t>(pair.contacts[m])], first, pair.numbers.members[m]);
-    first += pair.members[m].rows();
+    const int rows = pair.members[m].rows();
+    use(f_offset[static_cast<std::size_t>(pair.contacts[m])], first, rows);
+    first += rows;
   }
 }
+
+using PairVector = Eigen::Map<const Eigen::VectorXd>;
+
+PairVector unit_of(const PairRows& pair) { return {pair.unit.data(), static_cast<Eigen::Index>(pair.unit.size())}; }
 
 // use(first row of the scene's f, of f of the scene solved, rows) for each contact that is in no pair.
 template <class Use>
@@ -47,15 +52,15 @@ void add_damped_contradictions(const SceneData& data, double damping, const Redu
                                std::span<const double> wanted, Eigen::VectorXd& f) {
   r.each_pair([&](int c, const PairRows& pair) {
     const double* left = left_of_pair(r, c);
-    Eigen::VectorXd of_wanted;
-    if (!wanted.empty())
-      of_wanted = r.prescribed.segment(r.data->f_offset[static_cast<std::size_t>(c)],
-                                       r.scene.contacts[static_cast<std::size_t>(c)].rows());
-    each_member(data.f_offset, pair, [&](int to, int first, const auto& member) {
-      for (Eigen::Index i = 0; i < member.Q.rows(); ++i) {
+    const auto& Q = pair.numbers->Q;
+    each_member(data.f_offset, pair, [&](int to, int first, int rows) {
+      for (int i = 0; i < rows; ++i) {
         f[to + i] -= left[first + i] / damping;
         if (!wanted.empty())
-          f[to + i] += (wanted[static_cast<std::size_t>(to + i)] - member.Q.row(i).dot(of_wanted)) / damping;
+          f[to + i] +=
+              (wanted[static_cast<std::size_t>(to + i)] -
+               Q.row(first + i).dot(r.prescribed.segment(r.data->f_offset[static_cast<std::size_t>(c)], Q.cols()))) /
+              damping;
       }
     });
   });
@@ -74,20 +79,22 @@ PairContradiction contradiction_of(const SceneData& data, const Reduction& r, st
     if (!pair) continue;
     out.reduced = true;
     const double *left = left_of_pair(r, c), of_left = left[pair->unit.size()];
-    const auto y = r.prescribed.segment(wanted.empty() ? 0 : r.data->f_offset[static_cast<std::size_t>(c)],
-                                        wanted.empty() ? 0 : r.scene.contacts[static_cast<std::size_t>(c)].rows());
-    each_member(data.f_offset, *pair, [&](int from, int first, const auto& member) {
-      for (Eigen::Index i = 0; i < member.Q.rows(); ++i) {
-        double size = left[first + i], its_terms = of_left;
-        if (!wanted.empty()) {
-          const double asked =
-              wanted[static_cast<std::size_t>(from + i)] * pair->unit[static_cast<std::size_t>(first + i)];
-          size -= asked - member.Q.row(i).dot(y);
-          its_terms += y.template lpNorm<1>();
-        }
-        if (std::abs(size) > tolerance::kDriftRounding * its_terms &&
-            !(std::abs(size) <= tolerance::kContradiction * terms))
-          out.contradicts = true;
+    const auto contradicts = [&](double size, double its_terms) {
+      return size > tolerance::kDriftRounding * its_terms && !(size <= tolerance::kContradiction * terms);
+    };
+    const PairVector all(left, static_cast<Eigen::Index>(pair->unit.size()));
+    if (wanted.empty()) {
+      out.contradicts |= contradicts(all.cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), of_left);
+      continue;
+    }
+    const auto& Q = pair->numbers->Q;
+    const auto y = r.prescribed.segment(r.data->f_offset[static_cast<std::size_t>(c)], Q.cols());
+    each_member(data.f_offset, *pair, [&](int from, int first, int rows) {
+      for (int i = 0; i < rows; ++i) {
+        const double asked =
+            wanted[static_cast<std::size_t>(from + i)] * pair->unit[static_cast<std::size_t>(first + i)];
+        out.contradicts |=
+            contradicts(std::abs(all[first + i] - (asked - Q.row(first + i).dot(y))), of_left + y.template lpNorm<1>());
       }
     });
   }
@@ -112,8 +119,8 @@ void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t 
       continue;
     }
     int keep = rows - dropped;
-    each_member(data.f_offset, *pair, [&](int first, int own, const auto& member) {
-      for (int i = 0; i < member.Q.rows(); ++i)
+    each_member(data.f_offset, *pair, [&](int first, int own, int of_member) {
+      for (int i = 0; i < of_member; ++i)
         if (!pair->spans[static_cast<std::size_t>(own + i)] || keep-- <= 0) report.dependent_rows.push_back(first + i);
     });
   }
@@ -146,31 +153,26 @@ void take_report(const Scene& scene, SceneData& data, const Reduction& r, std::s
 }  // namespace
 
 void expand_forces(const SceneData& data, const double* y, double* f) {
-  const Reduction& r = *data.workspace->reduction;
+  Reduction& r = *data.workspace->reduction;
   each_single(data, r, [&](int to, int from, int rows) { std::copy_n(y + from, rows, f + to); });
   r.each_pair([&](int c, const PairRows& pair) {
-    const double* const of = y + r.data->f_offset[static_cast<std::size_t>(c)];
-    each_member(data.f_offset, pair, [&](int to, int first, const auto& member) {
-      const Eigen::Index rows = member.Q.rows();
-      std::fill_n(f + to, rows, 0.0);
-      for (Eigen::Index j = 0; j < member.Q.cols(); ++j)
-        for (Eigen::Index i = 0; i < rows; ++i) f[to + i] += member.Q(i, j) * of[j];
-      for (Eigen::Index i = 0; i < rows; ++i) f[to + i] *= pair.unit[static_cast<std::size_t>(first + i)];
-    });
+    const auto& Q = pair.numbers->Q;
+    const PairVector of(y + r.data->f_offset[static_cast<std::size_t>(c)], Q.cols());
+    double* const all = r.rows_of_pair.data();
+    Eigen::Map<Eigen::VectorXd>(all, Q.rows()) = unit_of(pair).cwiseProduct(Q.lazyProduct(of));
+    each_member(data.f_offset, pair, [&](int to, int first, int rows) { std::copy_n(all + first, rows, f + to); });
   });
 }
 
 void reduce_forces(const SceneData& data, const double* f, double* y) {
-  const Reduction& r = *data.workspace->reduction;
+  Reduction& r = *data.workspace->reduction;
   each_single(data, r, [&](int from, int to, int rows) { std::copy_n(f + from, rows, y + to); });
   r.each_pair([&](int c, const PairRows& pair) {
-    double* const of = y + r.data->f_offset[static_cast<std::size_t>(c)];
-    std::fill_n(of, r.scene.contacts[static_cast<std::size_t>(c)].rows(), 0.0);
-    each_member(data.f_offset, pair, [&](int from, int first, const auto& member) {
-      const double* const unit = pair.unit.data() + first;
-      for (Eigen::Index j = 0; j < member.Q.cols(); ++j)
-        for (Eigen::Index i = 0; i < member.Q.rows(); ++i) of[j] += member.Q(i, j) * unit[i] * f[from + i];
-    });
+    const auto& Q = pair.numbers->Q;
+    double* const all = r.rows_of_pair.data();
+    each_member(data.f_offset, pair, [&](int from, int first, int rows) { std::copy_n(f + from, rows, all + first); });
+    Eigen::Map<Eigen::VectorXd>(y + r.data->f_offset[static_cast<std::size_t>(c)], Q.cols()) =
+        Q.transpose().lazyProduct(unit_of(pair).cwiseProduct(PairVector(all, Q.rows())).matrix());
   });
 }
 

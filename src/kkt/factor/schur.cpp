@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "columns.hpp"
+#include "manycontact/algorithm/inertia_factor.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "pivots.hpp"
@@ -109,7 +110,7 @@ void SchurFactor::solve(double* x) {
     auto wr = w.segment(island.dof_offset[r], model.nv);
     const double* L = data_.L[r].data();
     for (int i = 0; i < model.nv; ++i) wr[i] = x[iperm[island.dof_offset[r] + i]];
-    solve_inertia_transposed(model, L, wr.data());
+    solve_inertia_transposed(model, L, 1, wr.data());
     for (int i = 0; i < model.nv; ++i) wr[i] /= std::sqrt(L[model.M_begin[i]]);
     each_row(r, [&](int row, int k) { y[row] += data_.Z[r].col(k).dot(wr); });
   }
@@ -120,7 +121,7 @@ void SchurFactor::solve(double* x) {
     const double* L = data_.L[r].data();
     each_row(r, [&](int row, int k) { wr -= y[row] * data_.Z[r].col(k); });
     for (int i = 0; i < model.nv; ++i) wr[i] /= std::sqrt(L[model.M_begin[i]]);
-    solve_inertia_unit(model, L, wr.data());
+    solve_inertia_unit(model, L, 1, wr.data());
     for (int i = 0; i < model.nv; ++i) x[iperm[island.dof_offset[r] + i]] = wr[i];
   }
   for (int k = 0; k < island.nc; ++k) x[iperm[island.nv + k]] = y[k];

@@ -330,9 +330,12 @@ inline constexpr double kExtendedDigits = 0x1p-96, kExtendedDigitsVanishing = 0x
 inline constexpr double kExtendedDependent = 0x1p-75;
 /// Steps of refinement, enough up to a condition where each gains half a binary digit.
 inline constexpr int kExtendedSteps = 60;
-/// The share of double-double in an error bound of double: 2^-104 / 2^-53, and 32 for the constants of its sums and
-/// products. Used by: estimate_errors.
-inline constexpr double kExtendedShare = 0x1p-46;
+/// Numbers of a scene (placements, inertias, quaternions) are rounded when they are read. The error of a solution that
+/// follows from this is at most kReadRounding of it and kReadShare of the bound by |K^-1|, which counts kBoundRounding
+/// eps of each term. In 15,000 solutions of random scenes the share was at most 1/40. The precision `extended` is judged
+/// by the scene as read: its share is 2^-104 / 2^-53, and 32 for the constants of sums and products in double-double.
+/// Used by: estimate_errors.
+inline constexpr double kReadRounding = 0x1p-50, kReadShare = 1.0 / 32, kExtendedShare = 0x1p-46;
 
 // ---- choosing -------------------------------------------------------------------------------------------------
 

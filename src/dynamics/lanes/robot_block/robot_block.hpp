@@ -296,6 +296,7 @@ class RobotBlock {
   ModelNumbers<S> own_model_;                   // where the robots are not all of the plan's model
   RobotQuantities<S> robot_;
   std::vector<ContactData<S>> contacts_;
+  std::vector<const PairNumbers<double>*> common_pair_;  // per contact: the numbers that all elements have (load_pair)
   S smallest_row_, motion_;
 
   Numbers n_;           // those at work
@@ -392,6 +393,7 @@ RobotBlock<S, Low>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
   for (std::size_t k = 0; k < standing_.size(); ++k) {
     const ContactSupport& support = plan_->supports[k];
     contacts_.emplace_back(contact(k), support);
+    common_pair_.push_back(nullptr);
     if constexpr (!kLow) contact_terms_.emplace_back(plan_->scene, contact(k), support);
     contact_f_.emplace_back(contact(k).rows());
     contact_scratch_.emplace_back(contact(k).rows());

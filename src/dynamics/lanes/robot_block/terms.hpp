@@ -52,7 +52,8 @@ void RobotBlock<S, Low>::load_ends(const Scene& scene, Robots robots) {
   for (std::size_t k = 0; k < standing_.size(); ++k) {
     if (contacts_[k].pair)
       load_pair<S>(
-          robots, [&](const Robot& r) -> const Contact& { return scene.contacts[r.contacts[k]]; }, *contacts_[k].pair);
+          robots, [&](const Robot& r) -> const Contact& { return scene.contacts[r.contacts[k]]; }, contacts_[k],
+          common_pair_[k]);
     for (const bool B : {false, true}) {
       const auto end = [&](const Robot& r) -> const Attachment& {
         const Contact& c = scene.contacts[r.contacts[k]];

@@ -35,9 +35,9 @@ struct MemberMotion {
   Vec6<S> nu;
   SE3<S> G;
 
-  MemberMotion(const Contact& member, const typename PairNumbers<S>::Member& at, const ContactData<S>& d)
-      : c(member), nu(at.A.act_inverse(d.nu)) {
-    if (c.alpha != 0) G = at.B.inverse() * (d.G * at.A);
+  MemberMotion(const ContactData<S>& d, const PairRows& pair, std::size_t m)
+      : c(pair.members[m]), nu(d.pair->A[m].act_inverse(d.nu)) {
+    if (c.alpha != 0) G = d.pair_B[m].inverse() * (d.G * d.pair->A[m]);
   }
 
   Vec6<S> drift() const {

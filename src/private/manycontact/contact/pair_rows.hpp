@@ -17,13 +17,21 @@
 
 namespace manycontact {
 
+using SharedPairNumbers = std::shared_ptr<const PairNumbers<double>>;
+
+/// A strict order of numbers, in which equal ones are equivalent. It compares R, Q and A, which determine the others.
+struct PairNumbersLess {
+  bool operator()(const SharedPairNumbers& a, const SharedPairNumbers& b) const;
+};
+
 struct PairRows {
   std::vector<int> contacts;     // of the scene, ascending
   std::vector<Contact> members;  // what the rows of each need: type, axis, gains, placements
-  PairNumbers<double> numbers;
-  std::vector<double> unit;  // S, one number per row of all members
-  std::vector<char> spans;   // per row of all members: it is one of the first that span all, `rank` of them
-  int kind = 0;              // equal for pairs whose members are of the same types, in order, and of one rank
+  SharedPairNumbers numbers;     // one object for all pairs of a reduction with equal numbers
+  std::vector<SE3<double>> B;    // per member, its B' in the pair's B'
+  std::vector<double> unit;      // S, one number per row of all members
+  std::vector<char> spans;       // per row of all members: it is one of the first that span all, `rank` of them
+  int kind = 0;                  // equal for pairs whose members are of the same types, in order, and of one rank
 };
 
 /// The properties other than joints for which kernels of contacts are compiled: the type, or a pair's kind.

@@ -9,14 +9,6 @@
 
 namespace manycontact {
 
-/// M = L^T D L in place, in the packed storage of algorithm/crba.hpp: row i becomes D_i, L_ij for the ancestors j.
-/// False when a pivot is not positive, or lost in cancellation. scratch: nv.
-[[nodiscard]] bool factor_inertia(const Model& model, double* M, double* scratch);
-/// x <- L^-T x: from the leaves to the root.
-void solve_inertia_transposed(const Model& model, const double* L, double* x);
-/// x <- L^-1 x: from the root to the leaves.
-void solve_inertia_unit(const Model& model, const double* L, double* x);
-
 /// Constant: which contacts meet on which robot, and where their products go in S.
 struct SchurPattern {
   struct OnRobot {
