@@ -1,4 +1,4 @@
-// Activations against central differences, on both sides of their bounds, and by hand.
+// Activations agree with central differences, on both sides of their bounds, and with values calculated by hand.
 
 #include <gtest/gtest.h>
 
@@ -79,7 +79,7 @@ TEST(Activations, DerivativesMatchDifferences) {
   }
 }
 
-// Activations of |r|, whose true Hessians are no diagonal matrices.
+// Activations of |r| have true Hessians that are not diagonal.
 std::vector<Case> cases_of_norm() {
   return {{"smooth 2-norm", std::make_shared<ActivationModelSmooth2Norm>(5, 0.3)},
           {"2-norm barrier", std::make_shared<ActivationModel2NormBarrier>(5, 2.5)},

@@ -1,4 +1,4 @@
-// Squashed controls, thrusters, and the numerical twins of actuations, activations and states.
+// Squashed controls, thrusters, and numerical differentiation of actuations, activations and states are tested.
 
 #include <cmath>
 
@@ -65,7 +65,7 @@ TEST(Thrusters, PushAtTheirPlaces) {
   EXPECT_THROW(ActuationModelFloatingBaseThrusters(fixed, q.thrusters), std::invalid_argument);
 }
 
-// The same bits of tau_set: a multicopter pushes along its z, and turns.
+// tau_set has these bits: a multicopter is pushed along its z, and rotates.
 TEST(Thrusters, SayWhatTheyMove) {
   const Quadrotor q;
   const auto data = ActuationModelFloatingBaseThrusters(q.state, q.thrusters).createData();

@@ -1,4 +1,4 @@
-// No heap allocation in calc and calcDiff after the first call, running and terminal nodes.
+// calc and calcDiff do not allocate on the heap after the first call, in running and terminal nodes.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ TEST_P(Allocations, NoneAfterTheFirstCall) {
   const auto model = p.model();
   const auto data = model->createData();
   model->calc(data, p.x, p.u);
-  const bool derivatives = as_fwddyn(data).report().status == Status::kOk;  // those of dependent contacts take memory
+  const bool derivatives = as_fwddyn(data).report().status == Status::kOk;  // redundant contacts allocate in theirs
   model->calcDiff(data, p.x, p.u);
   for (int again = 0; again < 2; ++again) {
     p.x = p.state->integrate_x(p.x, random_vector(static_cast<int>(p.state->get_ndx()), rng, 0.01));

@@ -1,4 +1,4 @@
-// Every public member of Crocoddyl's and sobec's DifferentialActionModelContactFwdDynamics, by name, and its meaning.
+// Every public member of Crocoddyl's and sobec's DifferentialActionModelContactFwdDynamics has its name and meaning.
 // The table in src/doc/action.md names the test of each member.
 
 #include <sstream>
@@ -35,7 +35,7 @@ TEST(ActionApi, Types) {
   static_assert(std::is_same_v<Base::StateAbstract, StateAbstract>);
 }
 
-// What a program written for Crocoddyl constructs, arguments in its order and with its defaults.
+// A program written for Crocoddyl constructs these, with arguments in its order and with its defaults.
 TEST(ActionApi, Constructors) {
   Walker w;
   w.add_costs();
@@ -58,7 +58,7 @@ TEST(ActionApi, Constructors) {
   EXPECT_EQ(difference_of(*evaluated(both, w.x, w.u), *evaluated(damped, w.x, w.u)), 0);
 }
 
-// enable_force: derivatives of the contact forces, which nobody else asks for here.
+// enable_force requests derivatives of the contact forces, which nothing else requests here.
 TEST(ActionApi, EnableForce) {
   Walker w;
   const DataPtr without = evaluated(*w.model(false), w.x, w.u), with = evaluated(*w.model(true), w.x, w.u);
@@ -140,7 +140,7 @@ TEST(ActionApi, Print) {
     EXPECT_NE(printed.str().find(text), std::string::npos) << text << " in " << printed.str();
 }
 
-// The robots' armature, replaced: as a scene whose models have it.
+// A replaced armature has the effect of a scene whose models have it.
 TEST(ActionApi, Armature) {
   Walker w;
   w.add_costs();
@@ -170,7 +170,7 @@ TEST(ActionApi, Armature) {
   EXPECT_LT(error_of(data->Fx.leftCols(scene.nv).eval(), dense_derivatives(scene, own).da_dq), 1e-8);
   EXPECT_TRUE(inertia(as_fwddyn(data).multibody->solution) == inertia(own));
   EXPECT_FALSE(M == inertia(own));
-  EXPECT_EQ(difference_of(*evaluated(*model, w.x, w.u), *data), 0);  // of data created afterwards
+  EXPECT_EQ(difference_of(*evaluated(*model, w.x, w.u), *data), 0);  // those of data created afterwards
   model->set_armature(w.state->get_model()->armature);
   evaluated(*model, w.x, w.u, data);
   EXPECT_TRUE(inertia(as_fwddyn(data).multibody->solution) == M);
@@ -219,12 +219,12 @@ TEST(ActionApi, ControlLimits) {
   model->set_u_ub(-one);
   EXPECT_TRUE(model->get_has_control_limits());
   EXPECT_TRUE(model->get_u_lb() == one);
-  // Torques on the floating base have no limit; a custom actuation knows none.
+  // Torques on the floating base have no limit, nor does a custom actuation.
   EXPECT_FALSE(Walker(Actuated::kFull).model()->get_u_ub().head(6).array().isFinite().any());
   EXPECT_FALSE(Walker(Actuated::kSquashed).model()->get_has_control_limits());
 }
 
-// Those of the constraints that hold there, in the order of names.
+// The bounds are those of the active terminal constraints, in the order of names.
 TEST(ActionApi, TerminalConstraintBounds) {
   Walker w;
   const auto model = w.model();
@@ -241,7 +241,7 @@ TEST(ActionApi, TerminalConstraintBounds) {
   EXPECT_EQ(w.constraints->get_lb().size(), static_cast<Eigen::Index>(w.nu) + 3);
 }
 
-// As in Crocoddyl they are the manager's; what the user sets stays as long as the set of constraints does.
+// As in Crocoddyl they are the manager's; values that the user sets stay as long as the set of constraints does.
 TEST(ActionApi, ConstraintBounds) {
   Walker w;
   const auto model = w.model();
@@ -278,7 +278,7 @@ TEST(ActionApi, ConstraintBounds) {
   twin.set_g_ub(Eigen::Vector3d(4, 5, 6));
   expect_bounds({-3, -3, -3}, {4, 5, 6});
   EXPECT_TRUE(twin.get_g_ub() == model->get_g_ub());
-  // Without a manager there are none.
+  // Without a manager there are no bounds.
   ActionModel plain(w.state, w.actuation, w.contacts, w.costs);
   EXPECT_EQ(plain.get_ng(), 0u);
   EXPECT_EQ(plain.get_nh(), 0u);
@@ -327,7 +327,7 @@ TEST(ActionApi, ProtectedMembers) {
   EXPECT_TRUE(model.g_lb_ == Eigen::Vector3d(-4, -5, -6));
 }
 
-// A user's own model on the base class: a = u - q on each coordinate, cost |u|^2 / 2 + |x|^2 / 2.
+// A user's own model on the base class has a = u - q on each coordinate and the cost |u|^2 / 2 + |x|^2 / 2.
 struct Springs : DifferentialActionModelAbstract {
   Springs(std::shared_ptr<StateMultibody> state, std::size_t nu)
       : DifferentialActionModelAbstract(state, nu, 5, 2, 1) {}
@@ -379,7 +379,7 @@ TEST(ActionApi, BaseClass) {
   EXPECT_NE(out.str().find("nu=" + std::to_string(nv)), std::string::npos);
 }
 
-// One model, one data for each thread.
+// Threads share one model; each has its own data.
 TEST(ActionApi, Threads) {
   Walker w;
   w.add_costs();
@@ -399,7 +399,7 @@ TEST(ActionApi, Threads) {
   for (double error : worst) EXPECT_EQ(error, 0);
 }
 
-// A program that spells the scalar out.
+// A program may spell the scalar out.
 TEST(ActionApi, NamesOfPinocchio) {
   static_assert(ReferenceFrame::LOCAL == LOCAL && ReferenceFrame::WORLD == WORLD);
   static_assert(ReferenceFrame::LOCAL_WORLD_ALIGNED == LOCAL_WORLD_ALIGNED);

@@ -1,5 +1,5 @@
-// Residuals, costs, constraints, contacts and impulses evaluated by hand (collector.hpp): as the action model has them,
-// and as their numerical twins do.
+// Residuals, costs, constraints, contacts and impulses are evaluated without an action model (collector.hpp): they
+// agree with the action model and with numerical differentiation.
 
 #include "action/residual_factory.hpp"
 #include "action/walker.hpp"
@@ -9,9 +9,9 @@
 namespace manycontact::test {
 namespace {
 
-constexpr double kByHand = 1e-7;  // central ones, beside the larger of the matrices
+constexpr double kByHand = 1e-7;  // central differences, relative to the larger matrix
 
-// The walker's parts by hand, with contact forces that depend on x and u.
+// Contains the walker's parts without an action model, with contact forces that depend on x and u.
 struct ByHand : testing::Test {
   ByHand()
       : motion(*w.state->get_model()), torques(w.actuation->createData()), contacts(w.contacts->createData(&motion)) {
@@ -33,7 +33,7 @@ struct ByHand : testing::Test {
   std::function<void(const Eigen::VectorXd&, const Eigen::VectorXd&)> reevaluation() {
     return [this](const Eigen::VectorXd& x, const Eigen::VectorXd& u) { update(x, u); };
   }
-  // What needs no solution of the dynamics.
+  // Returns whether the residual needs no solution of the dynamics.
   static bool stands_alone(const ResidualModelAbstract& residual) {
     return !residual.depends_on().acceleration &&
            dynamic_cast<const ResidualModelContactControlGrav*>(&residual) == nullptr;
@@ -125,7 +125,7 @@ TEST_F(ByHand, CostsAndTheirSumAreAsTheirTwins) {
   EXPECT_GT(size_of(expected.Lx), 0);
 }
 
-// An action model's own data, whose sums are views, and whose single costs have no matrices.
+// In an action model's own data sums are views, and single costs have no matrices.
 TEST_F(ByHand, SumsShareTheirDerivativesWithAnAction) {
   w.add_costs();
   const auto model = w.model();
@@ -150,7 +150,7 @@ TEST_F(ByHand, ConstraintsAndTheirManagerAreAsTheirTwins) {
   const auto add = [&](const char* name, std::shared_ptr<ResidualModelAbstract> residual, auto... bounds) {
     w.constraints->addConstraint(name, std::make_shared<ConstraintModelResidual>(w.state, residual, bounds...));
   };
-  const Eigen::Vector3d low(-1, 0, 0.5), high(1, 0, 2);  // one of three an equality
+  const Eigen::Vector3d low(-1, 0, 0.5), high(1, 0, 2);  // one of three is an equality
   add("com", std::make_shared<ResidualModelCoMPosition>(w.state, Eigen::Vector3d(0.1, 0, 0.7), w.nu), low, high);
   add("state", std::make_shared<ResidualModelState>(w.state, w.x_rest, w.nu));
   add("cone", std::make_shared<ResidualModelContactFrictionCone>(w.state, w.left, cone, w.nu), cone.get_lb(),
@@ -198,7 +198,7 @@ TEST_F(ByHand, ConstraintsAndTheirManagerAreAsTheirTwins) {
   }
 }
 
-// Of every contact type and reference frame, at the action's accelerations: what the action has.
+// Contacts of every type and reference frame, at the action's accelerations, agree with the action.
 TEST(ContactsByHand, AreTheActions) {
   for (const ReferenceFrame frame : {LOCAL, WORLD, LOCAL_WORLD_ALIGNED}) {
     Walker w;
@@ -237,7 +237,7 @@ TEST(ContactsByHand, AreTheActions) {
     }
     EXPECT_EQ(row, 10);
     EXPECT_TRUE(by_hand->contacts.at("d2")->f.isZero(0));
-    // fext, at the joints, does what J^T f does.
+    // fext, at the joints, has the effect of J^T f.
     Eigen::VectorXd by_fext = Eigen::VectorXd::Zero(motion.scene.nv);
     const Robot& robot = motion.scene.robots[0];
     for (std::size_t j = 0; j < by_hand->fext.size(); ++j) {
@@ -247,7 +247,7 @@ TEST(ContactsByHand, AreTheActions) {
       by_fext += J.transpose() * by_hand->fext[j].toVector();
     }
     EXPECT_LT(twin_difference(by_fext, torque), 1e-12);
-    // At other accelerations than zero a0 holds J a as well.
+    // At accelerations other than zero a0 contains J a as well.
     w.contacts->calc(by_hand, w.x);
     const Eigen::VectorXd accelerated = by_hand->a0.head(row);
     motion.update(q, v);
@@ -273,7 +273,7 @@ TEST(ContactsByHand, HaveTheWrenchOfTheirNumbers) {
                std::invalid_argument);
 }
 
-// dv0_dq is d(J v)/dq, v held.
+// dv0_dq is d(J v)/dq with v fixed.
 TEST(ImpulsesByHand, AreTheDifferences) {
   Walker w;
   MultibodyData motion(*w.state->get_model());
@@ -314,7 +314,7 @@ TEST(ImpulsesByHand, AreTheDifferences) {
   EXPECT_EQ(data->dvnext_dx, dvnext);
 }
 
-// A residual as one writes it for Crocoddyl: sin of the first coordinate times the second control.
+// A residual as written for Crocoddyl: sin of the first coordinate times the second control.
 class Own : public ResidualModelAbstract {
  public:
   Own(std::shared_ptr<StateAbstract> state, std::size_t nu) : ResidualModelAbstract(state, 2, nu, true, false, true) {}
@@ -352,7 +352,7 @@ TEST(OwnResidual, WritesWholeMatricesAndCountsInAnAction) {
   EXPECT_FALSE(own->get_v_dependent());
 }
 
-// One that writes blocks: |v|^2, in terminal nodes too.
+// A residual that writes blocks: |v|^2, in terminal nodes too.
 struct OfBlocks : ResidualModelAbstract {
   explicit OfBlocks(std::shared_ptr<StateAbstract> state, std::size_t nu)
       : ResidualModelAbstract(std::move(state), 1, nu, Dependence{.v = true}) {}
@@ -382,7 +382,7 @@ TEST(OwnResidual, OfBlocksCountsInTerminalNodes) {
   EXPECT_GT(size_of(data->Lx), 0.1);
 }
 
-// The height of a foot and its speed, by the motion of a frame.
+// The height of a foot and its speed, from the motion of a frame.
 struct OfFrame : ResidualModelAbstract {
   OfFrame(std::shared_ptr<StateAbstract> state, std::size_t nu, FrameIndex frame)
       : ResidualModelAbstract(std::move(state), 4, nu, true, false, false), frame_(frame) {}
@@ -429,7 +429,7 @@ TEST(OwnResidual, WithoutDerivativesSaysSo) {
   EXPECT_THROW(none.calcDiff(data, w.x, w.u), std::logic_error);
 }
 
-// Parts of another state object, of the same robots, are the same parts.
+// Parts with another state object of the same robots are the same parts.
 TEST(SameSpace, OfTheSameMultibody) {
   Walker w;
   const auto twin = std::make_shared<StateMultibody>(w.state->get_model());

@@ -1,5 +1,5 @@
-// Robots so deep that a scene's own solve takes sparse-bodies: contacts, gravity torques and every residual are on them
-// as on others, against the dense oracle and numerical twins. (Impulses: tests/control/impulse_test.cpp.)
+// Robots are so deep that a scene's own solve uses sparse-bodies. Contacts, gravity torques and every residual agree
+// with the dense reference solver and numerical differentiation. (Impulses: tests/control/impulse_test.cpp.)
 
 #include "action/problem.hpp"
 #include "action/residual_factory.hpp"
@@ -83,7 +83,7 @@ TEST_P(DeepRobot, HasTorquesThatHoldItStill) {
   EXPECT_LT(error_of(u, quasi_static(scene, p.x.head(scene.nq))), 1e-9);
 }
 
-// What needs no solution of the dynamics.
+// Some residuals need no solution of the dynamics.
 TEST_P(DeepRobot, HasResidualsByHand) {
   MultibodyData motion(*p.state->get_model());
   const auto torques = p.actuation->createData();

@@ -1,4 +1,4 @@
-// Accelerations, forces and their derivatives of the action model against the truth in quadruple precision, and against
+// Accelerations, forces and their derivatives of the action model agree with the truth in quadruple precision, and with
 // the scene's own derivatives.
 
 #include "action/problem.hpp"
@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kLargest = 60;
 
-// Rows [a; f], columns [q | v | u] of an island, from the action's data.
+// Returns rows [a; f], columns [q | v | u] of an island, from the action's data.
 Eigen::MatrixXd answer_of(const FwdDynData& d, std::size_t i) {
   const IslandColumns& c = d.multibody->islands[i];
   const Island& island = island_of(d.multibody->solution, i);
@@ -65,7 +65,7 @@ TEST_P(DynamicsOf, DerivativesAreTrue) {
   expect_true_derivatives(make_problem(file));
 }
 
-// The scene's own derivatives, computed apart from the action model, in its contacts' order.
+// The scene's own derivatives are computed without the action model, in its contacts' order.
 TEST_P(DynamicsOf, AreTheScenesOwn) {
   SceneFile file = load_small(GetParam());
   std::mt19937 rng(22);
@@ -102,7 +102,7 @@ TEST_P(RandomDynamics, DerivativesAreTrue) {
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomDynamics, testing::Range(0, 8));
 
-// quasi_static_u of Crocoddyl's figures, through quasiStatic.
+// quasiStatic gives quasi_static_u of Crocoddyl's figures.
 class GoldenQuasiStatic : public testing::TestWithParam<std::string> {};
 
 TEST_P(GoldenQuasiStatic, To1e8) {

@@ -1,4 +1,4 @@
-// calc, calcDiff, quasiStatic: what they promise besides right numbers. The rest of the interface is in api_test.cpp.
+// calc, calcDiff and quasiStatic have further guarantees besides right numbers. api_test.cpp tests the other members.
 
 #include "action/walker.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
@@ -6,7 +6,7 @@
 namespace manycontact::test {
 namespace {
 
-constexpr double kTolerance = 1e-11;  // of the same numbers by another way
+constexpr double kTolerance = 1e-11;  // for the same numbers computed differently
 
 TEST(ActionApi, CalcGivesAccelerationAndCost) {
   Walker w;
@@ -31,7 +31,7 @@ TEST(ActionApi, CalcGivesAccelerationAndCost) {
   EXPECT_GT(cost, 0);
 }
 
-// "the system acceleration is not updated ... it does not update the contact forces".
+// Crocoddyl: "the system acceleration is not updated ... it does not update the contact forces".
 TEST(ActionApi, CalcOfTerminalNode) {
   Walker w;
   w.add_costs();
@@ -53,7 +53,7 @@ TEST(ActionApi, CalcOfTerminalNode) {
   for (auto& [name, contact] : d.multibody->contacts->contacts) EXPECT_TRUE((contact->f.array() == 7).all());
   EXPECT_TRUE(d.multibody->solution.a == a && d.multibody->solution.f == f);
   EXPECT_TRUE(data->Fx == Fx && data->Fu == Fu);
-  // The costs of the state alone, and no constraint that needs forces.
+  // Only costs of the state remain, and no constraint that needs forces.
   Walker only;
   only.add_costs();
   only.costs->changeCostStatus("control", false);
@@ -76,7 +76,7 @@ TEST(ActionApi, CalcOfTerminalNode) {
   EXPECT_NEAR(again->cost, expected->cost, kTolerance * expected->cost);
 }
 
-// "calcDiff() computes the derivatives using the latest stored values by calc()": whatever it is given.
+// Crocoddyl: "calcDiff() computes the derivatives using the latest stored values by calc()", for any arguments.
 class CalcDiff : public testing::TestWithParam<Actuated> {};
 
 TEST_P(CalcDiff, IsAtTheLastCalc) {
@@ -132,7 +132,7 @@ TEST(ActionApi, CalcDiffNeedsItsCalc) {
   model->calc(data, w.x, w.u);
   refused(terminal, "calc(data, x)");
   EXPECT_NO_THROW(running());
-  EXPECT_NO_THROW(running());  // again, by the same calc
+  EXPECT_NO_THROW(running());  // again, after the same calc
   model->quasiStatic_x(data, w.x_rest);
   refused(running, "calc(data, x, u)");
   model->calc(data, w.x, w.u);
@@ -150,7 +150,7 @@ TEST(ActionApi, QuasiStatic) {
     EXPECT_GT(size_of(u), 1e-3);
     EXPECT_TRUE(model->quasiStatic_x(data, w.x_rest) == u);
     EXPECT_TRUE(model->quasiStatic_x(data, w.x_rest, 1, 1e-3) == u);  // not iterative
-    if (how == Actuated::kSquashed) continue;                         // there only to first order in u
+    if (how == Actuated::kSquashed) continue;                         // exact only to first order in u
     model->calc(data, w.x_rest, u);
     EXPECT_LT(size_of(data->xout), 1e-9) << "the humanoid does not stand still";
     if (how == Actuated::kFloatingBase) {

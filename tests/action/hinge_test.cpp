@@ -1,4 +1,4 @@
-// ContactModel5D: the rows of a scene's 5D contact, values and derivatives.
+// ContactModel5D has the rows of a scene's 5D contact, values and derivatives.
 
 #include "action/walker.hpp"
 #include "support/random.hpp"
@@ -27,7 +27,7 @@ TEST(Hinge, IsTheScenes) {
   const DataPtr data = evaluated(*model, hinge.x, hinge.u);
   EXPECT_LE(difference_of(*data, *evaluated(*of_scene.model(), hinge.x, hinge.u)), 1e-12);
 
-  // and as differences have it
+  // and those of differences
   DifferentialActionModelNumDiff differences(model, true);
   const DataPtr truth = differences.createData();
   differences.calc(truth, hinge.x, hinge.u);

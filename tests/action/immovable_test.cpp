@@ -1,4 +1,4 @@
-// Contacts with a body that cannot move are contacts with the world, as add_contact has them.
+// Contacts with a body that cannot move are contacts with the world, as in add_contact.
 
 #include "action/walker.hpp"
 
@@ -26,7 +26,7 @@ TEST(Immovable, ABaseLinkIsAPlaceInTheWorld) {
   const DataPtr data = evaluated(*model, between.x, between.u), expected = evaluated(*truth, between.x, between.u);
   EXPECT_LE(difference_of(*data, *expected), 1e-12);
   EXPECT_EQ(as_fwddyn(data).multibody->islands.size(), 2u);  // the arm, the box
-  evaluated(*model, between.x, between.u, data);             // of the same shape as when the data were made
+  evaluated(*model, between.x, between.u, data);             // the shape is that of the creation of the data
   EXPECT_LE(difference_of(*data, *expected), 1e-12);
 
   held->set_offset(offset * random_placement(rng, 0.1));

@@ -1,4 +1,4 @@
-// Misuse of the action floor throws, in every build, and the message says what was given and what was expected.
+// Misuse of the action layer throws, in every build, and the message names the given and the expected value.
 
 #include "action/walker.hpp"
 
@@ -117,7 +117,7 @@ TEST_F(Misuse, DataOfAnotherModel) {
   EXPECT_INVALID(DifferentialActionModelNumDiff(model).calc(data, w.x, u), "another model");
 }
 
-// A new model may stand at the address of one that is gone; a copy shares the parts, and so the data.
+// A new model may have the address of a destroyed one; a copy shares the parts, and so the data.
 TEST_F(Misuse, DataOfAModelThatIsGone) {
   alignas(ActionModel) std::byte place[sizeof(ActionModel)];
   auto* first = new (place) ActionModel(*w.model());
@@ -259,7 +259,7 @@ TEST_F(Misuse, Names) {
   EXPECT_INVALID(w.constraints->removeConstraint("com"), "there are: none");
 }
 
-// Parts that come or go after createData: new data are needed, old data say so, also after a swap of equal size.
+// If parts come or go after createData, new data are needed: old data throw, also after a swap of equal size.
 TEST_F(Misuse, PartsAddedAfterCreateData) {
   const std::string what = "were added or removed since the data were created, new data are expected";
   w.contacts->addContact("again", w.left_contact, false);
@@ -294,7 +294,7 @@ TEST_F(Misuse, CostsAddedAndAContactSwitched) {
   EXPECT_INVALID(model->quasiStatic(data, u, w.x_rest), "costs were added or removed");
 }
 
-// The items of the stacks are Crocoddyl's: their members can be written.
+// The items of the stacks are Crocoddyl's: their members are writable.
 TEST_F(Misuse, ItemsWritten) {
   w.costs->get_costs().at("com")->active = false;
   EXPECT_EQ(evaluated(*model, w.x, u, data)->r.size(), static_cast<Eigen::Index>(w.costs->get_nr()) - 3);

@@ -1,5 +1,5 @@
-// Everything the action model differentiates, against its numerical twin: every residual with every activation as a
-// cost and as a constraint, on every contact and actuation, running and terminal; one by one and in their sum.
+// Derivatives of the action model agree with numerical differentiation: every residual with every activation as a cost
+// and as a constraint, on every contact and actuation, running and terminal, one by one and in their sum.
 
 #include "manycontact/action/num_diff.hpp"
 
@@ -49,7 +49,7 @@ std::shared_ptr<ActivationModelAbstract> activation(int k, std::size_t nr, std::
   }
 }
 
-// The largest difference relative to the larger of the matrices' and what rounding of values of this size leaves.
+// Returns the largest difference, relative to the larger of the twin's entries and the rounding error of such values.
 double error(const Eigen::MatrixXd& mine, const Eigen::MatrixXd& twin, double values) {
   if (mine.size() == 0 && twin.size() == 0) return 0;
   const double difference = difference_of(mine, twin);
@@ -70,7 +70,7 @@ TEST_P(NumDiff, ResidualsAndConstraints) {
     upper[0] += 1;  // one inequality, the others equalities
     p.constraints->addConstraint(r.name, std::make_shared<ConstraintModelResidual>(p.state, r.residual, lower, upper));
   }
-  const auto model = p.model(false);  // force derivatives are switched on by whoever needs them
+  const auto model = p.model(false);  // residuals that need force derivatives switch them on
   DifferentialActionModelNumDiff twin(model);
   for (bool terminal : {false, true}) {
     SCOPED_TRACE(terminal ? "terminal" : "running");
@@ -122,7 +122,7 @@ TEST_P(NumDiff, CostsWithEveryActivation) {
         r.name, std::make_shared<CostModelResidual>(p.state, activation(k++, r.residual->get_nr(), rng), r.residual),
         uniform(rng, 0.1, 2), false);
   const auto model = p.model(false);
-  DifferentialActionModelNumDiff twin(model, true);  // its Hessians are not looked at
+  DifferentialActionModelNumDiff twin(model, true);  // its Hessians are not used
   const auto data = model->createData(), numbers = twin.createData();
   const auto compare = [&](const std::string& name) {
     for (bool terminal : {false, true}) {
@@ -145,7 +145,7 @@ TEST_P(NumDiff, CostsWithEveryActivation) {
   compare("all");
 }
 
-// Gauss-Newton: sum w Rx^T Arr Rx, of the residuals' whole matrices.
+// Gauss-Newton's Hessian is sum w Rx^T Arr Rx, of the residuals' whole matrices.
 TEST_P(NumDiff, HessiansAreGaussNewtons) {
   int k = GetParam().seed;
   for (const NamedResidual& r : residuals)
@@ -199,7 +199,7 @@ INSTANTIATE_TEST_SUITE_P(Problems, NumDiff, testing::ValuesIn(cases()), [](const
   return std::string(info.param.name) + "_" + std::to_string(info.param.seed);
 });
 
-// Second differences of a cost that is quadratic in x and u.
+// Second differences are exact for a cost that is quadratic in x and u.
 TEST(NumDiffTwin, HessiansBySecondDifferences) {
   Problem p = problem_of({"", 40, Actuated::kFull});
   const std::size_t nu = p.actuation->get_nu();

@@ -1,5 +1,5 @@
-// Classes that a user derives from the library's: what they override is called, and what would not be called does not
-// compile.
+// Classes that a user derives from the library's: their overrides are called, and overrides that would not be called do
+// not compile.
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ std::shared_ptr<StateMultibody> state_of(int seed) {
   return std::make_shared<StateMultibody>(random_scene(rng, options).scene);
 }
 
-/// 2 u'u + x(-)0 . x(-)0, by Base's constructors.
+/// 2 u'u + x(-)0 . x(-)0, with Base's constructors.
 template <class Base>
 struct OwnCost : Base {
   using Base::Base;
@@ -205,7 +205,7 @@ TEST(OwnSolvers, AreCalled) {
   EXPECT_GT(solver.increased + solver.decreased, 0);
 }
 
-// The engine evaluates contacts, impulses and constraints all at once: a class with its own calc would not be called.
+// The engine evaluates contacts, impulses and constraints together: a class with its own calc would not be called.
 static_assert(std::is_final_v<ContactModel1D> && std::is_final_v<ContactModel2D> && std::is_final_v<ContactModel3D> &&
               std::is_final_v<ContactModel5D> && std::is_final_v<ContactModel6D> &&
               std::is_final_v<ContactModelBetweenBodies> && std::is_final_v<ContactModelOfScene>);

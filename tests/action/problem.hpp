@@ -96,8 +96,8 @@ inline Problem make_problem(const RandomScene& s, Actuated how = Actuated::kFloa
   return make_problem(s.scene, s.q, s.v, s.u, how);
 }
 
-/// A robot so deep that a scene's own solve takes sparse-bodies, held at two links; with another one beside it on odd
-/// seeds.
+/// Returns a robot so deep that a scene's own solve uses sparse-bodies, fixed at two links, with another one next to it
+/// for odd seeds.
 inline RandomScene deep_scene(int seed, bool floating) {
   std::mt19937 rng(static_cast<unsigned>(seed));
   SceneOptions options;
@@ -121,7 +121,7 @@ inline RandomScene deep_scene(int seed, bool floating) {
   return s;
 }
 
-/// calc and calcDiff at the problem's x and u, of a terminal node at x alone.
+/// Calls calc and calcDiff at the problem's x and u, in a terminal node at x alone.
 inline void evaluate(DifferentialActionModelAbstract& model,
                      const std::shared_ptr<DifferentialActionDataAbstract>& data, const Problem& p, bool terminal) {
   if (terminal)

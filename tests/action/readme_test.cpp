@@ -1,5 +1,4 @@
-// The table in src/doc/action.md is complete and names tests that exist; action.hpp and tpl.hpp
-// leave nothing out.
+// The table in src/doc/action.md is complete and names tests that exist; action.hpp and tpl.hpp include everything.
 
 #include <gtest/gtest.h>
 
@@ -41,7 +40,7 @@ std::vector<fs::path> headers() {
   return out;
 }
 
-// Members of both seeds' pages, inherited and protected ones included.
+// The members are those of both original pages, inherited and protected ones included.
 const std::set<std::string> members = {"ActuationModelAbstract",
                                        "Base",
                                        "ConstraintModelManager",
@@ -102,7 +101,7 @@ const std::set<std::string> members = {"ActuationModelAbstract",
                                        "unone_",
                                        "update_has_control_limits"};
 
-// Tests of tests/action, "Suite.Test".
+// Returns the tests of tests/action as "Suite.Test".
 std::set<std::string> all_tests() {
   std::set<std::string> out;
   const std::regex test(R"(TEST(?:_F|_P)?\((\w+), (\w+)\))");
@@ -148,7 +147,7 @@ TEST(ActionReadme, UmbrellaIncludesEveryHeader) {
   }
 }
 
-// Classes that Crocoddyl has no name for need none with Tpl.
+// Classes without a name in Crocoddyl need no name with Tpl.
 TEST(ActionReadme, EveryClassHasItsTplName) {
   const std::set<std::string> own = {"BlockSparse",
                                      "IslandColumns",

@@ -1,5 +1,5 @@
 #pragma once
-// Every residual with every option, for the tests that compare derivatives with differences.
+// Every residual with every option, for tests that compare derivatives with differences.
 
 #include <map>
 
@@ -56,7 +56,7 @@ struct Builder {
                                     nu);
   }
 
-  // Of each robot the frame that most coordinates move, and one drawn.
+  // Selects for each robot the frame that most coordinates move, and a random one.
   void frames() {
     const Multibody& model = *state->get_model();
     for (int r = 0; r < model.scene().nrobots(); ++r) {
@@ -128,7 +128,7 @@ struct Builder {
 
 }  // namespace factory
 
-/// All residuals for a state, an actuation of nu controls and the contacts of an action; the same seed gives the same.
+/// Returns all residuals for a state, an actuation of nu controls and an action's contacts; the seed determines them.
 inline std::vector<NamedResidual> all_residuals(const std::shared_ptr<StateMultibody>& state,
                                                 const std::shared_ptr<ActuationModelAbstract>& actuation,
                                                 const ContactModelMultiple& contacts, unsigned seed) {

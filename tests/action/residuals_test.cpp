@@ -1,5 +1,5 @@
-// Every residual on random scenes: Jacobians against central differences of calc, through the action model, with all
-// actuations, in running and terminal nodes; values against what else computes them; misuse.
+// Every residual is tested on random scenes: Jacobians against central differences of calc, through the action model,
+// with all actuations, in running and terminal nodes; values against other computations; misuse.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 double size_of(const Eigen::MatrixXd& M) { return M.size() ? M.cwiseAbs().maxCoeff() : 0; }
 
-// A random scene's action with every residual as a cost of its own.
+// Contains a random scene's action with every residual as a cost of its own.
 struct Tried {
   Problem problem;
   std::vector<NamedResidual> residuals;
@@ -34,7 +34,7 @@ struct Tried {
   }
 };
 
-// d r/d(direction) of all residuals, stacked, from four values: the error is of fourth order.
+// Returns d r/d(direction) of all residuals, stacked, from four values: the error is of fourth order.
 template <class Move>
 Eigen::VectorXd derivative(Tried& t, bool terminal, Move&& move) {
   const double h = 2e-4;
@@ -120,7 +120,7 @@ TEST_P(Residuals, JacobiansMatchDifferences) {
     expect_jacobians(t, false, where);
     expect_jacobians(t, true, where + " terminal");
     expect_jacobians(t, false, where + " again");
-    for (const auto& [name, item] : t.problem.contacts->get_contacts()) {  // islands fall apart
+    for (const auto& [name, item] : t.problem.contacts->get_contacts()) {  // islands separate
       t.problem.contacts->changeContactStatus(name, false);
       expect_jacobians(t, false, where + " without " + name);
       for (const auto& [cost, residual] : as_fwddyn(t.data).costs->costs)
@@ -225,12 +225,12 @@ TEST(Cones, HoldWhatTheySay) {
   EXPECT_EQ(cone.get_ub()[4], 10);
   EXPECT_EQ(cone.get_ub()[0], 0);
   EXPECT_NEAR(FrictionCone(Eigen::Matrix3d::Identity(), 0.5).get_A()(0, 2), -0.5 * std::sqrt(0.5), 1e-15);
-  // A turned cone holds the turned forces.
+  // A rotated cone contains the rotated forces.
   std::mt19937 rng(3);
   const Eigen::Matrix3d R = random_rotation(rng);
   EXPECT_LT((FrictionCone(R, 0.5, 4, false).get_A() * R - A).norm(), 1e-14);
 
-  // With L, W half the box: rows as in Crocoddyl's comments.
+  // L and W are half the box: the rows are those of Crocoddyl's comments.
   const double L = 0.1, W = 0.05, mu = 0.5;
   const WrenchCone wrench(Eigen::Matrix3d::Identity(), mu, {2 * L, 2 * W}, 4, false);
   Eigen::MatrixXd B = Eigen::MatrixXd::Zero(17, 6);

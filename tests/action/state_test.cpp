@@ -1,4 +1,4 @@
-// StateMultibody: the manifold's laws, its Jacobians against differences, bounds; and the actuations.
+// StateMultibody satisfies the manifold's laws; Jacobians agree with differences; bounds and actuations are tested.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ class State : public testing::TestWithParam<int> {
   std::mt19937 rng{7};
   Eigen::VectorXd dx = random_vector(static_cast<int>(state->get_ndx()), rng, 0.5);
 
-  // of f(d) at d = 0 by central differences
+  // returns df/dd at d = 0 from central differences
   template <class F>
   Eigen::MatrixXd difference(F&& f) {
     const Eigen::Index n = state->get_ndx();
@@ -97,14 +97,14 @@ TEST(StateOfAScene, KnowsFramesByName) {
   const std::string robot = file.scene.robots[1].name, link = file.scene.robots[1].model->frames[3].name;
   const FrameIndex id = state.get_pinocchio()->getFrameId(robot + "/" + link);
   EXPECT_EQ(state.get_model()->frames[id].robot, 1);
-  EXPECT_FALSE(state.get_model()->existFrame(link));  // which robot's?
+  EXPECT_FALSE(state.get_model()->existFrame(link));  // the robot is ambiguous
   EXPECT_THROW(state.get_model()->getFrameId("nobody/" + link), std::invalid_argument);
   const StateMultibody alone(file.scene.robots[1].model);
   EXPECT_TRUE(alone.get_model()->existFrame(link));
   EXPECT_EQ(alone.get_model()->frames[alone.get_model()->getFrameId(link)].name, link);
 }
 
-// As in Pinocchio, where joints, fixed ones too, are frames; Crocoddyl's own examples use them.
+// Joints, fixed ones too, are frames as in Pinocchio; Crocoddyl's own examples use them.
 TEST(StateOfAScene, KnowsFramesByTheirJoints) {
   const SceneFile file = load_scene(std::string(MANYCONTACT_SOURCE_DIR) + "/models/two_humanoids_carry_beam.xml");
   const StateMultibody state(file.scene), alone(file.scene.robots[0].model);

@@ -1,4 +1,4 @@
-// What may change after the data were created: contacts switched, gains, references, axes, frames, weights.
+// Changes after the data were created take effect: contacts switched, gains, references, axes, frames, weights.
 
 #include <chrono>
 
@@ -21,7 +21,7 @@ void expect_same(const DataPtr& mine, const DataPtr& truth) {
   }
 }
 
-// Switched off: the answer of a model built without the contact.
+// With the contact switched off, the solution is that of a model built without it.
 TEST(Switching, AContact) {
   Walker two, one(Actuated::kFloatingBase, false);
   for (Walker* w : {&two, &one}) {
@@ -37,7 +37,7 @@ TEST(Switching, AContact) {
   EXPECT_EQ(two.contacts->get_nc_total(), 12u);
   EXPECT_TRUE(two.contacts->get_active_set() == std::set<std::string>{"left"});
   EXPECT_TRUE(two.contacts->get_inactive_set() == std::set<std::string>{"right"});
-  model->calcDiff(data, two.x, two.u);  // still of the last calc
+  model->calcDiff(data, two.x, two.u);  // still that of the last calc
   EXPECT_EQ(difference_of(*data, *both), 0);
   evaluated(*model, two.x, two.u, data);
   expect_same(data, evaluated(*single, one.x, one.u));
@@ -57,7 +57,7 @@ TEST(Switching, AContact) {
   EXPECT_EQ(size_of(data->Gx), 0);
 }
 
-// Contacts between robots: islands come and go.
+// Contacts between robots are switched: islands come and go.
 TEST(Switching, IslandsOfTheBeam) {
   SceneFile file = load_scene(MANYCONTACT_SOURCE_DIR "/models/two_humanoids_carry_beam.xml");
   std::mt19937 rng(6);
@@ -77,7 +77,7 @@ TEST(Switching, IslandsOfTheBeam) {
   expect_same(data, evaluated(*make_problem(loose, file.q, file.v, file.u).model(), p.x, p.u));
 }
 
-// Each change takes effect in data at hand, and what it changes is what a model built that way answers.
+// Each change takes effect in existing data, and gives the solution of a model built that way.
 struct Change {
   const char* name;
   void (*apply)(Walker&);
@@ -149,7 +149,7 @@ TEST(Switching, GettersOfTheContact) {
   EXPECT_EQ(w.left_contact->get_state(), w.state);
 }
 
-// A residual of a contact's force stays with its frame: when the contact leaves it, that is an error.
+// A residual of a contact's force stays with its frame: it is an error if the contact leaves it.
 TEST(Switching, AContactThatLeavesItsResidual) {
   for (const char* frame : {"left_shank", "left_foot"}) {
     Walker w;
@@ -164,8 +164,8 @@ TEST(Switching, AContactThatLeavesItsResidual) {
   }
 }
 
-// Numbers and names of many costs, added, switched and removed one by one: made anew each time, 20,000 took half a
-// minute.
+// Numbers and names of many costs are updated when one is added, switched or removed. If they were made from scratch
+// each time, 20,000 would take half a minute.
 TEST(Switching, ManyCosts) {
   Walker w;
   CostModelSum sum(w.state, w.nu);

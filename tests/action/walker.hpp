@@ -1,5 +1,5 @@
 #pragma once
-// The humanoid on both soles as a user of Crocoddyl builds it, for the tests of the interface.
+// The humanoid on both soles, built as a user of Crocoddyl builds it, for tests of the interface.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ using DataPtr = std::shared_ptr<DifferentialActionDataAbstract>;
 
 struct Walker : Problem {
   SceneFile file = load_scene(MANYCONTACT_SOURCE_DIR "/models/humanoid_standing.xml");
-  Eigen::VectorXd x_rest;  // standing still
+  Eigen::VectorXd x_rest;  // at rest
   std::size_t nu;
   FrameIndex left, right;
   SE3<double> left_pref, right_pref;
@@ -39,7 +39,7 @@ struct Walker : Problem {
     u = random_vector(static_cast<int>(nu), rng, 5);
   }
 
-  /// A state away from rest.
+  /// Returns a state away from rest.
   Eigen::VectorXd moved(std::mt19937& rng) const {
     Eigen::VectorXd out = state->integrate_x(x_rest, random_vector(static_cast<int>(state->get_ndx()), rng, 0.05));
     out.tail(state->get_nv()) = random_vector(static_cast<int>(state->get_nv()), rng, 0.5);
@@ -58,7 +58,7 @@ struct Walker : Problem {
     add_cost("effort", std::make_shared<ResidualModelContactControlGrav>(state, nu), 1e-2);
   }
 
-  /// lower <= centre of mass <= upper, one side open where they differ.
+  /// Imposes lower <= centre of mass <= upper, one side open where they differ.
   std::shared_ptr<ConstraintModelResidual> com_within(double lower, double upper) const {
     return std::make_shared<ConstraintModelResidual>(
         state, std::make_shared<ResidualModelCoMPosition>(state, Eigen::Vector3d::Zero(), nu),
@@ -71,7 +71,7 @@ struct Walker : Problem {
   }
 };
 
-/// The data after calc and calcDiff.
+/// Returns the data after calc and calcDiff.
 inline DataPtr evaluated(ActionModel& model, const Eigen::VectorXd& x, const Eigen::VectorXd& u,
                          DataPtr data = nullptr) {
   if (!data) data = model.createData();
@@ -80,14 +80,14 @@ inline DataPtr evaluated(ActionModel& model, const Eigen::VectorXd& x, const Eig
   return data;
 }
 
-/// The largest difference beside 1 or the larger of the matrices; NaN where they have other shapes.
+/// Returns the largest difference relative to 1 or the larger matrix; NaN if the shapes differ.
 inline double twin_difference(const Eigen::MatrixXd& mine, const Eigen::MatrixXd& twin) {
   if (mine.rows() != twin.rows() || mine.cols() != twin.cols()) return std::numeric_limits<double>::quiet_NaN();
   if (mine.size() == 0) return 0;
   return (mine - twin).cwiseAbs().maxCoeff() / std::max({1.0, size_of(mine), size_of(twin)});
 }
 
-/// The largest relative error of what calc and calcDiff fill.
+/// Returns the largest relative error of the outputs of calc and calcDiff.
 inline double difference_of(const DifferentialActionDataAbstract& a, const DifferentialActionDataAbstract& b) {
   double worst = std::abs(a.cost - b.cost) / std::max(1e-300, std::abs(b.cost));
   const auto take = [&](const auto& mine, const auto& truth) {

@@ -1,4 +1,4 @@
-// Kinds of islands, and advice on contacts and bodies.
+// Islands have kinds, and advice concerns contacts and bodies.
 
 #include "manycontact/analysis/advice.hpp"
 
@@ -48,7 +48,7 @@ TEST(Kinds, OfAHerdAreOne) {
   EXPECT_EQ(all(s.contacts), "");
 }
 
-// Of the same shape, but one arm is stretched out: its tool cannot move away from the shoulder.
+// The islands have the same shape, but one arm is stretched out: its tool cannot move away from the shoulder.
 TEST(Kinds, DifferInTheirRanks) {
   const auto arm = [](const std::string& name, const std::string& elbow) {
     return "<robot name=\"" + name +
@@ -88,7 +88,7 @@ TEST(Advice, OnAlikeIslandsIsGivenOnce) {
   EXPECT_FALSE(says(s.contacts, "b1")) << all(s.contacts);
 }
 
-// Following it, row by row, changes no acceleration: of a humanoid that gives way, one sole held by its corners.
+// Following the advice, row by row, changes no acceleration of a collapsing humanoid with one sole on its corners.
 TEST(Advice, OnRowsHolds) {
   const std::string head =
       "<scene><robot name=\"h\" urdf=\"humanoid.urdf\" base=\"floating\" xyz=\"0 0 0.8\">\n"
@@ -135,7 +135,7 @@ TEST(Advice, NeedsASolution) {
   EXPECT_THROW((void)advise_on_bodies(file.scene, fresh), std::logic_error);
 }
 
-// Words for any use: a terminal breaks the lines itself.
+// The advice is plain text for any use: a terminal breaks the lines itself.
 TEST(Advice, IsPlainText) {
   for (const std::string& path : model_scenes()) {
     const Advised s{load_scene(path)};

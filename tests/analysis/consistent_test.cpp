@@ -1,4 +1,4 @@
-// Velocities that break a contact, and states made to fit their contacts: against dense projections of their own.
+// Velocities that violate a contact, and states made consistent, are compared with dense projections.
 
 #include "manycontact/analysis/consistent.hpp"
 
@@ -26,7 +26,7 @@ std::vector<VelocityError> moving(const SceneFile& file) {
   return velocity_errors(file.scene, active_of(file.scene), file.q, file.v);
 }
 
-// A four-bar in its plane, held by its pin where the first crank is at q1 = 0.3.
+// A four-bar in its plane is closed by its pin with the first crank at q1 = 0.3.
 class FourBar {
  public:
   explicit FourBar(const std::string& scene_attributes = "", const std::string& pin = "", double q2 = -0.4) {
@@ -60,7 +60,7 @@ class FourBar {
 
 const std::string kAway = R"(xyz="0.9 0 -0.05")";
 
-// ---- what is told -------------------------------------------------------------------------------------------------
+// ---- what is reported ---------------------------------------------------------------------------------------------
 
 TEST(VelocityErrors, OfEveryType) {
   const auto error = [](const std::string& type, const std::string& v, const std::string& more) {
@@ -80,11 +80,11 @@ TEST(VelocityErrors, OfEveryType) {
   EXPECT_LT(error("6d", "0 0 0 0 0.8 0", "").linear, 1e-12);
   EXPECT_NEAR(error("5d", "0 0 0 3 4 7", "axis=\"0 0 1\"").angular, 5, 1e-12);
   EXPECT_EQ(error("5d", "0 0 0 0 0 7", "axis=\"0 0 1\"").contact, -1);  // about the hinge
-  EXPECT_EQ(error("6d", "0 0 5e-7 0 0 0", "").contact, -1);             // as files round
+  EXPECT_EQ(error("6d", "0 0 5e-7 0 0 0", "").contact, -1);             // files round as much
   EXPECT_EQ(error("6d", "0 0 5 0 0 0", "active=\"false\"").contact, -1);
 }
 
-// The velocity between two robots is that of the one against the other.
+// The velocity of a contact between two robots is the relative one.
 TEST(VelocityErrors, BetweenRobots) {
   const SceneFile file = load_text(
       "<scene><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\" copies=\"3\"><v>1 0 0 0 0 0</v></robot>"
@@ -99,7 +99,7 @@ TEST(VelocityErrors, BetweenRobots) {
 
 // ---- velocities ---------------------------------------------------------------------------------------------------
 
-// v+ = v - M^-1 J^T (J M^-1 J^T)^-1 J v, by dense products.
+// v+ = v - M^-1 J^T (J M^-1 J^T)^-1 J v is computed from dense products.
 TEST(MakeConsistent, ProjectsVelocities) {
   for (const char* name : {"humanoid_standing.xml", "two_humanoids_carry_beam.xml", "quadruped_loop.xml"}) {
     SceneFile file = load_small(kModels + name);
@@ -108,7 +108,7 @@ TEST(MakeConsistent, ProjectsVelocities) {
     ASSERT_FALSE(moving(file).empty());
     const ConsistentState state = make_consistent(file.scene, file.q, file.v);
     EXPECT_TRUE(state.consistent()) << name;
-    EXPECT_LT(difference(file.scene, file.q, state.q).cwiseAbs().maxCoeff(), 1e-12) << name;  // it was in place
+    EXPECT_LT(difference(file.scene, file.q, state.q).cwiseAbs().maxCoeff(), 1e-12) << name;  // it was in place already
     const Terms t(file.scene, active_of(file.scene), state.q, file.v, file.u);
     const Eigen::MatrixXd Minv_Jt = solved(t.M, t.J.transpose());
     const Eigen::VectorXd expected = file.v - Minv_Jt * least_norm(t.J * Minv_Jt, t.J * file.v);
@@ -146,9 +146,9 @@ TEST(MakeConsistent, ClosesALoop) {
   EXPECT_LT(e.norm(), 1e-13);
 }
 
-// The first step is the least in M's metric: M dq is J^T of something.
+// The first step is the smallest in the M-norm: M dq is in the range of J^T.
 TEST(MakeConsistent, MovesTheLeast) {
-  const double away = 1e-6;  // one step does it, to its square
+  const double away = 1e-6;  // one step suffices, up to its square
   SceneFile file = load_text(
       "<scene><robot name=\"a\" urdf=\"arm.urdf\" base=\"fixed\"/>"
       "<contact name=\"c\" type=\"3d\" frame=\"a/tool\"/></scene>");
@@ -166,7 +166,7 @@ TEST(MakeConsistent, MovesTheLeast) {
   EXPECT_LT((t.J.transpose() * f - p).norm(), 1e-4 * p.norm());
 }
 
-// Frames that are turned against each other by much, and two robots that meet half way, the lighter the more.
+// Frames are rotated against each other by much, and two robots meet half way, the lighter one moving more.
 TEST(MakeConsistent, TurnsAndMeets) {
   SceneFile file = load_text(
       "<scene><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\" xyz=\"1 2 3\"/>"
@@ -180,7 +180,7 @@ TEST(MakeConsistent, TurnsAndMeets) {
 }
 
 TEST(MakeConsistent, SaysWhatCannotBeClosed) {
-  // two points of the world are asked of one
+  // two contacts request different points of the world
   SceneFile torn = load_text(
       "<scene><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>"
       "<contact name=\"one\" type=\"3d\" frame=\"b/crate\" xyz=\"0 0 1\"/>"
@@ -192,13 +192,13 @@ TEST(MakeConsistent, SaysWhatCannotBeClosed) {
   EXPECT_NEAR(state.q[2], 2, 1e-9);
   EXPECT_TRUE(state.moving.empty());
 
-  // a pin that no crank reaches: the least distance is what the bars lack
+  // no crank reaches the pin: the least distance is what the bars lack
   SceneFile far = FourBar("", R"(xyz="3 0 0")").load();
   state = make_consistent(far.scene, far.q, far.v);
   ASSERT_EQ(state.misplaced.size(), 1u);
   EXPECT_NEAR(state.misplaced[0].position, 3 - 0.5 - 0.8 - 0.6, 1e-4);
 
-  // nothing has a metric without inertia
+  // without inertia there is no metric
   TemporaryFolder folder;
   (void)folder.write("ghost.urdf", R"(<robot name="g"><link name="w"/><link name="l"/><joint name="j" type="prismatic">
     <parent link="w"/><child link="l"/><limit effort="1" velocity="1" lower="-9" upper="9"/></joint></robot>)");
@@ -211,7 +211,7 @@ TEST(MakeConsistent, SaysWhatCannotBeClosed) {
   EXPECT_EQ(state.misplaced.size(), 1u);
 }
 
-// More rows than the loop needs: Bricard's mechanism, torn open.
+// Bricard's mechanism, torn open, has more rows than the loop needs.
 TEST(MakeConsistent, ClosesBricard) {
   const std::string path = kMechanisms + "03-bricard/scene_5d.xml";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "skipped: " << path << " is not there";
@@ -235,7 +235,7 @@ TEST(MakeConsistent, OfMechanismsReported) {
   EXPECT_EQ(make_consistent(foot.scene, foot.q, foot.v).v.norm(), 0);
 }
 
-// ---- scenes that ask for it ---------------------------------------------------------------------------------------
+// ---- scenes with consistent="true" --------------------------------------------------------------------------------
 
 TEST(ConsistentScenes, AreMadeSoWhenLoaded) {
   const FourBar plain("", kAway), bar("consistent=\"true\"", kAway), no("consistent=\"false\"", kAway);
@@ -249,7 +249,7 @@ TEST(ConsistentScenes, AreMadeSoWhenLoaded) {
   EXPECT_EQ(file.findings[0].file, bar.path());
   EXPECT_NE(file.findings[0].text.find("q most of all of r/j"), std::string::npos) << file.findings[0].text;
   EXPECT_EQ(read_scene(bar.path()).q, plain.load().q);  // reading solves nothing
-  const FourBar fits("consistent=\"true\"");            // held where it is, but for its velocity
+  const FourBar fits("consistent=\"true\"");            // in place, but not its velocity
   EXPECT_LT((fits.load().q - plain.load().q).norm(), 1e-15);
   EXPECT_EQ(fits.load().findings.at(0).text.find("q most"), std::string::npos);
 }

@@ -1,4 +1,4 @@
-// Contacts that contradict each other are told from those that agree to rounding: by all that their rows are made of.
+// Inconsistent contacts are distinguished from those that agree up to rounding error, by all terms of their rows.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ struct Answer {
 
 const Method kMethods[] = {Method::kDense, Method::kSparseLdl, Method::kSparseCholmod};
 
-// Two ends of one box held, each by gains; `apart`: how much farther the held points are than the frames.
+// Two ends of one box are constrained with gains; their references are `apart` farther from each other than the frames.
 SceneFile ends(double apart, const std::string& more = "", const std::string& scene = "gravity=\"0 0 0\"") {
   char place[64];
   std::snprintf(place, sizeof place, "%.17g 0 0.5", 1 + apart);
@@ -33,7 +33,7 @@ SceneFile ends(double apart, const std::string& more = "", const std::string& sc
                    place + "\"/></scene>");
 }
 
-// Without gravity, at rest: an error of rounding is no contradiction, one of a micrometre is.
+// Without gravity, at rest, a rounding error is not inconsistent, but an error of a micrometre is.
 TEST(Contradictions, GainsTimesRoundingIsNone) {
   for (Method method : kMethods) {
     SCOPED_TRACE(to_string(method));
@@ -48,7 +48,7 @@ TEST(Contradictions, GainsTimesRoundingIsNone) {
   }
 }
 
-// Turned, moved far, spinning in place: rows are made of larger terms then, and agree to their rounding.
+// If the box is rotated, moved far or spinning in place, rows have larger terms and agree up to their rounding error.
 TEST(Contradictions, RowsOfLargeTermsThatAgree) {
   for (Method method : kMethods)
     for (const std::string scene : {"gravity=\"0 0 0\"", "gravity=\"0 0 -9.81\""})
@@ -61,14 +61,14 @@ TEST(Contradictions, RowsOfLargeTermsThatAgree) {
         file.q = pose_of_placement(M);
         for (Contact& c : file.scene.contacts) c.B.placement.p = M.p + M.R * c.A.placement.p;
         for (double spin : {0.0, 3.0, 1000.0}) {
-          file.v << 0, 0, 0, spin, 0, 0;  // about the line through both
+          file.v << 0, 0, 0, spin, 0, 0;  // about the line through both ends
           EXPECT_EQ(Answer(file, method).status(), Status::kRedundant)
               << to_string(method) << " " << x << " " << spin << " " << scene;
         }
       }
 }
 
-// An arm without gravity that holds still against torques (../shared/attack, row 09): all that is left is rounding.
+// An arm without gravity is at rest against torques (../shared/attack, row 09): only rounding error remains.
 TEST(Contradictions, TorquesAgainstAHeldArm) {
   for (Method method : kMethods)
     for (int seed = 0; seed < 20; ++seed) {
@@ -84,7 +84,7 @@ TEST(Contradictions, TorquesAgainstAHeldArm) {
     }
 }
 
-// Least squares are an answer: its errors are bounded, and what contacts miss is none of them.
+// The least-squares solution has error bounds, which do not contain the contacts' residuals.
 TEST(Contradictions, AreNotRounding) {
   const SceneFile file = load_text(
       "<scene><robot name=\"box\" urdf=\"box.urdf\" base=\"floating\" xyz=\"0 0 0.5\"/>"

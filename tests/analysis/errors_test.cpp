@@ -1,4 +1,4 @@
-// Deviations of one answer from another, against numbers worked out by hand.
+// Deviations of one solution from another are compared with numbers worked out by hand.
 
 #include "manycontact/analysis/errors.hpp"
 
@@ -13,8 +13,8 @@ namespace {
 
 using Eigen::VectorXd;
 
-// Boxes a (v 0 ... 5), b (6 ... 11), c; forces: one of a from the world (0 ... 2), one between a and b (3 ... 5), one
-// that is not active.
+// Boxes are a (v 0 ... 5), b (6 ... 11) and c. The forces are one of a from the world (0 ... 2), one between a and b (3
+// ... 5), and one that is not active.
 struct Boxes {
   SceneFile file = load_text(R"(<scene><robot name="a" urdf="box.urdf" base="floating"/>
     <robot name="b" urdf="box.urdf" base="floating"/> <robot name="c" urdf="box.urdf" base="floating"/>
@@ -36,7 +36,7 @@ TEST(Deviations, OfAccelerationsArePerRobot) {
   EXPECT_EQ(d[1].absolute, 1);
   EXPECT_EQ(d[1].relative, 0.25);
   EXPECT_EQ(d[2].absolute, 0);
-  EXPECT_EQ(d[2].relative, 0);  // zero in truth, zero in the answer
+  EXPECT_EQ(d[2].relative, 0);  // zero in both
   EXPECT_EQ(worst(d).absolute, 2);
 
   VectorXd at_least = VectorXd::Zero(18);
@@ -75,14 +75,14 @@ TEST(Deviations, WhatIsNoNumberIsNoAnswer) {
   }
 }
 
-// The difference is taken in the truth's precision.
+// The difference is computed in the truth's precision.
 TEST(Deviations, FromATruthInQuadruplePrecision) {
   const Boxes s;
   const VectorXd a = VectorXd::Ones(18);
   VecX<Quad> truth = a.cast<Quad>();
   truth[3] += Quad(1e-25);
   const Deviation d = worst(acceleration_deviations<Quad>(s.file.scene, a, truth));
-  EXPECT_NEAR(d.absolute, 1e-25, 1e-32);  // of which Quad knows 1e-34
+  EXPECT_NEAR(d.absolute, 1e-25, 1e-32);  // Quad's own error is 1e-34
   EXPECT_NEAR(d.relative, 1e-25, 1e-32);
 }
 

@@ -1,4 +1,4 @@
-// What is asked of a scene and its answer beside its status: places, pressure, limits, contradictions, masses.
+// A solution is checked beyond its status: placements, pressure, limits, inconsistency, masses.
 
 #include "manycontact/analysis/findings.hpp"
 
@@ -28,26 +28,26 @@ TEST(PlacementErrors, OfEveryType) {
     const auto found = errors_of(held("<contact name=\"c\" type=\"" + type + "\" frame=\"b/crate\" " + more + "/>"));
     return found.empty() ? PlacementError{-1} : found[0];
   };
-  const std::string away = "xyz=\"1 2 8\" quat_xyzw=\"0 0 0 1\"";  // 5 m below where it is held
+  const std::string away = "xyz=\"1 2 8\" quat_xyzw=\"0 0 0 1\"";  // 5 m below its reference
   EXPECT_NEAR(error("3d", away).position, 5, 1e-12);
   EXPECT_EQ(error("3d", away).angle, 0);
   EXPECT_NEAR(error("1d", away + " axis=\"0 3 4\"").position, 4, 1e-12);
   EXPECT_NEAR(error("2d", away).position, 5, 1e-12);
   EXPECT_EQ(error("2d", "xyz=\"1 7 3\"").contact, -1);  // y is free
   EXPECT_EQ(error("1d", "xyz=\"1 2 8\" axis=\"1 0 0\"").contact, -1);
-  // turned by 0.8 about x
+  // rotated by 0.8 about x
   const std::string turned = "quat_xyzw=\"0.3894183423086505 0 0 0.9210609940028851\"";
   EXPECT_NEAR(error("6d", turned).angle, 0.8, 1e-12);
   EXPECT_LT(error("6d", turned).position, 1e-12);
   EXPECT_NEAR(error("5d", turned + " axis=\"0 1 0\"").angle, 0.8, 1e-12);
-  EXPECT_EQ(error("5d", turned + " axis=\"1 0 0\"").contact, -1);  // about the hinge
+  EXPECT_EQ(error("5d", turned + " axis=\"1 0 0\"").contact, -1);  // about the hinge's axis
   EXPECT_EQ(error("6d", "").contact, -1);
-  EXPECT_EQ(error("3d", "xyz=\"1 2 3.0000005\"").contact, -1);  // as files round
+  EXPECT_EQ(error("3d", "xyz=\"1 2 3.0000005\"").contact, -1);  // files round as much
   EXPECT_TRUE(
       errors_of(held("<contact name=\"c\" type=\"3d\" frame=\"b/crate\" xyz=\"0 0 0\" active=\"false\"/>")).empty());
 }
 
-// The distance is that of the frames in the world, whatever robots come between.
+// The distance is that of the frames in the world, whatever robots are between them.
 TEST(PlacementErrors, BetweenRobots) {
   const SceneFile file = load_text(
       "<scene><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\" copies=\"3\" spacing=\"2\"/>"
@@ -92,7 +92,7 @@ TEST(Violations, PullAndSlip) {
   EXPECT_TRUE(judged(without, {6, 8, -10}).empty());
 }
 
-// A foot tilted by 40 degrees on flat ground: what it presses with is judged by the ground, in any axes.
+// A foot is tilted by 40 degrees on flat ground: its pressure is relative to the ground, in any axes.
 TEST(Violations, TheGroundIsTheNormal) {
   const auto of_tilted = [](ContactType type, ReferenceFrame frame, const Vec3<double>& in_world,
                             std::optional<Vec3<double>> normal) {
@@ -118,13 +118,13 @@ TEST(Violations, TheGroundIsTheNormal) {
       EXPECT_EQ(of_tilted(type, frame, 10 * wall, wall), "");
       EXPECT_EQ(of_tilted(type, frame, 10 * wall, Vec3<double>(-wall)), "pulls");
     }
-    EXPECT_EQ(of_tilted(ContactType::k6D, frame, along_foot, {}), "");  // a sole lies on what it stands on
+    EXPECT_EQ(of_tilted(ContactType::k6D, frame, along_foot, {}), "");  // a sole lies on its ground
     EXPECT_EQ(of_tilted(ContactType::k6D, frame, up, {}), "slips");
     EXPECT_EQ(of_tilted(ContactType::k6D, frame, up, Vec3<double>(0, 0, 2)), "");
   }
 }
 
-// With `to` the normal is in B' axes, on a body and where that body cannot move.
+// With `to` the normal is in B' axes, on a body that moves and on one that cannot.
 TEST(Violations, TheNormalOfAnotherBody) {
   for (const std::string base : {"floating", "fixed"}) {
     const SceneFile file = load_text(
@@ -140,7 +140,7 @@ TEST(Violations, TheNormalOfAnotherBody) {
   }
 }
 
-// Copies in a circle turn the normals of walls with them; of the floor there is nothing to turn.
+// Copies in a circle rotate the normals of walls with them; normals of the ground need no rotation.
 TEST(Violations, NormalsOfCopiesAreTurned) {
   const SceneFile file = load_text(
       "<scene><robot name=\"h\" urdf=\"box.urdf\" base=\"floating\" copies=\"4\" arrange=\"circle\" spacing=\"2\"/>"
@@ -168,7 +168,7 @@ TEST(Violations, TipAndTurn) {
   EXPECT_NEAR(found[0].by, 0.5, 1e-12);
 }
 
-// Whatever forces within their cones act at the corners, their sum is none of these.
+// No sum of forces within their cones at the corners is a violation.
 TEST(Violations, NoneOfForcesAtTheCorners) {
   const double mu = 0.6, X = 0.1, Y = 0.05;
   const Scene sole = one_contact(ContactType::k6D, mu, {2 * X, 2 * Y});
@@ -214,7 +214,7 @@ TEST(Limits, PositionVelocityEffort) {
   EXPECT_EQ(found[1].limit, joint.effort_limit[0]);
 }
 
-// A limit of 0 is passed by no rounding: what counts is judged beside the range.
+// Rounding error does not exceed a limit of 0: the excess is relative to the range.
 TEST(Limits, OfZeroAreNotPassedByRounding) {
   SceneFile file = load_text("<scene><robot name=\"a\" urdf=\"arm.urdf\" base=\"fixed\"/></scene>");
   auto model = std::make_shared<Model>(*file.scene.robots[0].model);
@@ -233,7 +233,7 @@ TEST(Limits, OfZeroAreNotPassedByRounding) {
 }
 
 TEST(Contradictions, TellTheirSize) {
-  // held at one point of the world with a velocity that the gains of two contacts want to change differently
+  // at one point of the world the gains of two contacts request different changes of velocity
   SceneFile file = load_text(
       "<scene>" + std::string("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"><v>0 0 1 0 0 0</v></robot>") +
       "<contact name=\"first\" type=\"3d\" frame=\"b/crate\"/>"
@@ -242,7 +242,7 @@ TEST(Contradictions, TellTheirSize) {
   (void)solve(file.scene, file.q, file.v, file.u, data);
   ASSERT_EQ(data.report.status, Status::kInconsistent);
   const auto found = contradictions(file.scene, data);
-  ASSERT_EQ(found.size(), 2u);  // 0 and -10 m/s^2 asked for: the least squares miss both by 5
+  ASSERT_EQ(found.size(), 2u);  // the rows request 0 and -10 m/s^2: the least squares miss both by 5
   for (const Contradiction& c : found) EXPECT_NEAR(c.linear, 5, 1e-9);
   file.scene.contacts[1].beta = 0;
   (void)solve(file.scene, file.q, file.v, file.u, data);

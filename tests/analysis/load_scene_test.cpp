@@ -1,4 +1,4 @@
-// Scenes from their files with the torques of u="gravity".
+// Scenes are loaded from files with the torques of u="gravity".
 
 #include "manycontact/analysis/load_scene.hpp"
 
@@ -12,7 +12,7 @@
 namespace manycontact::test {
 namespace {
 
-// A copied arm that holds itself still, between one with given torques and one without any.
+// A copied arm has gravity torques, between one with given torques and one without any.
 TEST(LoadScene, GravityTorquesOfTheRobotsThatAskForThem) {
   const std::string arm = R"( urdf="arm.urdf" base="fixed")", bent = R"(<joint name="shoulder_pitch" q="0.7"/>)";
   const SceneFile s = load_text("<scene><robot name=\"a\"" + arm + ">" + bent + "<u>1 2 3 4 5 6 7</u></robot>\n" +
@@ -26,7 +26,7 @@ TEST(LoadScene, GravityTorquesOfTheRobotsThatAskForThem) {
   EXPECT_EQ(s.u.tail(7), Eigen::VectorXd::Zero(7));
 }
 
-// A file is read the same way but for those torques.
+// A file is read the same way except for those torques.
 TEST(LoadScene, FillsWhatReadSceneLeavesOpen) {
   int open = 0;
   for (const std::string& path : model_scenes()) {

@@ -1,4 +1,4 @@
-// How bodies, robots and contacts are called.
+// Bodies, robots and contacts have names.
 
 #include "manycontact/analysis/names.hpp"
 

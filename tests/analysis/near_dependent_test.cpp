@@ -1,4 +1,4 @@
-// Rows that only just count: told by their names, what they cost and what would be without them.
+// Rows that are barely independent are listed with their names, their effect, and the solution without them.
 
 #include "manycontact/analysis/near_dependent.hpp"
 
@@ -36,7 +36,7 @@ TEST(NearDependent, ATiltedAxisHoldsALoopStill) {
     EXPECT_GT(found[0].left, 0.01 * tilt);
     EXPECT_LT(found[0].left, 10 * tilt);
     EXPECT_GT(found[0].times, 0.03 / tilt);
-    // without it: the loop in its plane, by a contact that has no such row, and dense
+    // without it: the planar loop, from a contact without such a row and dense algebra
     SceneFile plane = tilted_four_bar(tilt);
     const Terms t(plane.scene, {1}, plane.q, plane.v, plane.u);
     const Eigen::MatrixXd J = t.J.topRows(2);
@@ -46,8 +46,8 @@ TEST(NearDependent, ATiltedAxisHoldsALoopStill) {
     EXPECT_NEAR(found[0].without, a[found[0].coordinate], 1e-6 * std::abs(a[found[0].coordinate]));
     EXPECT_NEAR(found[0].acceleration, s.data.a[found[0].coordinate], 1e-12 * a.norm());
   }
-  EXPECT_TRUE(Solved(tilted_four_bar(0.1)).near().empty());  // a spatial loop that is meant
-  EXPECT_TRUE(Solved(tilted_four_bar(0)).near().empty());    // a plane one, whose row is dropped
+  EXPECT_TRUE(Solved(tilted_four_bar(0.1)).near().empty());  // an intended spatial loop
+  EXPECT_TRUE(Solved(tilted_four_bar(0)).near().empty());    // a planar loop, whose row is dropped
 }
 
 TEST(NearDependent, RowsWithinTheToleranceAreDependent) {
@@ -79,7 +79,7 @@ TEST(NearDependent, TheGapSaysHowNearItWas) {
   EXPECT_TRUE(damped.near().empty());
 }
 
-// Two points of a box hardly apart: what is left of a row is as much as that, of levers and in any units.
+// Two points of a box nearly coincide: a row's residual is as small as their distance, with any arms and units.
 TEST(NearDependent, OfPointsThatNearlyCoincide) {
   const auto points = [](const std::string& apart) {
     return Solved(
@@ -96,7 +96,7 @@ TEST(NearDependent, OfPointsThatNearlyCoincide) {
   EXPECT_TRUE(points("0.2").near().empty());
 }
 
-// Rows of 5e-11 and 5e-12 of a lever: one counts, one does not, and either could have been the other.
+// Rows have residuals of 5e-11 and 5e-12 of an arm: one is accepted, one is not, and both decisions are doubtful.
 TEST(NearDependent, AGapThatIsNone) {
   const Solved s(
       load_text("<scene><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>"
@@ -112,7 +112,7 @@ TEST(NearDependent, AGapThatIsNone) {
   EXPECT_LT(gap.gap(), kCloseGap);
 }
 
-// What is advised is not as stuck.
+// The advice does not propose contacts that are redundant as well.
 TEST(NearDependent, AdviceDoesNotNameWhatIsAsStuck) {
   const Solved s(tilted_four_bar(3e-6));
   std::string advice;

@@ -1,5 +1,5 @@
-// The search of place(): off saddles, to minima under limits in few steps, far from the origin, from several starts;
-// postures that stand.
+// The search of place() leaves saddles, finds minima under limits in few steps, works far from the origin and from
+// several starts, and finds balanced configurations.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ using Eigen::VectorXd;
 constexpr double kSearched = 1e-9;
 constexpr auto kAnywhere = std::nullopt;
 
-// A plane arm along x whose links have these lengths; every joint but the first has the limits.
+// A planar arm along x has links of these lengths; every joint but the first has the limits.
 std::string arm_urdf(const std::vector<double>& lengths, double lower, double upper) {
   std::string out = "<robot name='arm'><link name='l0'/>";
   double before = 0;
@@ -59,8 +59,8 @@ struct Arm {
 
 // ---- saddles -------------------------------------------------------------------------------------------------------
 
-// Stretched, the target along the arm: J^T e is zero. Two links have cos e = (x^2 - a^2 - b^2) / 2 a b; an elbow whose
-// range begins where it is straight bends the one way that is left.
+// Stretched, with the target along the arm, J^T e is zero. Two links have cos e = (x^2 - a^2 - b^2) / 2 a b. An elbow
+// whose range begins at its straight configuration bends the one way that remains.
 TEST(PlaceSearch, BendsWhatIsStretched) {
   const double bent = std::acos((0.36 - 0.25 - 0.16) / 0.4);
   const Arm either({0.5, 0.4}, -2.8, 2.8, "<pose frame='r/tip' x='0.6' y='0'/>");
@@ -74,7 +74,7 @@ TEST(PlaceSearch, BendsWhatIsStretched) {
       const Arm arm(lengths, -2.8, 2.8);
       const PlacedScene found = place(arm.file.scene, arm.file.q,
                                       {pose_goal(frame_called(arm.file.scene, "r/tip"), Partial{x, 0.0, kAnywhere})},
-                                      {.restarts = 20});  // a target behind leads some to limits first
+                                      {.restarts = 20});  // a target behind leads some searches to limits first
       EXPECT_TRUE(found.met(kSearched)) << x << " " << lengths.size();
     }
 }
@@ -86,7 +86,7 @@ TEST(PlaceSearch, BendsWhatIsStretchedToCloseContacts) {
   EXPECT_NEAR(std::abs(arm.file.q[1]), std::acos((0.36 - 0.25 - 0.16) / 0.4), 1e-8);
 }
 
-// From straight knees: soles where they are, the pelvis lower. Robots that nothing is asked of stay as they are.
+// From straight knees the soles stay where they are and the pelvis goes lower. Robots without goals stay as they are.
 TEST(PlaceSearch, CrouchesFromStraightKnees) {
   for (const double down : {0.01, 0.12, 0.3}) {
     const SceneFile file = load_text(
@@ -105,7 +105,7 @@ TEST(PlaceSearch, CrouchesFromStraightKnees) {
 
 // ---- minima --------------------------------------------------------------------------------------------------------
 
-// Hands asked for more than they can reach: among minima under limits Gauss-Newton's steps alone took thousands.
+// Hands have goals beyond their reach: to minima under limits Gauss-Newton's steps alone took thousands.
 TEST(PlaceSearch, FindsMinimaInTensOfSteps) {
   const SceneFile file = load_text("<scene><robot name='h' urdf=\"humanoid.urdf\" base='floating'/></scene>");
   const Scene& scene = file.scene;
@@ -131,10 +131,9 @@ TEST(PlaceSearch, FindsMinimaInTensOfSteps) {
   }
 }
 
-// ---- tolerance, limits, restarts
-// -------------------------------------------------------------------------------------
+// ---- tolerance, limits, restarts -----------------------------------------------------------------------------------
 
-// Of places far away the rounding alone is left.
+// Far away only the rounding error of places remains.
 TEST(PlaceSearch, MeetsGoalsFarAway) {
   const SceneFile file = load_text("<scene><robot name='b' urdf=\"box.urdf\" base='floating'/></scene>");
   for (const double far : {1e3, 1e5, 1e7}) {
@@ -157,11 +156,11 @@ TEST(PlaceSearch, EqualLimitsLock) {
   RigidBodyData data(scene);
   forward_kinematics(scene, found.q, data);
   const Vec3<double> p = frame_placement(scene, data, frame_called(scene, "r/tip")).p;
-  EXPECT_NEAR(p[0], p[1], 1e-8);  // it points there
+  EXPECT_NEAR(p[0], p[1], 1e-8);  // it points to the goal
 }
 
-// An elbow that bends one way only, and the target on the other side of a limit of the shoulder: the search ends at a
-// minimum with something left, one from elsewhere reaches it. The same seed finds the same.
+// An elbow bends one way only, and the target is on the other side of a limit of the shoulder. One search ends at a
+// minimum short of it, one from another start reaches it. The same seed finds the same configuration.
 TEST(PlaceSearch, StartsAgainWhenAsked) {
   const SceneFile file = load_text("<scene><robot name='a' urdf=\"arm.urdf\"/></scene>");
   const Scene& scene = file.scene;
@@ -185,8 +184,7 @@ TEST(PlaceSearch, StartsAgainWhenAsked) {
   EXPECT_THROW((void)place(scene, neutral(scene), {}, {.restarts = -1}), std::invalid_argument);
 }
 
-// ---- postures that stand
-// ---------------------------------------------------------------------------------------------
+// ---- balanced configurations ---------------------------------------------------------------------------------------
 
 SceneFile crouching(const std::string& poses) {
   return load_text("<scene name='crouching'><robot name='h' urdf=\"humanoid.urdf\" base='floating' u='gravity'/>" +
@@ -215,7 +213,7 @@ Vec3<double> middle_of_soles(const SceneFile& file) {
                 frame_placement(file.scene, data, frame_called(file.scene, "h/right_sole")).p);
 }
 
-// The pages' own, and its symmetrical edition: they stand, for the poses leave them free to.
+// The pages' scene, and a symmetrical edition, are balanced, since the poses leave them free to be.
 TEST(PoseStands, WherePosesAllowIt) {
   for (const std::string pelvis : {"z='0.65'", "z='0.5'", "z='0.8'", "z='0.65' pitch='0.1' roll='0'"})
     for (const std::string left : {"xyz='0 0.1 0' rpy='0 0 0'", "z='0' roll='0' pitch='0'"}) {
@@ -237,7 +235,7 @@ TEST(PoseStands, OrIsToldWhereTheyDoNot) {
   EXPECT_NE(hints(file).find("its centre of mass is 0."), std::string::npos) << hints(file);
 }
 
-// The first pose search of an arm that must turn round ends at limits.
+// The first search of an arm that must rotate by half a turn ends at limits.
 TEST(PoseRestarts, AreAsked) {
   const std::string pose = "<pose frame='r/tip' x='-1.1' y='0'/>";
   EXPECT_THROW(Arm({0.3, 0.3, 0.3, 0.3}, -2.8, 2.8, pose), InputError);

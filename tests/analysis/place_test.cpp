@@ -1,5 +1,5 @@
-// Inverse kinematics of scenes: goals of every kind met from nearby, limits kept, what cannot be met shared by weights;
-// public robots on their soles, rings hand in hand, and scenes with <pose>.
+// Inverse kinematics of scenes meets goals of every kind from nearby, keeps limits, and shares what cannot be met by
+// weights. Public robots are placed on their soles, rings hand in hand, and scenes by <pose>.
 
 #include "manycontact/analysis/place.hpp"
 
@@ -22,12 +22,12 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kFound = 1e-9;  // m, rad: the issue's
+constexpr double kFound = 1e-9;  // m, rad: given by the issue
 constexpr auto kOpen = std::nullopt;
 
 double nearest_angle(double x) { return std::remainder(x, 2 * M_PI); }
 
-// Whether q is within the limits, to the last bit.
+// Expects q within the limits, to the last bit.
 void expect_within_limits(const Scene& scene, const VectorXd& q) {
   for (const Robot& robot : scene.robots)
     for (const Joint& joint : robot.model->joints)
@@ -39,7 +39,7 @@ void expect_within_limits(const Scene& scene, const VectorXd& q) {
       }
 }
 
-// A state within limits, and another by `size` away from it.
+// Contains a state within limits, and another one `size` away from it.
 struct Nearby {
   Nearby(const Scene& scene, unsigned seed, double size) {
     std::mt19937 rng(seed);
@@ -84,7 +84,7 @@ TEST(Place, MeetsGoalsOfEveryKind) {
     EXPECT_LE(found.iterations, 20) << seed;
     expect_within_limits(scene, found.q);
 
-    // looked at anew
+    // checked again
     RigidBodyData data(scene);
     forward_kinematics(scene, found.q, data);
     EXPECT_NEAR(frame_placement(scene, data, left).p[0], hand[0], 2 * kFound);
@@ -99,7 +99,7 @@ TEST(Place, MeetsGoalsOfEveryKind) {
   }
 }
 
-// Angles alone: yaw, and pitch with yaw.
+// Goals are angles alone: yaw, and pitch with yaw.
 TEST(Place, MeetsSingleAngles) {
   const SceneFile file = two_robots();
   const Attachment crate = frame_called(file.scene, "b/crate");
@@ -116,11 +116,11 @@ TEST(Place, MeetsSingleAngles) {
   EXPECT_NEAR(angles({kOpen, 0.7, 3.0})[1], 0.7, 2 * kFound);
   EXPECT_NEAR(angles({kOpen, 0.7, 3.0})[2], 3.0, 2 * kFound);
   EXPECT_NEAR(angles({-2, kOpen, kOpen})[0], -2, 2 * kFound);
-  EXPECT_NEAR(angles({3.1, 0, kOpen})[0], 3.1, 2 * kFound);  // turned over
+  EXPECT_NEAR(angles({3.1, 0, kOpen})[0], 3.1, 2 * kFound);  // rotated upside down
   EXPECT_NEAR(std::abs(angles({M_PI, 0, kOpen})[0]), M_PI, 2 * kFound);
 }
 
-// Contacts of all types, between robots and with the world, in all axes.
+// Contacts have all types, between robots and with the world, in all axes.
 TEST(Place, ClosesContacts) {
   for (unsigned seed = 1; seed <= 12; ++seed) {
     std::mt19937 rng(seed);
@@ -141,7 +141,7 @@ TEST(Place, ClosesContacts) {
 
 // ---- limits --------------------------------------------------------------------------------------------------------
 
-// A hand asked for more than it can reach: what is found is a minimum among the postures within limits.
+// A hand has a goal beyond its reach: the solution is a minimum among the configurations within limits.
 TEST(Place, ReachesAsFarAsLimitsAllow) {
   const SceneFile file = two_robots();
   const Scene& scene = file.scene;
@@ -172,7 +172,7 @@ TEST(Place, ReachesAsFarAsLimitsAllow) {
     };
     const double least = size(found.q);
     std::mt19937 rng(seed);
-    for (int k = 0; k < 200; ++k) {  // place brings these within the limits
+    for (int k = 0; k < 200; ++k) {  // place brings these states within the limits
       const VectorXd step = random_vector(scene.nv, rng, 1e-3);
       EXPECT_GT(size(integrate(scene, found.q, step)), least * (1 - 1e-8));
     }
@@ -199,7 +199,7 @@ TEST(Place, ContradictingGoalsShareByWeight) {
   EXPECT_NEAR(found.q[0], 2, 1e-6);
   EXPECT_NEAR(found.left[0].position, 1, 1e-6);
   EXPECT_NEAR(found.left[1].position, 3, 1e-6);
-  EXPECT_LE(found.left[2].position, 1e-8);  // the damping leaves a billionth of a step
+  EXPECT_LE(found.left[2].position, 1e-8);  // a billionth of a step remains due to the damping
 }
 
 TEST(Place, SaysWhatIsWrong) {
@@ -253,7 +253,7 @@ const std::vector<Feet>& feet() {
       {"icub_reduced", {"l_sole", "r_sole"}, true},
       {"icubgenova11", {"l_sole", "r_sole"}, true},
       {"mini_cheetah", {"toe_fr", "toe_fl", "toe_hr", "toe_hl"}, false},
-      // upright: a crouch from neutral ends at a minimum with its knees and the turning of its thighs at their limits
+      // upright: a crouch from neutral ends at a minimum, with its knees and the rotation of its thighs at limits
       {"r2b_dynamics", {"r2/left_leg_foot", "r2/right_leg_foot"}, true, 0},
       {"romeo_small", {"l_sole", "r_sole"}, true},
       {"valkyrie", {"leftFoot", "rightFoot"}, true},
@@ -261,8 +261,8 @@ const std::vector<Feet>& feet() {
   return all;
 }
 
-// From neutral: the feet on the floor, soles as level as they are at neutral, the trunk lower by a tenth of the legs
-// and leaning.
+// From neutral, the feet go to the ground, soles as level as at neutral; the trunk goes lower by a tenth of the legs
+// and leans.
 TEST(PlacePublicRobots, StandOnTheirSoles) {
   const std::filesystem::path folder = std::filesystem::path(MANYCONTACT_SHARED_DIR) / "public";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "skipped: " << folder << " is not here";
@@ -341,15 +341,15 @@ TEST(Poses, ArePutInPlaceWhenLoaded) {
     EXPECT_NEAR(M.R(2, 2), 1, kFound);
   }
   EXPECT_NEAR(frame_placement(file.scene, data, frame_called(file.scene, "h/" + trunk)).p[2], 0.7, kFound);
-  EXPECT_TRUE(placement_errors(file.scene, {1}, file.q).empty());  // held where it is then
+  EXPECT_TRUE(placement_errors(file.scene, {1}, file.q).empty());  // its reference is there
   expect_within_limits(file.scene, file.q);
   EXPECT_GT(file.u.norm(), 1);          // quasi-static there
-  ASSERT_EQ(file.findings.size(), 2u);  // the other: it stands on its left foot alone, and cannot
+  ASSERT_EQ(file.findings.size(), 2u);  // the other: it is on its left foot alone, and not in balance
   EXPECT_EQ(file.findings[0].kind, "pose");
   EXPECT_NE(file.findings[0].text.find("q most of all"), std::string::npos) << file.findings[0].text;
 }
 
-// Hands in hand and feet on the floor at once: poses with consistent="true".
+// Hands in hand and feet on the ground are met at once: poses with consistent="true".
 TEST(Poses, AreMetTogetherWithContacts) {
   const SceneFile file = load_text(
       "<scene consistent=\"true\"><robot name=\"h\" urdf=\"humanoid.urdf\" base=\"floating\" copies=\"2\" "

@@ -1,4 +1,4 @@
-// Public robots as they are, of ../shared/public: all load, and their accelerations are Pinocchio's.
+// Public robots of ../shared/public all load unchanged, and their accelerations are Pinocchio's.
 
 #include <gtest/gtest.h>
 
@@ -15,9 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kTolerance = 1e-9;  // of the largest acceleration, by the issue
+constexpr double kTolerance = 1e-9;  // relative to the largest acceleration, given by the issue
 
-// The largest difference over the largest value.
+// Returns the largest difference divided by the largest value.
 double relative_error(const Eigen::VectorXd& x, const std::vector<double>& expected) {
   const Eigen::Map<const Eigen::VectorXd> y(expected.data(), static_cast<Eigen::Index>(expected.size()));
   return (x - y).lpNorm<Eigen::Infinity>() / y.lpNorm<Eigen::Infinity>();

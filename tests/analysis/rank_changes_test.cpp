@@ -1,4 +1,4 @@
-// Postures beside which contact rows hold more: against ranks of J beside them, by a dense decomposition.
+// Configurations whose neighbours have a higher rank are compared with ranks of J there, from a dense decomposition.
 
 #include "manycontact/analysis/rank_changes.hpp"
 
@@ -33,7 +33,7 @@ int rank_at(const SceneFile& file, const Eigen::VectorXd& q) {
   return rank_of(t.J, 1e-8);
 }
 
-// Three bars of 0.5, 0.8 and 0.6 m about axes along y.
+// There are three bars of 0.5, 0.8 and 0.6 m about axes along y.
 class Bars {
  public:
   SceneFile load(double q1, double q2, double q3, const std::string& contact) const {
@@ -62,7 +62,7 @@ class Bars {
 
 const std::string kPin = R"(<contact name="pin" type="2d" frame="r/c" offset="0 0 0.6" reference_frame="world"/>)";
 
-// Flat: the bars point along one line, and the pin's two rows are one. Bent they are two.
+// Flat, the bars point along one line, and the pin's two rows are dependent. Bent, they are independent.
 TEST(RankChanges, AFourBarThatLiesFlat) {
   const Bars bars;
   const SceneFile flat = bars.load(0, 0, 2 * kHalf, kPin);
@@ -77,7 +77,7 @@ TEST(RankChanges, AFourBarThatLiesFlat) {
   EXPECT_TRUE(changes(bars.load(0.3, 0.4, 2, kPin), 2).empty());
 }
 
-// A straight leg, both ends held: its knee is what the rows hold once it bends.
+// A straight leg is fixed at both ends: the rows constrain its knee once it bends.
 TEST(RankChanges, AStretchedLeg) {
   const Bars bars;
   const std::string knee = R"(<contact name="ankle" type="2d" frame="r/b" offset="0 0 0.8" reference_frame="world"/>)";
@@ -85,11 +85,11 @@ TEST(RankChanges, AStretchedLeg) {
   ASSERT_EQ(found.size(), 1u);
   EXPECT_TRUE(found[0].singular);
   EXPECT_TRUE(changes(bars.load(0.2, 0.4, 0.3, knee), 2).empty());
-  // a lever of 1e-4 rad away from it the rows are two again
+  // at 1e-4 rad from there the rows are independent again
   EXPECT_TRUE(changes(bars.load(0.2, 1e-4, 0.3, knee), 2).empty());
 }
 
-// A planar loop held by a spatial hinge hangs together by three rows too many wherever it is.
+// A planar loop closed by a spatial hinge has three redundant rows in every configuration.
 TEST(RankChanges, NoneWhereRowsDependEverywhere) {
   const Bars bars;
   const std::string hinge = R"(<contact name="pin" type="5d" axis="0 1 0" frame="r/c" offset="0 0 0.6"/>)";
@@ -103,7 +103,7 @@ TEST(RankChanges, NoneWhereRowsDependEverywhere) {
   for (const char* type : {"3d", "5d", "6d"}) EXPECT_TRUE(changes(points(type)).empty()) << type;
 }
 
-// Of several islands that which it is of.
+// The finding names its island among several.
 TEST(RankChanges, NameTheirIsland) {
   const SceneFile file = load_text(
       "<scene><robot name=\"q\" urdf=\"quadruped.urdf\" base=\"floating\" copies=\"2\">"
@@ -127,7 +127,7 @@ TEST(RankChanges, OfPublishedMechanisms) {
   ASSERT_EQ(flat.size(), 1u);
   EXPECT_TRUE(flat[0].singular);
   EXPECT_EQ(flat[0].rank, 2);  // all bars lie along x: neither pin has a row along it
-  // one motion along which nothing changes: only a loop that is broken has rank 5
+  // nothing changes along the only motion: rank 5 exists only in broken loops
   const auto bricard = changes(load_scene(mechanisms + "03-bricard/scene_5d.xml"), 4);
   ASSERT_EQ(bricard.size(), 1u);
   EXPECT_FALSE(bricard[0].singular);

@@ -1,4 +1,4 @@
-// Ranks of contacts, which rows are redundant, what would hold the same.
+// Contacts have ranks, redundant rows, and alternatives that impose the same constraint.
 
 #include "manycontact/analysis/ranks.hpp"
 
@@ -43,7 +43,7 @@ std::string point(const std::string& name, const std::string& frame, const std::
   return "<contact name=\"" + name + "\" type=\"3d\" frame=\"" + frame + "\" " + more + "/>\n";
 }
 
-// By singular values; the contacts' J is computed from the scene, not from the data.
+// Uses singular values; the contacts' J is computed from the scene, not from the data.
 int rank_of(const Eigen::MatrixXd& J) {
   if (J.size() == 0) return 0;
   const Eigen::VectorXd s = Svd(J).sigma;
@@ -74,8 +74,8 @@ TEST(Ranks, CornersOfTwoSoles) {
   EXPECT_TRUE(ranks.lighter.empty());
 }
 
-// On random scenes: the rank is that of the island's rows, as many rows are redundant as it lacks, and those that are
-// left have it.
+// On random scenes the rank is that of the island's rows, as many rows are redundant as it lacks, and the remaining
+// rows have it.
 TEST(Ranks, OfRandomScenesAreThoseOfTheirRows) {
   std::mt19937 rng(21);
   int lacking = 0;
@@ -127,7 +127,7 @@ TEST(Ranks, PointsAtOnePlaceOnALineAndInAPlane) {
   EXPECT_EQ(on_box(point("c1", "b/top_1")).ranks().pairs[0].holds, Holds::kEach);
 }
 
-// The body that moves goes first, whichever end of the contact it is.
+// The body that moves is named first, whichever end of the contact it is.
 TEST(Ranks, PairsAreNamedByTheirFrames) {
   const RankedScene s(
       load_text("<scene><robot name=\"h\" urdf=\"humanoid.urdf\" base=\"floating\"/>\n"
@@ -142,7 +142,7 @@ TEST(Ranks, PairsAreNamedByTheirFrames) {
   EXPECT_EQ(ranks.pairs[1].place_B, "h/right_hand");
 }
 
-// A point on the axis of the only joint moves by nothing but rounding: that is no direction.
+// A point on the axis of the only joint moves by rounding error alone: that is no direction.
 TEST(Ranks, RoundingIsNoDirection) {
   std::mt19937 rng(22);
   ModelOptions one;
@@ -177,7 +177,7 @@ TEST(Ranks, RoundingIsNoDirection) {
   }
 }
 
-// Against its own fixed base an arm of one lift can be held along z only.
+// An arm of one lift can be constrained relative to its own fixed base along z only.
 TEST(Ranks, LighterTypeOfTheSameRank) {
   std::mt19937 rng(23);
   Model model;

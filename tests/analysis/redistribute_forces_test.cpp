@@ -1,4 +1,4 @@
-// Redistributed forces: against the null space of J^T by a dense decomposition.
+// Redistributed forces are compared with the null space of J^T from a dense decomposition.
 
 #include "manycontact/analysis/redistribute_forces.hpp"
 
@@ -24,7 +24,7 @@ struct SolvedWithNullSpace {
     for (const Contact& contact : scene.contacts) out.push_back(contact.active);
     return out;
   }
-  // By the singular vectors of J^T.
+  // Uses the singular vectors of J^T.
   Eigen::MatrixXd null_space() const {
     const Svd svd(terms.J.transpose());
     Eigen::Index rank = 0;
@@ -37,8 +37,8 @@ struct SolvedWithNullSpace {
   Terms terms;
 };
 
-// Two hinges of a door in one line; a quadruped on four feet and its trunk; two of them that share two contacts; one
-// robot without redundant contacts.
+// The robots are a door on two hinges in one line, a quadruped on four feet and its trunk, two quadrupeds that share
+// two contacts, and one robot without redundant contacts.
 SceneFile redundant_scene() {
   return load_text(
       "<scene moment_length=\"0.3\"><robot name=\"q\" urdf=\"quadruped.urdf\" base=\"floating\" copies=\"4\">"
@@ -58,12 +58,12 @@ Eigen::VectorXd uneven(Eigen::Index n, double offset) {
   return x;
 }
 
-// The rounding of a null space: |J| of order 1, a projection by solves to about 1e-12.
+// The null space has a rounding error of about 1e-12 from solves with |J| of order 1.
 constexpr double kRounding = 1e-10;
 
 TEST(RedistributeForces, BasisSpansTheNullSpace) {
   for (const Method method : methods()) {
-    if (method == Method::kDenseSchur) continue;  // fails where contacts are redundant
+    if (method == Method::kDenseSchur) continue;  // it fails where contacts are redundant
     const SolvedWithNullSpace s(redundant_scene(), method);
     const Eigen::MatrixXd N = force_null_space(s.file.scene, s.file.q, s.data), expected = s.null_space();
     ASSERT_EQ(N.cols(), expected.cols()) << to_string(method);
@@ -82,7 +82,7 @@ TEST(RedistributeForces, MinimisesTheWeightedDistance) {
   const Eigen::VectorXd f = redistribute_forces(s.file.scene, s.file.q, s.data, reference, weights);
   const double size = s.data.f.cwiseAbs().maxCoeff() + reference.cwiseAbs().maxCoeff();
   EXPECT_LE((s.terms.J.transpose() * (f - s.data.f)).cwiseAbs().maxCoeff(), kRounding * size);
-  const Eigen::MatrixXd N = s.null_space();  // the optimum: no direction of it reduces the distance
+  const Eigen::MatrixXd N = s.null_space();  // at the optimum no null vector reduces the distance
   EXPECT_LE((N.transpose() * weights.cwiseProduct(f - reference)).cwiseAbs().maxCoeff(), kRounding * size);
   EXPECT_GT((f - s.data.f).cwiseAbs().maxCoeff(), 1);
 }
@@ -91,7 +91,7 @@ TEST(RedistributeForces, WithoutArgumentsHaveLeastNorm) {
   const SolvedWithNullSpace s(redundant_scene());
   const Eigen::VectorXd f = redistribute_forces(s.file.scene, s.file.q, s.data);
   EXPECT_LE((s.null_space().transpose() * f).cwiseAbs().maxCoeff(), kRounding * f.cwiseAbs().maxCoeff());
-  EXPECT_LT(f.norm(), s.data.f.norm());  // whose norm counts moments by moment_length
+  EXPECT_LT(f.norm(), s.data.f.norm());  // this norm weights moments by moment_length
   SceneFile plain = redundant_scene();
   plain.scene.moment_length = 1;
   const SolvedWithNullSpace least(std::move(plain));
@@ -127,7 +127,7 @@ TEST(RedistributeForces, RefuseWhatDoesNotFit) {
   EXPECT_THROW(redistribute_forces(s.file.scene, s.file.q.head(3), s.data), std::invalid_argument);
 }
 
-// A failed island has no forces to redistribute; the others do.
+// A failed island has no forces to redistribute; the others have.
 TEST(RedistributeForces, LeaveFailedIslandsAsTheyAre) {
   SceneFile file = redundant_scene();
   const SceneData whole(file.scene);

@@ -1,4 +1,4 @@
-// Every status but ok has advice, and names what exists.
+// Every status but ok has advice, which names only what exists.
 
 #include "manycontact/analysis/remedy.hpp"
 

@@ -1,4 +1,4 @@
-// Which numbers of an answer say nothing.
+// Numbers of a solution that are rounding error alone are found.
 
 #include "manycontact/analysis/rounding.hpp"
 
@@ -35,7 +35,7 @@ TEST(Rounding, ForcesWhereNothingPushes) {
   EXPECT_EQ(rounding_of(load_text("<scene>" + box)), Strings());
   const SceneFile falling = load_text(R"(<scene><robot name="b" urdf="box.urdf" base="floating" rpy="0.3 0.4 0.5"/>
     <robot name="c" urdf="box.urdf" base="floating" xyz="2 0 0" rpy="0.3 0.4 0.5"/>
-    <contact name="tie" type="6d" frame="b/face_top" to="c/face_top"/></scene>)");  // alike: nothing to hold
+    <contact name="tie" type="6d" frame="b/face_top" to="c/face_top"/></scene>)");  // both fall alike: no forces
   EXPECT_EQ(rounding_of(falling), Strings{"forces"});
 }
 
@@ -47,7 +47,7 @@ TEST(Rounding, OfOneIslandIsSaidOfTheReport) {
   EXPECT_EQ(find_rounding(report.islands[0]).names(), Strings());
   EXPECT_EQ(find_rounding(report.islands[1]).names(), Strings{"acceleration"});
   EXPECT_EQ(find_rounding(report).names(), Strings{"acceleration"});
-  report.islands[0].error_forces = std::numeric_limits<double>::infinity();  // forces that are zero
+  report.islands[0].error_forces = std::numeric_limits<double>::infinity();  // zero forces
   EXPECT_EQ(find_rounding(report).names(), (Strings{"acceleration", "forces"}));
 }
 

@@ -1,4 +1,4 @@
-// Which forces are unique: against the null space of J^T by a dense decomposition, and published cases.
+// Unique forces are compared with the null space of J^T from a dense decomposition, and with published cases.
 
 #include "manycontact/analysis/unique_forces.hpp"
 
@@ -19,7 +19,7 @@ std::vector<char> unique_in(const SceneFile& file, Method method = Method::kAuto
   return unique_forces(file.scene, file.q, data);
 }
 
-// By the singular vectors of J^T: a component is unique where none of the null space has a part in it.
+// Uses the singular vectors of J^T: a component is unique if it is zero in every null vector.
 std::vector<char> by_svd(const SceneFile& file) {
   std::vector<char> active;
   for (const Contact& contact : file.scene.contacts) active.push_back(contact.active);
@@ -42,7 +42,7 @@ SceneFile door(const std::string& type) {
                    hinge("upper", "0.2") + "</scene>");
 }
 
-// On two balls all is unique but how the weight is shared; on two hinges only the lateral force along no arm is, too.
+// On balls only the shares of the weight are not unique; on hinges only the lateral force without moment arm is unique.
 TEST(UniqueForces, OfADoor) {
   EXPECT_EQ(unique_in(door("3d")), (std::vector<char>{1, 1, 0, 1, 1, 0}));
   EXPECT_EQ(unique_in(door("5d")), by_svd(door("5d")));
@@ -58,7 +58,7 @@ TEST(UniqueForces, AreAllWhereRowsAreIndependent) {
   EXPECT_EQ(unique_in(damped), std::vector<char>(6, 1));
 }
 
-// By every method, in scenes of several islands and with what others of the island hold.
+// All methods agree, in scenes of several islands and with other contacts in the island.
 TEST(UniqueForces, AgreeWithTheNullSpace) {
   const std::string contacts =
       "<contact name=\"a\" type=\"6d\" frame=\"q0/LF_foot\"/><contact name=\"b\" type=\"3d\" frame=\"q0/RH_foot\"/>"
@@ -80,7 +80,7 @@ TEST(UniqueForces, AgreeWithTheNullSpace) {
   }
 }
 
-// Forces that are unique stay when what all share is added.
+// Unique forces remain unique if redundant contacts are added.
 TEST(UniqueForces, StayWhateverIsAdded) {
   for (const char* name : {"feet_on_corners.xml", "quadruped_loop.xml"}) {
     const SceneFile file = load_small(kModels + name);
@@ -94,7 +94,7 @@ TEST(UniqueForces, NeedAnAnswer) {
   EXPECT_THROW((void)unique_forces(file.scene, file.q, data), std::logic_error);
 }
 
-// Within a scene's tolerance rows depend, and forces are unique, as in the scene that is exact.
+// Rows that are dependent within a scene's tolerance leave the same forces unique as in the exact scene.
 TEST(UniqueForces, AToleranceIsNoForceSharedAtWill) {
   for (const std::string type : {"3d", "5d"}) {
     const SceneFile exact = tilted_four_bar(0, type);

@@ -1,4 +1,4 @@
-// Functions of q refuse what is no configuration, of v what is no velocity: in C++, where no binding has looked before.
+// Functions refuse a q that is no configuration, and a v that is no velocity, in C++, without a binding's checks.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// A minute of the attack: fixed seeds, one test for each kind of hostility. `./run attack` goes on from there.
+// A minute of the attack has fixed seeds, one test for each kind of hostility. `./run attack` continues from there.
 
 #include <gtest/gtest.h>
 
@@ -63,7 +63,7 @@ TEST_P(Attack, FindsNothing) {
   EXPECT_GE(judged, kinds.count / 2);
 }
 
-// Kinds with open faults (README.md) are not among these.
+// Kinds with open faults (README.md) are left out.
 INSTANTIATE_TEST_SUITE_P(
     Kinds, Attack,
     testing::Values(Kinds{"Ordinary", {}, 0, 60}, Kinds{"Mass", {"mass"}, 100, 30},
@@ -100,7 +100,7 @@ std::vector<Robot> robots() {
   return list;
 }
 
-// Feet held by fewer rows than they have, and by more than their legs move.
+// Feet have fewer contact rows than coordinates, and more than their legs move.
 TEST(Postures, AtRestFindNothing) {
   const test::TemporaryFolder folder;
   for (const Robot& robot : robots())
@@ -139,7 +139,7 @@ TEST(Mechanisms, FindNothing) {
 
 // ---- the reference itself -------------------------------------------------------------------------------------
 
-// Its derivatives against central differences of its answers, q on the manifold.
+// Its derivatives agree with central differences of its solutions, q on the manifold.
 TEST(TheReference, DerivativesAreThoseOfItsAnswers) {
   for (int seed = 0; seed < 12; ++seed) {
     const Case c = random_case(seed, seed % 2 ? Words{"redundant", "exact"} : Words{"gains", "drift"});
@@ -189,7 +189,7 @@ TEST(TheReference, ReadsUrdfsAsTheLibraryDoes) {
   }
 }
 
-// A judge that finds nothing wrong with wrong numbers is none.
+// A judge must find faults in wrong numbers.
 TEST(TheJudge, FindsWhatIsWrong) {
   Case c = random_case(1, {});
   const test::TemporaryFolder folder;
@@ -199,7 +199,7 @@ TEST(TheJudge, FindsWhatIsWrong) {
   EXPECT_FALSE(judge_as(c, other, folder.path().string(), {Method::kSparseLdl}).findings.empty());
 }
 
-// In each precision, what it claims: bounds are tight enough to show an error of a billionth in a mass.
+// Each precision attains what it claims: bounds are tight enough to reveal an error of a billionth in a mass.
 TEST(TheJudge, KnowsWhatAPrecisionClaims) {
   const Case c = random_case(1, {});
   const test::TemporaryFolder folder;

@@ -1,6 +1,6 @@
 #pragma once
-// A scene to attack with, as plain numbers: what is written as URDF and scene file for the library, and what the
-// reference computes from. Units SI, coordinates in the library's order.
+// A scene to attack with, as plain numbers. The library reads it as URDF and scene file; the reference computes from
+// the numbers. Units are SI, coordinates are in the library's order.
 
 #include <array>
 #include <cstdint>
@@ -26,12 +26,12 @@ struct Link {  // and the joint that carries it
   Numbers com = {}, com_rpy = {};
   std::array<double, 6> inertia = {};  // ixx ixy ixz iyy iyz izz about the centre of mass
   double armature = 0;
-  std::optional<double> locked;  // stands still there
-  double stiffness = 0, rest = 0, damping = 0;  // of a spring and a damper in the joint
-  // Passed backwards: xyz, rpy and axis are those of the parent's frame in this link, q the parent's in it. So the file
-  // has the joint, from a root of its own.
+  std::optional<double> locked;  // fixed at this value
+  double stiffness = 0, rest = 0, damping = 0;  // spring and damper in the joint
+  // Traversed backwards: xyz, rpy and axis are those of the parent's frame in this link, q the parent's in it. The file
+  // has the joint like this, from a root of its own.
   bool reversed = false;
-  int iq = -1, iv = -1;          // within the tree's q and v; by number_coordinates
+  int iq = -1, iv = -1;          // within the tree's q and v; set by number_coordinates
 
   bool moves() const { return nv_of(kind) > 0 && !locked; }
 };
@@ -87,42 +87,42 @@ struct Case {
 
   int nv() const;
   int rows() const;
-  int wrenches() const { return static_cast<int>(6 * pushes.size()); }  // numbers of all
+  int wrenches() const { return static_cast<int>(6 * pushes.size()); }  // entries of all wrenches
 };
 
-/// iq, iv of all links, nq, nv: depth first, children in the byte order of their joints' names.
+/// Sets iq, iv of all links, nq, nv: depth first, children in the byte order of their joints' names.
 void number_coordinates(Tree& tree);
 
-/// The link whose joint moves this one, climbing fixed and locked joints; -1: none does.
+/// Returns the link whose joint moves this one, past fixed and locked joints; -1: none does.
 int moving_link(const Tree& tree, int link);
 
-/// Leaves out what the library refuses: contacts and springs of a body with itself, or of two that cannot move; pushes
-/// on what cannot move.
+/// Leaves out what the library refuses: contacts and springs of a body with itself, or of two that cannot move, and
+/// pushes on bodies that cannot move.
 void drop_refused(Case& c);
 
-/// The scene file's text; the trees that are not of a file stand as r<k>.urdf beside it.
+/// Returns the scene file's text; trees that come from no file are named r<k>.urdf in its folder.
 std::string scene_text(const Case& c);
 std::string urdf_text(const Tree& tree);
-/// Writes all of it into a folder, which is made; the scene's path.
+/// Writes all files into a folder, which is created; returns the scene's path.
 std::string write_case(const Case& c, const std::string& folder);
 
-/// A robot from its URDF, at its neutral state.
+/// Returns a robot from its URDF, at its neutral state.
 Tree read_tree(const std::string& urdf, bool floating);
 
-/// What can be hostile, each on its own or together.
+/// Dimensions of hostility, each on its own or together.
 inline const std::vector<std::string> kDimensions = {
     "mass",  "massless", "armature", "lock",   "fast",      "force", "still",   "posture", "gravity", "weightless",
     "many",  "pairs",    "multi",    "gains",  "drift",     "near",  "damping", "units",   "mixed",   "redundant",
     "joint", "chain",    "exact",    "lever",  "push",      "spring", "joint_spring", "damper", "root", "herd"};
 Case random_case(std::uint64_t seed, const std::vector<std::string>& dimensions);
-/// Up to three dimensions of those given, drawn by the seed.
+/// Draws up to three of the given dimensions with the seed.
 std::vector<std::string> draw_dimensions(std::uint64_t seed, const std::vector<std::string>& from);
 
-/// Mechanisms of the literature, closed by one contact with more rows than they need: a parallelogram of four bars,
+/// Returns mechanisms of the literature, closed by one contact with redundant rows: a parallelogram of four bars,
 /// Bennett's four hinges in space, Bricard's six on the edges of a cube.
 std::vector<Case> published_mechanisms();
 
-/// A robot held on its frames, at a random posture near neutral: at rest, or moving for an impact.
+/// Returns a robot with its frames fixed, in a random configuration near neutral: at rest, or moving for an impact.
 Case random_posture(std::uint64_t seed, const Tree& robot, const std::vector<std::string>& frames, int rows,
                     double velocity);
 

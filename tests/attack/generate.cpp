@@ -1,4 +1,4 @@
-// Random scenes, hostile along the dimensions that are named. The same seed makes the same scene everywhere.
+// Makes random scenes, hostile along the given dimensions. The same seed makes the same scene everywhere.
 
 #include <algorithm>
 #include <cmath>
@@ -49,7 +49,7 @@ class Random {
 Numbers scaled(Numbers x, double by) { return {x[0] * by, x[1] * by, x[2] * by}; }
 Numbers sum(const Numbers& x, const Numbers& y) { return {x[0] + y[0], x[1] + y[1], x[2] + y[2]}; }
 
-// Of a box of random sides, not turned: its frame is.
+// Returns the inertia of a box of random sides, not rotated: its frame is.
 std::array<double, 6> box_inertia(Random& r, double mass) {
   const double x = r.uniform(0.05, 0.4), y = r.uniform(0.05, 0.4), z = r.uniform(0.05, 0.4), m = mass / 12;
   return {m * (y * y + z * z), 0, 0, m * (x * x + z * z), 0, m * (x * x + y * y)};
@@ -145,7 +145,7 @@ void Makes::state(Tree& t) {
   for (double& x : t.u) x = r.normal(force);
 }
 
-// Most hinges in line, or nearly: stretched and folded arms.
+// Puts most hinges in line, or nearly: stretched and folded arms.
 void Makes::near_aligned(Tree& t) {
   const double off = r.chance(0.2) ? 0 : std::pow(10, -1.0 - r.below(16));
   for (Link& l : t.links) {
@@ -156,7 +156,7 @@ void Makes::near_aligned(Tree& t) {
   }
 }
 
-// Its file has another root: a link that joints of one coordinate alone are before.
+// Gives the file another root: a link with only joints of one coordinate before it.
 void Makes::reverse(Tree& t) {
   int at = r.below(static_cast<int>(t.links.size()));
   const auto passes = [&](int i) { return nv_of(t.links[i].kind) <= 1; };
@@ -222,7 +222,7 @@ Hold Makes::hold(const Case& c) {
   return h;
 }
 
-// Another one that depends on it, exactly or nearly.
+// Returns another hold that depends on it, exactly or nearly.
 Hold Makes::copy_of(const Hold& h) {
   Hold c = h;
   const double off = has("near") ? std::pow(10, -1.0 - r.below(16)) : 0;
@@ -236,7 +236,7 @@ Hold Makes::copy_of(const Hold& h) {
   return c;
 }
 
-// Lengths and masses in other units; of the last tree alone: one in mm beside one in m.
+// Rescales lengths and masses to other units; with `last_alone` one tree is in mm, the others are in m.
 void Makes::rescale(Case& c, double length, double mass, bool last_alone) {
   const std::size_t first = last_alone ? c.trees.size() - 1 : 0;
   for (std::size_t k = first; k < c.trees.size(); ++k) {
@@ -270,7 +270,7 @@ void Makes::rescale(Case& c, double length, double mass, bool last_alone) {
   if (!last_alone) c.gravity = scaled(c.gravity, length);
 }
 
-// Robots of one file or two, in states of their own, with alike contacts on most of them.
+// Adds robots of one file or two, in states of their own, with alike contacts on most of them.
 void Makes::herd(Case& c) {
   for (int kinds = 1 + r.below(2); kinds > 0; --kinds) {
     const Tree one = tree(1 + r.below(3));
@@ -290,7 +290,7 @@ void Makes::herd(Case& c) {
       if (r.chance(0.5)) c.holds.back().offset = r.vector(0.2);
     }
   }
-  // some of them in a chain, others alone
+  // some of them form a chain, others are separate
   const int trees = static_cast<int>(c.trees.size());
   for (int k = has("spring") ? r.below(trees) : 0; k > 0; --k) {
     Spring s = spring(c);

@@ -23,16 +23,16 @@ namespace manycontact::attack {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr double kNoise = 100;  // times what an eps in every number of the input does to the truth
+constexpr double kNoise = 100;  // times the effect on the truth of an eps in every number of the input
 constexpr int kBlurs = 4;
-constexpr double kQuadRounding = 1e-32;  // of a truth in quadruple precision, times the condition
-// Contracts of Precision: an answer in single is refused beyond this, one in extended is as good as that up to a
+constexpr double kQuadRounding = 1e-32;  // error of a truth in quadruple precision, times the condition
+// Precision requires: a solution in single is refused beyond this error, one in extended is as accurate as this up to a
 // condition.
 constexpr double kMostOfSingle = 1e-2, kMostOfExtended = 4 * kEps, kMostCondition = 1e15;
 
 double most(double a, double b) { return a > b || std::isnan(a) ? a : b; }
 
-// |x - truth|, maximum norm, over some entries.
+// Returns |x - truth|, maximum norm, over some entries.
 double distance(std::span<const double> x, const Column& truth, std::size_t first, std::size_t count) {
   double d = 0;
   for (std::size_t k = first; k < first + count; ++k) d = most(static_cast<double>(fabsq(Quad(x[k]) - truth[k])), d);
@@ -52,7 +52,7 @@ std::string text(const char* format, auto... values) {
   return line;
 }
 
-// A case, its truths and how far they move when its numbers do.
+// Contains a case, its truths, and their changes when its numbers change.
 struct Trial {
   explicit Trial(const Case& given) : c(given), truth(given) {}
 
@@ -60,15 +60,15 @@ struct Trial {
   Reference truth;
   std::vector<std::unique_ptr<Reference>> blurs;
   std::optional<manycontact::Truth<manycontact::Quad>> read;
-  std::optional<bool> constant_rank;             // by rank_is_constant
-  std::map<std::pair<int, int>, Slopes> slopes;  // by rank and number of the direction, the same for every method
+  std::optional<bool> constant_rank;             // set by rank_is_constant
+  std::map<std::pair<int, int>, Slopes> slopes;  // per rank and number of the direction, the same for every method
 
   const Slopes& along(int rank, int number, const Direction& direction) {
     const auto [at, is_new] = slopes.try_emplace({rank, number});
     if (is_new) at->second = truth.along(rank, direction);
     return at->second;
   }
-  // The scene of the file.
+  // Returns the truth for the scene of the file.
   const manycontact::Truth<manycontact::Quad>& as_read(const SceneFile& file) {
     const auto quad = [](const Eigen::VectorXd& x) { return x.cast<manycontact::Quad>().eval(); };
     if (!read)
@@ -79,8 +79,8 @@ struct Trial {
   void blur() {
     for (int k = 0; blurs.empty() || k < kBlurs; ++k) blurs.push_back(std::make_unique<Reference>(blurred(c, k)));
   }
-  // Whether the rank is the same beside this posture: at a singular one, and where a mechanism closes by more rows than
-  // it needs, it is not, and no derivative exists.
+  // Returns whether the rank is constant near this configuration. At a singular one, and where a mechanism closes with
+  // redundant rows, it is not, and no derivative exists.
   bool rank_is_constant() {
     const int rank = truth.ranks().front();
     if (rank == std::min(truth.rows(), truth.nv())) return true;
@@ -94,7 +94,7 @@ struct Trial {
     }
     return *constant_rank;
   }
-  // The largest change of a (or f) over some entries.
+  // Returns the largest change of a (or f) over some entries.
   double noise(int rank, Column Answer::*part, std::size_t first, std::size_t count) {
     if (blurs.empty()) blur();
     const Column& x = truth.at(rank).*part;
@@ -111,13 +111,13 @@ struct Trial {
 
 constexpr int kKinds = 4;  // of coordinates: q, v, u, and the wrenches of pushes
 
-struct Blocks {  // of the derivatives
+struct Blocks {  // derivatives
   const Eigen::MatrixXd *a[kKinds], *f[kKinds];
 };
 
 struct Probe;
 
-// One method's answer.
+// Contains one method's solution.
 struct Trying {
   Trial& trial;
   const SceneFile& file;
@@ -135,7 +135,7 @@ struct Trying {
 
   void find(Fault fault, std::string words) { out.findings.push_back({fault, name, std::move(words)}); }
   bool one_island() const { return data.report.islands.size() == 1; }
-  // Whether an island was solved in this precision.
+  // Returns whether an island was solved in this precision.
   bool in(Precision precision) const {
     return std::ranges::any_of(data.report.islands, [=](const auto& i) { return i.precision == precision; });
   }
@@ -162,9 +162,9 @@ double Trying::allowed(const Answer& t) const {
   return std::max(in(Precision::kSingle) ? kMostOfSingle : 0, attack::allowed(t));
 }
 
-constexpr double kVanishing = 1e-26;  // products of two that rounding leaves of what cancels
+constexpr double kVanishing = 1e-26;  // products of two rounding errors of terms that cancel
 
-// The largest error of a, tree by tree, and of f, in units of what is allowed.
+// Returns the largest error of a, tree by tree, and of f, relative to the allowed one.
 double Trying::excess(const Answer& t) const {
   double worst = 0;
   std::size_t first = 0;
@@ -186,7 +186,7 @@ void Trying::judge_values(const Answer& t) {
     if (d <= allowed(t) * size) return;
     const double gravity = Vec3<double>(trial.c.gravity.data()).norm();
     if (in(Precision::kSingle) && of == &Answer::a && d <= kMostOfSingle * gravity) return;
-    // What vanishes is rounding of what it is a difference of.
+    // A value that vanishes has the rounding error of the terms that cancel in it.
     const double of_terms =
         kEps * (of == &Answer::a ? std::max(t.terms, trial.truth.free_size())
                                  : std::min(t.condition, 1e4) * trial.truth.load() / trial.truth.largest_J());
@@ -211,9 +211,9 @@ void Trying::judge_status(const Answer& t) {
   bool agree = true, contradict = false;
   for (const Balance& b : t.balance) {
     const double size = b.moved + b.drift;
-    // In between the two the definition's own rounding decides.
-    // Where nothing acts, all of it is rounding of the reference's own; rows that ask for nothing agree, and what a
-    // row that was cut leaves of a is none of them.
+    // In between, the rounding of the definition itself decides.
+    // Where nothing acts, the whole residual is rounding of the reference. Rows with a0 = 0 agree, and the residual of
+    // a in a dropped row is no inconsistency.
     const bool agrees = b.drift == 0 || b.left <= 1e-10 * size || b.left <= 1e-14 * b.terms || b.left <= 1e-25;
     agree = agree && agrees;
     contradict = contradict || (!agrees && b.left > 1e-6 * size && b.left > 1e-9 * b.terms);
@@ -236,7 +236,7 @@ void Trying::judge_condition(const Answer& t) {
     find(Fault::kCondition, text("condition %.2e, right is %.2e", data.report.condition, t.condition));
 }
 
-// Where an island's accelerations and forces are among the scene's.
+// Contains the places of an island's accelerations and forces in the scene's.
 struct Places {
   std::vector<std::size_t> a, f;
 };
@@ -254,8 +254,13 @@ std::vector<Places> places_of(const Scene& scene, const SceneData& data) {
   return list;
 }
 
+<<<<<<< HEAD
 // Bounds contain the rounding of the file's numbers. Extended precision is judged against the scene as it was read, in
 // quadruple precision with the library's own terms: its bounds do not contain that rounding, and its digits are right.
+=======
+// Compares with the scene as read, in quadruple precision with the library's own terms: bounds do not include the
+// effect of rounding a file's numbers. Digits of extended precision are judged likewise.
+>>>>>>> cmb
 void Trying::judge_bounds(const Answer& t) {
   if (data.report.islands.size() != island_count(data)) return;  // one system of the whole scene
   const auto& truth = trial.as_read(file);
@@ -277,7 +282,12 @@ void Trying::judge_bounds(const Answer& t) {
         size = most(std::abs(x[row]), size);
       }
       const double of_truth = kQuadRounding * t.condition * std::max(size, terms);
+<<<<<<< HEAD
       const bool last_digits = extended && size > 1e-12 * terms;  // of what vanishes, its bound says how much is right
+=======
+      const bool last_digits = report.precision == Precision::kExtended &&
+                               size > 1e-12 * terms;  // a value that vanishes is judged by its bound
+>>>>>>> cmb
       const auto text_of = [&] {
         return text("%s of island %zu off by %.2e of %.2e, bound %.2e, %s, condition %.1e", name, i, off / size, size,
                     bound, to_string(report.status).c_str(), t.condition);
@@ -293,7 +303,7 @@ void Trying::judge_bounds(const Answer& t) {
   }
 }
 
-// A direction of one kind of coordinate: +-1 by a seed, or a single coordinate.
+// A direction of one kind of coordinate: signs from a seed, or a single coordinate.
 struct Probe {
   int kind;
   Eigen::VectorXd x;
@@ -340,7 +350,7 @@ Bounds numbers(const DerivativeBounds& b) {
   return {{{b.da_dq, b.da_dv, b.da_du, b.da_dw}, {b.dforces_dq, b.dforces_dv, b.dforces_du, b.dforces_dw}}};
 }
 
-// How far derivatives along a direction move when the case's numbers do; none where they do not exist beside it.
+// Returns how far derivatives along a direction move with the case's numbers; infinity where none exist nearby.
 double Trying::derivative_noise(const Answer& t, const Slopes& truth, const Direction& along, bool of_a) {
   if (trial.blurs.empty()) trial.blur();
   const Column& right = of_a ? truth.a : truth.f;
@@ -354,12 +364,12 @@ double Trying::derivative_noise(const Answer& t, const Slopes& truth, const Dire
   return noise;
 }
 
-// Island by island, each beside its own matrices. Whether all of a and of f are within bounds that say something.
+// Judges each island relative to its own matrices. Returns whether all of a and of f are within finite bounds.
 std::array<bool, 2> Trying::judge_derivative_bounds(const Answer& t, const std::vector<DerivativeBounds>& stated,
                                                     const Blocks& blocks, const Probe& p, const Slopes& truth,
                                                     double floor_a, double floor_f) {
   const std::vector<Places> places = places_of(file.scene, data);
-  if (stated.size() != places.size()) return {false, false};  // of one system of the whole scene
+  if (stated.size() != places.size()) return {false, false};  // one system of the whole scene
   std::array<bool, 2> within{true, true};
   const auto part = [&](std::size_t island, int which, const Eigen::MatrixXd& block, const Column& right,
                         double floor) {
@@ -398,7 +408,7 @@ void Trying::judge_derivatives(const Answer& t) {
       if (t.condition < 1e10) find(Fault::kNotFinite, text("derivatives, condition %.1e", t.condition));
       return;
     }
-  // What vanishes is judged beside what it is a difference of.
+  // A derivative that vanishes is judged relative to the terms that cancel in it.
   const double motion = std::max({size_of(t.a, 0, t.a.size()), trial.truth.free_size(), t.terms});
   double speed = 1, free = 0;
   const double J = trial.truth.largest_J();
@@ -435,8 +445,8 @@ void Trying::judge_derivatives(const Answer& t) {
     part(1, *blocks.f[p.kind], truth.f, floor_f[p.kind]);
     if (!good) return;
   }
-  // Matrices and products are each within what is stated. A bound that says nothing excuses nothing, where there should
-  // be one.
+  // Matrices and products are each within their stated bounds. A missing bound excuses nothing, where there should be
+  // one.
   double bound = 0;
   for (const DerivativeBounds& b : stated)
     for (const auto& of : numbers(b))
@@ -454,7 +464,7 @@ void Trying::judge_products(const Answer& t, const Blocks& blocks, const double*
     for (double& e : x) e = rng() % 2 ? 1 : -1;
     return x;
   };
-  // Each kind counts alike: a product is one number for all of them.
+  // Each kind has the same weight: a product is one number for all of them.
   std::vector<Probe> x = {{0, signs(scene.nv)}, {1, signs(scene.nv)}, {2, signs(scene.nu)}};
   Eigen::VectorXd da(scene.nv), df(data.f.size()), none(trial.c.wrenches());
   x.push_back({3, signs(none.size())});
@@ -488,7 +498,7 @@ void Trying::judge_products(const Answer& t, const Blocks& blocks, const double*
   vjp(scene, data, wa, wf, w[0], w[1], w[2], w[3]);
   for (int k = 0; k < kKinds; ++k)
     near("vjp", w[k], blocks.a[k]->transpose() * wa + blocks.f[k]->transpose() * wf, scene.nv + df.size());
-  double got = 0, sizes = 0;  // <w, x>, which the truth has as <[wa; wf], [da; df]>
+  double got = 0, sizes = 0;  // <w, x>, in the truth <[wa; wf], [da; df]>
   for (int k = 0; k < kKinds; ++k) got += w[k].dot(x[k].x), sizes += static_cast<double>(x[k].x.size());
   Quad right = 0;
   for (int k = 0; k < scene.nv; ++k) right += Quad(wa[k]) * truth.a[k];
@@ -535,7 +545,7 @@ bool Trying::values() {
     return false;
   }
   const std::size_t before = out.findings.size();
-  judge_status(*best);  // what bounds make of it comes after
+  judge_status(*best);  // effects of bounds are judged below
   estimate_condition(scene, data);
   estimate_errors(scene, data);
   judge_values(*best);
@@ -547,7 +557,7 @@ bool Trying::values() {
   return true;
 }
 
-// What pushes and springs are computed from, which may cancel.
+// Returns the size of the terms of pushes and springs, which may cancel.
 double applied_size(const Case& c) {
   double size = 0;
   for (const Push& p : c.pushes)

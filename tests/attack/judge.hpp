@@ -1,5 +1,5 @@
 #pragma once
-// Every method of the library on a case, judged by the reference.
+// The reference judges every method of the library on a case.
 
 #include <string>
 #include <vector>
@@ -9,8 +9,9 @@
 
 namespace manycontact::attack {
 
-/// What is judged, and may be wrong.
+/// Properties that are judged.
 enum class Fault {
+<<<<<<< HEAD
   kLoad,       // a file that should be read was refused
   kException,  // of a kind that is not documented
   kNoAnswer,   // `failed` though K's condition is moderate
@@ -24,6 +25,21 @@ enum class Fault {
   kDerivative,
   kProduct,    // jvp or vjp, not the derivatives' own
   kNotFinite,  // derivatives
+=======
+  kLoad,         // a file that should be read was refused
+  kException,    // an exception that is not documented
+  kNoAnswer,     // `failed` though K's condition is moderate
+  kSingular,     // a solution though K is singular
+  kValue,        // an error of a or f beyond rounding and beyond the stated bound
+  kRank,         // not a possible rank of J
+  kStatus,
+  kCondition,    // not within a factor 10
+  kBound,        // an error beyond its stated bound
+  kSilent,       // `ok` or `redundant` with a bound of 1 or more, and wrong by that much
+  kDerivative,
+  kProduct,      // jvp or vjp disagree with the derivatives
+  kNotFinite,    // derivatives
+>>>>>>> cmb
   kQuasiStatic,
   kImpact,
 };
@@ -40,15 +56,15 @@ struct Judgement {
   std::vector<double> bound_over_error;  // of a and f of each island, if the bound is below 1
 };
 
-/// Values, status, rank, condition, bounds, derivatives, products and quasi-static torques of a case. Its files are
-/// written into `folder`.
+/// Judges values, status, rank, condition, bounds, derivatives, products and quasi-static torques of a case. Its files
+/// are written into `folder`.
 Judgement judge(const Case& c, const std::string& folder, const std::vector<Method>& methods);
-/// The same of the library's answers to another case, which must have the same sizes: for testing the judge.
+/// Judges the library's solutions of another case, which must have the same sizes: for testing the judge.
 Judgement judge_as(const Case& truth, const Case& given, const std::string& folder, const std::vector<Method>& methods);
-/// The velocities and impulses when all contacts close at once.
+/// Judges velocities and impulses when all contacts close at once.
 Judgement judge_impact(const Case& c, const std::string& folder, const std::vector<Method>& methods);
 
-/// A smaller case of which `bad` still holds: contacts, links, offsets and digits left out while it does.
+/// Returns a smaller case that still satisfies `bad`: contacts, links, offsets and digits are left out while it does.
 template <class Bad>
 Case shrunk(Case c, Bad&& bad, int tries = 300);
 

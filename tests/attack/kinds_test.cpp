@@ -1,4 +1,4 @@
-// The kinds of fault that an attack found once, each by inputs of its own, and the inputs themselves where they are.
+// Each kind of fault that an attack found once has inputs of its own; the inputs found are used where they exist.
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ struct Solved {
   const Report& report() const { return data.report; }
 };
 
-// Errors against the truth in quadruple precision stay below what the answer says of them.
+// Expects errors against the truth in quadruple precision below their stated bounds.
 void expect_true_bounds(Solved s, const std::string& what) {
   estimate_errors(s.file.scene, s.data);
   const auto truth = solve_truth<Quad>(s.file.scene, s.data.active, s.file.q.cast<Quad>(), s.file.v.cast<Quad>(),
@@ -56,7 +56,7 @@ void expect_true_bounds(Solved s, const std::string& what) {
   expect_below(s.data.f, truth.f, s.report().islands[0].error_forces, "forces");
 }
 
-// Of ../shared/attack/faults, where that is.
+// Reads ../shared/attack/faults, where they exist.
 class Reported : public testing::Test {
  protected:
   SceneFile load(const std::string& name) const {
@@ -163,8 +163,8 @@ SceneFile box(const std::string& contacts, const std::string& attributes = "") {
                    contacts + "</scene>");
 }
 
-// Arms held by more rows than they have joints, at rest and where contacts close: what rounding leaves of rows is no
-// row, and no contradiction, with gravity and without.
+// Arms have more contact rows than joints, at rest and where contacts close: rounding error of rows is no row and no
+// inconsistency, with gravity and without.
 class HeldArms : public testing::TestWithParam<std::string> {
  protected:
   SceneFile load(const std::string& gravity) const {
@@ -213,7 +213,7 @@ TEST_P(HeldArms, ImpactsDoNotContradictThemselves) {
 
 INSTANTIATE_TEST_SUITE_P(Types, HeldArms, testing::Values("3d", "5d", "6d"));
 
-// Bounds with gains, of links at any depth, by the bodies' system too.
+// Bounds include gains, of links at any depth, with the bodies' system too.
 TEST(Bounds, CountGains) {
   std::mt19937 rng(40);
   SceneFile file = load_text(
@@ -226,7 +226,7 @@ TEST(Bounds, CountGains) {
   }
 }
 
-// A URDF of alike links l0, l1, ... on continuous joints.
+// Writes a URDF of alike links l0, l1, ... on continuous joints.
 class LinksFile {
  public:
   LinksFile(double mass, double inertia) {
@@ -249,8 +249,8 @@ class LinksFile {
   int last_ = 0;
 };
 
-// Forces of least norm on a point that joints move by a tenth of a millimetre, beside rows of radians: what orthogonal
-// elimination leaves of these in the point's columns is no null space.
+// Forces of least norm act on a point that joints move by a tenth of a millimetre, next to rows of radians: what
+// orthogonal elimination leaves of these in the point's columns is no null space.
 TEST(Bounds, CountShortLeversBesideTurns) {
   const TemporaryFolder folder;
   LinksFile links(0.001, 1e-10);
@@ -267,7 +267,7 @@ TEST(Bounds, CountShortLeversBesideTurns) {
   for (Method method : methods_for_dependent_rows()) expect_true_bounds(Solved(file, method), "short lever");
 }
 
-// The state `step` away, where the contacts hold.
+// Returns the state `step` away, with the contacts' references there.
 SceneFile moved(const SceneFile& file, const Eigen::VectorXd& step) {
   SceneFile out = file;
   out.q = integrate(file.scene, file.q, step);
@@ -275,7 +275,7 @@ SceneFile moved(const SceneFile& file, const Eigen::VectorXd& step) {
   return out;
 }
 
-// A row along joints that hang from a held body moves nothing but by rounding of what its moment is a sum of.
+// A row along joints that hang from a fixed body moves only by rounding of the terms of its moment.
 TEST(Rank, OfRowsAlongJointsIsNoneOfRounding) {
   const TemporaryFolder folder;
   LinksFile links(1, 0.1);
@@ -300,7 +300,7 @@ TEST(Rank, OfRowsAlongJointsIsNoneOfRounding) {
   }
 }
 
-// Six rows at the end of a lever hold a body whatever the lever's length: radians are not metres.
+// Six rows at the end of a moment arm fix a body for any length of the arm: radians are not metres.
 TEST(Rank, DoesNotDependOnLevers) {
   for (const char* lever : {"1e3", "1e5", "1e6", "1e7", "1e8"})
     for (Method method : methods()) {
@@ -312,7 +312,7 @@ TEST(Rank, DoesNotDependOnLevers) {
     }
 }
 
-// Points that nearly coincide leave small pivots, and nothing that they are wrong by is a row of its own.
+// Points that nearly coincide leave small pivots, whose rounding error is no row of its own.
 TEST(Rank, OfPointsThatNearlyCoincideIsNoneOfRounding) {
   for (double apart : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5}) {
     const auto point = [&](const char* name, double at) {
@@ -328,8 +328,8 @@ TEST(Rank, OfPointsThatNearlyCoincideIsNoneOfRounding) {
   }
 }
 
-// The same along a limb, where rows on one body are found to depend: those kept on the next are judged beside what the
-// small pivot is wrong by.
+// Along a limb, where rows on one body are dependent, the accepted rows on the next are compared with the error of the
+// small pivot.
 TEST(Rank, OfRowsAfterASmallPivotIsNoneOfRounding) {
   const TemporaryFolder folder;
   LinksFile links(1, 0.1);
@@ -358,7 +358,7 @@ TEST(Rank, OfRowsAfterASmallPivotIsNoneOfRounding) {
   }
 }
 
-// Two pairs of rows in one point, in other axes each: three of the four count, however light the body.
+// Two pairs of rows are at one point, each in other axes: three of the four are independent, however light the body.
 TEST(Rank, OfRowsOnOneBodyDoesNotDependOnItsMass) {
   for (const double mass : {1.0, 1e-6, 1e-12}) {
     SceneFile file =
@@ -375,7 +375,7 @@ TEST(Rank, OfRowsOnOneBodyDoesNotDependOnItsMass) {
   }
 }
 
-// Millimetres beside metres: what a short lever leaves of a row is as good as a long one's.
+// Millimetres and metres mix: the residual of a row is as accurate with a short moment arm as with a long one.
 TEST(Rank, DoesNotDependOnUnits) {
   for (const char* y : {"1", "1e-3", "1e-5"}) {
     const SceneFile file =
@@ -387,7 +387,7 @@ TEST(Rank, DoesNotDependOnUnits) {
   }
 }
 
-// A body's origin on the axis of a joint far from it is held by rows that are rounding of the joint's lever.
+// A body's origin on the axis of a joint far from it has rows that are rounding of the joint's moment arm.
 TEST(Rank, OfAPointOnTheAxisIsNone) {
   for (const char* along : {"0.1 0.2 0.3", "0.7 -0.1 0.3", "-0.3 0.4 0.2", "0.11 0.23 -0.37"}) {
     const TemporaryFolder folder;
@@ -407,8 +407,8 @@ TEST(Rank, OfAPointOnTheAxisIsNone) {
   }
 }
 
-// A point of two links that move in a plane is held by two rows, and what a small second pivot leaves of the third is
-// none.
+// A point of two links that move in a plane has two independent rows; the residual of the third after a small second
+// pivot is none.
 TEST(Rank, OfThePlaneIsTwo) {
   const TemporaryFolder folder;
   const auto link = [](const std::string& name, const std::string& mass, const std::string& inertia) {
@@ -433,7 +433,7 @@ TEST(Rank, OfThePlaneIsTwo) {
     EXPECT_EQ(Solved(file, method).report().rank, 2) << to_string(method);
 }
 
-// In micrometres, what contacts contradict each other by is not rounding of radians, and derivatives have its term.
+// In micrometres an inconsistency of contacts is not rounding of radians, and derivatives have its term.
 TEST(Contradiction, OfMicrometresIsNoRoundingOfTurns) {
   const TemporaryFolder folder;
   LinksFile links(0.001, 1e-10);
@@ -459,7 +459,7 @@ TEST(Contradiction, OfMicrometresIsNoRoundingOfTurns) {
   }
 }
 
-// Links of next to nothing: what cancels in a single solve is not K's condition.
+// Links have nearly no mass: cancellation in a single solve is not K's condition.
 TEST(Condition, BesideTinyMasses) {
   SceneFile file = box(
       "<contact name=\"c\" type=\"5d\" axis=\"-0.38 -1.38 -0.81\" frame=\"r/crate\"/>"
@@ -480,7 +480,7 @@ TEST(Condition, BesideTinyMasses) {
   }
 }
 
-// Gravity that axes of the world do not feel is turned with the body: what that leaves of it is in the bounds.
+// Gravity, which axes of the world do not feel, is rotated with the body: the bounds include the residual of this.
 TEST(Bounds, CountGravityAcrossARow) {
   SceneFile file = load_text(
       "<scene gravity=\"0 0 -6.7e5\"><robot name=\"q\" urdf=\"quadruped.urdf\" base=\"floating\"/>"
@@ -493,8 +493,7 @@ TEST(Bounds, CountGravityAcrossARow) {
   }
 }
 
-// A row that was dropped for 5e-12 that the others leave of it: dropped in another's place, as much would be left
-// there.
+// A row was dropped with a residual of 5e-12: if another were dropped in its place, as much would remain there.
 TEST(Bounds, CountWhatDroppedRowsLeave) {
   for (const char* apart : {"0", "5e-12"}) {
     SceneFile file =
@@ -529,7 +528,7 @@ TEST(Bounds, OfWhatVanishesKeepTheStatus) {
   }
 }
 
-// Hundreds of points on one body: six rows span theirs, at a cost linear in the points.
+// Hundreds of points are on one body: six rows span theirs, at a cost linear in the points.
 TEST(ManyContacts, OnOneBodyAreReducedToSixRows) {
   std::string contacts;
   for (int k = 0; k < 120; ++k) {

@@ -81,7 +81,7 @@ void Qr::apply(Column& x) const {
 
 Lu::Lu(Matrix given) : A(std::move(given)), order(A.rows) {
   const int n = A.rows;
-  // Beside the sizes of its own row and column, so that kilograms and grams stand side by side.
+  // Pivots are relative to the sizes of their own row and column, so that kilograms and grams mix.
   std::vector<Quad> size(n, Quad(0));
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) size[i] = std::max(size[i], fabsq(A(i, j)));

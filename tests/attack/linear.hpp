@@ -1,6 +1,6 @@
 #pragma once
-// Dense linear algebra in quadruple precision, written for the reference alone: [M J^T; J -delta I] by a complete
-// orthogonal decomposition of J^T at a rank that is given, so that the rank is decided in one place (reference.cpp).
+// Dense linear algebra in quadruple precision serves the reference alone. [M J^T; J -delta I] is solved with a complete
+// orthogonal decomposition of J^T at a given rank, so that one place decides the rank (reference.cpp).
 
 #include <vector>
 
@@ -22,14 +22,14 @@ Column times(const Matrix& A, const Column& x);             // A x
 Column transposed_times(const Matrix& A, const Column& x);  // A^T x
 double largest(const Column& x);
 
-/// A P = Q R by Householder reflections, the column with most left first.
+/// A P = Q R with Householder reflections, the column with the largest residual first.
 struct Qr {
   Matrix A;                   // R above the diagonal; the reflections apart
   std::vector<Column> mirrors;  // of length sqrt 2, or empty: nothing to reflect
-  std::vector<int> order;     // columns of A, as R has them
-  std::vector<Quad> left;     // |R_kk|: what was left of the column taken
+  std::vector<int> order;     // columns of A in the order of R
+  std::vector<Quad> left;     // |R_kk|: residual of the chosen column
 
-  /// steps: no more than these; `pivot` false: columns in the order given.
+  /// At most `steps` steps; without `pivot` the columns keep their order.
   Qr(Matrix given, int steps, bool pivot);
   void apply_transposed(Column& x) const;  // Q^T x
   void apply(Column& x) const;             // Q x
@@ -46,10 +46,10 @@ struct Lu {
 
 class SaddlePoint {  // M a - J^T f = b1, J a + delta f = b2
  public:
-  /// rank of J where delta is 0: what J's decomposition has beyond is dropped.
+  /// `rank` is that of J where delta is 0: the rest of J's decomposition is dropped.
   SaddlePoint(Matrix M, Matrix J, Quad delta, int rank);
   bool regular() const { return lu_.regular; }
-  /// a least in the metric of M among those of least |J a - b2|, f of least norm.
+  /// Finds the a of least M-norm among those of least |J a - b2|, and the f of least norm.
   void solve(const Column& b1, const Column& b2, Column& a, Column& f) const;
   Column least_force(const Column& g) const;   // f of least norm with J^T f = g
   Column least_motion(const Column& b) const;  // a of least norm among those of least |J a - b|
@@ -58,11 +58,11 @@ class SaddlePoint {  // M a - J^T f = b1, J a + delta f = b2
 
  private:
   Column within_constraints(Column a, const Column& b1) const;
-  Matrix M_, J_, N_;  // N: orthonormal, of J's null space
+  Matrix M_, J_, N_;  // N: orthonormal basis of J's null space
   Quad delta_;
   int rank_;
   Qr of_Jt_, of_C_;  // J^T P = Q [C; 0], C^T = U T
-  Lu lu_;            // of N^T M N, or of K with delta
+  Lu lu_;            // factor of N^T M N, or of K with delta
 };
 
 }  // namespace manycontact::attack

@@ -1,5 +1,5 @@
-// Mechanisms that hang together by more than they need. Hinges are placed by Denavit and Hartenberg's numbers: a
-// distance along x and a twist about it from each axis z to the next.
+// These mechanisms have redundant constraints. Denavit and Hartenberg's numbers place the hinges: a distance along x
+// and a twist about it from each axis z to the next.
 
 #include <cmath>
 #include <numbers>
@@ -55,7 +55,7 @@ std::vector<Case> published_mechanisms() {
   const double a = 0.7;
   std::vector<Case> list;
   list.push_back(closed_chain("four-bar", {{1, 0, a}, {2, 0, kPi - a}, {1, 0, a}, {2, 0, kPi - a}}, 6));
-  // Bennett: opposite links alike, sin(twist) / length alike; tan(u/2) tan(v/2) = sin((t+s)/2) / sin((t-s)/2)
+  // Bennett: opposite links are equal, sin(twist) / length too; tan(u/2) tan(v/2) = sin((t+s)/2) / sin((t-s)/2)
   const double s = 0.9, t = 0.5, u = 1.1, ratio = std::sin((t + s) / 2) / std::sin((t - s) / 2);
   const double v = 2 * std::atan(ratio / std::tan(u / 2)), length = std::sin(t) / std::sin(s);
   list.push_back(closed_chain("Bennett", {{1, s, u}, {length, t, v}, {1, s, -u}, {length, t, -v}}, 6));

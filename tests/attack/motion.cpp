@@ -6,7 +6,7 @@ namespace manycontact::attack {
 
 namespace {
 
-// A body that moves on with another, its origin d further.
+// Returns a body that moves with another, its origin d further.
 template <class T>
 Body<T> shifted(Body<T> b, const Vec<T>& d) {
   b.acceleration = b.acceleration + cross(b.turning, d) + cross(b.w, cross(b.w, d));
@@ -15,8 +15,8 @@ Body<T> shifted(Body<T> b, const Vec<T>& d) {
   return b;
 }
 
-// Relative motion of a joint on top of its parent's: linear velocity u and turning w in the world's axes, and what the
-// parent, which turns with w0, sees of their change.
+// Adds the relative motion of a joint to its parent's: linear velocity u and angular velocity w in the world's axes,
+// and their rates of change as seen from the parent, which rotates with w0.
 template <class T>
 void add_motion(Body<T>& b, const Vec<T>& u, const Vec<T>& w, const Vec<T>& du, const Vec<T>& dw) {
   const Vec<T> w0 = b.w;
@@ -26,13 +26,13 @@ void add_motion(Body<T>& b, const Vec<T>& u, const Vec<T>& w, const Vec<T>& du, 
   b.w = b.w + w;
 }
 
-// Of joints whose velocity is in the child's axes, relative rotation R already in b: d(R u) seen from the parent.
+// Adds d(R u), seen from the parent, of joints with velocity in the child's axes and relative rotation R already in b.
 template <class T>
 void add_own_motion(Body<T>& b, const Vec<T>& u, const Vec<T>& w, const Vec<T>& du, const Vec<T>& dw) {
   add_motion(b, b.R * u, b.R * w, b.R * (du + cross(w, u)), b.R * dw);
 }
 
-// A joint passed backwards: it begins where the link that carries it is.
+// A joint traversed backwards begins at the link that carries it.
 template <class T>
 Body<T> carried_backwards(const Link& l, Body<T> b, const T* q, const T* v, const T* a) {
   if (l.kind != Kind::kFixed) {
@@ -87,7 +87,7 @@ Body<T> carried(const Link& l, Body<T> b, const T* q, const T* v, const T* a) {
   return b;
 }
 
-// F and moment about the origin of what moves a rigid body as it moves.
+// Returns the force and the moment about the origin that move a rigid body as it moves.
 template <class T>
 Wrench<T> inertial(const Link& l, const Body<T>& b, const Vec<T>& gravity) {
   const Body<T> c = shifted(b, b.R * Vec<T>(l.com));
@@ -144,7 +144,7 @@ std::vector<T> joint_forces(const Tree& tree, const std::vector<Body<T>>& bodies
         const Vec<T> about = l.kind == Kind::kRevolute ? sum.moment + cross(b.p - from.p, sum.force) : sum.force;
         t[0] = -dot(from.R * unit(Vec<T>(l.axis)), about);
       } else if (l.kind == Kind::kRevolute || l.kind == Kind::kPrismatic)
-        t[0] = dot(unit(Vec<T>(l.axis)), l.kind == Kind::kRevolute ? m : f);  // the joint turns about its own axis
+        t[0] = dot(unit(Vec<T>(l.axis)), l.kind == Kind::kRevolute ? m : f);  // the joint rotates about its own axis
       else if (l.kind == Kind::kPlanar)
         t[0] = f[0], t[1] = f[1], t[2] = m[2];
       else
@@ -161,7 +161,7 @@ std::vector<T> joint_forces(const Tree& tree, const std::vector<Body<T>>& bodies
 
 namespace {
 
-// log of the placement (R, p): its linear and angular part.
+// Returns log of the placement (R, p), its linear and angular part.
 template <class T>
 std::array<Vec<T>, 2> logarithm(const Rot<T>& R, const Vec<T>& p) {
   const T half(0.5);
@@ -196,7 +196,7 @@ std::vector<std::array<Vec<T>, 2>> rows_of(const Hold& h, const Rot<T>& R) {
     e[i] = T(1.0);
     if (h.rows != 2 || i != 1) rows.push_back({own(e), none});
   }
-  if (h.rows == 5) {  // which two directions across the axis is a convention, and taken from where it is made
+  if (h.rows == 5) {  // the two directions across the axis are a convention, which is read from its source
     const auto two = manycontact::across(Vec3<double>(h.axis[0], h.axis[1], h.axis[2]).normalized());
     for (int i = 0; i < 2; ++i) rows.push_back({none, Vec<T>(T(two(i, 0)), T(two(i, 1)), T(two(i, 2)))});
   }
@@ -221,7 +221,7 @@ Touch<T> touch(const Case& c, const Hold& h, const std::vector<std::vector<Body<
   Touch<T> t;
   t.R = A.R, t.p = A.p;
   const Vec<T> v = A.v - P.v, w = A.w - P.w;
-  // d/dt of R_A^T (v_A - v_P), P being the point of B's body where A is, not one that stays on that body
+  // d/dt of R_A^T (v_A - v_P), where P is the point of B's body at A, not a point fixed to that body
   const Vec<T> dv = A.acceleration - P.acceleration - cross(P.w, v) - cross(A.w, v);
   const Vec<T> dw = A.turning - P.turning - cross(A.w, w);
   t.v = back(A.R, v), t.w = back(A.R, w);

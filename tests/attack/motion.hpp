@@ -1,5 +1,5 @@
 #pragma once
-// Newton and Euler in the world's axes, one link after the other, in quadruple precision or with a derivative.
+// Newton and Euler's equations in the world's axes, link after link, in quadruple precision or with a derivative.
 
 #include "case.hpp"
 #include "quad.hpp"
@@ -7,12 +7,12 @@
 namespace manycontact::attack {
 
 template <class T>
-struct Body {  // of a link: its frame, and how it moves, in the world's axes
+struct Body {  // frame and motion of a link, in the world's axes
   Rot<T> R;
-  Vec<T> p, v, w, acceleration, turning;  // of its origin; the acceleration is the point's
+  Vec<T> p, v, w, acceleration, turning;  // at its origin; the acceleration is the point's
 };
 
-/// q, v, a: a tree's; a nullptr: zero. acceleration is without gravity's.
+/// q, v, a are a tree's; nullptr means zero. The acceleration excludes gravity's.
 template <class T>
 std::vector<Body<T>> move(const Tree& tree, const T* q, const T* v, const T* a);
 
@@ -21,23 +21,23 @@ struct Wrench {  // force, and moment about the link's origin, in the world's ax
   Vec<T> force, moment;
 };
 
-/// A point of a link, which moves with it.
+/// Returns a point of a link, which moves with it.
 template <class T>
 Body<T> point_of(const Body<T>& link, const Numbers& offset);
 
-/// The force on each joint's coordinates that makes the tree move as it does against `on`, other wrenches on its links,
-/// and gravity.
+/// Returns the force on each joint's coordinates that makes the tree move as it does against `on`, other wrenches on
+/// its links, and gravity.
 template <class T>
 std::vector<T> joint_forces(const Tree& tree, const std::vector<Body<T>>& bodies, const Vec<T>& gravity,
                             const T* a, std::vector<Wrench<T>> on);
 
 template <class T>
-struct Touch {  // of a hold: how A moves as seen from B', at A's origin, in A's axes
+struct Touch {  // motion of A relative to B' of a hold, at A's origin, in A's axes
   Rot<T> R;     // of A in the world
   Vec<T> p;
   Vec<T> v, w;              // nu
-  Vec<T> linear, angular;   // the rows' accelerations with all their terms: J a + a0 is picked from these
-  std::vector<std::array<Vec<T>, 2>> rows;  // what picks them, in A's axes
+  Vec<T> linear, angular;   // the rows' accelerations with all terms: J a + a0 is selected from these
+  std::vector<std::array<Vec<T>, 2>> rows;  // selection of the rows, in A's axes
 };
 template <class T>
 Touch<T> touch(const Case& c, const Hold& hold, const std::vector<std::vector<Body<T>>>& bodies);

@@ -1,6 +1,6 @@
 #pragma once
-// Quadruple precision by the compiler's own type, first derivatives in it (dual numbers), and vectors of three of
-// either. Nothing of the library is used here: the reference is to share no code with what it judges.
+// Quadruple precision uses the compiler's own type, with first derivatives (dual numbers) and vectors of three of
+// either. Nothing of the library is used here: the reference shares no code with what it judges.
 
 #include <quadmath.h>
 
@@ -100,7 +100,7 @@ Rot<T> operator*(const Rot<T>& A, const Rot<T>& B) {
   return R;
 }
 
-/// By an angle about a unit axis (Rodrigues).
+/// Rotation by an angle about a unit axis (Rodrigues).
 template <class T>
 Rot<T> turn(const Vec<T>& axis, const T& by) {
   const T s = sine(by), c = cosine(by);
@@ -112,13 +112,13 @@ Rot<T> turn(const Vec<T>& axis, const T& by) {
   }
   return R;
 }
-/// URDF's: about the fixed x, then y, then z.
+/// Rotation of URDF: about the fixed x, then y, then z.
 template <class T>
 Rot<T> turn_rpy(const std::array<double, 3>& rpy) {
   const T o(0.0), l(1.0);
   return turn(Vec<T>(o, o, l), T(rpy[2])) * turn(Vec<T>(o, l, o), T(rpy[1])) * turn(Vec<T>(l, o, o), T(rpy[0]));
 }
-/// Of a quaternion of any length.
+/// Rotation of a quaternion of any length.
 template <class T>
 Rot<T> turn_quaternion(const T* q) {
   const T x = q[0], y = q[1], z = q[2], w = q[3], s = T(2.0) / (x * x + y * y + z * z + w * w);

@@ -59,7 +59,7 @@ Bodies<T> move_all(const Case& c, const State<T>& s) {
   return bodies;
 }
 
-// J a + a0 of all holds, or of velocities alone nu.
+// Returns J a + a0 of all holds, or nu from velocities alone.
 template <class T>
 std::vector<T> rows_at(const Case& c, const Bodies<T>& bodies, bool velocities) {
   std::vector<T> x;
@@ -71,7 +71,7 @@ std::vector<T> rows_at(const Case& c, const Bodies<T>& bodies, bool velocities) 
   return x;
 }
 
-// Forces on the joints' coordinates of what the holds exert: f in their rows, on A and back on B's body.
+// Returns the wrenches of the holds on the links: f in their rows acts on A and, reversed, on B's body.
 template <class T>
 std::vector<std::vector<Wrench<T>>> contact_wrenches(const Case& c, const Bodies<T>& bodies, const Column& f) {
   std::vector<std::vector<Wrench<T>>> on;
@@ -122,7 +122,7 @@ void add_springs(const Case& c, const Bodies<T>& bodies, std::vector<std::vector
                            &other = s.to_tree < 0 ? world : bodies[s.to_tree][s.to_link];
     const Body<T> A = point_of(link, s.offset), B = point_of(other, s.place);
     const Vec<T> d = A.p - B.p;
-    T pull(s.stiffness);  // over the length
+    T pull(s.stiffness);  // divided by the length
     if (s.directed()) {
       const T length = root(dot(d, d)), speed = dot(d, A.v - B.v) / length;
       pull = (T(s.stiffness) * (length - T(s.length)) + T(s.damping) * speed) / length;
@@ -132,7 +132,7 @@ void add_springs(const Case& c, const Bodies<T>& bodies, std::vector<std::vector
   }
 }
 
-// What moves the joints as s has it, against the contacts' forces and, where `acting`, gravity, pushes, springs and
+// Returns the joint forces for the motion s, with the contacts' forces and, if `acting`, gravity, pushes, springs and
 // dampers.
 template <class T>
 std::vector<T> forces_at(const Case& c, const State<T>& s, const Bodies<T>& bodies, const Column& f, bool acting) {
@@ -161,7 +161,7 @@ Column torques(const Case& c) {
   return tau;
 }
 
-// Of a contact's rows' terms the largest: accelerations, centripetal ones, gains times placements and velocities.
+// Returns the largest term of a contact's rows: accelerations, centripetal ones, gains times placements and velocities.
 double size_of_terms(const Case& c, const Hold& h, const Bodies<Quad>& bodies) {
   double most = 0;
   for (const double g : c.gravity) most = std::max(most, std::abs(g));
@@ -177,7 +177,7 @@ double size_of_terms(const Case& c, const Hold& h, const Bodies<Quad>& bodies) {
   return most;
 }
 
-// The first tree of each tree's island: of those that contacts join, whatever moves, and springs, where both ends do.
+// Returns the first tree of each tree's island. Contacts couple trees, and so do springs if both ends move.
 std::vector<int> islands(const Case& c) {
   std::vector<int> first(c.trees.size());
   for (std::size_t k = 0; k < first.size(); ++k) first[k] = static_cast<int>(k);
@@ -192,7 +192,7 @@ std::vector<int> islands(const Case& c) {
   return first;
 }
 
-// How many of the pivots count, by every threshold between rounding of double precision and plainly more.
+// Counts the accepted pivots for every threshold between rounding of double precision and plainly more.
 void count_pivots(const Qr& qr, std::set<int>& ranks) {
   for (const double threshold : {1e-14, 1e-13, 1e-12, 3e-12, 1e-11, 3e-11, 1e-10, 1e-9}) {
     int rank = 0;
@@ -240,7 +240,7 @@ Reference::Reference(const Case& c) : case_(c), nv_(c.nv()), rows_(c.rows()), M_
     ranks_ = {rows_};
     return;
   }
-  // As it is, and each row beside its own size, unless all of it is rounding.
+  // J is used as it is, and with each row divided by its own size, unless the row is rounding error.
   Matrix as_is(nv_, rows_), scaled(nv_, rows_);
   const Quad rounding = Quad(1e-13) * Quad(largest_J());
   for (int i = 0; i < rows_; ++i) {
@@ -251,7 +251,7 @@ Reference::Reference(const Case& c) : case_(c), nv_(c.nv()), rows_(c.rows()), M_
   std::set<int> ranks;
   count_pivots(Qr(as_is, nv_, true), ranks);
   count_pivots(Qr(scaled, nv_, true), ranks);
-  if (largest_J() < 1e-14) ranks.insert(0);  // of motions of 1, or of levers in metres, rounding
+  if (largest_J() < 1e-14) ranks.insert(0);  // rounding of unit motions, or of moment arms in metres
   ranks_.assign(ranks.rbegin(), ranks.rend());
 }
 
@@ -334,7 +334,7 @@ Column minus(Column x, const Column& y) {
 
 }  // namespace
 
-// With r1 = M a - J^T f - b1 and r2 = J a + a0 at the answer's a and f, rho = r2:
+// With r1 = M a - J^T f - b1 and r2 = J a + a0 at the solution's a and f, rho = r2:
 //   N^T (M da + dr1) = 0,  J da = -(part of dr2 in J's range) - (J^T)^+ d(J^T) rho,
 //   J^T df = M da + dr1,   (I - J J^+) df = (I - J J^+) dJ y,  J y = f.
 Slopes Reference::along(int rank, const Direction& direction) {
@@ -447,7 +447,7 @@ void place_where_they_are(Case& c) {
     const Vec<Quad> p = back(on.R, t.p - on.p);
     Rot<Quad> R;
     for (int j = 0; j < 3; ++j) R.c[j] = back(on.R, t.R.c[j]);
-    // the quaternion whose largest entry is the one divided by
+    // the quaternion is divided by its largest entry
     const Quad d[4] = {1 + R(0, 0) - R(1, 1) - R(2, 2), 1 - R(0, 0) + R(1, 1) - R(2, 2),
                        1 - R(0, 0) - R(1, 1) + R(2, 2), 1 + R(0, 0) + R(1, 1) + R(2, 2)};
     const int k = static_cast<int>(std::max_element(d, d + 4) - d);

@@ -1,7 +1,7 @@
 #pragma once
-// The right answers of a case in quadruple precision, by Newton and Euler and a decomposition of J^T. J's rows and
-// columns come from velocities, M's from forces, derivatives from dual numbers: another way at every step than the
-// library's, and no code of it.
+// This reference solves a case in quadruple precision with Newton and Euler and a decomposition of J^T. J's rows and
+// columns come from velocities, M's from forces, derivatives from dual numbers: every step differs from the library's
+// and uses no code of it.
 
 #include <algorithm>
 #include <memory>
@@ -12,10 +12,10 @@
 
 namespace manycontact::attack {
 
-struct Balance {                // of the rows of one island
+struct Balance {                // residual of one island's rows
   double left = 0;              // largest entry of J a + a0 + delta f
   double moved = 0, drift = 0;  // largest entries of |J| |a| and of a0
-  double terms = 0;             // the same, and of all that a0 is made of
+  double terms = 0;             // the same, with all terms of a0
 };
 
 struct Answer {  // at one rank
@@ -24,14 +24,14 @@ struct Answer {  // at one rank
   Column a, f;
   double condition = 0;          // of K, 1-norm
   std::vector<Balance> balance;  // per island
-  double terms = 0;              // the largest of theirs
+  double terms = 0;              // largest over islands
 };
 
-struct Slopes {  // of a and f along one direction
+struct Slopes {  // derivatives of a and f along one direction
   Column a, f;
 };
 
-/// A tangent of q, v, the torques of all coordinates and the pushes' wrenches, force before torque.
+/// Tangent of q, v, the torques of all coordinates and the pushes' wrenches, force before torque.
 struct Direction {
   std::vector<double> q, v, tau, w;
 };
@@ -43,23 +43,23 @@ class Reference {
 
   int nv() const { return nv_; }
   int rows() const { return rows_; }
-  /// The ranks J may be said to have: several where what is left of a row is neither rounding of double precision nor
-  /// plainly more. The highest first.
+  /// Possible ranks of J, the highest first: several if the residual of a row is neither rounding of double precision
+  /// nor plainly more.
   const std::vector<int>& ranks() const { return ranks_; }
   const Matrix& M() const { return M_; }
   const Matrix& J() const { return J_; }
-  double free_size() const;                     // of M^-1 b1, the accelerations without contacts; 0 where M is singular
-  double load() const { return largest(b1_); }  // entries of the forces without contacts
+  double free_size() const;                     // size of M^-1 b1, without contacts; 0 where M is singular
+  double load() const { return largest(b1_); }  // of forces without contacts
   double largest_J() const { return std::max(largest(J_.x), 1e-300); }
 
   const Answer& at(int rank);
-  /// Of the answer at that rank, kept constant.
+  /// Returns derivatives of the solution at that rank, which is kept constant.
   Slopes along(int rank, const Direction& direction);
 
-  /// The u part of the least-norm least-squares solution of [S^T J^T] [u; f] = h(q, 0), S the torques of all joints but
-  /// bases; none where its rank is in doubt. spread: of what was left of the rows, largest over smallest.
+  /// Returns the u part of the least-norm least-squares solution of [S^T J^T] [u; f] = h(q, 0), S the torques of all
+  /// joints but bases; none if its rank is in doubt. `spread` is the largest over the smallest residual of the rows.
   std::optional<std::vector<double>> quasi_static(double& spread) const;
-  /// v+ and impulses at that rank; false where there are none.
+  /// Computes v+ and impulses at that rank; returns false if there are none.
   bool impact(int rank, Column& v, Column& impulse) const;
 
  private:
@@ -70,14 +70,14 @@ class Reference {
   Matrix M_, J_;
   Column b1_, b2_;
   std::vector<int> island_of_row_;
-  std::vector<double> terms_;  // per island, of what its a0 are made of
+  std::vector<double> terms_;  // per island, the terms of its a0
   std::vector<int> ranks_;
   std::vector<std::unique_ptr<Solved>> solved_;
 };
 
-/// The same case with every number off by an eps or so.
+/// Returns the same case with every number changed by about an eps.
 Case blurred(const Case& c, std::uint64_t seed);
-/// Where frame A of every hold stands becomes where B' is, in double precision: nothing is left to be corrected.
+/// Places B' of every hold where frame A is, in double precision: no error is left to be corrected.
 void place_where_they_are(Case& c);
 
 }  // namespace manycontact::attack

@@ -12,7 +12,7 @@ double one_digit(double x) {
   return std::atof(text);
 }
 
-// Without the last link, where nothing stands on it.
+// Removes the last link if nothing is attached to it.
 bool drop_last_link(Case& c, int tree) {
   Tree& t = c.trees[tree];
   const int last = static_cast<int>(t.links.size()) - 1;
@@ -35,7 +35,7 @@ bool drop_last_link(Case& c, int tree) {
   return true;
 }
 
-// Without the last robot, where nothing else has to do with it.
+// Removes the last robot if nothing else refers to it.
 bool drop_last_tree(Case& c) {
   const int last = static_cast<int>(c.trees.size()) - 1;
   const auto is_on = [last](const auto& x) { return x.tree == last || x.to_tree == last; };

@@ -1,5 +1,5 @@
 #pragma once
-// Smaller cases of the same fault.
+// Finds smaller cases of the same fault.
 
 #include <cstdio>
 #include <cstdlib>
@@ -8,7 +8,7 @@
 
 namespace manycontact::attack {
 
-/// One step smaller each: a contact or the last link less, a number zero or with one digit.
+/// Returns cases one step smaller: a contact or the last link fewer, a number zero or with one digit.
 std::vector<Case> smaller_cases(const Case& c);
 
 template <class Bad>

@@ -1,4 +1,4 @@
-// A URDF read anew, as far as the attack needs it.
+// Reads a URDF independently, as far as the attack needs it.
 
 #include <tinyxml2.h>
 
@@ -54,7 +54,7 @@ Tree read_tree(const std::string& urdf, bool floating) {
   std::multimap<std::string, std::string> children;
   std::map<std::string, bool> carried;
   for (const Element* e = child(robot, "joint"); e; e = e->NextSiblingElement("joint")) {
-    if (!child(e, "parent")) continue;  // of a transmission's
+    if (!child(e, "parent")) continue;  // a transmission's joint
     const std::string parent = child(e, "parent")->Attribute("link"), name = child(e, "child")->Attribute("link");
     Link& l = links.at(name);
     l.joint = e->Attribute("name");

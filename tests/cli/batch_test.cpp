@@ -1,4 +1,4 @@
-// manycontact batch: many states from a .npy file into another, whatever the number of threads and processes.
+// manycontact batch reads many states from a .npy file and writes another, for any number of threads and processes.
 
 #include <cstdlib>
 #include <cstring>
@@ -16,7 +16,7 @@ namespace {
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// As NumPy writes it: padded to 64 bytes, by itself.
+// Returns a file as NumPy writes it, padded to 64 bytes.
 std::string npy(const std::string& dictionary, int version = 1) {
   const std::size_t before = version == 1 ? 10 : 12;
   std::string text = dictionary;
@@ -44,7 +44,7 @@ class Batch : public Program {
   void write(const std::string& name, const std::string& text) const {
     std::ofstream(path(name), std::ios::binary) << text;
   }
-  /// states.npy of the scene, away from rest; states `failing` are not finite.
+  /// Writes states.npy of the scene, away from rest; states `failing` are not finite.
   Matrix states(const std::string& scene, int count, const std::vector<int>& failing = {}) const {
     const SceneFile start = load_scene(scene);
     Matrix X(count, start.scene.nq + start.scene.nv + start.scene.nu);
@@ -64,7 +64,7 @@ class Batch : public Program {
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
-  /// Under mpirun with two processes; each first runs `shell`.
+  /// Runs under mpirun with two processes; each first runs `shell`.
   Outcome run_two(const std::vector<std::string>& all, const std::string& shell = "") const {
     std::string line = shell;
     line += "exec '" MANYCONTACT_BINARY "'";
@@ -214,7 +214,7 @@ TEST_F(Batch, FilesThatCannotBeReadOrWritten) {
   expect_nothing_left("o");
 }
 
-// A file that would grow too large: what was there stays, and nothing half is left.
+// A file would grow too large: the old file stays, and no partial file remains.
 TEST_F(Batch, AFailedRunLeavesTheOldFile) {
   const std::string scene = model("humanoid_standing.xml");
   states(scene, 300);
@@ -270,7 +270,7 @@ TEST_F(Batch, UnderMpirunAnotherProgramIsNeeded) {
   }
 }
 
-// A herd has islands to split, the beam's is one.
+// A herd has islands to split; the beam is a single one.
 TEST_F(Batch, TheSameBytesFromTwoProcesses) {
   if (!have_mpi()) GTEST_SKIP() << "no mpirun, or no manycontact-mpi beside the program";
   const std::string herd = scene(

@@ -1,5 +1,5 @@
-// The page of a view in headless Chromium, where that is installed: no error in the console, the right bodies, it
-// plays.
+// The page of a view is opened in headless Chromium, if that is installed: no error in the console, the right bodies,
+// and it plays.
 
 #include "cli/page.hpp"
 
@@ -13,7 +13,7 @@ class Browser : public Program {
     if (run({"view", model("arm_pushes_box.xml"), "--out", path("try.html")}).status != 0)
       GTEST_SKIP() << "this build has no three.js";
   }
-  // The document after half a second of the page's own time, or a picture of it.
+  // Returns the document after half a second of the page's own time, or a picture of it.
   std::string chromium(const std::string& action, const std::string& page) const {
     const std::string command =
         "timeout 200 chromium --headless --no-sandbox --disable-gpu --use-angle=swiftshader "
@@ -27,7 +27,7 @@ class Browser : public Program {
         ADD_FAILURE() << line;
     return read_text(path("dom.html"));
   }
-  // What the page wrote of itself: data-<name> of its body.
+  // Returns what the page recorded: data-<name> of its body.
   static std::string data(const std::string& dom, const std::string& name) {
     const std::string key = " data-" + name + "=\"";
     const std::size_t at = dom.find(key);
@@ -58,7 +58,7 @@ TEST_F(Browser, ShowsTheBodiesAndPlays) {
   EXPECT_GT(png.size(), 20000u);  // an empty picture has 2 kB
 }
 
-// The camera sees where the motion goes, not only where it begins.
+// The camera shows where the motion goes, not only where it begins.
 TEST_F(Browser, FitsTheWholeMotion) {
   const std::string falls = scene("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\" xyz=\"0 0 9\"/>");
   ASSERT_EQ(run({"view", falls, "--out", path("still.html")}).status, 0);

@@ -1,4 +1,4 @@
-// `manycontact chart`: its CSV, its errors, its pictures.
+// `manycontact chart` is tested: its CSV, its errors, its pictures.
 
 #include <cmath>
 #include <cstdlib>
@@ -85,7 +85,7 @@ class ChartOf : public Program {
   std::string out;
 };
 
-// max(1e-12, 100 eps cond), by the library.
+// Returns max(1e-12, 100 eps cond), computed with the library.
 double allowed_of(const std::string& path) {
   const SceneFile file = load_scene(path);
   SceneData data(file.scene, {Method::kDense, {}});
@@ -206,7 +206,7 @@ TEST_F(ChartOf, SeveralScenesShareOnePage) {
   EXPECT_FALSE(std::filesystem::exists(path("out/chart.svg")));
 }
 
-// Rows of two scenes of one name are told apart by their files.
+// Rows of two scenes with one name are distinguished by their files.
 TEST_F(ChartOf, NamesakesHaveTheirPaths) {
   const std::string one = scene(R"(<robot name="b" urdf="box.urdf" base="floating"/>)");
   std::filesystem::copy_file(one, path("other.xml"));
@@ -230,7 +230,7 @@ TEST_F(ChartOf, WhatWouldTakeTooLongIsSkipped) {
   }
 }
 
-// A box held still: its accelerations and most of its derivatives are zero in truth.
+// A box is at rest: its accelerations and most of its derivatives are exactly zero.
 TEST_F(ChartOf, ZerosAreJudgedByWhatIsNot) {
   const std::vector<Row> rows = chart({scene(R"(<robot name="b" urdf="box.urdf" base="floating" copies="2"/>
     <contact name="c" type="6d" frame="b/face_top"/>)")});
@@ -253,7 +253,7 @@ TEST_F(ChartOf, WithoutGnuplotThereIsTheCsv) {
   EXPECT_FALSE(std::filesystem::exists(path("out/chart.svg")));
 }
 
-// A gnuplot that cannot be started is not one that is not installed.
+// A gnuplot that cannot be started is not reported as one that is not installed.
 TEST_F(ChartOf, OutOfDescriptorsIsSaid) {
   if (!has_gnuplot()) GTEST_SKIP() << "there is no gnuplot here";
   const auto outcome = run({"-c", "exec 3>&- 4>&- 5>&-; ulimit -n 6; exec '" MANYCONTACT_BINARY "' chart '" +

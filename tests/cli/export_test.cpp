@@ -1,4 +1,4 @@
-// `manycontact export`: its files solve each other, and agree with what solve writes.
+// `manycontact export` writes files that solve each other and agree with the output of solve.
 
 #include <Eigen/Dense>
 #include <cmath>
@@ -18,7 +18,7 @@ struct MatrixFile {
   long entries = 0;  // lines of a coordinate file
 };
 
-// 17 digits are a double, which they name but do not equal.
+// 17 digits identify a double but do not equal it.
 Long number_of(const std::string& text) {
   return text.size() > 30 ? std::strtold(text.c_str(), nullptr) : std::strtod(text.c_str(), nullptr);
 }
@@ -63,14 +63,14 @@ LongMatrix rows_of(const nlohmann::json& rows) {
   return out;
 }
 
-// max |b - K x| over max (|K| |x| + |b|), which is below n eps for the numbers as written.
+// Returns max |b - K x| divided by max (|K| |x| + |b|), which is below n eps for the numbers as written.
 Long backward_error(const LongMatrix& K, const LongMatrix& x, const LongMatrix& b) {
   const LongMatrix r = b - K * x, terms = K.cwiseAbs() * x.cwiseAbs() + b.cwiseAbs();
   return r.cwiseAbs().maxCoeff() / terms.maxCoeff();
 }
 
 constexpr Long kLongEpsilon = std::numeric_limits<Long>::epsilon();
-constexpr double kGravity = 9.81;  // what accelerations at rest are small beside
+constexpr double kGravity = 9.81;  // scale of accelerations at rest
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 class Export : public Program {
@@ -85,7 +85,7 @@ class Export : public Program {
   MatrixFile read(const std::string& name) const { return read_matrix(path("out/" + name)); }
 };
 
-// One island: x is what solve writes, and solves K x = b to more digits than doubles have.
+// For one island x is the output of solve, and solves K x = b to more digits than doubles have.
 TEST_F(Export, SolutionIsThatOfSolve) {
   const std::string file = model("two_humanoids_carry_beam.xml");
   expect_contains(write(file).out, "1 system, all with solutions");
@@ -103,7 +103,7 @@ TEST_F(Export, SolutionIsThatOfSolve) {
   EXPECT_GE(text.find('e') - text.find('.'), 33u) << text;
 }
 
-// x of the scene has the last digits of a solve in extended precision; those of x differ, as K and b are rounded.
+// The scene's x has the last digits of a solve in extended precision; those of x differ, as K and b are rounded.
 TEST_F(Export, WritesTheSolutionOfTheScene) {
   const std::string file = model("two_humanoids_carry_beam.xml");
   write(file);
@@ -168,7 +168,7 @@ TEST_F(Export, AppliedForcesAreInTheRightHandSide) {
   EXPECT_LT((dx.topLeftCorner(6, 6) - da_dq).cwiseAbs().maxCoeff(), 1e-10 * da_dq.cwiseAbs().maxCoeff());
 }
 
-// A condition of 1e14: doubles have two digits of it, the file has what quadruple precision leaves.
+// With a condition of 1e14 doubles have two digits, and the file has the digits that quadruple precision leaves.
 TEST_F(Export, BadConditions) {
   const std::string humanoid = "<robot name=\"h\" urdf=\"humanoid.urdf\" base=\"floating\"/>";
   const std::string file =
@@ -189,7 +189,7 @@ TEST_F(Export, BadConditions) {
   EXPECT_GT(std::stod(cell[7]), 1e10) << page;
 }
 
-// Islands, names, and what is not asked for is not written.
+// Islands and names are written, and nothing that was not requested.
 TEST_F(Export, OneSystemPerIsland) {
   const std::string file = scene(
       "<robot name=\"a\" urdf=\"box.urdf\" base=\"floating\"/><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>"
@@ -207,7 +207,7 @@ TEST_F(Export, OneSystemPerIsland) {
   expect_no_parts();
 }
 
-// One line, and nothing is written over what is read.
+// The error is one line, and no input file is overwritten.
 TEST_F(Export, RefusesBadInput) {
   const auto refused = [&](const std::vector<std::string>& words, const std::string& message) {
     const Outcome outcome = run(words);

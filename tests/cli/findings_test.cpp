@@ -1,4 +1,4 @@
-// What solve, inspect and simulate say unasked: contacts out of place, that pull, slip or tip; limits; masses; energy.
+// solve, inspect and simulate warn of contacts out of place, or that pull, slip or tip; limits; masses; energy.
 
 #include <cmath>
 
@@ -41,7 +41,7 @@ TEST_F(FindingsOfTheProgram, AFootFarAway) {
     EXPECT_EQ(solve({model(name)}).at("placement_errors").size(), 0u) << name;
 }
 
-// A weld falls at 1 m/s: told by all, kept unless it is asked to stop.
+// A weld falls at 1 m/s: all commands report it, and it continues unless a switch stops it.
 TEST_F(FindingsOfTheProgram, AContactThatMoves) {
   const std::string inside = R"(<robot name="b" urdf="box.urdf" base="floating"><v>0 0 -1 0 0 0</v></robot>
     <contact name="weld" type="6d" frame="b/crate"/>)";
@@ -76,7 +76,7 @@ TEST_F(FindingsOfTheProgram, AContactThatMoves) {
     EXPECT_EQ(solve({model(name)}).at("velocity_errors").size(), 0u) << name;
 }
 
-// Two balls share a weight at will, and nothing else: each force says so.
+// Only the shares of a weight on two balls are not unique: the output marks each such force.
 TEST_F(FindingsOfTheProgram, ForcesThatAreNotUnique) {
   const std::string door = scene(kBox + R"(<contact name="lower" type="3d" frame="b/crate" offset="-0.2 0 -0.2"/>
     <contact name="upper" type="3d" frame="b/crate" offset="-0.2 0 0.2"/>)");
@@ -90,12 +90,12 @@ TEST_F(FindingsOfTheProgram, ForcesThatAreNotUnique) {
   expect_lacks(run({"solve", alone}).out, "*");
 }
 
-// A row that only just counts, and one that could as well: both by name, with what they cost.
+// A barely independent row and one barely dependent are both listed by name, with their effect.
 TEST_F(FindingsOfTheProgram, RowsThatNearlyDepend) {
   const std::string near = scene(kBox + R"(<contact name="one" type="3d" frame="b/crate" offset="0.3 0 0"/>
     <contact name="two" type="1d" axis="1 0 0" frame="b/crate" offset="0.3 5e-11 0"/>
     <contact name="three" type="1d" axis="1 0 0" frame="b/crate" offset="0.3 0 5e-12"/>)");
-  const json j = solve({near}, 1);  // rounding may change the forces by their size
+  const json j = solve({near}, 1);  // rounding may change the forces by their own size
   EXPECT_EQ(j.at("report").at("status"), "regularised");
   EXPECT_NEAR(j.at("report").at("rank_gap").get<double>(), 10, 0.1);
   ASSERT_EQ(j.at("near_dependent").size(), 1u);
@@ -112,7 +112,7 @@ TEST_F(FindingsOfTheProgram, RowsThatNearlyDepend) {
   EXPECT_EQ(solve({model("humanoid_standing.xml")}).at("near_dependent").size(), 0u);
 }
 
-// A leg that is stretched: no derivatives exist there, and that is said.
+// For a stretched leg no derivatives exist, and the program reports it.
 TEST_F(FindingsOfTheProgram, SingularPostures) {
   const std::string stretched = scene(R"(<robot name="q" urdf="quadruped.urdf" base="floating"/>
     <contact name="trunk" type="6d" frame="q/trunk"/><contact name="foot" type="3d" frame="q/RF_foot"/>)");
@@ -126,12 +126,12 @@ TEST_F(FindingsOfTheProgram, SingularPostures) {
   expect_contains(run({"inspect", stretched}).out, "a singular configuration");
 }
 
-// A box hangs on a contact that can only push, and is drawn along one that can only rub.
+// A box hangs on a contact that can only push, and is drawn along one with friction alone.
 TEST_F(FindingsOfTheProgram, PullsAndSlips) {
   const std::string hangs = scene(kBox + R"(<contact name="top" type="3d" frame="b/crate" mu="0.5"/>)");
   const double weight = 6.4 * 9.81;
   json j = solve({hangs});
-  EXPECT_EQ(j.at("violations").size(), 0u);  // the world bears it
+  EXPECT_EQ(j.at("violations").size(), 0u);  // the world supports it
   const std::string below =
       scene(kBox + R"(<contact name="top" type="3d" frame="b/crate" mu="0.5"/>)", "gravity=\"9.81 0 9.81\"");
   j = solve({below});
@@ -149,7 +149,7 @@ TEST_F(FindingsOfTheProgram, PullsAndSlips) {
   expect_contains(run({"solve", aslant}).out, "slips: top by 31.4 N more than mu 0.5 allows; mu 1 would be sufficient");
 }
 
-// Feet that tilt as bent legs have them stand on the ground, in whichever axes their forces are; on a wall they do not.
+// Tilted feet of bent legs are balanced on the ground, with forces in any axes, but not on a wall.
 TEST_F(FindingsOfTheProgram, TiltedFeetStand) {
   const auto stands = [&](const std::string& more) {
     std::string text = R"(<robot name="q" urdf="quadruped.urdf" base="floating" xyz="0 0 0.3824" u="gravity">)", feet;
@@ -168,7 +168,7 @@ TEST_F(FindingsOfTheProgram, TiltedFeetStand) {
   }
 }
 
-// A humanoid that stands does not tip; collapsing without torques it does, and the first time is told.
+// A humanoid at rest does not tip; it tips when it collapses without torques, and the first time is reported.
 TEST_F(FindingsOfTheProgram, TheFirstTime) {
   std::string text = read_text(model("humanoid_standing.xml"));
   const std::string sole = "mu=\"0.7\" box=\"0.02 0.02\" ";
@@ -192,7 +192,7 @@ TEST_F(FindingsOfTheProgram, TheFirstTime) {
   expect_contains(outcome.out, "from t = ");
 }
 
-// Copies share a line, with the worst of them.
+// Copies share a line, which shows the worst of them.
 TEST_F(FindingsOfTheProgram, CopiesAreOneLine) {
   const std::string herd = scene(R"(<robot name="q" urdf="quadruped.urdf" base="floating" xyz="0 0 0.5" copies="9">
       <joint name="LF_knee" q="0.3"/></robot>
@@ -251,7 +251,7 @@ TEST_F(FindingsOfTheProgram, LargeIslandsAreNotSolvedDenselyUnasked) {
   expect_lacks(run({"solve", model("herd.xml")}).out, "left out");
 }
 
-// Drops a box onto a point, with RK4 so that the impact is the switch's own.
+// A box falls onto a point, with RK4 so that the impact is the switch's own.
 TEST_F(FindingsOfTheProgram, ContactsCloseWithAnImpact) {
   const std::string falls = scene(kBox + R"(<contact name="c" type="3d" frame="b/crate" active="false"/>)");
   const json j = simulate(falls, {"--switch", "0.05 c here", "--integrator", "rk4", "--forces", path("f.csv")});
@@ -272,7 +272,7 @@ TEST_F(FindingsOfTheProgram, ContactsCloseWithAnImpact) {
       "there is no contact 'd'");
 }
 
-// A switch at or after the end is none: the summary names it, or standard error where there is no summary.
+// A switch at or after the end has no effect: the summary, or else standard error, names it.
 TEST_F(FindingsOfTheProgram, SwitchesThatAreNotReached) {
   const std::string falls = scene(kBox + R"(<contact name="c" type="3d" frame="b/crate" active="false"/>)");
   const auto switched = [&](const std::string& list, const std::string& out) {
@@ -292,7 +292,7 @@ TEST_F(FindingsOfTheProgram, SwitchesThatAreNotReached) {
   expect_lacks(switched("0.002 c here, 0.002 c off", path("t.csv")).out, "closed");
 }
 
-// The PD law holds a posture that no torque would; torques from a file act from their time on.
+// The PD law keeps a configuration that no torque would; torques from a file act from their time on.
 TEST_F(FindingsOfTheProgram, TorquesAndReferences) {
   const std::string arm = scene(R"(<robot name="a" urdf="arm.urdf" base="fixed" armature="0.1"/>)");
   const auto moved = [&](std::vector<std::string> more) {

@@ -1,4 +1,4 @@
-// `manycontact inspect`: ranks, advice that holds, the picture.
+// `manycontact inspect` prints ranks, correct advice, and the picture.
 
 #include <cmath>
 #include <set>
@@ -22,7 +22,7 @@ constexpr char kHumanoid[] = R"(<robot name="h" urdf="humanoid.urdf" base="float
   <joint name="left_knee" q="0.8"/> <joint name="right_knee" q="0.6"/> <joint name="left_elbow" q="-0.5" v="1"/></robot>
 )";
 
-// Springs and pushes with their places, lengths and forces; what hangs on springs does not float free.
+// Springs and pushes are listed with places, lengths and forces; a body that hangs on springs is not free.
 TEST_F(Inspect, ListsSpringsAndPushes) {
   const std::string file = scene(
       "<robot name=\"load\" urdf=\"box.urdf\" base=\"floating\"/><spring frame=\"load/crate\" "
@@ -120,7 +120,7 @@ TEST_F(Inspect, HerdAndRingAreSummedUp) {
   expect_contains(ring, "16 ring0/left_hand ring1/right_hand hold0 6d 6 6");
 }
 
-// What each holds, where, by which gains, and how far the state is from it.
+// Each contact is listed with its constraint, place, gains, and the state's distance from it.
 TEST_F(Inspect, ContactsAreListed) {
   const std::string out = inspect(scene(R"(<robot name="b" urdf="box.urdf" base="floating" xyz="1 2 3"/>
     <robot name="c" urdf="box.urdf" base="floating" xyz="0 0 5" copies="5"/>
@@ -133,7 +133,7 @@ TEST_F(Inspect, ContactsAreListed) {
   expect_contains(out, "each0 .. each4 1d local c0/crate world 0.00 0.00 5.00 0 0 0");
 }
 
-// What is cut out of the middle of two names is not what they differ by.
+// The part cut out of the middle of two names is not their difference.
 TEST_F(Inspect, LongNamesStayApart) {
   const std::string before(20, 'x'), after(20, 'y');
   std::string robots;
@@ -149,7 +149,7 @@ TEST_F(Inspect, LongNamesStayApart) {
   }
 }
 
-// Offsets may reach nearer to another frame.
+// Offsets may be nearer to another frame.
 TEST_F(Inspect, FramesAreCalledAsTheFileDoes) {
   const std::string out = inspect(scene(R"(<robot name="b" urdf="box.urdf" base="floating"/>
     <robot name="c" urdf="box.urdf" base="floating" xyz="0 0 0.5"/>
@@ -159,7 +159,7 @@ TEST_F(Inspect, FramesAreCalledAsTheFileDoes) {
   expect_contains(out, "c/face_left b/bottom_3 tie 6d 6 6");
 }
 
-// A humanoid of 38 velocities and 32 torques, 12 rows: 50 x 108 numbers.
+// A humanoid has 38 velocities, 32 torques and 12 rows: 50 x 108 numbers.
 TEST_F(Inspect, MemoryOfARobot) {
   const std::string feet =
       "<contact name=\"l\" type=\"6d\" frame=\"h/left_sole\"/>"
@@ -212,7 +212,7 @@ TEST_F(Inspect, IdleRobotsAndJoints) {
   expect_contains(inspect(model("feet_on_corners.xml")), "20 joints could be locked");
 }
 
-// Tags are balanced and attributes quoted; no more than that is claimed.
+// Checks only that tags are balanced and attributes quoted.
 void expect_well_formed(const std::string& text) {
   std::vector<std::string> open;
   int elements = 0;
@@ -249,7 +249,7 @@ TEST_F(Inspect, PictureIsWellFormedAndSmall) {
     EXPECT_EQ(svg.find("nan"), std::string::npos);
     expect_well_formed(svg);
   }
-  const std::string svg = read_text(path("k.svg"));  // of the last scene
+  const std::string svg = read_text(path("k.svg"));  // that of the last scene
   for (const char* part : {"two_humanoids_carry_beam", "a_left_foot", "n = 130", "contact rows J", "fill"})
     EXPECT_NE(svg.find(part), std::string::npos) << part;
 }

@@ -10,7 +10,7 @@ inline std::string mesh_reader() {
 }
 inline bool reads_meshes() { return std::filesystem::exists(mesh_reader()); }
 
-/// COLLADA: a triangle (0 0 0), (4 0 0), (0 5 0) of the name g, and the scene's nodes. `asset`: its unit and axes.
+/// Returns COLLADA: a triangle (0 0 0), (4 0 0), (0 5 0) named g, and the scene's nodes. `asset`: unit and axes.
 inline std::string collada(const std::string& asset, const std::string& nodes, const std::string& corners = "0 1 2") {
   return R"(<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset>)" +

@@ -1,4 +1,4 @@
-// manycontact-mesh: the triangles of files, and why there are none. What becomes of them in a page: view_test.cpp.
+// manycontact-mesh returns the triangles of files, or why there are none. view_test.cpp tests their use in a page.
 
 #include "cli/mesh.hpp"
 
@@ -35,7 +35,7 @@ class MeshReader : public Program {
   }
 };
 
-// Metres, from single precision and rotations by degrees.
+// Values are metres, from single precision and rotations in degrees.
 void expect_near(const Vertices& vertices, const Vertices& expected) {
   ASSERT_EQ(vertices.size(), expected.size());
   for (std::size_t k = 0; k < expected.size(); ++k)
@@ -77,7 +77,7 @@ TEST_F(MeshReader, Obj) {
   expect_contains(refusal("none.obj", "# one vertex\nv 0 0 0\n"), "has no triangles, expected some");
 }
 
-// In metres, placed by the nodes. Axes stay, whatever is said to be up: robots are made for viewers that do so.
+// Vertices are in metres, placed by the nodes. Axes stay, whatever axis is up: viewers of robots expect this.
 TEST_F(MeshReader, Collada) {
   const std::string plain = R"(<node><instance_geometry url="#g"/></node>)";
   for (const std::string up : {"", "<up_axis>Z_UP</up_axis>", "<up_axis>Y_UP</up_axis>", "<up_axis>X_UP</up_axis>"}) {

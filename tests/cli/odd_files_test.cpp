@@ -1,4 +1,4 @@
-// Files that are odd but usable: what the program says of them, and what it refuses.
+// Files are questionable but usable: the program warns of some and refuses others.
 
 #include "cli/program.hpp"
 
@@ -9,7 +9,7 @@ using nlohmann::json;
 
 class OddFiles : public Program {
  protected:
-  // An arm of one link, on line 3, whose joint stands on line 4; both as given.
+  // Writes an arm of one link, on line 3, whose joint is on line 4; both as given.
   std::string arm(const std::string& link, const std::string& joint, const std::string& attributes = "",
                   const std::string& more = "") const {
     std::ofstream(path("odd.urdf")) << "<robot name=\"arm\">\n<link name=\"base\"/>\n<link name=\"upper\">" << link
@@ -56,7 +56,7 @@ TEST_F(OddFiles, LimitsThatBoundNothing) {
   const std::string odd = arm(body(1, 1, 1), "type=\"revolute\"><limit lower=\"-Inf\" upper=\"1e999\" effort=\"2\"/>");
   EXPECT_EQ(finding(solve({odd}), "limits").at("text"), "taken as no limit: velocity missing, lower -Inf, upper 1e999");
   expect_contains(run({"inspect", odd}).out, "limits: r/j (odd.urdf:4): taken as no limit: velocity missing");
-  // thirty alike are one line, thirty different ones a few
+  // thirty identical ones are one line, thirty different ones a few lines
   std::string many, different;
   for (int i = 0; i < 30; ++i) {
     const std::string n = std::to_string(i);
@@ -120,7 +120,7 @@ TEST_F(OddFiles, XacroAndEncodings) {
 
 class CsvFiles : public OddFiles {
  protected:
-  // Speed of the arm after 0.1 s without gravity, by torques on a joint of unit inertia.
+  // Returns the speed of the arm after 0.1 s without gravity, with torques on a joint of unit inertia.
   double speed(const std::string& csv) {
     const Outcome outcome = simulate(csv);
     EXPECT_EQ(outcome.status, 0) << outcome.err;

@@ -1,4 +1,4 @@
-// optimize: the motion, its JSON, how it stops.
+// optimize is tested: the motion, its JSON, and how it stops.
 
 #include <signal.h>
 
@@ -16,7 +16,7 @@ class Optimize : public Program {
     out.insert(out.end(), more.begin(), more.end());
     return out;
   }
-  /// A task file beside the models', its text.
+  /// Writes a task of the models with `from` replaced by `to`; returns its path.
   std::string edited(const std::string& name, const std::string& from, const std::string& to) const {
     std::string text = read_text(task(name));
     for (const auto& [a, b] :
@@ -30,8 +30,8 @@ class Optimize : public Program {
   }
 };
 
-// What --torques writes is what `simulate --torques` takes: a plan of simulate's own steps comes out again, in flight
-// to rounding; one of a humanoid on its soles is followed for a while, without its feedback.
+// `simulate --torques` reads the output of --torques. A plan of simulate's own steps is reproduced, in flight up to
+// rounding error; a humanoid on its soles follows its plan for a while without its feedback.
 TEST_F(Optimize, TorquesOfAPlanSimulateToThePlan) {
   const auto last_row = [this](const std::string& name) {
     std::istringstream row(lines_of(read_text(path(name))).back());
@@ -135,7 +135,7 @@ TEST_F(Optimize, FollowsTheMotionInSimulation) {
   EXPECT_EQ(run(words(task("humanoid_reaches"), {"--simulate", "0"})).status, 2);
 }
 
-// Two landings: rows of the CSV and torques of the JSON leave impacts out.
+// There are two landings: rows of the CSV and torques of the JSON leave impacts out.
 TEST_F(Optimize, TrotsInSimulation) {
   const Outcome outcome = run(words(task("quadruped_trots"), {"--simulate", "1e-3", "--view", path("m.html")}));
   EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -144,7 +144,7 @@ TEST_F(Optimize, TrotsInSimulation) {
   const nlohmann::json j = json(), simulation = j["report"]["simulation"];
   EXPECT_EQ(simulation["completed"], true);
   EXPECT_LT(simulation["position_drift"], 1e-6);
-  EXPECT_LT(simulation["distance"], 1);  // of a foot about to land, rad/s
+  EXPECT_LT(simulation["distance"], 1);  // a foot about to land, rad/s
   EXPECT_EQ(j["xs"].size(), 57u);
   EXPECT_EQ(j["us"][24].size(), 0u);
   EXPECT_EQ(j["us"][25].size(), 12u);
@@ -192,7 +192,7 @@ TEST_F(Optimize, SaysWhichConstraintsCannotHold) {
   double most = 0;
   for (const auto& c : report["constraints"]) most = std::max(most, c["violation"].get<double>());
   EXPECT_EQ(most, report["constraint_violation"]);
-  EXPECT_NEAR(most, 0.1, 1e-3);  // half of what the two are apart
+  EXPECT_NEAR(most, 0.1, 1e-3);  // half of the distance between the two
   EXPECT_GT(json()["report"]["outer_iterations"], 1);
 }
 
@@ -204,7 +204,7 @@ TEST_F(Optimize, EndsAfterTheIterationsAllowed) {
   EXPECT_EQ(json()["iterations"].size(), 2u);
 }
 
-// Ctrl-C: what was reached is written.
+// After Ctrl-C the current result is written.
 TEST_F(Optimize, CanBeInterrupted) {
   const std::string long_one = edited("two_humanoids_lift_beam", "tolerance=\"1e-11\"", "tolerance=\"1e-300\"");
   const std::string err = path("progress.txt");

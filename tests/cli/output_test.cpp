@@ -1,4 +1,4 @@
-// Files that the program writes: whole under their names, or not there; what is no regular file is written straight.
+// Output files are complete under their names, or absent; what is no regular file is written directly.
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -20,7 +20,7 @@ class Output : public Program {
     return line;
   }
   Outcome shell(const std::string& line) const { return run({"-c", line}, "/bin/sh"); }
-  /// No file may grow beyond so many blocks of 512 bytes.
+  /// Runs with a limit on the size of files, in blocks of 512 bytes.
   Outcome limited(const std::vector<std::string>& words, int blocks) const {
     return shell("ulimit -f " + std::to_string(blocks) + "; exec " + line_of(words));
   }
@@ -32,7 +32,7 @@ class Output : public Program {
     EXPECT_EQ(read_text(path(name)), "old") << name;
     expect_no_parts();
   }
-  /// Status 2, and one line that begins so; lines of progress come before it.
+  /// Expects status 2 and one line that begins like this; lines of progress come before it.
   static void expect_refused(const Outcome& outcome, const std::string& start) {
     EXPECT_EQ(outcome.status, 2) << outcome.err;
     const std::vector<std::string> lines = lines_of(outcome.err);
@@ -75,7 +75,7 @@ TEST_F(Output, OptimizeToo) {
   expect_old("m.json");
 }
 
-// Before the work it is tried whether files can be written: nothing is left where the work is refused.
+// Before the work the program tries whether files can be written: no file remains if the work is refused.
 TEST_F(Output, AskingLeavesNoFile) {
   const std::string task = model("tasks/humanoid_reaches.xml");
   const Outcome outcome =
@@ -85,7 +85,7 @@ TEST_F(Output, AskingLeavesNoFile) {
   expect_old("m.json");
 }
 
-// Gnuplot does not tell of it.
+// Gnuplot does not report it.
 TEST_F(Output, PicturesAreWhole) {
   if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) GTEST_SKIP() << "there is no gnuplot here";
   fs::create_directory(path("c"));
@@ -114,7 +114,7 @@ TEST_F(Output, AKilledRunLeavesTheOldFile) {
               "'/*.part >/dev/null 2>&1 && [ $k -lt 1000 ]; do sleep 0.01; k=$((k + 1)); done; kill -KILL $!; wait $!");
   EXPECT_EQ(read_text(path("o")), "old");
   EXPECT_EQ(parts().size(), 1u);
-  EXPECT_EQ(run({"solve", scene_, "--json", path("o")}).status, 0);  // which the next run does not mind
+  EXPECT_EQ(run({"solve", scene_, "--json", path("o")}).status, 0);  // the next run does not mind it
   EXPECT_TRUE(solved("o").contains("acceleration"));
   EXPECT_EQ(parts().size(), 1u);
 }
@@ -135,7 +135,7 @@ TEST_F(Output, DevicesAndPipesAreWrittenStraight) {
   EXPECT_TRUE(nlohmann::json::parse(named.out, nullptr, false).contains("acceleration"));
 }
 
-// Nothing else is said there.
+// Standard output contains nothing else.
 TEST_F(Output, AFileOnStandardOutputIsAlone) {
   for (const char* out : {"-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"}) {
     SCOPED_TRACE(out);
@@ -174,7 +174,7 @@ TEST_F(Output, ClosedDescriptorsStayClosed) {
   EXPECT_EQ(shell("exec " + line_of({"solve", scene_}) + " >&-").status, 2);
 }
 
-// Whatever is read for a scene, by whichever name.
+// All files that are read for a scene are protected, under any name.
 TEST_F(Output, FilesThatAreReadStay) {
   const std::string outer = path("outer.xml"), inner = scene("<robot name=\"r\" urdf=\"arm.urdf\" base=\"fixed\"/>");
   std::ofstream(outer) << "<scene><include file=\"scene.xml\"/></scene>";
@@ -238,7 +238,7 @@ TEST_F(Output, OneFileByTwoNames) {
   expect_old("there");
 }
 
-// Two names of one file on the disk are two files once one of them is renamed: none is written over.
+// Two names of one file on the disk are two files once one of them is renamed: neither is overwritten.
 TEST_F(Output, HardLinksPart) {
   fs::create_hard_link(old("other"), path("o"));
   EXPECT_EQ(run({"solve", scene_, "--json", path("o")}).status, 0);
@@ -247,7 +247,7 @@ TEST_F(Output, HardLinksPart) {
 }
 
 TEST_F(Output, LongNames) {
-  const std::string name(255, 'n');  // as long as names may be: there is no room for an ending
+  const std::string name(255, 'n');  // as long as names may be: an ending does not fit
   EXPECT_EQ(run({"solve", scene_, "--json", path(name)}).status, 0);
   EXPECT_TRUE(solved(name).contains("acceleration"));
   expect_refused(run({"solve", scene_, "--json", path(name + "n")}),
@@ -255,7 +255,7 @@ TEST_F(Output, LongNames) {
   expect_no_parts();
 }
 
-// The last to end has the name; neither writes into the other's.
+// The last run to end has the name; neither writes into the other's file.
 TEST_F(Output, TwoRunsAtATime) {
   const std::string line = line_of({"simulate", scene_, "--time", "0.2", "--step", "0.001", "--out", path("o")});
   EXPECT_EQ(shell(line + " & " + line + "; s=$?; wait $! && exit $s").status, 0);

@@ -1,5 +1,5 @@
 #pragma once
-// The HTML page of a view, taken apart.
+// The HTML page of a view is split into its parts.
 
 #include <cstring>
 

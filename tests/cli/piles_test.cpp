@@ -1,4 +1,4 @@
-// The program on piles: many boxes on each other by the corners of their faces, whose contacts are solved as pairs.
+// The program handles piles: many boxes on each other by the corners of their faces, whose contacts form pairs.
 
 #include "cli/program.hpp"
 
@@ -7,7 +7,7 @@ namespace {
 
 class Piles : public Program {
  protected:
-  // A tower of crates, each on the four lower corners of its own. p, alpha: attributes of the scene's contacts.
+  // Returns a tower of crates, each on its own four lower corners; `attributes` are those of the scene's contacts.
   std::string tower(int boxes, const std::string& attributes = "") const {
     std::string text;
     for (int k = 0; k < boxes; ++k) {
@@ -29,7 +29,7 @@ class Piles : public Program {
   }
 };
 
-// 60 boxes are too many for the dense comparison, which used to make what the table of forces reads.
+// 60 boxes are too many for the dense comparison; the table of forces must not rely on it.
 TEST_F(Piles, TowersAreSolvedInspectedAndDifferentiated) {
   for (const char* damping : {"", "damping=\"1e-8\""}) {
     const std::string file = tower(60, damping);
@@ -40,7 +40,7 @@ TEST_F(Piles, TowersAreSolvedInspectedAndDifferentiated) {
   }
 }
 
-// The simulation's own data meet the pairs in another order than the data that watch its posture.
+// The simulation's own data meet the pairs in another order than the data that follow its configuration.
 TEST_F(Piles, TowersAreSimulated) {
   for (const char* damping : {"", "damping=\"1e-8\""})
     for (const char* integrator : {"semi-implicit-euler", "rk4"})
@@ -48,7 +48,7 @@ TEST_F(Piles, TowersAreSimulated) {
                    "--out", path("motion.csv"), "--forces", path("forces.csv"), "--json", path("motion.json")});
 }
 
-// Rows that only depend within pairs need no dense rank, however many they are: 1,440 rows of 720 coordinates and more.
+// Rows that depend only within pairs need no dense rank, whatever their number: 1,440 rows of 720 coordinates and more.
 TEST_F(Piles, RanksOfLargeTowersAreTold) {
   const Outcome outcome = run({"inspect", tower(400)});
   EXPECT_EQ(outcome.status, 0) << outcome.err;

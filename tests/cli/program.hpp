@@ -1,5 +1,5 @@
 #pragma once
-// Runs the program as a user would, in a folder of its own for what it writes.
+// Runs the program as a user does, with a folder of its own for output.
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -19,7 +19,7 @@
 namespace manycontact::cli {
 
 struct Outcome {
-  int status = -1;  // of exit, -1 when a signal ended it
+  int status = -1;  // exit status, -1 if a signal ended it
   std::string out, err;
 };
 
@@ -47,7 +47,7 @@ inline std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// Blanks and line breaks as one blank, so that wrapped text can be searched.
+/// Returns the text with blanks and line breaks as one blank, so that wrapped text can be searched.
 inline std::string unwrapped(const std::string& text) {
   std::istringstream words(text);
   std::string out;
@@ -66,7 +66,7 @@ class Program : public testing::Test {
  protected:
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  /// Writes a scene next to the models' URDF files; what stands between <scene> and </scene>.
+  /// Writes a scene next to the models' URDF files; `inside` is between <scene> and </scene>.
   std::string scene(const std::string& inside, const std::string& attributes = "") const {
     for (const auto& entry : std::filesystem::directory_iterator(model("")))
       if (entry.path().extension() == ".urdf")
@@ -92,7 +92,7 @@ class Program : public testing::Test {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out), read_text(err)};
   }
 
-  /// The same, of a program that gets a signal once it has begun a file.
+  /// Runs a program that gets a signal once it has begun a file.
   Outcome run_interrupted(const std::vector<std::string>& words, int signal) const {
     const pid_t sender = fork();
     if (sender == 0) {
@@ -114,7 +114,7 @@ class Program : public testing::Test {
     return outcome;
   }
 
-  /// Files under the names they have until they are whole.
+  /// Returns files under the names that they have until they are complete.
   std::vector<std::string> parts() const {
     std::vector<std::string> found;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_.path()))

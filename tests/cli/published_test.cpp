@@ -1,4 +1,4 @@
-// Published problems: every command of src/doc/published.md ends well, and its number is as near to theirs as it says.
+// Every command of src/doc/published.md succeeds, and its number is as near to the published one as the page states.
 
 #include <cmath>
 #include <map>
@@ -9,7 +9,7 @@
 namespace manycontact::cli {
 namespace {
 
-// One row of the page's table.
+// Contains one row of the page's table.
 struct PublishedRow {
   std::string what, theirs, ours, error, read, command;
 };
@@ -37,7 +37,7 @@ std::vector<PublishedRow> published_rows() {
   return rows;
 }
 
-// The words of a command as a shell parts them: by blanks, but not within double quotes.
+// Returns the words of a command as a shell splits them: at blanks, but not within double quotes.
 std::vector<std::string> words_of(const std::string& command) {
   std::vector<std::string> words;
   std::string word;
@@ -55,13 +55,13 @@ std::vector<std::string> words_of(const std::string& command) {
   return words;
 }
 
-// One unit in the last digit of a number as it is written: "0.1229" has 1e-4, "4" has 0.
+// Returns one unit in the last digit of a number as written: "0.1229" has 1e-4, "4" has 0.
 double last_digit(const std::string& number) {
   const std::size_t point = number.find('.');
   return point == std::string::npos ? 0 : std::pow(10.0, -static_cast<double>(number.size() - point - 1));
 }
 
-// At `read` in what the program wrote: a JSON pointer, or a column of a CSV, in its last row.
+// Returns the value at `read` in the output: a JSON pointer, or a column of a CSV, in its last row.
 double number_at(const std::string& output, const std::string& read) {
   if (read.starts_with("/")) return nlohmann::json::parse(output).at(nlohmann::json::json_pointer(read)).get<double>();
   const std::vector<std::string> lines = lines_of(output);
@@ -97,13 +97,13 @@ TEST_F(Published, AsNearAsThePageSays) {
     const double theirs = std::stod(row.theirs), ours = std::stod(row.ours), error = std::stod(row.error);
     EXPECT_NEAR(got, theirs, error * (1 + 1e-9));
     EXPECT_NEAR(got, ours, last_digit(row.ours));
-    // The error is theirs to ours, not more than twice what it is.
+    // The error is between the published number and ours, at most twice that.
     EXPECT_LE(error, 2 * std::max({std::abs(ours - theirs), last_digit(row.ours), last_digit(row.theirs)}));
   }
   EXPECT_GE(problems.size(), 8u);
 }
 
-// No model of models/published that the page does not run; a task's scene is run by its task.
+// The page runs every model of models/published; a task runs its scene.
 TEST_F(Published, EveryModelHasItsRow) {
   std::string commands;
   for (const PublishedRow& row : published_rows()) commands += row.command + "\n";

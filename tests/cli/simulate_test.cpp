@@ -1,4 +1,4 @@
-// simulate and stability: the trajectory, what they say, how they stop.
+// simulate and stability are tested: trajectories, messages, and how runs stop.
 
 #include <cmath>
 #include <map>
@@ -8,7 +8,7 @@
 namespace manycontact::cli {
 namespace {
 
-// A CSV file without quotes: its columns by name.
+// Contains a CSV file without quotes: its columns by name.
 struct Csv {
   std::vector<std::string> names;
   std::map<std::string, std::vector<std::string>> columns;
@@ -45,7 +45,7 @@ class Simulate : public Program {
   Csv trajectory() const { return Csv(path("t.csv")); }
 };
 
-// The motions of all precisions are those of double, but for rounding.
+// The motions of all precisions are those of double, up to rounding error.
 TEST_F(Simulate, WorksInEachPrecision) {
   const std::string scene = model("quadruped_loop.xml");
   std::map<std::string, double> last;
@@ -96,7 +96,7 @@ TEST_F(Simulate, TellsWhatClosesAway) {
   }
 }
 
-// Ctrl-C, or kill, keeps the rows that there are; a file without an end has no other.
+// On Ctrl-C or kill the existing rows are kept; in a run without an end there is no other way.
 TEST_F(Simulate, KeepsWhatIsDoneWhenInterrupted) {
   const std::string file = scene("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>", "gravity=\"0 0 0\"");
   for (const int signal : {SIGINT, SIGTERM}) {
@@ -143,13 +143,13 @@ TEST_F(Simulate, WritesTheTrajectory) {
   }
 }
 
-// A box of 6.4 kg, pushed up by twice its weight from 0.05 s on; a spring in steps that are too long for it.
+// A box of 6.4 kg is pushed up with twice its weight from 0.05 s on; a spring is too stiff for the steps.
 TEST_F(Simulate, PushesAndSprings) {
   const std::string box = "<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>";
   const std::string pushed =
       scene(box + "<push name=\"lift\" frame=\"b/crate\" force=\"0 0 62.784\" reference_frame=\"world\"/>");
   EXPECT_EQ(run(words(pushed)).status, 0);
-  EXPECT_NEAR(trajectory().last("momentum[2]"), 0, 1e-6);  // its weight, by the scene
+  EXPECT_NEAR(trajectory().last("momentum[2]"), 0, 1e-6);  // its weight, given in the scene
   std::ofstream(path("w.csv")) << "t,w:lift[2]\n0.05,125.568\n";
   const Outcome outcome = run(words(pushed, {"--pushes", path("w.csv"), "--json", path("s.json")}));
   EXPECT_EQ(outcome.status, 0);
@@ -215,7 +215,7 @@ TEST_F(Simulate, GainsHoldTheContacts) {
   EXPECT_LT(drift("recommended"), 0.1 * none);
 }
 
-// Also on standard output, which then holds nothing else.
+// The bytes are the same on standard output, which then contains nothing else.
 TEST_F(Simulate, TheSameBytesTwice) {
   std::vector<std::string> out = words(model("quadruped_loop.xml"));
   out.back() = "-";
@@ -238,12 +238,12 @@ TEST_F(Simulate, DivergenceStopsAndSaysSo) {
     EXPECT_GE(csv.rows, 2u);
     EXPECT_LT(csv.rows, 101u);
     for (const auto& [name, column] : csv.columns) EXPECT_TRUE(std::isfinite(csv.last(name))) << name;
-    const std::string rows = std::to_string(csv.rows);  // one row per state: the start and the steps done
+    const std::string rows = std::to_string(csv.rows);  // one row per state: the start and the completed steps
     expect_contains(outcome.err, "step " + rows + " of 100");
   }
 }
 
-// A robot without mass: the first step fails, the start is written.
+// The first step of a robot without mass fails; the start is written.
 TEST_F(Simulate, SolverFailureStops) {
   const std::string massless =
       "<robot name=\"b\" urdf=\"empty.urdf\" base=\"floating\"/><robot name=\"a\" urdf=\"arm.urdf\" base=\"fixed\"/>";
@@ -316,7 +316,7 @@ TEST_F(Simulate, OutputThatCannotBeWrittenIsSaid) {
   EXPECT_EQ(lines_of(outcome.err).size(), 1u);
 }
 
-// Short runs of the charts: every curve is there, stiff gains are lost beyond their predicted limit and not below.
+// In short runs of the charts every curve exists; stiff gains are lost beyond their predicted limit and not below.
 TEST_F(Simulate, StabilityMeasuresAndDraws) {
   const std::string out = path("charts");
   const Outcome outcome = run({"stability", model("humanoid_standing.xml"), "--out", out, "--steps", "50"});
@@ -353,7 +353,7 @@ TEST_F(Simulate, StabilityMeasuresAndDraws) {
   }
 }
 
-// Without gnuplot: the CSV files, one line that says so, status 1.
+// Without gnuplot there are the CSV files, one line that reports it, and status 1.
 TEST_F(Simulate, StabilityWithoutGnuplot) {
   const char* before = std::getenv("PATH");
   const std::string kept = before ? before : "";
@@ -368,7 +368,7 @@ TEST_F(Simulate, StabilityWithoutGnuplot) {
   EXPECT_TRUE(std::filesystem::exists(path("c") + "/energy.csv"));
 }
 
-// One step, and a scene in which nothing moves: it ends, and says what there is nothing of.
+// With one step, or a scene in which nothing moves, the program ends and reports what is empty.
 TEST_F(Simulate, StabilityOfLittle) {
   if (std::system("gnuplot --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "gnuplot is not installed";
   const Outcome one =

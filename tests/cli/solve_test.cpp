@@ -1,4 +1,4 @@
-// `manycontact solve`: its JSON, its summary, its exit status.
+// `manycontact solve` is tested: its JSON, its summary, its exit status.
 
 #include "manycontact/dynamics/solve.hpp"
 
@@ -19,7 +19,7 @@ class Solve : public Program {};
 
 std::vector<double> numbers(const Eigen::VectorXd& x) { return {x.begin(), x.end()}; }
 
-// 1,000 humanoids: 50,000 x 108,000 numbers.
+// 1,000 humanoids have 50,000 x 108,000 numbers.
 TEST_F(Solve, RefusesDenseMatricesThatFillTheMemory) {
   const std::string many = scene("<robot name=\"h\" urdf=\"humanoid.urdf\" base=\"floating\" copies=\"1000\"/>");
   const Outcome outcome = run({"solve", many, "--derivatives", "--json", "-"});
@@ -28,7 +28,7 @@ TEST_F(Solve, RefusesDenseMatricesThatFillTheMemory) {
   EXPECT_EQ(outcome.out, "");
 }
 
-// The same accelerations in each precision, as accurate as it is; a dense solution is in double whatever was asked for.
+// Accelerations agree in each precision to its accuracy; a dense solution is in double for any requested precision.
 TEST_F(Solve, TellsThePrecision) {
   const std::string loop = model("quadruped_loop.xml");
   const auto accelerations = [](const json& j) { return j.at("acceleration").get<std::vector<double>>(); };
@@ -126,7 +126,7 @@ TEST_F(Solve, MethodAndOrderAreObeyed) {
   EXPECT_TRUE(r.at("island_list")[0].at("order").is_null());
 }
 
-// The report of dense-schur has one entry for the whole scene; the scene has its islands all the same.
+// The report of dense-schur has one entry for the whole scene; the scene still has its islands.
 TEST_F(Solve, DenseSchurCountsTheScenesIslands) {
   const std::string path = scene(R"(<robot name="b" urdf="box.urdf" base="floating" copies="3" spacing="1"/>
     <contact name="c" type="3d" frame="b/top_1"/>)");
@@ -138,7 +138,7 @@ TEST_F(Solve, DenseSchurCountsTheScenesIslands) {
   expect_contains(run({"solve", path, "--method", "dense-schur"}).out, "9 contact rows in 3 islands");
 }
 
-// What the summary says in words, the JSON says too.
+// The summary's statements in words are in the JSON too.
 TEST_F(Solve, TextAndJsonAgreeOnWhatIsRounding) {
   const auto check = [this](const std::string& path, bool at_rest) {
     const json r = solve({path}).at("report");
@@ -259,7 +259,7 @@ TEST_F(Solve, SummaryNamesTheLargestDerivatives) {
     EXPECT_NE(std::find(found.begin(), found.end(), line), found.end()) << line[0] << ' ' << line[1] << ' ' << line[2];
 }
 
-// Two contacts a nanometre apart: the values are told, and that their derivatives may be nothing but rounding.
+// Two contacts are a nanometre apart: values are printed, with a warning that derivatives may be rounding error.
 TEST_F(Solve, DerivativesThatAreRoundingAreTold) {
   const std::string path = scene(R"(<robot name="a" urdf="box.urdf" base="floating" xyz="0 0 1"/>
     <contact type="3d" name="one" frame="a/crate" offset="0.1 0.1 0"/>
@@ -296,7 +296,7 @@ TEST_F(Solve, AlikeCopiesShareALine) {
   expect_contains(out, "LF0 .. LF63");
 }
 
-// Copies or not: a summary does not grow with the robots, and of a few all are named.
+// With copies or not, a summary does not grow with the robots, and few robots are all named.
 TEST_F(Solve, ManyRobotsAreCutShort) {
   std::string robots;
   for (int k = 0; k < 300; ++k)

@@ -1,4 +1,4 @@
-// The command line itself: help, version, bad usage, bad input.
+// The command line itself is tested: help, version, bad usage, bad input.
 
 #include <regex>
 
@@ -25,7 +25,7 @@ TEST_F(Usage, HelpNamesEveryCommandAndOption) {
   }
 }
 
-// What a folder holds after `./run demo`: the program without those that it executes.
+// After `./run demo` the folder contains the program without those that it executes.
 TEST_F(Usage, CommandsOfAnAbsentProgramSayHowToGetIt) {
   std::filesystem::copy_file(MANYCONTACT_BINARY, path("manycontact"));
   const std::pair<const char*, const char*> beside[] = {
@@ -136,7 +136,7 @@ TEST_F(Usage, BadInputIsOneLineWithFileAndLine) {
 }
 
 #ifndef __SANITIZE_ADDRESS__
-// Where addresses are few OpenBLAS' own thread would ask for memory for ever, and the program not end.
+// If address space is scarce, OpenBLAS' own thread would request memory for ever, and the program would not end.
 TEST_F(Usage, EndsWhereAddressesAreFew) {
   for (const char* kilobytes : {"100000", "150000", "400000"}) {
     const Outcome outcome =
@@ -144,7 +144,7 @@ TEST_F(Usage, EndsWhereAddressesAreFew) {
                        " && unset OPENBLAS_NUM_THREADS && exec timeout 60 '" MANYCONTACT_BINARY "' solve '" +
                        model("humanoid_standing.xml") + "'"},
             "/bin/sh");
-    EXPECT_NE(outcome.status, 124) << kilobytes;  // of timeout
+    EXPECT_NE(outcome.status, 124) << kilobytes;  // status of timeout
   }
 }
 #endif

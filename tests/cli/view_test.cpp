@@ -1,4 +1,4 @@
-// view, and --view of simulate and optimize: what stands in the page. What a browser makes of it: browser_test.cpp.
+// view, and --view of simulate and optimize, write this page. browser_test.cpp tests it in a browser.
 
 #include <cmath>
 #include <regex>
@@ -14,7 +14,7 @@ namespace {
 
 class View : public Program {
  protected:
-  // Without three.js when it was built, the program says so, and there is nothing to look at.
+  // If it was built without three.js, the program reports it, and the tests are skipped.
   void SetUp() override {
     const Outcome outcome = run({"view", model("arm_pushes_box.xml"), "--out", path("try.html")});
     if (outcome.status == 0) return;
@@ -36,7 +36,7 @@ class View : public Program {
   mutable std::string out;
 };
 
-// Bodies of a frame against forward kinematics: positions in floats, unit quaternions in 1/32767.
+// Compares a frame's bodies with forward kinematics: positions in floats, unit quaternions in 1/32767.
 void expect_bodies(const Scene& scene, const Eigen::VectorXd& q, const ViewPage& page, std::size_t frame) {
   const auto p = page.list<float>("positions");
   const auto w = page.list<std::int16_t>("quaternions");
@@ -60,7 +60,7 @@ void expect_bodies(const Scene& scene, const Eigen::VectorXd& q, const ViewPage&
   }
 }
 
-// The forces of a frame against a solve: 3D and 6D contacts, both kinds of axes.
+// Compares a frame's forces with a solve: 3D and 6D contacts, both kinds of axes.
 void expect_forces(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& u,
                    const std::vector<char>& active, const ViewPage& page, std::size_t frame) {
   SceneData data(scene);
@@ -88,7 +88,7 @@ void expect_forces(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Ve
     for (std::size_t k = 0; k < 3; ++k) {
       EXPECT_NEAR(points[3 * at + k], oMA.p[static_cast<Eigen::Index>(k)], 1e-6) << contact.name;
       EXPECT_NEAR(forces[3 * at + k], in_world[static_cast<Eigen::Index>(k)], 1e-4)
-          << contact.name;  // of 1e2 N: floats
+          << contact.name;  // relative to 1e2 N: floats
     }
   }
 }
@@ -163,7 +163,7 @@ TEST_F(View, SimulateShowsWhatItWrites) {
   expect_bodies(file.scene, sim.q, page, 2);
   expect_forces(file.scene, sim.q, sim.v, file.u, sim.dynamics.active, page, 2);
 
-  // The same from the CSV, but for the forces, which it does not have.
+  // The CSV gives the same, except for the forces, which it does not contain.
   const ViewPage again = view(scene, {"--trajectory", path("t.csv")});
   for (const char* name : {"t", "positions", "quaternions", "points", "kinetic", "position_drift"})
     EXPECT_EQ(again.scene["frames"][name], page.scene["frames"][name]) << name;
@@ -211,7 +211,7 @@ TEST_F(View, OptimizeShowsItsMotion) {
   EXPECT_TRUE(std::isnan(page.list<float>("forces").back()));  // the terminal node has no torques
 }
 
-// At most 5 MB for the ring of 16 humanoids over 2 s.
+// The ring of 16 humanoids takes at most 5 MB over 2 s.
 TEST_F(View, TwoSecondsOfTheRingAreSmall) {
   const std::string scene = model("ring_of_humanoids.xml");
   ASSERT_EQ(run({"simulate", scene, "--time", "0.001", "--step", "0.001", "--out", path("t.csv")}).status, 0);
@@ -224,7 +224,7 @@ TEST_F(View, TwoSecondsOfTheRingAreSmall) {
   EXPECT_LT(std::filesystem::file_size(path("v.html")), 5000000u);
 }
 
-// Without visuals: capsules between the joints. With meshes: those that are found.
+// Without visuals there are capsules between the joints; with meshes, those that are found.
 TEST_F(View, CapsulesAndMeshes) {
   const auto robot = [&](const std::string& name, const std::string& visual) {
     const std::string link =
@@ -275,14 +275,14 @@ TEST_F(View, CapsulesAndMeshes) {
   view(one);
   expect_lacks(out, "capsules");
 
-  // One that assimp follows until its stack overflows.
+  // assimp follows this one until its stack overflows.
   std::ofstream(path("parts/m/cycle.dae")) << collada("", R"(<node id="a"><instance_node url="#a"/></node>)");
   robot("one.urdf", std::regex_replace(mesh, std::regex("tip.obj"), "cycle.dae"));
   EXPECT_EQ(view(one).scene["models"][0]["shapes"][1]["shape"], "capsule");
   expect_contains(out, "cycle.dae:1: cannot be read, assimp failed at it");
 }
 
-// A leaf ends where its farthest frame is, not in the floor below; one whose mass reaches farther ends with that.
+// A leaf ends at its farthest frame, not in the ground below; one whose mass reaches farther ends there.
 TEST_F(View, LeavesEndAtTheirFrames) {
   const auto length = [&](double mass_at, double frame_at) {
     std::ofstream(path("leg.urdf"))
@@ -303,7 +303,7 @@ TEST_F(View, LeavesEndAtTheirFrames) {
   EXPECT_NEAR(length(-0.2, -0.05), 0.4, 1e-6);
 }
 
-// Where a contact holds its frame to, and the frame that holds it: the line between them.
+// The page has a contact's reference and the frame attached to it: the line between them.
 TEST_F(View, ContactsKnowWhereTheyHold) {
   const std::string apart = scene(R"(<robot name="b" urdf="box.urdf" base="floating" copies="2" spacing="3"/>
     <contact name="rope" type="3d" frame="b0/crate" to="b1/face_top"/>
@@ -320,7 +320,7 @@ TEST_F(View, ContactsKnowWhereTheyHold) {
   }
 }
 
-// Names cannot leave the data they stand in.
+// Names cannot leave the data that contain them.
 TEST_F(View, NamesAreData) {
   const ViewPage page =
       view(scene("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>"

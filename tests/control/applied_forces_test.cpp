@@ -1,4 +1,4 @@
-// Pushes and springs in the nodes of optimal control: values against the simulation, derivatives against differences.
+// Pushes and springs act in nodes of optimal control: values agree with the simulation, derivatives with differences.
 
 #include "control/nodes.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
@@ -34,7 +34,7 @@ void expect_node_derivatives(const Problem& p, const NodePtr& model) {
     Eigen::VectorXd dx = Eigen::VectorXd::Zero(n), du = Eigen::VectorXd::Zero(m);
     (c < n ? dx[c] : du[c - n]) = 1;
     const Eigen::VectorXd mine = c < n ? data->Fx.col(c) : data->Fu.col(c - n);
-    double error = kInfinity, size = 0;  // of the better of two differences: one has rounding, the other a remainder
+    double error = kInfinity, size = 0;  // of the better of two differences: rounding in one, a remainder in the other
     for (const double e : {1e-3, 1e-4}) {
       const Eigen::VectorXd twin = fourth_order(p, model, other, dx, du, e);
       error = std::min(error, difference_of(mine, twin));
@@ -60,7 +60,7 @@ TEST(AppliedForcesInNodes, SymplecticIsTheStep) {
     for (int seed = 300; seed < 306; ++seed) {
       SCOPED_TRACE(std::to_string(seed) + (free ? " free" : ""));
       RandomScene s = pushed(seed, free);
-      s.scene.springs.clear(), s.scene.spring_index.clear();  // between points: nodes take them at the start
+      s.scene.springs.clear(), s.scene.spring_index.clear();  // between points: nodes evaluate them at the start
       const Problem p = make_problem(s);
       if (p.u.size() != s.u.size()) continue;  // passive joints
       const auto model = std::make_shared<IntegratedActionModelSymplectic>(p.model(), 1e-2);
@@ -75,13 +75,13 @@ TEST(AppliedForcesInNodes, SymplecticIsTheStep) {
     }
 }
 
-// Of the first robot, whose name goes before it where there are others.
+// Returns the name of a frame of the first robot, with the robot's name as prefix if there are others.
 std::string frame_of(const Scene& scene) {
   const Robot& robot = scene.robots.front();
   return (scene.nrobots() > 1 ? robot.name + "/" : "") + robot.model->frames.back().name;
 }
 
-// An impact takes no time, in which nothing pushes.
+// Nothing pushes during an impact, which takes no time.
 TEST(AppliedForcesInNodes, ImpactsDoNotSeeThem) {
   const RandomScene s = pushed(311, false);
   Scene bare = s.scene;

@@ -1,4 +1,4 @@
-// A program for Crocoddyl after a change of namespace and of the state's construction: an arm reaches a pose.
+// In a program for Crocoddyl, after a change of namespace and of the state's construction, an arm reaches a pose.
 
 #include <gtest/gtest.h>
 
@@ -74,7 +74,7 @@ struct Program {
       model->quasiStatic(data, us[i], x0);
     }
   }
-  // Costs of the node, as a user gets at them.
+  // Returns the costs of the node, as a user gets them.
   static const std::shared_ptr<manycontact::CostModelSum>& costs(
       const std::shared_ptr<crocoddyl::ActionModelAbstract>& node) {
     const auto euler = std::static_pointer_cast<crocoddyl::IntegratedActionModelEuler>(node);
@@ -108,14 +108,14 @@ TEST(ArmProgram, Reaches) {
   const auto again = p.problem->rollout_us(solver.get_us());
   EXPECT_LT((again.back() - solver.get_xs().back()).norm(), 1e-8);
 
-  // Solved with DDP from there: nothing is left to do.
+  // DDP from this solution has nothing left to do.
   crocoddyl::SolverDDP ddp(p.problem);
   EXPECT_TRUE(ddp.solve(solver.get_xs(), solver.get_us(), 10, true));
   EXPECT_LE(ddp.get_iter(), 2u);
   EXPECT_NEAR(ddp.get_cost(), solver.get_cost(), 1e-8 * solver.get_cost());
 }
 
-// Another goal, other weights, fewer costs: the problem is solved again from where it was.
+// With another goal, other weights and fewer costs the problem is solved again from its last solution.
 TEST(ArmProgram, FollowsAMovedGoal) {
   Program p;
   crocoddyl::SolverFDDP solver(p.problem);

@@ -1,11 +1,11 @@
-// A node with its constraints in its cost: value, gradient and Hessian against differences, and against the projection.
+// A node has its constraints in its cost: value, gradient and Hessian agree with differences and with the projection.
 
 #include "control/nodes.hpp"
 
 namespace manycontact::test {
 namespace {
 
-// Random linear constraints; of the inequalities some bind below, some above, some not, and two have one side only.
+// The constraints are random and linear. Some inequalities bind below, some above, some not; two have one side only.
 struct Augmented {
   std::shared_ptr<ActionModelLQR> lqr = std::make_shared<ActionModelLQR>(ActionModelLQR::Random(5, 3, 6, 2));
   std::shared_ptr<ActionModelAugmentedLagrangian> model;
@@ -21,7 +21,7 @@ struct Augmented {
     lower[0] = inner->g[0] + 0.3, upper[0] = kInfinity;
     upper[1] = inner->g[1] - 0.3, lower[1] = -kInfinity;
     lower[2] = upper[2] = inner->g[2] + 0.1;
-    y[3] = 2, y[4] = -2;  // pull over the bounds at rho = 2
+    y[3] = 2, y[4] = -2;  // moves beyond the bounds at rho = 2
     y[5] = 0.1;
     lqr->set_g_lb(lower);
     lqr->set_g_ub(upper);
@@ -54,8 +54,8 @@ TEST(AugmentedAction, ValueIsThatOfTheProjection) {
   }
 }
 
-// The constraints are linear and no bound is near a kink, so that the Gauss-Newton Hessian is exact and differences are
-// good to rounding: eps / h of gradients, eps / h^2 of Hessians, h = eps^(1/3), eps^(1/4).
+// The constraints are linear and no bound is near a kink, so the Gauss-Newton Hessian is exact and differences are
+// accurate to rounding: eps / h for gradients, eps / h^2 for Hessians, h = eps^(1/3), eps^(1/4).
 TEST(AugmentedAction, DerivativesAreThoseOfTheValue) {
   for (int seed = 1; seed < 6; ++seed) {
     Augmented a(seed);

@@ -1,5 +1,5 @@
-// Constrained problems: against the dense solution of the whole horizon, on nonlinear ones by their optimality
-// conditions, and where there is no solution.
+// Constrained problems are compared with the dense solution of the whole horizon; nonlinear ones must satisfy their
+// optimality conditions, and infeasible ones must be reported.
 
 #include "control/nodes.hpp"
 #include "support/allocations.hpp"
@@ -17,7 +17,7 @@ double residual_of(SolverAugmentedLagrangian& solver, bool limits = false) {
 
 // ---- linear-quadratic problems --------------------------------------------------------------------------------------
 
-// One equality at each running node, two at the terminal one (x alone).
+// The problem has one equality at each running node, two at the terminal one (x alone).
 std::shared_ptr<ShootingProblem> constrained_lqr(std::size_t T, std::size_t nx, std::size_t nu) {
   std::vector<NodePtr> nodes;
   for (std::size_t t = 0; t < T; ++t)
@@ -27,7 +27,7 @@ std::shared_ptr<ShootingProblem> constrained_lqr(std::size_t T, std::size_t nx, 
                                            std::make_shared<ActionModelLQR>(ActionModelLQR::Random(nx, nu, 0, 2)));
 }
 
-// [x_0; u_0; x_1; ...] of the KKT system with all equalities.
+// Returns [x_0; u_0; x_1; ...] of the KKT system with all equalities.
 Eigen::VectorXd constrained_solution(ShootingProblem& problem) {
   const Eigen::Index T = problem.get_T(), nx = problem.get_nx(), nu = problem.get_nu_max(), n = nx + nu;
   const Eigen::Index nz = T * n + nx;
@@ -81,7 +81,7 @@ TEST(AugmentedLagrangian, SolvesALinearQuadraticProblemWithEqualities) {
   EXPECT_LE(solver.get_hfeas(), 1e-8);
   EXPECT_LT(residual_of(solver), 1e-7);
   EXPECT_NEAR(solver.get_cost(), problem->calc(solver.get_xs(), solver.get_us()), 1e-12 * std::abs(solver.get_cost()));
-  // without constraints it is another one
+  // without constraints the solution is another one
   SolverFDDP fddp(problem);
   EXPECT_TRUE(fddp.solve());
   EXPECT_GT(error_of(stacked(fddp), truth), 1e-2);
@@ -101,7 +101,7 @@ TEST(AugmentedLagrangian, SolvesAProblemWithoutConstraints) {
 
 // ---- a unicycle through a gate --------------------------------------------------------------------------------------
 
-// lower <= y <= upper, and x = goal where that is asked for.
+// Imposes lower <= y <= upper, and x = goal if it is given.
 class Gate : public ActionModelUnicycle {
  public:
   Gate(double lower, double upper, double goal = NAN) : goal_(goal) {
@@ -172,7 +172,7 @@ TEST(AugmentedLagrangian, AUnicyclePassesAGate) {
   }
 }
 
-// The multiplier is what the optimal cost gains when the bound moves: d cost / d upper = - y.
+// The multiplier is the rate at which the optimal cost falls when the bound moves: d cost / d upper = - y.
 TEST(AugmentedLagrangian, MultipliersAreTheSlopeOfTheCost) {
   const auto solved = [&](double upper) {
     auto solver = std::make_unique<SolverAugmentedLagrangian>(gated(std::make_shared<Gate>(-kInfinity, upper)));
@@ -209,13 +209,12 @@ TEST(AugmentedLagrangian, KeepsControlLimitsToo) {
   EXPECT_GT(at_limit, 0);
 }
 
-// ---- separate parts
-// --------------------------------------------------------------------------------------------------
+// ---- separate parts -------------------------------------------------------------------------------------------------
 
-// Two unicycles that never meet. Gates of each, off the way that it would take.
+// Two unicycles never meet. Each has gates, off its optimal way.
 struct TwoGated {
   std::shared_ptr<ShootingProblem> problem;
-  double y10, other_y10, other_x14;  // where the gates are, of the first and of the other
+  double y10, other_y10, other_x14;  // places of the gates, of the first and of the other
 };
 
 TwoGated two_gated(MatrixStorage storage, double limit = kInfinity) {
@@ -260,7 +259,7 @@ TEST(AugmentedLagrangian, OfSeparatePartsTakesTheStepsOfTheWhole) {
     EXPECT_GT(sparse.get_outer_iter(), 2u);
     EXPECT_EQ(sparse.get_outer_iter(), dense.get_outer_iter());
     ASSERT_EQ(sparse_log->costs.size(), dense_log->costs.size());
-    // (Lengths of quasi-Newton steps are interpolated between costs that differ by their rounding in the end.)
+    // (Lengths of quasi-Newton steps are interpolated between costs that finally differ by rounding alone.)
     for (std::size_t k = 0; k < dense_log->costs.size(); ++k)
       EXPECT_LT(std::abs(sparse_log->costs[k] - dense_log->costs[k]), 1e-9 * dense_log->costs[k]) << k;
     EXPECT_LT(difference_of(stacked(sparse), stacked(dense)), 1e-7);
@@ -269,7 +268,7 @@ TEST(AugmentedLagrangian, OfSeparatePartsTakesTheStepsOfTheWhole) {
     EXPECT_NEAR(xs[10][3], gates.other_y10, 1e-8);
     EXPECT_NEAR(xs[14][1], gates.other_x14, 1e-8);
     EXPECT_LT(residual_of(sparse, limit < kInfinity), 1e-6);
-    // of a node: g of both parts, then h
+    // a node has g of both parts, then h
     const Vectors y = sparse.get_multipliers();
     ASSERT_EQ(y[10].size(), 2);
     ASSERT_EQ(y[14].size(), 3);
@@ -341,7 +340,7 @@ TEST(AugmentedLagrangian, StartsFromItsLastMultipliers) {
   solver.set_multipliers(multipliers);
   EXPECT_TRUE(solver.solve(xs, us, 100, true));
   EXPECT_LE(solver.get_outer_iter(), 2u);
-  // a horizon later
+  // one shift of the horizon later
   solver.circularAppend(std::make_shared<ActionModelUnicycle>());
   EXPECT_EQ(solver.get_multipliers()[9].size(), 1);
   EXPECT_NEAR(solver.get_multipliers()[9][0], multipliers[10][0], 1e-5);
@@ -351,7 +350,7 @@ TEST(AugmentedLagrangian, StartsFromItsLastMultipliers) {
   EXPECT_LE(solver.get_xs()[9][1], -0.12 + 1e-8);
 }
 
-// A node that counts how often it is evaluated, and how many data it made.
+// A node that counts its evaluations and its data.
 class Counted : public Gate {
  public:
   using Gate::Gate;
@@ -367,8 +366,8 @@ class Counted : public Gate {
   int evaluated = 0, created = 0;
 };
 
-// At the solution: once to start from, once by the minimisation's first iteration and by each of its steps, and none
-// for the judgement of a candidate that was evaluated last.
+// At the solution nodes are evaluated once to start from, once in the minimisation's first iteration and once in each
+// of its steps. A candidate that was evaluated last needs no further evaluation to be judged.
 TEST(AugmentedLagrangian, EvaluatesNodesAsOftenAsNeeded) {
   const auto node = std::make_shared<Counted>(-kInfinity, -0.12);
   const auto problem = gated(node);
@@ -402,7 +401,7 @@ TEST(AugmentedLagrangian, AShiftOfTheHorizonTouchesOneNode) {
 
 // ---- an arm ---------------------------------------------------------------------------------------------------------
 
-// The tool in the end exactly at a point, at rest; until the last five nodes 0.1 m above that point, on a table.
+// At the end the tool rests at a point; until the last five nodes it is 0.1 m above that point, on a table.
 struct ReachingArm {
   SceneFile file = load_text(
       "<scene><robot name=\"arm\" urdf=\"arm.urdf\" base=\"fixed\"><q>0.1 0.9 0.2 1.2 0.1 -0.5 "
@@ -510,10 +509,10 @@ TEST(AugmentedLagrangian, SaysThatConstraintsCannotBeMet) {
   const Guess guess = standing(*far);
   SolverAugmentedLagrangian arms(far);
   EXPECT_FALSE(arms.solve(guess.xs, guess.us, 1000));
-  // (Next to a stretched arm linear steps promise all of it: quasi-Newton steps come to rest there.)
+  // (Near a stretched arm linear steps promise to remove all of it: quasi-Newton steps come to rest there.)
   EXPECT_EQ(arms.reason(), StopReason::kInfeasible) << to_string(arms.reason());
   EXPECT_GT(arms.get_violation(), 0.5);
-  // x0 violates it
+  // x0 violates the constraint
   const auto node = std::make_shared<ActionModelUnicycle>();
   std::vector<NodePtr> nodes(10, node);
   nodes[0] = std::make_shared<Gate>(0, 1);
@@ -546,7 +545,7 @@ TEST(AugmentedLagrangian, SaysWhyItStopped) {
   EXPECT_EQ(callback->count, 2u);
   EXPECT_EQ(solver.get_iter(), 1u);
 
-  // numbers that are not finite, of constraints, everywhere but at the guess
+  // constraints are not finite anywhere but at the guess
   struct Hole : Gate {
     Hole() : Gate(-kInfinity, 1) {}
     void calc(const NodeDataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override {

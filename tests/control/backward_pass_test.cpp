@@ -1,4 +1,4 @@
-// The backward pass: the structure of symplectic Euler against dense matrices, and against the formulas of ddp.hpp.
+// The backward pass uses the structure of symplectic Euler; it agrees with dense matrices and the formulas of ddp.hpp.
 
 #include <Eigen/Core>
 
@@ -7,12 +7,12 @@
 namespace manycontact::test {
 namespace {
 
-// Of another class, whose derivatives the solver takes as they are.
+// The solver uses the derivatives of this other class as they are.
 struct DenseEuler : IntegratedActionModelEuler {
   using IntegratedActionModelEuler::IntegratedActionModelEuler;
 };
 
-// With random gaps, at random states near p.x.
+// Sets random gaps, at random states near p.x.
 template <class Solver>
 void prepare(Solver& solver, const Problem& p) {
   std::mt19937 rng(9);
@@ -50,7 +50,7 @@ TEST_P(BackwardPass, OfSymplecticEulerIsThatOfItsMatrices) {
   }
 }
 
-// The same where nodes keep no matrices; a calc in between, of a step that is not taken, say, leaves derivatives alone.
+// Nodes without matrices give the same; a calc in between, e.g. of a rejected step, does not change derivatives.
 TEST_P(BackwardPass, OfPanelsIsThatOfMatrices) {
   Problem p = problem_with_costs(GetParam());
   p.constraints = std::make_shared<ConstraintModelManager>(p.state, p.actuation->get_nu());

@@ -1,4 +1,4 @@
-// BoxQP against every choice of active bounds.
+// BoxQP is compared with every choice of active bounds.
 
 #include "manycontact/control/box_qp.hpp"
 
@@ -11,7 +11,7 @@
 namespace manycontact::test {
 namespace {
 
-// The best of the stationary points of every face of the box.
+// Returns the best of the stationary points of every face of the box.
 Eigen::VectorXd by_enumeration(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, const Eigen::VectorXd& lb,
                                const Eigen::VectorXd& ub) {
   const int n = static_cast<int>(q.size());

@@ -1,4 +1,4 @@
-// SolverBoxDDP and SolverBoxFDDP say converged at optima alone, and take Crocoddyl's iterates until then.
+// SolverBoxDDP and SolverBoxFDDP report convergence at optima alone, and have Crocoddyl's iterates until then.
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ MatrixXd random_matrix(Index rows, Index cols, std::mt19937& rng) {
   return random_vector(static_cast<int>(rows * cols), rng, 1).reshaped(rows, cols);
 }
 
-// Weights from 1e-2 to 1e2, controls that cost next to nothing in a third, tight limits and wide ones.
+// Weights are from 1e-2 to 1e2, controls cost nearly nothing in a third, and limits are tight or wide.
 Boxed random_boxed(unsigned seed) {
   std::mt19937 rng(seed);
   const Index nx = 1 + rng() % 5, nu = 1 + rng() % 3;
@@ -45,7 +45,7 @@ Boxed random_boxed(unsigned seed) {
   return out;
 }
 
-// The least cost: the condensed quadratic program by coordinate descent, which ends at the optimum of a convex one.
+// Returns the least cost: coordinate descent on the condensed quadratic program ends at the optimum of a convex one.
 double least_cost(const Boxed& p) {
   const Index nu = p.bound.size(), n = static_cast<Index>(p.T) * nu;
   Vectors us(p.T);
@@ -97,7 +97,7 @@ TEST(BoxVerdict, OfBoxDDPFromARollout) { expect_optima<SolverBoxDDP>(true); }
 TEST(BoxVerdict, OfBoxFDDP) { expect_optima<SolverBoxFDDP>(false); }
 TEST(BoxVerdict, OfBoxFDDPFromARollout) { expect_optima<SolverBoxFDDP>(true); }
 
-// x' = 2 x - 2 u, |u| <= 2, x0 = 3: the least is 24, at u = 2, where Crocoddyl's rule ends at 24.039.
+// x' = 2 x - 2 u, |u| <= 2, x0 = 3: the least cost is 24, at u = 2, while Crocoddyl's rule ends at 24.039.
 TEST(BoxVerdict, OfAScalarProblem) {
   const MatrixXd one = MatrixXd::Identity(1, 1), none = MatrixXd::Zero(1, 1);
   const auto node =
@@ -114,7 +114,7 @@ TEST(BoxVerdict, OfAScalarProblem) {
   EXPECT_NEAR(ddp.get_us()[0][0], 2, 1e-8);
 }
 
-// What comes of each iteration.
+// Records the controls of each iteration.
 class Keep : public CallbackAbstract {
  public:
   void operator()(SolverAbstract& solver) override { us.push_back(solver.get_us()); }

@@ -1,4 +1,4 @@
-// `using namespace crocoddyl`, as programs written for Crocoddyl have it: no name is in doubt.
+// `using namespace crocoddyl`, as in programs written for Crocoddyl, makes no name ambiguous.
 
 #include <gtest/gtest.h>
 

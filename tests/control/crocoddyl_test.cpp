@@ -1,4 +1,4 @@
-// manycontact/crocoddyl.hpp: a program as it stands in Crocoddyl, but for its state.
+// manycontact/crocoddyl.hpp compiles a program of Crocoddyl unchanged, except for its state.
 
 #include "manycontact/crocoddyl.hpp"
 
@@ -70,7 +70,7 @@ TEST(Crocoddyl, StacksWarnAndGoOn) {
   EXPECT_EQ(constraints.get_nh(), state->get_ndx());
 }
 
-// The stacks are those that action models and problems take.
+// Action models and problems accept these stacks.
 TEST(Crocoddyl, AWholeProgram) {
   const auto state = humanoid();
   const auto actuation = std::make_shared<ActuationModelFloatingBase>(state);
@@ -92,7 +92,7 @@ TEST(Crocoddyl, AWholeProgram) {
   EXPECT_TRUE(std::isfinite(solver.get_cost()));
 }
 
-// A sum stands on a vector space too, by hand and with residuals of one's own.
+// A sum also works on a vector space, standalone and with residuals of one's own.
 TEST(Crocoddyl, SumsOnAVectorSpace) {
   const auto state = std::make_shared<StateVector>(4);
   CostModelSum costs(state, 2);

@@ -1,4 +1,4 @@
-// Violations and KKT residuals of nodes of every kind: without controls, not finite, of one part.
+// Violations and KKT residuals are correct for nodes of every kind: without controls, not finite, of one part.
 
 #include "control/nodes.hpp"
 
@@ -7,7 +7,7 @@ namespace {
 
 using Vectors = std::vector<Eigen::VectorXd>;
 
-// x' = x, cost x^2 / 2, no controls. g = [x; 2 x], h = 3 x, of a running node g = x alone.
+// The node is x' = x with cost x^2 / 2 and no controls. g = [x; 2 x], h = 3 x; a running node has g = x alone.
 class Still : public ActionModelAbstract {
  public:
   explicit Still(double factor = 1) : ActionModelAbstract(std::make_shared<StateVector>(1), 0, 0, 1, 0, 2, 1) {
@@ -45,10 +45,10 @@ TEST(Feasibility, OfNodesWithoutControlsIsThatOfTheirOwnRows) {
   const auto problem = std::make_shared<ShootingProblem>(Eigen::VectorXd::Ones(1), std::vector<NodePtr>(2, node), node);
   SolverFDDP solver(problem);
   problem->calc(Vectors(3, Eigen::VectorXd::Ones(1)), Vectors(2, Eigen::VectorXd(0)));
-  EXPECT_EQ(solver.computeInequalityFeasibility(), 1);  // of the last node: g = [1; 2], bounds 0.5 and 1
+  EXPECT_EQ(solver.computeInequalityFeasibility(), 1);  // the last node's: g = [1; 2], bounds 0.5 and 1
   EXPECT_EQ(solver.computeEqualityFeasibility(), 3);
   solver.set_feasnorm(L1);
-  EXPECT_EQ(solver.computeInequalityFeasibility(), 1.5);  // g = 1 of the others is within -5 and 5
+  EXPECT_EQ(solver.computeInequalityFeasibility(), 1.5);  // g = 1 in the others is within -5 and 5
   EXPECT_EQ(solver.computeEqualityFeasibility(), 3);
 }
 
@@ -69,7 +69,7 @@ TEST(Feasibility, IsNotANumberWhereAConstraintIsNot) {
   EXPECT_TRUE(std::isnan(solver.computeEqualityFeasibility()));
 }
 
-// A node of one part whose matrices the part's data alone hold.
+// In a node of one part only the part's data store matrices.
 TEST(KktResidual, OfOnePartIsThatOfItsNodes) {
   const auto own = std::make_shared<ActionModelUnicycle>();
   const auto parts = std::make_shared<ActionModelParts>(own->get_state(), 2,

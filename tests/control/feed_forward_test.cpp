@@ -1,5 +1,5 @@
 // Quasi-Newton steps on feed-forward terms: L-BFGS, the gradient against differences of the cost, its scaling against
-// the backward pass, and minima where Gauss-Newton's steps do not contract.
+// the backward pass, and minima where Gauss-Newton's steps do not contract, are tested.
 
 #include "control/nodes.hpp"
 
@@ -16,7 +16,7 @@ Vectors random_vectors_of(const std::vector<int>& sizes, std::mt19937& rng) {
 
 // ---- L-BFGS -------------------------------------------------------------------------------------------------------
 
-// On a quadratic with Hessian A: H y = s of the newest pair, and H stays symmetric and positive.
+// For a quadratic with Hessian A, H y = s is satisfied for the newest pair, and H stays symmetric and positive.
 TEST(LimitedBfgs, MeetsTheSecantEquation) {
   std::mt19937 rng(1);
   const std::vector<int> sizes{3, 0, 2};
@@ -69,7 +69,7 @@ struct Open : SolverFDDP {
   using SolverFDDP::SolverFDDP;
 };
 
-// Central differences with step h are good to h^2 and eps cost / h; the cost's third derivatives are of its size.
+// Central differences with step h are accurate to h^2 and eps cost / h; the cost's third derivatives are of its size.
 TEST(FeedForward, GradientIsThatOfTheRolledOutCost) {
   const auto problem = reaching_humanoid(6);
   const Guess guess = standing(*problem);
@@ -103,7 +103,7 @@ TEST(FeedForward, GradientIsThatOfTheRolledOutCost) {
 
 // ---- minima ---------------------------------------------------------------------------------------------------------
 
-// 1/2 (2 + |x|^2)^2 + 1/2 |u|^2, x' = x + 0.1 u: at x = 0 the Hessian by x is 4, of which Gauss-Newton sees nothing.
+// 1/2 (2 + |x|^2)^2 + 1/2 |u|^2, x' = x + 0.1 u: the Hessian in x is 4 at x = 0, but zero in Gauss-Newton.
 class Hollow : public ActionModelAbstract {
  public:
   explicit Hollow(double weight = 1) : ActionModelAbstract(std::make_shared<StateVector>(2), 2), weight_(weight) {}
@@ -142,7 +142,7 @@ std::shared_ptr<ShootingProblem> hollow(double limit) {
   return std::make_shared<ShootingProblem>(Eigen::Vector2d(0.6, -0.2), std::vector<NodePtr>(8, node), node);
 }
 
-// A rollout of small controls, and three steps of the solver.
+// Starts from a rollout of small controls, with three steps of the solver.
 void start(SolverDDP& solver, std::size_t steps = 3) {
   ShootingProblem& problem = *solver.get_problem();
   Vectors us;
@@ -189,7 +189,7 @@ TEST(FeedForward, KeepsLimits) {
   EXPECT_LT(at_limit, 16);
 }
 
-// Parts in one: sums over parts are the whole's, so that steps are.
+// Several parts form one problem: sums over parts are the whole's, and so are the steps.
 TEST(FeedForward, OfSeparatePartsTakesTheStepsOfTheWhole) {
   for (const double limit : {double(INFINITY), 1.5}) {
     SCOPED_TRACE(limit);

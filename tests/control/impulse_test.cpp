@@ -1,4 +1,4 @@
-// Impacts: by hand, against their equations and differences in quadruple precision, and against numerical twins.
+// Impacts agree with hand calculations, with quadruple precision, and with numerical differentiation.
 
 #include "contact/scene_rows.hpp"
 #include "control/nodes.hpp"
@@ -13,7 +13,7 @@ using ImpulseData = ActionDataImpulseFwdDynamics;
 
 ImpulseData& as_impulse(const NodeDataPtr& data) { return dynamic_cast<ImpulseData&>(*data); }
 
-/// The rows of any contact.
+/// Contains an impact with the rows of any contact.
 struct ImpactProblem {
   RandomScene s;
   std::shared_ptr<StateMultibody> state;
@@ -47,7 +47,7 @@ struct ImpactProblem {
   void add(const std::string& name, std::shared_ptr<ResidualModelAbstract> residual, double weight) {
     costs->addCost(name, std::make_shared<CostModelResidual>(state, residual), weight);
   }
-  // Every residual an impact knows as a cost, some as constraints.
+  // Adds every residual of an impact as a cost, some as constraints.
   void add_residuals() {
     std::mt19937 rng(5);
     const auto nothing = std::make_shared<ActuationModelFull>(state);
@@ -98,7 +98,7 @@ ImpactTerms terms_of(const Scene& scene, const VecX<Quad>& q) {
   return t;
 }
 
-// [v+; -Lambda], as the header has it.
+// Returns [v+; -Lambda], as defined in the header.
 VecX<Quad> impact(const Scene& scene, const VecX<Quad>& q, const VecX<Quad>& v, double e, double delta) {
   const ImpactTerms t = terms_of(scene, q);
   DenseKkt<Quad> kkt;
@@ -132,7 +132,7 @@ TEST_P(Impacts, ValuesAndDerivativesAreTrue) {
   const VecX<Quad> q = p.s.q.cast<Quad>(), v = p.s.v.cast<Quad>(), truth = impact(scene, q, v, e, delta);
   EXPECT_TRUE(data->xnext.head(scene.nq) == p.s.q);
   EXPECT_LT(difference_of(data->xnext.tail(nv).eval(), truth.head(nv)), 1e-10 * size_of(truth.head(nv)));
-  const auto impulses = [&](const auto& part) {  // of all contacts, by name
+  const auto impulses = [&](const auto& part) {  // those of all contacts, by name
     Eigen::VectorXd all(nc);
     Eigen::Index at = 0;
     for (const auto& [name, contact] : d.multibody->contacts->contacts) {
@@ -170,7 +170,7 @@ INSTANTIATE_TEST_SUITE_P(Seeds, Impacts,
 
 // ---- numerical twins ----------------------------------------------------------------------------------------------
 
-// Of deep robots too, which a scene's own solve leaves to sparse-bodies.
+// Deep robots, which a scene's own solve leaves to sparse-bodies, are included.
 TEST(Impact, IsLikeItsTwin) {
   constexpr double kTolerance = 1e-6;  // of central differences
   for (const int seed : {40, 41, 42, 43, -10, -13}) {
@@ -209,7 +209,7 @@ TEST(Impact, IsLikeItsTwin) {
 
 // ---- by hand ------------------------------------------------------------------------------------------------------
 
-// A box held at a 6D frame comes back with e times its velocity; held at its centre, Lambda = -(1 + e) M v.
+// A box fixed at a 6D frame returns with e times its velocity; if it is fixed at its centre, Lambda = -(1 + e) M v.
 TEST(Impact, OfABoxByHand) {
   const SceneFile file = load_text(
       R"(<scene name="box" gravity="0 0 -9.81"> <robot name="b" urdf="box.urdf" base="floating" xyz="0 0 1"/> </scene>)");
@@ -231,14 +231,14 @@ TEST(Impact, OfABoxByHand) {
   EXPECT_LT(difference_of(data->Fx.bottomLeftCorner(6, 6).eval(), Eigen::MatrixXd::Zero(6, 6)), 1e-12);
   EXPECT_LT(difference_of(data->Fx.bottomRightCorner(6, 6).eval(), (-0.25 * Eigen::MatrixXd::Identity(6, 6)).eval()),
             1e-12);
-  // Nothing touches: the velocity stays.
+  // Nothing is in contact: the velocity stays.
   impulses->changeImpulseStatus("all", false);
   EXPECT_EQ(impulses->get_nc(), 0u);
   model.calc(data, x, none);
   model.calcDiff(data, x, none);
   EXPECT_LT(difference_of(data->xnext, x), 1e-14);
   EXPECT_LT(difference_of(data->Fx, Eigen::MatrixXd::Identity(12, 12)), 1e-12);
-  // A corner: its velocity is turned back, the momentum about it stays.
+  // At a corner the velocity is reversed, and the momentum about it stays.
   impulses->changeImpulseStatus("point", true);
   model.calc(data, x, none);
   const ContactDataAbstract& point = *as_impulse(data).multibody->contacts->contacts.at("point");
@@ -247,7 +247,7 @@ TEST(Impact, OfABoxByHand) {
   EXPECT_EQ(size_of(as_impulse(data).multibody->contacts->contacts.at("all")->f), 0);
 }
 
-// Four corners of each sole are redundant; the soles stop all the same, with or without damping.
+// Four corners of each sole are redundant; the soles stop nevertheless, with or without damping.
 TEST(Impact, OfRedundantCorners) {
   const SceneFile file = load_scene(MANYCONTACT_SOURCE_DIR "/models/feet_on_corners.xml");
   const auto state = std::make_shared<StateMultibody>(file.scene);
@@ -329,7 +329,7 @@ TEST(Impact, FollowsItsParts) {
   EXPECT_NE(os.str().find("ImpulseModelOfScene {frame="), std::string::npos);
 }
 
-// What was written into an item, and not by changeConstraintStatus or changeImpulseStatus, is heeded by no one.
+// A status that is written into an item, without changeConstraintStatus or changeImpulseStatus, is refused.
 TEST(Impact, RefusesAStatusWrittenIntoAnItem) {
   ImpactProblem p(42);
   p.add_residuals();

@@ -1,4 +1,4 @@
-// Integrators: their derivatives against numerical twins and quadruple precision, their order, their Hessians.
+// Integrators are tested for derivatives (numerical differentiation, quadruple precision), order and Hessians.
 
 #include "control/nodes.hpp"
 #include "derivatives/differences.hpp"
@@ -102,7 +102,7 @@ VecX<Quad> subtract_scene(const Scene& scene, const VecX<Quad>& q0, const VecX<Q
   return out;
 }
 
-// One step, by the formulas of euler.hpp and rk.hpp.
+// One step uses the formulas of euler.hpp and rk.hpp.
 QuadState step(const Scene& scene, const std::vector<char>& active, Scheme scheme, double step, const QuadState& x,
                const VecX<Quad>& u) {
   const Quad h = step;
@@ -129,7 +129,7 @@ QuadState step(const Scene& scene, const std::vector<char>& active, Scheme schem
 
 class InQuadruplePrecision : public testing::TestWithParam<Scheme> {};
 
-// Four directions of x, four of u.
+// Tests four directions of x, and four of u.
 TEST_P(InQuadruplePrecision, DerivativesAreTrue) {
   for (const int seed : {40, 42}) {
     const Problem p = problem_with_costs(seed);
@@ -192,7 +192,7 @@ TEST(Integrators, HaveTheirOrder) {
   }
 }
 
-// Linear dynamics and quadratic costs, whose Gauss-Newton Hessians are exact.
+// The dynamics is linear and costs are quadratic, so Gauss-Newton Hessians are exact.
 TEST(Integrators, HessiansAreThoseOfQuadraticCosts) {
   const auto lqr = std::make_shared<DifferentialActionModelLQR>(DifferentialActionModelLQR::Random(3, 2));
   std::mt19937 rng(3);

@@ -1,4 +1,4 @@
-// Crocoddyl's iterates on a task of ../shared/tasks, where present: an arm reaches with its hand, RK4, FDDP.
+// Iterates are Crocoddyl's on a task of ../shared/tasks, if present: an arm reaches with its hand, RK4, FDDP.
 
 #include <filesystem>
 #include <fstream>
@@ -19,7 +19,7 @@ struct Arm {
   FrameIndex hand = state->get_model()->getFrameId("panda_hand");
   Eigen::VectorXd x0 = (Eigen::VectorXd(18) << file.q, file.v).finished();
 
-  // The numbers of panda_reach_rk4.xml.
+  // Uses the numbers of panda_reach_rk4.xml.
   std::shared_ptr<DifferentialActionModelAbstract> model(bool control, double reach, double still) const {
     auto costs = std::make_shared<CostModelSum>(state, nu);
     const auto add = [&](const char* name, std::shared_ptr<ResidualModelAbstract> residual, double weight) {
@@ -73,7 +73,7 @@ TEST(Iterates, OfAnArmAreCrocoddyls) {
     EXPECT_EQ(log->steps[k], iterations[k]["step_length"].get<double>());
     EXPECT_EQ(log->pregs[k], iterations[k]["regularisation"].get<double>());
     EXPECT_EQ(log->feasible[k], iterations[k]["feasible"].get<bool>());
-    if (stop < 1e-6) continue;  // the business of rounding
+    if (stop < 1e-6) continue;  // rounding decides
     EXPECT_LT(std::abs(log->costs[k] - cost), 1e-6 * cost);
     EXPECT_LT(std::abs(log->stops[k] - stop), 1e-6 * stop);
   }

@@ -1,4 +1,4 @@
-// What solvers say of themselves: nodes without controls, tight limits, infeasibility, scale.
+// Solvers report correctly on nodes without controls, tight limits, infeasibility and scale.
 
 #include "control/nodes.hpp"
 #include "support/dense.hpp"
@@ -30,7 +30,7 @@ TEST(NodesWithoutControls, MoveInRolloutsAndInEverySolver) {
   }
 }
 
-// A cart pushed by u, x = (p, v), to be at p = 1 and at rest after T steps, |u| <= limit.
+// Returns a cart pushed by u, x = (p, v), with the goal p = 1 at rest after T steps, |u| <= limit.
 NodePtr cart(double limit, double of_u, double of_x, double h = 0.05) {
   Eigen::MatrixXd A(2, 2), B(2, 1);
   A << 1, h, 0, 1;
@@ -43,7 +43,7 @@ NodePtr cart(double limit, double of_u, double of_x, double h = 0.05) {
   return out;
 }
 
-// The least cost within the limits, by projected gradients on the controls alone.
+// Returns the controls of least cost within the limits, from projected gradients on the controls alone.
 Eigen::VectorXd best_controls(int T, double limit, double of_u, double of_x, double h = 0.05) {
   Eigen::MatrixXd S(2, T);
   for (int t = 0; t < T; ++t) S.col(t) << h * h * (T - t), h;
@@ -65,7 +65,7 @@ Eigen::VectorXd best_controls(int T, double limit, double of_u, double of_x, dou
   return u;
 }
 
-// What is called converged is the optimum, by a KKT residual of 1e-9; torques never pass their limits.
+// A solution reported as converged is the optimum, with a KKT residual of 1e-9; torques never exceed their limits.
 TEST(TightLimits, GuessesBeyondThemAreClampedAndOnlyTheOptimumIsCalledConverged) {
   constexpr int T = 20;
   for (const double limit : {0.5, 2.0, 8.0, 100.0}) {
@@ -102,7 +102,7 @@ TEST(TightLimits, OfNoControlAtAllLeaveTheMotionThatIsLeft) {
   EXPECT_NEAR(solver.get_xs().back()[0], 0.5, 1e-12);
 }
 
-// The cart with constraints at its end, p = goal and v = 0; limits as constraints on u.
+// The cart has constraints at its end, p = goal and v = 0, and limits as constraints on u.
 class Bounded : public ActionModelAbstract {
  public:
   Bounded(NodePtr cart, double goal, double limit)
@@ -163,7 +163,7 @@ Reached reach(int T, double h, double weight, double limit, double goal = 0.5) {
   return out;
 }
 
-// Always possible, at the cost of the least-norm controls.
+// The constraints can always be met, at the cost of the least-norm controls.
 TEST(Infeasible, IsNeverSaidOfWhatCanBeMet) {
   std::mt19937 rng(4);
   for (int k = 0; k < 120; ++k) {
@@ -175,7 +175,7 @@ TEST(Infeasible, IsNeverSaidOfWhatCanBeMet) {
     const double right = 0.5 * h * weight * u.squaredNorm();
     const Reached found = reach(T, h, weight, INFINITY);
     EXPECT_NE(found.reason, StopReason::kInfeasible) << T << " " << h << " " << weight;
-    // beyond, the KKT residual's rounding is above its absolute tolerance
+    // for larger weights the KKT residual's rounding is above its absolute tolerance
     if (weight < 100) {
       EXPECT_TRUE(found.converged) << T << " " << h << " " << weight << " " << to_string(found.reason);
     }
@@ -183,7 +183,7 @@ TEST(Infeasible, IsNeverSaidOfWhatCanBeMet) {
   }
 }
 
-// The cart cannot be that far in that time: with all its force one way and then the other it comes to `most`.
+// The cart cannot be that far in that time: with all its force one way and then the other it reaches `most`.
 TEST(Infeasible, IsSaidOfWhatCannotAndOfNothingElse) {
   constexpr int T = 20;
   constexpr double h = 0.05, limit = 2;
@@ -238,7 +238,7 @@ TEST(Scale, OfOrdinaryProblemsIsOne) {
   EXPECT_THROW(solver.set_scale(0), std::invalid_argument);
 }
 
-// Semidefinite by construction, of any size: rounding's eigenvalues are not concave.
+// The cost is semidefinite by construction, of any size: eigenvalues of rounding size are not concave.
 TEST(Lqr, ConvexityIsJudgedRelatively) {
   std::mt19937 rng(3);
   for (int k = 0; k < 60; ++k) {

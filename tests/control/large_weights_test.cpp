@@ -1,5 +1,5 @@
-// Ends of linear motions by the method of multipliers: met whatever the controls weigh, proved impossible where they
-// are.
+// The method of multipliers meets the ends of linear motions for any weights of the controls, and proves infeasible
+// ones to be so.
 
 #include <gtest/gtest.h>
 
@@ -16,8 +16,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// A cart of a mass on a rail, by semi-implicit steps: x = [position, velocity], u its force. `ends`: positions at rest
-// that the terminal node is to be at, all of them.
+// A cart of a mass on a rail moves in semi-implicit steps: x = [position, velocity], u its force. `ends`: positions at
+// rest, all of which the terminal node requires.
 class Cart : public ActionModelAbstract {
  public:
   Cart(double mass, double step, double weight, std::vector<double> ends = {})
@@ -54,7 +54,7 @@ class Cart : public ActionModelAbstract {
     u_ub_ = -u_lb_;
     update_has_control_limits();
   }
-  /// The end that T controls lead to from zero, per control.
+  /// Returns the end that T controls lead to from zero, per control.
   MatrixXd reach(int T) const {
     MatrixXd out(2, T);
     VectorXd column = b_;
@@ -79,7 +79,7 @@ struct Ride {
                                                   std::make_shared<Cart>(mass, step, 0, ends))) {}
 };
 
-// As tasks are solved.
+// Sets the solver up as tasks do.
 void as_task(SolverAugmentedLagrangian& solver, double step) {
   solver.set_penalty_init(step);
   solver.set_th_constraint(1e-9);
@@ -87,7 +87,7 @@ void as_task(SolverAugmentedLagrangian& solver, double step) {
   solver.set_measures_scale(true);
 }
 
-// The controls of least norm.
+// The solution is the controls of least norm.
 TEST(LinearEnds, AreMetWhateverControlsWeigh) {
   for (const double step : {0.1, 0.02, 0.005, 0.001})
     for (const double weight : {1e-6, 1e-3, 1., 1e2, 1e4, 1e6})
@@ -132,7 +132,7 @@ TEST(LinearEnds, OutOfReachOfLimitsAreInfeasible) {
   }
 }
 
-// A node whose control costs nothing, as in a phase without costs; steps of 8 ms.
+// One node's control costs nothing, as in a phase without costs; steps are 8 ms.
 TEST(LinearEnds, AreMetWhereControlsCostNothing) {
   for (const double mass : {0.2, 1.473651548490606, 30.})
     for (const double end : {-2., 3.}) {

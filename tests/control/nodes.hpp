@@ -1,5 +1,5 @@
 #pragma once
-// Nodes and problems for the tests of the control floor.
+// Nodes and problems for the tests of the control layer.
 
 #include <gtest/gtest.h>
 
@@ -24,14 +24,14 @@ struct QuadState {
   VecX<Quad> q, v;
 };
 
-/// The largest difference relative to the larger of the matrices' and what rounding of values of this size leaves.
+/// Returns the largest difference, relative to the larger of the second matrix and the rounding error of such values.
 inline double twin_error(const Eigen::MatrixXd& mine, const Eigen::MatrixXd& twin, double values) {
   const double difference = difference_of(mine, twin);
   return difference == 0 ? 0 : difference / std::max(size_of(twin), 1e-3 * values);
 }
 
-/// (8 (f(e) - f(-e)) - (f(2e) - f(-2e))) / 12e, on the manifold, of a node's next state along (dx, du). data:
-/// overwritten.
+/// Returns (8 (f(e) - f(-e)) - (f(2e) - f(-2e))) / 12e, on the manifold, of a node's next state along (dx, du). It
+/// overwrites `data`.
 inline Eigen::VectorXd fourth_order(const Problem& p, const NodePtr& model, const NodeDataPtr& data,
                                     const Eigen::VectorXd& dx, const Eigen::VectorXd& du, double e) {
   model->calc(data, p.x, p.u);
@@ -44,7 +44,7 @@ inline Eigen::VectorXd fourth_order(const Problem& p, const NodePtr& model, cons
   return (8 * (at(e) - at(-e)) - (at(2 * e) - at(-2 * e))) / (12 * e);
 }
 
-/// [x_0; u_0; x_1; ...] that a solver has come to.
+/// Returns [x_0; u_0; x_1; ...] of a solver's solution.
 inline Eigen::VectorXd stacked(const SolverAbstract& solver) {
   std::vector<double> z;
   for (std::size_t t = 0; t < solver.get_xs().size(); ++t) {
@@ -54,7 +54,7 @@ inline Eigen::VectorXd stacked(const SolverAbstract& solver) {
   return Eigen::Map<Eigen::VectorXd>(z.data(), static_cast<Eigen::Index>(z.size()));
 }
 
-/// A scene of one to three robots with contacts, every residual as a cost, and some as constraints.
+/// Returns a scene of one to three robots with contacts, every residual as a cost, and some as constraints.
 inline Problem problem_with_costs(int seed) {
   std::mt19937 rng(seed);
   SceneOptions options;
@@ -74,7 +74,7 @@ inline Problem problem_with_costs(int seed) {
   return p;
 }
 
-/// A humanoid that reaches with a hand, on both soles, over T nodes of 20 ms.
+/// Returns a humanoid that reaches with a hand, on both soles, over T nodes of 20 ms.
 inline std::shared_ptr<ShootingProblem> reaching_humanoid(std::size_t T, double hand = 50) {
   Walker w;
   w.add_cost("state", std::make_shared<ResidualModelState>(w.state, w.x_rest, w.nu), 0.5);
@@ -91,7 +91,7 @@ inline std::shared_ptr<ShootingProblem> reaching_humanoid(std::size_t T, double 
 struct Guess {
   std::vector<Eigen::VectorXd> xs, us;
 };
-/// x0 everywhere and the controls that hold it.
+/// Returns x0 everywhere and the controls that keep it at rest.
 inline Guess standing(ShootingProblem& problem) {
   const std::vector<Eigen::VectorXd> xs(problem.get_T() + 1, problem.get_x0());
   return {xs, problem.quasiStatic_xs(std::vector<Eigen::VectorXd>(problem.get_T(), problem.get_x0()))};

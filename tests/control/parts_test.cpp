@@ -1,4 +1,4 @@
-// Nodes of parts that never meet, and FDDP by parts.
+// Nodes have parts that never meet, and FDDP works by parts.
 
 #include "control/nodes.hpp"
 #include "manycontact/control/riccati_direction.hpp"
@@ -15,7 +15,7 @@ std::vector<int> every_other(int first, int count) {
   return out;
 }
 
-// Three unicycles: two of the node's coordinates interleaved, the last behind them. limit: of their controls.
+// Returns three unicycles: two with interleaved coordinates of the node, the last behind them, with limits of controls.
 std::vector<ActionPart> three_unicycles(double limit = INFINITY) {
   std::vector<ActionPart> parts(3);
   for (ActionPart& part : parts) {

@@ -1,6 +1,6 @@
-// A program for Crocoddyl after a change of namespace and of the state's construction: a quadruped walks and trots.
-// Stance feet are contacts of type 3D; a swing foot follows a tent x = L s, z = H min(2 s, 2 - 2 s), s in (0, 1], and
-// lands by an impulse, or by a step that asks for it at rest.
+// In a program for Crocoddyl, after a change of namespace and of the state's construction, a quadruped walks and trots.
+// Stance feet are contacts of type 3D. A swing foot follows a tent x = L s, z = H min(2 s, 2 - 2 s), s in (0, 1], and
+// lands by an impulse, or by a step with a cost on its velocity.
 
 #include <gtest/gtest.h>
 
@@ -90,7 +90,7 @@ class Quadruped {
     com_goal_ = com;
     return std::make_shared<crocoddyl::ShootingProblem>(x0_, nodes, nodes.back());
   }
-  // Of the feet and of the centre of mass, at the end.
+  // Goals of the feet and of the centre of mass, at the end.
   const std::vector<Vector3d>& goals() const { return goals_; }
   const Vector3d& com_goal() const { return com_goal_; }
 
@@ -217,7 +217,7 @@ void expect_converges(Quadruped& robot, const std::vector<std::vector<int>>& gro
   EXPECT_LE(solver.get_iter(), 20u);
   EXPECT_TRUE(solver.get_is_feasible());
   EXPECT_LT(solver.get_cost(), 0.2 * log->costs.front());
-  // Feet land where they were asked to, and the motion is that of its controls.
+  // Feet land at their goals, and the motion is that of its controls.
   const VectorXd& end = solver.get_xs().back();
   for (std::size_t i = 0; i < 4; ++i)
     EXPECT_LT((robot.foot(robot.feet()[i], end) - robot.goals()[i]).norm(), 0.01) << i;

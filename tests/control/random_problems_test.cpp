@@ -1,5 +1,5 @@
-// Solvers attacked by random problems whose answers are known: linear dynamics and convex costs, of which the optimum
-// is that of one dense system in the controls; with constraints that can be met, that cannot, and with limits.
+// Solvers are attacked with random problems of known solutions: linear dynamics and convex costs, whose optimum solves
+// one dense system in the controls. Constraints are feasible or not, and there are limits.
 
 #include <Eigen/LU>
 #include <cstdlib>
@@ -17,8 +17,8 @@ MatrixXd random_entries(int rows, int cols, std::mt19937& rng) {
   return random_vector(rows * cols, rng).reshaped(rows, cols);
 }
 
-// x_(t+1) = A x_t + B u_t + f of each node, so that the last x = S u + c in all controls u, and the cost is
-// 1/2 u^T H u + g^T u and a number. The last node has the constraints C x = d.
+// x_(t+1) = A x_t + B u_t + f in each node, so that the last x = S u + c in all controls u, and the cost is 1/2 u^T H u
+// + g^T u plus a constant. The last node has the constraints C x = d.
 struct RandomProblem {
   int T, nx, nu;
   std::shared_ptr<ShootingProblem> problem;
@@ -69,7 +69,7 @@ struct RandomProblem {
     for (int t = 0; t < T; ++t) us.push_back(random_vector(nu, rng));
   }
 
-  // [H M^T; M 0] [u; y] = [-g; b]: of the least cost where M u = b.
+  // [H M^T; M 0] [u; y] = [-g; b] has the least cost subject to M u = b.
   VectorXd best(const MatrixXd& M, const VectorXd& b) const {
     MatrixXd kkt = MatrixXd::Zero(H.rows() + M.rows(), H.rows() + M.rows());
     kkt.topLeftCorner(H.rows(), H.cols()) = H / H.norm();
@@ -80,7 +80,7 @@ struct RandomProblem {
     return kkt.partialPivLu().solve(right).head(H.rows());
   }
   VectorXd best() const { return best(MatrixXd(0, H.cols()), VectorXd(0)); }
-  // Within the limits: by projected gradients with momentum, until one is as good as zero.
+  // Uses projected gradients with momentum within the limits, until one is close to zero.
   VectorXd best_within(double limit) const {
     const double step = 1 / H.norm();
     VectorXd u = VectorXd::Zero(g.size()), y = u;
@@ -136,7 +136,7 @@ TEST(RandomProblems, WeightsOfAnySizeGiveTheSameMotion) {
     }
 }
 
-// Where the last state is to be, in some directions, a random motion is.
+// The last state's goal, in some directions, is the end of a random motion.
 TEST(RandomProblems, ConstraintsThatCanBeMetAreMetAtLeastCost) {
   for (int seed = 0; seed < 200; ++seed) {
     SCOPED_TRACE(seed);
@@ -155,7 +155,7 @@ TEST(RandomProblems, ConstraintsThatCanBeMetAreMetAtLeastCost) {
   }
 }
 
-// The same direction at two places at once.
+// The same direction has two goals at once.
 TEST(RandomProblems, ConstraintsThatContradictAreNeverMet) {
   for (int seed = 0; seed < 60; ++seed) {
     SCOPED_TRACE(seed);
@@ -171,8 +171,8 @@ TEST(RandomProblems, ConstraintsThatContradictAreNeverMet) {
   }
 }
 
-// Here quasi-Newton steps end far from the optimum, after steps of the box rule that were all short; from there the box
-// rule has long ones.
+// Here quasi-Newton steps end far from the optimum, after short steps of the box rule; from there the box rule has long
+// ones.
 TEST(RandomProblems, TheBoxRuleGoesOnFromWhereQuasiNewtonStepsEnd) {
   constexpr int kSeed = 230;
   const double limit = 0.5 * RandomProblem(kSeed).best().lpNorm<Eigen::Infinity>();
@@ -191,7 +191,7 @@ TEST(RandomProblems, TheBoxRuleGoesOnFromWhereQuasiNewtonStepsEnd) {
   }
 }
 
-// MANYCONTACT_CONTROL_ATTACK=1000: so many (tests/task/control_attack_test.cpp).
+// MANYCONTACT_CONTROL_ATTACK=1000 runs so many (tests/task/control_attack_test.cpp).
 TEST(RandomProblems, LimitsAreKeptAtLeastCost) {
   const char* asked = std::getenv("MANYCONTACT_CONTROL_ATTACK");
   const int count = asked ? std::atoi(asked) : 200;
@@ -216,7 +216,7 @@ TEST(RandomProblems, LimitsAreKeptAtLeastCost) {
     }
     at_limit += static_cast<int>((found.array().abs() == limit).count());
   }
-  EXPECT_LE(missed, count / 500);  // they say so
+  EXPECT_LE(missed, count / 500);  // the solvers report them
   EXPECT_GT(at_limit, count);
 }
 

@@ -1,4 +1,4 @@
-// ShootingProblem: sums, roll-outs, replaced nodes; LQR and unicycle against their numerical twins.
+// ShootingProblem has sums, rollouts, replaced nodes; LQR and unicycle agree with numerical differentiation.
 
 #include <atomic>
 #include <chrono>
@@ -45,7 +45,7 @@ TEST(Shooting, CalcAddsUpTheNodes) {
   EXPECT_NE(text.str().find("T=3"), std::string::npos);
 }
 
-// A node that notes who evaluates it, and takes some time.
+// A node that records which thread evaluates it, and takes some time.
 class Noted : public ActionModelUnicycle {
  public:
   explicit Noted(double seconds) : seconds_(seconds) {}
@@ -64,7 +64,7 @@ class Noted : public ActionModelUnicycle {
   std::thread::id caller_ = std::this_thread::get_id();
 };
 
-// A loop that was once held up by other programs is taken for a long one: not every call is by one thread.
+// A loop that other programs once delayed counts as a long one: not every call is made by one thread.
 TEST(Shooting, ThreadsAreNotCalledForNextToNothing) {
   if (kSanitized) GTEST_SKIP() << "nothing takes next to no time under sanitizers";
   constexpr std::size_t T = 300;
@@ -114,7 +114,7 @@ TEST(Shooting, NodesAreReplaced) {
   EXPECT_THROW(ShootingProblem(Eigen::VectorXd::Zero(4), nodes, nullptr), std::invalid_argument);
 }
 
-// A solver follows a problem whose nodes, their controls and their number change.
+// A solver follows a problem when its nodes, their controls and their number change.
 TEST(Shooting, ASolverFollowsReplacedNodes) {
   const auto problem =
       std::make_shared<ShootingProblem>(Eigen::VectorXd::Ones(4), std::vector<NodePtr>(3, lqr()), lqr());
@@ -196,7 +196,7 @@ TEST(Models, FreeForwardDynamicsHasNoContacts) {
   EXPECT_THROW(DifferentialActionModelFreeFwdDynamics(w.state, nullptr, w.costs), std::invalid_argument);
 }
 
-// By the laws that Crocoddyl's tests ask of a state.
+// The state satisfies the laws of Crocoddyl's tests of states.
 TEST(Models, StateVectorIsAVectorSpace) {
   const StateVector state(3);
   const Eigen::VectorXd x0 = state.rand(), x1 = state.rand();

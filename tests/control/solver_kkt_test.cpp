@@ -1,4 +1,4 @@
-// SolverKKT: linear-quadratic problems in one step, nonlinear ones to FDDP's optimum.
+// SolverKKT solves linear-quadratic problems in one step, and nonlinear ones to FDDP's optimum.
 
 #include "manycontact/control/solver_kkt.hpp"
 

@@ -1,5 +1,5 @@
-// DDP, FDDP and their box editions: against the dense solution of the whole horizon, on nonlinear problems, and where
-// numbers fail them.
+// DDP, FDDP and their box variants agree with the dense solution of the whole horizon, solve nonlinear problems, and
+// report numerical failures.
 
 #include <sstream>
 
@@ -21,7 +21,7 @@ std::shared_ptr<ShootingProblem> random_lqr(std::size_t T, std::size_t nx, std::
                                            std::make_shared<ActionModelLQR>(ActionModelLQR::Random(nx, nu)));
 }
 
-// [x_0; u_0; x_1; ...] that makes the Lagrangian of a linear-quadratic problem stationary.
+// Returns [x_0; u_0; x_1; ...] that makes the Lagrangian of a linear-quadratic problem stationary.
 Eigen::VectorXd dense_solution(ShootingProblem& problem) {
   const Eigen::Index T = problem.get_T(), nx = problem.get_nx(), nu = problem.get_nu_max(), n = nx + nu;
   const Eigen::Index nz = T * n + nx, nc = (T + 1) * nx;
@@ -68,7 +68,7 @@ TEST(Solvers, FDDPSolvesALinearQuadraticProblem) { expect_dense_solution<SolverF
 TEST(Solvers, BoxDDPSolvesALinearQuadraticProblem) { expect_dense_solution<SolverBoxDDP>(); }
 TEST(Solvers, BoxFDDPSolvesALinearQuadraticProblem) { expect_dense_solution<SolverBoxFDDP>(); }
 
-// The first step of a linear-quadratic problem is expected to gain what it gains.
+// The first step of a linear-quadratic problem gains as much as expected.
 TEST(Solvers, ExpectedImprovementIsFoundOnALinearQuadraticProblem) {
   const auto problem = random_lqr(5, 4, 2);
   SolverFDDP solver(problem);
@@ -203,7 +203,7 @@ TEST(Solvers, TakeNoMemoryInTheirIterations) {
 
 // ---- failure ------------------------------------------------------------------------------------------------------
 
-// A unicycle that counts its calls and spoils what it is told to.
+// A unicycle that counts its calls and spoils the quantity that is requested.
 class Spoiled : public ActionModelUnicycle {
  public:
   enum class What { kCost, kDerivative, kHessian, kEveryStep, kThrows };
@@ -226,8 +226,8 @@ class Spoiled : public ActionModelUnicycle {
   What what_;
 };
 
-// The stopping value is an energy: where it is met, gradients may be large. With th_kkt solves go on from there, by the
-// same iterates until there.
+// The stopping value is an energy: where it is small enough, gradients may be large. With th_kkt solves continue from
+// there, with the same iterates until there.
 TEST(Solvers, GoOnUntilTheKktResidualIsSmall) {
   const auto problem = reaching_humanoid(12);
   const Guess guess = standing(*problem);
@@ -248,7 +248,7 @@ TEST(Solvers, GoOnUntilTheKktResidualIsSmall) {
     log->costs.clear();
     solver->set_th_kkt(1e-7);
     EXPECT_TRUE(solver->solve(guess.xs, guess.us));
-    ASSERT_LE(log->costs.size(), costs.size());  // within limits the first solve goes on to the optimum itself
+    ASSERT_LE(log->costs.size(), costs.size());  // within limits the first solve continues to the optimum itself
     EXPECT_TRUE(std::equal(log->costs.begin(), log->costs.end(), costs.begin()));
     if (!box) EXPECT_EQ(log->costs.size(), costs.size());
     EXPECT_GT(solver->get_polishing_iter(), 0u);
@@ -261,7 +261,7 @@ TEST(Solvers, GoOnUntilTheKktResidualIsSmall) {
   EXPECT_THROW(SolverFDDP(problem).set_th_kkt(0), std::invalid_argument);
 }
 
-// Of the whole horizon: l that minimises |g + C^T l|, C the derivatives of the dynamics.
+// Returns the multipliers of the whole horizon: l minimises |g + C^T l|, C the derivatives of the dynamics.
 TEST(Solvers, MultipliersAreTheLeastSquaresOnes) {
   const std::size_t T = 5, nx = 4, nu = 2, n = nx + nu;
   const auto problem = random_lqr(T, nx, nu);
@@ -321,8 +321,8 @@ TEST(Solvers, SayWhyTheyStopped) {
   EXPECT_EQ(to_string(solver.reason()), std::string("interrupted"));
 }
 
-// What a callback sets is called from the next iteration on; the list that is being called stays as it is. (A callback
-// that frees itself: the address sanitizer looks.)
+// Callbacks that a callback sets are called from the next iteration on; the current list stays as it is. (The address
+// sanitizer checks a callback that frees itself.)
 TEST(Solvers, CallbacksThatSetCallbacks) {
   struct Sets : CallbackAbstract {
     void operator()(SolverAbstract& solver) override {
@@ -347,7 +347,7 @@ TEST(Solvers, CallbacksThatSetCallbacks) {
     EXPECT_EQ(sets->calls, 3);
     EXPECT_GT(later->costs.size(), 1u);
     EXPECT_EQ(solver->getCallbacks().size(), 2u);
-    solver->setCallbacks({std::make_shared<Sets>()});  // nobody else has it
+    solver->setCallbacks({std::make_shared<Sets>()});  // nothing else owns it
     (void)solver->solve({}, {}, 3);
   }
 }

@@ -1,5 +1,5 @@
-// The node that is simulate's step: values against `step`, derivatives against differences in quadruple precision
-// where nothing is given its momentum and of one tree that is, and against differences of fourth order elsewhere.
+// The node is simulate's step: values agree with `step`. Derivatives agree with quadruple-precision differences where
+// no momentum is corrected and for one tree where it is, and with fourth-order differences elsewhere.
 
 #include "control/nodes.hpp"
 #include "derivatives/differences.hpp"
@@ -30,11 +30,11 @@ RandomScene random_one(int seed, bool damped = false) {
   return random_scene(rng, options);
 }
 
-// Robots that nothing ties to the world, or to a plane of it only; free joints inside.
+// Returns robots without contacts to the world, or to a plane of it only, with free joints inside.
 std::vector<RandomScene> free_scenes() {
   std::vector<RandomScene> out = {free_scene(3), free_scene(5), free_scene(8, false)};
   out.push_back(tied_scene(41));
-  out.back().scene.contacts[1].active = false;  // two robots that hold each other alone
+  out.back().scene.contacts[1].active = false;  // two robots attached to each other alone
   out.push_back(tied_scene(42));                // and the world
   out.back().scene.contacts[0].alpha = 30, out.back().scene.contacts[0].beta = 40;
   RandomScene slides = of_file(load_text(
@@ -49,7 +49,7 @@ std::vector<RandomScene> free_scenes() {
   return out;
 }
 
-// An inner floating joint without motors hangs free on a tree that is free, or stands.
+// An inner floating joint without motors hangs free on a tree with a floating or a fixed base.
 RandomScene nested_scene(bool floating_base) {
   Joint body;
   body.type = JointType::kFloating;
@@ -84,7 +84,7 @@ RandomScene nested_scene(bool floating_base) {
 
 // ---- values
 
-// With the scene's own torques, passive joints of fixed bases too.
+// Uses the scene's own torques, with passive joints of fixed bases too.
 Problem problem_of(const RandomScene& s) {
   Problem p = make_problem(s);
   const std::size_t nu = static_cast<std::size_t>(s.scene.nu);
@@ -121,7 +121,7 @@ TEST(Symplectic, IsTheStep) {
   for (const bool floating_base : {false, true}) expect_step(nested_scene(floating_base));
 }
 
-// Bodies that nothing holds keep their momentum, which Euler's node does not.
+// Bodies without contacts keep their momentum, which Euler's node does not.
 TEST(Symplectic, KeepsMomentum) {
   RandomScene s = free_scene(3);
   s.scene.gravity.setZero();
@@ -192,7 +192,7 @@ QuadState moved(const Scene& scene, const QuadState& x, const VecX<Quad>& dq, co
   return out;
 }
 
-// M and h - S^T u, and J of the active contacts with r = beta J v + alpha e, densely.
+// Dense M and h - S^T u, and J of the active contacts with r = beta J v + alpha e.
 struct HeldTerms {
   MatX<Quad> M, J;
   VecX<Quad> tau, r;
@@ -237,7 +237,7 @@ HeldTerms terms_at(const Scene& scene, const QuadState& x, const VecX<Quad>& u) 
     if (!contact.active) continue;
     const ContactSupport support = contact_support(scene, contact);
     ContactData<Quad> d(contact, support);
-    Contact still = contact;  // alpha e alone: nothing moves in it
+    Contact still = contact;  // alpha e alone: its velocity has no effect
     still.beta = 0;
     const auto rows_of = [&](const Scene& of, const Contact& c) {
       contact_rows<Quad>(of, c, support, kin[c.A.robot], c.B.robot < 0 ? nullptr : &kin[c.B.robot], d);
@@ -258,7 +258,7 @@ HeldTerms terms_at(const Scene& scene, const QuadState& x, const VecX<Quad>& u) 
   return t;
 }
 
-// v+ and q+ by one dense system, momentum left alone.
+// Computes v+ and q+ with one dense system, without correcting momentum.
 QuadState held_step(const Scene& scene, const QuadState& x, const VecX<Quad>& u, const Quad& h) {
   const HeldTerms t = terms_at(scene, x, u);
   const Eigen::Index nv = t.M.rows(), nc = t.J.rows();
@@ -273,7 +273,7 @@ QuadState held_step(const Scene& scene, const QuadState& x, const VecX<Quad>& u,
   return moved(scene, x, h * x.v + h * h * a, h * a);
 }
 
-// Of one robot: centre of mass, momentum, angular momentum and inertia about it, in the world.
+// Centre of mass, momentum, angular momentum and inertia about it of one robot, in the world.
 struct Body {
   Quad m = 0;
   Vec3<Quad> C = Vec3<Quad>::Zero(), P = C, L = C;
@@ -300,7 +300,7 @@ Body body_of(const Scene& scene, const QuadState& x) {
   return out;
 }
 
-// The whole of it for one floating robot that nothing holds.
+// Computes the whole step for one floating robot without contacts.
 QuadState free_step(const Scene& scene, const QuadState& x, const VecX<Quad>& u, const Quad& h) {
   const Body start = body_of(scene, x);
   QuadState next = held_step(scene, x, u, h);

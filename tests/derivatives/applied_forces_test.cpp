@@ -1,4 +1,4 @@
-// Pushes and springs: all derivatives by every method against differences of the truth, and products against matrices.
+// With pushes and springs all derivatives of every method agree with differences of the truth, products with matrices.
 
 #include "derivatives/judge.hpp"
 #include "manycontact/dynamics/jvp.hpp"
@@ -31,7 +31,7 @@ TEST_P(AppliedForcesOf, AllMatricesByEveryMethod) {
   expect_differences("forces " + std::to_string(GetParam()), s.scene, state, status_at(s.scene, state));
 }
 
-// [da_dw; dforces_dw] of a scene, column by column.
+// Returns [da_dw; dforces_dw] of a scene, column by column.
 MatX<Quad> differences_by_wrenches(const RandomScene& s, const std::vector<char>& active, Eigen::Index nf) {
   const Scene& scene = s.scene;
   const VecX<Quad> q = s.q.cast<Quad>(), v = s.v.cast<Quad>(), u = s.u.cast<Quad>();
@@ -50,7 +50,7 @@ MatX<Quad> differences_by_wrenches(const RandomScene& s, const std::vector<char>
   return out;
 }
 
-// Errors of each island's matrices are within their bounds, and these say something.
+// Expects errors of each island's matrices within their bounds, and meaningful bounds.
 void expect_true_bounds_by_wrenches(const Scene& scene, SceneData& data, const SceneDerivatives& d,
                                     const MatX<Quad>& truth) {
   const std::vector<DerivativeBounds> bounds = estimate_derivative_errors(scene, data);
@@ -96,7 +96,7 @@ TEST_P(AppliedForcesOf, ByWrenches) {
   }
 }
 
-// What was not asked for changes nothing of what was.
+// Matrices that were not requested do not affect the others.
 TEST_P(AppliedForcesOf, PartsOfTheMatrices) {
   const RandomScene s = pushed_scene(GetParam());
   for (const Way& way : ways(true)) {

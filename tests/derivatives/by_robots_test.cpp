@@ -1,5 +1,5 @@
-// Islands of many robots joined by few rows are differentiated robot by robot. The other derivatives of these are those
-// by the island's factor, which an order that is asked for takes; both are exact but for rounding.
+// Islands of many robots coupled by few rows are differentiated robot by robot. If an order is requested, the island's
+// factor is used instead; both are exact up to rounding error.
 
 #include "derivatives/judge.hpp"
 #include "support/random.hpp"
@@ -16,7 +16,7 @@ SceneFile ring() {
   return file;
 }
 
-// Robots of different sizes, standing and floating, in a row; the last is joined to the first twice, by few rows.
+// Returns robots of different sizes, fixed and floating, in a row; the last is coupled to the first twice, by few rows.
 SceneFile row_of_arms(int robots) {
   std::mt19937 rng(5);
   SceneOptions options;
@@ -66,7 +66,7 @@ MatX<Quad> derivatives_of(const SceneFile& file, const Options& options, const s
   return d.X.leftCols(d.cols).cast<Quad>();
 }
 
-// The same to rounding by both ways, and not the same bits: there are two.
+// Both methods agree up to rounding error, but not in their bits: there are two.
 void expect_both_ways_agree(const SceneFile& file, const std::vector<char>& active,
                             const DerivativeRequest& request = {}) {
   double condition = 0;
@@ -80,7 +80,7 @@ void expect_both_ways_agree(const SceneFile& file, const std::vector<char>& acti
                                                {0, v, u, static_cast<int>(by_factor.cols())}, 2 * condition);
   EXPECT_LE(e.excess, 1) << "condition " << condition;
   for (double error : e.quantity) EXPECT_LE(error, kExpected);
-  if (!kSanitized) {  // where it rounds otherwise, a column may be left to the factor
+  if (!kSanitized) {  // with other rounding a column may be left to the factor
     EXPECT_FALSE(by_factor == by_robots);
   }
 }
@@ -117,7 +117,7 @@ TEST(ByRobots, PartsOfTheDerivatives) {
   }
 }
 
-// A join repeated a little apart: whether the way is still sound or the factor answers.
+// A coupling is repeated a little apart: this method is sound, or the factor is used.
 TEST(ByRobots, RowsThatNearlyDependOnEachOther) {
   for (const double apart : {1e-2, 1e-3, 1e-4, 3e-5}) {
     SCOPED_TRACE(apart);
@@ -139,7 +139,7 @@ TEST(ByRobots, RowsThatNearlyDependOnEachOther) {
   }
 }
 
-// Memory of another contact set, and of another state whose rows depend on each other, leaves nothing behind.
+// Memory of another contact set, and of another state with dependent rows, has no effect.
 TEST(ByRobots, AfterOtherContactsAndStates) {
   SceneFile file = row_of_arms(12);
   const Scene& scene = file.scene;

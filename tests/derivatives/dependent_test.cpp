@@ -1,5 +1,5 @@
-// Derivatives where contacts depend on each other: of the unique accelerations and the forces of least norm where the
-// contacts agree, and of the least-squares accelerations where they contradict each other. The truth ranks by the same
+// Derivatives with redundant contacts are those of the unique accelerations and the forces of least norm if the
+// contacts are consistent, and of the least-squares accelerations if they are not. The truth ranks with the same
 // tolerance.
 
 #include "derivatives/judge.hpp"
@@ -12,7 +12,7 @@ namespace {
 
 State state_of(const SceneFile& file) { return {file.q, file.v, file.u}; }
 
-// Joints moved, the contacts' reference left where it was: without gains no contact minds.
+// Moves joints and leaves the contacts' references: without gains the errors have no effect.
 void move_joints(SceneFile& file, std::mt19937& rng) {
   for (const Robot& r : file.scene.robots) {
     Eigen::VectorXd q(r.model->nq);
@@ -22,14 +22,14 @@ void move_joints(SceneFile& file, std::mt19937& rng) {
   for (double& u : file.u) u += uniform(rng, -5, 5);
 }
 
-// Velocities that all contacts allow.
+// Sets velocities that all contacts allow.
 void move_within_the_contacts(SceneFile& file, std::mt19937& rng) {
   const Eigen::MatrixXd J = contact_jacobian(file.scene, file.q);
   const Eigen::VectorXd v = random_vector(file.scene.nv, rng, 0.3);
   file.v = v - least_norm(J, J * v, 1e-9);
 }
 
-// At rest, with the joints elsewhere, and moving with the contacts.
+// Tests at rest, with the joints elsewhere, and moving with the contacts.
 void expect_redundant_differences(const std::string& name, SceneFile file) {
   std::mt19937 rng(3);
   expect_differences(name + " as given", file.scene, state_of(file), Status::kRedundant);
@@ -43,7 +43,7 @@ TEST(Redundant, FeetOnCorners) {
   expect_redundant_differences("feet_on_corners", load_scene(kModels + "feet_on_corners.xml"));
 }
 
-// Gains on contacts whose errors are zero: their derivatives are not.
+// Contacts with zero errors have gains: the errors' derivatives are not zero.
 TEST(Redundant, FeetOnCornersWithGains) {
   SceneFile file = load_edited(kModels + "feet_on_corners.xml", {{"type=\"3d\"", "type=\"3d\" gains=\"25 10\""}});
   expect_differences("feet_on_corners with gains", file.scene, state_of(file), Status::kRedundant);
@@ -70,7 +70,7 @@ TEST(Redundant, EveryPointHeldTwice) {
                        <contact name="RH again" type="2d" frame="herd/RH_foot"/></scene>)"}}));
 }
 
-// Two feet tied together that both stand: the tie is one contact between bodies too many.
+// Two feet on the ground are tied together: the tie between bodies is redundant.
 TEST(Redundant, FeetOnTheGroundAndTiedTogether) {
   expect_redundant_differences(
       "humanoid with tied feet",
@@ -80,8 +80,8 @@ TEST(Redundant, FeetOnTheGroundAndTiedTogether) {
                                 to="humanoid/right_sole" reference_frame="world"/></scene>)"}}));
 }
 
-// Two links of one arm, a wrist of three joints apart: rows of the hand's turning are kept, not those of its short
-// lever.
+// Two links of one arm are fixed, a wrist of three joints apart: angular rows of the hand are retained, not those of
+// its short moment arm.
 TEST(Redundant, ForearmAndHandHeld) {
   const SceneFile file = load_edited(kModels + "humanoid_standing.xml",
                                      {{"</scene>", R"(<contact name="forearm" type="6d" frame="humanoid/left_forearm"/>
@@ -117,8 +117,8 @@ TEST(Inconsistent, BothFeetHeldTwice) {
   expect_differences("humanoid on feet held twice", file.scene, state_of(file), Status::kInconsistent);
 }
 
-// A robot of ten micrometres: of what its contacts contradict each other by, turns are 1e-5, and count as much. Errors
-// that K's condition (1e14) would allow are not: least squares do not depend on the units of columns.
+// In a robot of ten micrometres the angular inconsistency of contacts is 1e-5, and counts as much. Errors that K's
+// condition (1e14) would allow are not allowed: least squares do not depend on the units of columns.
 TEST(Inconsistent, TurnsBesideMicrometres) {
   SceneFile file = load_text(R"(<scene><robot name="a" urdf="arm.urdf" base="fixed"/>
       <contact name="c" type="6d" frame="a/link_5" gains="25 10"/>
@@ -141,7 +141,7 @@ TEST(Inconsistent, TurnsBesideMicrometres) {
   }
 }
 
-// Repeated contacts of all types and frames, in the world and between bodies.
+// Repeated contacts have all types and frames, in the world and between bodies.
 TEST(RandomDependent, AllMatricesByEveryMethod) {
   for (int seed = 1; seed <= 8; ++seed) {
     std::mt19937 rng(600 + seed);

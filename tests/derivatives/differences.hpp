@@ -1,7 +1,7 @@
 #pragma once
-// Derivatives of accelerations and contact forces by central differences of the truth in quadruple precision, good to
-// about 1e-20, and the errors of answers against them: relative, in the maximum norm, per quantity and robot; allowed
-// is ten times what a value is allowed.
+// Derivatives of accelerations and contact forces come from central differences of the truth in quadruple precision,
+// accurate to about 1e-20. Errors of solutions are relative, in the maximum norm, per quantity and robot. Ten times the
+// allowed error of a value is allowed.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ inline double allowed_of_derivative(double condition) { return 10 * allowed(cond
 
 // ---- the truth --------------------------------------------------------------------------------------------------
 
-/// The truth at a state moved by h along a direction of the tangent space. Empty: not moved.
+/// Returns the truth at a state moved by h along a direction of the tangent space. Empty: not moved.
 inline Truth<Quad> truth_along(const Scene& scene, const std::vector<char>& active, const State& s, const Quad& h,
                                const VecX<Quad>& dq, const VecX<Quad>& dv, const VecX<Quad>& du) {
   VecX<Quad> q = s.q.cast<Quad>(), v = s.v.cast<Quad>(), u = s.u.cast<Quad>();
@@ -54,7 +54,7 @@ inline DirectionalTruth difference_along(const Scene& scene, const std::vector<c
   return {(after.a - before.a) / (2 * h), (after.f - before.f) / (2 * h)};
 }
 
-/// [a; f] differentiated along a direction of u, in which they are affine: any step is exact. `here`: not moved.
+/// Returns [a; f] differentiated along a direction of u: it is affine, so any step is exact. `here`: not moved.
 inline DirectionalTruth difference_along_u(const Scene& scene, const std::vector<char>& active, const State& s,
                                            const Truth<Quad>& here, const VecX<Quad>& du) {
   const Truth<Quad> there = truth_along(scene, active, s, 1, {}, {}, du);
@@ -76,8 +76,8 @@ struct Places {
   }
 };
 
-/// Per island the matrix of [a; f] differentiated by [q | v | u], laid out like IslandDerivatives::X. After prepare.
-/// The k-th coordinates of all islands move at once: no island depends on another's.
+/// Returns per island the matrix of [a; f] differentiated by [q | v | u], laid out like IslandDerivatives::X, after
+/// prepare. The k-th coordinates of all islands move at once: no island depends on another's.
 inline std::vector<MatX<Quad>> differences(const Scene& scene, const SceneData& data, const State& s) {
   std::vector<Places> places;
   std::vector<MatX<Quad>> out;
@@ -117,10 +117,10 @@ inline std::vector<MatX<Quad>> differences(const Scene& scene, const SceneData& 
 inline constexpr std::array<const char*, 6> kQuantities = {"da_dq",      "da_dv",      "da_du",
                                                            "dforces_dq", "dforces_dv", "dforces_du"};
 
-/// The larger; NaN when either is.
+/// Returns the larger one; NaN if either is.
 inline double worse(double a, double b) { return b <= a ? a : a != a ? a : b; }
 
-/// Worst relative errors over the robots, and the worst of all in units of what is allowed it.
+/// The largest relative errors over the robots, and the largest of all relative to the allowed error.
 struct DerivativeErrors {
   std::array<double, 6> quantity = {};
   double excess = 0;
@@ -131,12 +131,12 @@ struct DerivativeErrors {
   }
 };
 
-/// Where the columns of q, v and u begin in an island's matrices, and where they end.
+/// Returns where the columns of q, v and u begin in an island's matrices, and where they end.
 inline std::array<int, 4> column_kinds(const Island& island, const MatX<Quad>& truth) {
   return {0, island.nv, 2 * island.nv, static_cast<int>(truth.cols())};
 }
 
-/// A robot's rows of an island: of its accelerations, or of the contacts it is part of.
+/// Returns a robot's rows of an island: of its accelerations, or of its contacts.
 inline std::vector<int> rows_of(const Scene& scene, const Island& island, int robot, bool forces) {
   std::vector<int> rows;
   if (!forces) {
@@ -152,9 +152,9 @@ inline std::vector<int> rows_of(const Scene& scene, const Island& island, int ro
   return rows;
 }
 
-/// Errors of an island's rows [a; f], by columns of three kinds: q's, v's and u's, of which first[k] is the first.
-/// Where a derivative is zero in truth, the differences leave noise: what is below 1e-20 of the robot's other
-/// derivatives is that, and errors are relative to these.
+/// Returns errors of an island's rows [a; f], in columns of three kinds: q's, v's and u's, of which first[k] is the
+/// first. Where a derivative is exactly zero the differences leave noise: values below 1e-20 of the robot's other
+/// derivatives are noise, and errors are relative to the others.
 inline DerivativeErrors derivative_errors(const Scene& scene, const Island& island, const Eigen::MatrixXd& answer,
                                           const MatX<Quad>& truth, const std::array<int, 4>& first, double condition) {
   DerivativeErrors e;
@@ -178,7 +178,7 @@ inline DerivativeErrors derivative_errors(const Scene& scene, const Island& isla
 
 // ---- answers ----------------------------------------------------------------------------------------------------
 
-/// Derivatives at the last solve, written over NaN.
+/// Computes derivatives at the last solve, over NaN.
 inline const DerivativeData& differentiate_afresh(const Scene& scene, SceneData& data,
                                                   const DerivativeRequest& request = {}) {
   differentiate(scene, data, request);

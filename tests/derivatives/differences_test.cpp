@@ -1,5 +1,5 @@
-// Whole matrices of derivatives, by every method in every order, against differences of the truth: of all scenes whose
-// islands have at most 60 coordinates. Larger ones: directions_test.cpp; dependent contacts: dependent_test.cpp.
+// Whole matrices of derivatives agree with differences of the truth, with every method in every order, for all scenes
+// whose islands have at most 60 coordinates. Larger ones: directions_test.cpp; redundant contacts: dependent_test.cpp.
 
 #include <map>
 
@@ -38,7 +38,7 @@ GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(DifferencesOf);
 
 // ---- random scenes ----------------------------------------------------------------------------------------------
 
-// How often each kind of thing was seen.
+// Counts how often each feature occurs.
 struct Coverage {
   std::map<std::string, int> seen;
 
@@ -96,8 +96,7 @@ TEST_P(RandomDifferences, AllMatricesByEveryMethod) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomDifferences, testing::Range(1, kSeeds + 1));
 
-// The random scenes are as varied as they are meant to be: 13 kinds of things, and each type in each frame, 5D in its
-// one.
+// The random scenes are as varied as intended: 13 features, and each type in each frame, 5D in its only one.
 TEST(RandomScenes, LeaveNothingOut) {
   Coverage coverage;
   for (int seed = 1; seed <= 24; ++seed) coverage.count(scene_of(seed));

@@ -1,5 +1,5 @@
-// Scenes with large islands: products with derivatives along random directions, and whole matrices times these, against
-// differences of the truth.
+// In scenes with large islands, products with derivatives along random directions, and whole matrices times these,
+// agree with differences of the truth.
 
 #include "derivatives/judge.hpp"
 #include "manycontact/dynamics/jvp.hpp"
@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kEach = 2;  // directions in q, v and u
 
-// Directions as columns, the first kEach in q, then in v, then in u; zero in the others.
+// The directions are columns, the first kEach in q, then in v, then in u; zero in the others.
 struct Directions {
   Directions(const Scene& scene, unsigned seed) : q(scene.nv, 3 * kEach), v(q), u(scene.nu, 3 * kEach) {
     std::mt19937 rng(seed);
@@ -25,7 +25,7 @@ struct Directions {
   Eigen::MatrixXd q, v, u;
 };
 
-// [a; f] differentiated along the directions, scene.nv + nc rows.
+// Returns [a; f] differentiated along the directions, scene.nv + nc rows.
 MatX<Quad> true_products(const Scene& scene, const std::vector<char>& active, const State& s, const Directions& d) {
   MatX<Quad> out;
   for (int k = 0; k < 3 * kEach; ++k) {
@@ -122,7 +122,7 @@ std::vector<std::string> large_scenes() {
 
 INSTANTIATE_TEST_SUITE_P(Large, DirectionsOf, testing::ValuesIn(large_scenes()), scene_title);
 
-// No scene is left out: what differences_test.cpp finds too large is here.
+// No scene is left out: those that differences_test.cpp finds too large are here.
 TEST(Directions, CoverWhatIsTooLarge) {
   for (const std::string& path : model_scenes()) {
     const std::vector<std::string> here = large_scenes();

@@ -1,4 +1,4 @@
-// Crocoddyl's derivatives, and differences of Pinocchio's terms, for real robots in random states.
+// Derivatives agree with Crocoddyl's, and with differences of Pinocchio's terms, for real robots in random states.
 
 #include "support/golden.hpp"
 
@@ -16,7 +16,7 @@ namespace manycontact::test {
 namespace {
 
 constexpr double kAnalytical = 1e-8, kByDifferences = 1e-6;
-constexpr char kAbsent[] = "absent";  // stands for all files when there are none
+constexpr char kAbsent[] = "absent";  // replaces all files when there are none
 
 constexpr std::array<const char*, 6> kKeys = {"da_dq", "da_dv", "da_du", "dforces_dq", "dforces_dv", "dforces_du"};
 using Matrices = std::array<Eigen::MatrixXd, 6>;
@@ -43,7 +43,7 @@ Matrices figures(const Golden& golden, const Scene& scene) {
   return out;
 }
 
-// Errors of all six; NaN where the method has no answer.
+// Returns the errors of all six; NaN if the method has no solution.
 std::array<double, 6> errors(const Scene& scene, const SceneFile& file, const Options& options, const Matrices& truth) {
   SceneData data(scene, options);
   (void)solve(scene, file.q, file.v, file.u, data);
@@ -71,8 +71,8 @@ TEST_P(GoldenDerivatives, EveryMethod) {
   const Matrices truth = figures(golden, file.scene);
   EXPECT_GT(size_of(truth[0]), 1);
   Scene scene = file.scene;
-  // Figures made on models with Pinocchio's error (see as_appended_by_pinocchio_3_7) agree with the same error put in.
-  // Once they are mended, the correct model agrees and nothing of this is left.
+  // Figures computed on models with Pinocchio's error (see as_appended_by_pinocchio_3_7) agree with the same error put
+  // in. Once they are corrected, this branch is never taken.
   if (golden.appended && !(errors(scene, file, {Method::kDense, {}}, truth)[0] <= allowed)) {
     EXPECT_GT(errors(scene, file, {Method::kDense, {}}, truth)[0], 1e-4);
     scene = as_appended_by_pinocchio_3_7(scene);

@@ -1,5 +1,5 @@
 #pragma once
-// Every method's derivatives of a scene in a state against differences of the truth, and a table of the worst errors.
+// Every method's derivatives of a scene are compared with differences of the truth; the worst errors are printed.
 
 #include <cstdio>
 
@@ -8,7 +8,7 @@
 
 namespace manycontact::test {
 
-/// Errors are usually far below what is allowed them; a loss of digits should be noticed all the same.
+/// Errors are usually far below the allowed ones; a loss of digits should be noticed nevertheless.
 inline constexpr double kExpected = 1e-9;
 
 inline void print_row(const std::string& scene, double condition, const DerivativeErrors& e, const std::string& worst) {
@@ -24,8 +24,8 @@ inline void print_row(const std::string& scene, double condition, const Derivati
   std::printf(" %8.1e %s\n", e.excess, worst.c_str());
 }
 
-/// That the comparison means something: the derivatives are not zero, they are not the differences themselves, and a
-/// slightly wrong one is caught.
+/// Expects that the comparison is meaningful: derivatives are not zero, they are not the differences themselves, and a
+/// slightly wrong one is detected.
 inline void expect_able_to_fail(const Scene& scene, const Island& island, const Eigen::MatrixXd& answer,
                                 const MatX<Quad>& truth, double condition) {
   const std::array<int, 4> kinds = column_kinds(island, truth);
@@ -38,15 +38,15 @@ inline void expect_able_to_fail(const Scene& scene, const Island& island, const 
   EXPECT_GT(derivative_errors(scene, island, wrong, truth, kinds, condition).excess, 1);
 }
 
-/// Whether the island was answered as it was meant to. Contacts may be eliminated too early for sound pivots, and then
-/// another order or the oracle steps in.
+/// Expects that the requested method solved the island. Contacts may be eliminated too early for sound pivots; then
+/// another order or the dense reference solver is used.
 inline void expect_no_fallback(const Options& asked, const IslandReport& report) {
   if (asked.method == Method::kAuto || !asked.order || asked.order == Order::kContactsEarly) return;
   EXPECT_EQ(report.method, asked.method);
   EXPECT_EQ(report.order, *asked.order);
 }
 
-/// An island's block of the derivatives, [a; f] by [q | v | u]. The baseline has one block of the whole scene.
+/// Returns an island's block of the derivatives, [a; f] by [q | v | u]. The baseline has one block of the whole scene.
 inline Eigen::MatrixXd answer_of(const Scene& scene, const SceneData& data, const Island& island, std::size_t i) {
   const DerivativeData& dd = derivatives(data);
   if (data.options.method != Method::kDenseSchur) return dd.islands[i].X.leftCols(dd.islands[i].cols);
@@ -59,7 +59,7 @@ inline Eigen::MatrixXd answer_of(const Scene& scene, const SceneData& data, cons
   return whole(rows, columns);
 }
 
-/// Errors of an island's matrices are within what estimate_derivative_errors says of them.
+/// Expects errors of an island's matrices within the bounds of estimate_derivative_errors.
 inline void expect_true_bounds(const Island& island, const Eigen::MatrixXd& answer, const MatX<Quad>& truth,
                                const DerivativeBounds& bounds) {
   const double of[2][3] = {{bounds.da_dq, bounds.da_dv, bounds.da_du},
@@ -79,7 +79,7 @@ inline void expect_true_bounds(const Island& island, const Eigen::MatrixXd& answ
     }
 }
 
-/// All six matrices, by every method in every order, of a scene with the given status. Prints a row of the table.
+/// Compares all six matrices, with every method in every order, of a scene with the given status. Prints a row.
 inline void expect_differences(const std::string& name, const Scene& scene, const State& s, Status status) {
   SCOPED_TRACE(name);
   SceneData oracle(scene, {Method::kDense, {}});
@@ -108,7 +108,7 @@ inline void expect_differences(const std::string& name, const Scene& scene, cons
       if (status == Status::kOk && way.options.method != Method::kDenseSchur)
         expect_no_fallback(way.options, data.report.islands[i]);
       if (bounds.size() == islands.size())
-        expect_true_bounds(island, answer, truth[i], bounds[i]);  // else of one system
+        expect_true_bounds(island, answer, truth[i], bounds[i]);  // otherwise one system
       if (way.options.method == Method::kDense) expect_able_to_fail(scene, island, answer, truth[i], condition[i]);
     }
     EXPECT_LE(e.excess, 1);
@@ -119,7 +119,7 @@ inline void expect_differences(const std::string& name, const Scene& scene, cons
   print_row(name + ", " + to_string(status), oracle.report.condition, all, worst);
 }
 
-/// By the oracle.
+/// Returns the status of the dense reference solver.
 inline Status status_at(const Scene& scene, const State& s) {
   SceneData data(scene, {Method::kDense, {}});
   return solve(scene, s.q, s.v, s.u, data).status;

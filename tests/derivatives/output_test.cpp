@@ -1,5 +1,5 @@
-// The derivatives' forms: blocks per island, whole matrices, one sparse matrix; parts of them; after other states and
-// other contacts; of failed islands; and what they allocate.
+// Derivatives have several forms: blocks per island, whole matrices, one sparse matrix; parts of them; after other
+// states and contacts; of failed islands. Their allocations are tested too.
 
 #include "derivatives/judge.hpp"
 #include "manycontact/dynamics/jvp.hpp"
@@ -14,7 +14,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Equal numbers, NaN equal to NaN.
+// Returns whether numbers are equal, NaN being equal to NaN.
 bool same(const MatrixXd& x, const MatrixXd& y) {
   return x.rows() == y.rows() && x.cols() == y.cols() &&
          ((x.array() == y.array()) || (x.array().isNaN() && y.array().isNaN())).all();
@@ -35,7 +35,7 @@ bool same(const SceneDerivatives& x, const SceneDerivatives& y) {
   return true;
 }
 
-// Three robots of which two are joined, each with contacts with the world: two islands, neither in one piece.
+// Two of three robots are coupled, each with contacts with the world: two islands, neither contiguous.
 struct TwoIslands {
   TwoIslands() {
     std::mt19937 rng(40);
@@ -59,7 +59,7 @@ struct TwoIslands {
 
 class Output : public testing::Test {
  protected:
-  // Derivatives in data of its own.
+  // Returns derivatives in data of their own.
   static SceneDerivatives fresh(const Scene& scene, const State& s, const Options& options,
                                 const std::vector<char>& active) {
     SceneData data(scene, options);
@@ -116,7 +116,7 @@ TEST_F(Output, BlocksMatricesAndTheSparseMatrixAreOne) {
   }
 }
 
-// Of every combination: the same numbers as in full, and nothing else.
+// Every combination of requests gives the same numbers as the full request, and nothing else.
 void expect_requests(const Scene& scene, const State& s, const Options& options) {
   SceneData full(scene, options);
   (void)solve(scene, s.q, s.v, s.u, full);
@@ -182,7 +182,7 @@ TEST_F(Output, IslandsAreIndependent) {
     moved.u.segment(robot.idx_u, robot.model->nu()).array() += 3;
     (void)solve(scene, moved.q, moved.v, moved.u, data);
     differentiate(scene, data);
-    // the baseline takes all islands as one
+    // the baseline treats all islands as one
     const double tolerance = way.options.method == Method::kDenseSchur ? 1e-12 : 0;
     EXPECT_LE(error_of(answer_of(scene, data, islands[0], 0), before[0]), tolerance);
     EXPECT_GT(error_of(answer_of(scene, data, islands[1], 1), before[1]), 1e-3);
@@ -202,7 +202,7 @@ TEST_F(Output, ForgetTheStateBefore) {
   }
 }
 
-// Off, on again, others off: as if nothing had been before. With the tie off, there is an island more.
+// Contacts are switched off, on again, others off: earlier sets have no effect. Without the tie an island is added.
 TEST_F(Output, ForgetTheContactsBefore) {
   const std::size_t n = scene.contacts.size();
   std::vector<std::vector<char>> sets(5, std::vector<char>(n, 1));
@@ -230,7 +230,7 @@ TEST_F(Output, ForgetTheContactsBefore) {
   }
 }
 
-// A robot with a broken quaternion spoils its island, and no other.
+// A robot with an invalid quaternion fails with its island alone.
 TEST(FailedIslands, AreNotANumber) {
   SceneFile file = load_small(kModels + "herd.xml");
   const Scene& scene = file.scene;
@@ -240,7 +240,7 @@ TEST(FailedIslands, AreNotANumber) {
   broken.segment<4>(scene.robots[2].idx_q + 3) *= 2;
   for (const Way& way : ways(true)) {
     SCOPED_TRACE(way.name);
-    const bool whole = way.options.method == Method::kDenseSchur;  // one system: all fail
+    const bool whole = way.options.method == Method::kDenseSchur;  // one system: all islands fail
     SceneData good(scene, way.options), bad(scene, way.options);
     (void)solve(scene, file.q, file.v, file.u, good);
     (void)solve(scene, broken, file.v, file.u, bad);
@@ -264,7 +264,7 @@ TEST(FailedIslands, AreNotANumber) {
       for (const VectorXd* x : {&da, &wq, &wv}) EXPECT_TRUE(all(*x, robot.idx_v, robot.model->nv));
       EXPECT_TRUE(all(wu, robot.idx_u, robot.model->nu()));
     }
-    // The next solve forgives.
+    // The next solve is not affected.
     (void)solve(scene, file.q, file.v, file.u, bad);
     differentiate(scene, bad);
     EXPECT_TRUE(same(dense_derivatives(scene, bad), dense_derivatives(scene, good)));
@@ -273,7 +273,7 @@ TEST(FailedIslands, AreNotANumber) {
 
 // ---- allocation -------------------------------------------------------------------------------------------------
 
-// After the first solve, derivatives and products. `file` moves along.
+// Counts after the first solve, derivatives and products. `file` changes in between.
 void expect_no_allocations(const Scene& scene, SceneFile& file, const Options& options,
                            const DerivativeRequest& request) {
   std::mt19937 rng(13);
@@ -322,10 +322,10 @@ TEST(Steady, AllocateNothingForUnequalIslands) {
   expect_no_allocations(two.s.scene, file, {Method::kSparseLdl, Order::kLeafToRoot}, {});
 }
 
-// The counter counts.
+// The counter counts allocations.
 TEST(Steady, AllocationsAreCounted) {
   if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be counted here";
-  static VectorXd x;  // where compilers may not leave it out
+  static VectorXd x;  // so that compilers may not omit it
   EXPECT_GE(allocations([] { x = VectorXd::Zero(100); }), 1u);
 }
 

@@ -1,4 +1,4 @@
-// Products with the derivatives against the matrices, and against each other.
+// Products with the derivatives agree with the matrices, and with each other.
 
 #include "derivatives/judge.hpp"
 #include "manycontact/dynamics/jvp.hpp"
@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 
 VectorXd nan_vector(Eigen::Index n) { return VectorXd::Constant(n, NAN); }
 
-// The scene's derivatives as one matrix, [a; f] by [q | v | u].
+// Returns the scene's derivatives as one matrix, [a; f] by [q | v | u].
 MatrixXd whole_matrix(const Scene& scene, SceneData& data) {
   differentiate_afresh(scene, data);
   const SceneDerivatives d = dense_derivatives(scene, data);
@@ -39,13 +39,13 @@ VectorXd transposed_times(const Scene& scene, SceneData& data, const VectorXd& w
   return out;
 }
 
-// Each number of x against what it was summed up from.
+// Compares each number of x with the sum that it approximates.
 void expect_sum(const VectorXd& x, const VectorXd& sum, const VectorXd& terms, double allowed) {
   ASSERT_EQ(x.size(), sum.size());
   EXPECT_LE(difference_of(x, sum), allowed * size_of(terms));
 }
 
-// Along all three, and along each alone.
+// Returns directions along all three, and along each alone.
 std::vector<VectorXd> some_directions(const Scene& scene, std::mt19937& rng) {
   const VectorXd x = random_vector(2 * scene.nv + scene.nu, rng);
   std::vector<VectorXd> out = {x};
@@ -72,7 +72,7 @@ void expect_products(const std::string& name, const Scene& scene, const State& s
     (void)solve(scene, s.q, s.v, s.u, data);
     const VectorXd w = random_vector(scene.nv + static_cast<int>(data.f.size()), rng);
     const std::vector<VectorXd> directions = some_directions(scene, rng);
-    if (way.options.method == Method::kDenseSchur && redundant) {  // no answer
+    if (way.options.method == Method::kDenseSchur && redundant) {  // no solution
       EXPECT_TRUE(times(scene, data, directions[0]).array().isNaN().all());
       EXPECT_TRUE(transposed_times(scene, data, w).array().isNaN().all());
       continue;
@@ -84,10 +84,10 @@ void expect_products(const std::string& name, const Scene& scene, const State& s
     expect_sum(wJ, J.transpose() * w, J.transpose().cwiseAbs() * w.cwiseAbs(), allowed);
     EXPECT_LE(std::abs(w.dot(Jx) - wJ.dot(directions[0])),
               allowed * w.cwiseAbs().dot(J.cwiseAbs() * directions[0].cwiseAbs()));
-    // The same bits when called again, after other products and the matrices.
+    // The bits are the same when called again, after other products and the matrices.
     EXPECT_EQ(times(scene, data, directions[0]), Jx);
     EXPECT_EQ(transposed_times(scene, data, w), wJ);
-    EXPECT_NE(Jx, J * directions[0]);  // not by way of the matrix
+    EXPECT_NE(Jx, J * directions[0]);  // computed without the matrix
   }
 }
 
@@ -121,7 +121,7 @@ TEST(Products, OfRandomScenes) {
   }
 }
 
-// Repeated contacts of all types and frames, in the world, between robots and within one, in motion; some agree.
+// Repeated contacts have all types and frames, in the world, between robots and within one, in motion; some agree.
 TEST(Products, OfRandomScenesWhoseContactsDepend) {
   for (int seed = 1; seed <= 24; ++seed) {
     std::mt19937 rng(1700 + seed);
@@ -139,7 +139,7 @@ TEST(Products, OfRandomScenesWhoseContactsDepend) {
   }
 }
 
-// Contacts that contradict each other, moments counted by another length: G's solve is in K's units, too.
+// Contacts are inconsistent, with moments weighted by another length: G's solve is in K's units, too.
 TEST(Products, OfContradictionsWithAMomentLength) {
   SceneFile file = load_text(R"(<scene moment_length="10"><robot name="a" urdf="arm.urdf" base="fixed"/>
       <contact name="c" type="6d" frame="a/link_5" reference_frame="world" gains="25 10"/>
@@ -150,7 +150,7 @@ TEST(Products, OfContradictionsWithAMomentLength) {
   expect_products("arm", file.scene, {file.q, file.v, file.u}, true);
 }
 
-// One pair of feet of many that stand hand in hand, on points: the others' contacts are in no null space.
+// One pair of feet of many robots hand in hand is on points: the others' contacts are in no null space.
 TEST(Products, OfARowWithOneOnCorners) {
   std::string corners;
   for (const char* at : {"-0.1 -0.05 0", "-0.1 0.05 0", "0.1 -0.05 0", "0.1 0.05 0"})
@@ -181,7 +181,7 @@ class Misuse : public testing::Test {
     VectorXd q = nan_vector(scene.nv + wq), v = nan_vector(scene.nv + wv), u = nan_vector(scene.nu + wu);
     vjp(scene, data, VectorXd::Zero(scene.nv + wa), VectorXd::Zero(data.f.size() + wf), q, v, u);
   }
-  // Nothing about derivatives can be had.
+  // Expects that all functions of derivatives throw.
   void expect_refusal() {
     EXPECT_THROW(differentiate(scene, data), std::logic_error);
     EXPECT_THROW(call_jvp(0, 0, 0, 0, 0), std::logic_error);

@@ -1,4 +1,4 @@
-// Derivatives of inverse dynamics against central differences in quadruple precision, and products with them.
+// Derivatives of inverse dynamics, and products with them, agree with central differences in quadruple precision.
 
 #include "manycontact/algorithm/rnea_derivatives.hpp"
 
@@ -30,7 +30,7 @@ class RneaDerivativesOf : public testing::TestWithParam<Shape> {
     for (int i = 0; i < model.njoints(); ++i) fext.push_back(kin.oMi[i].act_force(s.fext[i]));
   }
 
-  // By the library, every number of the output poisoned beforehand. `pushed`: with external forces.
+  // Uses the library, with every number of the output poisoned beforehand. `pushed`: with external forces.
   Derivatives analytical(bool pushed) {
     for (auto* numbers : {&terms.dq_lower, &terms.dv_lower, &terms.dq_upper, &terms.dv_upper})
       std::fill(numbers->begin(), numbers->end(), NAN);
@@ -44,7 +44,7 @@ class RneaDerivativesOf : public testing::TestWithParam<Shape> {
     return d;
   }
 
-  // Central differences; the external forces turn with their bodies.
+  // Uses central differences; the external forces rotate with their bodies.
   void differences(bool pushed, MatrixQ& dq, MatrixQ& dv) const {
     const VectorQ q = s.q.cast<Quad>(), v = s.v.cast<Quad>(), qdd = s.qdd.cast<Quad>();
     std::vector<Vec6<Quad>> forces;
@@ -70,7 +70,7 @@ class RneaDerivativesOf : public testing::TestWithParam<Shape> {
     return low == std::min(i, j);
   }
 
-  // Some derivatives are zero in truth, but for the noise of the differences: of bodies that do not turn, say.
+  // Some derivatives are zero up to the noise of the differences, e.g. those of bodies that do not rotate.
   static bool vanishes(const MatrixQ& differences) { return size_of(differences) < 1e-15; }
 
   Specimen s{GetParam().options, GetParam().seed};
@@ -113,7 +113,7 @@ TEST_P(RneaDerivativesOf, AreTheDifferences) {
   }
 }
 
-// Zero where neither coordinate is the other's ancestor, in truth and in the answer.
+// Entries are zero if neither coordinate is the other's ancestor, in truth and in the solution.
 TEST_P(RneaDerivativesOf, HaveTheTreesPattern) {
   MatrixQ dq, dv;
   differences(true, dq, dv);
@@ -160,7 +160,7 @@ TEST_P(RneaDerivativesOf, PullBackIsTheTransposedTimesAVector) {
   EXPECT_LE(difference_of(wv, d.dv.transpose() * w), kAllowed * std::max(size_of(d.dv) * size_of(w), 1e-3));
 }
 
-// Forces on the bodies count, by what turns them; they do not enter dtau/dv.
+// Forces on the bodies affect dtau/dq as the bodies rotate; they do not enter dtau/dv.
 TEST_P(RneaDerivativesOf, FollowTheForcesOnTheBodies) {
   const Derivatives with = analytical(true), without = analytical(false);
   EXPECT_EQ(with.dv, without.dv);

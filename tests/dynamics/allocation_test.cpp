@@ -1,4 +1,4 @@
-// No heap allocation after the first solve, and the same bits every time, on every thread.
+// After the first solve there are no heap allocations, and every thread computes the same bits every time.
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ class Steady : public testing::TestWithParam<std::string> {
   SceneFile file_;
 };
 
-// sparse-supernodal, alone of the sparse methods, allocates: cholmod_super_numeric's update matrix.
+// Only this sparse method allocates: cholmod_super_numeric makes an update matrix.
 bool takes_supernodal(const SceneData& data) {
   for (std::size_t i = 0; i < island_count(data); ++i)
     if (choice_of(data, i).method == Method::kSparseSupernodal) return true;
@@ -71,7 +71,7 @@ TEST_P(Steady, TheSameBitsTwice) {
   }
 }
 
-// One scene, which is constant; one data per thread.
+// All threads share one constant scene; each has its own data.
 TEST_P(Steady, TheSameBitsOnEveryThread) {
   for (const Way& way : ways(true)) {
     if (way.options.method == Method::kDense || way.options.method == Method::kDenseSchur) continue;
@@ -95,7 +95,7 @@ TEST_P(Steady, TheSameBitsOnEveryThread) {
 
 INSTANTIATE_TEST_SUITE_P(Models, Steady, testing::ValuesIn(model_scenes()), scene_title);
 
-// What derivatives took is given back, dense-schur's inverse too, and taken again.
+// Memory of derivatives, dense-schur's inverse too, is released and allocated again.
 TEST(Released, DerivativesLeaveNothingBehind) {
   if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be counted here";
   for (const char* name : {"humanoid_standing", "feet_on_corners", "herd"}) {
@@ -112,7 +112,7 @@ TEST(Released, DerivativesLeaveNothingBehind) {
       const std::ptrdiff_t without = blocks_held();
       (void)differentiate(scene, data);
       const Eigen::MatrixXd da_dq = dense_derivatives(scene, data).da_dq;
-      EXPECT_GT(blocks_held(), without + 1);  // the matrix above is one
+      EXPECT_GT(blocks_held(), without + 1);  // the matrix above is one block
       release_derivatives(data);
       EXPECT_EQ(blocks_held(), without + 1);
       EXPECT_THROW((void)derivatives(data), std::logic_error);
@@ -122,10 +122,10 @@ TEST(Released, DerivativesLeaveNothingBehind) {
   }
 }
 
-// The counter counts: what Eigen and the standard library take is seen.
+// The counter counts allocations of Eigen and of the standard library.
 TEST(Allocations, AreCounted) {
   if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be counted here";
-  static Eigen::VectorXd of_eigen;  // where compilers may not leave it out
+  static Eigen::VectorXd of_eigen;  // so that compilers may not omit it
   static std::vector<int> x, y;
   EXPECT_GE(allocations([] { of_eigen = Eigen::VectorXd::Zero(100); }), 1u);
   EXPECT_GE(allocations([] { x.resize(100), y = x; }), 2u);

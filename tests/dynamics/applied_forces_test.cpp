@@ -1,5 +1,5 @@
-// Pushes and springs: values against torques written by hand and against the truth, bounds, memory, and what is
-// refused.
+// Pushes and springs are compared with torques written out and with the truth. Bounds, memory and refused input are
+// tested too.
 
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ Scene without_forces(Scene scene) {
   return scene;
 }
 
-// Place, velocity and Jacobian (6 x nv of the scene) of an attachment, in the world's axes at its origin.
+// Placement, velocity and Jacobian (6 x nv of the scene) of an attachment, in the world's axes at its origin.
 struct Point {
   SE3<double> place;
   Vec6<double> velocity = Vec6<double>::Zero();
@@ -61,7 +61,7 @@ struct Point {
   }
 };
 
-// The torques of all forces, by Jacobians of frames.
+// Returns the torques of all forces, computed with Jacobians of frames.
 VectorXd torques_of(const RandomScene& s) {
   VectorXd tau = VectorXd::Zero(s.scene.nv);
   for (const Push& push : s.scene.pushes) {
@@ -100,7 +100,7 @@ TEST(AppliedForces, AreTorques) {
     EXPECT_LE(error_of(data.a, other.a), 1e-10);
     EXPECT_LE(error_of(data.f, other.f), 1e-10);
     EXPECT_GT(expected.norm(), 1);
-    // the data of the scene with forces serve the one without
+    // the data of the scene with forces are valid for the one without
     (void)solve(bare, s.q, s.v, s.u, data);
     EXPECT_EQ(data.tau.norm(), other.tau.norm() > 0 ? data.tau.norm() : 0);
     (void)differentiate(bare, data);
@@ -109,7 +109,7 @@ TEST(AppliedForces, AreTorques) {
   }
 }
 
-// Every method, against the truth; and the errors against their bounds.
+// Compares every method with the truth, and the errors with their bounds.
 void expect_within_bounds(const RandomScene& s, double factor) {
   const std::vector<char> active = SceneData(s.scene).active;
   const Truth<Quad> truth = solve_truth<Quad>(s.scene, active, s.q.cast<Quad>(), s.v.cast<Quad>(), s.u.cast<Quad>());
@@ -152,8 +152,8 @@ TEST(AppliedForces, AreTrueToTheBound) {
   }
 }
 
-// Pushes that balance each other on one body, springs so stiff that places' rounding counts: tau is what is left of
-// large numbers, and bounds have to know these.
+// Pushes cancel on one body, and springs are so stiff that rounding of positions counts. tau is a small difference of
+// large numbers, which bounds have to include.
 TEST(AppliedForces, BoundsKnowWhatCancels) {
   for (int seed = 730; seed < 738; ++seed) {
     SCOPED_TRACE(seed);
@@ -199,7 +199,7 @@ TEST(AppliedForces, ChangeBetweenSolvesWithoutAllocations) {
 }
 
 TEST(AppliedForces, BatchesOfStates) {
-  const RandomScene s = pushed_scene(750);  // one robot: states stand side by side
+  const RandomScene s = pushed_scene(750);  // one robot: states share a SIMD batch
   BatchData batch(s.scene, 1);
   for (Vec6<double>& w : batch.pushes) w *= 3;
   const int n = 6;
@@ -236,7 +236,7 @@ TEST(AppliedForces, BatchesOfStates) {
 
 // ---- scenes small enough to know the answer ------------------------------------------------------------------------
 
-// A mass that slides along z.
+// Returns a mass that slides along z.
 Model slider(double mass) {
   Model model;
   Joint joint;
@@ -267,7 +267,7 @@ TEST(AppliedForces, MassesOnSprings) {
   add_joint_spring(s.scene, "b", "slide", 30, 0.5);
   s.v << 0.25, 0;
   SceneData data(s.scene);
-  ASSERT_EQ(island_count(data), 2u);  // the world joins nothing
+  ASSERT_EQ(island_count(data), 2u);  // the world couples no robots
   (void)solve(s.scene, s.q, s.v, s.u, data);
   EXPECT_NEAR(data.a[0], -9.81 + (50 * (3 - 2) - 4 * 0.25) / 2, 1e-14);
   EXPECT_NEAR(data.a[1], -9.81 + 30 * 0.5 / 2, 1e-14);
@@ -291,7 +291,7 @@ TEST(AppliedForces, SpringsJoinRobotsToIslands) {
     EXPECT_NEAR(data.a[0], -9.81 + 50 * 0.75 * 0.6 / 2, 1e-13);
     (void)differentiate(s.scene, data);
     EXPECT_GT(derivatives(data).islands[0].da_dq()(0, 1), 1);
-    const Scene bare = without_forces(s.scene);  // of two islands, by the same data
+    const Scene bare = without_forces(s.scene);  // two islands, solved with the same data
     (void)solve(bare, s.q, s.v, s.u, data);
     EXPECT_EQ(data.report.islands.size(), way.options.method == Method::kDenseSchur ? 1u : 2u);
     EXPECT_NEAR(data.a[0], -9.81, 1e-13);
@@ -318,7 +318,7 @@ TEST(AppliedForces, EndsThatCoincideHaveNoDirection) {
   EXPECT_EQ(data.report.islands[0].reason, Reason::kNotFinite);
 }
 
-// Torques that hold a robot under gravity, pushes and springs.
+// Quasi-static torques keep a robot at rest under gravity, pushes and springs.
 TEST(AppliedForces, QuasiStaticTorquesHold) {
   std::mt19937 rng(760);
   RandomScene s;
@@ -366,7 +366,7 @@ TEST(AppliedForces, WhatIsRefused) {
             "two bodies");
   EXPECT_EQ(spring({"s", {0, -1, {}}, {}, 1}),
             "spring 's' has both ends where nothing can move, expected one on a body that moves");
-  EXPECT_EQ(spring({"s", {}, a, 1}), "");  // exchanged
+  EXPECT_EQ(spring({"s", {}, a, 1}), "");  // the ends are exchanged
   EXPECT_EQ(s.scene.springs[0].A.robot, 0);
   EXPECT_EQ(refusal([&] { add_joint_spring(s.scene, "a", "slide", -3); }),
             "joint 'slide' of robot 'a' has a stiffness that is not 0 or more");
@@ -388,8 +388,8 @@ TEST(AppliedForces, WhatIsRefused) {
   EXPECT_NE(refusal([&] { (void)solve(moved, s.q, s.v, s.u, data); }), "");
 }
 
-// Two robots side by side, one pushed meanwhile, whose derivatives are by all torques then, while the other's set of
-// contacts is away: together again they are differentiated as they were.
+// Two robots share a SIMD batch. Meanwhile one is pushed, which widens its derivatives to all torques, and the other's
+// contacts change. Together again they are differentiated as before.
 TEST(AppliedForces, DerivativesOfRobotsSideBySideAreAsWideAgain) {
   std::mt19937 rng(4);
   ModelOptions options;

@@ -1,4 +1,4 @@
-// Batches of states: every state's numbers are those of new SceneData, whatever stood beside it, for any number of
+// In batches of states every state has the numbers of new SceneData, whatever states share its batch, for any number of
 // threads.
 
 #include "manycontact/dynamics/batch.hpp"
@@ -43,7 +43,7 @@ struct States {
   }
 };
 
-/// Full of what a caller may have left there.
+/// The outputs are full of NaN, as a caller may have left anything there.
 struct Answers {
   BatchMatrix A, F, D, WA, WF, WQ, WV, WU, WW;
   std::vector<Status> status;
@@ -94,7 +94,7 @@ int nf_of(const Scene& scene, const std::vector<char>& active) {
   return rows;
 }
 
-/// With new SceneData for each state.
+/// Solves each state with new SceneData.
 Answers alone(const Scene& scene, const States& s, const Options& options, const std::vector<char>& active) {
   const int nf = nf_of(scene, active), cols = 2 * scene.nv + scene.nu;
   Answers out(scene, nf, s.count());
@@ -135,7 +135,7 @@ Answers in_batch(const Scene& scene, const States& s, BatchData& batch) {
   return out;
 }
 
-/// The same answers for 1, 2, 3 and 5 threads, and in another order of the states.
+/// Expects the same results for 1, 2, 3 and 5 threads, and in another order of the states.
 void expect_history_counts_for_nothing(const Scene& scene, const States& s, const Options& options,
                                        const std::vector<char>& active) {
   const Answers expected = alone(scene, s, options, active);
@@ -148,7 +148,7 @@ void expect_history_counts_for_nothing(const Scene& scene, const States& s, cons
     ASSERT_EQ(batch.threads.size(), static_cast<std::size_t>(threads));
     batch.active = active;
     expect_same(in_batch(scene, s.picked(order), batch), expected.picked(order));
-    expect_same(in_batch(scene, s, batch), expected);  // again, in memory in use
+    expect_same(in_batch(scene, s, batch), expected);  // again, with memory in use
     std::shuffle(order.begin(), order.end(), rng);
   }
 }
@@ -176,7 +176,7 @@ TEST(Batch, AsManyTimesSolveOnEveryModel) {
   }
 }
 
-// States that fail, are redundant or contradict each other among others.
+// Some states fail, are redundant or inconsistent.
 TEST(Batch, WhatStoodBeforeCountsForNothing) {
   for (const char* name : {"feet_on_corners", "quadruped_loop", "humanoid_hands_and_feet", "arm_pushes_box"}) {
     SceneFile file = load_small(kModels + name + ".xml");
@@ -201,8 +201,8 @@ TEST(Batch, WhatStoodBeforeCountsForNothing) {
   }
 }
 
-// An arm held at its tool, straighter and straighter: its rows depend on each other more and more, in between nearly,
-// where one order of elimination sees it and another does not. Straight arms stand between the others.
+// An arm fixed at its tool is straightened step by step: in between its rows are nearly dependent, which one order of
+// elimination detects and another does not. Straight arms are among the others.
 TEST(Batch, RowsThatBecomeDependentAndIndependentAgain) {
   SceneFile file = load_text(R"(<scene>
   <robot name="arm" urdf="arm.urdf" base="fixed"/>
@@ -240,8 +240,8 @@ TEST(Batch, ContactsAreSwitchedByTheBatch) {
   expect_same(in_batch(file.scene, s, batch), alone(file.scene, s, batch.options, batch.active));
 }
 
-// States side by side, however many are left over, at every level of instructions; a robot alone and two that are tied,
-// under a scene that changes between calls.
+// States fill SIMD batches, however many are left over, at every level of instructions. The scene has a robot alone and
+// two that are tied, and changes between calls.
 TEST(Batch, StatesStandInLanes) {
   SceneFile file = load_text(R"(<scene>
   <robot name="arm" urdf="arm.urdf" base="fixed"/> <contact name="hold" type="3d" frame="arm/tool" gains="100 20"/>
@@ -268,7 +268,7 @@ TEST(Batch, StatesStandInLanes) {
   }
 }
 
-// A solve of one state uses the same data in between: how many states fill a SIMD batch does not change by it.
+// A solve of one state with the same data does not change how many states fill a SIMD batch.
 TEST(Batch, StatesFillSimdBatchesAfterASolveToo) {
   const SceneFile file = load_small(kModels + "humanoid_standing.xml");
   SceneData data(file.scene);
@@ -287,7 +287,7 @@ TEST(Batch, NoStatesAndNoContacts) {
   }
 }
 
-// Views of one wide matrix, as `manycontact batch` has it, are taken as they are.
+// Views of one wide matrix, as `manycontact batch` has it, are accepted as they are.
 TEST(Batch, BlocksOfAWiderMatrix) {
   const SceneFile file = load_scene(kModels + "humanoid_standing.xml");
   const Scene& scene = file.scene;
@@ -356,7 +356,7 @@ TEST(Batch, ASecondCallAllocatesNothing) {
   EXPECT_EQ(allocations(all), 0u);
 }
 
-// Of the first thread, whose allocations can be made to fail: the exception comes out, and the next call is sound.
+// Allocations of the first thread can be made to fail: the exception leaves the call, and the next call is correct.
 TEST(Batch, AnExceptionInAThreadComesOut) {
   if (!MANYCONTACT_FAILS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be made to fail here";
   const SceneFile file = load_text(R"(<scene>
@@ -365,7 +365,7 @@ TEST(Batch, AnExceptionInAThreadComesOut) {
   const States s = disturbed_states(file, 5, 0.5, 6);
   const Answers expected = alone(file.scene, s, {Method::kAuto, {}, Lanes::kOff}, {1});
   for (int threads : {1, 3}) {
-    // OpenMP makes its threads before memory fails: it would end the program
+    // OpenMP makes its threads before memory fails; without memory it would end the program
     BatchData first(file.scene, threads), batch(file.scene, threads);
     (void)in_batch(file.scene, s, first);
     batch.options.lanes = Lanes::kOff;

@@ -1,5 +1,5 @@
-// sparse-bodies: against the oracle on random trees, against quadruple precision and sparse-ldl on chains, and on
-// chains too long for either.
+// sparse-bodies is compared with the dense reference solver on random trees, with quadruple precision and sparse-ldl on
+// chains, and is run on chains too long for either.
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ using Eigen::VectorXd;
 
 const Options kBodies{Method::kSparseBodies, {}};
 
-// The answer, and the oracle's beside it.
+// Contains the solution and that of the dense reference solver.
 struct Both {
   SceneData bodies, dense;
   Both(const Scene& scene, const VectorXd& q, const VectorXd& v, const VectorXd& u)
@@ -56,8 +56,8 @@ TEST(Bodies, AgreeWithTheOracle) {
   EXPECT_GE(answered, 0.95 * islands);
 }
 
-// Bodies with children are held in 6D, beside the scene's other contacts, wherever six coordinates or more have moved
-// them since the last: trees that fall into parts.
+// In addition to the scene's contacts, bodies with children are fixed in 6D wherever six or more coordinates have moved
+// them since the last: these trees fall into parts.
 RandomScene held_scene(std::mt19937& rng) {
   SceneOptions options = trees(0);
   options.ncontacts = 2;
@@ -105,7 +105,7 @@ TEST(Bodies, PartsAgreeWithTheOracle) {
       EXPECT_EQ(bodies.report.status, dense.report.status) << trial << to_string(level);
       const Errors e = errors<double>(s.scene, bodies, dense.a, dense.f, conditions(s.scene, dense));
       EXPECT_LE(e.excess, 1) << trial << to_string(level) << ": " << e;
-      for (const IslandReport& island : bodies.report.islands)  // the ladder's may be least squares
+      for (const IslandReport& island : bodies.report.islands)  // the ladder's solution may be least squares
         if (island.method == Method::kSparseBodies && island.status != Status::kInconsistent) {
           EXPECT_LE(island.backward_error, 1e-14) << trial << to_string(level);
         }
@@ -115,7 +115,7 @@ TEST(Bodies, PartsAgreeWithTheOracle) {
   EXPECT_GE(sound, 15);
 }
 
-// Long chains with branches, and rows past a held body, which keep what hangs below in its part.
+// Long chains have branches, and rows past a fixed body, which keep what hangs below in its part.
 TEST(Bodies, PartsOfChains) {
   ChainOptions options;
   options.links = 100;
@@ -135,14 +135,13 @@ TEST(Bodies, PartsOfChains) {
   EXPECT_LE(e.excess, 1) << e;
 }
 
-// What a part's numbers are does not depend on where it stands among others, nor on what they are: of a longer chain
-// the first links accelerate alike, to the last bit, and where links at its end move otherwise all parts before theirs
-// do.
+// The numbers of a part do not depend on its place among the parts, nor on their numbers. The first links of a longer
+// chain accelerate alike, to the last bit; if links at its end move differently, the parts before keep their bits.
 TEST(Bodies, PartsHaveTheirOwnBits) {
   for (const Lanes level : lanes_here()) {
     const Options bodies{Method::kSparseBodies, {}, level};
     ChainOptions options;
-    options.links = 230;  // 23 parts: some lanes stay empty
+    options.links = 230;  // 23 parts: some elements of batches stay empty
     Chain c = make_chain(options);
     SceneData x(c.scene, bodies);
     ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, x).status, Status::kOk);
@@ -171,8 +170,8 @@ TEST(Bodies, PartsHaveTheirOwnBits) {
   }
 }
 
-// Two branches on one base: links [0, cut) of a chain held at every tenth, and those from there on, the one or the
-// other first.
+// Returns two branches on one base: links [0, cut) of a chain fixed at every tenth, and the links from there on, in
+// either order.
 Chain two_branches(const Chain& c, int cut, bool tail_first) {
   const std::vector<Joint>& joints = c.scene.robots[0].model->joints;
   const int links = static_cast<int>(joints.size()), shift = tail_first ? links - cut : 0;
@@ -198,8 +197,8 @@ Chain two_branches(const Chain& c, int cut, bool tail_first) {
   return out;
 }
 
-// Nor does it depend on the lane: the same parts, three or seven lanes on. What hangs on the base is one part, of both
-// branches in their order, and pulls at the first body held of each.
+// Bits do not depend on the batch element either: the same parts are three or seven elements further on. One part hangs
+// on the base: it has both branches in their order, and pulls at the first fixed body of each.
 TEST(Bodies, PartsHaveTheirOwnBitsInEveryLane) {
   ChainOptions options;
   options.links = 100;
@@ -217,7 +216,7 @@ TEST(Bodies, PartsHaveTheirOwnBitsInEveryLane) {
   }
 }
 
-// Products by the recursion, and blocks by panels, beside those of sparse-ldl.
+// Products by the recursion, and blocks by panels, are compared with those of sparse-ldl.
 TEST(Bodies, DerivativesAgreeWithSparseLdl) {
   std::mt19937 rng(2);
   for (int trial = 0; trial < 30; ++trial) {
@@ -251,7 +250,7 @@ TEST(Bodies, DerivativesAgreeWithSparseLdl) {
   }
 }
 
-// dense_size: as refine_truth has it
+// dense_size is that of refine_truth
 Truth<Quad> truth_of(const Chain& c, int dense_size) {
   SceneData data(c.scene, {Method::kSparseLdl, {}});
   EXPECT_EQ(solve(c.scene, c.q, c.v, c.u, data).status, Status::kOk);
@@ -260,7 +259,7 @@ Truth<Quad> truth_of(const Chain& c, int dense_size) {
 
 void expect_within_bounds(const Chain& c, SceneData& x, const Truth<Quad>& truth) {
   estimate_errors(c.scene, x);
-  const auto error = [](const VectorXd& of, const VecX<Quad>& right) {  // of bounds that are no larger
+  const auto error = [](const VectorXd& of, const VecX<Quad>& right) {  // bounds are no larger
     return static_cast<double>((of.cast<Quad>() - right).cwiseAbs().maxCoeff()) / of.cwiseAbs().maxCoeff();
   };
   EXPECT_LE(error(x.a, truth.a), x.report.error_acceleration);
@@ -275,7 +274,7 @@ TEST(Bodies, ChainsAgreeWithQuadruplePrecision) {
     const Chain c = make_chain(options);
     const Truth<Quad> truth = truth_of(c, 0);
     ASSERT_TRUE(truth.regular[0]);
-    // joint-space K's condition is 1e10; the bodies' own equations are near to it in no row
+    // joint-space K has a condition of 1e10; no row of the bodies' own equations is close to that
     const VectorXd a = truth.a.cast<double>(), f = truth.f.cast<double>();
     std::vector<Lanes> levels = lanes_here();
     levels.push_back(Lanes::kOff);
@@ -290,7 +289,7 @@ TEST(Bodies, ChainsAgreeWithQuadruplePrecision) {
   }
 }
 
-// Bias forces are differences of products as large as the square of the speed: bounds know what that leaves.
+// Bias forces are differences of products as large as the square of the speed; the bounds include their rounding.
 TEST(Bodies, BoundsHoldForChainsThatFlyFast) {
   for (const double speed : {1e2, 1e5, 1e8}) {
     ChainOptions options;
@@ -310,7 +309,7 @@ TEST(Bodies, BoundsHoldForChainsThatFlyFast) {
   }
 }
 
-// Held every so many links, or at none of them, with a loop at every sixtieth.
+// Returns a chain fixed every so many links, or at none of them with a loop at every sixtieth.
 Chain held_or_looped(int links, int held_every) {
   ChainOptions options;
   options.links = links;
@@ -319,7 +318,7 @@ Chain held_or_looped(int links, int held_every) {
   return make_chain(options);
 }
 
-// Bodies leave no J: where the whole K differentiates their answer, its rows are there again whenever it is asked.
+// Bodies leave no J: where the whole K differentiates their solution, its rows are computed again on request.
 TEST(Bodies, DerivativesHaveTheSameBoundsAfterProducts) {
   for (const int held_every : {0, 10}) {
     const Chain c = held_or_looped(120, held_every);
@@ -338,7 +337,7 @@ TEST(Bodies, DerivativesHaveTheSameBoundsAfterProducts) {
   }
 }
 
-// Held bodies cut off what hangs below; their own inertia may be none.
+// Fixed bodies cut off what hangs below; they may have no inertia.
 TEST(Bodies, HeldBodiesWithoutInertia) {
   for (const ContactType type : {ContactType::k3D, ContactType::k6D}) {
     ChainOptions options;
@@ -388,7 +387,7 @@ TEST(Bodies, AutoTakesThemForDeepTreesAlone) {
   EXPECT_EQ(choice_of(SceneData(shallow.scene), 0).method, Method::kSparseLdl);
 }
 
-// A point of each leaf of a complete binary tree, on its joint, is held along one direction.
+// A point of each leaf of a complete binary tree, on its joint, is constrained along one direction.
 Chain binary_tree(int leaves) {
   ChainOptions options;
   options.links = 2 * leaves - 1;
@@ -397,7 +396,7 @@ Chain binary_tree(int leaves) {
   Chain c = make_chain(options);
   Model model = *c.scene.robots[0].model;
   for (int i = 1; i < model.njoints(); ++i) model.joints[i].parent = (i - 1) / 2;
-  // depth first, as joints of a model are
+  // the order is depth first, as in any model
   std::vector<int> order{0}, place(model.joints.size());
   for (std::size_t k = 0; k < order.size(); ++k)
     for (int child : {2 * order[k] + 2, 2 * order[k] + 1})
@@ -435,7 +434,7 @@ TEST(Bodies, AutoTakesThemForLargeTreesOfFewOpenRows) {
   }
 }
 
-// Derivatives come from the whole K then, which has all columns at once.
+// Derivatives come from the whole K, which has all columns at once.
 TEST(Bodies, DerivativesAreTheSameWhereAutoTookThem) {
   for (const Chain& c : {binary_tree(150), make_chain({.links = 120, .type = ContactType::k3D})}) {
     SceneData x(c.scene), bodies(c.scene, kBodies);
@@ -452,7 +451,7 @@ TEST(Bodies, DerivativesAreTheSameWhereAutoTookThem) {
   }
 }
 
-// P stays symmetric along them, or it would not stay positive.
+// P stays symmetric along the links, or it would not stay positive.
 TEST(Bodies, AnswerTenThousandLinksHeldByFewRows) {
   for (const ContactType type : {ContactType::k1D, ContactType::k3D, ContactType::k6D})
     for (const int held_every : {30, 300, 3000})
@@ -469,7 +468,7 @@ TEST(Bodies, AnswerTenThousandLinksHeldByFewRows) {
       }
 }
 
-// Loops that nothing holds in the world: each leaves less of those that are eliminated after it.
+// The world constrains none of the loops: each leaves less of those that are eliminated after it.
 TEST(Bodies, AnswerLoopsAlongThousandsOfLinks) {
   for (const int links : {300, 3000})
     for (const int loop_every : {20, 60})
@@ -492,7 +491,7 @@ TEST(Bodies, AnswerLoopsAlongThousandsOfLinks) {
       }
 }
 
-// A straight chain that is held here and there, as a cable at rest: rows along it move nothing, or say what others do.
+// A straight chain is fixed here and there, as a cable at rest: rows along it move nothing or duplicate others.
 Chain straight_chain(int links, ContactType type, bool floating_base, bool moving) {
   ChainOptions options;
   options.links = links;
@@ -532,7 +531,7 @@ TEST(Bodies, StraightChainsAgreeWithTheOracle) {
       }
 }
 
-// Links on a floating base, the last held in 6D and again in 1D, with another gain.
+// Links are on a floating base, the last one fixed in 6D and again in 1D, with another gain.
 Chain chain_held_twice(int links, double alpha) {
   ChainOptions options;
   options.links = options.held_every = links;
@@ -541,12 +540,12 @@ Chain chain_held_twice(int links, double alpha) {
   Contact again = c.scene.contacts[0];
   again.name = "again";
   again.type = ContactType::k1D;
-  again.alpha = alpha;  // and the other has none
+  again.alpha = alpha;  // the other has none
   add_contact(c.scene, again);
   return c;
 }
 
-// What rows contradict each other by counts beside their own terms: bodies' accelerations have gravity in them.
+// Inconsistency of rows is relative to their own terms: accelerations of bodies contain gravity.
 TEST(Bodies, ContradictionsUnderLargeGravity) {
   for (const double gravity : {1.0, 4e8}) {
     Chain c = chain_held_twice(1, 3);
@@ -558,8 +557,8 @@ TEST(Bodies, ContradictionsUnderLargeGravity) {
   }
 }
 
-// Accelerations that cancel in a row are its terms all the same, as the whole K has them: of a base that swings fast
-// about the body that is held twice, and the joint between them.
+// Accelerations that cancel in a row are still its terms, as in the whole K. They are those of a base that swings fast
+// about the body that is fixed twice, and of the joint between them.
 TEST(Bodies, ContradictionsBesideAccelerationsThatCancel) {
   Chain c = chain_held_twice(2, 0.1);
   c.v.setZero();
@@ -572,7 +571,7 @@ TEST(Bodies, ContradictionsBesideAccelerationsThatCancel) {
   }
 }
 
-// Two points where one would do, and a body held twice.
+// There are two points where one would do, and a body fixed twice.
 TEST(Bodies, RowsOfOneBodyAgreeWithTheOracle) {
   for (const ContactType type : {ContactType::k3D, ContactType::k6D})
     for (const bool straight : {false, true}) {
@@ -592,8 +591,8 @@ TEST(Bodies, RowsOfOneBodyAgreeWithTheOracle) {
     }
 }
 
-// Of a chain held along its own line the contacts' forces, with gravity's, are what moves its momentum; the axial ones
-// share the load alike, as those of least norm do.
+// In a chain fixed along its own line, contact forces and gravity are what changes its momentum. The axial forces share
+// the load equally, as those of least norm do.
 TEST(Bodies, StraightChainsOfTenThousandLinks) {
   for (const bool floating_base : {false, true}) {
     const Chain c = straight_chain(10000, ContactType::k3D, floating_base, false);
@@ -608,7 +607,7 @@ TEST(Bodies, StraightChainsOfTenThousandLinks) {
       along += f;
       least = std::min(least, f), most = std::max(most, f);
     }
-    // Forces along the chain move nothing in a chain on a wall; there least norm is none at all.
+    // Forces along a chain on a wall move nothing; there the least norm has none at all.
     EXPECT_NEAR(along, floating_base ? -mass * c.scene.gravity[0] : 0, 1e-9 * mass);
     EXPECT_NEAR(most, least, 1e-9 * mass);
   }
@@ -633,8 +632,8 @@ TEST(Bodies, OtherDependentRowsAreLeftToTheLadder) {
   }
 }
 
-// Products of what sparse-bodies answered without rows that depend come from the whole K, and are not a number where
-// that does not fit.
+// Products for solutions in which sparse-bodies dropped dependent rows come from the whole K, and are NaN where that
+// does not fit.
 TEST(Bodies, ProductsOfStraightChains) {
   for (const int links : {60, 20000}) {
     const Chain c = straight_chain(links, ContactType::k3D, true, false);
@@ -649,7 +648,7 @@ TEST(Bodies, ProductsOfStraightChains) {
       EXPECT_TRUE(da.hasNaN() && df.hasNaN());
       continue;
     }
-    // not by the oracle: bent, the chain has another rank, and forces have no derivative that all ways would share
+    // without the dense reference solver: bent, the chain has another rank, and methods share no derivative of forces
     SceneData ldl(c.scene, {Method::kSparseLdl, {}});
     (void)solve(c.scene, c.q, c.v, c.u, ldl);
     VectorXd da_ldl(c.scene.nv), df_ldl(bodies.f.size());

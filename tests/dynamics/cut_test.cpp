@@ -1,5 +1,5 @@
-// Islands of many alike robots are solved robot by robot, in lanes; where an order is asked for, by the island's
-// factor. Both are exact but for rounding.
+// Islands of many alike robots are solved robot by robot, in SIMD batches; if an order is requested, by the island's
+// factor. Both are exact up to rounding error.
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-// `count` robots of these models by turns, anywhere.
+// Returns `count` robots of these models in turn, at random placements.
 RandomScene robots_in_motion(const std::vector<std::shared_ptr<const Model>>& models, int count, std::mt19937& rng) {
   RandomScene s;
   for (int r = 0; r < count; ++r)
@@ -30,8 +30,8 @@ RandomScene robots_in_motion(const std::vector<std::shared_ptr<const Model>>& mo
   return s;
 }
 
-// `count` robots of two models by turns, held at a point, in a ring of contacts of all types; where contacts hold the
-// world, and where they join robots, is different everywhere.
+// Returns a ring of `count` robots of two models in turn, each also fixed at a point, with contacts of all types. Where
+// contacts attach to the world, and to other robots, is different everywhere.
 RandomScene ring_of_robots(int count, bool floating, double damping) {
   std::mt19937 rng(21);
   ModelOptions options;
@@ -67,7 +67,7 @@ RandomScene ring_of_robots(int count, bool floating, double damping) {
   return s;
 }
 
-// Robots of so few joints that what the contacts between them are evaluated from is more than their factor.
+// Robots have so few joints that the inputs of the contacts between them are larger than their factor.
 RandomScene ring_of_arms(int count) {
   std::mt19937 rng(24);
   ModelOptions options;
@@ -89,7 +89,7 @@ RandomScene ring_of_arms(int count) {
   return s;
 }
 
-// Robots of two arms with rungs between them: neighbouring columns of their factors have nearly one pattern.
+// Robots have two arms with rungs between them: neighbouring columns of their factors have nearly one pattern.
 RandomScene ring_of_ladders(int count) {
   std::mt19937 rng(27);
   ModelOptions options;
@@ -148,7 +148,7 @@ TEST_P(Cut, AgreesWithTheOracle) {
       ASSERT_EQ(cut.report.status, Status::kOk);
       EXPECT_LE(difference_of(cut.a, oracle.a), allowed * size_of(oracle.a));
       EXPECT_LE(difference_of(cut.f, oracle.f), allowed * size_of(oracle.f));
-      EXPECT_FALSE(cut.a == factor.a);  // there are two ways
+      EXPECT_FALSE(cut.a == factor.a);  // there are two methods
       const IslandReport &x = cut.report.islands[0], &y = factor.report.islands[0];
       EXPECT_EQ(x.rank, y.rank);
       EXPECT_EQ(x.nc, y.nc);
@@ -164,7 +164,7 @@ TEST_P(Cut, RobotsOfFewJoints) {
   ASSERT_EQ(cut.report.status, Status::kOk);
   EXPECT_LE(difference_of(cut.a, factor.a), 1e-12 * size_of(factor.a));
   EXPECT_LE(difference_of(cut.f, factor.f), 1e-12 * size_of(factor.f));
-  EXPECT_FALSE(cut.a == factor.a);  // there are two ways
+  EXPECT_FALSE(cut.a == factor.a);  // there are two methods
 }
 
 TEST_P(Cut, ContactsAccelerateAsAsked) {
@@ -179,7 +179,7 @@ TEST_P(Cut, ContactsAccelerateAsAsked) {
   EXPECT_LE(difference_of(cut.f, factor.f), 1e-10 * size_of(factor.f));
 }
 
-// Products and derivatives go by the cut robots, products after derivatives too.
+// Products and derivatives use the cut robots, products after derivatives too.
 TEST_P(Cut, ProductsAndDerivatives) {
   const RandomScene s = ring_of_robots(24, true, 0);
   std::mt19937 rng(23);
@@ -205,7 +205,7 @@ TEST_P(Cut, ProductsAndDerivatives) {
   EXPECT_TRUE(again == da && df_again == df);
 }
 
-// The factors that solved an island make its derivatives and products too.
+// The factors that solved an island also give its derivatives and products.
 TEST_P(Cut, FactorizesOnce) {
   for (const RandomScene& s : {ring_of_robots(24, true, 0), ring_of_robots(24, true, 1e-4), ring_of_ladders(16)}) {
     SCOPED_TRACE(s.scene.nrobots());
@@ -224,7 +224,7 @@ TEST_P(Cut, FactorizesOnce) {
       const auto& whole = differentiate(s.scene, by_whole).islands[0].X;
       EXPECT_LE((made.islands[0].X - whole).cwiseAbs().maxCoeff(), 1e-10 * whole.cwiseAbs().maxCoeff());
       EXPECT_FALSE(made.islands[0].X == whole);
-      estimate_condition(s.scene, data);  // of the whole K
+      estimate_condition(s.scene, data);  // it needs the whole K
       EXPECT_EQ(factorizations_of(data, 0), 2);
     }
   }
@@ -242,14 +242,14 @@ TEST_P(Cut, ThreadsDoNotChangeBits) {
   }
 }
 
-// What this way cannot do another does, and says so.
+// Another method solves what this one cannot, and the report names it.
 TEST_P(Cut, FallsBack) {
   RandomScene s = ring_of_robots(24, true, 0);
   const Robot& robot = s.scene.robots[9];
   const Solution before = solution_of(s, options());
   const VectorXd q = s.q;
   SceneData data(s.scene, options());
-  for (const double bad : {kNaN, 3e7}) {  // an angle past what lanes take
+  for (const double bad : {kNaN, 3e7}) {  // an angle beyond the range of SIMD batches
     s.q[robot.idx_q + robot.model->nq - 1] = bad;
     (void)solve(s.scene, s.q, s.v, s.u, data);
     const Solution factor = solution_of(s, by_factor());

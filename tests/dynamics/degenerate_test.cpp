@@ -1,5 +1,5 @@
-// Contacts that depend on each other, exactly or nearly. Whatever is called an answer must be one: a status of ok or
-// redundant with an error above what is allowed is a failure here.
+// Contacts are redundant, exactly or nearly. A status of ok or redundant with an error above the allowed one is a
+// failure here.
 
 #include <gtest/gtest.h>
 
@@ -25,8 +25,8 @@ namespace {
 
 std::vector<char> all_active(const Scene& scene) { return std::vector<char>(scene.contacts.size(), 1); }
 
-// Every method's answer against the truth, least squares where the contacts depend on each other. Returns the status
-// the oracle gives; the others must say the same, the baseline may refuse.
+// Compares every method with the truth, least squares where contacts are redundant. Returns the status of the dense
+// reference solver; the others must report the same, but the baseline may refuse.
 Status judge(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& u) {
   const Truth<Quad> truth = solve_truth<Quad>(scene, all_active(scene), q.cast<Quad>(), v.cast<Quad>(), u.cast<Quad>());
   SceneData oracle(scene, {Method::kDense, {}});
@@ -56,7 +56,7 @@ Status judge(const SceneFile& file) { return judge(file.scene, file.q, file.v, f
 
 // ---- exactly dependent ---------------------------------------------------------------------------------------------
 
-// The definition of the answer, condition by condition.
+// Checks the definition of the solution, condition by condition.
 void expect_least_squares(const RandomScene& s, Status status) {
   const Terms terms(s.scene, all_active(s.scene), s.q, s.v, s.u);
   for (const Way& way : ways(true)) {
@@ -88,8 +88,8 @@ TEST(Dependent, RepeatedContactsThatAgree) {
   }
 }
 
-// Forces of least norm with moments times so many newtons a newton metre: the same accelerations, and f with W f in J's
-// range, W = diag(1, 1 / length^2) on forces and moments.
+// The least norm weights moments by a length: accelerations are the same, and f satisfies that W f is in J's range, W =
+// diag(1, 1 / length^2) on forces and moments.
 TEST(Dependent, MomentsCountByTheScenesLength) {
   SceneFile file = load_edited(kModels + "humanoid_standing.xml",
                                {{"</scene>", R"(<contact name="again" type="6d" frame="humanoid/left_sole"
@@ -111,7 +111,7 @@ TEST(Dependent, MomentsCountByTheScenesLength) {
     for (Eigen::Index k = 0; k < Wf.size(); ++k)
       if (k % 6 >= 3) Wf[k] /= 0.1 * 0.1;
     EXPECT_LE((J * least_norm(J, Wf, 1e-9) - Wf).cwiseAbs().maxCoeff(), 1e-10 * Wf.cwiseAbs().maxCoeff());
-    if (weighed.report.islands[0].method != Method::kSparseBodies) {  // K is of rows as they are
+    if (weighed.report.islands[0].method != Method::kSparseBodies) {  // K has unweighted rows
       complete(file.scene, weighed);
       const Eigen::MatrixXd K = matrix_of(weighed, 0);
       EXPECT_LE((K.bottomLeftCorner(J.rows(), J.cols()) - J).cwiseAbs().maxCoeff(), 1e-14 * J.cwiseAbs().maxCoeff());
@@ -129,7 +129,7 @@ TEST(Dependent, MomentsCountByTheScenesLength) {
   }
 }
 
-// What no row needs is refused all the same, whoever would answer.
+// A bad value that no row needs is refused all the same, by every method.
 TEST(Dependent, MomentLengthIsCheckedWhereRowsAreIndependent) {
   SceneFile file = load_scene(kModels + "humanoid_standing.xml");
   file.scene.moment_length = std::nan("");
@@ -153,7 +153,7 @@ TEST(Dependent, RepeatedContactsThatContradict) {
   }
 }
 
-// Only the island with the dependent contacts is called so.
+// Only the island with the redundant contacts is reported as such.
 TEST(Dependent, OneIslandOfTwo) {
   std::mt19937 rng(17);
   SceneOptions options;
@@ -178,9 +178,7 @@ TEST(Dependent, OneIslandOfTwo) {
   }
 }
 
-// A contradiction counts from 1e-8 of the terms on.
-// States in which rows depend on each other, and dampings, come and go in the same data: a state's bits are those of
-// new data.
+// States with dependent rows, and dampings, come and go in the same data: a state's bits are those of new data.
 TEST(Dependent, NothingIsLeftForTheStatesAfter) {
   const char* scenes[] = {R"(<scene>
   <robot name="arm" urdf="arm.urdf" base="fixed" copies="9" arrange="line" spacing="2"/>
@@ -198,7 +196,7 @@ TEST(Dependent, NothingIsLeftForTheStatesAfter) {
     std::mt19937 rng(31);
     SceneFile bent = file;
     disturb(bent, rng, 0.5);
-    SceneFile some = bent;  // every third robot as it was
+    SceneFile some = bent;  // every third robot is as it was
     for (int r = 0; r < scene.nrobots(); r += 3) {
       const Robot& robot = scene.robots[r];
       some.q.segment(robot.idx_q, robot.model->nq) = file.q.segment(robot.idx_q, robot.model->nq);
@@ -220,7 +218,7 @@ TEST(Dependent, NothingIsLeftForTheStatesAfter) {
           EXPECT_TRUE(((data.a.array() == fresh.a.array()) || fresh.a.array().isNaN()).all());
           EXPECT_TRUE(((data.f.array() == fresh.f.array()) || fresh.f.array().isNaN()).all());
           if (way.options.method != Method::kAuto || fresh.report.status != Status::kOk) continue;
-          estimate_condition(scene, data), estimate_condition(scene, fresh);  // by K, whoever answered
+          estimate_condition(scene, data), estimate_condition(scene, fresh);  // from K, whatever method solved
           EXPECT_EQ(data.report.condition, fresh.report.condition);
           const Eigen::SparseMatrix<double> D = (differentiate(scene, data), sparse_derivatives(scene, data));
           const Eigen::SparseMatrix<double> E = (differentiate(scene, fresh), sparse_derivatives(scene, fresh));
@@ -232,8 +230,8 @@ TEST(Dependent, NothingIsLeftForTheStatesAfter) {
   }
 }
 
-// Many robots hold one box, which stands first in the scene, and a row of one of them is there twice: it is dropped in
-// the order that keeps the box for the end, not with all of M before all rows, where the box joins those of all robots.
+// Many robots are attached to one box, the first in the scene, and a row of one of them is there twice. The order that
+// drops it eliminates the box last; with all of M before all rows the box couples those of all robots.
 TEST(Dependent, AHubIsEliminatedLast) {
   SceneFile file = load_text(R"(<scene name="hub"><robot name="box" urdf="box.urdf" base="floating" xyz="0 0 1"/>
     <robot name="r" urdf="humanoid.urdf" base="floating" xyz="0 0 1" copies="64" arrange="line"/>
@@ -264,6 +262,7 @@ TEST(Dependent, AHubIsEliminatedLast) {
   EXPECT_LE((df - df_last).norm(), 1e-9 * df_last.norm());
 }
 
+// An inconsistency counts from 1e-8 of the terms on.
 TEST(Dependent, ThresholdOfContradiction) {
   std::mt19937 rng(23);
   SceneOptions options;
@@ -276,7 +275,7 @@ TEST(Dependent, ThresholdOfContradiction) {
     add_contact(s.scene, again);
     SceneData plain(s.scene, {Method::kDense, {}});
     ASSERT_EQ(solve(s.scene, s.q, s.v, s.u, plain).status, Status::kRedundant);
-    // a velocity gain on one of the two asks for something else, by `off` of the terms
+    // a velocity gain on one of the two requests another acceleration, by `off` of the terms
     const Terms terms(s.scene, all_active(s.scene), s.q, s.v, s.u);
     const double size = size_of(terms.J.cwiseAbs() * plain.a.cwiseAbs()) + size_of(terms.a0);
     const double velocity = size_of(terms.J.topRows(s.scene.contacts[0].rows()) * s.v);
@@ -298,8 +297,8 @@ std::string number(double x) {
 
 const double kSmall[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-12, 1e-14, 0};
 
-// A point on the axis of its link's own joint, held twice with rounding between them: where contacts come early, that
-// joint gives the rows pivots that are rounding of nothing else.
+// A point on the axis of its link's own joint is constrained twice, at points apart by rounding error. Where contacts
+// come early, that joint gives the rows pivots that are pure rounding error.
 TEST(NearlyDependent, OnTheAxisOfTheirOwnJoint) {
   for (const double apart : {1e-17, 1e-15, 1e-14, 1e-13, 1e-12}) {
     ChainOptions options;
@@ -338,7 +337,7 @@ TEST(NearlyDependent, StraightKneesBothFeetHeld) {
   }
 }
 
-// The trunk held, too: at the straight leg each foot loses one direction.
+// The trunk is fixed, too: at the straight leg each foot loses one direction.
 TEST(NearlyDependent, StraightKneesAndTrunkHeld) {
   for (double knee : kSmall) {
     SCOPED_TRACE(knee);
@@ -360,7 +359,7 @@ TEST(NearlyDependent, StraightKneesAndTrunkHeld) {
   }
 }
 
-// Two points of one sole, `apart` along y: the second in x and z only, since their distance is the body's.
+// Two points of one sole are `apart` along y: the second has x and z only, since their distance is the body's.
 TEST(NearlyDependent, PointsClosely) {
   for (double apart : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10}) {
     SCOPED_TRACE(apart);
@@ -404,7 +403,7 @@ TEST(NearlyDependent, TwoRobotsTiedAtPointsAMillimetreApart) {
   }
 }
 
-// Masses from grams to tons on one tree: M is badly scaled, not singular.
+// Masses range from grams to tons on one tree: M is badly scaled, not singular.
 TEST(NearlyDependent, MassesFarApart) {
   for (int seed = 1; seed <= 10; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));

@@ -1,5 +1,5 @@
-// Robots side by side whose contact rows depend on each other: rank, forces of least norm, derivatives and products as
-// those of the whole K and of the dense oracle, each robot by itself, whatever was solved before.
+// Robots in SIMD batches have dependent contact rows: rank, forces of least norm, derivatives and products are those of
+// the whole K and of the dense reference solver, each robot by itself, whatever was solved before.
 
 #include <gtest/gtest.h>
 
@@ -24,8 +24,8 @@ struct Case {
 
 enum class Hold { kApart, kInARow };
 
-// Robots of one model; under every third of them two bodies are held at four points each, 24 rows of rank 12, of the
-// others at two, 12 of rank 10; in a row each holds the next.
+// The robots have one model. Under every third one two bodies are fixed at four points each (24 rows of rank 12), under
+// the others at two (12 rows of rank 10). In a row each is attached to the next.
 Case on_corners(std::mt19937& rng, int count, Hold hold, double gain) {
   Case out;
   ModelOptions options;
@@ -93,8 +93,8 @@ Products products(const Case& c, SceneData& data) {
   return out;
 }
 
-// As the whole K and the oracle answer. All states of contradicting contacts, but for gain 0: then velocities alone
-// make them.
+// Expects the results of the whole K and of the dense reference solver. All states have inconsistent contacts, except
+// for gain 0, where only velocities cause them.
 void expect_as_without_lanes(const Case& c, Lanes lanes) {
   SceneData data(c.scene, {Method::kSparseLdl, {}, lanes}), off(c.scene, {Method::kSparseLdl, {}, Lanes::kOff}),
       oracle(c.scene, {Method::kDense, {}, Lanes::kOff});
@@ -140,14 +140,14 @@ TEST_P(DependentInLanes, ConsistentStatesAreRedundant) {
     EXPECT_EQ(solve(c.scene, c.q, c.v, c.u, data).status, Status::kRedundant);
     EXPECT_EQ(data.report.nc - data.report.rank, 3 * 12 + 6 * 2);
     expect_as_without_lanes(c, GetParam());
-    c.v = data.a / data.a.norm();  // as J a = 0
+    c.v = data.a / data.a.norm();  // J a = 0, so J v = 0
     c.u = random_vector(c.scene.nu, rng, 5);
     EXPECT_EQ(solve(c.scene, c.q, c.v, c.u, data).status, Status::kRedundant);
     expect_as_without_lanes(c, GetParam());
   }
 }
 
-// Of some of q, v, u, and of all torques: the same numbers, whatever was asked for before.
+// Derivatives with respect to some of q, v, u, and to all torques, do not depend on earlier requests.
 TEST_P(DependentInLanes, DerivativesByRequest) {
   std::mt19937 rng(7);
   Case c = on_corners(rng, 9, Hold::kApart, 0);
@@ -162,20 +162,20 @@ TEST_P(DependentInLanes, DerivativesByRequest) {
   }
 }
 
-// The answer is that of new data, to the last bit.
+// The solution is that of new data, to the last bit.
 TEST_P(DependentInLanes, LeaveNothingBehind) {
   std::mt19937 rng(6);
   for (const Hold hold : {Hold::kApart, Hold::kInARow}) {
     Case c = on_corners(rng, 9, hold, 20);
     SceneData used(c.scene, {Method::kSparseLdl, {}, GetParam()});
     for (int k = 0; k < 12; ++k) {
-      if (k == 6) {  // from here on contacts do not contradict each other
+      if (k == 6) {  // from here on contacts are consistent
         c.v.setZero();
         for (Contact& contact : c.scene.contacts) contact.alpha = 0;
       }
       VectorXd q = c.q;
       for (const Robot& r : c.scene.robots) q.segment(r.idx_q, r.model->nq) = random_configuration(*r.model, rng);
-      if (k % 3 == 2)  // other rows depend, or none
+      if (k % 3 == 2)  // other rows are dependent, or none
         for (std::size_t i = 0; i < used.active.size(); ++i) used.active[i] = rng() % 3 != 0;
       SceneData fresh(c.scene, {Method::kSparseLdl, {}, GetParam()});
       fresh.active = used.active;
@@ -190,8 +190,8 @@ TEST_P(DependentInLanes, LeaveNothingBehind) {
   }
 }
 
-// At rest, bent in the sagittal plane alone: across it accelerations are next to nothing beside those that the same
-// contacts' other rows are of. The oracle is not asked.
+// The robots are at rest, bent in the sagittal plane alone. Accelerations across it are tiny relative to those in other
+// rows of the same contacts. The dense reference solver is not used.
 TEST_P(DependentInLanes, AtRestInAPlane) {
   std::string robots, contacts;
   const auto contact = [&](const std::string& type, const std::string& name, const std::string& at) {
@@ -225,8 +225,8 @@ TEST_P(DependentInLanes, AtRestInAPlane) {
   }
 }
 
-// Analyses that nobody needs are given up; those of robots that drop rows now, and may need them again, are not. Eight
-// quadrupeds, each on the corners of a foot, in a row; the last lets go.
+// Unused analyses are dropped, but not those of robots that drop rows now and may need them again. Eight quadrupeds are
+// in a row, each on the corners of a foot; the last one lets go.
 TEST_P(DependentInLanes, KeepWhatTheyMayNeedAgain) {
   std::string text = "<scene>";
   int number = 0;
@@ -249,11 +249,11 @@ TEST_P(DependentInLanes, KeepWhatTheyMayNeedAgain) {
   data.active.back() = 0;
   for (int k : {0, 1}) {
     EXPECT_EQ(solve(scene, file.q, file.v, file.u, data).status, Status::kRedundant) << k;
-    EXPECT_EQ(factorizations_of(data, 0) == 1, k == 1) << k;  // the second time without these rows from the start
+    EXPECT_EQ(factorizations_of(data, 0) == 1, k == 1) << k;  // the second solve starts without these rows
   }
   limit_pool(data, 1);
   for (int k = 0; k < 4; ++k) {
-    data.active[4 * 8] ^= 1;  // of the last robot's own
+    data.active[4 * 8] ^= 1;  // the last robot's own contact
     (void)solve(scene, file.q, file.v, file.u, data);
   }
   scene.damping = 1e-6;

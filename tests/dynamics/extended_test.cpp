@@ -1,5 +1,5 @@
-// The precision `extended`: errors against quadruple precision, on scenes of every kind of contact and force; memory;
-// batches and steps; and what it refuses.
+// The precision `extended` is compared with quadruple precision on scenes of every kind of contact and force. Memory,
+// batches, steps and refused input are tested too.
 
 #include <gtest/gtest.h>
 
@@ -43,14 +43,14 @@ Truth<Quad> truth_of(const Scene& scene, const VectorXd& q, const VectorXd& v, c
   return solve_truth<Quad>(scene, active(scene), q.cast<Quad>(), v.cast<Quad>(), u.cast<Quad>());
 }
 
-// Relative, the worst robot's.
+// Returns the relative error of the robot with the largest one.
 double worst_error(const Scene& scene, const SceneData& data, const VecX<Quad>& a, const VecX<Quad>& f) {
   const std::vector<double> condition(data.report.islands.size(), 1);
   const Errors e = errors<Quad>(scene, data, a, f, condition);
   return std::max(e.acceleration, e.forces);
 }
 
-// Every way there is: answers are called extended, and are.
+// Every method reports the precision `extended` and attains it.
 void expect_extended(const Scene& scene, const VectorXd& q, const VectorXd& v, const VectorXd& u) {
   const Truth<Quad> truth = truth_of(scene, q, v, u);
   for (const Way& way : ways_here(true)) {
@@ -128,7 +128,7 @@ TEST(ExtendedPrecision, PrescribedAccelerations) {
   EXPECT_LE((data.a - plain.a).cwiseAbs().maxCoeff(), 1e-9 * plain.a.cwiseAbs().maxCoeff());
 }
 
-// Contacts that contradict each other leave far more than rounding of the equations: least squares, to the last digits.
+// Inconsistent contacts leave a residual far above rounding error; it is least squares to the last digits.
 TEST(ExtendedPrecision, LeastSquaresWhereContactsContradict) {
   for (const double fast : {1.0, 1e4}) {
     SceneFile file = load_text(
@@ -161,7 +161,7 @@ TEST(ExtendedPrecision, AllocatesNothing) {
   }
 }
 
-// Side by side in a batch, one by one, and after other states: the same bits.
+// The bits are the same in a batch, one by one, and after other states.
 TEST(ExtendedPrecision, BatchesAreAsSolves) {
   SceneFile file = load_scene(kModels + "humanoid_standing.xml");
   const Scene& scene = file.scene;
@@ -184,7 +184,7 @@ TEST(ExtendedPrecision, BatchesAreAsSolves) {
   }
 }
 
-// Derivatives are those of the answer, as in double.
+// Derivatives are those at the solution, as in double precision.
 TEST(ExtendedPrecision, HasDerivatives) {
   SceneFile file = load_scene(kModels + "quadruped_loop.xml");
   std::mt19937 rng(7);

@@ -1,5 +1,5 @@
-// Memory that runs out, at each allocation in turn: an exception, nothing leaked, and the same data answer correctly
-// afterwards.
+// Memory runs out at each allocation in turn: an exception is thrown, nothing leaks, and the same data give correct
+// solutions afterwards.
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ struct FailingAllocations : testing::Test {
   SceneFile file = load_small(kModels + "arm_pushes_box.xml");
 };
 
-// A sample of the thousands, which are mostly of the libraries that read XML: these may say that a file cannot be read.
+// This is a sample of thousands, mostly in libraries that read XML, which may report that a file cannot be read.
 TEST_F(FailingAllocations, Loading) {
   const std::string path = kModels + "humanoid_standing.xml";
   int failed = 0;
@@ -59,10 +59,10 @@ TEST_F(FailingAllocations, Constructing) {
   EXPECT_GT(runs.failed, 100);
 }
 
-// The first solve and the first derivatives of new data.
+// The allocations are those of the first solve and of the first derivatives of new data.
 TEST_F(FailingAllocations, SolvingAndDifferentiating) {
   for (const Way& way : ways(true)) {
-    // what orders allocate is alike; libgomp, which CHOLMOD's supernodal part enters, ends the program without memory
+    // Orders allocate alike. libgomp, which CHOLMOD's supernodal module uses, ends the program without memory.
     if (way.options.order || way.options.method == Method::kSparseSupernodal) continue;
     SCOPED_TRACE(way.name);
     SceneData expected(file.scene, way.options);
@@ -88,8 +88,8 @@ TEST_F(FailingAllocations, SolvingAndDifferentiating) {
   }
 }
 
-// What a solution at hand is asked for, and asked for again: a factor that was never finished is none. Of independent
-// rows, and of contacts that all stand twice.
+// Results of the current solution are requested twice: a factor that was never finished is not used. Rows are
+// independent, or all contacts are there twice.
 TEST_F(FailingAllocations, AskingOnceMore) {
   for (const bool twice : {false, true}) {
     Scene scene = file.scene;
@@ -101,7 +101,7 @@ TEST_F(FailingAllocations, AskingOnceMore) {
     for (const Way& way : ways(true)) {
       if (way.options.order || way.options.method == Method::kSparseSupernodal) continue;
       const bool of_few = way.options.method == Method::kAuto || way.options.method == Method::kSparseBodies;
-      if (twice && !of_few) continue;  // the others have their way to drop rows from auto
+      if (twice && !of_few) continue;  // the others drop rows in the way of auto
       SCOPED_TRACE(way.name + (twice ? ", contacts twice" : ""));
       VectorXd da(scene.nv);
       const auto ask = [&](SceneData& data) {
@@ -139,7 +139,7 @@ TEST_F(FailingAllocations, AskingOnceMore) {
   }
 }
 
-// Contacts switched, with memory running out on the way: no answer, or the right one.
+// Contacts are switched while memory runs out: there is no solution, or the right one.
 TEST_F(FailingAllocations, Switching) {
   const Scene& scene = file.scene;
   std::vector<char> fewer(scene.contacts.size(), 1);
@@ -150,7 +150,7 @@ TEST_F(FailingAllocations, Switching) {
     expected.active = fewer;
     solve_at(expected);
     std::optional<SceneData> data(std::in_place, scene, options);
-    const auto before = [&] {  // derivatives go to the shelf with their islands
+    const auto before = [&] {  // derivatives are stored with their islands
       solve_at(*data);
       differentiate(scene, *data);
     };

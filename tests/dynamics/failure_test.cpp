@@ -1,4 +1,4 @@
-// What cannot be answered is refused, with a reason, and only where it cannot be answered.
+// Input without a solution is refused, with a reason, and only in the islands concerned.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-// Robots 0 and 2 tied together, 1 and 3 held by the world: three islands.
+// Robots 0 and 2 are tied together, 1 and 3 are fixed to the world: three islands.
 RandomScene three_islands() {
   std::mt19937 rng(81);
   SceneOptions options;
@@ -45,7 +45,7 @@ RandomScene three_islands() {
 
 bool none_finite(const Eigen::VectorXd& x) { return !x.array().isFinite().any(); }
 
-// Only island `bad` has failed, for `reason`; the others have the bits they had.
+// Expects that only island `bad` failed, for `reason`; the others have the bits they had.
 void expect_failed_alone(const Scene& scene, const SceneData& data, const SceneData& before, int bad, Reason reason) {
   EXPECT_EQ(data.report.status, Status::kFailed);
   for (double left : {data.report.backward_error, data.report.residual_dynamics, data.report.residual_contact})
@@ -79,7 +79,7 @@ void expect_all_failed(const SceneData& data, Reason reason) {
   EXPECT_EQ(data.report.islands[0].reason, reason) << to_string(data.report.islands[0].reason);
 }
 
-// The island of a coordinate of q (nq), v (nv) or u (nu), by the scene's offsets.
+// Returns the island of a coordinate of q (nq), v (nv) or u (nu), found with the scene's offsets.
 int island_moved_by(const Scene& scene, const SceneData& data, int which, int k) {
   int r = scene.nrobots() - 1;
   const auto first = [&](const Robot& robot) {
@@ -111,13 +111,13 @@ TEST(Failure, NotFinite) {
         }
       }
     }
-    EXPECT_EQ(solve(s.scene, s.q, s.v, s.u, data).status, Status::kOk);  // and nothing of it stays
+    EXPECT_EQ(solve(s.scene, s.q, s.v, s.u, data).status, Status::kOk);  // no trace of it remains
     EXPECT_TRUE(data.a == before.a);
     EXPECT_TRUE(data.f == before.f);
   }
 }
 
-// Finite input whose bias overflows.
+// The bias of this finite input overflows.
 TEST(Failure, Overflow) {
   const RandomScene s = three_islands();
   Eigen::VectorXd v = s.v;
@@ -154,7 +154,7 @@ TEST(Failure, QuaternionNotOfUnitLength) {
       }
     }
     Eigen::VectorXd q = s.q;
-    q.segment<4>(at) *= 1 + 5e-7;  // as good as of unit length, and used as if it were
+    q.segment<4>(at) *= 1 + 5e-7;  // accepted as a unit quaternion, and used as if it were one
     EXPECT_EQ(solve(s.scene, q, s.v, s.u, data).status, Status::kOk);
     EXPECT_LE(error_of(data.a, before.a), 1e-12);
   }
@@ -178,7 +178,7 @@ TEST(Failure, WrongSizes) {
 
 // ---- singular inertias ---------------------------------------------------------------------------------------------
 
-// A slider of 2 kg along x that carries a massless one along y.
+// Returns a slider of 2 kg along x that carries a massless one along y.
 std::shared_ptr<const Model> massless_slider() {
   Model model;
   model.joints.resize(2);
@@ -207,7 +207,7 @@ TEST(SingularInertia, Free) {
     Scene scene;
     scene.damping = damping;
     add_robot(scene, "r", massless_slider());
-    add_contact(scene, hold(ContactType::k1D, 1, {1, 0, 0}));  // holds the wrong direction
+    add_contact(scene, hold(ContactType::k1D, 1, {1, 0, 0}));  // it constrains the wrong direction
     for (const Way& way : ways(true)) {
       SCOPED_TRACE(way.name);
       SceneData data(scene, way.options);
@@ -232,7 +232,7 @@ TEST(SingularInertia, HeldByAContact) {
       SCOPED_TRACE(way.name);
       SceneData data(scene, way.options);
       (void)solve(scene, Eigen::Vector2d::Zero(), Eigen::Vector2d(0, 0.5), Eigen::Vector2d(3, 7), data);
-      if (way.options.method == Method::kDenseSchur) {  // factorizes M by itself
+      if (way.options.method == Method::kDenseSchur) {  // it factorizes M by itself
         expect_all_failed(data, Reason::kSingularInertia);
         continue;
       }
@@ -243,7 +243,7 @@ TEST(SingularInertia, HeldByAContact) {
   }
 }
 
-// The same on random trees: the last body is massless, on its own or held in all directions.
+// On random trees the last body is massless, free or constrained in all directions.
 TEST(SingularInertia, MasslessLastLink) {
   for (int seed = 1; seed <= 10; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -259,7 +259,7 @@ TEST(SingularInertia, MasslessLastLink) {
     s.q = random_configuration(*model, rng);
     s.v = random_vector(s.scene.nv, rng);
     s.u = random_vector(s.scene.nu, rng, 5);
-    // 1D across what the last joint lets go: along the slide, or along the circle of a point off the axis
+    // the 1D axis is along the last joint's motion: along the slide, or along the circle of a point off the axis
     Contact c = hold(ContactType::k1D, last);
     const bool slides = model->joints[last].type == JointType::kPrismatic;
     const Vec3<double> axis = model->joints[last].axis, off = axis.unitOrthogonal();
@@ -300,7 +300,7 @@ TEST(Empty, Scene) {
   }
 }
 
-// A robot that cannot move, and one held by it.
+// A robot that cannot move has another one attached to it.
 TEST(Empty, RobotWithoutJoints) {
   Model model;
   finalize(model);

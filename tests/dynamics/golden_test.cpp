@@ -1,4 +1,4 @@
-// Crocoddyl's and Pinocchio's figures for real robots in random states.
+// Solutions are compared with figures of Crocoddyl and Pinocchio for real robots in random states.
 
 #include "support/golden.hpp"
 
@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kTolerance = 1e-9;
 constexpr double kQuasiStaticTolerance = 1e-8;
-constexpr char kAbsent[] = "absent";  // stands for all files when there are none
+constexpr char kAbsent[] = "absent";  // replaces all files when there are none
 
 std::vector<std::string> files() {
   std::vector<std::string> paths = golden_scenes();
@@ -34,7 +34,7 @@ struct AgainstFigures {
   std::string method;
   Status status;
   int rank, nc;
-  double acceleration_error, force_error;  // against the figures
+  double acceleration_error, force_error;  // relative to the figures
 };
 
 std::vector<AgainstFigures> answers(const SceneFile& file, const Scene& scene, const Golden& golden) {
@@ -85,13 +85,13 @@ TEST_P(Golden, AccelerationsAndForces) {
   const std::vector<AgainstFigures> correct = answers(file_, file_.scene, golden_);
   ASSERT_EQ(correct.front().method, "dense");
   if (golden_.appended && !agree(correct.front())) {
-    // Made on models with Pinocchio's error: with the same error put in they must agree, and it must be that error
-    // which makes the difference. Once the figures are mended, the correct model agrees and nothing of this is left.
+    // The figures were computed on models with Pinocchio's error. With the same error put in, the results must agree,
+    // and that error must be the cause. Once the figures are corrected, this branch is never taken.
     EXPECT_GT(correct.front().acceleration_error, 1e-4);
     const Scene appended = as_appended_by_pinocchio_3_7(file_.scene);
     for (const AgainstFigures& a : answers(file_, appended, golden_))
       if (a.status != Status::kFailed) expect_agreement(a);
-    if (!redundant_) {  // M may not be positive definite then, and all methods refuse
+    if (!redundant_) {  // otherwise M may not be positive definite, and all methods refuse
       const Eigen::VectorXd x = terms_of(file_, appended).solve_by_lu();
       EXPECT_LE(error_of(x.head(golden_.nv), golden_.acceleration), kTolerance);
       EXPECT_LE(error_of(-x.tail(golden_.nc), *golden_.forces), kTolerance);
@@ -130,7 +130,7 @@ TEST_P(Golden, QuasiStaticTorques) {
 
 INSTANTIATE_TEST_SUITE_P(Files, Golden, testing::ValuesIn(files()), file_name);
 
-// A link behind a fixed joint, 1 kg at 1 m: what the error does to a joint's inertia.
+// The error changes the inertia of a joint whose link of 1 kg is 1 m away, behind a fixed joint.
 TEST(AppendedByPinocchio, CountsALinkAtItsPlaceAndTakesItOffTheOrigin) {
   Model model;
   model.joints.resize(1);

@@ -1,4 +1,4 @@
-// Contacts whose frame A is on the base of a robot that stands: they hold B as the world would, and join nothing.
+// Contacts whose frame A is on the base of a fixed robot constrain B as the world would, and couple nothing.
 
 #include <gtest/gtest.h>
 
@@ -13,8 +13,8 @@
 namespace manycontact::test {
 namespace {
 
-// Two crates, the first before the arm whose base they are held to, so that their island is solved before it. One crate
-// is also pushed by a second arm; contacts in every reference frame.
+// Two crates are attached to the base of an arm, the first one before it, so that its island is solved before the
+// arm's. A second arm pushes one crate, and contacts are in every reference frame.
 class OnABase : public testing::Test {
  protected:
   void SetUp() override {
@@ -89,7 +89,7 @@ TEST_F(OnABase, IslandsAreSeparateAndTheAnswerIsThatOfTheWholeScene) {
     EXPECT_EQ(island_with_robot(data, 2), island_with_robot(data, 3));
     EXPECT_NE(island_with_robot(data, 0), island_with_robot(data, 1));
     const SE3<double> before = file.scene.robots[1].base;
-    file.scene.robots[1].base.p += Vec3<double>(0.1, 0.2, -0.1);  // a base may move under data: seen at once
+    file.scene.robots[1].base.p += Vec3<double>(0.1, 0.2, -0.1);  // a base may move under data, with effect at once
     compare(3);
     file.scene.robots[1].base = before;
     data.active[2] = whole.active[2] = 0;

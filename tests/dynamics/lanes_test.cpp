@@ -1,5 +1,5 @@
-// Robots in SIMD lanes: the same bits wherever a robot stands and whoever stands beside it, at every level of
-// instructions; lanes that fall out, alone.
+// Robots in SIMD batches have the same bits at every place in a batch, with any neighbours, at every level of
+// instructions. Elements that fall out of a batch do so alone.
 
 #include <gtest/gtest.h>
 #include <malloc.h>
@@ -28,8 +28,8 @@ struct Herd {
   VectorXd q, v, u;
 };
 
-// `count` robots of one random model, floating or fixed, each with the same contacts on its bodies (to the world and
-// among its own), in states of their own.
+// Returns `count` robots of one random model, floating or fixed, each in its own state with the same contacts on its
+// bodies (to the world and between its bodies).
 Herd any_herd(std::mt19937& rng, int count, bool floating, double damping, int njoints) {
   Herd h;
   ModelOptions options;
@@ -70,7 +70,7 @@ Herd any_herd(std::mt19937& rng, int count, bool floating, double damping, int n
   return h;
 }
 
-// One whose contacts are independent.
+// Returns a herd whose contacts are independent.
 Herd random_herd(std::mt19937& rng, int count, bool floating, double damping = 0, int njoints = 14) {
   for (;;) {
     Herd h = any_herd(rng, count, floating, damping, njoints);
@@ -79,7 +79,7 @@ Herd random_herd(std::mt19937& rng, int count, bool floating, double damping = 0
   }
 }
 
-// The herd's robots `which`, in that order, as a scene of their own.
+// Returns the herd's robots `which`, in that order, as a scene of their own.
 Herd part_of(const Herd& h, const std::vector<int>& which) {
   Herd p;
   p.scene.damping = h.scene.damping;
@@ -104,8 +104,8 @@ Herd part_of(const Herd& h, const std::vector<int>& which) {
   return p;
 }
 
-// The same herd, each robot of numbers of its own: masses, placements, armatures, friction, and where contacts are on
-// it.
+// Returns the same herd with separate numbers for each robot: masses, placements, armatures, friction, and contact
+// placements.
 Herd of_own_numbers(Herd h, std::mt19937& rng) {
   std::uniform_real_distribution<double> by(0.95, 1.05);
   Scene scene;
@@ -152,7 +152,7 @@ bool same(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) {
   return ((x.array() == y.array()) || (x.array().isNaN() && y.array().isNaN())).all();
 }
 
-// Robot `number` of x gave the same bits as robot 0 of y.
+// Expects that robot `number` of x has the same bits as robot 0 of y.
 void expect_same(const Herd& h, const Answer& x, int number, const Answer& y) {
   const int nv = h.scene.robots[0].model->nv;
   const Eigen::Index nf = y.f.size();
@@ -183,7 +183,7 @@ TEST_P(InLanes, ARobotsBitsAreItsOwn) {
     }
 }
 
-// The panels of large robots, side by side, are solved a band of columns after the other: the same bits.
+// The panels of large robots in a batch are solved one band of columns after the other: the bits are the same.
 TEST_P(InLanes, PanelsOfLargeRobots) {
   std::mt19937 rng(17);
   const Herd herd = random_herd(rng, 9, true, 0, 150);
@@ -200,7 +200,7 @@ TEST_P(InLanes, PanelsOfLargeRobots) {
   }
 }
 
-// So many are written past the caches (kCacheBytes): the same bits.
+// So many are written past the caches (kCacheBytes), with the same bits.
 TEST_P(InLanes, MoreDerivativesThanCachesHold) {
   std::mt19937 rng(15);
   constexpr int kCount = 339;
@@ -210,7 +210,7 @@ TEST_P(InLanes, MoreDerivativesThanCachesHold) {
   for (const int r : {0, 1, 70, 336, 337, 338}) expect_same(herd, all, r, answer(part_of(herd, {r}), GetParam()));
 }
 
-// The humanoids that stand have panels that are refined, lane by lane, beside others in motion that have none.
+// Panels of humanoids at rest are refined, element by element of a batch; those of the others, in motion, are not.
 TEST_P(InLanes, MoreDerivativesThanCachesHoldOfSomeThatAreRefined) {
   std::mt19937 rng(16);
   const std::string herd = "base=\"floating\" copies=\"131\" arrange=\"grid\" spacing=\"2\"";
@@ -225,15 +225,15 @@ TEST_P(InLanes, MoreDerivativesThanCachesHoldOfSomeThatAreRefined) {
   }
   std::vector<int> every(131);
   std::iota(every.begin(), every.end(), 0);
-  const Herd mixed = part_of(some, every);  // contacts robot by robot
+  const Herd mixed = part_of(some, every);  // contacts are ordered robot by robot
   const Answer all = answer(mixed, GetParam());
   ASSERT_GT(8.0 * 131 * all.X.front().size(), 5 << 20);
   for (const int r : {0, 1, 2, 3, 60, 61, 62, 63, 64, 65, 127, 128, 129, 130})
     expect_same(mixed, all, r, answer(part_of(some, {r}), GetParam()));
 }
 
-// At rest, in a symmetric posture, many accelerations are rounding: refinement moves them by all they are, beside
-// robots of which it moves none by much.
+// At rest, in a symmetric configuration, many accelerations are rounding error: refinement changes them completely, and
+// those of the other robots only a little.
 TEST_P(InLanes, AtRestBesideOthersInMotionToo) {
   std::mt19937 rng(14);
   const SceneFile rest =
@@ -249,7 +249,7 @@ TEST_P(InLanes, AtRestBesideOthersInMotionToo) {
     some.v.segment(robot.idx_v, model.nv) = moved.v.segment(robot.idx_v, model.nv);
     some.u.segment(robot.idx_u, model.nu()) = moved.u.segment(robot.idx_u, model.nu());
   }
-  const Herd herd = part_of(some, {0, 1, 2, 3, 4, 5, 6, 7, 8});  // contacts robot by robot
+  const Herd herd = part_of(some, {0, 1, 2, 3, 4, 5, 6, 7, 8});  // contacts are ordered robot by robot
   const Answer all = answer(herd, GetParam());
   for (int r = 0; r < 9; ++r) expect_same(herd, all, r, answer(part_of(herd, {r}), GetParam()));
 }
@@ -276,7 +276,7 @@ TEST_P(InLanes, LevelsAgreeToRounding) {
   }
 }
 
-// One lane falls out, for one reason or another; the others' bits stay.
+// One element of a batch falls out, for several reasons; the others' bits stay.
 TEST_P(InLanes, ALaneFallsOutAlone) {
   std::mt19937 rng(13);
   Herd herd = random_herd(rng, 11, true);
@@ -288,8 +288,8 @@ TEST_P(InLanes, ALaneFallsOutAlone) {
   const Answer before = answer(herd, GetParam());
   const auto at = [&](int r) -> Eigen::Ref<VectorXd> { return herd.q.segment(herd.scene.robots[r].idx_q, model.nq); };
   at(2)[angle] = kNaN;
-  at(4)[3] = 7;                                          // no unit quaternion
-  at(5)[angle] = std::remainder(at(5)[angle], 1) + 3e7;  // an angle past what lanes take
+  at(4)[3] = 7;                                          // not a unit quaternion
+  at(5)[angle] = std::remainder(at(5)[angle], 1) + 3e7;  // an angle beyond the range of SIMD batches
   herd.v[herd.scene.robots[7].idx_v] = 1e200;            // overflows
   herd.u[herd.scene.robots[9].idx_u] = std::numeric_limits<double>::infinity();
   const Answer after = answer(herd, GetParam());
@@ -311,7 +311,7 @@ TEST_P(InLanes, ALaneFallsOutAlone) {
   EXPECT_EQ(after.report.islands[4].reason, Reason::kBadQuaternion);
 }
 
-// Contacts that depend on each other in one robot's posture only, and vanish again.
+// The contacts of one robot are dependent in its configuration only; the dependency vanishes again.
 TEST_P(InLanes, DependentRowsOfOneRobotAreItsOwn) {
   std::mt19937 rng(14);
   const auto model = [&] {
@@ -340,8 +340,8 @@ TEST_P(InLanes, DependentRowsOfOneRobotAreItsOwn) {
   const Answer before = answer(h, GetParam());
   EXPECT_EQ(before.report.status, Status::kOk);
   SceneData data(h.scene, {Method::kSparseLdl, {}, GetParam()});
-  // The points move along one line when both contacts stand on the same point: placements of A may not change, so the
-  // scene is made again with robot 3's second contact on the first one's point.
+  // The points move along one line when both contacts are at the same point. Placements of A may not change, so the
+  // scene is made again with robot 3's second contact at the first one's point.
   Herd twice = h;
   twice.scene.contacts[7].A.placement = twice.scene.contacts[6].A.placement;
   const Answer on = answer(twice, GetParam()), off = answer(twice, Lanes::kOff);
@@ -395,7 +395,7 @@ double heap() {
   return static_cast<double>(m.uordblks + m.hblkhd);
 }
 
-// A wall of boxes, each joined to its neighbours: what their lanes do without, K above all, is not made.
+// A wall of boxes is coupled to its neighbours: what SIMD batches do not need, K above all, is not made.
 TEST_P(InLanes, JoinedBoxesTakeLittleMemory) {
   constexpr int n = 40;
   Model model;
@@ -452,8 +452,7 @@ TEST_P(InLanes, DerivativesOfWhatWasAskedFor) {
   }
 }
 
-// ---- robots of one island: each a block in lanes; where an order is asked for, the whole K is factorized instead
-// ------
+// ---- robots of one island are blocks of SIMD batches; if an order is requested, the whole K is factorized -------
 
 Contact holding(std::mt19937& rng) {
   Contact c;
@@ -519,7 +518,7 @@ TEST_P(InLanes, InAnIslandARobotsTermsAreItsOwn) {
       for (int k = 0; k < 4; ++k) expect_same_contact(contact_of(data, 4 * r + k), contact_of(of_two, k));
       expect_same_contact(contact_of(data, 44 + r), contact_of(of_two, 8));
 
-      Herd alone = part_of(herd, {r});  // beside one of another model
+      Herd alone = part_of(herd, {r});  // next to one of another model
       add_robot(alone.scene, "other", other);
       VectorXd q(alone.scene.nq), v = VectorXd::Zero(alone.scene.nv), u = VectorXd::Zero(alone.scene.nu);
       q << alone.q, neutral(*other);
@@ -540,7 +539,7 @@ TEST_P(InLanes, InAnIslandLevelsAgreeToRounding) {
   std::mt19937 rng(18);
   for (int k = 0; k < 4; ++k) {
     Herd ring = joined_in_a_ring(random_herd(rng, 5, k % 2, k < 2 ? 0 : 1e-3), holding(rng));
-    ring.scene.contacts[3].alpha = 2;  // one unlike the others
+    ring.scene.contacts[3].alpha = 2;  // one differs from the others
     SceneData data(ring.scene, {Method::kSparseLdl, {}, Lanes::kOff});
     if (solve(ring.scene, ring.q, ring.v, ring.u, data).status != Status::kOk) continue;
     estimate_condition(ring.scene, data);
@@ -553,8 +552,8 @@ TEST_P(InLanes, InAnIslandLevelsAgreeToRounding) {
   }
 }
 
-// Robots of one structure stand side by side whatever their numbers are: with the bits that each has alone, and the
-// derivatives and products of no lanes at all.
+// Robots of one structure share a SIMD batch whatever their numbers are. They have the bits that each has alone, and
+// the derivatives and products without SIMD batches.
 TEST_P(InLanes, RobotsOfOwnNumbersToo) {
   std::mt19937 rng(12);
   for (const bool floating : {true, false})
@@ -593,7 +592,7 @@ TEST_P(InLanes, RobotsOfOwnNumbersToo) {
     }
 }
 
-// An angle past what lanes take, and a state that is not finite: that robot's terms are those without lanes.
+// An angle is too large for SIMD batches, or a state is not finite: that robot's terms are those without batches.
 TEST_P(InLanes, InAnIslandALaneFallsOutAlone) {
   std::mt19937 rng(19);
   Herd ring = joined_in_a_ring(random_herd(rng, 11, true, 1e-3), holding(rng));
@@ -616,8 +615,8 @@ TEST_P(InLanes, InAnIslandALaneFallsOutAlone) {
   EXPECT_EQ(after.report.islands[0].reason, Reason::kNotFinite);
 }
 
-// Robots that springs alone join are solved as blocks without a border, as robots alone are: neither is taken for the
-// other.
+// Robots coupled by springs alone are solved as blocks without a border, as single robots are: neither is mistaken for
+// the other.
 TEST_P(InLanes, RobotsJoinedBySpringsLeaveOthersAsTheyAre) {
   std::mt19937 rng(19);
   for (const bool floating : {true, false})

@@ -1,5 +1,5 @@
-// Laws that hold whatever the method: separate robots do not know of each other, numbering does not matter, energy and
-// momentum are conserved, and without contacts forward dynamics is ABA's.
+// These laws are valid for every method: separate robots do not affect each other, numbering does not matter, energy
+// and momentum are conserved, and without contacts forward dynamics is ABA's.
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ void append(Eigen::VectorXd& x, const Eigen::VectorXd& more) {
   x.tail(more.size()) = more;
 }
 
-// Robots with their contacts from `from` into `to`, names made new.
+// Appends the robots of `from` and their contacts to `to`, with new names.
 void append(RandomScene& to, const RandomScene& from, const std::string& prefix) {
   const int first = to.scene.nrobots();
   for (const Robot& r : from.scene.robots) add_robot(to.scene, prefix + r.name, r.model, r.base);
@@ -69,7 +69,7 @@ TEST(Laws, SeparateRobotsAreSeparateScenes) {
   }
 }
 
-// The scene with robot k in place order[k], contacts too.
+// Returns the scene with its robots and contacts in these orders.
 RandomScene permuted(const RandomScene& s, const std::vector<int>& robots, const std::vector<int>& contacts) {
   RandomScene out;
   out.scene.damping = s.scene.damping;
@@ -111,7 +111,7 @@ TEST(Laws, NumberingDoesNotMatter) {
       const Status status = solve(s.scene, s.q, s.v, s.u, before).status;
       EXPECT_EQ(solve(p.scene, p.q, p.v, p.u, after).status, status);
       if (status == Status::kFailed) continue;
-      VecX<double> a, f;  // of `before`, in the new order
+      VecX<double> a, f;  // those of `before`, in the new order
       for (int r : robots) append(a, before.a.segment(s.scene.robots[r].idx_v, s.scene.robots[r].model->nv));
       for (int c : contacts) append(f, before.f.segment(before.f_offset[c], s.scene.contacts[c].rows()));
       SceneData oracle(p.scene, {Method::kDense, {}});
@@ -122,7 +122,7 @@ TEST(Laws, NumberingDoesNotMatter) {
   }
 }
 
-// Two robots of mixed joints, held by the world and by each other, on the way for a second.
+// Two robots of mixed joints are tied to each other, on the ground also to the world, and move for a second.
 RandomScene moving_scene(int seed, bool in_the_air) {
   std::mt19937 rng(seed);
   SceneOptions options;
@@ -145,19 +145,19 @@ RandomScene moving_scene(int seed, bool in_the_air) {
   return s;
 }
 
-// What a second of simulation in `steps` steps breaks of a law, as a vector of relative errors.
+// A law returns its relative errors after a second of simulation in `steps` steps.
 using Broken = std::function<Eigen::VectorXd(const RandomScene&, const Simulation&)>;
 
 Eigen::VectorXd broken(const RandomScene& s, Method method, int steps, const Broken& law) {
   Simulation sim(s.scene, s.q, s.v, s.u, {method, {}});
   for (int k = 0; k < steps; ++k) sim.step(1.0 / steps);
   EXPECT_EQ(sim.worst, Status::kOk);
-  EXPECT_GT(size_of(sim.data.f), 0.01);  // the contacts have something to do
+  EXPECT_GT(size_of(sim.data.f), 0.01);  // the contacts transmit forces
   return law(s, sim);
 }
 
-// A law of the equations is broken by the integrator only: by an error of fourth order, which vanishes with the step.
-// How small the step must be is the scene's affair; that it then vanishes is the law.
+// Only the integrator violates a law of the equations: by an error of fourth order, which vanishes with the step. How
+// small the step must be depends on the scene; the law is that the error then vanishes.
 void expect_law(const RandomScene& s, Method method, const Broken& law) {
   SCOPED_TRACE(to_string(method));
   double coarse = 0, fine = size_of(broken(s, method, 500, law));
@@ -172,7 +172,7 @@ void expect_law(const RandomScene& s, Method method, const Broken& law) {
   }
 }
 
-// Contacts do no work: energy changes by what the torques do.
+// Contacts do no work: the energy changes by the work of the torques.
 Eigen::VectorXd energy_error(const RandomScene& s, const Simulation& sim) {
   const Mechanics start = mechanics(s.scene, s.q, s.v), end = mechanics(s.scene, sim.q, sim.v);
   return Eigen::VectorXd::Constant(1, (end.energy() - start.energy() - sim.work) / end.kinetic);
@@ -186,7 +186,7 @@ TEST(Laws, ContactsDoNoWork) {
   }
 }
 
-// The same on robots of models/: arms tied at their tools, a humanoid that falls over while its soles are held.
+// The law is tested on robots of models/: arms tied at their tools, a humanoid that falls while its soles are fixed.
 TEST(Laws, ContactsDoNoWorkOnRobots) {
   const std::string arms =
       "<scene><robot name=\"a\" urdf=\"arm.urdf\" base=\"fixed\"><q>0.1 0.9 0.2 1.2 0.1 -0.5 0.3</q></robot>"
@@ -206,7 +206,7 @@ TEST(Laws, ContactsDoNoWorkOnRobots) {
   }
 }
 
-// What two robots in free fall do to each other changes neither the path of their centre of mass nor their spin.
+// Forces between two robots in free fall change neither the path of their centre of mass nor their spin.
 Eigen::VectorXd momentum_error(const RandomScene& s, const Simulation& sim) {
   const Mechanics start = mechanics(s.scene, s.q, s.v), end = mechanics(s.scene, sim.q, sim.v);
   const Vec3<double> weight = start.mass * s.scene.gravity;

@@ -1,5 +1,5 @@
-// What data are of: of a scene, of a solution, of a contact set. Whatever is used out of its time or place throws, and
-// an answer that was given up is not handed out.
+// Data belong to a scene, a solution and a contact set. Use with others throws, and a solution that was discarded is
+// not returned.
 
 #include <gtest/gtest.h>
 
@@ -51,7 +51,7 @@ TEST_F(Lifecycle, AForceIsItsContacts) {
     EXPECT_NE(std::string(error.what()).find("'a_left_foot'"), std::string::npos) << error.what();
   }
   data.active[1] = 0;
-  EXPECT_THROW((void)contact_force(scene, data, 0), std::logic_error);  // of another contact set
+  EXPECT_THROW((void)contact_force(scene, data, 0), std::logic_error);  // the contact set is another one
   solve_at(file.v, data);
   EXPECT_EQ(contact_force(scene, data, 2), data.f.segment(6, 6));
   EXPECT_THROW((void)contact_force(scene, data, 1), std::logic_error);
@@ -123,7 +123,7 @@ TEST_F(Lifecycle, SwitchingAContactIsNoticedBeforeTheNextSolve) {
   EXPECT_NO_THROW(differentiate(scene, data));
 }
 
-// A call that throws leaves what was there before.
+// A call that throws leaves the data as they were.
 TEST_F(Lifecycle, SizesAreCheckedBeforeAnythingIsWritten) {
   SceneData data(scene);
   solve_at(file.v, data);
@@ -168,7 +168,7 @@ TEST_F(Lifecycle, DataOfAnotherSceneAreRefused) {
   EXPECT_THROW((void)quasi_static(scene, file.q, data), std::invalid_argument);
   EXPECT_THROW((void)force_names(scene, data), std::invalid_argument);
   EXPECT_THROW(update_kinematics(scene, file.q, file.v, data), std::invalid_argument);
-  EXPECT_NO_THROW((void)solve(small.scene, small.q, small.v, small.u, data));  // as if nothing had been
+  EXPECT_NO_THROW((void)solve(small.scene, small.q, small.v, small.u, data));  // as if nothing had happened
   EXPECT_EQ(data.report.status, Status::kOk);
 }
 
@@ -208,7 +208,7 @@ TEST_F(Lifecycle, WhatMayNotChangeUnderDataIsNoticed) {
                  [](Scene& s) { s.robots[0].model = std::make_shared<const Model>(*s.robots[0].model); });
 }
 
-// Answers and derivatives as with new data.
+// Solutions and derivatives are those of new data.
 TEST_F(Lifecycle, WhatMayChangeUnderDataIsFollowed) {
   const auto expect_followed = [&](const char* what, const std::function<void(Scene&)>& change) {
     for (const Way& way : ways(true)) {

@@ -1,5 +1,5 @@
-// Every method in every order against the oracle, on every scene there is, at rest and in motion; and the same again
-// when the data has seen other states and other contacts.
+// Every method in every order is compared with the dense reference solver, on every scene, at rest and in motion, and
+// again after the data have seen other states and other contacts.
 
 #include "support/methods.hpp"
 
@@ -18,7 +18,7 @@ struct State {
   Eigen::VectorXd q, v, u;
 };
 
-// The oracle's answer and what it allows the others.
+// Contains the dense reference solution and the errors allowed to the others.
 struct Reference {
   Reference(const Scene& scene, const State& s, const std::vector<char>& active)
       : data(scene, {Method::kDense, {}}), a_free(free_accelerations(scene, s.q, s.v, s.u)) {
@@ -52,7 +52,7 @@ class Methods : public testing::TestWithParam<std::string> {
 
   const Scene& scene() const { return file_.scene; }
 
-  // `equilibrium`: forces may balance, and accelerations vanish but for rounding.
+  // With `equilibrium` forces may balance, and accelerations vanish up to rounding error.
   void expect_like(const Reference& reference, const SceneData& data, bool equilibrium = false) const {
     const bool redundant = reference.data.report.status != Status::kOk;
     if (redundant && data.options.method == Method::kDenseSchur) {
@@ -72,12 +72,12 @@ class Methods : public testing::TestWithParam<std::string> {
     }
     for (const IslandReport& island : data.report.islands)
       if (!equilibrium) {
-        EXPECT_LE(island.refinement_steps, 2);  // the factor is of the right matrix
+        EXPECT_LE(island.refinement_steps, 2);  // the factor belongs to the right matrix
       }
     if (!(e.excess <= worst_)) worst_ = e.excess;
   }
 
-  // Every other contact, or all but the first.
+  // Returns every other contact, or all but the first.
   std::vector<char> fewer(bool alternate) const {
     std::vector<char> active = all_;
     for (std::size_t c = 0; c < active.size(); ++c)
@@ -104,7 +104,7 @@ TEST_P(Methods, AgreeWithTheOracle) {
   RecordProperty("worst_error_over_allowed", std::to_string(worst_));
 }
 
-// Estimates of one number with different factors, each within a factor of three of it from below.
+// All methods estimate one number with different factors, each within a factor of three of it from below.
 TEST_P(Methods, AgreeOnTheCondition) {
   const Reference reference(scene(), moving_, all_);
   for (const Way& way : ways_here()) {
@@ -150,7 +150,7 @@ TEST_P(Methods, ForgetTheContactsBefore) {
     SCOPED_TRACE(way.name);
     SceneData switched(scene(), way.options);
     std::size_t shapes = 0;
-    for (int round = -1; round < 2; ++round) {  // pairs that are new in the first drop what was analysed
+    for (int round = -1; round < 2; ++round) {  // new pairs in the first round drop earlier analyses
       for (const std::vector<char>& active : sets) {
         switched.active = active;
         solve_at(scene(), moving_, switched);
@@ -206,7 +206,7 @@ GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Methods);
 INSTANTIATE_TEST_SUITE_P(Models, Methods, testing::ValuesIn(model_scenes()), scene_title);
 INSTANTIATE_TEST_SUITE_P(Golden, Methods, testing::ValuesIn(golden_scenes()), scene_title);
 
-// One shape, one analysis, however many islands have it.
+// One shape is analysed once, however many islands have it.
 TEST(Patterns, AreSharedByAlikeIslands) {
   const SceneFile file = load_scene(MANYCONTACT_SOURCE_DIR "/models/herd.xml");
   SceneData data(file.scene, {Method::kSparseLdl, Order::kLeafToRoot});

@@ -1,5 +1,5 @@
-// Contacts between the same two bodies, reduced to the rows that span them, against the dense method, which takes all
-// rows as they are: accelerations, forces of least norm, verdicts, derivatives, products, bounds.
+// Contacts between the same two bodies are reduced to the rows that span them. The dense method uses all rows as they
+// are: both agree in accelerations, least-norm forces, statuses, derivatives, products, bounds.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ std::string box(const std::string& name, double x, double z) {
          std::to_string(z) + "'/>";
 }
 
-// Four points under a box, on the world or on another box.
+// Four points are under a box, on the world or on another box.
 std::string face(const std::string& name, const std::string& on, const std::string& to, const std::string& more = "") {
   std::string out;
   const char* const corners[] = {"-0.15 -0.18 -0.2", "-0.15 0.18 -0.2", "0.15 -0.18 -0.2", "0.15 0.18 -0.2"};
@@ -43,13 +43,13 @@ std::string tower(int boxes, const std::string& more = "") {
   return xml;
 }
 
-// Two layers: each upper box stands on two lower ones.
+// There are two layers: each upper box is on two lower ones.
 std::string bridge() {
   return box("l", -0.2, 0) + box("r", 0.2, 0) + box("t", 0, 0.4) + face("gl", "l", "") + face("gr", "r", "") +
          face("tl", "t", "l") + face("tr", "t", "r");
 }
 
-// Contacts of every type between two boxes, some of them twice.
+// There are contacts of every type between two boxes, some of them twice.
 std::string all_types(const std::string& gains = "") {
   const auto contact = [&](const char* name, const char* type, const char* offset, const char* more = "") {
     return std::string("<contact name='") + name + "' type='" + type + "' frame='b/crate' to='a/crate' offset='" +
@@ -64,7 +64,7 @@ std::string all_types(const std::string& gains = "") {
 
 struct Case {
   std::string name, xml;
-  double speed = 0;  // of random velocities
+  double speed = 0;  // magnitude of random velocities
 };
 
 struct Answer {
@@ -77,7 +77,7 @@ struct Answer {
 
 double largest(const Eigen::Ref<const Eigen::MatrixXd>& x) { return x.size() ? x.cwiseAbs().maxCoeff() : 0; }
 
-// Beside the largest entry, or what accelerations of gravity would give.
+// The error is relative to the largest entry, or to `least` if that is larger.
 void expect_near(const Eigen::Ref<const Eigen::MatrixXd>& x, const Eigen::Ref<const Eigen::MatrixXd>& y, double least,
                  double allowed, const char* what) {
   ASSERT_EQ(x.rows(), y.rows()) << what;
@@ -141,7 +141,7 @@ TEST(Pairs, AnswersOfAllContacts) {
     for (Method method : kReducing) expect_as_dense(c, method, 1e-11);
 }
 
-// K has an eigenvalue of the damping: 1e-16 / 1e-4 are lost.
+// K has the damping as an eigenvalue: the relative error is 1e-16 / 1e-4.
 TEST(Pairs, DampedAnswersOfAllContacts) {
   const Case cases[] = {
       {"tower", "<scene damping='1e-4'>" + tower(5) + "</scene>"},
@@ -152,7 +152,7 @@ TEST(Pairs, DampedAnswersOfAllContacts) {
     for (Method method : {Method::kAuto, Method::kSparseLdl}) expect_as_dense(c, method, 1e-9);
 }
 
-// Six rows a face, and no row of K depends on others.
+// Each face keeps six rows, and no row of K depends on others.
 TEST(Pairs, NoDependentRowsAreLeft) {
   const SceneFile file = load_text("<scene>" + tower(8) + "</scene>");
   SceneData data(file.scene);
@@ -166,7 +166,7 @@ TEST(Pairs, NoDependentRowsAreLeft) {
   EXPECT_EQ(data_solved(data).report.rank, 48);
 }
 
-// As many rows as depend, each once; of one pair those after the first ones that span all.
+// Each dependent row is listed once; those of one pair come after the first rows that span all.
 TEST(Pairs, NamesRowsThatDepend) {
   const SceneFile file = load_text("<scene>" + bridge() + "</scene>");
   SceneData data(file.scene);
@@ -226,7 +226,7 @@ TEST(Pairs, OtherSetsOfContacts) {
   const SceneFile file = load_text("<scene>" + tower(4) + "</scene>");
   SceneData data(file.scene);
   const std::vector<std::vector<int>> off = {{}, {4}, {4, 5}, {4, 5, 6}, {0, 1, 2, 3}, {12, 13}, {}};
-  for (int round = 0; round < 3; ++round)  // a pair that is new drops what was analysed
+  for (int round = 0; round < 3; ++round)  // a new pair drops earlier analyses
     for (const std::vector<int>& set : off) {
       std::fill(data.active.begin(), data.active.end(), 1);
       for (int c : set) data.active[static_cast<std::size_t>(c)] = 0;
@@ -244,7 +244,7 @@ TEST(Pairs, OtherSetsOfContacts) {
     }
 }
 
-// What may change under data in use does: gains, gravity, where contacts are held.
+// Data in use follow changes of gains, gravity and contact placements.
 TEST(Pairs, FollowTheScene) {
   SceneFile file = load_text("<scene>" + tower(3, "gains='10 2'") + "</scene>");
   SceneData data(file.scene);

@@ -1,4 +1,4 @@
-// Passive joints: torques of fewer coordinates, the same dynamics. Friction of joints: a torque like any other.
+// Passive joints have no torques, but the same dynamics. Friction of joints is a torque like any other.
 
 #include <gtest/gtest.h>
 
@@ -18,13 +18,13 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// As they are: add_contact would normalise their axes once more, which may change a last bit.
+// Contacts are copied: add_contact would normalise their axes once more, which may change a last bit.
 void take_contacts(const Scene& from, Scene& to) {
   to.contacts = from.contacts;
   to.contact_index = from.contact_index;
 }
 
-// A scene, the same with some joints passive, and for each torque of the second its number in the first.
+// Contains a scene, the same with some joints passive, and for each torque of the second its number in the first.
 struct Pair {
   RandomScene all, some;
   std::vector<int> kept;
@@ -59,7 +59,7 @@ TEST(Passive, SameDynamicsFewerTorques) {
     const Pair p = pair_of(seed);
     ASSERT_LT(p.some.scene.nu, p.all.scene.nu);
     ASSERT_GT(p.some.scene.nu, 0);
-    const Options one_by_one{Method::kAuto, {}, Lanes::kOff};  // models differ, and so would lanes
+    const Options one_by_one{Method::kAuto, {}, Lanes::kOff};  // the models differ, and so would SIMD batches
     SceneData all(p.all.scene, one_by_one), some(p.some.scene, one_by_one);
     (void)solve(p.all.scene, p.all.q, p.all.v, p.all.u, all);
     (void)solve(p.some.scene, p.some.q, p.some.v, p.some.u, some);
@@ -83,7 +83,7 @@ TEST(Passive, SameDynamicsFewerTorques) {
   }
 }
 
-// The u part of the least-norm least-squares solution of [S^T J^T] [u; f] = h(q, 0).
+// The torques are the u part of the least-norm least-squares solution of [S^T J^T] [u; f] = h(q, 0).
 TEST(Passive, QuasiStatic) {
   for (int seed : {74, 75}) {
     const RandomScene s = pair_of(seed).some;
@@ -120,7 +120,7 @@ TEST(Friction, IsATorque) {
     add_robot(bare, robot.name, model, robot.base);
   }
   take_contacts(s.scene, bare);
-  EXPECT_LT(tau.dot(s.v), 0);  // it takes energy
+  EXPECT_LT(tau.dot(s.v), 0);  // friction takes energy
   const Options one_by_one{Method::kAuto, {}, Lanes::kOff};
   SceneData with(s.scene, one_by_one), of_torques(bare, one_by_one);
   (void)solve_tau(s.scene, s.q, s.v, without, with);

@@ -1,5 +1,4 @@
-// Many bodies whose contacts depend on each other: never by the dense oracle unless that is asked for, and with its
-// answers.
+// Many bodies have redundant contacts. The dense reference solver is used only on request; the solutions agree with it.
 
 #include "support/piles.hpp"
 
@@ -24,7 +23,7 @@ struct Case {
   std::string name;
   Pile pile;
 };
-// More than 300 rows of J each. In motion contacts of loops contradict each other.
+// Each case has more than 300 rows of J. In motion contacts of loops are inconsistent.
 Case case_of(int number, double speed = 0.1) {
   switch (number) {
     case 0:
@@ -63,9 +62,8 @@ TEST_P(Piles, AreSolvedSparselyWithTheOraclesAnswers) {
   EXPECT_LE(relative(data.f, oracle.f), 1e-10);
 }
 
-// Random piles whose rank or answer was wrong, or that were refused, when dependent rows were found by the size of
-// their pivots alone: a row may nearly depend on those before it. Where the posture is nearly singular (14, 25), the
-// dense solver answers.
+// On these random piles a test of the pivots' sizes alone gives a wrong rank or solution, or refuses: a row may nearly
+// depend on those before it. Where the configuration is nearly singular (14, 25), the dense solver is used.
 constexpr unsigned kRandomPiles[] = {1, 7, 12, 14, 25, 36, 64, 85, 112, 118};
 TEST(RandomPiles, HaveTheDenseSolversAnswers) {
   for (const unsigned seed : kRandomPiles) {
@@ -81,8 +79,8 @@ TEST(RandomPiles, HaveTheDenseSolversAnswers) {
   }
 }
 
-// 256 boxes on a hub and on each other. With contacts last the rows of all of them fill one dense matrix; the contacts
-// of boxes that others fix already go early. Before that the answer took seconds, and was none.
+// 256 boxes are on a hub and on each other. With contacts last, the rows of all of them fill one dense matrix; the
+// contacts of boxes that others fix already go early.
 TEST(PilesOnAHub, AreSolvedInAnOrderThatStaysSparse) {
   const Pile pile = hub(16, 0);
   SceneData data(pile.scene);
@@ -95,8 +93,8 @@ TEST(PilesOnAHub, AreSolvedInAnOrderThatStaysSparse) {
   EXPECT_NEAR(contact_force(pile.scene, data, 0)[2] / (257 * 9 * 9.81), 1, 1e-10);
 }
 
-// At rest the accelerations vanish, and all terms of the rows between boxes are rounding: compared with each other they
-// refused the solution box by box, and the whole K was factorized after it.
+// At rest the accelerations vanish, and all terms of the rows between boxes are rounding error. Compared with each
+// other they would refuse the solution box by box, and the whole K would be factorized.
 TEST(PilesAtRest, AreSolvedBoxByBox) {
   for (const double damping : {0.0, 1e-8}) {
     Pile pile = tower(60, 0);
@@ -106,7 +104,7 @@ TEST(PilesAtRest, AreSolvedBoxByBox) {
     EXPECT_EQ(report.status, Status::kOk);
     EXPECT_EQ(factorizations_of(data, 0), 1);
     EXPECT_LE(report.backward_error, 1e-12);
-    const double top = damping * 9 * 9.81 * 60 * 61 / 2;  // each contact gives way to the weight above it
+    const double top = damping * 9 * 9.81 * 60 * 61 / 2;  // each contact yields to the weight above it
     EXPECT_NEAR(data.a.cwiseAbs().maxCoeff(), top, 1e-10 + top * top / 9.81);  // weights are less by that part
   }
 }
@@ -132,7 +130,7 @@ TEST_P(Piles, HaveTheOraclesProducts) {
   for (std::size_t k = 0; k < x.size(); ++k) EXPECT_LE(relative(x[k], y[k], 1), 1e-9) << k;
 }
 
-// By products, which are the oracle's.
+// Derivatives agree with products, which agree with the dense reference solver.
 TEST_P(Piles, HaveTheDerivativesOfTheirProducts) {
   const Pile pile = case_of(GetParam(), 0).pile;
   SceneData data(pile.scene);

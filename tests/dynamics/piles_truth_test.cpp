@@ -1,4 +1,4 @@
-// Piles of up to 36 bodies against quadruple precision.
+// Piles of up to 36 bodies are compared with quadruple precision.
 
 #include <gtest/gtest.h>
 

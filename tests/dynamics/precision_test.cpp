@@ -1,5 +1,5 @@
-// Options::precision, single and mixed: errors as the condition predicts, islands that are refused and told, the same
-// bits in any SIMD batch, and nothing that was solved before in a solution.
+// Options::precision, single and mixed: errors agree with the condition, refused islands are reported, bits are the
+// same in any SIMD batch, and earlier solves do not affect a solution.
 
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ Options in_precision(Precision precision, Lanes lanes = Lanes::kAuto) {
   return options;
 }
 
-// Robots of one random model, each held in the world in the same way, in states of their own.
+// Returns robots of one random model in their own states, each constrained to the world in the same way.
 RandomScene random_robots(std::mt19937& rng, int count, bool floating, double damping = 0) {
   RandomScene s;
   ModelOptions options;
@@ -65,7 +65,7 @@ int count_of(const Report& report, Precision precision) {
   return count;
 }
 
-// Whether each island that was not solved in the precision asked for says so.
+// Expects that each island that was not solved in the requested precision reports this.
 void expect_told(const Report& report, Precision asked) {
   for (const IslandReport& island : report.islands) {
     if (island.status == Status::kFailed) continue;
@@ -82,8 +82,8 @@ double largest_difference(const VectorXd& x, const VectorXd& y) {
   return x.size() == 0 ? 0 : (x - y).cwiseAbs().maxCoeff() / std::max(1e-300, y.cwiseAbs().maxCoeff());
 }
 
-// A point held along an axis of the world and, once more, in all directions: floats leave pivots of such rows that
-// refinement in double would not show to be none.
+// A point is constrained along an axis of the world and, once more, in all directions. Floats leave pivots of such rows
+// that refinement in double would not show to be zero.
 TEST(Precision, MixedFindsDependentRows) {
   for (int seed = 0; seed < 400; ++seed) {
     SCOPED_TRACE(seed);
@@ -155,7 +155,7 @@ TEST(Precision, SingleHasTheSameBitsAloneAndInABatch) {
   }
 }
 
-// A robot that is held twice, at points 1e-4 m apart: double knows that the rows are independent, floats do not.
+// A robot is constrained twice, at points 1e-4 m apart: the rows are independent in double, but not in float.
 TEST(Precision, SingleIsRefusedAndToldWhereTheConditionIsPoor) {
   std::mt19937 rng(7);
   RandomScene s = random_robots(rng, 5, true);
@@ -180,7 +180,7 @@ TEST(Precision, SingleIsRefusedAndToldWhereTheConditionIsPoor) {
   EXPECT_EQ(data.a.segment(robot.idx_v, robot.model->nv), exact.a.segment(robot.idx_v, robot.model->nv));
 }
 
-// Contacts with gains, 1e7 m away from the world's origin, joints wound up by 1e4 turns.
+// Contacts with gains are 1e7 m away from the world's origin, and joints are wound up by 1e4 revolutions.
 TEST(Precision, SingleLosesNothingFarAwayAndWoundUp) {
   std::mt19937 rng(11);
   RandomScene s = random_robots(rng, 9, true);
@@ -201,7 +201,7 @@ TEST(Precision, SingleLosesNothingFarAwayAndWoundUp) {
   EXPECT_LE(largest_difference(far.a, exact.a), 1e-3);
 }
 
-// Bodies that spin so fast that the terms of h bury everything else in floats, though h itself may vanish.
+// Bodies spin so fast that the terms of h bury everything else in floats, though h itself may vanish.
 TEST(Precision, SingleIsWorthTwoDigitsAtAnySpeed) {
   std::mt19937 rng(13);
   for (const double speed : {1e1, 1e2, 1e3, 1e4, 1e5}) {
@@ -218,7 +218,7 @@ TEST(Precision, SingleIsWorthTwoDigitsAtAnySpeed) {
   }
 }
 
-// A wheel on an arm, balanced: its terms are the speed squared times the arm's length, and all of them cancel.
+// A wheel on an arm is balanced: its terms are the speed squared times the arm's length, and all of them cancel.
 TEST(Precision, SingleKnowsThatTheTermsOfASpinCancel) {
   auto model = std::make_shared<Model>();
   Joint arm, wheel;
@@ -294,7 +294,7 @@ TEST_P(EveryPrecision, AllocatesNothingAfterTheFirstSolve) {
             0u);
 }
 
-// Those of the double solution, but for what its own accelerations and forces differ by.
+// Derivatives are those of the double solution, up to the differences of accelerations and forces.
 TEST_P(EveryPrecision, DerivativesAreThoseAtTheSolution) {
   std::mt19937 rng(29);
   const RandomScene s = random_robots(rng, 18, true);

@@ -1,4 +1,4 @@
-// Reports: an estimate that was not computed is not a number, and never a perfect 0; solves are timed.
+// An estimate that was not computed is reported as NaN, never as a perfect 0; solves are timed.
 
 #include "manycontact/dynamics/report.hpp"
 
@@ -21,7 +21,7 @@ void expect_no_estimates(const Report& report) {
       EXPECT_TRUE(std::isnan(x));
 }
 
-// With several contacts between two bodies, too, whose rows are reduced (Options::reduce_pairs).
+// Some have several contacts between two bodies, whose rows are reduced (Options::reduce_pairs).
 constexpr const char* kScenes[] = {"humanoid_standing.xml", "two_humanoids_carry_beam.xml", "feet_on_corners.xml"};
 
 TEST(Report, HasNoEstimatesThatWereNotAskedFor) {
@@ -40,7 +40,7 @@ TEST(Report, HasNoEstimatesThatWereNotAskedFor) {
       EXPECT_GE(data.report.error_acceleration, 0);
       EXPECT_GE(data.report.error_forces, 0);
       (void)solve(file.scene, file.q, file.v, file.u, data);
-      expect_no_estimates(data.report);  // of the last solve, not of the one before
+      expect_no_estimates(data.report);  // they belong to the last solve, not to an earlier one
     }
   }
 }
@@ -76,7 +76,7 @@ TEST(Report, HasTheTimesOfTheSolve) {
     EXPECT_GT(later.solve, 0);
     setup = std::min(setup, later.setup);
   }
-  EXPECT_LT(setup, first.setup);  // the islands are there already
+  EXPECT_LT(setup, first.setup);  // the islands exist already
 }
 
 }  // namespace

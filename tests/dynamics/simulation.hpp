@@ -1,6 +1,6 @@
 #pragma once
-// Classical Runge-Kutta of fourth order on q, v with the quaternions' own derivative, so that the order is kept on
-// every joint; energy and momentum of the bodies from their velocities, without M.
+// Classical fourth-order Runge-Kutta integrates q and v with the quaternions' own derivative, so the order is kept on
+// every joint. Energy and momentum are computed from velocities of bodies, without M.
 
 #include <functional>
 
@@ -12,7 +12,7 @@
 
 namespace manycontact::test {
 
-/// dq/dt of a scene's q at velocity v.
+/// Returns dq/dt of a scene's q at velocity v.
 inline Eigen::VectorXd q_rate(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
   Eigen::VectorXd out(scene.nq);
   for (const Robot& robot : scene.robots)
@@ -38,7 +38,7 @@ inline void normalize_quaternions(const Scene& scene, Eigen::VectorXd& q) {
       if (joint.type == JointType::kFloating) q.segment<4>(robot.idx_q + joint.idx_q + 3).normalize();
 }
 
-/// Mechanical state of the whole scene. Momentum about the world's origin.
+/// Mechanical state of the whole scene. Momentum is about the world's origin.
 struct Mechanics {
   double mass = 0, kinetic = 0, potential = 0;
   Vec3<double> first_moment = Vec3<double>::Zero();  // sum of m c
@@ -66,19 +66,19 @@ inline Mechanics mechanics(const Scene& scene, const Eigen::VectorXd& q, const E
       out.angular += momentum.tail<3>() + kin.origin(i).cross(Vec3<double>(momentum.head<3>()));
     }
     const Eigen::VectorXd vr = v.segment(robot.idx_v, model.nv);
-    out.kinetic += 0.5 * (model.armature.array() * vr.array().square()).sum();  // the rotors turn as well
+    out.kinetic += 0.5 * (model.armature.array() * vr.array().square()).sum();  // the rotors rotate as well
   }
   return out;
 }
 
-/// v's part that every active contact allows: J v = 0.
+/// Returns the part of v that every active contact allows, J v = 0.
 inline Eigen::VectorXd consistent(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
   const Eigen::MatrixXd J = contact_jacobian(scene, q);
   if (J.rows() == 0) return v;
   return v - least_norm(J, J * v);
 }
 
-/// A scene under way, with constant torques. `work`: what they have done since the start.
+/// A scene in motion under constant torques. `work` is their work since the start.
 struct Simulation {
   Simulation(const Scene& scene_, Eigen::VectorXd q_, Eigen::VectorXd v_, Eigen::VectorXd u_, const Options& options)
       : scene(scene_), q(std::move(q_)), v(std::move(v_)), u(std::move(u_)), data(scene_, options) {}
@@ -117,7 +117,7 @@ struct Simulation {
   Status worst = Status::kOk;
 };
 
-/// Adds a contact that holds A where it is relative to B.
+/// Adds a contact that fixes A where it is relative to B.
 inline void hold(RandomScene& s, const std::string& name, ContactType type, Attachment A, Attachment B) {
   Contact c;
   c.name = name;

@@ -1,5 +1,5 @@
-// Contacts that come and go: only their islands change, nothing is analysed twice, nothing seen before allocates, and
-// nothing depends on what was before.
+// Contacts are switched on and off: only their islands change, no set is analysed twice, sets solved before allocate
+// nothing, and solutions do not depend on earlier sets.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ void solve_at(const SceneFile& file, SceneData& data) { (void)solve(file.scene, 
 
 int contact_named(const Scene& scene, const std::string& name) { return scene.contact_index.at(name); }
 
-// A herd of quadrupeds, of which one lifts a foot; then another one, the same foot.
+// In a herd of quadrupeds one lifts a foot, then another one lifts the same foot.
 TEST(Switching, TouchesItsIslandAlone) {
   SceneFile file = load_scene(kModels + "herd.xml");
   SceneData data(file.scene, {Method::kSparseLdl, {}, Lanes::kOff});
@@ -35,7 +35,7 @@ TEST(Switching, TouchesItsIslandAlone) {
   EXPECT_EQ(shapes_analysed(data), 2u);
   for (std::size_t i = 0; i < island_count(data); ++i)
     EXPECT_EQ(assembled_matrix_of(data, i).values.data() == before[i], static_cast<int>(i) != of) << i;
-  // The same foot of another: a shape seen before, and the memory of the first.
+  // The same foot of another robot gives a shape seen before, in the memory of the first.
   data.active[lifted] = 1;
   solve_at(file, data);
   const std::size_t next = file.scene.contacts.size() / 64;  // per robot
@@ -44,7 +44,7 @@ TEST(Switching, TouchesItsIslandAlone) {
   EXPECT_EQ(shapes_analysed(data), 2u);
 }
 
-// Memory of sets that were met is bounded: what is given up is analysed again, to the same bits.
+// The memory of earlier sets is bounded: a set that was dropped is analysed again, to the same bits.
 TEST(Switching, GivesUpSetsMetLongAgo) {
   const SceneFile file = load_small(kModels + "ring_of_humanoids.xml");
   SceneData kept(file.scene), bounded(file.scene);
@@ -66,7 +66,7 @@ TEST(Switching, GivesUpSetsMetLongAgo) {
   EXPECT_GT(shapes_analysed(kept), 20u);
 }
 
-// Robots that let go of each other and join hands again: islands split, merge, and keep their order.
+// Robots release each other and join hands again: islands split, merge, and keep their order.
 TEST(Switching, SplitsAndJoinsIslands) {
   SceneFile file = load_small(kModels + "ring_of_humanoids.xml");
   const Scene& scene = file.scene;
@@ -92,7 +92,7 @@ TEST(Switching, SplitsAndJoinsIslands) {
   }
 }
 
-// Any walk through contact sets gives the bits that new data give, values and derivatives, and reports alike.
+// After any sequence of contact sets, values, derivatives and reports have the bits that new data give.
 TEST(Switching, ForgetsWhatWasBefore) {
   for (const char* name : {"ring_of_humanoids", "herd", "feet_on_corners", "two_humanoids_carry_beam"}) {
     SceneFile file = load_small(kModels + name + ".xml");
@@ -129,7 +129,7 @@ TEST(Switching, ForgetsWhatWasBefore) {
   }
 }
 
-// Nothing, for sets of contacts met before, by any sparse method; a new set costs the analysis of one island.
+// Sets solved before allocate nothing with these sparse methods; a new set costs the analysis of one island.
 TEST(Switching, AllocatesNothingForSetsMetBefore) {
   if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be counted here";
   SceneFile file = load_scene(kModels + "herd.xml");
@@ -150,13 +150,13 @@ TEST(Switching, AllocatesNothingForSetsMetBefore) {
     for (int again = 0; again < 3; ++again) {
       EXPECT_EQ(allocations([&] { with(0, false); }), 0u);
       EXPECT_EQ(allocations([&] { with(0, true); }), 0u);
-      EXPECT_EQ(allocations([&] { with(9, false); }), 0u);  // another robot's foot of the same place
+      EXPECT_EQ(allocations([&] { with(9, false); }), 0u);  // the same foot of another robot
       EXPECT_EQ(allocations([&] { with(9, true); }), 0u);
     }
   }
 }
 
-// Contacts that differ in the places of their points, on the same bodies: orders as each would have alone.
+// Contacts at different points of the same bodies have the orders that each would have alone.
 TEST(Shapes, OrdersDoNotDependOnWhatWasSeenBefore) {
   std::mt19937 rng(9);
   const auto model = std::make_shared<Model>(
@@ -174,7 +174,7 @@ TEST(Shapes, OrdersDoNotDependOnWhatWasSeenBefore) {
     }
     return scene;
   };
-  // on the last joint's axis, which does not move it; and off it
+  // the first is on the last joint's axis, which does not move it; the second is off it
   const Vec3<double> on = 0.3 * model->joints[8].axis, off = on + 4 * model->joints[8].axis.unitOrthogonal();
   const auto orders = [&](const std::vector<Vec3<double>>& points) {
     const Scene scene = scene_with(points);

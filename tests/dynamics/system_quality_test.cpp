@@ -1,4 +1,4 @@
-// What system_quality says of the equations: of the answer at hand, whatever computed it.
+// system_quality assesses the equations at the current solution, whatever method computed it.
 
 #include <gtest/gtest.h>
 
@@ -60,7 +60,7 @@ TEST(SystemQuality, SignatureCountsDependentRows) {
   EXPECT_EQ(of.zero, report.nc - report.rank);
 }
 
-// Grams in place of kilograms: the condition is of the units, the scaled one of the robot.
+// With grams in place of kilograms the condition depends on the units, the scaled condition on the robot alone.
 TEST(SystemQuality, ScaledConditionKnowsNoUnits) {
   SceneFile file = moving("humanoid_hands_and_feet");
   const auto quality = [&] {

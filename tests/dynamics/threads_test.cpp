@@ -1,6 +1,6 @@
-// Many threads, each with data of its own, on one constant scene: the bits of one thread alone. Under ThreadSanitizer
-// (`./run test --threads`) that nothing is shared that one of them writes. And threads inside a call
-// (Options::threads): the same bits for any number of them.
+// Many threads with their own data share one constant scene: each computes the bits of one thread alone.
+// ThreadSanitizer (`./run test --threads`) checks that no thread writes shared memory. Inside a call (Options::threads)
+// any number of threads computes the same bits.
 
 #include <gtest/gtest.h>
 #ifdef __unix__
@@ -26,7 +26,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-// All that is computed from three states, contacts being switched between them.
+// Returns all that is computed from three states, with contacts switched between them.
 std::vector<VectorXd> everything(const SceneFile& file, const Options& options, bool always_by_threads = true) {
   const Scene& scene = file.scene;
   std::vector<VectorXd> out;
@@ -69,7 +69,7 @@ TEST(Threads, EachWithItsDataOnOneScene) {
   }
 }
 
-// Random scenes have islands of all sizes, unlike each other.
+// Random scenes have islands of different sizes.
 SceneFile random_file() {
   std::mt19937 rng(21);
   SceneOptions options;
@@ -100,7 +100,7 @@ TEST(Threads, InsideACallCountForNothing) {
       for (int threads : {2, 3, 0}) {
         Options options = way.options;
         options.threads = threads;
-        for (const bool always : {true, false}) {  // small scenes wake none, unless they are made to
+        for (const bool always : {true, false}) {  // small scenes wake no thread, unless they are made to
           const std::vector<VectorXd> answer = everything(file, options, always);
           ASSERT_EQ(answer.size(), alone.size());
           for (std::size_t k = 0; k < alone.size(); ++k)
@@ -140,7 +140,7 @@ TEST(Threads, AnExceptionInsideACallComesOut) {
   if (!MANYCONTACT_FAILS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be made to fail here";
   const SceneFile file = file_of("herd");
   const Options options{Method::kSparseLdl, {}, Lanes::kOff, 3};
-  const std::vector<VectorXd> expected = everything(file, options);  // OpenMP's threads are there from now on
+  const std::vector<VectorXd> expected = everything(file, options);  // OpenMP's threads exist from now on
   SceneData data(file.scene, options);
   bool threw = false;
   {
@@ -171,8 +171,8 @@ TEST(Threads, LessThanNoneAndTooManyAreRefused) {
   EXPECT_EQ(solve(file.scene, file.q, file.v, file.u, data).status, Status::kOk);
 }
 
-// A forked child has none of its parent's threads. Batches, threads inside a call, after each other, and a child's
-// child.
+// A forked child has none of its parent's threads. The test covers batches, threads inside a call, one after the other,
+// and a child's child.
 #if defined(__unix__) && !defined(__SANITIZE_THREAD__)
 TEST(Threads, ChildrenComputeAfterAFork) {
   const SceneFile file = load_small(MANYCONTACT_SOURCE_DIR "/models/two_humanoids_carry_beam.xml");

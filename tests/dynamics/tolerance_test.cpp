@@ -1,5 +1,5 @@
-// Scenes that say how exact they are: rows that depend on each other but for that do, in all answers; and rows that
-// depended on each other at the start of a motion, which drift must not part.
+// These scenes define how exact they are: rows that are dependent to within it are dependent in all results. Rows that
+// were dependent at the start of a motion remain so despite constraint violations.
 
 #include <cmath>
 #include <filesystem>
@@ -25,7 +25,7 @@ double apart(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 
 SceneFile moving(double tilt, const std::string& type) {
   SceneFile file = tilted_four_bar(tilt, type);
-  // within the plane loop: J v = 0 of the pin's first two rows, that are all there is without a tilt
+  // The motion is in the plane of the loop: J v = 0 for the pin's first two rows, the only ones without a tilt.
   const SceneFile plane = tilted_four_bar(0, type);
   SceneData at_rest(plane.scene);
   file.v = solved(plane, at_rest).a;
@@ -46,7 +46,7 @@ TEST(Tolerance, ALoopThatIsPlaneButForItMoves) {
       ASSERT_EQ(solved(file, oracle).report.status, Status::kRedundant) << type;
       const Eigen::MatrixXd truth_D = sparse_derivatives(plane.scene, (differentiate(plane.scene, truth), truth));
       for (const Way& way : ways_here(true)) {
-        if (way.options.method == Method::kDenseSchur) continue;  // has no answer where rows depend
+        if (way.options.method == Method::kDenseSchur) continue;  // it has no solution where rows are dependent
         SceneData data(file.scene, way.options);
         EXPECT_EQ(solved(file, data).report.status, Status::kRedundant) << way.name;
         EXPECT_EQ(data.report.rank, 2) << way.name;
@@ -73,7 +73,7 @@ TEST(Tolerance, NothingIsTakenThatExceedsIt) {
   EXPECT_LT(apart(with.f, f), 1e-9);
 }
 
-// Ordinary scenes have no rows that nearly depend: the same answers, by the whole K.
+// Ordinary scenes have no nearly dependent rows: the solutions are the same, from the whole K.
 TEST(Tolerance, OrdinaryScenesAreTheSame) {
   for (const std::string& path : model_scenes()) {
     SceneFile file = load_small(path);
@@ -83,7 +83,7 @@ TEST(Tolerance, OrdinaryScenesAreTheSame) {
     SceneData with(file.scene);
     EXPECT_EQ(solved(file, with).report.status, status) << path;
     EXPECT_EQ(with.report.rank, without.report.rank) << path;
-    EXPECT_LT((with.a - without.a).cwiseAbs().maxCoeff(), 1e-9 * 9.81) << path;  // some are at rest
+    EXPECT_LT((with.a - without.a).cwiseAbs().maxCoeff(), 1e-9 * 9.81) << path;  // some scenes are at rest
     EXPECT_LT(apart(with.f, without.f), 1e-9) << path;
   }
 }
@@ -105,7 +105,7 @@ TEST(Tolerance, ProductsAreThoseOfTheDerivatives) {
   EXPECT_LT(apart(both, D * dx), 1e-12);
 }
 
-// Bricard's mechanism hangs together by one row more than it needs, and only on its closed loop.
+// Bricard's mechanism has one row more than it needs, and only on its closed loop.
 TEST(KeptDependent, BricardMoves) {
   const std::string folder = MANYCONTACT_SHARED_DIR "/mechanisms/03-bricard/";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "skipped: no " << folder;

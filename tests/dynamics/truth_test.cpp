@@ -1,4 +1,4 @@
-// True errors: the forward path once more in quadruple precision.
+// True errors are those against the forward path in quadruple precision.
 
 #include "manycontact/dynamics/truth.hpp"
 
@@ -32,7 +32,7 @@ void print_row(const std::string& scene, const std::string& way, double conditio
               e.excess);
 }
 
-// The errors of every method at a state, against what is allowed.
+// Compares the errors of every method at a state with the allowed ones.
 void expect_true(const std::string& name, const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                  const Eigen::VectorXd& u, bool equilibrium) {
   const Truth<Quad> truth = true_answer(scene, q, v, u);
@@ -40,7 +40,7 @@ void expect_true(const std::string& name, const Scene& scene, const Eigen::Vecto
   const Status status = solve(scene, q, v, u, oracle).status;
   ASSERT_NE(status, Status::kFailed) << name;
   const std::vector<double> condition = conditions(scene, oracle);
-  // with damping K is regular whatever the rank of J, which the truth tells
+  // with damping K is regular whatever the rank of J, which the truth reports
   EXPECT_EQ(oracle.report.rank, scene.damping > 0 ? oracle.report.nc : rank_sum(truth)) << name;
   const Eigen::VectorXd a_free = equilibrium ? free_accelerations(scene, q, v, u) : Eigen::VectorXd();
   for (const Way& way : ways(true)) {
@@ -61,7 +61,7 @@ void print_header() {
 
 class TruthOf : public testing::TestWithParam<std::string> {};
 
-// Copies are reduced to four: islands of up to 152 coordinates.
+// Copies are reduced to four, so islands have up to 152 coordinates.
 TEST_P(TruthOf, EveryMethod) {
   SceneFile file = load_small(GetParam());
   print_header();
@@ -113,7 +113,7 @@ TEST(Truth, RandomScenesWithDependentContacts) {
   }
 }
 
-// Far from the world's origin nothing is lost: the tree frame stands at the robot's base.
+// Far from the world's origin nothing is lost: the tree frame is at the robot's base.
 TEST(Truth, FarFromTheOrigin) {
   print_header();
   SceneFile file = load_edited(MANYCONTACT_SOURCE_DIR "/models/humanoid_hands_and_feet.xml",
@@ -121,7 +121,7 @@ TEST(Truth, FarFromTheOrigin) {
   expect_true("10 km away", file.scene, file.q, file.v, file.u, true);
 }
 
-// The truth is not the double's answer in disguise.
+// The truth is not the double-precision solution in disguise.
 TEST(Truth, HasMoreDigits) {
   std::mt19937 rng(5);
   const RandomScene s = random_scene(rng);
@@ -133,7 +133,7 @@ TEST(Truth, HasMoreDigits) {
   EXPECT_GT(error_of(data.a, truth.a), 0);
 }
 
-// Errors relative to the largest entry.
+// Returns the error relative to the largest entry.
 Quad far_from(const VecX<Quad>& x, const VecX<Quad>& y) {
   return (x - y).cwiseAbs().maxCoeff() / y.cwiseAbs().maxCoeff();
 }
@@ -148,7 +148,7 @@ TEST(RefinedTruth, IsTheDenseOne) {
     SceneData data(file.scene, {Method::kSparseLdl, Order::kLeafToRoot});
     (void)solve(file.scene, file.q, file.v, file.u, data);
     Eigen::VectorXd v = file.v;
-    v.array() += 1e-9;  // the factor of a state close by
+    v.array() += 1e-9;  // the factor is that of a nearby state
     const VecX<Quad> qq = file.q.cast<Quad>(), vq = v.cast<Quad>(), uq = file.u.cast<Quad>();
     const Truth<Quad> dense = solve_truth<Quad>(file.scene, data.active, qq, vq, uq);
     const Truth<Quad> refined = refine_truth<Quad>(file.scene, data, qq, vq, uq, 150);
@@ -159,7 +159,7 @@ TEST(RefinedTruth, IsTheDenseOne) {
   }
 }
 
-// Without a factor and too large for the dense way: not known, rather than wrong.
+// Without a factor, and if it is too large for the dense method, the truth is unknown rather than wrong.
 TEST(RefinedTruth, OwnsUpToNotKnowing) {
   const SceneFile file = load_scene(MANYCONTACT_SOURCE_DIR "/models/feet_on_corners.xml");
   SceneData data(file.scene, {Method::kSparseLdl, Order::kLeafToRoot});

@@ -1,5 +1,5 @@
-// Quantities that are zero but for rounding, with nothing beside them to show it: contacts of a point about which all
-// joints turn, inertia about an axis through all the mass, robots without joints.
+// These quantities are zero up to rounding error, with nothing to compare them with: contacts of a point about which
+// all joints rotate, inertia about an axis through all the mass, robots without joints.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-// A chain of revolute joints.
+// Returns a chain of revolute joints.
 Model chain(std::mt19937& rng, int njoints) {
   ModelOptions options;
   options.njoints = njoints;
@@ -81,7 +81,7 @@ TEST(Vanishing, APointMassOnTheJointsAxisHasNoInertiaAboutIt) {
   }
 }
 
-// Nor where held bodies cut a tree into parts, the last of which has that joint.
+// The point mass has none either where fixed bodies cut a tree into parts, the last of which has that joint.
 TEST(Vanishing, APointMassOnTheLastJointsAxisOfAHeldChain) {
   for (int seed = 0; seed < 20; ++seed) {
     ChainOptions options;
@@ -174,7 +174,7 @@ TEST(Vanishing, ASmallRowBeforeThoseThatDependOnItTakesNoDigits) {
 
 TEST(Vanishing, RoundingOfFastMotionIsNoContradiction) {
   std::mt19937 rng(404);
-  for (int k = 0; k < 20; ++k) {  // along its own axis, a turning body's point does not move
+  for (int k = 0; k < 20; ++k) {  // a point of a rotating body does not move along the axis
     const Model model = chain(rng, 1);
     Scene scene = scene_of(model, rng);
     Contact c = contact_of(ContactType::k1D, 0, {Mat3<double>::Identity(), random_vector(3, rng)});
@@ -191,8 +191,8 @@ TEST(Vanishing, RoundingOfFastMotionIsNoContradiction) {
   }
 }
 
-// Straight arms, held at their tips along themselves: their joints do not move the rows that contacts-early put behind
-// these joints. Leaf-to-root answers as if it had been asked for, to the last bit.
+// Straight arms are constrained at their tips along themselves: their joints do not move the rows that contacts-early
+// puts behind these joints. The solution is that of leaf-to-root, to the last bit.
 TEST(Vanishing, WhatContactsEarlyCannotHoldIsAnsweredAsByLeafToRoot) {
   Model model;
   for (int arm = 0; arm < 3; ++arm)
@@ -242,7 +242,7 @@ TEST(Vanishing, ARobotWithoutJointsIsSolvedAndDifferentiated) {
   object.name = "object";
   finalize(object);
   for (ContactType type : {ContactType::k1D, ContactType::k3D})
-    for (bool held : {false, true}) {  // by the object, the last link of the chain
+    for (bool held : {false, true}) {  // the object constrains the last link of the chain
       Scene scene = scene_of(chain(rng, 3), rng);
       add_robot(scene, "object", std::make_shared<Model>(object), {});
       Contact c = contact_of(type, -1, random_placement(rng));
@@ -288,7 +288,7 @@ TEST(Vanishing, BoundsOfErrorsDoNotDependOnWhatWasAskedBefore) {
   }
 }
 
-// The rows of J are the relative motion at A's frame: where B's frame is on its body counts in the placement error
+// The rows of J are the relative motion at A's frame: the place of B's frame on its body affects the placement error
 // alone.
 TEST(Vanishing, AFrameFarAwayOnBLeavesRowsAsTheyAre) {
   std::mt19937 rng(407);
@@ -309,8 +309,8 @@ TEST(Vanishing, AFrameFarAwayOnBLeavesRowsAsTheyAre) {
   }
 }
 
-// The same row twice, a million metres away and in other axes, beside a contact at hand: rounding of J, 1e6 eps, turns
-// the null space by as much towards the contact at hand, and the least norm takes that part of its forces.
+// The same row is there twice, a million metres away and in other axes, and a contact is nearby. Rounding of J, 1e6
+// eps, rotates the null space by as much towards this contact: the least norm takes that part of its forces.
 TEST(Vanishing, BoundsHoldForForcesOfLeastNormBesideLargeOnes) {
   std::mt19937 rng(408);
   for (int k = 0; k < 20; ++k) {
@@ -336,7 +336,7 @@ TEST(Vanishing, BoundsHoldForForcesOfLeastNormBesideLargeOnes) {
     const Truth<Quad> truth = solve_truth<Quad>(scene, {1, 1, 1}, q.cast<Quad>(), v.cast<Quad>(), u.cast<Quad>());
     const VectorXd a = truth.a.cast<double>(), f = truth.f.cast<double>();
     for (const Way& way : ways(true)) {
-      if (way.options.method == Method::kDenseSchur) continue;  // it knows no dependent rows
+      if (way.options.method == Method::kDenseSchur) continue;  // it detects no dependent rows
       SCOPED_TRACE(way.name + " " + std::to_string(k));
       SceneData data(scene, way.options);
       EXPECT_EQ(solve(scene, q, v, u, data).status, Status::kRedundant);

@@ -1,4 +1,4 @@
-// Contacts that are asked for accelerations of their own.
+// The contacts have prescribed accelerations.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ VectorXd torques_of(const Scene& scene, const VectorXd& u) {
   return tau;
 }
 
-// M a - J^T f = tau - h, J a + delta f = wanted - a0, by every method.
+// Every method satisfies M a - J^T f = tau - h, J a + delta f = wanted - a0.
 TEST(Wanted, ContactsAccelerateAsAsked) {
   for (const double damping : {0.0, 1e-3}) {
     std::mt19937 rng(41);
@@ -40,7 +40,7 @@ TEST(Wanted, ContactsAccelerateAsAsked) {
       EXPECT_LE(difference_of(VectorXd(terms.J * data.a + damping * data.f), expected), 1e-9 * (1 + size_of(expected)));
       EXPECT_THROW(differentiate(s.scene, data), std::logic_error);
       EXPECT_THROW((void)solve_tau(s.scene, s.q, s.v, tau, VectorXd::Zero(1), data), std::invalid_argument);
-      (void)solve(s.scene, s.q, s.v, s.u, data);  // nothing is asked for any more
+      (void)solve(s.scene, s.q, s.v, s.u, data);  // no acceleration is prescribed any more
       EXPECT_LE(difference_of(VectorXd(terms.J * data.a + damping * data.f), VectorXd(-terms.a0)),
                 1e-9 * (1 + size_of(expected)));
       differentiate(s.scene, data);
@@ -48,7 +48,7 @@ TEST(Wanted, ContactsAccelerateAsAsked) {
   }
 }
 
-// Robots in lanes, each asked for something else.
+// Each robot of a SIMD batch has another prescribed acceleration.
 TEST(Wanted, InLanes) {
   const SceneFile file = load_scene(MANYCONTACT_SOURCE_DIR "/models/herd.xml");
   const VectorXd tau = torques_of(file.scene, file.u);

@@ -1,4 +1,4 @@
-// Gains: what the linear maps promise, and that contacts of real scenes do as they promise.
+// Gains have the effect of the linear maps, also on contacts of real scenes.
 
 #include "manycontact/simulation/gains.hpp"
 
@@ -11,8 +11,8 @@
 namespace manycontact::test {
 namespace {
 
-// |e| + h |e'| after many steps of the integrator itself on e'' = -alpha e - beta e', from e = 1, h e' = hv; at most
-// about 1e100.
+// Returns |e| + h |e'| after many steps of the integrator itself on e'' = -alpha e - beta e', from e = 1, h e' = hv; at
+// most about 1e100.
 double simulated_error(Integrator integrator, const Gains& gains, double h, int steps, double hv = 0) {
   const auto a = [&](double e, double v) { return -gains.alpha * e - gains.beta * v; };
   double e = 1, v = hv / h;
@@ -76,7 +76,7 @@ TEST(Gains, RecommendedShrinkErrorsAsTheySay) {
     EXPECT_THROW((void)recommended_gains(Integrator::kRk4, h), std::invalid_argument);
 }
 
-// ---- real scenes: torques that nearly hold them, contacts pushed off their places at the start ----------------------
+// ---- real scenes: torques nearly balance them, contacts start off their references ---------------------------------
 
 struct Ran {
   double start, end, largest;  // position drift
@@ -97,7 +97,7 @@ Ran run(RandomScene s, Integrator integrator, const Gains& gains, double h, int 
   return out;
 }
 
-// Standing humanoid, quadruped with a loop, two humanoids and a beam; each with errors of about 1e-5.
+// Returns a standing humanoid, two humanoids and a beam, a humanoid on hands and feet; each with errors of about 1e-5.
 std::vector<RandomScene> standing() {
   std::vector<RandomScene> out;
   for (const char* name : {"humanoid_standing", "two_humanoids_carry_beam", "humanoid_hands_and_feet"}) {
@@ -141,7 +141,7 @@ TEST(GainsOnScenes, BlowUpJustBeyondTheLimitOnly) {
       const Ran inside = run(s, integrator, stiff, 0.95 * limit, 150),
                 beyond = run(s, integrator, stiff, 1.05 * limit, 150);
       EXPECT_EQ(inside.stopped, StepStatus::kOk);
-      EXPECT_LE(inside.largest, 20 * inside.start);  // RK4: the drift that stiff gains cause, not the start's error
+      EXPECT_LE(inside.largest, 20 * inside.start);  // RK4: stiff gains cause this violation, not the start's error
       if (integrator == Integrator::kSemiImplicitEuler) {
         EXPECT_LE(inside.end, 0.1 * inside.start);
       }
@@ -149,7 +149,7 @@ TEST(GainsOnScenes, BlowUpJustBeyondTheLimitOnly) {
     }
 }
 
-// RK4 with gains near the limit loses to gains a tenth of it, as the header says.
+// RK4 is less accurate with gains near the limit than with a tenth of it, as the header states.
 TEST(GainsOnScenes, StiffGainsCostRk4ItsOrder) {
   RandomScene s = of_file(load_scene(MANYCONTACT_SOURCE_DIR "/models/humanoid_standing.xml"));
   s.u.setZero();

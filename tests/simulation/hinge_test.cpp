@@ -1,4 +1,4 @@
-// A 5D contact is a hinge: it turns as far as it likes and holds the rest.
+// A 5D contact is a hinge: it rotates freely and constrains all other motion.
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ RandomScene spinning(const Vec3<double>& axis, double rate, const Vec3<double>& 
   return of_file(load_text(text));
 }
 
-// Without gravity it spins on at its rate, half turns and whole ones, and forces do no work.
+// Without gravity it keeps its rate, through half and whole revolutions, and forces do no work.
 TEST(Hinge, SpinsOn) {
   const Vec3<double> axis = Vec3<double>(1, 2, 2) / 3, pin(0.3, 0.1, 0.2);
   for (Integrator integrator : kIntegrators) {
@@ -42,7 +42,7 @@ TEST(Hinge, SpinsOn) {
   }
 }
 
-// An axis 0.3 off its place comes back to it wherever the hinge stands, half a turn away too.
+// An axis 0.3 off its reference returns to it at every angle of the hinge, half a revolution away too.
 TEST(Hinge, ComesBackFromEveryAngle) {
   for (double turned : {0.0, 1.0, 2.0, 3.0, M_PI, 4.0}) {
     SCOPED_TRACE(turned);

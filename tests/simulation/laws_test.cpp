@@ -1,4 +1,4 @@
-// Energy and momentum: what the equations keep is lost by the integrators' error only, with their order.
+// Energy and momentum, which the equations conserve, change only by the integrators' error, with its order.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace {
 
 using Broken = std::function<double(const RandomScene&, const SimulationData&)>;
 
-// The law is broken by an error of the integrator's order, and by little.
+// Expects a violation of the integrator's order, and a small one.
 void expect_kept(const RandomScene& s, double time, int steps, double most, const Broken& broken) {
   for (Integrator integrator : kIntegrators) {
     SCOPED_TRACE(to_string(integrator));
@@ -53,13 +53,13 @@ TEST(SimulationLaws, FreeWithoutGravityKeepsMomentum) {
     const auto by = [&](Integrator integrator, int steps) {
       return momentum_error(s, simulated(s, integrator, 0.5, steps));
     };
-    EXPECT_LE(by(Integrator::kSemiImplicitEuler, 256), 1e-12);  // simulation/momentum.hpp
+    EXPECT_LE(by(Integrator::kSemiImplicitEuler, 256), 1e-12);  // see simulation/momentum.hpp
     EXPECT_GE(std::log2(by(Integrator::kRk4, 256) / by(Integrator::kRk4, 512)), 3.6);
     EXPECT_LE(by(Integrator::kRk4, 512), 8e-6);
   }
 }
 
-// Gravity changes the linear momentum by m g t: exactly, with every integrator, but for what tumbling costs.
+// Gravity changes the linear momentum by exactly m g t with every integrator, except for the error of tumbling.
 TEST(SimulationLaws, FreeFallGainsMomentum) {
   RandomScene s = free_scene(24);
   const SimulationData sim = simulated(s, Integrator::kRk4, 0.2, 400);
@@ -68,7 +68,7 @@ TEST(SimulationLaws, FreeFallGainsMomentum) {
 }
 
 // Two humanoids and a beam collapse through a configuration where their loops lose a rank, at t = 0.35588 s. Steps
-// small enough to hit it are kicked by up to hundreds of J; with damping they are not.
+// small enough to hit it gain up to hundreds of J; with damping they do not.
 TEST(SimulationLaws, DampingCarriesOverSingularConfigurations) {
   RandomScene s = of_file(load_scene(MANYCONTACT_SOURCE_DIR "/models/two_humanoids_carry_beam.xml"));
   s.u.setZero();
@@ -84,7 +84,7 @@ TEST(SimulationLaws, DampingCarriesOverSingularConfigurations) {
   EXPECT_GE(error(0), 10 * error(1e-6));
 }
 
-// Energy and momentum of `invariants` are those that the bodies' velocities give.
+// Energy and momentum of `invariants` agree with those of the bodies' velocities.
 TEST(Invariants, AreTheMechanics) {
   for (int seed : {31, 32, 33}) {
     const RandomScene s = tied_scene(seed);
@@ -98,7 +98,7 @@ TEST(Invariants, AreTheMechanics) {
   }
 }
 
-// The drift of a box moved off its place: known for each type of contact.
+// The constraint violation of a displaced box is known for each type of contact.
 TEST(Invariants, DriftIsTheContactsError) {
   const auto drift = [](const std::string& contact) {
     const SceneFile file = load_text(
@@ -112,7 +112,7 @@ TEST(Invariants, DriftIsTheContactsError) {
   EXPECT_NEAR(drift("type=\"1d\" axis=\"0 1 0\"").position_drift, 0.2, 1e-15);
   EXPECT_NEAR(drift("type=\"1d\" axis=\"0 1 0\"").velocity_drift, 2, 1e-15);
   EXPECT_NEAR(drift("type=\"6d\"").position_drift, 0.3, 1e-15);
-  EXPECT_EQ(drift("type=\"6d\" active=\"false\"").position_drift, 0.3);  // flagged by the caller, not the file
+  EXPECT_EQ(drift("type=\"6d\" active=\"false\"").position_drift, 0.3);  // the caller's flag counts, not the file's
   InvariantsData room(load_text("<scene><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/></scene>").scene);
   EXPECT_TRUE(room.contacts.empty());
 }

@@ -1,6 +1,6 @@
-// Overconstrained mechanisms in motion: Bennett's linkage has four hinges and one degree of freedom, which counting
-// rows forbids, and only on the closed loop. Without gravity its kinetic energy is constant, so that its angle over
-// time is a quadrature.
+// Overconstrained mechanisms move: Bennett's linkage has four hinges and one degree of freedom, which counting rows
+// forbids, and only on the closed loop. Without gravity its kinetic energy is constant, so its angle over time is a
+// quadrature.
 
 #include <gtest/gtest.h>
 
@@ -15,13 +15,13 @@
 namespace manycontact::test {
 namespace {
 
-// Hinges of twists alpha, beta, alpha, beta and lengths a, b, a, b with a / sin alpha = b / sin beta.
+// The hinges have twists alpha, beta, alpha, beta and lengths a, b, a, b with a / sin alpha = b / sin beta.
 struct Bennett {
   double alpha, beta, a, b;
 
   double ratio() const { return std::sin((beta + alpha) / 2) / std::sin((beta - alpha) / 2); }
   Eigen::Vector3d angles(double t) const { return {t, 2 * std::atan2(ratio() * std::cos(t / 2), std::sin(t / 2)), -t}; }
-  Eigen::Vector3d velocities(double t) const {  // by t
+  Eigen::Vector3d velocities(double t) const {  // with respect to t
     const double T = std::tan(t / 2), k = ratio();
     return {1, -k * (1 + T * T) / (T * T + k * k), -1};
   }
@@ -63,7 +63,7 @@ SceneFile bennett_scene(const Bennett& x, double start, const std::string& attri
   return file;
 }
 
-// The first angle after a second.
+// Returns the first angle after a second.
 double bennett_angle(const Bennett& x, const SceneFile& file, double start) {
   InvariantsData room(file.scene);
   const std::vector<char> active(1, 1);
@@ -103,7 +103,7 @@ TEST(Mechanisms, RandomBennettLinkagesMove) {
   }
 }
 
-// One row is a 170th of another, and first in the order of elimination.
+// One row is 1/170 of another, and first in the order of elimination.
 TEST(Mechanisms, ABennettLinkageWithASmallRowMoves) {
   Bennett x{2 * std::asin(0.23132318433806273), 0, 0.2649178765133539, 0};
   x.beta = 1.5808582310739;
@@ -113,7 +113,7 @@ TEST(Mechanisms, ABennettLinkageWithASmallRowMoves) {
   EXPECT_NEAR(angle_after(file, Integrator::kSemiImplicitEuler, 1000), bennett_angle(x, file, start), 1e-3);
 }
 
-// Drift by gains that correct it, at long steps, and of scenes of a millimetre and of a kilometre.
+// Gains correct the constraint violation, at long steps, in scenes of a millimetre and of a kilometre.
 TEST(Mechanisms, BennettLinkagesMoveAtAnySizeAndStep) {
   for (int seed = 0; seed < 8; ++seed) {
     std::mt19937 rng(seed);

@@ -1,4 +1,4 @@
-// What nothing ties to the world keeps its momentum, whatever its tree is and however fast it turns.
+// Bodies without contacts to the world keep their momentum, for any tree and any speed of rotation.
 
 #include "manycontact/simulation/momentum.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 
 const Integrator kEuler = Integrator::kSemiImplicitEuler;
 
-// One free body, its centre of mass at c in its own axes.
+// Returns one free body with its centre of mass at c in its own axes.
 Model body(const Vec3<double>& c, JointType type = JointType::kFloating) {
   Model model;
   Joint root;
@@ -47,7 +47,7 @@ double angular_error(const RandomScene& s, const SimulationData& sim) {
   return error_of(Vec3<double>(end_of(s, sim).momentum.tail<3>()), Vec3<double>(start_of(s).momentum.tail<3>()));
 }
 
-// ../shared/reports/momentum/spin.xml, written anew: 10 rad/s for 10 s in steps of 1 ms.
+// This is ../shared/reports/momentum/spin.xml, with 10 rad/s for 10 s in steps of 1 ms.
 TEST(Momentum, OfASpinningBody) {
   for (const Vec3<double>& c : {Vec3<double>(0, 0, 0), Vec3<double>(0.2, -0.1, 0.3)}) {
     RandomScene s = alone(body(c), (Eigen::VectorXd(6) << 0, 1, 0, 10, 0, 0).finished());
@@ -70,7 +70,7 @@ TEST(Momentum, OfTheReport) {
   EXPECT_LE(angular_error(s, sim), 1e-12);
 }
 
-// About an axis that is none of its own it tumbles: energy then shows the integrator's order, momentum does not.
+// A body tumbles about no principal axis: energy then has the integrator's order of error, momentum has none.
 TEST(Momentum, OfATumblingBody) {
   RandomScene s = alone(body({0.1, 0.2, 0}), (Eigen::VectorXd(6) << 1, 1, -2, 4, 5, 6).finished());
   const auto energy_error = [&](int steps) {
@@ -84,7 +84,7 @@ TEST(Momentum, OfATumblingBody) {
   EXPECT_LE(fine, 1e-2);
 }
 
-// A planar joint's v turns with its angle; the plane may stand at any angle.
+// A planar joint's v rotates with its angle; the plane may have any orientation.
 TEST(Momentum, OfAPlanarJoint) {
   std::mt19937 rng(3);
   for (const Vec3<double>& c : {Vec3<double>(0, 0, 0), Vec3<double>(0.3, -0.2, 0.1)})
@@ -93,11 +93,11 @@ TEST(Momentum, OfAPlanarJoint) {
       const SimulationData sim = simulated(s, kEuler, 10, 10000);
       EXPECT_LE(linear_error(s, sim), 1e-12);
       const Vec3<double> n = base.R.col(2);
-      EXPECT_NEAR(n.dot(end_of(s, sim).momentum.tail<3>()), n.dot(start_of(s).momentum.tail<3>()), 1e-9);  // of 71
+      EXPECT_NEAR(n.dot(end_of(s, sim).momentum.tail<3>()), n.dot(start_of(s).momentum.tail<3>()), 1e-9);  // size: 71
     }
 }
 
-// Motors push it along: P = F t in the joint's moving axes, here without turning.
+// Motors push it along: P = F t in the joint's moving axes, here without rotation.
 TEST(Momentum, OfAPlanarJointWithMotors) {
   Model model = body({0.3, 0.2, 0}, JointType::kPlanar);
   model.joints[0].actuated = true;
@@ -109,11 +109,11 @@ TEST(Momentum, OfAPlanarJointWithMotors) {
   EXPECT_NEAR(h[0], 2, 1e-10);
   EXPECT_NEAR(h[1], 1, 1e-10);
   EXPECT_NEAR(sim.v[2], 0, 1e-10);
-  s.u[2] += 0.7;  // and a moment beside: I_zz = 7
+  s.u[2] += 0.7;  // with a moment in addition: I_zz = 7
   EXPECT_NEAR(simulated(s, kEuler, 1, 1000).v[2], 0.1, 1e-10);
 }
 
-// Trees of every joint, floating and planar ones inside, motors at work: inner forces cancel.
+// Trees have every joint, floating and planar ones inside, and motors: inner forces cancel.
 TEST(Momentum, OfTrees) {
   for (bool passive : {false, true})
     for (int seed : {21, 22, 23, 24, 25, 26}) {
@@ -138,7 +138,7 @@ TEST(Momentum, OfTrees) {
     }
 }
 
-// A floating joint on a body that moves, passive: what hangs there flies on alone, and what carries it does not notice.
+// A passive floating joint is on a moving body: the body beyond it flies alone and does not affect its carrier.
 TEST(Momentum, OfAFloatingJointInsideATree) {
   Model model = body({0.1, 0, 0.2});
   Joint inner = model.joints[0], turning = inner;
@@ -185,7 +185,7 @@ TEST(Momentum, OfAFloatingJointInsideATree) {
   }
 }
 
-// Robots that hold each other and nothing else; the drift of their contact is what it was.
+// Robots are attached to each other alone; the constraint violation of their contact keeps its order.
 TEST(Momentum, OfRobotsThatHoldEachOther) {
   for (int seed : {41, 42, 43}) {
     RandomScene s = tied_scene(seed);
@@ -203,7 +203,7 @@ TEST(Momentum, OfRobotsThatHoldEachOther) {
   }
 }
 
-// A herd in free fall: each its own, P gains m g t exactly.
+// In a herd in free fall each robot's P gains exactly m g t.
 TEST(Momentum, OfAHerdInFreeFall) {
   RandomScene s =
       of_file(load_text("<scene><robot name=\"h\" urdf=\"quadruped.urdf\" base=\"floating\" copies=\"5\" "
@@ -226,7 +226,7 @@ TEST(Momentum, OfAHerdInFreeFall) {
   }
 }
 
-// Three 1D contacts with the floor: it slides and spins in the plane, at a height that stays.
+// A box on three 1D contacts with the ground slides and spins in the plane at constant height.
 TEST(Momentum, OfWhatSlidesOnAPlane) {
   const std::string contact = "<contact type=\"1d\" frame=\"b/crate\" axis=\"0 0 1\" reference_frame=\"world\" name=";
   RandomScene s =
@@ -240,7 +240,7 @@ TEST(Momentum, OfWhatSlidesOnAPlane) {
   EXPECT_LE(end_of(s, sim).position_drift, 1e-10);
 }
 
-// What a contact with the world holds is left alone: bit by bit what a scene gives whose groups are never moved.
+// Groups with a contact to the world are not moved: the bits are those of a scene without moved groups.
 TEST(Momentum, GroupsAreFoundAsContactsTie) {
   RandomScene s = tied_scene(44);
   FreeGroups groups(s.scene);
@@ -260,8 +260,8 @@ TEST(Momentum, GroupsAreFoundAsContactsTie) {
     return out + (groups.any ? "!" : "");
   };
   EXPECT_EQ(tied({0, 0}), "ff!");
-  EXPECT_EQ(tied({1, 0}), "ff!");  // to each other
-  EXPECT_EQ(tied({0, 1}), "ft!");  // the second to the world
+  EXPECT_EQ(tied({1, 0}), "ff!");  // tied to each other
+  EXPECT_EQ(tied({0, 1}), "ft!");  // the second is tied to the world
   EXPECT_EQ(tied({1, 1}), "tt");
 }
 

@@ -1,4 +1,4 @@
-// The order of the integrators, against a fine run of another one: quaternions by their own derivative, classical RK4.
+// The integrators' order is measured against a fine run of classical RK4 with quaternions' own derivative.
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 namespace manycontact::test {
 namespace {
 
-// |q - q'| on the manifold and |v - v'|, the larger of both.
+// Returns the larger of |q - q'| on the manifold and |v - v'|.
 double distance(const Scene& scene, const SimulationData& sim, const Simulation& truth) {
   double largest = difference_of(sim.v, truth.v);
   for (const Robot& r : scene.robots) {
@@ -26,7 +26,7 @@ struct Case {
   std::string name;
   RandomScene scene;
   double time;
-  int steps;  // the coarser run's
+  int steps;  // of the coarser run
 };
 
 std::vector<Case> cases() {
@@ -62,14 +62,14 @@ TEST(Order, IsTheTheorys) {
         return distance(c.scene.scene, simulated(c.scene, integrator, c.time, steps), truth);
       };
       const double coarse = error(c.steps), fine = error(2 * c.steps);
-      EXPECT_GT(fine, 1e-12);                           // of the method, not rounding
-      EXPECT_LT(coarse, 0.2 * (1 + size_of(truth.v)));  // and resolved
+      EXPECT_GT(fine, 1e-12);                           // the method's error, not rounding
+      EXPECT_LT(coarse, 0.2 * (1 + size_of(truth.v)));  // and the motion is resolved
       EXPECT_NEAR(std::log2(coarse / fine), order, 0.25) << coarse << " " << fine;
     }
   }
 }
 
-// One body that floats, without gravity.
+// Returns one floating body without gravity.
 RandomScene one_body(const Inertia<double>& inertia) {
   Model model;
   Joint root;
@@ -88,11 +88,11 @@ RandomScene one_body(const Inertia<double>& inertia) {
   return s;
 }
 
-// ---- what a free body keeps, by four integrators: errors against h, next to theory (mathematics.md has the table)
+// ---- invariants of a free body, by four integrators: errors against h, next to theory (mathematics.md has the table)
 
 struct Method4 {
   const char* name;
-  double energy_order, momentum_order;  // 0: kept to rounding
+  double energy_order, momentum_order;  // 0: exact up to rounding
   std::function<void(const RandomScene&, double, int, Eigen::VectorXd&, Eigen::VectorXd&)> run;
 };
 
@@ -100,7 +100,7 @@ void accelerate(const RandomScene& s, const Eigen::VectorXd& q, const Eigen::Vec
   ASSERT_EQ(solve(s.scene, q, v, s.u, data).status, Status::kOk);
 }
 
-// Tasks' Euler, Crocoddyl's: v+ = v + h a, q+ = q (+) h v+.
+// Tasks' Euler is Crocoddyl's: v+ = v + h a, q+ = q (+) h v+.
 void tasks_euler(const RandomScene& s, double h, int steps, Eigen::VectorXd& q, Eigen::VectorXd& v) {
   SceneData data(s.scene, {Method::kSparseLdl, {}});
   for (int k = 0; k < steps; ++k) {
@@ -111,7 +111,7 @@ void tasks_euler(const RandomScene& s, double h, int steps, Eigen::VectorXd& q, 
   }
 }
 
-// The midpoint rule, as tasks' rk2.
+// The midpoint rule is that of tasks' rk2.
 void midpoint(const RandomScene& s, double h, int steps, Eigen::VectorXd& q, Eigen::VectorXd& v) {
   SceneData data(s.scene, {Method::kSparseLdl, {}});
   for (int k = 0; k < steps; ++k) {
@@ -168,8 +168,8 @@ TEST(Order, EnergyAndMomentumOfATumblingBody) {
   }
 }
 
-// M changes as joints move, and semi-implicit Euler takes Coriolis forces at the start of a step: what moves without
-// forces may gain energy, by a rate that falls with the step.
+// M changes as joints move, and semi-implicit Euler evaluates Coriolis forces at the start of a step: a free motion may
+// gain energy, at a rate that decreases with the step.
 TEST(Order, EnergyOfWhatMovesFreely) {
   for (int seed : {1, 2, 3, 4, 5, 6}) {
     RandomScene s = free_scene(seed, false);
@@ -187,7 +187,7 @@ TEST(Order, EnergyOfWhatMovesFreely) {
   }
 }
 
-// A body that spins and flies without forces: exp of its velocity, if its inertia is a ball's, in one step.
+// A body spins and flies without forces. If its inertia is a ball's, one step is exp of its velocity.
 TEST(Order, UniformMotionIsExact) {
   RandomScene s = one_body(Inertia<double>::from_com(2.0, Vec3<double>::Zero(), 0.3 * Mat3<double>::Identity()));
   s.v = Vec6<double>(0, 0, 0, 0.3, -2, 0.5);

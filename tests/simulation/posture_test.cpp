@@ -1,4 +1,4 @@
-// Singular postures between two states are found, and near ones are not taken for such.
+// Singular configurations between two states are found, and nearly singular ones are not mistaken for them.
 
 #include "manycontact/simulation/posture.hpp"
 
@@ -9,7 +9,7 @@
 namespace manycontact::test {
 namespace {
 
-// Two links of 1 m and 0.8 m in the plane across y, their tip held in x and z: det J = 0.8 sin q2.
+// Two links of 1 m and 0.8 m in the plane across y have their tip fixed in x and z: det J = 0.8 sin q2.
 Scene two_links(const SE3<double>& base = {}) {
   Model model;
   for (int k = 0; k < 2; ++k) {
@@ -55,11 +55,11 @@ TEST(Posture, StraightArmsBetweenTwoStates) {
     EXPECT_LE(closest.share, 0.1 * h) << h;
     const double q2 = way[step - 1][1] + closest.at * (way[step][1] - way[step - 1][1]);
     EXPECT_NEAR(q2, 0, 0.05 * h);
-    EXPECT_LT(way[step - 1][1] * way[step][1], 0);  // no state shows it
+    EXPECT_LT(way[step - 1][1] * way[step][1], 0);  // no state is singular itself
   }
 }
 
-// Close by and back, or along: as near as it is.
+// A motion passes close by and back, or along: the result is as near as the motion is.
 TEST(Posture, PassingBy) {
   const Scene scene = two_links();
   std::vector<Eigen::Vector2d> there, along;
@@ -73,7 +73,7 @@ TEST(Posture, PassingBy) {
   EXPECT_GT(closest_on_the_way(scene, along, step).share, 0.98);
 }
 
-// Contacts that open and close begin anew; none at all are never near anything.
+// Contacts that open and close start from scratch; without contacts nothing is near.
 TEST(Posture, ContactsThatSwitch) {
   const Scene scene = two_links();
   PostureData data(scene);
@@ -82,7 +82,7 @@ TEST(Posture, ContactsThatSwitch) {
   for (double q2 : {-0.4, -0.5}) EXPECT_GT(follow_posture(scene, {1}, Eigen::Vector2d(0, q2), data).share, 0.5);
 }
 
-// Each robot of a herd by itself: one of them passes.
+// Each robot of a herd is treated separately: one of them passes.
 TEST(Posture, OneOfManyIslands) {
   Scene scene = two_links();
   const auto model = scene.robots[0].model;

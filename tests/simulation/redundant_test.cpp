@@ -1,4 +1,4 @@
-// Redundant contacts that agree stay `redundant` in steps and impacts, where rows ask for velocities of rounding.
+// Redundant consistent contacts stay `redundant` in steps and impacts, where rows request velocities of rounding size.
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace manycontact::test {
 namespace {
 
-// At rest, held by its torques, with and without gains: velocities and errors are all rounding.
+// At rest under its torques, with and without gains, all velocities and errors are rounding error.
 TEST(Redundant, StandsOnItsCorners) {
   for (bool gains : {true, false})
     for (double h : {1e-2, 1e-3, 1e-4}) {
@@ -22,7 +22,7 @@ TEST(Redundant, StandsOnItsCorners) {
     }
 }
 
-// Feet that land on their corners at any velocity, with gravity and without.
+// Feet land on their corners at any velocity, with gravity and without.
 TEST(Redundant, ImpactsAtAnyVelocity) {
   int judged = 0;
   for (int seed = 0; seed < 30; ++seed) {
@@ -39,7 +39,7 @@ TEST(Redundant, ImpactsAtAnyVelocity) {
   EXPECT_EQ(judged, 30);
 }
 
-// Contacts that do contradict each other are told in steps too: one foot is asked for two places.
+// Inconsistent contacts are reported in steps too: one foot has two references.
 TEST(Redundant, TwoPlacesOfOneFootAreInconsistent) {
   RandomScene s = of_file(load_scene(MANYCONTACT_SOURCE_DIR "/models/feet_on_corners.xml"));
   const Gains g = recommended_gains(Integrator::kSemiImplicitEuler, 1e-3);

@@ -1,4 +1,4 @@
-// Forces that resist, taken at the end of a step: dampers, PD laws, joint friction, springs that turn.
+// Resisting forces are evaluated at the end of a step: dampers, PD laws, joint friction, springs that rotate.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 
 constexpr double kMass = 2;
 
-// A mass on a slide across gravity, with a damper and friction in its joint.
+// Returns a mass on a slide across gravity, with a damper and friction in its joint.
 RandomScene slide(double damping, double friction, double v) {
   RandomScene s;
   Model model;
@@ -37,10 +37,10 @@ RandomScene slide(double damping, double friction, double v) {
   return s;
 }
 
-// What resists the slide: a damper or a spring in its joint, a PD law, or a damper or a spring to a point on its axis.
+// The resistance is a damper or a spring in the joint, a PD law, or a damper or a spring to a point on its axis.
 enum class By { kJoint, kPdLaw, kPoint };
 
-// With damping d and stiffness k towards q = 0, after a time in so many steps.
+// Returns the state with damping d and stiffness k towards q = 0, after a time in so many steps.
 SimulationData resisted(By by, double d, double k, double q, double v, double time, int steps) {
   RandomScene s = slide(by == By::kJoint ? d : 0, 0, v);
   s.q[0] = q;
@@ -77,8 +77,8 @@ TEST(Resisting, DampersOfAllSizes) {
       }
 }
 
-// q = q0 cos(w t), from h^2 k / m = 1e-6 to 1e6: the error falls at first order with the step where the step resolves
-// the oscillation, what it does not resolve comes to rest, and nothing jumps in between.
+// q = q0 cos(w t), from h^2 k / m = 1e-6 to 1e6: the error falls at first order where the step resolves the
+// oscillation; unresolved oscillations come to rest, and nothing jumps in between.
 TEST(Resisting, SpringsOfAllSizes) {
   constexpr int kSteps = 8;
   const double h = 1e-3, q0 = 0.1;
@@ -113,7 +113,7 @@ TEST(Resisting, SpringsOfAllSizes) {
     }
 }
 
-// What a damper takes is what the mass loses.
+// The damper's work is the energy that the mass loses.
 TEST(Resisting, WorkIsWhatTheStepDid) {
   for (const double d : {1.0, 1e3, 1e6}) {
     const RandomScene s = slide(d, 4, 3);
@@ -126,7 +126,7 @@ TEST(Resisting, WorkIsWhatTheStepDid) {
   }
 }
 
-// Friction slows what slides by F / m, stops it and keeps it while motors ask for less than F.
+// Friction slows the sliding mass by F / m, stops it and keeps it at rest while motors apply less than F.
 TEST(Resisting, FrictionSlidesAndSticks) {
   RandomScene s = slide(0, 4, 1);
   SimulationData sim(s.scene, s.q, s.v, Integrator::kSemiImplicitEuler, 1e-2);
@@ -145,7 +145,7 @@ TEST(Resisting, FrictionSlidesAndSticks) {
   EXPECT_EQ(sim.unsettled, 0);
 }
 
-// A humanoid whose joints rub by more than its weight asks for stands still, held by its feet or in the air.
+// A humanoid with more joint friction than its weight needs stays at rest, on its feet or in the air.
 TEST(Resisting, RobotsStand) {
   for (const bool floats : {false, true}) {
     RandomScene s = of_file(load_scene(MANYCONTACT_SOURCE_DIR "/models/humanoid_standing.xml"));
@@ -164,7 +164,7 @@ TEST(Resisting, RobotsStand) {
   }
 }
 
-// m (v+ - v) = h (kp (q_ref - q - h v+) + kd (v_ref - v+)), for any gains.
+// m (v+ - v) = h (kp (q_ref - q - h v+) + kd (v_ref - v+)) is satisfied for any gains.
 TEST(Resisting, PdLawsAreTakenAtTheEnd) {
   const RandomScene s = slide(0, 0, 3);
   for (const double kp : {0.0, 100.0, 1e9})
@@ -182,7 +182,7 @@ TEST(Resisting, PdLawsAreTakenAtTheEnd) {
   EXPECT_THROW((void)step(s.scene, s.u, sim), std::invalid_argument);
 }
 
-// Two links on one axis, a stiff spring stretched along it between them: it has no say in how they turn together.
+// Two links on one axis have a stiff spring stretched along it between them: it does not affect their common rotation.
 TEST(Resisting, SpringsDoNotBrakeWhatTurns) {
   for (const bool floating : {true, false})
     for (const double length : {0.9, 0.0}) {
@@ -213,13 +213,13 @@ TEST(Resisting, SpringsDoNotBrakeWhatTurns) {
       s.v[floating ? 5 : 0] = 1;
       s.u = VectorXd::Zero(s.scene.nu);
       const SimulationData sim = simulated(s, Integrator::kSemiImplicitEuler, 1, 100);
-      // Of a turn by x = 0.01 rad a step keeps 1 / (1 + x^4).
+      // In a rotation by x = 0.01 rad a step keeps 1 / (1 + x^4).
       EXPECT_NEAR(sim.v[floating ? 5 : 0], 1, 100 * 1e-8);
       EXPECT_NEAR(floating ? 2 * std::asin(sim.q[5]) : sim.q[0], 1, 100 * 1e-8);
     }
 }
 
-// Boxes in a chain of springs, without gravity, that turn by up to a radian in a step.
+// Returns boxes in a chain of springs, without gravity, that rotate by up to a radian in a step.
 RandomScene boxes_on_springs(int seed, double h, bool tied) {
   RandomScene s;
   std::mt19937 rng(static_cast<unsigned>(seed));
@@ -257,8 +257,8 @@ RandomScene boxes_on_springs(int seed, double h, bool tied) {
   return s;
 }
 
-// Whatever springs of any stiffness do to bodies that turn far in a step, these do not gain energy of motion beyond
-// what they began with, and free ones keep their momentum.
+// Bodies rotate far in a step under springs of any stiffness: they do not gain kinetic energy beyond the start's total,
+// and free ones keep their momentum.
 TEST(Resisting, SpringsDoNotDriveWhatTurnsFar) {
   for (const bool tied : {false, true})
     for (int seed = 0; seed < 40; ++seed) {

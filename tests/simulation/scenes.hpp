@@ -1,5 +1,5 @@
 #pragma once
-// Scenes on the move, and what a run of them comes to.
+// Scenes in motion, and the result of a run.
 
 #include "dynamics/simulation.hpp"
 #include "manycontact/algorithm/integrate.hpp"
@@ -10,7 +10,7 @@
 
 namespace manycontact::test {
 
-/// One robot of eight random joints that turn and slide in space and in planes, unheld, tumbling in gravity.
+/// Returns one robot of eight random joints that rotate and slide in space and in planes, tumbling freely in gravity.
 inline RandomScene free_scene(int seed, bool floating_base = true) {
   std::mt19937 rng(seed);
   ModelOptions model;
@@ -26,7 +26,7 @@ inline RandomScene free_scene(int seed, bool floating_base = true) {
   return s;
 }
 
-/// Two such robots tied together at a point, and one of them to the world. J v = 0 at the start.
+/// Returns two such robots tied together at a point, and one of them to the world. J v = 0 at the start.
 inline RandomScene tied_scene(int seed, const std::vector<JointType>& types = {
                                             JointType::kRevolute, JointType::kRevolute, JointType::kPlanar}) {
   std::mt19937 rng(seed);
@@ -54,7 +54,7 @@ inline void set_gains(Scene& scene, double alpha, double beta) {
   for (Contact& contact : scene.contacts) contact.alpha = alpha, contact.beta = beta;
 }
 
-/// `s` after `time` in `steps` steps.
+/// Returns `s` after `time` in `steps` steps.
 inline SimulationData simulated(const RandomScene& s, Integrator integrator, double time, int steps,
                                 const Options& options = {Method::kSparseLdl, {}}) {
   SimulationData sim(s.scene, s.q, s.v, integrator, time / steps, options);

@@ -1,4 +1,4 @@
-// Pushes and springs through time.
+// Pushes and springs act through time.
 
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/algorithm/configuration.hpp"
@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-// A mass of 2 kg on a spring of 50 N/m, across gravity, 0.1 m off its rest: 5 rad/s.
+// Returns a mass of 2 kg on a spring of 50 N/m, across gravity, 0.1 m off its rest: 5 rad/s.
 RandomScene oscillator(double damping = 0, double stiffness = 50) {
   RandomScene s;
   Model model;
@@ -51,8 +51,8 @@ TEST(Springs, MassOscillates) {
   EXPECT_NEAR(first.q[0], 0.1 * std::cos(5.0), 1e-3);
 }
 
-// Taken at the end of the step, (x+, v+) = (x + h v+, (v - h k x / m) / (1 + h^2 k / m)): energy falls with every step,
-// by exp(-h omega^2 t) in the long run.
+// At the end of the step (x+, v+) = (x + h v+, (v - h k x / m) / (1 + h^2 k / m)): energy falls with every step, in the
+// long run by exp(-h omega^2 t).
 TEST(Springs, EnergyFalls) {
   const RandomScene s = oscillator();
   for (const double h : {1e-2, 1e-3}) {
@@ -76,7 +76,7 @@ TEST(Springs, DampersTakeEnergy) {
   EXPECT_NEAR(sim.q[0], 0.1 * std::exp(-1.0) * (std::cos(w) + std::sin(w) / w), 1e-10);
 }
 
-// Trees, floating bases, loops: what springs hold and bodies have together stays.
+// In trees, on floating bases and in loops the energy of springs and bodies is conserved.
 TEST(Springs, EnergyOfScenes) {
   for (const bool tied : {false, true}) {
     RandomScene s = tied ? tied_scene(5) : free_scene(3);
@@ -89,11 +89,11 @@ TEST(Springs, EnergyOfScenes) {
                          fine = simulated(s, Integrator::kRk4, 0.1, 200);
     const double error = std::abs(end_of(s, fine).energy() - before);
     EXPECT_LE(error, 1e-6 * start_of(s).kinetic);
-    EXPECT_GT(std::abs(end_of(s, coarse).energy() - before), 8 * error);  // of fourth order
+    EXPECT_GT(std::abs(end_of(s, coarse).energy() - before), 8 * error);  // the error is of fourth order
   }
 }
 
-// Two bodies in space, a spring between them: momentum stays to rounding, in steps that are far from exact.
+// Two bodies in space are coupled by a spring: momentum is exact up to rounding, in steps that are far from exact.
 TEST(Springs, MomentumOfBodiesOnASpring) {
   RandomScene s = free_scene(7);
   const RandomScene other = free_scene(8);
@@ -111,7 +111,7 @@ TEST(Springs, MomentumOfBodiesOnASpring) {
   EXPECT_GT((sim.v - s.v).norm(), 0.1);
 }
 
-// A push on a body in space: momentum grows by force times time, exactly.
+// A push acts on a body in space: momentum grows by exactly force times time.
 TEST(Pushes, MomentumGrows) {
   RandomScene s = free_scene(7);
   s.scene.gravity.setZero();
@@ -138,9 +138,9 @@ TEST(Pushes, ChangeBetweenSteps) {
   }
 }
 
-// ---- springs that the steps are too long for -----------------------------------------------------------------------
+// ---- springs that are too stiff for the steps ----------------------------------------------------------------------
 
-// m (v+ - v) = -h k (x + h v+) - h c v+, of a spring between points and of one in the joint.
+// m (v+ - v) = -h k (x + h v+) - h c v+ is valid for a spring between points and for one in the joint.
 TEST(StiffSprings, AreTakenAtTheEndOfTheStep) {
   for (const bool in_joint : {false, true})
     for (const double c : {0.0, 30.0}) {
@@ -163,7 +163,7 @@ TEST(StiffSprings, AreTakenAtTheEndOfTheStep) {
     }
 }
 
-// A step leaves accelerations of its own in the data: derivatives taken there before are of these no longer.
+// A step leaves its own accelerations in the data: derivatives computed before are no longer valid.
 TEST(StiffSprings, DerivativesBeforeAStepEndWithIt) {
   RandomScene s = oscillator();
   s.scene.springs.clear();
@@ -177,7 +177,7 @@ TEST(StiffSprings, DerivativesBeforeAStepEndWithIt) {
   EXPECT_THROW((void)before.da_dq(), std::logic_error);
 }
 
-// A damper alone, 250 times what an explicit step bears: v+ = v / (1 + h c / m).
+// A damper alone is 250 times too stiff for an explicit step: v+ = v / (1 + h c / m).
 TEST(StiffSprings, DampersInJointsToo) {
   const double m = 2, c = 1e5, h = 0.01;
   RandomScene s = oscillator();
@@ -194,9 +194,8 @@ TEST(StiffSprings, DampersInJointsToo) {
   }
 }
 
-// The equations of the step with the springs' forces at its end, springs' directions by differences of their lengths:
-// several springs on the same bodies, soft ones beside stiff ones, contacts that hold, in place or displaced with
-// gains.
+// Checks the equations of the step with spring forces at its end and directions of springs from differences of lengths.
+// Soft and stiff springs share bodies; contacts are in place, or displaced with gains.
 void expect_equations_of_the_step(bool displaced) {
   RandomScene s = tied_scene(5);
   std::mt19937 rng(3);
@@ -209,7 +208,7 @@ void expect_equations_of_the_step(bool displaced) {
   }
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
     Spring& spring = scene.springs[k];
-    spring.length = 1.2 * spring_length(scene, s.q, spring);  // compressed: nothing is stiff across it
+    spring.length = 1.2 * spring_length(scene, s.q, spring);  // compressed: it has no stiffness across
     if (k != 2) spring.stiffness = 1e6, spring.damping = 100.0 * static_cast<double>(k);
   }
   for (std::size_t k = 0; k < scene.joint_springs.size(); k += 2) scene.joint_springs[k].stiffness = 1e6;
@@ -256,8 +255,8 @@ TEST(StiffSprings, SolveTheEquationsOfTheStep) {
   }
 }
 
-// Masses in space, each by three slides, in a net that hangs on the world, stretched by a twentieth. Where all its
-// modes are faster than the steps, energy falls with every step, until the net stands still.
+// Masses in space, each on three slides, are in a net that hangs on the world, stretched by a twentieth. Where all its
+// modes are faster than the steps, energy falls with every step, until the net is at rest.
 TEST(StiffSprings, OfANetTakeEnergy) {
   for (const double stiffness : {1e4, 1e6, 1e9}) {
     SCOPED_TRACE(stiffness);
@@ -305,8 +304,8 @@ TEST(StiffSprings, OfANetTakeEnergy) {
   }
 }
 
-// Bodies that turn, in trees, loops and on a floating base, for hundreds of steps: what springs held is lost or makes
-// the bodies turn.
+// Bodies rotate, in trees, loops and on a floating base, for hundreds of steps: the energy of springs is lost or
+// rotates the bodies.
 TEST(StiffSprings, OfTreesStayBounded) {
   for (const bool tied : {false, true})
     for (const double stiffness : {1e5, 1e9}) {
@@ -338,7 +337,7 @@ TEST(StiffSprings, OfTreesStayBounded) {
     }
 }
 
-// Nothing ties a scene to the world but stiff springs: these keep its momentum between themselves.
+// Only stiff springs act on a scene without contacts: they conserve its momentum.
 TEST(StiffSprings, BetweenBodiesKeepMomentum) {
   RandomScene s = free_scene(7);
   s.scene.gravity.setZero();
@@ -350,7 +349,7 @@ TEST(StiffSprings, BetweenBodiesKeepMomentum) {
   EXPECT_LE(error_of(end_of(s, sim).momentum, start_of(s).momentum), 1e-11);
 }
 
-// A mass of 2 kg that hangs on a spring to the world: at rest where weight and spring are equal, whatever the step.
+// A mass of 2 kg hangs on a spring to the world: it rests where weight and spring are equal, whatever the step.
 TEST(StiffSprings, HoldAWeight) {
   RandomScene s;
   Model model;
@@ -374,9 +373,9 @@ TEST(StiffSprings, HoldAWeight) {
   EXPECT_NEAR(sim.q[2], 1 - 2 * 9.81 / 1e7, 1e-9);
 }
 
-// Of first order also where springs are taken at the end of the step.
+// The error is of first order also where springs are evaluated at the end of the step.
 TEST(StiffSprings, KeepTheOrder) {
-  const RandomScene s = oscillator(4000, 4000);  // creeps by 1 per second; explicit steps are to be below 1 ms
+  const RandomScene s = oscillator(4000, 4000);  // converges by 1 per second; explicit steps must be below 1 ms
   const SimulationData truth = simulated(s, Integrator::kRk4, 1, 4000);
   double before = 0;
   for (const int steps : {20, 40, 80}) {
@@ -394,7 +393,7 @@ TEST(SpringSteps, OfAMass) {
   };
   for (const double damping : {0.0, 4.0, 400.0}) {
     RandomScene s = oscillator(damping);
-    s.q[0] = 1e-12;  // as far as it grows, the spring stays about as long as it is
+    s.q[0] = 1e-12;  // so small that the spring's length hardly changes as it grows
     for (const Integrator integrator : kIntegrators) {
       SCOPED_TRACE(to_string(integrator) + ", damping " + std::to_string(damping));
       const double most = shortest(s, integrator).largest;

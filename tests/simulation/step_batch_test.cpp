@@ -1,4 +1,4 @@
-// Many simulations of one scene at once: each is what `step` makes of it alone.
+// Many simulations of one scene run at once: each has the result of `step` alone.
 
 #include "manycontact/simulation/step_batch.hpp"
 
@@ -22,7 +22,7 @@ struct Herd {
   BatchMatrix q, v, u;
 };
 
-// Robots with contacts, and with pushes, springs and friction in joints.
+// Returns robots with contacts, and optionally with pushes, springs and friction in joints.
 Herd herd(int seed, int states, bool with_forces) {
   Herd out{tied_scene(seed), {}, {}, {}};
   std::mt19937 rng(static_cast<unsigned>(seed));
@@ -65,7 +65,7 @@ TEST(StepBatch, EachIsStepped) {
     }
 }
 
-// Robots alone, whose M v, bias and contact velocities SIMD batches compute, move as without these.
+// Robots whose M v, bias and contact velocities SIMD batches compute move as without them.
 TEST(StepBatch, RobotsAloneMoveAsWithoutSimdBatches) {
   constexpr int kSteps = 30;
   Options plain;
@@ -75,7 +75,7 @@ TEST(StepBatch, RobotsAloneMoveAsWithoutSimdBatches) {
       SCOPED_TRACE(std::string(with_forces ? "with forces" : "") + (with_laws ? " with PD laws" : ""));
       Herd h = herd(8, 1, false);
       for (Contact& contact : h.s.scene.contacts) contact.alpha = 50, contact.beta = 10;
-      h.s.scene.contacts.erase(h.s.scene.contacts.begin());  // the one that joins the robots
+      h.s.scene.contacts.erase(h.s.scene.contacts.begin());  // the one that couples the robots
       Scene scene = h.s.scene;
       scene.contacts.clear(), scene.contact_index.clear();
       for (const Contact& contact : h.s.scene.contacts) add_contact(scene, contact);
@@ -108,7 +108,7 @@ TEST(StepBatch, RobotsAloneMoveAsWithoutSimdBatches) {
     }
 }
 
-// Rows that depend on each other, and a state that begins anew among these.
+// Rows are dependent, and one state is set again in between.
 TEST(StepBatch, RowsThatDependDoSoStateByState) {
   constexpr int kStates = 11, kSteps = 10, kAnew = 3;
   for (const Integrator integrator : {Integrator::kSemiImplicitEuler, Integrator::kRk4}) {
@@ -131,7 +131,7 @@ TEST(StepBatch, RowsThatDependDoSoStateByState) {
   }
 }
 
-// What is not finite or too fast stops alone, and goes on from another state.
+// A state that is not finite or too fast stops alone, and continues from another state.
 TEST(StepBatch, OneThatFailsStopsAlone) {
   constexpr int kStates = 11, kBad = 5;
   Herd h = herd(4, kStates, false);
@@ -154,7 +154,7 @@ TEST(StepBatch, OneThatFailsStopsAlone) {
   EXPECT_EQ(batch.status[kBad], StepStatus::kOk);
 }
 
-// A state that is set begins anew; those beside it go on with the velocities of their contacts.
+// A state that is set starts from scratch; the others continue with the velocities of their contacts.
 TEST(StepBatch, StatesAreSetOneByOne) {
   constexpr int kStates = 8;
   const Herd h = herd(5, kStates, false);

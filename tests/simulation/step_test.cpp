@@ -1,4 +1,4 @@
-// A step: what it allocates, what it does when it cannot be done, the same bits twice.
+// A step allocates nothing after the first, reports its failures, and gives the same bits twice.
 
 #include "manycontact/simulation/step.hpp"
 
@@ -31,9 +31,9 @@ TEST(Step, AllocatesNothingAfterTheFirst) {
     }
 }
 
-// A chain whose joints and links are resisted: dampers and springs in joints, joint friction, springs and dampers
-// between points on it. One solve suffices for what acts in joints; two more, and one factor of them, serve any number
-// of springs.
+// A chain has resistance in joints and links: dampers and springs in joints, joint friction, springs and dampers
+// between points on it. One solve suffices for forces in joints; two more, and one factor of them, suffice for any
+// number of springs.
 TEST(Step, SolvesAreCounted) {
   constexpr int kLinks = 40, kSteps = 5;
   ModelOptions chain;
@@ -55,7 +55,7 @@ TEST(Step, SolvesAreCounted) {
     for (int i = 0; stiffness > 0 && i < kLinks; ++i) s.scene.joint_springs.push_back({0, i, stiffness, 0});
     for (int i = 0; i < springs; ++i) {
       Spring spring{"s" + std::to_string(i), {0, i % kLinks, {}}, {-1, -1, random_placement(rng, 3)}, 0.1};
-      spring.length = 100;  // compressed: nothing is stiff across it
+      spring.length = 100;  // compressed: it has no stiffness across
       spring.damping = 1;
       add_spring(s.scene, spring);
     }
@@ -86,7 +86,7 @@ TEST(Step, TheSameBitsTwice) {
   }
 }
 
-// Gains far beyond the limit: the run ends, says so, and keeps the last good state.
+// With gains far beyond the limit the run ends, reports this, and keeps the last good state.
 TEST(Step, DivergenceStops) {
   for (Integrator integrator : kIntegrators) {
     SCOPED_TRACE(to_string(integrator));
@@ -115,7 +115,7 @@ TEST(Step, SaysWhatWasTooFast) {
   EXPECT_NE(failure(file.scene, sim, StepStatus::kTooFast).find("a/"), std::string::npos);
   EXPECT_EQ(sim.steps, 0);
   EXPECT_TRUE(sim.q == file.q && sim.v == file.v);
-  EXPECT_EQ(step(file.scene, file.u, sim), StepStatus::kOk);  // and goes on
+  EXPECT_EQ(step(file.scene, file.u, sim), StepStatus::kOk);  // and continues
   EXPECT_EQ(failure(file.scene, sim, StepStatus::kOk), "");
 }
 
@@ -147,8 +147,8 @@ TEST(Step, RefusesWhatDoesNotFit) {
   EXPECT_THROW((void)step(s.scene, Eigen::VectorXd::Zero(s.scene.nu + 1), sim), std::invalid_argument);
 }
 
-// Boxes joined by hinges fall: across gravity all that a step solves for is rounding, beside which nothing is to be
-// right. The oracle, which takes a thousand times as long, is not asked.
+// Boxes coupled by hinges fall: across gravity all that a step solves for is rounding error, and no row is accurate
+// relative to that. The dense reference solver, which takes a thousand times as long, is not used.
 TEST(Step, WhatFallsIsJudgedBesideGravity) {
   const SceneFile file = load_text(R"(<scene name="falling">
     <robot name="b" urdf="box.urdf" base="floating" xyz="0 0 1" copies="300" arrange="line" spacing="0.5"/>
@@ -163,7 +163,7 @@ TEST(Step, WhatFallsIsJudgedBesideGravity) {
   for (int k = 2; k < file.scene.nv; k += 6) EXPECT_NEAR(sim.v[k], -9.81 * 6e-4, 1e-12);
 }
 
-// Names go both ways.
+// Names are converted both ways.
 TEST(Integrators, HaveNames) {
   for (Integrator integrator : kIntegrators) EXPECT_EQ(integrator_from_string(to_string(integrator)), integrator);
   EXPECT_FALSE(integrator_from_string("euler"));

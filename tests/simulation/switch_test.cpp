@@ -1,4 +1,4 @@
-// Contacts that close: velocities jump to the nearest ones that they allow. Energy of what is held.
+// When contacts close, velocities jump to the nearest ones that satisfy them. Energy is that of the constrained bodies.
 
 #include "manycontact/simulation/switch.hpp"
 
@@ -13,7 +13,7 @@ namespace {
 
 double kinetic(const RandomScene& s, const Eigen::VectorXd& v) { return invariants_of(s, s.q, v).kinetic; }
 
-// T(v) = T(v+) + T(v - v+), J v+ = 0, and M (v - v+) is in J's range: v+ is the projection.
+// v+ is the projection: T(v) = T(v+) + T(v - v+), J v+ = 0, and M (v - v+) is in J's range.
 TEST(Switch, ProjectsTheVelocity) {
   for (Integrator integrator : kIntegrators)
     for (int seed : {61, 62, 63}) {
@@ -34,7 +34,7 @@ TEST(Switch, ProjectsTheVelocity) {
       const Eigen::MatrixXd J = contact_jacobian(s.scene, s.q);
       EXPECT_LE((J * sim.v).lpNorm<Eigen::Infinity>(), 1e-10 * (J * s.v).lpNorm<Eigen::Infinity>());
       EXPECT_EQ(jump.impulse.size(), J.rows());
-      // a second time nothing is left to stop, and opening changes nothing
+      // a second time the velocity satisfies the contacts, and opening changes nothing
       const Eigen::VectorXd v = sim.v;
       sim.dynamics.active.assign(s.scene.contacts.size(), 0);
       EXPECT_LE(switch_contacts(s.scene, std::vector<char>(s.scene.contacts.size(), 1), sim).energy_lost,
@@ -47,7 +47,7 @@ TEST(Switch, ProjectsTheVelocity) {
     }
 }
 
-// A box that falls on one corner: the impulse is that of a free body struck at a point.
+// A box falls on one corner: the impulse is that of a free body struck at a point.
 TEST(Switch, ABoxOnItsCorner) {
   const SceneFile file = load_text(
       "<scene><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"><v>0 0 -2 0 0 0</v></robot>"
@@ -65,8 +65,8 @@ TEST(Switch, ABoxOnItsCorner) {
   EXPECT_LE(error_of(Vec3<double>(jump.impulse), impulse), 1e-12);
 }
 
-// Four quadrupeds fall under a plate that they carry; their legs pass the straight line at 100 rad/s and more, a tenth
-// of a radian per step. Accelerations of contacts with the same gains added 63 % of the energy there.
+// Four quadrupeds fall under a plate that they carry. Their legs pass the straight line at 100 rad/s and more, a tenth
+// of a radian per step. Acceleration-level contacts with the same gains add 63 % of the energy there.
 TEST(SimulationLaws, RecommendedGainsDoNotPump) {
   std::string text = "<scene><robot name=\"plate\" urdf=\"box.urdf\" base=\"floating\" xyz=\"0 0 0.6\"/>";
   const char* legs[] = {"LF", "RF", "LH", "RH"};

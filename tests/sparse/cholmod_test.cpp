@@ -1,4 +1,4 @@
-// CHOLMOD's two factorizations against LDL and against dense matrices.
+// CHOLMOD's two factorizations agree with LDL and with dense matrices.
 
 #include "manycontact/sparse/cholmod.hpp"
 
@@ -20,7 +20,7 @@ namespace {
 using sparse::Cholmod;
 using sparse::CholmodKind;
 
-// [H G^T; G -C]: both signs among the pivots.
+// Returns [H G^T; G -C], whose pivots have both signs.
 Eigen::MatrixXd quasi_definite(int n, int m, std::mt19937& rng) {
   Eigen::MatrixXd K(n + m, n + m);
   K.topLeftCorner(n, n) = random_positive(n, 0.2, rng);
@@ -117,7 +117,7 @@ TEST(Cholmod, SupernodalIsRefusedWhereItIsNotBuiltIn) {
   EXPECT_THROW(Cholmod(A.pattern, CholmodKind::kSupernodalLlt, true), std::invalid_argument);
 }
 
-// A factor in the order that CHOLMOD chose says what the dense matrix in any order says.
+// A factor in CHOLMOD's own order gives the results of the dense matrix in any order.
 TEST(Cholmod, SimplicialInAnOrderOfItsOwn) {
   std::mt19937 rng(5);
   const Symmetric A(quasi_definite(25, 15, rng));
@@ -133,13 +133,13 @@ TEST(Cholmod, SimplicialInAnOrderOfItsOwn) {
   const double ratio = smallest_pivot_ratio(40, D.data(), scale.data());
   EXPECT_GT(ratio, 0.01);
   EXPECT_LE(ratio, 1);
-  // scale is |A_kk| + sum L_kj^2 |D_j|, and A_kk = D_k + sum L_kj^2 D_j: of the first pivot, which is A_kk itself,
-  // twice nothing
+  // scale is |A_kk| + sum L_kj^2 |D_j|, and A_kk = D_k + sum L_kj^2 D_j. The sums of the first pivot, which is A_kk
+  // itself, are empty.
   EXPECT_EQ(scale[0], std::abs(D[0]));
   for (int k = 0; k < 40; ++k) EXPECT_GE(scale[k] * (1 + 8 * kEps), std::abs(D[k])) << k;
 }
 
-// One symbolic phase for matrices of one pattern, their factors used in turns and at once.
+// Matrices of one pattern share a symbolic phase; their factors are used alternately and at once.
 TEST(CholmodSymbolic, IsSharedByFactorsAndThreads) {
   for (CholmodKind kind : {CholmodKind::kSimplicialLdl, CholmodKind::kSupernodalLlt}) {
     if (kind == CholmodKind::kSupernodalLlt && !sparse::supernodal_available()) continue;
@@ -182,7 +182,7 @@ TEST(CholmodSymbolic, IsSharedByFactorsAndThreads) {
   }
 }
 
-// What the header says of memory.
+// The test checks the header's statements on memory.
 TEST(Cholmod, SimplicialAllocatesNothingAfterItsConstruction) {
   if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "allocations are not counted in this build";
   std::mt19937 rng(7);
@@ -200,7 +200,7 @@ TEST(Cholmod, SimplicialAllocatesNothingAfterItsConstruction) {
   }
 }
 
-// Of a diagonal matrix, for which no BLAS with memory of its own is called.
+// For a diagonal matrix no BLAS with memory of its own is called.
 TEST(Cholmod, SupernodalAllocatesItsUpdateMatrixOnly) {
   if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "allocations are not counted in this build";
   if (!sparse::supernodal_available()) GTEST_SKIP() << "built without the GPL part";
@@ -212,7 +212,7 @@ TEST(Cholmod, SupernodalAllocatesItsUpdateMatrixOnly) {
   for (double density : {0.0, 0.05}) {
     const Symmetric A(random_positive(90, density, rng));
     Eigen::MatrixXd x = random_matrix(90, 130, rng);
-    {  // the BLAS and OpenMP take memory of their own once
+    {  // the BLAS and OpenMP allocate memory of their own once
       Cholmod warm(A.pattern, CholmodKind::kSupernodalLlt, false);
       ASSERT_TRUE(warm.factorize(A.x.data()));
       warm.solve(x.data(), 130);
@@ -233,7 +233,7 @@ TEST(Cholmod, SupernodalAllocatesItsUpdateMatrixOnly) {
   }
 }
 
-// Columns beyond those that are solved at once.
+// There are more columns than are solved at once.
 TEST(Cholmod, SolvesForManyColumns) {
   std::mt19937 rng(9);
   const Symmetric A(random_positive(30, 0.2, rng));

@@ -1,4 +1,4 @@
-// The estimate of a 1-norm from products, against norms of matrices written down.
+// The estimate of a 1-norm from products agrees with norms of explicit matrices.
 
 #include "manycontact/sparse/condition.hpp"
 
@@ -39,7 +39,7 @@ TEST(Norm1Estimate, IsALowerBoundWithinAFactorThree) {
     const int n = 1 + trial % 40;
     expect_lower_bound_within(3, random_matrix(n, n, rng));                // not symmetric
     expect_lower_bound_within(3, random_symmetric(n, 0.2, rng));           // sparse
-    expect_lower_bound_within(3, inverse_of(random_matrix(n, n, rng)));    // of all sizes
+    expect_lower_bound_within(3, inverse_of(random_matrix(n, n, rng)));    // entries of all sizes
     const VectorXd sizes = (10 * random_matrix(n, 1, rng)).array().exp();  // badly scaled
     expect_lower_bound_within(3, sizes.asDiagonal() * random_matrix(n, n, rng));
     expect_lower_bound_within(3, random_matrix(n, n, rng) * sizes.asDiagonal());
@@ -82,8 +82,8 @@ TEST(InverseNorm1, IsExactForTheSecondDifference) {
   }
 }
 
-// Higham's counter-example (1988, sec. 2): B = I + t u u^T with u orthogonal to the three vectors that the method
-// starts from, the ones, the first unit vector and the alternating one. All numbers are exact, so it sees nothing of u.
+// Higham's counter-example (1988, sec. 2) is B = I + t u u^T with u orthogonal to the method's three starting vectors:
+// the ones, the first unit vector and the alternating one. All numbers are exact, so the estimate misses u.
 TEST(Norm1Estimate, MissesWhatIsOrthogonalToItsThreeVectors) {
   const double t = 1024;
   const Eigen::VectorXd alternating{{1, -1.25, 1.5, -1.75, 2}}, u{{0, 1, -14, 1, 12}};
@@ -94,7 +94,7 @@ TEST(Norm1Estimate, MissesWhatIsOrthogonalToItsThreeVectors) {
   EXPECT_NEAR(estimate_of(B), 1, 1e-9);
 }
 
-// The alternating vector sees what the other two do not.
+// The alternating vector detects what the other two miss.
 TEST(Norm1Estimate, IsSavedByTheAlternatingVector) {
   const double t = 1024;
   const Eigen::VectorXd u{{0, 1, -1, 0, 0}};
@@ -103,13 +103,13 @@ TEST(Norm1Estimate, IsSavedByTheAlternatingVector) {
   EXPECT_GE(estimate_of(B), norm_1(B) / 3);
 }
 
-// Gradients count by their size: the largest column may point against the sum of all.
+// Gradients are compared by magnitude: the largest column may have the opposite sign of the sum of all.
 TEST(Norm1Estimate, TakesTheLargestGradientOfEitherSign) {
   const Eigen::Matrix3d B{{10, 10, -15}, {10, 10, -15}, {10, 10, -15}};
   EXPECT_EQ(estimate_of(B), 45);
 }
 
-// Where every step promises more, five are made, of two products each, and the alternating vector's.
+// If every step promises more, five are made, of two products each, plus the alternating vector's.
 TEST(Norm1Estimate, TakesElevenProductsAtMost) {
   int products = 0;
   const auto promise = [&](double* x) {

@@ -1,4 +1,4 @@
-// The k-th allocation fails, k = 0, 1, 2, ...: an exception, nothing leaked, and the same objects work afterwards.
+// The k-th allocation fails, k = 0, 1, 2, ...: it throws, nothing leaks, and the same objects work afterwards.
 
 #include <gtest/gtest-spi.h>
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ class FailingAllocations : public testing::Test {
 
 // ---- the injector itself
 
-// What is stored here the compiler must allocate.
+// The compiler must allocate what is stored here.
 void* volatile sink = nullptr;
 
 TEST_F(FailingAllocations, AreThoseOfAllWaysToAllocate) {
@@ -111,7 +111,7 @@ TEST_F(FailingAllocations, DriverTriesEachAndFindsWhatIsWrong) {
   for (void* p : leaked) std::free(p);
 }
 
-// ---- floor sparse
+// ---- layer sparse
 
 TEST_F(FailingAllocations, InPatternsOrdersAndSymbolicPhases) {
   std::mt19937 rng(81);
@@ -127,7 +127,7 @@ TEST_F(FailingAllocations, InPatternsOrdersAndSymbolicPhases) {
   EXPECT_GT(fail_each_allocation([&] { analyze(); }, [&] { EXPECT_EQ(analyze().Li, truth.Li); }).failed, 0);
 }
 
-// One workspace through all failures: what it grew by before a failure may not be taken for all it needs.
+// One workspace goes through all failures: if it grew before a failure, that is not mistaken for all it needs.
 TEST_F(FailingAllocations, InTheFactorsWorkspace) {
   std::mt19937 rng(82);
   const Symmetric A(random_positive(30, 0.1, rng));
@@ -201,7 +201,7 @@ TEST_F(FailingAllocations, InCholmod) {
   for (const CholmodKind kind : {CholmodKind::kSimplicialLdl, CholmodKind::kSupernodalLlt}) {
     const bool supernodal = kind == CholmodKind::kSupernodalLlt;
     if (supernodal && !sparse::supernodal_available()) continue;
-    // A BLAS without memory ends the program: LL' of a diagonal matrix calls none that takes any.
+    // A BLAS without memory ends the program: LL' of a diagonal matrix calls no BLAS that allocates.
     const Symmetric A(random_positive(40, supernodal ? 0 : 0.1, rng));
     const VectorXd truth = random_matrix(40, 1, rng);
     const auto expect_solves = [&](Cholmod& cholmod) {
@@ -213,10 +213,10 @@ TEST_F(FailingAllocations, InCholmod) {
     for (const bool order_rows : {false, true}) {
       const auto symbolic = std::make_shared<const CholmodSymbolic>(A.pattern, kind, order_rows);
       Cholmod used(symbolic);
-      expect_solves(used);  // the BLAS and OpenMP take memory of their own once
+      expect_solves(used);  // the BLAS and OpenMP allocate memory of their own once
       EXPECT_GT(fail_each_allocation([&] { CholmodSymbolic(A.pattern, kind, order_rows); }, kNoCheck).failed, 20);
       const auto check = [&] {
-        Cholmod cholmod(symbolic);  // what is shared is as it was
+        Cholmod cholmod(symbolic);  // the shared part is as it was
         expect_solves(cholmod);
       };
       EXPECT_GT(fail_each_allocation([&] { Cholmod cholmod(symbolic); }, check).failed, 20);
@@ -236,7 +236,7 @@ TEST_F(FailingAllocations, InLeastNormSolutions) {
   std::mt19937 rng(84);
   for (const bool hidden : {false, true}) {
     MatrixXd A = random_matrix(5, 8, rng);
-    A.row(4) = A.row(0) + A.row(1) + (hidden ? 1e-9 : 0) * A.row(4);  // hidden: by a dense decomposition
+    A.row(4) = A.row(0) + A.row(1) + (hidden ? 1e-9 : 0) * A.row(4);  // hidden: found by a dense decomposition
     std::vector<Eigen::Triplet<double>> entries;
     for (int i = 0; i < A.rows(); ++i)
       for (int j = 0; j < A.cols(); ++j) entries.emplace_back(i, j, A(i, j));

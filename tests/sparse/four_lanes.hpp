@@ -1,5 +1,5 @@
 #pragma once
-// A pack of four doubles, element by element: what kernels on lanes are instantiated with in tests.
+// A pack of four doubles, element by element, on which tests instantiate kernels for SIMD batches.
 
 #include "manycontact/sparse/ldl_kernels.hpp"
 

@@ -1,4 +1,4 @@
-// Sizes of L without L, against the factor's pattern.
+// Sizes of L are computed without L, and agree with the factor's pattern.
 
 #include <gtest/gtest.h>
 

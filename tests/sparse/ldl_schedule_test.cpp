@@ -1,4 +1,4 @@
-// The compiled L D L^T against SuiteSparse's and against the dense matrix, and lanes against doubles, bit for bit.
+// The compiled L D L^T agrees with SuiteSparse's and with the dense matrix, and SIMD batches with doubles, bit for bit.
 
 #include "manycontact/sparse/ldl_schedule.hpp"
 
@@ -18,7 +18,7 @@
 namespace manycontact::test {
 namespace {
 
-// Either phase's factor of one matrix.
+// Contains either phase's factor of one matrix.
 struct ScheduledFactor {
   std::vector<double> L, D, scale;
 
@@ -96,7 +96,7 @@ void expect_sound(const Symmetric& A, std::mt19937& rng) {
   expect_solves(A, rng);
 }
 
-// [H G^T; G -C], H and C positive definite, in a random order.
+// Returns [H G^T; G -C], H and C positive definite, in a random order.
 Symmetric quasi_definite(int n, int m, double density, std::mt19937& rng) {
   Eigen::MatrixXd K(n + m, n + m);
   K.topLeftCorner(n, n) = random_positive(n, density, rng);
@@ -109,7 +109,7 @@ Symmetric quasi_definite(int n, int m, double density, std::mt19937& rng) {
   return Symmetric(P * K * P.transpose());
 }
 
-// Entries of chains that meet in a base, as inertia matrices have them, leaf to root.
+// Returns the pattern of chains that meet in a base, leaf to root, as in inertia matrices.
 Eigen::MatrixXd tree(const std::vector<int>& parent, std::mt19937& rng) {
   const int n = static_cast<int>(parent.size());
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
@@ -162,7 +162,7 @@ TEST(LdlSchedule, Indefinite) {
   for (int trial = 0; trial < 20; ++trial) expect_sound(Symmetric(random_symmetric(14, 0.5, rng)), rng);
 }
 
-// Wider than a block may be: cut, and the parts update each other.
+// A block wider than allowed is cut, and the parts update each other.
 TEST(LdlSchedule, DenseBlocksAreCut) {
   std::mt19937 rng(75);
   const int wide = 3 * sparse::LdlSchedule::kWidest + 5;
@@ -181,7 +181,7 @@ TEST(LdlSchedule, ChainsAreBlocks) {
   EXPECT_EQ(c.schedule.targets.size(), 1u);
 }
 
-// The first columns alone: what is left is the Schur complement, and with its answer the sweeps give the whole.
+// After the first columns alone the Schur complement remains; with its solution the sweeps give the whole.
 TEST(LdlSchedule, FirstColumnsAlone) {
   std::mt19937 rng(81);
   for (const int columns : {0, 1, 17, 31, 40}) {
@@ -210,7 +210,7 @@ TEST(LdlSchedule, FirstColumnsAlone) {
   }
 }
 
-// Hubs, each with a row of its own below that keeps it from nesting; leaves on half of the hubs each.
+// Returns hubs, each with a row of its own below that prevents nesting, and leaves on half of the hubs each.
 Eigen::MatrixXd scattered(int leaves, int hubs, std::mt19937& rng) {
   const int n = leaves + 2 * hubs;
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
@@ -240,7 +240,7 @@ TEST(LdlSchedule, NotCompiledWhereListsOutgrowTheFactor) {
   EXPECT_LE(c.schedule.bytes(), 16u * 12u * c.symbolic.nonzeros()) << "and it stops in time";
 }
 
-// Small integers: the pivot is exactly zero.
+// Small integers make the pivot exactly zero.
 TEST(LdlSchedule, ZeroPivotsShow) {
   const Eigen::Matrix3d first{{0, 1, 2}, {1, 4, 0}, {2, 0, 5}}, middle{{1, 2, 1}, {2, 4, 3}, {1, 3, 7}},
       last{{1, 2, 0}, {2, 5, 1}, {0, 1, 1}};
@@ -268,7 +268,7 @@ TEST(LdlSchedule, PivotRatioIsThatOfTheFactor) {
 
 bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
-// Four matrices of one pattern at once: each as alone, also where another meets a zero pivot.
+// Each of four matrices of one pattern is factorized as if alone, even if another has a zero pivot.
 void expect_lanes_are_alone(const Symmetric& A, bool spoil_one, std::mt19937& rng) {
   const Compiled c(A.pattern);
   const int n = A.n(), nnz = c.symbolic.nonzeros();
@@ -307,7 +307,7 @@ TEST(LdlSchedule, AMatrixInALaneIsAMatrixAlone) {
   }
 }
 
-// b - A x: sums of up to n + 1 terms in another order.
+// b - A x has sums of up to n + 1 terms in another order.
 TEST(LdlSchedule, ResidualIsThatOfTheMatrix) {
   std::mt19937 rng(82);
   for (double density : {0.0, 0.1, 1.0}) {

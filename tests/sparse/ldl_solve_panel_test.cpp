@@ -1,5 +1,5 @@
-// Many right-hand sides at once against one by one, at every width: the kernels of all chunks of columns, by LDL's
-// pattern and by a compiled schedule.
+// Many right-hand sides at once agree with one by one, at every width: kernels of all chunks of columns, with LDL's
+// pattern and with a compiled schedule.
 
 #include <gtest/gtest.h>
 
@@ -17,13 +17,13 @@ namespace {
 
 using Panel = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Sparse enough that parts of the elimination tree are reached from few rows.
+// The matrix is so sparse that few rows reach only parts of the elimination tree.
 struct PanelFactor {
   Symmetric A;
   sparse::LdlSymbolic symbolic;
   sparse::LdlSchedule schedule;
   std::vector<double> L, D;
-  std::vector<int> row;  // of the panel, which has one more
+  std::vector<int> row;  // rows of the panel, which has one more
 
   PanelFactor(int n, double density, std::mt19937& rng)
       : A(random_positive(n, density, rng)),
@@ -40,7 +40,7 @@ struct PanelFactor {
   }
   int n() const { return symbolic.n; }
 
-  // Columns first ... first+cols-1 one by one.
+  // Solves columns first ... first+cols-1 one by one.
   Panel one_by_one(const Panel& given, int first, int cols) const {
     Panel X = given;
     std::vector<double> x(n());
@@ -51,14 +51,14 @@ struct PanelFactor {
     }
     return X;
   }
-  // Flags after the call: rows of L^-1 B that may be other than zero.
+  // Returns flags after the call: rows of L^-1 B that may be other than zero.
   std::vector<char> reached(std::vector<char> nonzero) const {
     for (int k = 0; k < n(); ++k)
       for (int i = symbolic.parent[k]; nonzero[k] && i >= 0; i = symbolic.parent[i]) nonzero[i] = 1;
     return nonzero;
   }
-  // |L^-T| |D^-1| |L^-1| |B|, which rounding is relative to: the scaling by 1 / D, the order of sums of a few terms
-  // and, where there is one, the machine's fused multiply-add make a difference.
+  // Returns |L^-T| |D^-1| |L^-1| |B|, which rounding is relative to. The scaling by 1 / D, the order of sums of a few
+  // terms and the machine's fused multiply-add, if any, make a difference.
   double allowed(const Panel& given) const {
     Eigen::MatrixXd dense = Eigen::MatrixXd::Identity(n(), n());
     for (int j = 0; j < n(); ++j)
@@ -71,7 +71,7 @@ struct PanelFactor {
   }
 };
 
-// Columns beside the panel's are poisoned: read, they would spoil it; written, they would be other than before.
+// Columns next to the panel's are poisoned: reading them would spoil it, writing them would be noticed.
 Panel poisoned(int rows, int ld, int first, int cols, std::mt19937& rng) {
   Panel X = Panel::Constant(rows, ld, NAN);
   X.middleCols(first, cols) = random_matrix(rows, cols, rng);
@@ -142,7 +142,7 @@ TEST(LdlSolvePanel, OfADiagonal) {
   }
 }
 
-// With a factor that is not quite A's: X + F^-1 (B - A X), X = F^-1 B, by the same steps one after the other.
+// The factor is not quite A's: X + F^-1 (B - A X), X = F^-1 B, has the bits of the same steps one after the other.
 TEST(LdlSolvePanel, RefinedIsSolveResidualSolve) {
   std::mt19937 rng(65);
   PanelFactor f(40, 0.1, rng);
@@ -177,8 +177,8 @@ TEST(LdlSolvePanel, RefinedIsSolveResidualSolve) {
   }
 }
 
-// Every column's residual, in longer numbers, is below what the factor says beforehand; which is no idle bound where
-// pivots are small: there residuals pass it that a sound factor would leave.
+// Every column's residual, in longer numbers, is below the bound that the factor gives beforehand. The bound is needed
+// where pivots are small: there residuals exceed the level of a sound factor.
 TEST(LdlSolvePanel, ErrorsAreBoundedByTheFactor) {
   std::mt19937 rng(66);
   for (double pivot : {1.0, 1e-3, 1e-6}) {
@@ -222,7 +222,7 @@ TEST(LdlSolvePanel, ErrorsAreBoundedByTheFactor) {
   }
 }
 
-// Dropped rows of dependent_rows.hpp: an infinite pivot gives zero.
+// Dropped rows of dependent_rows.hpp have an infinite pivot, which gives zero.
 TEST(LdlSolvePanel, InfinitePivotsGiveZero) {
   std::mt19937 rng(63);
   PanelFactor f(12, 0, rng);
@@ -240,7 +240,7 @@ TEST(LdlSolvePanel, OfNothing) {
   sparse::ldl_solve_panel(none, nullptr, nullptr, nullptr, nullptr, 5, 0, 5, nullptr);
 }
 
-// b - K X of a panel, against the dense product.
+// b - K X of a panel agrees with the dense product.
 TEST(ResidualPanel, EqualsTheDenseOne) {
   std::mt19937 rng(64);
   const PanelFactor f(30, 0.1, rng);
@@ -266,7 +266,7 @@ TEST(ResidualPanel, EqualsTheDenseOne) {
   }
 }
 
-// L^T R above its diagonal, whatever stood in H and stands in the columns that fill the rows up.
+// Computes L^T R above its diagonal, whatever H contained and the padding columns contain.
 TEST(UpperProduct, EqualsTheDenseOne) {
   std::mt19937 rng(65);
   for (int cols : {1, 2, 7, 8, 9, 23, 24, 25, 47, 64, 109})

@@ -1,4 +1,4 @@
-// L D L^T, one test per structure, against the dense matrix.
+// L D L^T agrees with the dense matrix, in one test per structure.
 
 #include "manycontact/sparse/ldl.hpp"
 
@@ -17,7 +17,7 @@ struct LdlFactor {
   sparse::LdlSymbolic symbolic;
   sparse::LdlWorkspace work;
   std::vector<double> L, D;
-  int done = -1;  // what ldl_factor returned
+  int done = -1;  // return value of ldl_factor
 
   explicit LdlFactor(const Symmetric& A) : symbolic(sparse::ldl_analyze(A.pattern)) {
     L.assign(symbolic.nonzeros(), NAN);
@@ -39,7 +39,7 @@ struct LdlFactor {
   }
 };
 
-// A = L D L^T, and x = A^-1 b with the error that the condition allows.
+// Expects A = L D L^T, and x = A^-1 b with the error that the condition allows.
 void expect_factorizes(const Symmetric& A, std::mt19937& rng) {
   const LdlFactor f(A);
   ASSERT_EQ(f.done, A.n());
@@ -109,7 +109,7 @@ TEST(Ldl, RandomPositiveDefinite) {
   for (double density : {0.02, 0.1, 0.5}) expect_factorizes(Symmetric(random_positive(60, density, rng)), rng);
 }
 
-// [H G^T; G -C] with H, C positive definite, in a random order: every order has pivots.
+// [H G^T; G -C] with H, C positive definite is in a random order: every order has pivots.
 TEST(Ldl, QuasiDefiniteInAnyOrderHasTheInertiaOfItsBlocks) {
   std::mt19937 rng(6);
   const int n = 14, m = 9;
@@ -139,7 +139,7 @@ TEST(Ldl, PivotSignsAreTheInertia) {
   }
 }
 
-// Small integers: the pivot is exactly zero.
+// Small integers make the pivot exactly zero.
 TEST(Ldl, ZeroPivotFirst) { EXPECT_EQ(LdlFactor(Symmetric(Eigen::Matrix3d{{0, 1, 2}, {1, 4, 0}, {2, 0, 5}})).done, 0); }
 
 TEST(Ldl, ZeroPivotInTheMiddle) {
@@ -158,7 +158,7 @@ TEST(Ldl, ZeroPivotDoesNotSpoilTheWorkspace) {
   EXPECT_LE(difference_of(LDL, Eigen::Matrix3d{{1, 2, 1}, {2, 9, 3}, {1, 3, 7}}), 16 * kEps);
 }
 
-// Rank 7 of 10: three pivots are nothing but rounding, which the ratio shows (or exactly zero, and it stops).
+// The rank is 7 of 10: three pivots are rounding error, which the ratio shows (or exactly zero, and it stops).
 TEST(Ldl, RankDeficientShowsInThePivotRatio) {
   std::mt19937 rng(8);
   for (int trial = 0; trial < 10; ++trial) {

@@ -1,4 +1,4 @@
-// Orderings.
+// Orderings are tested.
 
 #include "manycontact/sparse/ordering.hpp"
 
@@ -33,7 +33,7 @@ TEST(Camd, RespectsConstraints) {
 }
 
 TEST(Camd, UnconstrainedFindsTheOrderWithoutFill) {
-  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(30, 30) * 30;  // an arrow whose dense row stands first
+  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(30, 30) * 30;  // an arrow whose dense row is the first
   A.row(0).setOnes();
   A.col(0).setOnes();
   const Symmetric arrow(A);

@@ -1,4 +1,4 @@
-// Products of panels and solves with a Cholesky factor, of every level of instructions.
+// Products of panels and solves with a Cholesky factor are tested at every level of instructions.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 using Panel = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Random numbers in the first columns, NaN behind them.
+// Returns random numbers in the first columns, NaN behind them.
 Panel poisoned(int rows, int ld, int cols, std::mt19937& rng) {
   Panel out = Panel::Constant(rows, ld, NAN);
   for (int i = 0; i < rows; ++i) out.row(i).head(cols) = random_vector(cols, rng).transpose();
@@ -43,7 +43,7 @@ TEST(Product, EqualsTheDenseOne) {
       }
 }
 
-// Rows that stand anywhere, of one panel, in no order; what is beside them stays.
+// Rows of one panel are anywhere, in no order; entries next to them stay.
 TEST(ProductOfRows, EqualsTheDenseOne) {
   std::mt19937 rng(68);
   for (int rows : {1, 3, 8, 15, 50})
@@ -91,7 +91,7 @@ TEST(CholeskySolves, LeaveSmallResiduals) {
   for (int n : {1, 5, 32})
     for (int cols : {1, 8, 33, 76}) {
       const int ld = (cols + 7) / 8 * 8 + 8, ldl = n + 2;
-      Eigen::MatrixXd L = Eigen::MatrixXd::Constant(ldl, n, NAN);  // what is above the diagonal is not read
+      Eigen::MatrixXd L = Eigen::MatrixXd::Constant(ldl, n, NAN);  // entries above the diagonal are not read
       for (int j = 0; j < n; ++j) {
         L.col(j).segment(j, n - j) = random_vector(n - j, rng, 0.3);
         L(j, j) = 1 + std::abs(L(j, j));

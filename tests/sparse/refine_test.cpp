@@ -1,4 +1,4 @@
-// The refinement loop: where it stops, and what it reports.
+// The refinement loop stops at the right step, and reports correctly.
 
 #include "manycontact/sparse/refine.hpp"
 
@@ -21,7 +21,7 @@ constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// Errors given in advance, each read once.
+// Contains errors given in advance, each read once.
 struct Script {
   std::vector<double> errors;
   std::size_t read = 0;
@@ -78,7 +78,7 @@ TEST(Refine, NanStops) {
   EXPECT_EQ(infinite.run(5, 1e-15).steps, 1);
 }
 
-// x = b / a in quadruple precision by divisions that are off by a thousandth, on a panel of two numbers.
+// x = b / a in quadruple precision uses divisions that are off by a thousandth, on a panel of two numbers.
 TEST(Refine, ServesWiderScalars) {
   const Quad a = 3, b[2] = {Quad(1), Quad(1e-30)};
   Quad x[2] = {0, 0}, r[2];

@@ -1,4 +1,4 @@
-// Relaxed supernodes: fewer blocks, the same factor.
+// Relaxed supernodes give fewer blocks and the same factor.
 
 #include "manycontact/sparse/relaxed_supernodes.hpp"
 
@@ -13,8 +13,8 @@
 namespace manycontact::test {
 namespace {
 
-// n coordinates of a limb, then n rows: each coordinate moves the rows that follow it from its own on. The factor's
-// column k has one row less than column k + 1.
+// Returns n coordinates of a limb, then n rows: each coordinate moves the rows that follow it from its own on. The
+// factor's column k has one row less than column k + 1.
 Symmetric limb_with_rows(int n, std::mt19937& rng) {
   Eigen::MatrixXd A = random_positive(2 * n, 1, rng);
   for (int k = 0; k < n; ++k)
@@ -47,7 +47,7 @@ TEST(RelaxedSupernodes, NearlyNestedColumnsAreJoined) {
   EXPECT_GT(wide.nonzeros(), L.nonzeros());
   EXPECT_LE(12 * (wide.nonzeros() - L.nonzeros()), wide.nonzeros());
 
-  // The same factor by both phases, with zeros where it has none; rows as columns.
+  // Both phases give the same factor, with zeros where it has none; rows as columns.
   std::vector<double> x(L.nonzeros(), NAN), y(wide.nonzeros(), NAN), z(wide.nonzeros(), NAN), D(A.n()), scale(A.n());
   sparse::LdlWorkspace work;
   ASSERT_EQ(sparse::ldl_factor(A.pattern, L, A.x.data(), work, x.data(), D.data()), A.n());
@@ -65,7 +65,7 @@ TEST(RelaxedSupernodes, NearlyNestedColumnsAreJoined) {
 
 TEST(RelaxedSupernodes, OthersAreLeft) {
   std::mt19937 rng(2);
-  for (const double density : {1.0, 0.02}) {  // nested; far from it
+  for (const double density : {1.0, 0.02}) {  // nested; far from nested
     const sparse::LdlSymbolic L = sparse::ldl_analyze(Symmetric(random_symmetric(50, density, rng)).pattern);
     EXPECT_LE(12 * (relaxed(L).nonzeros() - L.nonzeros()), L.nonzeros());
   }
@@ -73,7 +73,7 @@ TEST(RelaxedSupernodes, OthersAreLeft) {
   EXPECT_EQ(relaxed(small).Li, small.Li);
 }
 
-// A border below: the leading columns are those of the matrix without it.
+// With a border below, the leading columns are those of the matrix without it.
 TEST(RelaxedSupernodes, LeadingColumnsAreThose) {
   std::mt19937 rng(3);
   const int n = 40, border = 7;

@@ -1,5 +1,5 @@
 #pragma once
-// K = [M J^T; J 0] with rows of J that depend on others by construction.
+// K = [M J^T; J 0] has rows of J that depend on others by construction.
 
 #include <Eigen/Core>
 #include <ostream>
@@ -28,7 +28,7 @@ struct SaddlePoint {
   }
 };
 
-// A name in gtest's messages.
+// Prints the name in gtest's messages.
 inline void PrintTo(const SaddlePoint& s, std::ostream* out) { *out << s.name; }
 
 inline Eigen::MatrixXd block_diagonal(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {

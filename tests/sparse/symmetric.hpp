@@ -1,5 +1,5 @@
 #pragma once
-// A symmetric matrix twice: sparse as the library takes it, and dense.
+// A symmetric matrix is stored twice: sparse for the library, and dense.
 
 #include <Eigen/Core>
 #include <random>
@@ -34,7 +34,7 @@ inline Eigen::MatrixXd random_matrix(int rows, int cols, std::mt19937& rng) {
   return A;
 }
 
-/// Off-diagonal entries kept with probability `density`; indefinite.
+/// Returns off-diagonal entries that are kept with probability `density`; the matrix is indefinite.
 inline Eigen::MatrixXd random_symmetric(int n, double density, std::mt19937& rng) {
   std::bernoulli_distribution keep(density);
   Eigen::MatrixXd A = random_matrix(n, n, rng);
@@ -43,7 +43,7 @@ inline Eigen::MatrixXd random_symmetric(int n, double density, std::mt19937& rng
   return A;
 }
 
-/// The same, positive definite by a dominant diagonal.
+/// Returns such a matrix that is positive definite due to a dominant diagonal.
 inline Eigen::MatrixXd random_positive(int n, double density, std::mt19937& rng) {
   Eigen::MatrixXd A = random_symmetric(n, density, rng);
   A.diagonal().setZero();

@@ -1,4 +1,4 @@
-// Patterns, permutations and products of symmetric matrices, against dense ones.
+// Patterns, permutations and products of symmetric matrices agree with dense ones.
 
 #include "manycontact/sparse/upper_csc.hpp"
 
@@ -69,7 +69,7 @@ TEST(UpperCsc, ResidualAndItsScale) {
   EXPECT_LE(error_of(scale, Eigen::VectorXd(b.cwiseAbs() + A.dense.cwiseAbs() * x.cwiseAbs())), 8 * kEps);
 }
 
-// Scattered entries, and rows that follow each other: sums of n products, each rounded once or twice.
+// Entries are scattered, or rows follow each other: sums of n products are each rounded once or twice.
 TEST(UpperCsc, ResidualOfEveryLevel) {
   std::mt19937 rng(5);
   const int n = 37;

@@ -1,5 +1,5 @@
 #pragma once
-// The cases of the table: what makes a scene hard (its cause), and on which robot and contacts.
+// The cases of the table have a cause (what makes a scene hard), a robot and contacts.
 
 #include <functional>
 #include <string>
@@ -11,10 +11,10 @@ namespace manycontact::test {
 
 struct Case {
   std::string cause, name;
-  std::function<Problem()> make;  // may throw what the library throws at bad input
-  bool small = true;              // every method in every order; large ones: the default orders, and not the oracle
-  bool bad_input = false;         // an exception when the scene is built counts as refused; elsewhere it ends the test
-  bool demanded = false;          // by name in the issue: all but dense-schur answer it, accelerations to 1e-9
+  std::function<Problem()> make;  // may throw the library's exceptions for bad input
+  bool small = true;              // every method in every order; large cases: default orders, no dense reference
+  bool bad_input = false;         // an exception when the scene is built counts as refused; otherwise it ends the test
+  bool demanded = false;          // named in the issue: all methods but dense-schur solve it, accelerations to 1e-9
 };
 
 /// Collects the cases of one cause.

@@ -1,4 +1,4 @@
-// Contacts that ask for different accelerations: by gains on different errors, by gains on the velocity, by turning.
+// Contacts request different accelerations: by gains on different errors, by gains on the velocity, by rotation.
 
 #include "stability/cases.hpp"
 
@@ -17,7 +17,7 @@ Problem feet_held_twice(ContactType first, ContactType second, double apart) {
   return p;
 }
 
-// Every second contact wants its reference `off` metres away.
+// Every second contact has its reference `off` metres away.
 void pull_apart(Problem& p, double off) {
   for (std::size_t c = 1; c < p.scene.contacts.size(); c += 2) {
     p.scene.contacts[c].B.placement.p += Vec3<double>(off, 2 * off, -off);

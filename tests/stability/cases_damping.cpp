@@ -1,4 +1,4 @@
-// Damping from next to nothing to more than everything.
+// Damping ranges from nearly zero to dominant.
 
 #include "stability/cases.hpp"
 

@@ -1,4 +1,4 @@
-// Masses far apart, and none at all.
+// Masses are far apart, or zero.
 
 #include <cmath>
 

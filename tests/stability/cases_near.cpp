@@ -1,5 +1,5 @@
-// Contacts that nearly coincide, legs that are nearly straight: rows that nearly depend on each other.
-// None stands at the rank's tolerance itself, 1e-11, where either answer is as good.
+// Contacts nearly coincide and legs are nearly straight: rows are nearly dependent. None is at the rank's tolerance
+// itself, 1e-11, where either solution is equally good.
 
 #include "stability/cases.hpp"
 

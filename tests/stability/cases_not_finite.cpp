@@ -1,4 +1,4 @@
-// NaN and infinity in every input in turn.
+// Every input in turn is NaN or infinite.
 
 #include <algorithm>
 #include <iterator>
@@ -12,7 +12,7 @@ using enum ContactType;
 
 namespace {
 
-// A box held by an arm, on one foot: every kind of input counts.
+// A box is attached to an arm and on one foot: every kind of input has an effect.
 Problem healthy() {
   Problem p = two_robots("arm", false, "box");
   Contact& c = tie(p, k6D, "a", "tool", "b", "face_back");
@@ -22,7 +22,7 @@ Problem healthy() {
   return p;
 }
 
-// A contact made anew, so that add_contact sees it.
+// Adds a contact again, so that add_contact checks it.
 void add_again(Problem& p, const std::function<void(Contact&)>& change) {
   Contact c = p.scene.contacts[0];
   c.name = "again";
@@ -81,7 +81,7 @@ void add_not_finite(Cases& cases) {
        }},
       {"joint's axis", [=](Problem& p, double x) { joint(p, 0, [x](Joint& j) { j.axis.x() = x, j.axis_kind = 3; }); }},
   };
-  const auto finite = [&](const Input& input) {  // the same change to a number that may stand there
+  const auto finite = [&](const Input& input) {  // the same change to an allowed number
     cases.add(input.name + " 0.5", [=] {
       Problem p = healthy();
       input.set(p, 0.5);

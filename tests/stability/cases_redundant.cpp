@@ -1,4 +1,4 @@
-// Contacts that depend on each other and agree: at rest, or moving only as all of them allow.
+// Contacts are redundant and consistent: at rest, or in a motion that all of them allow.
 
 #include "stability/cases.hpp"
 
@@ -20,7 +20,7 @@ const Structure kHumanoid{"humanoid's soles", "humanoid", true, {"left_sole", "r
 const Structure kArm{"arm's tool", "arm", false, {"tool"}};
 const Structure kBox{"box's edges", "box", true, {"bottom_1", "bottom_4"}};
 
-// Every frame held, and held again `apart` metres off.
+// Every frame is fixed, and fixed again `apart` metres off.
 Problem twice(const Structure& s, ContactType first, ContactType second, double apart, ReferenceFrame axes) {
   Problem p = robot(s.urdf, s.floating);
   for (const std::string& frame : s.frames) {
@@ -130,7 +130,7 @@ void add_loops(Cases& cases) {
       return p;
     });
   }
-  // Rows that vanish, but for rounding once the world is turned.
+  // Rows vanish, up to rounding error once the world is rotated.
   for (int n : {1, 3, 5, 20}) {
     const auto across = [=] {
       Problem p = planar_chain(n);

@@ -1,4 +1,4 @@
-// States and references out of the ordinary: fast, half a turn off, denormal, quaternions that are none.
+// States and references are unusual: fast, half a revolution off, denormal, invalid quaternions.
 
 #include <cmath>
 #include <numbers>
@@ -126,7 +126,7 @@ void add_quaternions(Cases& cases) {
   struct Off {
     std::string name;
     std::function<void(Eigen::Ref<Eigen::VectorXd>)> change;
-    bool answerable = true;  // by the contract: within 1e-6 of unit length
+    bool answerable = true;  // by contract: within 1e-6 of unit length
   };
   const Off offs[] = {
       {"negated", [](auto x) { x *= -1; }},

@@ -1,4 +1,4 @@
-// The same robots in other units of length and mass: one answer, other numbers.
+// The same robots have other units of length and mass: the solution is the same, the numbers are not.
 
 #include <cmath>
 
@@ -22,7 +22,7 @@ void change_units(Model& m, double length, double mass) {
   m.armature *= mass * length * length;
 }
 
-// Every joint of these robots is revolute, but the floating base.
+// Every joint of these robots is revolute, except for the floating base.
 Problem in_units(Problem p, double length, double mass) {
   const std::vector<char> all(p.scene.contacts.size(), 1);
   const Truth<Quad> truth = solve_truth<Quad>(p.scene, all, p.q.cast<Quad>(), p.v.cast<Quad>(), p.u.cast<Quad>());

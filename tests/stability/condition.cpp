@@ -26,7 +26,7 @@ double norm_1(const MatX<S>& A) {
   return static_cast<double>(S(A.cwiseAbs().colwise().sum().maxCoeff()));
 }
 
-// Orthonormal basis of the null space of J^T, J being of the given rank.
+// Returns an orthonormal basis of the null space of J^T for J of the given rank.
 template <class S>
 MatX<S> null_space(const MatX<S>& J, int rank) {
   const Eigen::ColPivHouseholderQR<MatX<S>> qr(J);
@@ -34,7 +34,7 @@ MatX<S> null_space(const MatX<S>& J, int rank) {
   return Q.rightCols(J.rows() - rank);
 }
 
-// With Z the null space of J^T and J without what is rounding there, J <- J - Z Z^T J:
+// Z is the null space of J^T, and J <- J - Z Z^T J removes rounding error from it:
 //
 //   [M J^T; J -Z Z^T]^-1 = K^+ - [0 0; 0 Z Z^T]
 //
@@ -59,7 +59,7 @@ Condition condition_in(const IslandSystem<Quad>& system, double delta, int rank)
 
 Condition condition(const IslandSystem<Quad>& system, double delta, int rank) {
   if (!system.M.allFinite() || !system.J.allFinite()) return {kInfinity, kInfinity};
-  // The inverse loses as many digits as the condition has. Most are content with those of long double.
+  // The inverse loses as many digits as the condition has. Those of long double suffice for most.
   const auto good = [](const Condition& c, double eps) { return c.product() * eps < 1e-3; };
   Condition c = condition_in<long double>(system, delta, rank);
   if (good(c, static_cast<double>(std::numeric_limits<long double>::epsilon()))) return c;

@@ -1,5 +1,5 @@
 #pragma once
-// The condition that errors are judged by: |K|_1 |K^-1|_1, computed here and not by the library's estimate.
+// Errors are judged relative to the condition |K|_1 |K^-1|_1, computed here and not with the library's estimate.
 
 #include "stability/island_system.hpp"
 
@@ -10,12 +10,12 @@ struct Condition {
   double product() const { return K * inverse; }
 };
 
-/// From the whole inverse. Where delta = 0 and J's rank is less than its rows, of the generalised inverse K^+ that is
-/// orthogonal to the null space of J^T. Infinite where there is none.
+/// Uses the whole inverse. If delta = 0 and J's rank is less than its rows, it is that of the generalised inverse K^+
+/// that is orthogonal to the null space of J^T; infinite if there is none.
 Condition condition(const IslandSystem<Quad>& system, double delta, int rank);
 
-/// A lower bound, nearly always within a factor 3, for systems too large for the whole inverse: by Eigen's LU of K in
-/// double and its estimate of |K^-1|_1. J has full rank or delta > 0.
+/// Returns a lower bound, nearly always within a factor 3, for systems too large for the whole inverse, from Eigen's LU
+/// of K in double and its estimate of |K^-1|_1. J has full rank or delta > 0.
 Condition estimated_condition(const IslandSystem<double>& system, double delta);
 
 }  // namespace manycontact::test

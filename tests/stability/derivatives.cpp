@@ -14,7 +14,7 @@ namespace manycontact::test {
 namespace {
 
 constexpr int kLargest = 80;                // unknowns of an island: differences of the truth take five solves of it
-constexpr double kVanishingChange = 1e-12;  // of what else changes: nothing
+constexpr double kVanishingChange = 1e-12;  // of the other changes: zero
 
 Truth<Quad> truth_along(const Problem& p, const Direction& d, const Quad& h) {
   VecX<Quad> q = p.q.cast<Quad>(), v = p.v.cast<Quad>(), u = p.u.cast<Quad>();
@@ -30,15 +30,15 @@ Truth<Quad> truth_along(const Problem& p, const Direction& d, const Quad& h) {
   return solve_truth<Quad>(p.scene, active(p.scene), q, v, u);
 }
 
-// The step of the differences. Of v and u any is exact: a and f are quadratic in v and linear in u. In q noise is 1e-20
-// or less, and the step so short that it does not go over half a turn less 1e-12. Where rows depend on each other it is
-// longer: ranks are judged at 1e-11, and one that is the same this far off does not change nearby.
+// Returns the step of the differences. Any step in v and u is exact: a and f are quadratic in v and linear in u. In q
+// the noise is 1e-20 or less, and the step is too short to pass half a revolution less 1e-12. Dependent rows need a
+// longer one: ranks are judged at 1e-11, and a rank that is the same this far off does not change nearby.
 Quad step(bool in_q, bool dependent) {
   if (!in_q) return Quad(1);
   return Quad(1) / Quad(dependent ? 1000000000LL : 100000000000000LL);
 }
 
-// Whether the truth can be differentiated along a direction, its rank there being the same; then, what it changes by.
+// Returns whether the truth is differentiable along a direction with the same rank, and if so computes its change.
 bool differentiate_truth(const Problem& p, const Truths& truths, Direction& d) {
   const auto same_rank = [&](const Truth<Quad>& t) {
     return std::accumulate(t.rank.begin(), t.rank.end(), 0) == truths.rank;
@@ -85,7 +85,7 @@ DirectionErrors direction_errors(const Problem& p, const Truths& truths, SceneDa
   const SceneDerivatives D = dense_derivatives(p.scene, data);
   for (const RobotPlaces& at : truths.robots) {
     if (report_of(data.report, at.island).status == Status::kFailed) continue;
-    double most = 0;  // of all that changes with this robot
+    double most = 0;  // largest change with this robot
     for (const Direction& d : truths.directions) most = worse(most, worse(size_of(d.da(at.v)), size_of(d.df(at.f))));
     const auto add = [&](const VecX<Quad>& truth, const Eigen::VectorXd& mine) {
       const double difference = difference_of(mine, truth), size = size_of(truth);

@@ -1,5 +1,5 @@
-// Every case in the precision `extended`: where an answer is called that, its errors are of a few units in the last
-// place, and its bounds are true; where it is not, the double answer is as it always was.
+// Every case is solved in the precision `extended`: solutions reported as extended have errors of a few units in the
+// last place and true bounds; the others are the double solution as always.
 
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ TEST_P(Extended, AFewUnitsInTheLastPlace) {
     if (which.bad_input) continue;
     const Problem p = which.make();
     const Truths truths(p);
-    if (!truths.exists || p.only_known) continue;  // what is known is not the answer to the last digits of q
+    if (!truths.exists || p.only_known) continue;  // known solutions do not have the last digits of q
     for (const Way& way : extended_ways()) {
       if (!which.small && way.options.method == Method::kDense) continue;
       SCOPED_TRACE(which.name + " by " + way.name);
@@ -58,7 +58,7 @@ TEST_P(Extended, AFewUnitsInTheLastPlace) {
       (void)solve(p.scene, p.q, p.v, p.u, data);
       if (data.report.status == Status::kFailed) continue;
       if (std::ranges::any_of(data.report.islands, [](const auto& i) { return i.reason == Reason::kDampingLost; }))
-        continue;  // the solution of another problem, which stability_test judges
+        continue;  // it solves another problem, which stability_test judges
       double cond = 0;
       bool extended = true;
       for (std::size_t i = 0; i < truths.islands.size(); ++i) {

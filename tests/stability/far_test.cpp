@@ -1,5 +1,5 @@
-// Every case of the table once more, far from the world's origin: nothing may depend on where a scene stands. Distances
-// are powers of two and coordinates short, so that moving a scene rounds nothing and its answer is exactly the same.
+// Every case of the table is solved again far from the world's origin: nothing may depend on a scene's place. Distances
+// are powers of two and coordinates short, so a move rounds nothing and the solution is exactly the same.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ void shorten(Vec3<double>& p) {
   for (double& x : p) x = shortened(x);
 }
 
-// Where robots and contacts with the world stand.
+// Rounds the places of robots and of contacts with the world.
 void shorten_places(Problem& p) {
   for (Robot& robot : p.scene.robots) {
     shorten(robot.base.p);
@@ -43,7 +43,7 @@ void move_away(const Vec3<double>& by, Problem& p) {
     if (c.B.robot < 0) c.B.placement.p += by;
 }
 
-// A floating base as a joint of a fixed one, which a file may have too.
+// Returns a floating base as a joint of a fixed one, which a file may have too.
 std::shared_ptr<Model> floating_by_joint(const Model& model) {
   auto out = std::make_shared<Model>(model);
   out->floating_base = false;
@@ -61,7 +61,7 @@ Joint slide(const char* name, int parent, const Vec3<double>& axis) {
   return joint;
 }
 
-// A fixed robot on wheels: it slides along x and y and turns.
+// Returns a fixed robot on wheels: it slides along x and y and rotates.
 std::shared_ptr<Model> on_wheels(const Model& model) {
   auto out = std::make_shared<Model>(model);
   const Vec3<double> x = Vec3<double>::UnitX(), y = Vec3<double>::UnitY();
@@ -85,7 +85,7 @@ std::shared_ptr<Model> on_wheels(const Model& model) {
   return out;
 }
 
-// The same problem with bases made of joints, which stand at q = 0 for robots on wheels.
+// Returns the same problem with bases made of joints, at q = 0 for robots on wheels.
 Problem on_joints(const Problem& p) {
   Problem out = p;
   out.scene.robots.clear();
@@ -122,7 +122,7 @@ Problem on_joints(const Problem& p) {
   return out;
 }
 
-// Along the floor, which is where wheels go.
+// Moves along the ground, as wheels do.
 void move_joints_away(const Vec3<double>& to, Problem& p) {
   const Vec3<double> by(to[0], to[1], 0);
   for (const Robot& robot : p.scene.robots) {
@@ -155,7 +155,7 @@ Answer answer(const Problem& p, const Options& options) {
   return out;
 }
 
-// |x - y| / |y|; what is no number in both counts for nothing.
+// Returns |x - y| / |y|; entries that are NaN in both are ignored.
 double difference(const Eigen::VectorXd& x, const Eigen::VectorXd& y) {
   if (x.size() == 0 || !y.allFinite()) return 0;
   const double size = y.cwiseAbs().maxCoeff();
@@ -171,7 +171,7 @@ struct FarWay {
 
 class Far : public testing::TestWithParam<int> {};
 
-// Twice what the table allows: both answers have errors.
+// The tolerance is twice the table's: both solutions have errors.
 void expect_same_answer(const Answer& near, const Answer& far, const std::string& what) {
   EXPECT_EQ(to_string(near.report.status), to_string(far.report.status)) << what;
   if (near.report.status == Status::kFailed || near.report.status != far.report.status) return;
@@ -181,7 +181,7 @@ void expect_same_answer(const Answer& near, const Answer& far, const std::string
   EXPECT_LE(difference(far.f, near.f), allowed) << what << ", forces";
   EXPECT_LE(difference(far.da, near.da), 10 * allowed) << what << ", derivatives of accelerations";
   EXPECT_LE(difference(far.df, near.df), 10 * allowed) << what << ", derivatives of forces";
-  // sparse-bodies counts what stands along a slide as a lever: its bound grows with that, the error does not
+  // sparse-bodies treats the way along a slide as a moment arm: its bound grows with that, the error does not
   if (near.report.islands[0].method != Method::kSparseBodies) {
     EXPECT_LE(far.report.error_acceleration, 2 * near.report.error_acceleration + 1e-14) << what << ", claimed bound";
   }
@@ -216,8 +216,8 @@ TEST_P(Far, NothingDependsOnWhereItStands) {
   }
 }
 
-// Places that round: the truth is that of the numbers given. Contacts with the world and between two robots that are
-// both far away, bases turned in the world.
+// Places are rounded: the truth is that of the given numbers. Contacts are with the world and between two robots that
+// are both far away, with bases rotated in the world.
 TEST(FarTruth, AnyPlace) {
   using enum ContactType;
   for (const bool by_joints : {false, true})

@@ -1,6 +1,6 @@
 #pragma once
-// K of each island as dense blocks in any precision, from the rigid-body algorithms and the contacts' rows alone: the
-// floors above, which assemble and factorize it, are what is judged with it.
+// K of each island is built as dense blocks in any precision, from the rigid-body algorithms and the contacts' rows
+// alone: it serves to judge the layers above, which assemble and factorize it.
 
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace manycontact::test {
 
-/// K = [M J^T; J -delta I], a0, and where the island's coordinates stand in the scene.
+/// K = [M J^T; J -delta I], a0, and the places of the island's coordinates in the scene.
 template <class S>
 struct IslandSystem {
   std::vector<int> v, f;  // per velocity coordinate and per contact row of the island: its place in data.a, in data.f
@@ -21,7 +21,7 @@ struct IslandSystem {
 /// Flags of the scene's contacts.
 std::vector<char> active(const Scene& scene);
 
-/// In the order of find_islands. S: double or Quad.
+/// Returns the systems in the order of find_islands. S: double or Quad.
 template <class S>
 std::vector<IslandSystem<S>> island_systems(const Problem& p);
 

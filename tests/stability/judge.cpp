@@ -13,9 +13,9 @@ namespace manycontact::test {
 
 namespace {
 
-constexpr double kNoDigits = 1e-2;         // an error above this is a wrong answer whatever the condition
-constexpr double kMostOfSingle = 1e-2;     // of the largest entry: single is refused beyond
-constexpr double kVanishingForce = 1e-12;  // of their scale: forces that balance to nothing
+constexpr double kNoDigits = 1e-2;         // an error above this is a wrong solution whatever the condition
+constexpr double kMostOfSingle = 1e-2;     // relative to the largest entry: single is refused beyond
+constexpr double kVanishingForce = 1e-12;  // relative to their scale: forces that cancel
 
 bool is_failed(const Report& report, std::size_t island) { return report_of(report, island).status == Status::kFailed; }
 
@@ -69,16 +69,16 @@ std::string describe(const Report& report) {
   return out.str();
 }
 
-// Forces that vanish have no size of their own to measure rounding by: then that of forces which could hold tau_b.
+// Rounding of forces that vanish is measured relative to forces that could balance tau_b.
 double vanishing_force_scale(const Truths& truths) {
   const double scale = truths.J_size > 0 ? size_of(truths.tau_b) / truths.J_size : 0;
   return size_of(truths.f) < kVanishingForce * scale ? scale : 0;
 }
 
-// The larger; NaN when either is.
+// Returns the relative error, zero for equal values.
 double relative(double difference, double size) { return difference == 0 ? 0 : difference / size; }
 
-// Relative errors in the maximum norm, the worst robot's, and the worst in units of what is allowed it.
+// Relative errors in the maximum norm of the worst robot, and the largest relative to the allowed one.
 struct ValueErrors {
   double a = 0, f = 0, excess = 0;
 };
@@ -100,8 +100,8 @@ ValueErrors value_errors(const Truths& truths, const SceneData& data) {
   return out;
 }
 
-// Whether regularised islands had reason to be: with the damping, K is so close to singular that no digit is allowed
-// for; or, of an answer that was judged, its own bounds leave nothing of it.
+// Returns whether regularised islands have a valid reason: with the damping K is so close to singular that no digit is
+// required; or, for a judged solution, its own bounds leave none.
 bool regularised_for_a_reason(const Truths& truths, const Report& report) {
   for (std::size_t i = 0; i < truths.islands.size(); ++i) {
     const IslandReport& island = report_of(report, i);
@@ -113,8 +113,8 @@ bool regularised_for_a_reason(const Truths& truths, const Report& report) {
   return true;
 }
 
-// Whether the status says what the contacts are: dependent or not, at odds or not. What is close to a threshold may be
-// called either; with damping, K is regular and everything is ok, unless the damping is lost.
+// Returns whether the status is right on dependency and consistency of the contacts. Either status is right close to a
+// threshold; with damping K is regular and every status is ok, unless the damping is lost.
 bool well_labelled(const Problem& p, const Truths& truths, const Report& report) {
   if (report.status == Status::kRegularised) return regularised_for_a_reason(truths, report);
   if (p.scene.damping > 0 || truths.contradiction < 0) return true;
@@ -125,22 +125,22 @@ bool well_labelled(const Problem& p, const Truths& truths, const Report& report)
                                                 : nothing || truths.contradiction < 1e-6;
 }
 
-// Against the answer known in other units, as there: the numbers are of one size again.
+// Compares with the solution known in other units, in those units: the numbers have similar sizes again.
 double known_error(const KnownAnswer& known, const SceneData& data) {
   const Eigen::VectorXd a = data.a.cwiseQuotient(known.a_unit), f = data.f.cwiseQuotient(known.f_unit);
   const double ea = error_of(a, known.a), ef = f.size() > 0 ? error_of(f, known.f) : 0;
   return ea >= ef ? ea : ef >= ea ? ef : std::nan("");
 }
 
-// True errors over their bounds: of the islands' accelerations, then forces. Zero where both vanish, and where the
-// truth is not that of q's last digits.
+// Returns true errors divided by their bounds, for the islands' accelerations, then forces; zero if both vanish, and if
+// the truth does not have q's last digits.
 double beyond_bound(const Problem& p, const Truths& truths, SceneData& data) {
   estimate_errors(p.scene, data);
   if (p.only_known) return 0;
   double worst = 0;
   const auto add = [&](const VecX<Quad>& truth, const Eigen::VectorXd& mine, double bound) {
     const double difference = difference_of(mine, truth), size = size_of(mine);
-    if (std::isinf(bound)) return;  // of an answer that is zero, relative to itself
+    if (std::isinf(bound)) return;  // of a zero solution, relative to itself
     if (difference > 0 && !(difference <= worst * bound * size)) worst = difference / (bound * size);
   };
   for (const IslandReport& report : data.report.islands) {
@@ -231,7 +231,7 @@ Cell judge_answer(const Problem& p, const Truths& truths, SceneData& data, const
   cell.error_f = e.f;
   cell.beyond_bound = beyond_bound(p, truths, data);
   if (any_in(Precision::kExtended, data.report) && (p.only_known || cell.condition > kTrueCondition))
-    cell.beyond_bound = 0;  // the truth is no better
+    cell.beyond_bound = 0;  // the truth is no more accurate
   const DirectionErrors d = single ? DirectionErrors{} : direction_errors(p, truths, data);
   cell.error_d = d.largest;
   if (!(e.excess <= 1 && e.a <= kNoDigits && e.f <= kNoDigits)) wrong("values");
@@ -255,7 +255,7 @@ Row judge(const Case& which) {
     return row;
   }
   const Truths truths(p);
-  std::optional<Truths> undamped;  // where an answer claims to be that
+  std::optional<Truths> undamped;  // if a solution claims to be without damping
   row.truth = truths.exists;
   row.derivatives = !truths.directions.empty();
   for (std::size_t k = 0; k < row.cells.size(); ++k) {

@@ -1,5 +1,5 @@
 #pragma once
-// One scene and state to solve, and the means to build them.
+// A scene and a state to solve, and functions that build them.
 
 #include <functional>
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace manycontact::test {
 
-/// A second truth: the same answer, known from another problem, entry by entry times a unit.
+/// A second truth: the same solution, known from another problem, entry by entry times a unit.
 struct KnownAnswer {
   VecX<Quad> a, f;
   Eigen::VectorXd a_unit, f_unit;  // data.a / a_unit is comparable with a
@@ -22,21 +22,21 @@ struct Problem {
   Eigen::VectorXd q, v, u;
   std::optional<KnownAnswer> known;
   bool only_known =
-      false;  // the known answer is the truth: this problem's own rounding hides it even from quadruple precision
+      false;  // the known solution is the truth: this problem's own rounding hides it even from quadruple precision
   bool answerable = true;  // false: whatever number comes out is wrong
 };
 
-/// A robot of models/, joints bent away from symmetry, at rest, with torques of a few N m.
+/// Returns a robot of models/, joints bent away from symmetry, at rest, with torques of a few N m.
 Problem robot(const std::string& urdf, bool floating);
-/// Robot "a" fixed or floating, robot "b" floating, 1 m beside it.
+/// Returns robot "a" fixed or floating, and robot "b" floating, 1 m from it.
 Problem two_robots(const std::string& urdf_a, bool floating_a, const std::string& urdf_b);
-/// n links of 1 kg and 0.3 m hinged by revolutes whose axes alternate between y and x; frames "link<i>" at the hinges,
-/// "tip" at the end. Bent a little, at rest.
+/// Returns n links of 1 kg and 0.3 m on revolute joints whose axes alternate between y and x, with frames "link<i>" at
+/// the hinges and "tip" at the end. It is bent a little and at rest.
 Problem chain(int n, bool floating);
-/// n links hinged about z in the xy plane, a regular polygon's first sides.
+/// Returns n links hinged about z in the xy plane, a regular polygon's first sides.
 Problem planar_chain(int n);
 
-/// Holds a frame of robot r ("r" when there is one) where it is: offset on its link. Returns the contact.
+/// Fixes a frame of robot r ("r" if there is one) where it is, with an offset on its link. Returns the contact.
 Contact& hold(Problem& p, ContactType type, const std::string& frame, const Vec3<double>& offset = {0, 0, 0},
               ReferenceFrame axes = ReferenceFrame::kLocal, const std::string& robot = "r");
 /// Ties frame A to frame B' on another body, as they are.
@@ -44,12 +44,12 @@ Contact& tie(Problem& p, ContactType type, const std::string& robot_a, const std
              const std::string& robot_b, const std::string& frame_b, const Vec3<double>& offset = {0, 0, 0},
              ReferenceFrame axes = ReferenceFrame::kLocal);
 
-/// Random velocities of this size.
+/// Sets random velocities of this size.
 void move(Problem& p, double size = 0.3);
-/// The same problem turned in the world, robot, gravity, references and all, whose answer is that of `p`. A zero of
-/// `p`'s J is a rounding error here. Of robots on fixed bases, contacts with the world in local axes.
+/// Returns the same problem rotated in the world: robot, gravity, references and all. Its solution is that of `p`, and
+/// a zero of `p`'s J is a rounding error here. Bases are fixed; contacts with the world are in local axes.
 Problem turned(Problem p);
-/// Velocities that all contacts allow.
+/// Sets velocities that all contacts allow.
 void move_within_contacts(Problem& p, double size = 0.3);
 /// Puts one joint of robot r at an angle.
 void bend(Problem& p, const std::string& joint, double angle);

@@ -1,4 +1,4 @@
-// Every case by every method: whatever is called an answer must be one, and the page says what happens.
+// Every case is solved by every method: each solution must be correct, and the page lists the outcomes.
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ int count(const std::vector<Row>& rows, Outcome outcome) {
   return n;
 }
 
-// At the end: the sum of all, and the page if asked for.
+// Prints the sum of all at the end, and writes the page on request.
 class Summary : public testing::Environment {
   void TearDown() override {
     std::vector<Row> all;
@@ -73,7 +73,7 @@ TEST_P(Stability, NoWrongAnswers) {
       EXPECT_LE(row.cells[k].error_a, single ? 1e-2 : 1e-9) << row.which->name << " by " << judged_ways()[k].name;
     }
   }
-// The page is the release build's, with every method: cases at the edge fall to either side by the compiler's choices.
+// The page is the release build's, with every method: at the edge the compiler's choices change the outcome.
 #if defined(NDEBUG) && MANYCONTACT_GPL
   if (!std::getenv("MANYCONTACT_WRITE_PAGE")) {
     auto committed = read_page()[cases.cause];
@@ -104,7 +104,7 @@ TEST(Cases, AreManyAndDistinct) {
   EXPECT_GE(n, 200u);
 }
 
-// The page is what the cases gave; each kind of outcome that the library has today is on it.
+// The page lists the outcomes of the cases; each kind of outcome that the library has today is on it.
 TEST(Cases, ReachEveryOutcome) {
   std::string letters;
   for (const auto& [cause, rows] : read_page())
@@ -113,7 +113,7 @@ TEST(Cases, ReachEveryOutcome) {
   EXPECT_EQ(letters.find_first_of("WM"), std::string::npos);
 }
 
-// The judge sees a wrong number, a missing one and one where there is none.
+// The judge detects a wrong number, a missing one and one that should not exist.
 TEST(Judge, SeesWrongAnswers) {
   Problem p = robot("arm", false);
   hold(p, ContactType::k3D, "tool");
@@ -140,7 +140,7 @@ TEST(Judge, SeesWrongAnswers) {
   EXPECT_EQ(outcome([](SceneData&) {}, turned), Outcome::kWrong);  // derivatives
 }
 
-// What a regularised answer claims is judged as well: that it is the one without damping, and that the damping is lost.
+// Claims of a regularised solution are judged as well: that it is the one without damping, and that damping is lost.
 TEST(Judge, SeesWrongRegularisedAnswers) {
   Problem p = robot("arm", false);
   hold(p, ContactType::k6D, "tool");
@@ -166,7 +166,7 @@ TEST(Judge, SeesWrongRegularisedAnswers) {
   EXPECT_EQ(outcome(1e-4, [](SceneData&) {}), Outcome::kMislabelled);
 }
 
-// Of two islands only what was regularised is judged as the answer without damping.
+// Of two islands only the regularised one is compared with the solution without damping.
 TEST(Judge, TellsIslandsApart) {
   Problem p = two_robots("arm", false, "box");
   hold(p, ContactType::k3D, "tool", {0, 0, 0}, ReferenceFrame::kLocal, "a");
@@ -192,7 +192,7 @@ TEST(Judge, TellsIslandsApart) {
   EXPECT_FALSE(same(1, damped));
 }
 
-// Of K regular, damped and singular, against its pseudo-inverse by singular values in double.
+// The condition of K (regular, damped, singular) is compared with its pseudo-inverse from singular values in double.
 TEST(Condition, IsThatOfTheGeneralisedInverse) {
   struct Kind {
     int times;

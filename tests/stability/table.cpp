@@ -47,7 +47,7 @@ most 1e-2 of the largest one, where single precision is refused, and at most the
 ![Error over its bound](error_over_bound.png)
 )";
 
-// How often each way reached each outcome, as columns of a table.
+// Returns how often each way reached each outcome, as columns of a table.
 std::string counts_by_way(const std::vector<Row>& rows) {
   std::ostringstream out;
   out << "| column | method |";

@@ -1,5 +1,5 @@
 #pragma once
-// The table of cases and outcomes: as lines of a terminal, and as the page README.md of this folder.
+// The table of cases and outcomes is printed on a terminal, and written as the page README.md of this folder.
 
 #include <map>
 #include <string>
@@ -9,19 +9,19 @@
 
 namespace manycontact::test {
 
-/// One line per case: letters of all columns, the largest errors, what went wrong.
+/// Returns one line per case: letters of all columns, the largest errors, faults.
 std::string text_table(const std::string& cause, const std::vector<Row>& rows);
 
-/// How often each outcome was reached, "exact 1234, refined ...".
+/// Returns how often each outcome was reached, "exact 1234, refined ...".
 std::string counts(const std::vector<Row>& rows);
 
 std::string page_path();
 std::string errors_path();
-/// A line per case and precision, by auto: precision that solved it, condition, errors of a and f, and over their bound.
+/// Returns a line per case and precision, for auto: precision used, condition, errors of a and f relative to bounds.
 std::string errors_by_precision(const std::vector<Row>& rows);
-/// The page for these causes and rows.
+/// Returns the page for these causes and rows.
 std::string page(const std::vector<std::pair<std::string, std::vector<Row>>>& causes);
-/// Letters by case, cause by cause, of the page as committed.
+/// Returns letters by case, cause by cause, of the page as committed.
 std::map<std::string, std::map<std::string, std::string>> read_page();
 
 }  // namespace manycontact::test

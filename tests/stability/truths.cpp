@@ -13,8 +13,8 @@ namespace manycontact::test {
 namespace {
 
 constexpr int kDenseTruth = 75;             // velocity coordinates up to which the truth is solved densely
-constexpr int kDenseIfSingular = 110;       // unknowns up to which it is where refinement does not end
-constexpr double kVanishingMotion = 1e-12;  // of their scale: accelerations that balance to nothing
+constexpr int kDenseIfSingular = 110;       // unknowns up to which it is if refinement does not converge
+constexpr double kVanishingMotion = 1e-12;  // relative to their scale: accelerations that cancel
 
 template <class D>
 bool finite(const Eigen::MatrixBase<D>& x) {
@@ -37,7 +37,7 @@ IslandTruth island_truth(const IslandSystem<S>& system) {
   return out;
 }
 
-// Of what is small enough for it, whole inverses, and what the contacts are at odds by.
+// Computes whole inverses and the contacts' inconsistency, for problems that are small enough.
 void look_closely(const Problem& p, const Truth<Quad>& truth, Truths& out) {
   double left = 0, Ja = 0, a0 = 0;
   for (const IslandSystem<Quad>& system : island_systems<Quad>(p)) {

@@ -1,4 +1,4 @@
-// Task files that do not fit: the file and line blamed, and what the message says; and what files that fit mean.
+// Task files that do not fit are refused with file, line and a message; the meaning of files that fit is tested.
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 namespace manycontact {
 namespace {
 
-// The robot's base is its line 2; contacts on lines 4 to 7.
+// The robot's base is in line 2; contacts are in lines 4 to 7.
 constexpr const char* kScene = R"(<scene name="s">
   <robot name="r" urdf="%quadruped.urdf" base="floating" xyz="0 0 0.5"/>
   <robot name="a" urdf="%arm.urdf" base="fixed" xyz="5 0 0"/>
@@ -30,7 +30,7 @@ class BadTask : public testing::Test {
 
   std::string write(const std::string& text) const { return folder_.write("task.xml", text); }
   static std::string head() { return R"(<task name="t" scene="scene.xml" step="0.01">)"; }
-  // A task whose line 3 is `inside`, in a phase.
+  // Writes a task whose line 3 is `inside`, in a phase.
   std::string phase(const std::string& inside, const std::string& contacts = "lf rf tool") const {
     return write(head() + "\n<phase nodes=\"3\" contacts=\"" + contacts + "\">\n" + inside + "\n</phase>\n</task>\n");
   }

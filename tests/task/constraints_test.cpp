@@ -1,4 +1,4 @@
-// Hard constraints of tasks: met to 1e-8, at a point that satisfies the optimality conditions.
+// Hard constraints of tasks are met to 1e-8, at a point that satisfies the optimality conditions.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 namespace manycontact::test {
 namespace {
 
-// humanoid_reaches.xml with more terms in each phase, or in the terminal node.
+// Reads humanoid_reaches.xml with more terms in each phase, or in the terminal node.
 class Constraints : public testing::Test {
  protected:
   TaskFile with(const std::string& in_phases, const std::string& in_terminal) const {
@@ -54,7 +54,7 @@ TEST_F(Constraints, AnEqualityOfTheTerminalNode) {
   EXPECT_LE((hand(task, s.xs.back()) - Vec3<double>(0.45, 0.3, 1.1)).lpNorm<Eigen::Infinity>(), 1e-8);
   EXPECT_LE(s.kkt_residual, 1e-6);
   EXPECT_GT(s.outer_iterations, 1u);
-  EXPECT_GT(s.cost, 1);  // of the hand, which is elsewhere
+  EXPECT_GT(s.cost, 1);  // the hand is elsewhere
 }
 
 TEST_F(Constraints, AnInequalityThatHoldsAndOneThatBinds) {
@@ -82,8 +82,8 @@ TEST_F(Constraints, ThatHoldAnywayChangeNothing) {
   EXPECT_NEAR(a.cost, b.cost, 1e-8 * b.cost);
 }
 
-// Where the multipliers are large the Hessian is several times Gauss-Newton's, whose steps alone never come below 1e-6
-// (7.5e-6 and 1.3e-5 after 300 iterations).
+// With large multipliers the Hessian is several times Gauss-Newton's, whose steps alone never get below 1e-6 (7.5e-6
+// and 1.3e-5 after 300 iterations).
 TEST_F(Constraints, AtTheEndOfReachConvergeToo) {
   for (const char* place : {"1 0 0", "0.8 0.4 1.6"}) {
     TaskFile task = with("", std::string("<constraint name=\"there\" type=\"frame_translation\" "
@@ -97,7 +97,7 @@ TEST_F(Constraints, AtTheEndOfReachConvergeToo) {
   }
 }
 
-// Bryson and Denham's: no fineness of its nodes leaves multipliers that the penalty's rounding spoils.
+// In Bryson and Denham's problem rounding of the penalty spoils no multipliers, for any number of nodes.
 TEST_F(Constraints, OfBrysonAndDenhamConvergeAtAnyFineness) {
   for (const int nodes : {60, 120, 180}) {
     TaskFile task = read_task(MANYCONTACT_SOURCE_DIR "/models/published/bryson_denham.xml");
@@ -110,8 +110,8 @@ TEST_F(Constraints, OfBrysonAndDenhamConvergeAtAnyFineness) {
   }
 }
 
-// Steps of 20 ms do not hold contacts against any torque: at ten thousand million times the cost the soles are off the
-// floor and the hand is there. That is no motion to go on from, and nothing is shown.
+// Steps of 20 ms do not keep contacts under arbitrary torques: at 1e10 times the cost the soles are off the ground and
+// the hand is there. The solver cannot continue from that motion, and proves nothing.
 TEST_F(Constraints, ThatCannotHoldAreReported) {
   TaskFile task = with("",
                        R"(<constraint name="there" type="frame_translation" frame="humanoid/left_hand"
@@ -129,8 +129,8 @@ TEST_F(Constraints, ThatCannotHoldAreReported) {
   EXPECT_EQ(s.violations[0].node, task.nodes());
 }
 
-// Not far out of reach a minimisation crawls, for hundreds of iterations if it may, and so does the search for the
-// least violation: that it is one is not shown, and not said.
+// Slightly out of reach a minimisation converges slowly, for hundreds of iterations if allowed, and so does the search
+// for the least violation: that it is the least is neither proved nor reported.
 TEST_F(Constraints, ThatAreOutOfReachAreReportedSoon) {
   const TaskFile task = with("",
                              R"(<constraint name="there" type="frame_translation" frame="humanoid/left_hand"

@@ -1,8 +1,7 @@
-// Control attacked by random tasks whose right answers are known: robots that hold each other against nodes of the
-// whole scene, motions that meet their constraints by construction, constraints that nothing can meet, weights of any
-// size. Some seconds of it are among the tests. MANYCONTACT_CONTROL_ATTACK=1000 takes the tasks 0 to 999 of each kind,
-// and prints how they ended; MANYCONTACT_CONTROL_SEED=7 is for others; MANYCONTACT_CONTROL_FIRST=999 begins with that
-// one.
+// Control is attacked with random tasks of known solutions: robots attached to each other against nodes of the whole
+// scene, motions that meet their constraints by construction, infeasible constraints, weights of any size. Some seconds
+// of it are among the tests. MANYCONTACT_CONTROL_ATTACK=1000 runs the tasks 0 to 999 of each kind and prints how they
+// ended. MANYCONTACT_CONTROL_SEED=7 selects others; MANYCONTACT_CONTROL_FIRST=999 begins with that one.
 
 #include <gtest/gtest.h>
 
@@ -32,7 +31,7 @@ bool is_long() { return std::getenv("MANYCONTACT_CONTROL_ATTACK") != nullptr; }
 int pick(std::mt19937& rng, int low, int high) { return std::uniform_int_distribution<int>(low, high)(rng); }
 double power(std::mt19937& rng, double low, double high) { return std::pow(10, uniform(rng, low, high)); }
 
-// How the tasks of a kind ended, printed where all of them were asked for.
+// Counts how the tasks of a kind ended, and prints it if all of them were requested.
 class Ends {
  public:
   explicit Ends(const char* kind) : kind_(kind) {}
@@ -61,7 +60,7 @@ TaskTerm term(const std::string& name, TaskResidual residual, double weight) {
   return out;
 }
 
-// A task of these robots: so many nodes, all contacts, costs on controls and states.
+// Returns a task of these robots: so many nodes, all contacts, costs on controls and states.
 TaskFile task_on(const RandomScene& s, int phases, std::mt19937& rng) {
   TaskFile task;
   task.scene.scene = s.scene;
@@ -85,7 +84,7 @@ TaskFile task_on(const RandomScene& s, int phases, std::mt19937& rng) {
   return task;
 }
 
-// ---- robots that hold each other
+// ---- robots attached to each other
 
 struct Joined {
   std::string what;
@@ -125,7 +124,7 @@ Joined joined(int k) {
     c.A = on(r);
     c.B = on(chance(rng, 0.7) ? r - 1 : pick(rng, 0, r - 1));
     add(c);
-    if (chance(rng, 0.1)) add(c);  // once more: they depend
+    if (chance(rng, 0.1)) add(c);  // once more: they are redundant
   }
   if (chance(rng, 0.3)) {
     Contact c;
@@ -171,7 +170,7 @@ TEST(ControlAttack, RobotsThatHoldEachOtherEndAtTheOptimumOfTheWhole) {
 
 // ---- constraints
 
-// An arm on a fixed base, and where its last link is.
+// Contains an arm on a fixed base, and the place of its last link.
 struct Arm {
   RandomScene s;
   int joint = 0;
@@ -199,7 +198,7 @@ struct Arm {
     const Frame& frame = robot.model->frames[static_cast<std::size_t>(robot.model->find_frame(name()))];
     return frame_placement<double>(kin, robot.base, frame.joint, frame.placement).p;
   }
-  // lower <= tip - at <= upper
+  // imposes lower <= tip - at <= upper
   TaskTerm tip_within(const std::string& name, const Vec3<double>& at, const Vec3<double>& lower,
                       const Vec3<double>& upper) const {
     TaskTerm out = term(name, TaskResidual::kFrameTranslation, 1);
@@ -215,7 +214,7 @@ struct Arm {
 
 const Vec3<double> kNothing = Vec3<double>::Zero(), kAnything = Vec3<double>::Constant(INFINITY);
 
-// The tip is to be where a random motion ends, with torques and heights that this motion has.
+// The tip's goal is the end of a random motion, with torques and heights of this motion.
 TaskFile feasible(int k) {
   std::mt19937 rng(seed_of(2, k));
   const Arm arm(rng);
@@ -267,10 +266,10 @@ TEST(ControlAttack, WhatCanBeMetIsNeverCalledInfeasible) {
     }
     converged += s.converged ? 1 : 0;
   }
-  EXPECT_GE(converged, 4 * count / 5);  // the others end by their iterations, and say so
+  EXPECT_GE(converged, 4 * count / 5);  // the others end by their iterations, and report it
 }
 
-// The tip is to be out of reach, or at two places at once.
+// The tip's goal is out of reach, or at two places at once.
 TEST(ControlAttack, WhatCannotBeMetIsNeverCalledConverged) {
   Ends ends("impossible");
   const int count = tasks(150);
@@ -311,8 +310,8 @@ TEST(ControlAttack, WhatCannotBeMetIsNeverCalledConverged) {
 
 // ---- weights
 
-// (Below what counts as very large weights, tolerances are absolute: in some ten of 30,000 solves rounding keeps the
-// KKT residual above its own, and says so, or the last digits of the motion differ.)
+// (Below the threshold of very large weights tolerances are absolute. In some ten of 30,000 solves rounding keeps the
+// KKT residual above its tolerance, which is reported, or the last digits of the motion differ.)
 TEST(ControlAttack, WeightsOfAnySizeGiveTheSameMotion) {
   Ends ends("weights");
   const int count = tasks(60);

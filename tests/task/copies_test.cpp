@@ -21,7 +21,7 @@ void replace(std::string& text, const std::string& from, const std::string& to) 
   text.replace(at, from.size(), to);
 }
 
-// herd_trots.xml with `copies`, arranged so.
+// Returns herd_trots.xml with `copies` in this arrangement.
 TaskFile herd(int copies, const std::string& arrange) {
   std::ostringstream task, scene;
   task << std::ifstream(kTasks + "herd_trots.xml").rdbuf();
@@ -54,7 +54,7 @@ TEST(Copies, TrotAsOneDoes) {
   }
 }
 
-// In a ring the copies are turned, and so are their costs.
+// In a ring the copies are rotated, and so are their costs.
 TEST(Copies, OfARingCostTheSame) {
   TaskFile one = read_task(kTasks + "quadruped_trots.xml");
   TaskProblem alone = make_problem(one, TaskSolver::kFddp);
@@ -64,11 +64,11 @@ TEST(Copies, OfARingCostTheSame) {
   EXPECT_NEAR(together.problem->calc(together.xs, together.us), 5 * cost, 1e-9 * cost);
 }
 
-// One robot's task and that of five copies in a circle, each in the state and under the torques of the one, moved as it
-// is: every term costs five times as much, and constraints have the same rows, whatever its axes, weights and bounds.
+// One robot's task is compared with that of five copies in a circle, each in the rotated state and under the torques of
+// the one. Every term costs five times as much, and constraints have the same rows, for any axes, weights and bounds.
 struct Ring {
   const char* name;
-  const char* robot;  // attributes of its element, and what is in it
+  const char* robot;  // attributes and content of its element
   const char* posture;
   const char* contact;  // type and frame
   int rows;             // of a contact's force

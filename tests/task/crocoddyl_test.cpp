@@ -1,4 +1,4 @@
-// Crocoddyl 3.0.1's iterates on the tasks of ../shared/tasks, where that is present.
+// The iterates are Crocoddyl 3.0.1's on the tasks of ../shared/tasks, where these exist.
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ void expect_close(const std::vector<Eigen::VectorXd>& ours, const nlohmann::json
 class Crocoddyl : public testing::TestWithParam<std::string> {};
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Crocoddyl);
 
-// Costs to 1e-6 while the stopping value is above 1e-6: below, it is the business of rounding (../shared/tasks).
+// Costs agree to 1e-6 while the stopping value is above 1e-6; below, rounding decides (../shared/tasks).
 TEST_P(Crocoddyl, TheSameIterates) {
   nlohmann::json golden;
   std::ifstream(kSharedTasks / (GetParam() + ".json")) >> golden;

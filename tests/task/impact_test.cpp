@@ -1,4 +1,4 @@
-// Phases that begin with an impact: nodes, times, and what the impact does.
+// Phases that begin with an impact have nodes, times, and the effect of the impact.
 
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ TEST(Impact, IsANodeBeforeThoseOfItsPhase) {
   for (const Eigen::VectorXd& f : contact_forces(task, problem, 25)) EXPECT_EQ(f.size(), 3);
 }
 
-// The node's jump is that of the simulation, which the floor simulation tests; far from where the contacts were.
+// The node's jump is that of the simulation, which has tests of its own; contacts are far from their references.
 TEST(Impact, IsThatOfTheSimulation) {
   TaskFile task = read_task(kTasks + "quadruped_trots.xml");
   for (Contact& contact : task.scene.scene.contacts) contact.alpha = 7;  // an impact has no error to correct
@@ -59,8 +59,8 @@ TEST(Impact, IsThatOfTheSimulation) {
   EXPECT_GT((v - x.tail(scene.nv)).norm(), 0.1);
 }
 
-// Constraints on the state apply to the last state of their phase too, which an impact follows: a box that is pushed
-// down onto a floor stays above it there.
+// Constraints on the state apply to the last state of their phase too, before the impact: a tool that is moved down
+// stays above its bound there.
 TEST(Impact, HasTheConstraintsOfThePhaseThatEnds) {
   const std::string scene = "<scene gravity='0 0 0'><robot name='a' urdf='" + kModels +
                             "arm.urdf'><q>0 0.5 0 1 0 0.5 0</q></robot>"
@@ -75,7 +75,7 @@ TEST(Impact, HasTheConstraintsOfThePhaseThatEnds) {
           repeated("-500", 7) + "' upper='" + repeated("500", 7) +
           "'/></phase><phase nodes='2' contacts='c' impact='true'>" + costs + "</phase>");
   TaskProblem problem = make_problem(task, TaskSolver::kFddp);
-  EXPECT_EQ(problem.problem->model(6)->get_ng(), 1u);  // of the height; an impact has no torques
+  EXPECT_EQ(problem.problem->model(6)->get_ng(), 1u);  // the height's; an impact has no torques
   problem.problem->calc(problem.xs, problem.us);
   EXPECT_NEAR(problem.problem->data(6)->g[0], problem.problem->data(5)->g[0], 1e-12);
   const std::vector<TaskViolation> missed = violations(problem);

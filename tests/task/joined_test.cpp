@@ -1,5 +1,5 @@
-// Robots that hold each other, taken apart at their contacts: nodes, directions and motions against those of the whole
-// scene.
+// Robots attached to each other are separated at their contacts: nodes, directions and motions agree with those of the
+// whole scene.
 
 #include "manycontact/task/joined.hpp"
 
@@ -28,7 +28,7 @@
 namespace manycontact::test {
 namespace {
 
-// Quadrupeds in a line, each with a front foot on the trunk of the next: couplings in one frame or the other.
+// Returns quadrupeds in a line, each with a front foot on the trunk of the next: couplings in one frame or the other.
 std::string chain_scene(int robots, const std::string& frame = "local", const std::string& damping = "0",
                         const std::string& type = "6d") {
   std::string out = "<scene name='chain' damping='" + damping + "'><robot name='q' urdf='" + kModels +
@@ -53,7 +53,7 @@ const std::string kCosts =
     "<cost name='turn' type='frame_rotation' frame='q/trunk' weight='5' quat_xyzw='0 0 0.05 0.99875'/>";
 const std::string kTerminal = "<terminal><cost name='state' type='state' weight='10'/></terminal>";
 
-// Joined in the middle alone. `more`: terms of the second phase.
+// Robots are coupled in the second phase alone. `more`: terms of that phase.
 TaskFile chain(int robots, const std::string& frame = "local", const std::string& damping = "0",
                const std::string& type = "6d", const std::string& more = "", const std::string& terminal = kTerminal) {
   return task_of("chain" + std::to_string(robots) + frame + damping + type, chain_scene(robots, frame, damping, type),
@@ -79,7 +79,7 @@ Candidate random_candidate(const TaskProblem& problem, unsigned seed, double siz
   return out;
 }
 
-// The chain, pushed about, otherwise in its second phase, each robot with springs of its own.
+// Returns the chain in its second phase, with pushes, and with springs of its own for each robot.
 TaskFile pushed_chain(int robots) {
   std::string scene = chain_scene(robots);
   scene.resize(scene.size() - std::string("</scene>").size());
@@ -161,7 +161,7 @@ void expect_nodes_of_the_whole(const TaskFile& task, std::size_t blocks) {
   }
 }
 
-// Of each robot's foot, whose force the couplings' wrenches have a part in: one inequality, one equality.
+// A constraint on the force of each robot's foot, which the couplings' wrenches affect: one inequality, one equality.
 const std::string kPush =
     "<constraint name='push' type='contact_force' contact='RF' lower='3 -inf 40' upper='3 inf inf'/>";
 TEST(JoinedNodes, WithConstraints) { expect_nodes_of_the_whole(chain(3, "local", "0", "6d", kPush), 3); }
@@ -171,7 +171,7 @@ TEST(JoinedNodes, WithFramesInTheWorld) { expect_nodes_of_the_whole(chain(2, "lo
 TEST(JoinedNodes, OfContactsOfFewerRows) {
   for (const char* type : {"1d", "2d", "3d", "5d"})
     for (const char* frame : {"local", "local_world_aligned"}) {
-      if (std::string(type) == "5d" && frame[5] != 0) continue;  // an axis of both bodies
+      if (std::string(type) == "5d" && frame[5] != 0) continue;  // the axis belongs to both bodies
       SCOPED_TRACE(std::string(type) + " " + frame);
       expect_nodes_of_the_whole(chain(2, frame, "0", type), 2);
       expect_nodes_of_the_whole(chain(2, frame, "1e-3", type), 2);
@@ -183,7 +183,7 @@ TEST(JoinedNodes, WithDampingAndFramesInTheWorld) { expect_nodes_of_the_whole(ch
 
 // ---- directions -------------------------------------------------------------------------------------------------
 
-// The step (dx, du) of SolverFDDP's gains on the linear model.
+// Contains the step (dx, du) of SolverFDDP's gains on the linear model.
 struct Step {
   std::vector<Eigen::VectorXd> x, u;
 };
@@ -258,7 +258,7 @@ TEST(JoinedDirections, OfContactsOfFewerRows) {
 }
 TEST(JoinedDirections, OfAChainByIslands) { expect_dense_direction(always(2, 5), "Riccati by islands"); }
 
-// Humanoids hand in hand, as in models/ring_of_humanoids.xml.
+// Returns humanoids hand in hand, as in models/ring_of_humanoids.xml.
 TaskFile humanoids(int robots, bool closed, int nodes) {
   std::ifstream file(kModels + "ring_of_humanoids.xml");
   std::string scene((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
@@ -280,7 +280,7 @@ TaskFile humanoids(int robots, bool closed, int nodes) {
                      "<solver tolerance='1e-13'/>");
 }
 
-// Two humanoids and a beam, in four couplings.
+// Returns two humanoids and a beam, in four couplings.
 TaskFile beam(int nodes) {
   TaskFile task = read_task(kModels + "tasks/two_humanoids_lift_beam.xml");
   task.phases.resize(1);
@@ -325,7 +325,7 @@ TEST(JoinedTask, OptimumOfAChainThatForms) { expect_dense_optimum(chain(3), 3); 
 TEST(JoinedTask, OptimumOfARing) { expect_dense_optimum(humanoids(3, true, 6), 3); }
 TEST(JoinedTask, OptimumOfABeamCarriedByTwo) { expect_dense_optimum(beam(8), 3); }
 
-// A force exact in x and at least so much in z, which binds; what each robot is held to goes through the couplings too.
+// A force is exact in x and bounded below in z, where it binds; each robot's constraints involve the couplings too.
 // Constraints are met to 1e-9, the KKT residual to 1e-6.
 TEST(JoinedTask, OptimumWithConstraints) {
   TaskFile task = chain(3, "local", "0", "6d", kPush);
@@ -357,7 +357,7 @@ TEST(JoinedTask, OptimumWithConstraints) {
   for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(ours.violations[k].constraint, dense.violations[k].constraint);
 }
 
-// Each robot's feedback alone, which takes the wrenches on it as given, holds all of them.
+// Each robot's feedback alone, which takes the wrenches on it as given, stabilises all of them.
 TEST(JoinedTask, GainsOfBlocksHoldTheMotionInSimulation) {
   const TaskFile task = beam(25);
   TaskProblem problem = make_problem(task, TaskSolver::kSparse);
@@ -407,7 +407,7 @@ TEST(JoinedTask, RobotsThatCouplingsCannotJoinAreOneBlock) {
   EXPECT_EQ(of("torques", chain_scene(2), "<cost name='c' type='contact_control_grav'/>"), (Blocks{{0, 1}}));
 }
 
-// Two trunks held to each other twice.
+// Two trunks are attached to each other twice.
 TEST(JoinedTask, DependentCouplingsTakeNodesOfTheWholeScene) {
   std::string scene = chain_scene(2);
   scene.insert(scene.find("</scene>"),
@@ -436,7 +436,7 @@ double sum_of_products(const std::vector<Eigen::VectorXd>& a, const std::vector<
   return sum;
 }
 
-// A rollout of the guess and something.
+// Returns a rollout of the guess with random changes.
 Candidate shaken(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& guess) {
   std::mt19937 rng(9);
   Candidate out{{}, guess};
@@ -445,7 +445,7 @@ Candidate shaken(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& g
   return out;
 }
 
-// By Schur complement and by islands. Differences with step h are good to h^2 and eps cost / h.
+// Directions use the Schur complement and islands. Differences with step h are accurate to h^2 and eps cost / h.
 TEST(JoinedFeedForward, GradientIsThatOfTheRolledOutCost) {
   for (const TaskFile& task : {chain(5), always(2, 5)}) {
     const TaskProblem joined = make_problem(task, TaskSolver::kSparse);
@@ -475,7 +475,7 @@ TEST(JoinedFeedForward, GradientIsThatOfTheRolledOutCost) {
       const double slope = (cost(h) - cost(-h)) / (2 * h);
       EXPECT_NEAR(slope, sum_of_products(g, nu), 1e-5 * std::abs(slope));
     }
-    // Gauss-Newton's step: half of g^T H^-1 g is what it gains, and du at x0, where dx is zero, is that of -H^-1 g.
+    // Gauss-Newton's step gains half of g^T H^-1 g, and its du at x0, where dx is zero, is that of -H^-1 g.
     std::vector<Eigen::VectorXd> step = g;
     solver.preconditionFeedForward(step);
     EXPECT_NEAR(0.5 * sum_of_products(g, step), gain, 1e-6 * gain);
@@ -500,8 +500,8 @@ TEST(JoinedFeedForward, DescendsToTheOptimum) {
   for (std::size_t t = 0; t < us.size(); ++t) EXPECT_LT(error_of(quasi.get_us()[t], us[t]), 1e-5) << t;
 }
 
-// Wherever: the wrenches that joined nodes eliminate are the whole scene's. Both sums are of terms of the residual's
-// size, but for the condition of the couplings' equations.
+// At any candidate the wrenches that joined nodes eliminate are the whole scene's. Both sums have terms of the
+// residual's size, up to the condition of the couplings' equations.
 TEST(JoinedKktResidual, WithMultipliersAndLimitsIsThatOfTheWholeScene) {
   const TaskFile task = chain(3, "local", "0", "6d", kPush);
   const TaskProblem whole = make_problem(task, TaskSolver::kFddp), joined = make_problem(task, TaskSolver::kSparse);
@@ -530,7 +530,7 @@ TEST(JoinedKktResidual, WithMultipliersAndLimitsIsThatOfTheWholeScene) {
   EXPECT_THROW((void)kkt_residual(*joined.problem, at.xs, at.us, l, false, y), std::invalid_argument);
 }
 
-// The problem's joined nodes alone, with dense matrices and tight limits.
+// Returns the problem's joined nodes alone, with dense matrices and tight limits.
 std::shared_ptr<ShootingProblem> limited(const ShootingProblem& problem, MatrixStorage storage, double limit) {
   const ShootingPart part = separate(problem).at(0);
   ShootingProblem::Models models;
@@ -551,11 +551,11 @@ std::shared_ptr<ShootingProblem> limited(const ShootingProblem& problem, MatrixS
   return std::make_shared<ShootingProblem>(part.problem->get_x0(), models, terminal);
 }
 
-// One dense block with a box: SolverBoxFDDP on the whole scene, but for the rounding of the condensed nodes.
+// One dense block with a box takes the steps of SolverBoxFDDP on the whole scene, up to rounding of condensed nodes.
 TEST(JoinedTask, LimitsWithDenseMatricesTakeTheStepsOfBoxFDDP) {
   const TaskFile task = chain(2);
   const TaskProblem whole = make_problem(task, TaskSolver::kFddp), joined = make_problem(task, TaskSolver::kSparse);
-  const double limit = 0.7 * whole.us[0].lpNorm<Eigen::Infinity>();  // of what holds x0
+  const double limit = 0.7 * whole.us[0].lpNorm<Eigen::Infinity>();  // relative to the torques of rest at x0
   for (const auto& model : whole.problem->get_runningModels()) {
     model->set_u_lb(Eigen::VectorXd::Constant(static_cast<Eigen::Index>(model->get_nu()), -limit));
     model->set_u_ub(Eigen::VectorXd::Constant(static_cast<Eigen::Index>(model->get_nu()), limit));

@@ -1,4 +1,4 @@
-// The residual of the optimality conditions: against differences of the cost, and at optima.
+// The residual of the optimality conditions is compared with differences of the cost, and checked at optima.
 
 #include <gtest/gtest.h>
 
@@ -12,12 +12,12 @@
 namespace manycontact::test {
 namespace {
 
-// Of the torques, over the rollout they lead to.
+// Returns the cost of the torques over their rollout.
 double total_cost(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& us) {
   return problem.calc(problem.rollout_us(us), us);
 }
 
-// Multipliers that make the conditions in x hold: l_T = lx_T, l_t = lx_t + fx_t^T l_(t+1).
+// Returns multipliers that satisfy the conditions in x: l_T = lx_T, l_t = lx_t + fx_t^T l_(t+1).
 std::vector<Eigen::VectorXd> adjoint(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
                                      const std::vector<Eigen::VectorXd>& us) {
   problem.calc(xs, us);
@@ -31,7 +31,7 @@ std::vector<Eigen::VectorXd> adjoint(ShootingProblem& problem, const std::vector
 }
 
 // On a rollout the gaps are zero and stationarity is the gradient of the total cost: central differences with step h
-// are good to h^2 and eps |cost| / h.
+// are accurate to h^2 and eps |cost| / h.
 TEST(KktResidual, IsTheGradientOnARollout) {
   TaskFile task = read_task(kTasks + "humanoid_reaches.xml");
   for (TaskPhase& phase : task.phases) phase.nodes = 3;
@@ -51,7 +51,7 @@ TEST(KktResidual, IsTheGradientOnARollout) {
   EXPECT_NEAR(kkt_residual(*p.problem, xs, us, adjoint(*p.problem, xs, us), false), largest, 1e-6 * largest);
 }
 
-// The stopping value is an energy; the residual goes down with its square root. A gap shows as it is.
+// The stopping value is an energy; the residual decreases with its square root. A gap appears as it is.
 TEST(KktResidual, GoesToZeroWithTheStoppingValueAndSeesGaps) {
   TaskFile task = read_task(kTasks + "humanoid_reaches.xml");
   task.tolerance = 1e-16;

@@ -1,5 +1,5 @@
-// What is told of plans: nodes without torques, closings, limits, goals, costs by term; tight limits in three ways;
-// infeasible or not; weights of any scale.
+// Plans are checked for nodes without torques, closings, limits, goals and costs by term. Tight limits have three
+// formulations; tasks are infeasible or not; weights have any scale.
 
 #include "manycontact/task/plan.hpp"
 
@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 const std::string kShared = MANYCONTACT_SHARED_DIR;
 
-// A task whose files stand beside it: name and text.
+// Reads a task with these files in its folder: name and text.
 TaskFile task_with(const std::map<std::string, std::string>& files, const std::string& task) {
   const test::TemporaryFolder folder;
   for (const auto& [name, text] : files) (void)folder.write(name, text);
@@ -37,7 +37,7 @@ const std::string kBox =
     "<robot name='box'><link name='box'><inertial><origin xyz='0 0 0.1'/><mass value='2'/>"
     "<inertia ixx='0.01' iyy='0.02' izz='0.03' ixy='0' ixz='0' iyz='0'/></inertial></link></robot>";
 
-// effort in N m; a bar of 0.5 m.
+// Returns a bar of 0.5 m; `effort` is in N m.
 std::string pendulum(const std::string& effort, const std::string& more = "lower='-7' upper='7' velocity='20'") {
   return "<robot name='pendulum'><link name='stand'/><link name='bar'><inertial><origin xyz='0 0 -0.5'/><mass "
          "value='1'/>"
@@ -47,7 +47,7 @@ std::string pendulum(const std::string& effort, const std::string& more = "lower
          effort + "' " + more + "/></joint></robot>";
 }
 
-// The same with a frame at its end.
+// Returns the same with a frame at its end.
 std::string pendulum_with_tip() {
   std::string urdf = pendulum("100");
   urdf.insert(urdf.rfind("</robot>"),
@@ -60,7 +60,7 @@ std::string pendulum_with_tip() {
 
 class WithoutTorques : public testing::TestWithParam<std::string> {};
 
-// By symplectic Euler a box let go is at z - g h^2 n (n + 1) / 2 after n steps, by Runge-Kutta at z - g t^2 / 2.
+// A free box is at z - g h^2 n (n + 1) / 2 after n steps of symplectic Euler, at z - g t^2 / 2 with Runge-Kutta.
 TEST_P(WithoutTorques, ABoxFalls) {
   const TaskFile task =
       task_with({{"box.urdf", kBox},
@@ -78,7 +78,7 @@ TEST_P(WithoutTorques, ABoxFalls) {
 }
 INSTANTIATE_TEST_SUITE_P(By, WithoutTorques, testing::Values("euler", "rk2", "rk3", "rk4"));
 
-// Beside a robot with torques it is a part of its own.
+// Next to a robot with torques the box is a part of its own.
 TEST(WithoutTorquesBeside, ABoxFallsTheSame) {
   const TaskFile task = task_with(
       {{"box.urdf", kBox},
@@ -96,7 +96,7 @@ TEST(WithoutTorquesBeside, ABoxFallsTheSame) {
   }
 }
 
-// ---- tight limits: torques that do not hold the bar, three ways to say so, and two guesses
+// ---- tight limits: torques too small for the bar, in three formulations, from two guesses
 
 std::string lower(const std::string& limit, const std::string& solver) {
   return "<task scene='scene.xml' step='0.02'><phase nodes='100'><cost name='c' type='control' weight='1e-2'/>"
@@ -173,7 +173,7 @@ TEST(InfeasibleTasks, AreNoneOfACartWithoutLimits) {
   }
 }
 
-// Hanging, the tip is furthest from its goal above: stationary, and yet it can be met.
+// Hanging, the tip is furthest from its goal above: this is stationary, and yet the goal can be met.
 TEST(InfeasibleTasks, AreNotThoseWhoseGuessIsAMaximum) {
   const TaskFile task = task_with(
       {{"p.urdf", pendulum("100")}, {"scene.xml", "<scene><robot name='p' urdf='p.urdf'/></scene>"}},
@@ -186,8 +186,7 @@ TEST(InfeasibleTasks, AreNotThoseWhoseGuessIsAMaximum) {
   EXPECT_TRUE(s.converged) << s.reason;
 }
 
-// The same by the tip's place: a step that Gauss-Newton takes from beside goes back, for it keeps the tip below the
-// hinge.
+// The goal is the tip's place: a Gauss-Newton step from nearby goes back, because it keeps the tip below the hinge.
 TEST(InfeasibleTasks, AreNotThoseWhoseStepsGoBackToAMaximum) {
   const std::string urdf = pendulum_with_tip();
   const TaskFile task = task_with(
@@ -200,7 +199,7 @@ TEST(InfeasibleTasks, AreNotThoseWhoseStepsGoBackToAMaximum) {
   EXPECT_NEAR(std::abs(s.xs.back()[0]), std::numbers::pi, 1e-6);
 }
 
-// A bar of 1 m whose tip is to be 3 m from its hinge: straight at it is the least violation, and shown to be one.
+// The tip of a 1 m bar has a goal 3 m from its hinge: pointing at it is the least violation, and proved to be so.
 TEST(InfeasibleTasks, AreShownToBeSoWhereTheViolationIsStationary) {
   const std::string urdf = pendulum_with_tip();
   const TaskFile task = task_with(
@@ -244,14 +243,14 @@ TEST(StationaryGuesses, ThatAreNoMinimaAreLeftAndTold) {
   const TaskFile task =
       task_with({{"p.urdf", urdf}, {"scene.xml", "<scene><robot name='p' urdf='p.urdf'/></scene>"}}, text);
   const TaskSolution s = solved(task);
-  EXPECT_LT(s.cost, 10) << s.reason;  // 200 where it hangs
+  EXPECT_LT(s.cost, 10) << s.reason;  // 200 if it hangs
   EXPECT_NE(s.reason.find("stationary"), std::string::npos) << s.reason;
   ASSERT_EQ(s.remarks.size(), 1u);
 }
 
-// ---- what of a plan is told
+// ---- reports on plans
 
-// A ball that falls on a contact that closes while it is 0.3 m above it.
+// A falling box has a contact that closes while the box is 0.3 m above it.
 TEST(Plans, TellContactsThatCloseInTheAir) {
   const TaskFile task = task_with(
       {{"box.urdf", kBox},
@@ -272,8 +271,8 @@ TEST(Plans, TellContactsThatCloseInTheAir) {
   EXPECT_EQ(findings[0].name, "foot");
 }
 
-// The contact's gains would drag the box to where the scene has it; it holds where it closed instead, in the plan and
-// in its simulation, unless the phase says otherwise.
+// The contact's gains would drag the box to the scene's reference. It is fixed where it closed instead, in the plan and
+// in its simulation, unless the phase requests otherwise.
 TEST(Plans, HoldContactsWhereTheyClosed) {
   for (const std::string gains : {"0 20", "400 40"})
     for (const bool at_scene : {false, true}) {
@@ -316,7 +315,7 @@ TEST(Plans, TellLimitsThatArePassedAndGoalsThatAreMissed) {
   EXPECT_EQ(by_kind["goal"].name, "far");
 }
 
-// For every integrator and solver what the terms cost adds up to the whole.
+// For every integrator and solver the costs of the terms add up to the whole.
 TEST(Plans, CostsByTermAddUp) {
   const std::string models = MANYCONTACT_SOURCE_DIR "/models/tasks/";
   for (const std::string name : {"humanoid_reaches.xml", "quadruped_trots.xml", "two_humanoids_lift_beam.xml"})
@@ -355,7 +354,7 @@ TEST(Problems, AreOfTheTasksOwnSolverByDefault) {
   for (const Eigen::VectorXd& u : s.us) EXPECT_LE(std::abs(u[0]), 2);
 }
 
-// From its own answer, multipliers included, a constrained task has nothing left to do.
+// From its own solution, multipliers included, a constrained task needs no iteration.
 TEST(Multipliers, AreTakenAlongToAWarmStart) {
   const TaskFile task = task_with(
       {{"cart.urdf", kCart}, {"scene.xml", kCartScene}},

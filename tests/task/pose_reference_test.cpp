@@ -1,4 +1,4 @@
-// References of states that are found from poses.
+// References of states are found from poses.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ std::string state(const std::string& poses, const std::string& more = "") {
   return "<cost name='posture' type='state' reference='pose' " + more + ">" + poses + "</cost>";
 }
 
-// Where a link is at a reference.
+// Returns the placement of a link at a reference.
 SE3<double> at(const TaskFile& task, const TaskTerm& term, const std::string& frame) {
   const Scene& scene = task.scene.scene;
   RigidBodyData data(scene);
@@ -50,7 +50,7 @@ TEST(PoseReference, IsMetWithTheContactsInPlace) {
   EXPECT_NEAR(frame_placement(scene, data, frame_called(scene, "humanoid/pelvis")).p[2], 0.7, 0.01);
 }
 
-// A foot that is lifted and set down again stands nowhere that the scene knows, unless the phase says so.
+// A foot that is lifted and set down again has no reference in the scene, unless the phase defines it.
 TEST(PoseReference, LeavesContactsThatWereOpen) {
   const std::string lifted = state("<pose frame='humanoid/right_sole' z='0.1' y='-0.15'/>"), shut = "left right";
   const auto phase = [](const std::string& contacts, const std::string& inside, const std::string& more = "") {

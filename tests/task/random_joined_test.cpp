@@ -1,5 +1,5 @@
-// Random tasks of robots that hold each other, attacked with contacts of every number of rows, damped and not, with
-// weights of any size: by blocks the optimum is that of the whole scene, or it is said that there is none.
+// Random tasks of robots attached to each other have contacts of every number of rows, damped and not, and weights of
+// any size. By blocks the optimum is that of the whole scene, or none is reported.
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ struct RandomJoined {
   TaskFile task;
 };
 
-// Quadrupeds in a line on three of their feet, each with the fourth on the trunk of the next in the later nodes.
+// Returns quadrupeds in a line on three of their feet, each with the fourth on the trunk of the next in later nodes.
 RandomJoined draw(int seed) {
   std::mt19937 rng(static_cast<unsigned>(4000 + seed));
   const auto pick = [&](const std::vector<std::string>& of) {

@@ -1,4 +1,4 @@
-// An optimized motion in simulation, and its contact forces.
+// An optimized motion is simulated, with its contact forces.
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace manycontact::test {
 namespace {
 
-// Soles neither slip nor tip, in every row of the cones that the task's costs are barriers of.
+// Expects that soles neither slip nor tip, in every row of the cones of the task's barrier costs.
 void expect_within_cones(const TaskFile& task, const TaskProblem& problem, const TaskSolution& s) {
   problem.problem->calc(s.xs, s.us);
   const WrenchCone cone(Eigen::Matrix3d::Identity(), 0.6, {0.2, 0.09});
@@ -26,8 +26,8 @@ void expect_within_cones(const TaskFile& task, const TaskProblem& problem, const
   }
 }
 
-// The task's nodes are 20 ms apart; on steps of 1 ms, with the solver's feedback at the nodes, the closed loops hold
-// and the beam follows the plan. Torques alone would let the humanoids fall.
+// The task's nodes are 20 ms apart. With steps of 1 ms and the solver's feedback at the nodes, the closed loops remain
+// closed and the beam follows the plan. Torques alone would let the humanoids fall.
 TEST(SimulatedMotion, TwoHumanoidsLiftABeam) {
   const TaskFile task = read_task(kTasks + "two_humanoids_lift_beam.xml");
   TaskProblem problem = make_problem(task);
@@ -39,7 +39,7 @@ TEST(SimulatedMotion, TwoHumanoidsLiftABeam) {
     const SimulatedMotion motion = simulate(task, s, integrator, 20);
     EXPECT_EQ(motion.stopped, StepStatus::kOk);
     EXPECT_LT(motion.position_drift, 1e-6);
-    EXPECT_LT(motion.distance, 0.2);  // velocities among them
+    EXPECT_LT(motion.distance, 0.2);  // including velocities
     double highest = 0;
     for (const Eigen::VectorXd& x : motion.xs) highest = std::max(highest, x[z] - task.scene.q[z]);
     EXPECT_NEAR(highest, 0.2, 0.01);
@@ -50,7 +50,7 @@ TEST(SimulatedMotion, TwoHumanoidsLiftABeam) {
   EXPECT_GT(simulate(task, s, Integrator::kRk4, 5).distance, 1);
 }
 
-// The largest component of x (-) xs at the nodes first ... last, velocities among them.
+// Returns the largest component of x (-) xs at the nodes first ... last, including velocities.
 double distance(const TaskProblem& problem, const TaskSolution& s, const SimulatedMotion& motion, std::size_t first,
                 std::size_t last) {
   double out = 0;
@@ -59,8 +59,8 @@ double distance(const TaskProblem& problem, const TaskSolution& s, const Simulat
   return out;
 }
 
-// Two landings, whose impacts are the plan's, so that the motion follows it right behind them. (Before them feet come
-// down fast: velocities that are late by a step are off by much.) A plan without them lets the feet move on for a
+// Two landings have the plan's impacts, so that the motion follows it right after them. (Before them feet come down
+// fast: velocities that are late by a step have large errors.) A plan without impacts lets the feet move on for a
 // while.
 TEST(SimulatedMotion, AQuadrupedTrots) {
   TaskFile task = read_task(kTasks + "quadruped_trots.xml");

@@ -1,4 +1,4 @@
-// The sparse solver on tasks of several robots: separate ones, and ones that contacts join for a while.
+// The sparse solver has tasks of several robots: separate ones, and ones that contacts couple for a while.
 
 #include "manycontact/control/sparse.hpp"
 
@@ -23,7 +23,7 @@
 namespace manycontact::test {
 namespace {
 
-// Quadrupeds on a circle, each turned its own way. `more`: robots and contacts.
+// Returns quadrupeds on a circle, each rotated its own way. `more`: robots and contacts.
 std::string herd_scene(int robots, const std::string& more = "", const std::string& urdf = kModels + "quadruped.urdf") {
   std::string out = "<scene name='herd'><robot name='herd' urdf='" + urdf +
                     "' base='floating' xyz='0 0 0.3824' copies='" + std::to_string(robots) +
@@ -36,7 +36,7 @@ std::string herd_scene(int robots, const std::string& more = "", const std::stri
   return out + more + "</scene>";
 }
 
-// Terms of all kinds; they hold for every copy.
+// Returns terms of all kinds; they apply to every copy.
 std::string costs(const std::string& swing) {
   return "<cost name='state' type='state' weight='1' robot='herd' weights='" + repeated("0.1", 6) +
          repeated("0.5", 12) + repeated("0.2", 18) +
@@ -62,7 +62,7 @@ TaskFile separate_task(int robots) {
                      "</phase><phase nodes='6' contacts='RF LH RH'>" + costs(kSwing) + "</phase>" + kReachAtTheEnd);
 }
 
-// The first two hold each other in the middle, then let go; the third stands apart.
+// The first two are attached to each other in the middle, then released; the third is separate.
 TaskFile joined_task() {
   return task_of("joined",
                  herd_scene(3,
@@ -74,7 +74,7 @@ TaskFile joined_task() {
                      "</phase><phase nodes='3' contacts='RF LH RH'>" + costs(kSwing) + "</phase>" + kReachAtTheEnd);
 }
 
-// The solutions of the whole scene and by parts.
+// Contains the solutions of the whole scene and by parts.
 struct Both {
   TaskSolution dense, sparse;
 };
@@ -100,10 +100,10 @@ Both expect_dense_iterates(const TaskFile& task, std::size_t parts, TaskSolver o
     SCOPED_TRACE("iteration " + std::to_string(k));
     const TaskIteration &s = sparse.iterations[k], &d = dense.iterations[k];
     EXPECT_NEAR(s.cost, d.cost, 1e-9 * d.cost);
-    if (d.stop < 1e-6) continue;  // the business of rounding
+    if (d.stop < 1e-6) continue;  // rounding decides
     EXPECT_NEAR(s.stop, d.stop, 1e-6 * d.stop);
-    // A half, a quarter, ...; quasi-Newton's are interpolated between costs, of whose differences fewer digits are
-    // left.
+    // Step lengths are a half, a quarter, ...; quasi-Newton's are interpolated between costs, whose differences have
+    // fewer digits.
     EXPECT_NEAR(s.step_length, d.step_length, 1e-3 * d.step_length);
     EXPECT_EQ(s.regularisation, d.regularisation);
     EXPECT_EQ(s.feasible, d.feasible);
@@ -122,7 +122,7 @@ TEST(SparseTask, RobotsThatHoldEachOtherForAWhileTakeTheStepsOfDenseRiccati) {
   expect_dense_iterates(joined_task(), 2);
 }
 
-// A box that falls has no torques: it is a part of its own, whose nodes have no controls.
+// A falling box has no torques: it is a part of its own, whose nodes have no controls.
 TEST(SparseTask, WhatHasNoTorquesMovesToo) {
   const TaskFile task =
       task_of("passive", herd_scene(2, "<robot name='box' urdf='" + kModels + "box.urdf' xyz='5 0 3'/>"),
@@ -155,11 +155,11 @@ TEST(SparseTask, ImpactsOfSeparateRobots) {
                                     "</phase>" + kReachAtTheEnd);
   const Both both = expect_dense_iterates(task, 2);
   EXPECT_EQ(both.sparse.us[5].size(), 0);
-  EXPECT_GT((both.sparse.xs[6] - both.sparse.xs[5]).norm(), 0.1);  // of the two robots' velocities
+  EXPECT_GT((both.sparse.xs[6] - both.sparse.xs[5]).norm(), 0.1);  // the two robots' velocities change
 }
 
-// Torques within limits that a good part of them is at. The box QP of all is that of each; each is solved exactly once
-// its active set is found, so that iterates agree as without limits.
+// Many torques are at their limits. The box QP of all is that of each; each is solved exactly once its active set is
+// found, so that iterates agree as without limits.
 TEST(SparseTask, LimitsOfSeparateRobotsTakeTheStepsOfBoxFDDP) {
   std::ostringstream urdf;
   urdf << std::ifstream(kModels + "quadruped.urdf").rdbuf();
@@ -181,7 +181,7 @@ TEST(SparseTask, LimitsOfSeparateRobotsTakeTheStepsOfBoxFDDP) {
   EXPECT_GT(at_limit, 10);
 }
 
-// A centre of mass held exactly in y, between bounds in x, in the end; torques of 20 Nm at most on the way, which bind.
+// At the end a centre of mass is exact in y and bounded in x; on the way torques are at most 20 Nm, which binds.
 // Penalties are common to all robots.
 TEST(SparseTask, ConstraintsOfSeparateRobotsTakeTheStepsOfTheWholeScene) {
   const std::string on_the_way = "<constraint name='weak' type='control' robot='herd' lower='" + repeated("-20", 12) +
@@ -203,12 +203,12 @@ TEST(SparseTask, ConstraintsOfSeparateRobotsTakeTheStepsOfTheWholeScene) {
     double most = 0;
     for (const Eigen::VectorXd& u : sparse.us) most = std::max(most, u.lpNorm<Eigen::Infinity>());
     EXPECT_NEAR(most, 20, 1e-8);
-    ASSERT_EQ(sparse.violations.size(), 3u);  // by the names that they have in the whole scene: com0, com1, weak
+    ASSERT_EQ(sparse.violations.size(), 3u);  // named as in the whole scene: com0, com1, weak
     for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(sparse.violations[k].constraint, dense.violations[k].constraint);
   }
 }
 
-// Steps k and gains K at one candidate with gaps.
+// Expects the same steps k and gains K at one candidate with gaps.
 void expect_dense_direction(const TaskFile& task) {
   const TaskProblem whole = make_problem(task, TaskSolver::kFddp), by_parts = make_problem(task, TaskSolver::kSparse);
   SolverFDDP dense(whole.problem);
@@ -282,7 +282,7 @@ TEST(SparseTask, ForcesAreThoseOfTheWholeScene) {
   }
 }
 
-// Numbers that nodes hold in matrices.
+// Returns the count of numbers that nodes store in matrices.
 Eigen::Index numbers_of(const ActionDataAbstract& d) {
   Eigen::Index count = d.Fx.size() + d.Fu.size() + d.Lxx.size() + d.Lxu.size() + d.Luu.size();
   if (const auto* euler = dynamic_cast<const IntegratedActionDataEuler*>(&d)) {
@@ -321,7 +321,7 @@ TEST(SparseTask, GivesTheSameBitsForAnyNumberOfThreads) {
   }
 }
 
-// A receding horizon: the parts stay, and the numbers are those of a solver made for the shifted nodes.
+// On a receding horizon the parts stay, and the numbers are those of a solver made for the shifted nodes.
 TEST(SparseTask, PartsFollowAHorizonThatMoves) {
   const TaskFile task = separate_task(2);
   const TaskProblem moved = make_problem(task, TaskSolver::kSparse);
@@ -329,7 +329,7 @@ TEST(SparseTask, PartsFollowAHorizonThatMoves) {
   (void)solver.solve(moved.xs, moved.us, 2);
   const std::vector<const Direction*> parts = {solver.directions()[0].get(), solver.directions()[1].get()};
   std::vector<Eigen::VectorXd> us = moved.us;
-  for (int shift = 0; shift < 5; ++shift) {  // phases end and begin: the first four nodes stand on another foot
+  for (int shift = 0; shift < 5; ++shift) {  // phases end and begin: the first four nodes have another foot down
     ShootingProblem& horizon = *moved.problem;
     horizon.circularAppend(horizon.get_runningModels()[0], horizon.get_runningDatas()[0]);
     std::rotate(us.begin(), us.begin() + 1, us.end());

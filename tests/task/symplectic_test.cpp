@@ -1,4 +1,4 @@
-// Tasks whose nodes are simulate's steps: by every solver, in parts and whole, the plan is what `step` makes of it.
+// The nodes of tasks are simulate's steps: with every solver, in parts and whole, `step` reproduces the plan.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 namespace manycontact::test {
 namespace {
 
-// A body that carries a wheel, turned by a motor, and throws itself about.
+// A free body has an arm that a motor rotates.
 const char* const kDiver =
     "<robot name='diver'><link name='body'><inertial><origin xyz='0 0.05 0.1'/><mass value='2'/>"
     "<inertia ixx='0.05' iyy='0.08' izz='0.02' ixy='0' ixz='0.01' iyz='0'/></inertial></link>"
@@ -74,7 +74,7 @@ TEST_P(SymplecticTasks, ArePlansOfSteps) {
 
 INSTANTIATE_TEST_SUITE_P(By, SymplecticTasks, testing::Values("fddp", "box-fddp", "sparse", "auto"));
 
-// A plan in flight keeps its momentum across gravity; one by euler does not.
+// A plan in flight conserves its momentum across gravity; one with euler does not.
 TEST(SymplecticFlights, KeepMomentum) {
   TaskFile task = diving("fddp", 1, false);
   const Scene& scene = task.scene.scene;

@@ -1,5 +1,5 @@
 #pragma once
-// Tasks given as text.
+// Reads tasks given as text.
 
 #include "manycontact/io/task_file.hpp"
 #include "support/folder.hpp"
@@ -8,14 +8,14 @@ namespace manycontact::test {
 
 inline const std::string kTasks = MANYCONTACT_SOURCE_DIR "/models/tasks/";
 
-/// "0.1 0.1 0.1 ", for a number per coordinate.
+/// Returns "0.1 0.1 0.1 ", a number per coordinate.
 inline std::string repeated(const std::string& number, int count) {
   std::string out;
   for (int i = 0; i < count; ++i) out += number + " ";
   return out;
 }
 
-/// A task of steps of 10 ms, `task` between its tags, on a scene; their files are gone afterwards.
+/// Reads a task with steps of 10 ms, `task` between its tags, on a scene; their files are removed afterwards.
 inline TaskFile task_of(const std::string& name, const std::string& scene, const std::string& task,
                         const std::string& integrator = "euler") {
   const TemporaryFolder folder;

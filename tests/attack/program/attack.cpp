@@ -1,6 +1,6 @@
-// usage: attack SECONDS FIRST_SEED FOLDER [--auto] [DIMENSION...]   random cases for that long from that seed on; what
-// is found is shrunk and kept in FOLDER, one folder a fault. Exit 1 where anything was found. --auto: of the methods
-// only auto, in every precision.
+// usage: attack SECONDS FIRST_SEED FOLDER [--auto] [DIMENSION...] runs random cases for SECONDS from FIRST_SEED on.
+// Faults are shrunk and kept in FOLDER, one folder a fault. Exit 1 if a fault was found. --auto uses only the method
+// auto, in every precision.
 
 #include <chrono>
 #include <cstdio>
@@ -21,10 +21,10 @@ struct Tally {
   std::map<std::string, int> faults;
 };
 
-// The smallest case found of a fault, with what was found and how to see it again.
+// Keeps the smallest case of a fault, with the finding and the command to reproduce it.
 void keep(const Case& c, const Finding& finding, const std::string& folder) {
   test::TemporaryFolder scratch;
-  const std::size_t in = finding.method.find(" in ");  // a precision: every judgement contains these
+  const std::size_t in = finding.method.find(" in ");  // a precision: every judgement covers all of them
   std::vector<Method> methods;
   if (const auto method = method_from_string(finding.method)) methods.push_back(*method);
   const auto same = [&](const Case& smaller) {
@@ -59,7 +59,7 @@ int attack(double seconds, std::uint64_t first, const std::string& folder, std::
       ++tally.faults[to_string(f.fault)];
       std::printf("%s: %s %s: %s\n", c.name.c_str(), f.method.c_str(), to_string(f.fault).c_str(), f.text.c_str());
     }
-    constexpr int kKept = 5;  // of a kind: more teach nothing new
+    constexpr int kKept = 5;  // per kind: more add nothing
     if (!j.findings.empty() && kept[to_string(j.findings.front().fault)]++ < kKept)
       keep(c, j.findings.front(), folder + "/" + to_string(j.findings.front().fault) + "-" + std::to_string(seed));
   }
