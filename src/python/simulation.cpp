@@ -153,6 +153,8 @@ void add_steps(py::module_& m) {
       .def_property_readonly(
           "steps", [](const Simulation& s) { return s.at_rest().steps; }, "Number of completed steps.")
       .def_property_readonly(
+          "solves", [](const Simulation& s) { return s.at_rest().solves; }, "Number of solves of all steps.")
+      .def_property_readonly(
           "time", [](const Simulation& s) { return s.at_rest().time(); }, "Time since the start [s].")
       .def_property_readonly(
           "h", [](const Simulation& s) { return s.at_rest().h; }, "Step size [s].")

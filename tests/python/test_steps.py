@@ -27,6 +27,7 @@ def test_pd_laws_and_work(standing):
     assert simulation.pd_torque == pytest.approx(right, abs=1e-8)
     assert simulation.work.pd == pytest.approx(H * right @ (v_before + v) / 2, abs=1e-9)
     assert simulation.work.dampers == simulation.work.friction == simulation.work.springs == 0
+    assert simulation.solves >= simulation.steps == 1
     with pytest.raises(ValueError, match="pd"):
         simulation.pd = mc.PdLaws(np.ones(2), np.ones(2), np.ones(2), np.ones(2))
         mc.step(scene, standing.u, simulation)
