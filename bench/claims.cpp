@@ -1,4 +1,4 @@
-// The claims, and the ratios that they are judged by.
+// Contains the claims, and the ratios that they are judged by.
 
 #include "claims.hpp"
 
@@ -84,7 +84,7 @@ constexpr Claim kClaims[] = {
      "batch/vjp/separate/1/threads:1/real_time", 1, "<= 0.55"},
 };
 
-// Times over the number of robots.
+// Times are divided by the number of robots.
 struct Growth {
   const char *what, *before, *after, *wanted;
 };

@@ -3,7 +3,7 @@
 
 namespace manycontact::bench {
 
-/// The ratios that claims are judged by: times of one run on one machine, divided. Those whose times are there.
+/// Prints the ratios of claims: times of one run on one machine, divided, if these times exist.
 void print_claims(const Run& run);
 
 }  // namespace manycontact::bench

@@ -1,5 +1,5 @@
 #pragma once
-// Exponents: t ~ size^p, p by least squares of log t over log size.
+// Exponents are p in t ~ size^p, from least squares of log t over log size.
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-// Robots of one model in SIMD lanes, at each level of instructions that runs here: N of the measured one, separate.
+// Robots of one model are timed in SIMD batches, at each level of instructions here: N of the measured one, separate.
 
 #include <benchmark/benchmark.h>
 

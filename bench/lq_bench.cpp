@@ -1,5 +1,5 @@
-// Directions of linear-quadratic problems of humanoids' sizes: factorize, and solve with its judgement. Exponents in
-// the number of robots: fit the times of lq/separate and lq/chain; lq/dense grows with its cube.
+// Directions of linear-quadratic problems of humanoids' sizes are timed: factorize, and solve with its error check.
+// Exponents in the number of robots are fitted to lq/separate and lq/chain; lq/dense grows with its cube.
 
 #include <benchmark/benchmark.h>
 
@@ -81,7 +81,7 @@ const Registration registered([] {
       solve(s, solver, chain(robots, 50));
     });
   }
-  // Five knots of the dense recursion: ten times as long for the horizon of the others.
+  // Five knots of the dense recursion take a tenth of the time of the others' horizon.
   for (const int robots : {1, 2, 4, 8, 16}) {
     if (settings().quick && robots != 16) continue;
     add("lq/dense_5_knots/" + std::to_string(robots) + "/factorize", [=](benchmark::State& s) {

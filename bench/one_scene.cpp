@@ -1,4 +1,4 @@
-// One task of a program on a scene file, for bench/collection/chart.py.
+// Runs one task of a program on a scene file, for bench/collection/chart.py.
 
 #include <algorithm>
 #include <chrono>
@@ -31,7 +31,7 @@ double median_time(Loaded& loaded) {
   return times[times.size() / 2];
 }
 
-// Empty, or what no peer is given.
+// Returns an empty string, or a feature that no peer receives.
 std::string beyond_peers(const Scene& scene) {
   if (!scene.pushes.empty() || !scene.springs.empty() || !scene.joint_springs.empty()) return "pushes or springs";
   if (scene.damping != 0) return "a damping";

@@ -1,5 +1,5 @@
-// The parts of one solve, on one robot with both feet held in 6D. `ldl_numeric` is SuiteSparse's, plain, on the same K:
-// the unit that ratios are quoted in.
+// The parts of one solve are timed on one robot with both feet fixed in 6D. `ldl_numeric` is SuiteSparse's, plain, on
+// the same K: it is the unit of quoted ratios.
 
 #include <benchmark/benchmark.h>
 
@@ -19,7 +19,7 @@
 namespace manycontact::bench {
 namespace {
 
-// One robot after a solve, and memory of the parts' own.
+// Contains one robot after a solve, and memory of the parts' own.
 struct Fixture {
   Posed s;
   SceneData data;
@@ -144,7 +144,7 @@ void rnea_derivatives_whole(benchmark::State& state, Fixture& f) {
   }
 }
 
-// All derivatives, after a solve.
+// Times all derivatives, after a solve.
 void differentiate_whole(benchmark::State& state, Fixture& f) {
   (void)solve(f.s.scene, f.s.q, f.s.v, f.s.u, f.data);
   for (auto _ : state) benchmark::DoNotOptimize(differentiate(f.s.scene, f.data));

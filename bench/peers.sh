@@ -14,7 +14,7 @@ prefix=$out/prefix jobs=${JOBS:-$(nproc)}
 
 say() { printf '==> %s\n' "$*" >&2; }
 
-# Options of each peer: its library alone.
+# These options of each peer build its library alone.
 # MuJoCo links by lld where that is installed, which makes an empty library of what GCC leaves for link-time optimisation.
 mujoco=(-DCMAKE_INTERPROCEDURAL_OPTIMIZATION=OFF -DMUJOCO_BUILD_EXAMPLES=OFF -DMUJOCO_BUILD_SIMULATE=OFF
         -DMUJOCO_BUILD_TESTS=OFF -DMUJOCO_TEST_PYTHON_UTIL=OFF)

@@ -1,4 +1,4 @@
-// Solves in every precision: of robots alone, and of robots in a ring. The label names the precision that was used.
+// Solves are timed in every precision, with separate robots and in a ring. The label names the precision that was used.
 
 #include <benchmark/benchmark.h>
 

@@ -24,7 +24,7 @@ ROUNDS, CALLS = 10, 200
 
 
 def program_times(scene):
-    """Medians of solve and of derivatives."""
+    """Returns medians of solve and of derivatives."""
     with tempfile.TemporaryDirectory() as folder:
         out = folder + "/out.json"
         program = str(ROOT / "build/release/bin/manycontact")
@@ -35,7 +35,7 @@ def program_times(scene):
 
 
 def shortest(call):
-    """Of single calls, less the clock's own."""
+    """Returns medians of single calls, minus the clock's own time."""
     best = clock = float("inf")
     for _ in range(CALLS):
         start = time.perf_counter_ns()

@@ -1,5 +1,5 @@
 #pragma once
-// What was measured: one Run per program, kept as JSON and as CSV.
+// Measurements are one Run per program, stored as JSON and as CSV.
 
 #include <map>
 #include <string>
@@ -20,10 +20,10 @@ struct Run {
   std::vector<Result> results;
 };
 
-/// The result called `name`, or null.
+/// Returns the result called `name`, or null.
 const Result* find(const Run& run, const std::string& name);
 
-/// Throw std::runtime_error, read_runs also for a file that is not a list of runs.
+/// Throws std::runtime_error; read_runs throws it also for a file that is not a list of runs.
 void write_runs(const std::vector<Run>& runs, const std::string& path);
 std::vector<Run> read_runs(const std::string& path);
 void write_csv(const std::vector<Run>& runs, const std::string& path);
@@ -34,7 +34,7 @@ struct Point {
   const Result* result;
 };
 std::vector<Point> series(const Run& run, const std::string& scene, const std::string& task);
-/// The tasks that a run has on a kind of scene, in the order measured.
+/// Returns the tasks that a run has on a kind of scene, in the order measured.
 std::vector<std::string> tasks(const Run& run, const std::string& scene);
 
 }  // namespace manycontact::bench

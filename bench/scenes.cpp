@@ -25,7 +25,7 @@ std::string robot_file() {
   return settings().robot.empty() ? std::string(kModels) + "humanoid.urdf" : settings().robot;
 }
 
-// Places of the frames in the base, at the neutral configuration.
+// Returns places of the frames in the base, at the neutral configuration.
 std::vector<Vec3<double>> frame_places(const Model& model) {
   Kinematics<double> kin(model);
   forward_kinematics<double>(model, {}, neutral(model), kin);
@@ -35,7 +35,7 @@ std::vector<Vec3<double>> frame_places(const Model& model) {
   return places;
 }
 
-// The frame of most `score` among those left (y > 0) or right of the base; the last of equals, the deepest in the tree.
+// Returns the frame of largest `score` among those left (y > 0) or right of the base; of equals the last, the deepest.
 template <class Score>
 std::string best_frame(const Model& model, bool left, const Score& score) {
   const std::vector<Vec3<double>> places = frame_places(model);
@@ -87,8 +87,8 @@ void hold(Scene& scene, int robot, const std::string& frame, ContactType type, c
   add_contact(scene, c);
 }
 
-// The velocity nearest to v, in kinetic energy, that the contacts allow: M v' + J^T l = M v, J v' = 0, which are the
-// accelerations of the scene at rest, without weight, pushed by M v.
+// Returns the velocity nearest to v, in kinetic energy, that the contacts allow: M v' + J^T l = M v, J v' = 0. These
+// are the accelerations of the scene at rest, without weight, under the forces M v.
 Eigen::VectorXd allowed(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
   Scene massless = scene;
   massless.gravity.setZero();
@@ -110,7 +110,7 @@ Eigen::VectorXd allowed(const Scene& scene, const Eigen::VectorXd& q, const Eige
 
 using Bends = std::map<std::string, double>;  // by the end of a joint's name
 
-// Bent, and off the symmetric posture, each robot by the same noise.
+// Bends the joints off the symmetric configuration, each robot with the same noise.
 Posed posed(Scene scene, const Bends& bends) {
   Posed s;
   s.scene = std::move(scene);
@@ -183,7 +183,7 @@ Posed on_points(int points) {
   Scene scene;
   add_in_circle(scene, m.model, 1);
   for (int k = 0; k < points; ++k) {
-    const double angle = 2.4 * (k / 2);  // never twice the same
+    const double angle = 2.4 * (k / 2);  // each one is different
     hold(scene, 0, m.feet[k % 2], ContactType::k3D, {{}, {0.1 * std::cos(angle), 0.05 * std::sin(angle), 0}});
   }
   return posed(std::move(scene), {{"_knee", 0.5}});
@@ -200,7 +200,7 @@ void add_box(Scene& scene, double x, double y, double z) {
   add_robot(scene, "b" + std::to_string(scene.nrobots()), box, {Mat3<double>::Identity(), {x, y, z}});
 }
 
-// A point or frame of a box, held by another or by the world (to < 0).
+// Attaches a point or frame of a box to another box, or to the world (to < 0).
 void join(Scene& scene, int box, int to, ContactType type, const Vec3<double>& at) {
   const auto name = [&scene](int k) { return scene.robots[static_cast<std::size_t>(k)].name; };
   Contact c;

@@ -1,5 +1,5 @@
 #pragma once
-// What `./run bench` was asked for.
+// These are the settings of `./run bench`.
 
 #include <string>
 #include <vector>
@@ -8,18 +8,18 @@ namespace manycontact::bench {
 
 struct Settings {
   std::string robot;               // URDF file; empty: models/humanoid.urdf
-  std::vector<std::string> feet;   // two frames held in the world; empty: the lowest of the left and of the right
+  std::vector<std::string> feet;   // two frames fixed to the world; empty: the lowest of the left and of the right
   std::vector<std::string> hands;  // two frames by which a ring is closed; empty: farthest to the left and to the right
   bool quick = false;              // fewer sizes, shorter
   std::string out;                 // JSON file of the results; empty: none
   std::string scene, task;         // one scene's file and the task on it, with its dials; empty: the benchmarks
 };
 
-/// Takes its own options out of argv (--robot, --feet, --hands, --quick, --out, --scene, --task); the rest is Google Benchmark's.
-/// Throws std::invalid_argument.
+/// Removes its own options from argv (--robot, --feet, --hands, --quick, --out, --scene, --task); the rest is Google
+/// Benchmark's. Throws std::invalid_argument.
 Settings parse(int& argc, char** argv);
 
-/// What main was given.
+/// Returns the settings that main received.
 Settings& settings();
 
 /// Registers benchmarks after the command line was read.

@@ -1,4 +1,4 @@
-// Whole solves, derivatives and products with them: N robots, separate or hand in hand in a ring, every method.
+// Whole solves, derivatives and products are timed: N robots, separate or hand in hand in a ring, every method.
 
 #include <benchmark/benchmark.h>
 
@@ -23,8 +23,8 @@ void solve_scene(benchmark::State& state, int robots, bool hand_in_hand, Method 
   state.counters["status"] = static_cast<double>(data.report.status);
 }
 
-// One contact of a herd of quadrupeds lifted and set down again before a solve, a different one each time: contact sets
-// that were met before. Against solves of the whole herd.
+// One contact of a herd of quadrupeds is switched off and on again before a solve, a different one each time: these
+// contact sets were solved before. The reference is a solve of the whole herd.
 void switch_contact(benchmark::State& state, int robots, bool switched) {
   const Posed s = herd(robots);
   SceneData data(s.scene);
@@ -34,11 +34,11 @@ void switch_contact(benchmark::State& state, int robots, bool switched) {
     benchmark::DoNotOptimize(solve(s.scene, s.q, s.v, s.u, data));
     if (data.active[c]) c = (c + robots + 1) % data.active.size();  // another robot's other foot
   };
-  for (int k = 0; k < 20; ++k) toggle_and_solve();  // every foot was lifted by one of them
+  for (int k = 0; k < 20; ++k) toggle_and_solve();  // each foot was lifted in one of them
   for (auto _ : state) toggle_and_solve();
 }
 
-// Derivatives after a solve.
+// Times derivatives after a solve.
 void differentiate_scene(benchmark::State& state, int robots, bool hand_in_hand, Method method) {
   const Posed s = bench::robots(robots, hand_in_hand);
   SceneData data(s.scene, {method, {}});
@@ -64,7 +64,7 @@ void products_scene(benchmark::State& state, int robots, bool hand_in_hand, bool
   }
 }
 
-// What dense-schur cannot do without, by plain Eigen on matrices of its sizes: LLT of M, L^-1 J^T, S, LLT of S.
+// The work that dense-schur needs is timed in plain Eigen with its sizes: LLT of M, L^-1 J^T, S, LLT of S.
 void eigen_factors(benchmark::State& state, int robots) {
   const Posed s = bench::robots(robots);
   SceneData data(s.scene, {Method::kDenseSchur, {}});

@@ -1,4 +1,4 @@
-// A folder includes only strictly lower floors, or its own; and what one floor alone may see stays there.
+// A folder includes only its own layer and strictly lower ones; some headers are private to one layer.
 
 #include <gtest/gtest.h>
 
@@ -46,9 +46,8 @@ const std::vector<Guarded> guarded = {
      std::regex("include/manycontact/spatial/scalar\\.hpp|(.*/)?quad\\.hpp")},
 };
 
-// The floor of a file, by its path from the top of the repository: "kkt" for src/kkt/assemble.cpp. The umbrella
-// include/manycontact/action.hpp is part of "action"; include/manycontact/manycontact.hpp stands above all but the
-// program.
+// Returns the layer of a file from its path in the repository: "kkt" for src/kkt/assemble.cpp. The umbrella
+// include/manycontact/action.hpp is part of "action"; include/manycontact/manycontact.hpp is above all but the program.
 std::optional<std::string> floor_of(const std::string& file) {
   static const std::regex place(
       "(?:(?:include|src/private|sparse/private)/manycontact|src)/(\\w+)(?:/.*|\\.hpp)|(sparse)/src/.*");
@@ -59,7 +58,7 @@ std::optional<std::string> floor_of(const std::string& file) {
   return name;
 }
 
-// The file of ours that `header` means when `file` includes it, from the top of the repository.
+// Returns our file that `header` means when `file` includes it, from the top of the repository.
 std::optional<std::string> own_target(const std::string& file, const std::string& header, bool quoted) {
   if (header.starts_with("manycontact/")) return "include/" + header;
   if (!quoted) return std::nullopt;
@@ -67,7 +66,7 @@ std::optional<std::string> own_target(const std::string& file, const std::string
   return (fs::path(file).parent_path() / header).lexically_normal().generic_string();
 }
 
-// What is wrong with `file` including `header`; empty when nothing is.
+// Returns what is wrong with `file` including `header`; empty if nothing is.
 std::string complaint(const std::string& file, const std::string& header, bool quoted) {
   for (const Guarded& guard : guarded)
     if (std::regex_match(header, guard.header))
@@ -83,7 +82,7 @@ std::string complaint(const std::string& file, const std::string& header, bool q
   return "includes " + header + ": from " + *from + " " + direction + " to " + *to;
 }
 
-// Every complaint about one file, as "file:line: what".
+// Returns every complaint about one file, as "file:line: what".
 std::vector<std::string> check_file(const std::string& file, std::istream& text) {
   if (!floor_of(file)) return {file + ":1: stands on no floor"};
   static const std::regex include(R"(^\s*#\s*include\s*([<"])([^>"]+)[>"].*)");
@@ -129,7 +128,7 @@ TEST(Layering, EveryIncludeGoesDown) {
   }
 }
 
-// The headers of ours that `file` includes, from the top of the repository.
+// Returns our headers that `file` includes, from the top of the repository.
 std::vector<std::string> own_headers(const std::string& file) {
   static const std::regex include(R"(^\s*#\s*include\s*"(manycontact/[^"]+)\".*)");
   std::ifstream text(fs::path(MANYCONTACT_SOURCE_DIR) / file);
@@ -140,7 +139,7 @@ std::vector<std::string> own_headers(const std::string& file) {
   return headers;
 }
 
-// By name, where each installed header is. abi.hpp and version.hpp, which the build writes, are installed too.
+// Returns the place of each installed header. abi.hpp and version.hpp, which the build writes, are installed too.
 std::map<std::string, std::string> installed_headers() {
   const fs::path top = MANYCONTACT_SOURCE_DIR;
   std::map<std::string, std::string> files;
@@ -151,7 +150,7 @@ std::map<std::string, std::string> installed_headers() {
   return files;
 }
 
-// What is installed stands alone: it includes nothing of src/private and sparse/private.
+// Installed headers are self-contained: they include nothing of src/private and sparse/private.
 TEST(Layering, InstalledHeadersIncludeInstalledHeaders) {
   const auto installed = installed_headers();
   for (const auto& [name, file] : installed)
@@ -160,7 +159,7 @@ TEST(Layering, InstalledHeadersIncludeInstalledHeaders) {
           << file << " includes " << header;
 }
 
-// tests/installed_headers.txt lists what is installed; a star stands before what manycontact.hpp brings.
+// tests/installed_headers.txt lists the installed headers; a star marks those that manycontact.hpp includes.
 TEST(Layering, WhatIsInstalledIsListed) {
   const auto installed = installed_headers();
   std::set<std::string> brought;
@@ -191,7 +190,7 @@ TEST(Layering, CheckerNamesFileAndLineOfABadInclude) {
                 "src/kkt/assemble.cpp:5: includes cholmod.h: SuiteSparse belongs to the sources of sparse"}));
 }
 
-// Whether header `file`, or one of ours that it includes, includes manycontact/abi.hpp.
+// Returns whether header `file`, or one of ours that it includes, includes manycontact/abi.hpp.
 bool reaches_abi(const fs::path& top, const std::string& file) {
   for (const std::string& header : own_headers(file)) {
     if (header == "manycontact/abi.hpp") return true;
@@ -200,7 +199,7 @@ bool reaches_abi(const fs::path& top, const std::string& file) {
   return false;
 }
 
-// A program whose flags make other matrices of Eigen's than the library's is refused, whichever header it includes.
+// A program whose flags change Eigen's matrices relative to the library's is refused, whichever header it includes.
 TEST(Layering, HeadersWithEigenIncludeTheGuardOfItsFlags) {
   const fs::path top = MANYCONTACT_SOURCE_DIR;
   int with_eigen = 0;
@@ -249,10 +248,10 @@ TEST(Layering, CheckerRefusesBadIncludes) {
       {"src/action/action.cpp", "\"manycontact/simulation/integrate.hpp\""},  // sideways
       {"src/simulation/step.cpp", "\"manycontact/manycontact.hpp\""},         // up to an umbrella
       {"src/io/scene_file.cpp", "\"manycontact/kkt/assemble.hpp\""},
-      {"src/io/scene_file.cpp", "\"manycontact/dynamics/quasi_static.hpp\""},  // io runs no solver
+      {"src/io/scene_file.cpp", "\"manycontact/dynamics/quasi_static.hpp\""},  // io uses no solver
       {"src/model/scene.cpp", "\"manycontact/nowhere/scene.hpp\""},            // nowhere
       {"src/nowhere/scene.cpp", "<vector>"},
-      {"src/kkt/assemble.cpp", "<suitesparse/ldl.h>"},  // what belongs to one floor
+      {"src/kkt/assemble.cpp", "<suitesparse/ldl.h>"},  // headers private to one layer
       {"src/kkt/assemble.cpp", "<Eigen/CholmodSupport>"},
       {"sparse/private/manycontact/sparse/ldl.hpp", "<cholmod.h>"},
       {"src/cli/main.cpp", "<urdf_model/model.h>"},
@@ -267,7 +266,7 @@ TEST(Layering, CheckerRefusesBadIncludes) {
     EXPECT_EQ(check_text(file, "#include " + header).size(), 1u) << file << " includes " << header;
 }
 
-// Classes and structures of a header, declared at the level of its namespace.
+// Returns classes and structures of a header, declared at the level of its namespace.
 std::vector<std::string> classes_of(const fs::path& header) {
   static const std::regex declared(R"(^(?:class|struct) (\w+)(?: final)?(?: :.*| \{.*)?$)");
   std::ifstream text(header);

@@ -53,7 +53,7 @@ def lines():
 
 
 def damped_scene(scene, damping, folder):
-    """The scene with another damping, its robots' files by their whole paths."""
+    """Returns the scene with another damping, its robots' files with absolute paths."""
     text = scene.read_text()
     text = re.sub(r'urdf="([^"]+)"', lambda m: f'urdf="{(scene.parent / m[1]).resolve()}"', text)
     if damping is not None:
@@ -64,7 +64,7 @@ def damped_scene(scene, damping, folder):
 
 
 def export(program, scene, folder):
-    """The system of the scene's first island, and the number of its islands."""
+    """Returns the system of the scene's first island, and the number of its islands."""
     damped_scene(scene, None, folder)
     done = subprocess.run([program, "export", "scene.xml", "--out", ".", "--truth"], cwd=folder, text=True, capture_output=True)
     if done.returncode:

@@ -36,7 +36,7 @@ def points(side, offsets):
 
 
 def near(distance):
-    """Three points of each sole that fix it, so close together that their rows all but depend on each other."""
+    """Returns three points of each sole that fix it, so close together that their rows are nearly dependent."""
     row = '<contact name="{0}_{1}" type="{2}" frame="h/{0}_sole" offset="{3}"/>'
     held = (("3d", "0 0 0"), ("2d", f"0 {distance} 0"), ('1d" axis="0 0 1', f"{distance} 0 0"))
     return humanoid() + "\n  ".join(row.format(s, k, *rows) for s in ("left", "right") for k, rows in enumerate(held))
@@ -49,7 +49,7 @@ def ring(copies):
 
 
 def wall(boxes):
-    """Boxes in a square, each held to its neighbours on four points: rows depend on each other around loops."""
+    """Returns boxes in a square, each attached to its neighbours at four points: rows depend on each other around loops."""
     body, links = [], []
     for k in range(boxes * boxes):
         x, z = k % boxes, k // boxes
@@ -146,7 +146,7 @@ SYSTEMS = {
 
 
 def write_scene(folder, name, inside, attributes, files):
-    """scene.xml in the folder; robots of models/ by their way from there."""
+    """Writes scene.xml in the folder, with relative paths to robots of models/."""
     folder.mkdir(parents=True, exist_ok=True)
     models = os.path.relpath(TOP / "models", folder)
     for model in ("humanoid.urdf", "box.urdf"):

@@ -22,7 +22,7 @@ import run
 from matplotlib import ticker
 from matplotlib.transforms import Bbox
 
-# scene: (what a reader needs to know of it, what is in it)
+# scene: (explanation for the reader, contents)
 PANELS = {
     "humanoid": ("One humanoid on both feet\n38 velocities, 12 constraint rows", make.SYSTEMS["humanoid"][2]),
     "ring_8": ("8 humanoids hand in hand in a ring\n304 velocities, 144 constraint rows", make.ring(8)),
@@ -30,9 +30,9 @@ PANELS = {
     "points_100nm": ("One humanoid on points 0.1 µm apart\ncondition of K: 2e15", make.SYSTEMS["points_100nm"][2]),
 }
 BLACK, BLUE, ORANGE, GREEN, PURPLE, PINK, BROWN = "black", "#0072B2", "#D55E00", "#009E73", "#882255", "#CC6699", "#8C6D31"
-CONSISTENT = 'consistent="true"'  # velocities that the contacts allow: peers damp others
+CONSISTENT = 'consistent="true"'  # peers damp velocities that the contacts do not allow
 MUS = ("0", "1e-12", "1e-10", "1e-8", "1e-6", "1e-4")
-# line: (colour, marker, [(label of the point, solver, damping of the scene)]); open markers: K is given, and only solved
+# line: (colour, marker, [(label of the point, solver, damping of the scene)]); open markers: only solves with the given K
 LINES = {
     "manycontact": (BLACK, "*", [(p, f"manycontact:{p}", None) for p in run.PRECISIONS]),
     "manycontact, damped": (BLACK, ".", [(d, "manycontact", d) for d in chart.DAMPINGS]),
@@ -64,7 +64,7 @@ def points_of(table, name, line):
 
 
 class Labels:
-    """Labels beside their points, each where it covers least of markers, of other labels and of what is outside."""
+    """Places labels next to their points, each where it covers markers, other labels and the outside least."""
 
     PLACES = [(dx, dy) for reach in (10, 16, 26) for dx, dy in ((reach, 0), (-reach, 0), (0, reach), (0, -reach), (reach, reach), (reach, -reach),
                                                                 (-reach, reach), (-reach, -reach))]
@@ -140,7 +140,7 @@ def label_panel(axes, table, name):
 
 
 OF_SCENE = ("manycontact", "manycontact, damped", "Pinocchio constraintDynamics", "Pinocchio constrainedABA", "MuJoCo")
-# Lines that name their first and last point.
+# These lines name their first and last point.
 ENDS = {
     "manycontact, damped": "damping {}",
     "our LDL of K damped by 1e-5, refined": "{} refinements",

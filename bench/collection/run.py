@@ -34,26 +34,26 @@ SHOWN = ("humanoid", "two_humanoids")  # before others of their kind
 KINDS = ("small", "hostile", "large")
 OURS = ("manycontact", "manycontact:dense")
 PRECISIONS = ("single", "mixed", "double", "extended")
-DENSE = 2500  # unknowns, above which dense methods are not run
-AT_REST = 1e-4  # accelerations below this part of those without contacts count as none
+DENSE = 2500  # number of unknowns above which dense methods are not run
+AT_REST = 1e-4  # accelerations below this part of those without contacts are zero
 
 
 def read_matrix(path):
-    """(rows, columns, values, shape) of a coordinate file; an array file as a vector of long doubles."""
+    """Returns (rows, columns, values, shape) of a coordinate file; of an array file a vector of long doubles."""
     with open(path) as file:
         kind = file.readline().split()
         while (line := file.readline()).startswith("%"):
             pass
         sizes = [int(n) for n in line.split()]
         words = file.read().split()
-    if kind[2] == "array":  # 17 digits are a double, which they name but do not equal
+    if kind[2] == "array":  # 17 digits identify a double but do not equal it
         return np.array([np.longdouble(w) if len(w) > 30 else np.longdouble(float(w)) for w in words])
     table = np.array(words, dtype=float).reshape(sizes[2], 3)
     return table[:, 0].astype(int) - 1, table[:, 1].astype(int) - 1, table[:, 2].astype(np.longdouble), sizes[0]
 
 
 class System:
-    """A system of the collection: K, b, and x where it is known; products in extended precision."""
+    """A system of the collection: K, b, and x if it is known; products are in extended precision."""
 
     def __init__(self, folder, name, kind="small", what=""):
         self.folder, self.name, self.kind, self.what = folder, name, kind, what
@@ -76,14 +76,14 @@ class System:
         return out
 
     def forces_on_joints(self, x):
-        """J^T f, which is unique where f is not."""
+        """Returns J^T f, which is unique even if f is not."""
         rows = (self.i >= self.nv) & (self.j < self.nv)
         out = np.zeros(self.nv, dtype=np.longdouble)
         np.add.at(out, self.j[rows], self.values[rows] * x[self.i[rows]])
         return out
 
     def free(self):
-        """The accelerations without contacts, M^-1 (tau - h), as a scale."""
+        """Returns the accelerations without contacts, M^-1 (tau - h), as a scale."""
         M = np.zeros((self.nv, self.nv))
         inside = (self.i < self.nv) & (self.j < self.nv)
         M[self.i[inside], self.j[inside]] = M[self.j[inside], self.i[inside]] = self.values[inside].astype(float)
@@ -131,7 +131,7 @@ def forward_errors(system, x, truth):
 
 
 def by_manycontact(program, method, system, _):
-    """x and the time of one solve of the scene: kinematics, K, its factor, refinement. `method` may be a precision."""
+    """Returns x and the time of one solve of the scene: kinematics, K, its factor, refinement. `method` may be a precision."""
     if method.startswith("dense") and system.n > DENSE:
         raise RuntimeError(f"larger than {DENSE} unknowns")
     command = [program, "solve", "scene.xml", "--json", "-", "--repeat", str(20 if system.n > 500 else 200)] + (["--precision" if method in PRECISIONS else "--method", method] if method else [])
@@ -151,7 +151,7 @@ def by_manycontact(program, method, system, _):
 
 
 def by_peer(bin, word, system, folder):
-    """The accelerations of another program on the scene, and the time of one call of it."""
+    """Returns another program's accelerations on the scene, and the time of one call of it."""
     _, program, task = word.split(":", 2)
     out = pathlib.Path(folder) / "a.txt"
     command = [bin / f"manycontact_bench_{program}", "--scene", "scene.xml", "--task", task, "--out", out]
@@ -176,7 +176,7 @@ def by_program(command, system, folder):
 
 
 def versions(bin):
-    """{name: version} of manycontact_collection, empty where it was not built."""
+    """Returns {name: version} of manycontact_collection, empty if it was not built."""
     program = bin / "manycontact_collection"
     if not program.exists():
         return {}
@@ -185,7 +185,7 @@ def versions(bin):
 
 
 def solvers(words, bin):
-    """{name: (version, call)}; exits where there is no such solver."""
+    """Returns {name: (version, call)}; exits if there is no such solver."""
     theirs, ours = versions(bin), bin / "manycontact"
     known = {name: (version, lambda s, t, name=name: by_program([str(bin / "manycontact_collection"), name], s, t)) for name, version in theirs.items()}
     if ours.exists():
@@ -213,7 +213,7 @@ def solvers(words, bin):
 
 
 def judge(system, call, folder, of_scene=False):
-    """(errors, time), or the reason why there are none."""
+    """Returns (errors, time), or the reason why there are none."""
     try:
         x, time = call(system, folder)
     except (RuntimeError, subprocess.TimeoutExpired, OSError) as error:

@@ -18,8 +18,8 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
 TOP = pathlib.Path(__file__).resolve().parents[2]
-LEAST_ERROR, LEAST_RATIO = 1e-18, 1e-10  # drawn there where smaller
-# precision: (colour, unit roundoff that its errors grow from, whether with the condition)
+LEAST_ERROR, LEAST_RATIO = 1e-18, 1e-10  # smaller values are drawn here
+# precision: (colour, unit roundoff of its errors, whether they grow with the condition)
 PRECISIONS = {
     "single": ("#D55E00", 2.0**-24, True),
     "mixed": ("#009E73", 2.0**-53, True),

@@ -1,6 +1,6 @@
 #pragma once
-// A scene as a list of bodies and of what holds them, for peers to be built from. Bodies stand where the scene's q has
-// them, so that a peer's joints are at zero there.
+// A scene is listed as bodies and the contacts between them, from which peers are built. Bodies are where the scene's q
+// has them, so that a peer's joints are at zero there.
 
 #include <vector>
 
@@ -26,11 +26,11 @@ struct Hold {
   SE3<double> in_a, in_b;  // the place they share
 };
 
-/// Parents before children. Throws std::invalid_argument for a joint or contact that is neither of the above.
+/// Parents come before children. Throws std::invalid_argument for a joint or contact that is neither of the above.
 std::vector<Body> bodies_of(const Posed& scene);
 std::vector<Hold> holds_of(const Posed& scene, const std::vector<Body>& bodies);
 
-/// Empty when the two above take the scene.
+/// Returns an empty string if the two above accept the scene, otherwise the reason.
 std::string strange(const Posed& scene);
 
 }  // namespace manycontact::bench

@@ -1,4 +1,4 @@
-// Crocoddyl: calc of its action model with contacts, a robot's contacts with the world alone, and calcDiff after it,
+// Crocoddyl runs calc of its action model with contacts, only a robot's contacts with the world, and calcDiff after it,
 // with derivatives of forces. Compiles against versions that have std::shared_ptr (3.1 and later).
 
 #include <crocoddyl/core/costs/cost-sum.hpp>
@@ -20,7 +20,7 @@ namespace {
 
 using crocoddyl::StateMultibody;
 
-// Holds as frames of the model, in their order: "hold0", "hold1", ...
+// Adds holds as frames of the model, in their order: "hold0", "hold1", ...
 std::shared_ptr<pin::Model> with_frames(const Posed& s, const std::vector<Hold>& holds) {
   auto model = std::make_shared<pin::Model>(model_of(s));
   for (std::size_t k = 0; k < holds.size(); ++k)

@@ -1,5 +1,5 @@
-// DART: World::step, a time step of 1 ms. Contacts are weld and ball constraints between velocities, solved as a linear
-// complementarity problem; dJ/dt v is left out, and the step's integration of positions is in its time.
+// DART runs World::step with a time step of 1 ms. Contacts are weld and ball constraints between velocities, solved as
+// a linear complementarity problem; dJ/dt v is omitted, and the time includes integration of positions.
 
 #include <dart/constraint/BallJointConstraint.hpp>
 #include <dart/constraint/ConstraintSolver.hpp>

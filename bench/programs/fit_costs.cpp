@@ -1,9 +1,9 @@
 // `./run bench --fit`: measures islands of many kinds and fits the coefficients of predicted costs (kkt/costs.hpp).
 //
-// A predicted time is linear in the coefficients, t = sum_j c_j n_j of what an island has (rows, entries,
+// A predicted time is linear in the coefficients, t = sum_j c_j n_j of an island's counts (rows, entries,
 // multiply-adds). They minimise sum_i (sum_j c_j n_ij / t_i - 1)^2 + w sum_j (c_j / c0_j - 1)^2 over the measured
-// islands i, c0 being the coefficients at hand: what the islands do not tell apart keeps its ratio. Negative ones are
-// left at zero.
+// islands i, c0 being the current coefficients: coefficients that the islands do not distinguish keep their ratio.
+// Negative ones are set to zero.
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -30,7 +30,7 @@ struct Coefficient {
   double now;
 };
 
-// One method's model: the coefficients, and what an island has of each.
+// Contains one method's model: the coefficients, and an island's count for each.
 struct CostModel {
   const char* what;
   Options options;
@@ -101,7 +101,7 @@ CostModel bodies() {
           }};
 }
 
-// Seconds of a later solve: the median of as many as fit in a fifth of a second.
+// Returns the seconds of a later solve: the median of as many as fit in a fifth of a second.
 double seconds_of(const Posed& s, SceneData& data) {
   using Clock = std::chrono::steady_clock;
   const auto since = [](Clock::time_point start) {

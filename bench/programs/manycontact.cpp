@@ -1,5 +1,5 @@
-// Ours: solve, all derivatives after a solve, the product w^T [da; df] of them; setting a scene up; a robot's
-// algorithms.
+// Our tasks are solve, all derivatives after a solve, the product w^T [da; df] of them, setting a scene up, and a
+// robot's algorithms.
 
 #include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
@@ -18,7 +18,7 @@ struct Solve : Loaded {
   SceneData data;
 };
 
-// After a solve each: what that left for them to do is theirs.
+// Each runs after a solve and includes the work that the solve left to it.
 struct Derivatives : Solve {
   using Solve::Solve;
   void begin() override { Solve::run(); }

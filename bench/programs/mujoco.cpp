@@ -1,5 +1,5 @@
-// MuJoCo: mj_forward. Contacts are equality constraints, welds and connects, as stiff as it lets them be; they stay
-// soft, so its answer is a neighbouring one. It leaves dJ/dt v out. Compiles against versions 2.2 to 3.12.
+// MuJoCo runs mj_forward. Contacts are equality constraints, welds and connects, as stiff as possible; they stay soft,
+// so the solution differs a little. It omits dJ/dt v. Compiles against versions 2.2 to 3.12.
 
 #include <mujoco/mujoco.h>
 
@@ -47,7 +47,7 @@ void write_bodies(std::ostream& out, const std::vector<Body>& bodies) {
   for (std::size_t k = 0; k < open.size(); ++k) out << "</body>\n";
 }
 
-// Memory for constraints: their number before version 2.3, after which they share an arena of that size.
+// Returns memory for constraints: their number before version 2.3, after which they share an arena of that size.
 std::string sizes(const Scene& scene) {
 #if mjVERSION_HEADER < 230
   return "<size nconmax=\"1\" njmax=\"" + std::to_string(6 * scene.contacts.size()) + "\"/>";
@@ -56,7 +56,7 @@ std::string sizes(const Scene& scene) {
 #endif
 }
 
-// "mj_forward:TOLERANCE:IMPEDANCE": of its solver, and of its constraints, which are rigid at 1.
+// "mj_forward:TOLERANCE:IMPEDANCE" sets those of its solver and of its constraints, which are rigid at 1.
 struct Dials {
   double tolerance = 1e-8, impedance = 0.9999;
 };
@@ -83,7 +83,7 @@ std::string mjcf(const Posed& s, const Dials& dials) {
   return out.str();
 }
 
-// A file in memory; by another function since version 3.1.3.
+// Adds a file in memory; the function differs since version 3.1.3.
 bool add_file(mjVFS& vfs, const char* name, const std::string& text) {
   const int size = static_cast<int>(text.size());
 #if mjVERSION_HEADER < 313
@@ -107,7 +107,7 @@ mjModel* compile(const std::string& xml) {
   return model;
 }
 
-// Instead of a file MUJOCO_LOG.TXT.
+// Warnings are kept here instead of in a file MUJOCO_LOG.TXT.
 std::string warned;
 void keep_warning(const char* text) { warned = text; }
 

@@ -1,4 +1,4 @@
-// Pinocchio: constraintDynamics, its derivatives after it, and constrainedABA; a robot's algorithms.
+// Pinocchio runs constraintDynamics, its derivatives after it, constrainedABA, and a robot's algorithms.
 
 #include <pinocchio/multibody/data.hpp>
 #include <pinocchio/multibody/model.hpp>
@@ -32,14 +32,14 @@ Constraints constraints_of(const Posed& s, const pin::Model& model) {
   return all;
 }
 
-// No damping where contacts do not depend on each other; else what solves most of these (mu 1e-6, 20 iterations).
+// Uses no damping for independent contacts, otherwise settings that solve most of these (mu 1e-6, 20 iterations).
 pin::ProximalSettings settings_for(const Posed& s) {
   SceneData data(s.scene);
   const bool dependent = solve(s.scene, s.q, s.v, s.u, data).status != Status::kOk;
   return dependent ? pin::ProximalSettings(1e-12, 1e-6, 20) : pin::ProximalSettings(1e-12, 0, 1);
 }
 
-// "constraintDynamics:MU:ITERATIONS": all of these iterations, whatever their residual.
+// "constraintDynamics:MU:ITERATIONS" runs all of these iterations, whatever their residual.
 pin::ProximalSettings dialled(const std::string& words, const pin::ProximalSettings& usual) {
   const Task task = task_of(words);
   if (task.dials.size() != 2) return usual;

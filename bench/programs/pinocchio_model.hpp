@@ -1,5 +1,5 @@
 #pragma once
-// A scene as a model of Pinocchio, for its own program and Crocoddyl's.
+// A scene becomes a model of Pinocchio, for its own program and Crocoddyl's.
 
 #include <pinocchio/multibody/data.hpp>
 #include <pinocchio/multibody/model.hpp>
@@ -12,7 +12,7 @@ namespace pin = pinocchio;
 
 inline pin::SE3 place(const SE3<double>& M) { return {M.R, M.p}; }
 
-/// Joints in our order, which gives it our coordinates too.
+/// Joints are in our order, so the model has our coordinates too.
 pin::Model model_of(const Posed& scene);
 
 }  // namespace manycontact::bench

@@ -1,5 +1,5 @@
 #pragma once
-// What is compared: manycontact and its peers, each a source file here and a benchmark program of its own.
+// manycontact and its peers are compared; each is a source file here and a benchmark program of its own.
 
 #include <functional>
 #include <memory>
@@ -13,19 +13,19 @@ namespace manycontact::bench {
 /// A scene in a program's own terms, at its state.
 struct Loaded {
   virtual ~Loaded() = default;
-  /// What run starts from, each time anew; not timed.
+  /// Prepares the state that run starts from, each time again; not timed.
   virtual void begin() {}
   virtual void run() = 0;
-  /// Accelerations in manycontact's coordinates, after run; empty where the task has none.
+  /// Returns accelerations in manycontact's coordinates, after run; empty if the task has none.
   virtual Eigen::VectorXd accelerations() { return {}; }
 };
 
 struct Program {
   std::string name, version;
   std::vector<std::string> tasks;
-  /// Of one robot, without its contacts: of rnea, aba, crba, frame_jacobian those that it has.
+  /// Tasks of one robot, without its contacts: those of rnea, aba, crba, frame_jacobian that it has.
   std::vector<std::string> of_bodies;
-  /// Empty, or why this program does not do this.
+  /// Returns an empty string, or why this program does not support this.
   std::string (*refuses)(const Posed& scene, const std::string& task);
   /// A task may have dials, numbers after its name: "constrainedABA:1e-6:5".
   std::unique_ptr<Loaded> (*load)(const Posed& scene, const std::string& task);
@@ -37,12 +37,12 @@ struct Task {
 };
 Task task_of(const std::string& words);
 
-/// Runs the task of settings() on its scene: the accelerations, a number a line in manycontact's coordinates, go to
-/// settings().out, and the median time of a run [us] to standard output. Throws std::runtime_error where the program does
-/// not do this.
+/// Runs the task of settings() on its scene. The accelerations, one number per line in manycontact's coordinates, go to
+/// settings().out, and the median time of a run [us] to standard output. Throws std::runtime_error if the program does
+/// not support this.
 void run_on_scene();
 
-/// The one this executable is for.
+/// Returns the program of this executable.
 const Program& program();
 
 }  // namespace manycontact::bench

@@ -1,4 +1,4 @@
-// Simbody: realize(Stage::Acceleration), from new coordinates. Contacts are Weld and Ball constraints, as rigid as
+// Simbody runs realize(Stage::Acceleration), from new coordinates. Contacts are Weld and Ball constraints, as rigid as
 // ours.
 
 #include <Simbody.h>
@@ -56,7 +56,7 @@ struct Acceleration : Loaded {
     Eigen::VectorXd a(s.scene.nv);
     for (std::size_t k = 0; k < bodies.size(); ++k) {
       const SimTK::Vector du = mobods[k].getUDotAsVector(state);
-      if (bodies[k].type == JointType::kFloating) {  // in axes that stand still, where the body's are now
+      if (bodies[k].type == JointType::kFloating) {  // in axes at rest, where the body's are now
         const Eigen::Vector3d v = s.v.segment<3>(bodies[k].idx_v), w = s.v.segment<3>(bodies[k].idx_v + 3);
         a.segment<3>(bodies[k].idx_v) = Eigen::Vector3d(du[3], du[4], du[5]) - w.cross(v);
         a.segment<3>(bodies[k].idx_v + 3) << du[0], du[1], du[2];
@@ -72,7 +72,7 @@ struct Acceleration : Loaded {
     SimTK::MobilizedBody& parent = b.parent < 0 ? matter.updGround() : mobods[b.parent];
     if (b.type == JointType::kFloating)
       return SimTK::MobilizedBody::Free(parent, place(b.in_parent), rigid(b), SimTK::Transform());
-    const SimTK::Rotation z_to_axis(SimTK::UnitVec3(vec(b.axis)), SimTK::ZAxis);  // a pin turns about z
+    const SimTK::Rotation z_to_axis(SimTK::UnitVec3(vec(b.axis)), SimTK::ZAxis);  // a pin rotates about z
     return SimTK::MobilizedBody::Pin(parent, place(b.in_parent) * SimTK::Transform(z_to_axis), rigid(b), z_to_axis);
   }
 

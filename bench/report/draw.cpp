@@ -1,4 +1,4 @@
-// Figures by gnuplot: panels side by side, a key below each, and below all what is not alike.
+// Gnuplot draws figures: panels in a row, a key below each, and below all the differences between programs.
 
 #include <sstream>
 
@@ -12,7 +12,7 @@ namespace {
 constexpr int kWidth = 640, kAlone = 900, kHeight = 680;  // pixels, of a panel
 constexpr int kPoints[] = {7, 5, 9, 13, 11};
 
-// Okabe and Ito's colours; ours is black.
+// The colours are Okabe and Ito's; ours is black.
 const char* colour(const std::string& program) {
   if (program == "MuJoCo") return "#E69F00";
   if (program == "Simbody") return "#009E73";

@@ -1,4 +1,4 @@
-// Which lines a figure has.
+// Selects the lines of each figure.
 
 #include <algorithm>
 
@@ -11,13 +11,13 @@ namespace {
 bool is_native(const Run& run) { return run.program.ends_with(" native"); }
 bool is_ours(const Run& run) { return run.program == "manycontact"; }
 
-// The same in every figure.
+// Returns the task's number, the same in every figure.
 int number_of(const Run& run, const std::string& task) {
   const std::vector<std::string> all = tasks(run, "separate");
   return static_cast<int>(std::find(all.begin(), all.end(), task) - all.begin());
 }
 
-// y(point) for each point of every task that `wanted` takes.
+// Draws y(point) for each point of every task that `wanted` accepts.
 template <class Wanted, class Y>
 Panel panel(const std::vector<Run>& runs, const std::string& scene, Panel p, const Wanted& wanted, const Y& y) {
   for (const Run& run : runs) {
@@ -45,7 +45,7 @@ const auto whole = [](const Run&, const std::string&, const Point& p) { return p
 const auto memory = [](const Run&, const std::string&, const Point& p) { return p.result->bytes / p.size / 1024; };
 const auto of_memory = [](const Run&, const std::string& task) { return task != "set-up" && task != "vjp"; };
 
-// A peer's time over that of what we have for it: all derivatives for derivatives, else a solve.
+// Returns a peer's time divided by that of our counterpart: all derivatives for derivatives, otherwise a solve.
 Panel ratios(const std::vector<Run>& runs, const std::string& scene, Panel p) {
   const Run* ours = nullptr;
   for (const Run& run : runs)

@@ -1,4 +1,4 @@
-// The page that reads the charts.
+// Writes the page that explains the charts.
 
 #include <fstream>
 #include <stdexcept>

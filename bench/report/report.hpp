@@ -1,5 +1,5 @@
 #pragma once
-// What `./run bench` writes of the runs: charts, tables, a page.
+// `./run bench` writes these from the runs: charts, tables, a page.
 
 #include <string>
 #include <utility>
@@ -9,10 +9,10 @@
 
 namespace manycontact::bench {
 
-/// What a program computes otherwise than ours does; empty for ours.
+/// Returns what a program computes differently from ours; empty for ours.
 std::string otherwise(const std::string& program);
 
-/// One line of a chart, by (x, y); colour: of its program, dashes: which of its tasks.
+/// One line of a chart, through (x, y); colour: its program, dashes: which of its tasks.
 struct Line {
   std::string label;
   const Run* run;
@@ -30,7 +30,7 @@ struct Figure {
   std::vector<Panel> panels;
 };
 
-/// Time per robot, per link, over contacts; memory; ratios to ours. Figures without a line are left out.
+/// Returns time per robot, per link, over contacts; memory; ratios to ours. Figures without a line are left out.
 std::vector<Figure> figures(const std::vector<Run>& runs);
 /// Draws base.svg and base.png. Throws std::runtime_error.
 void draw(const Figure& figure, const std::vector<Run>& runs, const std::string& base);
@@ -38,11 +38,11 @@ void draw(const Figure& figure, const std::vector<Run>& runs, const std::string&
 /// Markdown. Times of a robot in us, and in units of plain ldl_numeric on its K.
 std::string table_of_robots(const std::vector<Run>& runs);
 std::string table_of_parts(const Run& ours);
-/// Of a robot without contacts: times of each algorithm by program, in us.
+/// Returns times of each algorithm by program, in us, of a robot without contacts.
 std::string table_of_bodies(const std::vector<Run>& runs);
-/// Exponents fitted to time over robots and over links, beside theory.
+/// Returns exponents fitted to time over robots and over links, next to theory.
 std::string table_of_exponents(const std::vector<Run>& runs);
-/// Times of the portable build over those of the native one; empty where only one was run.
+/// Returns times of the portable build divided by those of the native one; empty if only one was run.
 std::string table_of_builds(const std::vector<Run>& runs);
 
 void write_page(const std::vector<Run>& runs, const std::vector<Figure>& drawn, const std::string& path);

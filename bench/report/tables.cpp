@@ -1,4 +1,4 @@
-// Tables in Markdown.
+// Writes tables in Markdown.
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ const Run* ours(const std::vector<Run>& runs) {
   return nullptr;
 }
 
-// us of plain ldl_numeric on the robot's K; 0: not measured.
+// Returns us of plain ldl_numeric on the robot's K; 0: not measured.
 double unit(const std::vector<Run>& runs) {
   const Run* run = ours(runs);
   const Result* r = run ? find(*run, "parts/ldl_numeric") : nullptr;
@@ -40,7 +40,7 @@ std::string heading(const std::vector<std::string>& titles) {
   return first + "\n" + second + "\n";
 }
 
-// What theory says of ours; 0: nothing.
+// Returns the theoretical exponent of ours; 0: none.
 double theory(const Run& run, const std::string& scene, const std::string& task) {
   if (!run.program.starts_with("manycontact")) return 0;
   return task == "derivatives" && scene != "separate" ? 2 : 1;  // an island's derivatives are a dense block

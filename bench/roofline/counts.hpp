@@ -1,6 +1,6 @@
 #pragma once
-// Floating-point operations, counted by running the library's own sources in quadruple precision, in which each
-// operation is a call of the compiler's library that the linker redirects to a counter (CMakeLists.txt: --wrap).
+// Floating-point operations are counted by running the library's own sources in quadruple precision: each operation is
+// a call of the compiler's library that the linker redirects to a counter (CMakeLists.txt: --wrap).
 
 #include <Eigen/Core>
 
@@ -8,14 +8,14 @@
 
 namespace manycontact::bench {
 
-/// Operations of all robots and contacts of a scene at a state. Sines, cosines and comparisons count as none.
+/// Operations of all robots and contacts of a scene at a state. Sines, cosines and comparisons are not counted.
 struct Operations {
   double motion = 0;       // kinematics, bias torques, joint-space inertia, contact rows
   double derivatives = 0;  // terms of derivatives of inverse dynamics and of contact rows
   double product = 0;      // terms of w^T times these
 };
 
-/// a, f: a solution (any numbers do). Contacts are all active.
+/// a, f are a solution (any numbers suffice). Contacts are all active.
 Operations count_operations(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                             const Eigen::VectorXd& a);
 

@@ -1,5 +1,5 @@
-// manycontact_roofline: operations and bytes of a solve and of derivatives, beside the machine's peaks of the same run.
-// Prints a Markdown table.
+// manycontact_roofline prints a Markdown table: operations and bytes of a solve and of derivatives, relative to the
+// machine's peaks of the same run.
 
 #include <malloc.h>
 
@@ -30,7 +30,7 @@ double heap() {
   return static_cast<double>(m.uordblks + m.hblkhd);
 }
 
-// The median of calls for so many seconds, three at least; `begin` before each is not timed.
+// Returns the median of calls for so many seconds, three at least; `begin` before each is not timed.
 double median_time(double seconds, const std::function<void()>& begin, const std::function<void()>& run) {
   std::vector<double> times;
   for (double sum = 0; times.size() < 3 || sum < seconds; sum += times.back()) {
@@ -43,10 +43,10 @@ double median_time(double seconds, const std::function<void()>& begin, const std
   return times[times.size() / 2];
 }
 
-// What K costs, of all islands: rows, entries of the upper triangle of K and below L's diagonal, operations of L's.
+// The cost of K over all islands: rows, entries of the upper triangle of K and below L's diagonal, operations of L's.
 struct Factor {
   double rows = 0, entries = 0, below = 0, operations = 0;
-  /// of L D L^T x = b, and of r = b - K x with its scale
+  /// for L D L^T x = b, and for r = b - K x with its scale
   double solve() const { return 4 * below + rows; }
   double residual() const { return 8 * entries; }
 };
@@ -79,7 +79,7 @@ struct Entry {
   double least = 1e9;
 };
 
-// Faster than memory can be, bytes come from the caches.
+// If a rate exceeds the memory's peak, bytes come from the caches.
 void print(const Peaks& peaks, const Entry& e) {
   std::printf("| %s | %.3g | %.3g | %.3g | %.2g | %.2g | %s | %s |\n", e.what.c_str(), 1e6 * e.least,
               1e-6 * e.operations, 1e-6 * e.bytes, e.operations / e.bytes, 1e-9 * e.operations / e.least,
@@ -87,7 +87,7 @@ void print(const Peaks& peaks, const Entry& e) {
               percent(e.bytes / e.least, peaks.memory, "in caches").c_str());
 }
 
-// A scene and what a call works with.
+// Contains a scene and the workspace of a call.
 struct Work {
   explicit Work(Posed scene) : s(std::move(scene)), data(s.scene) {}
   void solve() { (void)manycontact::solve(s.scene, s.q, s.v, s.u, data); }
@@ -98,14 +98,14 @@ struct Work {
   Eigen::VectorXd wq = s.v, wv = s.v, wu = s.u;
 };
 
-// Columns of right-hand sides, the mean over islands.
+// Returns the number of columns of right-hand sides, the mean over islands.
 double columns_of(const SceneData& data) {
   double columns = 0;
   for (const IslandDerivatives& of : derivatives(data).islands) columns += of.cols;
   return columns / static_cast<double>(island_count(data));
 }
 
-// A scene's solve, vjp and, where wanted, all derivatives. `alike`: a small scene of the same kind, of which operations
+// Adds a scene's solve, vjp and, on request, all derivatives. `alike`: a small scene of the same kind, whose operations
 // are counted.
 void add(std::vector<Entry>& entries, const std::string& name, Posed scene, const Posed& alike, bool all_derivatives) {
   const double scale = double(scene.scene.nrobots()) / alike.scene.nrobots();
@@ -141,7 +141,7 @@ void add(std::vector<Entry>& entries, const std::string& name, Posed scene, cons
 
 int main(int argc, char** argv) {
   using namespace manycontact::bench;
-  constexpr int kRounds = 3;  // the least medians and the largest peaks of which count
+  constexpr int kRounds = 3;  // the least medians and the largest peaks of these are used
   settings() = parse(argc, argv);
   std::vector<Entry> entries;
   const Posed one = robots(1), four = robots(4, true);

@@ -27,8 +27,8 @@ constexpr int kChains = 12;  // independent sums: more than latency times units
 constexpr long kTurns = 500000;
 volatile double sink;
 
-// kChains sums, kTurns times, by fused multiply-adds. The empty assembly keeps the compiler from shortening them, and
-// names instead of an array keep them in registers.
+// kChains sums use fused multiply-adds, kTurns times. The empty assembly prevents the compiler from shortening them,
+// and names instead of an array keep them in registers.
 #ifdef __x86_64__
 #define MANYCONTACT_EACH(do) \
   do (0) do(1) do(2) do(3) do(4) do(5) do(6) do(7) do(8) do(9) do(10) do(11)
@@ -64,7 +64,7 @@ double memory_rate() {
     for (std::size_t k = 0; k < n; ++k) a[k] = b[k] + 0.5 * c[k];
     sink = a[n / 2];
   });
-  return 3.0 * 8 * static_cast<double>(n) / time;  // without what is read of `a` before it is written
+  return 3.0 * 8 * static_cast<double>(n) / time;  // without reads of `a` before it is written
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-// What this machine can do at most, on one core.
+// The peak rates of this machine on one core.
 
 #include <string>
 
@@ -12,7 +12,7 @@ struct Peaks {
 };
 Peaks measure_peaks();
 
-/// Processor time of this thread [s]: what the machine does meanwhile does not count, but for its use of the caches.
+/// Returns processor time of this thread [s]: other work of the machine affects it only through the caches.
 double processor_time();
 
 }  // namespace manycontact::bench

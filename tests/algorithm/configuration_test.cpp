@@ -1,4 +1,4 @@
-// Configurations of a whole scene.
+// Configurations of a whole scene are tested.
 
 #include "manycontact/algorithm/configuration.hpp"
 
@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Every shape of robot once, each on a base somewhere.
+// The scene has every shape of robot once, each on a base somewhere.
 class SceneOfShapes : public testing::Test {
  protected:
   SceneOfShapes() {
@@ -25,7 +25,7 @@ class SceneOfShapes : public testing::Test {
     q = random_configuration(scene, rng);
     v = random_vector(scene.nv, rng, 0.5).cwiseMax(-1).cwiseMin(1);
   }
-  // f(robot) of each robot, one after the other.
+  // Returns f(robot) of each robot, one after the other.
   template <class F>
   VectorXd of_robots(int n, F&& f) const {
     VectorXd all(n);
@@ -116,7 +116,7 @@ TEST_F(SceneOfShapes, RandomConfigurationsAreOnTheManifoldAndRepeatable) {
     }
 }
 
-// The four kinds of limits, for each kind of coordinate.
+// There are four kinds of limits for each kind of coordinate.
 TEST(RandomConfiguration, KeepsToLimits) {
   const double pi = std::numbers::pi;
   struct Case {

@@ -1,4 +1,4 @@
-// CRBA, RNEA and ABA against each other, in double.
+// CRBA, RNEA and ABA agree with each other, in double.
 
 
 #include "algorithm/shapes.hpp"
@@ -26,7 +26,7 @@ TEST_P(Robots, InertiaMatrixIsRneaColumnByColumn) {
   EXPECT_GT(eigenvalues(M).minCoeff(), 0);
 }
 
-// Zero where neither coordinate is the other's ancestor.
+// Entries are zero if neither coordinate is the other's ancestor.
 TEST_P(Robots, InertiaMatrixHasTheTreesPattern) {
   const MatrixXd M = inertia_matrix<double>(s, s.q);
   for (int i = 0; i < model.nv; ++i)
@@ -66,7 +66,7 @@ TEST_P(Robots, ForwardDynamicsSolvesTheEquationOfMotion) {
   }
 }
 
-// tau(fext) - tau(0) = -sum J_i^T f_i, the bodies' Jacobians written out.
+// tau(fext) - tau(0) = -sum J_i^T f_i, with explicit Jacobians of the bodies.
 TEST_P(Robots, ExternalForcesEnterByTheJacobianTransposed) {
   Kinematics<double> kin(model);
   forward_kinematics<double>(model, s.base, s.q, kin);
@@ -82,7 +82,7 @@ TEST_P(Robots, ExternalForcesEnterByTheJacobianTransposed) {
   EXPECT_LE(difference_of(VectorXd(with - without), expected), kTightChain * std::max(size_of(with), size_of(without)));
 }
 
-// Gravity is an acceleration of the base: both ways to the same weight.
+// Gravity is an acceleration of the base: both computations give the same weight.
 TEST_P(Robots, GravityTorquesAreTheWeightsByTheJacobian) {
   Kinematics<double> kin(model);
   forward_kinematics<double>(model, s.base, s.q, kin);
@@ -109,7 +109,7 @@ TEST_P(Robots, FarAwayNoDigitIsLost) {
             accelerations<double>(s, s.q, s.v, s.tau, s.gravity));
 }
 
-// Coordinate axes and placements that do not turn take short cuts; the general way must agree.
+// Coordinate axes and placements without rotation have special code; the general code must agree.
 TEST_P(Robots, ShortCutsChangeNothing) {
   Specimen general = s;
   for (Joint& joint : general.model.joints) joint.axis_kind = 3, joint.placement_rotates = true;

@@ -1,4 +1,4 @@
-// Frames: placement, velocity, acceleration and Jacobian in every choice of axes, against each other and against
+// Placement, velocity, acceleration and Jacobian of frames agree in every choice of axes, with each other and with
 // differences of the placement in quadruple precision.
 
 #include "manycontact/algorithm/frames.hpp"
@@ -35,7 +35,7 @@ struct FramesTest : testing::TestWithParam<bool> {
     qdd = random();
     joint = model.njoints() - 1;
   }
-  // The motion at time t along q (+) (v t + qdd t^2/2), to second order in t.
+  // Returns the motion at time t along q (+) (v t + qdd t^2/2), to second order in t.
   Kinematics<Quad> at(const Quad& t) const {
     Kinematics<Quad> kin(model);
     VecX<Quad> moved(model.nq);

@@ -1,4 +1,4 @@
-// The configuration manifold.
+// The configuration manifold is tested.
 
 #include <numbers>
 
@@ -22,7 +22,7 @@ class Manifold : public Robots {
     difference<double>(model, q0, q1, out);
     return out;
   }
-  // No angular part of a step is longer than `angle`.
+  // Returns a step with no angular part longer than `angle`.
   VectorXd step(double angle) {
     VectorXd v = random_vector(model.nv, s.rng).cwiseMax(-3).cwiseMin(3);
     return v * (angle / (3 * std::sqrt(3.0)));

@@ -1,4 +1,4 @@
-// Joint types one by one against equations known in closed form.
+// Joint types are tested one by one against equations known in closed form.
 
 #include "algorithm/shapes.hpp"
 
@@ -8,7 +8,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// One joint at the base, the body's numbers at hand.
+// There is one joint at the base, whose body's numbers are known.
 struct OneJoint {
   double m = 1.7;
   Vec3<double> c;   // centre of mass
@@ -31,7 +31,7 @@ struct OneJoint {
 
 VectorXd scalar(double x) { return VectorXd::Constant(1, x); }
 
-// Hanging along -z, turning about y: (I + m l^2) qdd = tau - m g l sin q.
+// A pendulum hangs along -z and rotates about y: (I + m l^2) qdd = tau - m g l sin q.
 TEST(Joints, Pendulum) {
   OneJoint joint(JointType::kRevolute);
   const double l = 0.8, g = 9.81;
@@ -57,7 +57,7 @@ TEST(Joints, PrismaticWithArmature) {
   EXPECT_EQ(kin.oMi[0].R, Mat3<double>::Identity());
 }
 
-// m (vdot + w x v) = f + R^T m g and Euler's I wdot + w x I w = n, about the centre of mass.
+// m (vdot + w x v) = f + R^T m g and Euler's I wdot + w x I w = n are valid about the centre of mass.
 TEST(Joints, FreeBodyFollowsNewtonAndEuler) {
   const OneJoint joint(JointType::kFloating, true);
   const Specimen& s = joint.s;
@@ -69,7 +69,7 @@ TEST(Joints, FreeBodyFollowsNewtonAndEuler) {
   EXPECT_LE(error_of(joint.qdd(), expected), kTight);
 }
 
-// The same away from the centre of mass, about which Newton and Euler are then written.
+// The joint is away from the centre of mass, about which Newton and Euler's equations are then written.
 TEST(Joints, FreeBodyOffItsCentreOfMass) {
   const OneJoint joint(JointType::kFloating);
   const Specimen& s = joint.s;
@@ -121,7 +121,7 @@ TEST(Joints, RevoluteTurnsAboutAnyAxis) {
   }
 }
 
-// Two links in the x-z plane, both turning about y: the textbook's double pendulum with point masses.
+// Two links in the x-z plane rotate about y: this is the textbook's double pendulum with point masses.
 TEST(Joints, DoublePendulum) {
   const double l1 = 0.7, l2 = 0.5, m1 = 1.3, m2 = 0.8, g = 9.81;
   Model model;

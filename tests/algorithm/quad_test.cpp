@@ -1,4 +1,4 @@
-// In quadruple precision: velocities and accelerations by differences, the laws of mechanics, and double's true errors.
+// In quadruple precision velocities and accelerations agree with differences, and laws and errors of double are tested.
 
 #include "algorithm/shapes.hpp"
 #include "manycontact/spatial/explog.hpp"
@@ -10,7 +10,7 @@ namespace {
 using VectorQ = VecX<Quad>;
 using Force = Vec6<Quad>;
 
-// Central differences are good to step^2; the placements in the model are rotations to double precision only.
+// Central differences are accurate to step^2; the placements in the model are rotations to double precision only.
 const Quad kStep(1e-10);
 constexpr double kTightQuad = 1e-13;
 
@@ -61,7 +61,7 @@ TEST_P(InQuad, AccelerationsAreTheVelocitiesRate) {
   const VectorQ qdd = s.qdd.cast<Quad>();
   const Moved now(s, qdd, Quad(0)), forth(s, qdd, kStep), back(s, qdd, -kStep);
   for (int i = 0; i < model.njoints(); ++i) {
-    // the anchor takes the tree frame along: differences are taken about the world's origin
+    // the anchor moves the tree frame: differences are about the world's origin
     const Vec6<Quad> a = rate(forth, back, [i](const Moved& m) { return m.origin(i).act(m.kin.v[i]); });
     EXPECT_LE(error_of(now.kin.a[i], now.origin(i).act_inverse(a)), kTightQuad) << i;
   }
@@ -106,7 +106,7 @@ TEST_P(InQuad, PowerIsTheEnergysRate) {
   EXPECT_GT(std::abs(dT), 1e-6 * scale);
 }
 
-// The whole momentum about a point fixed in the world changes by the weight alone: not at all without gravity.
+// The total momentum about a point fixed in the world changes by the weight alone: without gravity it is constant.
 TEST_P(FreeInQuad, MomentumOfAFreeRobotChangesByItsWeight) {
   VectorQ tau = s.tau.cast<Quad>();
   tau.head(6).setZero();  // internal torques only

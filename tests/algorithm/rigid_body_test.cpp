@@ -1,5 +1,5 @@
-// Dynamics, frames and the whole of a scene, of one robot of it and of a model: against differences in quadruple
-// precision, against each other by the laws of mechanics, and what is misused.
+// Dynamics, frames and quantities of a whole scene, of one of its robots and of a model agree with differences in
+// quadruple precision and satisfy the laws of mechanics; misuse throws.
 
 #include "manycontact/algorithm/rigid_body.hpp"
 
@@ -24,7 +24,7 @@ constexpr ReferenceFrame kAllAxes[] = {ReferenceFrame::kLocal, ReferenceFrame::k
                                        ReferenceFrame::kLocalWorldAligned};
 const Quad kDifference = Quad(1) / Quad(10000000000LL);
 
-// A scene of three robots, the one in the middle of the shape at hand, with friction; a state, and forces.
+// The scene has three robots, the middle one of the current shape, with friction, and a state and forces.
 class RigidBody : public testing::TestWithParam<Shape> {
  protected:
   RigidBody() {
@@ -49,7 +49,7 @@ class RigidBody : public testing::TestWithParam<Shape> {
       for (int i = 0; i < robot.model->njoints(); ++i) fext.push_back(random_vector(6, rng, 3));
   }
 
-  // In quadruple precision, of robot r: the state moved by t along (dq, dv).
+  // The state of robot r in quadruple precision, moved by t along (dq, dv).
   struct Moved {
     VectorQ q, v;
     Kinematics<Quad> kin;
@@ -65,12 +65,12 @@ class RigidBody : public testing::TestWithParam<Shape> {
     return out;
   }
   static VectorXd own(const VectorXd& x, const Robot& robot) { return x.segment(robot.idx_v, robot.model->nv); }
-  // Along the motion with acceleration a: dq = v t + a t^2 / 2.
+  // Moves along the motion with acceleration a: dq = v t + a t^2 / 2.
   Moved along(const Robot& robot, const Quad& t) {
     const VectorQ qdd = own(a, robot).cast<Quad>(), rate = own(v, robot).cast<Quad>() + qdd * (t / 2);
     return moved(robot, rate, qdd, t, a);
   }
-  // d of(t)/dt at 0
+  // returns d of(t)/dt at 0
   template <class Of>
   static auto rate(Of&& of) {
     return ((of(kDifference) - of(-kDifference)) / (2 * kDifference)).eval();
@@ -153,7 +153,7 @@ TEST_P(RigidBody, CoriolisMatrixIsChristoffels) {
 
 // ---- derivatives ---------------------------------------------------------------------------------------------------
 
-// d f(q, v)/dq, dv of one robot by differences, with f in quadruple precision.
+// Returns d f(q, v)/dq, dv of one robot from differences, with f in quadruple precision.
 template <class F>
 std::pair<MatrixQ, MatrixQ> by_differences(const Model& model, const VectorQ& q, const VectorQ& v, F&& f) {
   MatrixQ dq(model.nv, model.nv), dv(model.nv, model.nv);
@@ -349,7 +349,7 @@ TEST_P(RigidBody, MomentumIsMassTimesTheCentreOfMass) {
   EXPECT_LE(error_of(centroidal_momentum_rate(scene, data), dh), kClose);
 }
 
-// The rate of momentum is the weight and what the world gives through the joints at it: joint_wrench of the roots.
+// The rate of momentum is the weight plus the forces of the world on the root joints, joint_wrench of the roots.
 TEST_P(RigidBody, RateOfMomentumIsTheSumOfOuterForces) {
   RigidBodyData data(scene);
   (void)rnea(scene, q, v, a, data);
@@ -369,7 +369,7 @@ TEST_P(RigidBody, RateOfMomentumIsTheSumOfOuterForces) {
   EXPECT_EQ(centroidal_momentum_rate(scene, data).norm(), 0);
 }
 
-// The springs in joints are forces of a potential, as weight is, in torques, accelerations and derivatives.
+// Springs in joints are forces of a potential, as weight is, in torques, accelerations and derivatives.
 TEST_P(RigidBody, SpringsInJointsAreAForceOfThePotential) {
   int springs = 0;
   for (const Joint& joint : scene.robots[1].model->joints)
@@ -397,7 +397,7 @@ TEST_P(RigidBody, SpringsInJointsAreAForceOfThePotential) {
       kClose * size_of(g));
 }
 
-// Along the joint the wrench is the torque, but for the rotor and friction: and with forces on bodies too.
+// Along the joint the wrench is the torque, except for the rotor and friction, with forces on bodies too.
 TEST_P(RigidBody, JointsCarryTheirTorque) {
   RigidBodyData data(scene);
   const VectorXd torques = rnea(scene, q, v, a, data, fext);

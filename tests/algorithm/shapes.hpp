@@ -1,5 +1,5 @@
 #pragma once
-// The robots on which every algorithm is tried, and their states.
+// Every algorithm is tested on these robots and their states.
 
 #include <gtest/gtest.h>
 
@@ -74,7 +74,7 @@ class Robots : public testing::TestWithParam<Shape> {
 
 inline const auto shape_name = [](const testing::TestParamInfo<Shape>& info) { return info.param.name; };
 
-/// tau(q, v, qdd) by RNEA. fext: in the child frames, or empty.
+/// Returns tau(q, v, qdd) from RNEA. fext: in the child frames, or empty.
 template <class S>
 VecX<S> torques(const Specimen& s, const VecX<S>& q, const VecX<S>& v, const VecX<S>& qdd, const Vec3<double>& gravity,
                 const std::vector<Vec6<S>>& fext = {}) {
@@ -85,7 +85,7 @@ VecX<S> torques(const Specimen& s, const VecX<S>& q, const VecX<S>& v, const Vec
   return tau;
 }
 
-/// qdd by ABA.
+/// Returns qdd from ABA.
 template <class S>
 VecX<S> accelerations(const Specimen& s, const VecX<S>& q, const VecX<S>& v, const VecX<S>& tau,
                       const Vec3<double>& gravity, const std::vector<Vec6<S>>& fext = {}) {
@@ -96,7 +96,7 @@ VecX<S> accelerations(const Specimen& s, const VecX<S>& q, const VecX<S>& v, con
   return qdd;
 }
 
-/// M by CRBA, dense.
+/// Returns M from CRBA, dense.
 template <class S>
 MatX<S> inertia_matrix(const Specimen& s, const VecX<S>& q) {
   Kinematics<S> kin(s.model);

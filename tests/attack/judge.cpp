@@ -254,13 +254,8 @@ std::vector<Places> places_of(const Scene& scene, const SceneData& data) {
   return list;
 }
 
-<<<<<<< HEAD
 // Bounds contain the rounding of the file's numbers. Extended precision is judged against the scene as it was read, in
 // quadruple precision with the library's own terms: its bounds do not contain that rounding, and its digits are right.
-=======
-// Compares with the scene as read, in quadruple precision with the library's own terms: bounds do not include the
-// effect of rounding a file's numbers. Digits of extended precision are judged likewise.
->>>>>>> cmb
 void Trying::judge_bounds(const Answer& t) {
   if (data.report.islands.size() != island_count(data)) return;  // one system of the whole scene
   const auto& truth = trial.as_read(file);
@@ -282,12 +277,7 @@ void Trying::judge_bounds(const Answer& t) {
         size = most(std::abs(x[row]), size);
       }
       const double of_truth = kQuadRounding * t.condition * std::max(size, terms);
-<<<<<<< HEAD
-      const bool last_digits = extended && size > 1e-12 * terms;  // of what vanishes, its bound says how much is right
-=======
-      const bool last_digits = report.precision == Precision::kExtended &&
-                               size > 1e-12 * terms;  // a value that vanishes is judged by its bound
->>>>>>> cmb
+      const bool last_digits = extended && size > 1e-12 * terms;  // a value that vanishes is judged by its bound
       const auto text_of = [&] {
         return text("%s of island %zu off by %.2e of %.2e, bound %.2e, %s, condition %.1e", name, i, off / size, size,
                     bound, to_string(report.status).c_str(), t.condition);

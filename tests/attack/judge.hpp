@@ -11,21 +11,6 @@ namespace manycontact::attack {
 
 /// Properties that are judged.
 enum class Fault {
-<<<<<<< HEAD
-  kLoad,       // a file that should be read was refused
-  kException,  // of a kind that is not documented
-  kNoAnswer,   // `failed` though K's condition is moderate
-  kSingular,   // answered though K is singular
-  kValue,      // a or f, beyond what rounding explains and beyond the bound that is stated
-  kRank,       // none that J may be said to have
-  kStatus,
-  kCondition,  // not within a factor 10
-  kBound,      // an error beyond the bound that is stated for it
-  kSilent,     // `ok` or `redundant` with a bound of 1 or more, and wrong by that much
-  kDerivative,
-  kProduct,    // jvp or vjp, not the derivatives' own
-  kNotFinite,  // derivatives
-=======
   kLoad,         // a file that should be read was refused
   kException,    // an exception that is not documented
   kNoAnswer,     // `failed` though K's condition is moderate
@@ -39,7 +24,6 @@ enum class Fault {
   kDerivative,
   kProduct,      // jvp or vjp disagree with the derivatives
   kNotFinite,    // derivatives
->>>>>>> cmb
   kQuasiStatic,
   kImpact,
 };

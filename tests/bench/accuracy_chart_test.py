@@ -44,7 +44,7 @@ def check_kept():
 
 
 def check_peer():
-    """A program that writes accelerations in the scene's order is judged by the solution of the scene."""
+    """A program that writes accelerations in the scene's order is compared with the scene's solution."""
     import run
 
     with tempfile.TemporaryDirectory() as folder:

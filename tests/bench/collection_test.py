@@ -1,4 +1,4 @@
-"""The collection of bench/collection: its runner judges right and wrong solvers, and what is kept there is whole."""
+"""The runner of bench/collection judges right and wrong solvers, and the stored systems are complete."""
 
 import importlib.util
 import pathlib
@@ -40,7 +40,7 @@ def solver(folder, name, spoil=""):
 
 
 def rows(page, system):
-    """{solver: cells} of a system's table."""
+    """Returns {solver: cells} of a system's table."""
     part = page.split(f"\n### {system}\n")[1].split("\n### ")[0]
     cells = [[c.strip() for c in line.strip("|").split("|")] for line in part.splitlines() if line.startswith("| ")]
     return {row[0]: row[1:] for row in cells if row[0] != "solver"}
@@ -85,7 +85,7 @@ def check_usage():
 
 
 def check_kept():
-    """Every system's x solves its K x = b to far more digits than doubles have, where K is regular."""
+    """Every system's x solves its K x = b to far more digits than doubles have, if K is regular."""
     spec = importlib.util.spec_from_file_location("run", RUN)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

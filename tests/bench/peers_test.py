@@ -1,4 +1,4 @@
-"""bench/peers.sh: it builds what it is given, takes what is installed, and names what it leaves out."""
+"""bench/peers.sh builds the given sources, uses installed peers, and names those that it leaves out."""
 
 import pathlib
 import subprocess

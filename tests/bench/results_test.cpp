@@ -1,4 +1,4 @@
-// The results of the benchmarks: read back as written, split into series, exponents fitted.
+// The results of the benchmarks are read back as written, split into series, and exponents are fitted.
 
 #include "../../bench/results.hpp"
 
@@ -28,7 +28,7 @@ TEST(Fit, RecoversThePower) {
   EXPECT_NEAR(exponent(points), 1.75, 1e-14);
 }
 
-// By hand: y = 0, 1, 1 over x = 0, 1, 2 (in decades) has the slope 1/2.
+// By hand, y = 0, 1, 1 over x = 0, 1, 2 (in decades) has the slope 1/2.
 TEST(Fit, IsOfLeastSquares) { EXPECT_NEAR(exponent({{1, 1}, {10, 10}, {100, 10}}), 0.5, 1e-15); }
 
 TEST(Fit, OfOneSizeIsNoNumber) {

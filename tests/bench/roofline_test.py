@@ -24,7 +24,7 @@ def main():
     check(all(name in rows for name in ROWS), done.stdout)
     operations = {name: float(rows[name][1]) for name in ROWS}
     check(all(float(rows[name][0]) > 0 and operations[name] > 0 for name in ROWS), done.stdout)
-    # between what the dense factor of K alone takes, (38 + 12)^3 / 3, and no work at all
+    # between the operations of the dense factor of K alone, (38 + 12)^3 / 3, and none
     check(0.01 < operations["1 robot, solve"] < 0.2, done.stdout)
     for of in ("solve", "vjp", "derivatives"):  # a batch may refine less
         check(128 < operations[f"256 robots, {of}"] / operations[f"1 robot, {of}"] < 260, done.stdout)

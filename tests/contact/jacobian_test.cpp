@@ -1,4 +1,4 @@
-// J, a0 and the forces of contacts on bodies, by the equations that a solve's answer obeys, and by differences.
+// J, a0 and the contact forces on bodies satisfy the equations of a solve's solution, and agree with differences.
 
 #include "manycontact/contact/jacobian.hpp"
 
@@ -50,7 +50,7 @@ TEST(ContactJacobian, SolutionsObeyTheEquations) {
   }
 }
 
-// With pushes and springs, of which those in joints are rnea's own: motors give the rest.
+// With pushes and springs, those in joints being part of rnea, motors give the remaining torques.
 TEST(ContactJacobian, ForcesOnBodiesAreAllFromOutsideTheJoints) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     std::mt19937 rng(seed);
@@ -74,7 +74,7 @@ TEST(ContactJacobian, ForcesOnBodiesAreAllFromOutsideTheJoints) {
   }
 }
 
-// J v and its drift are rates: of what A does against B', seen in quadruple precision.
+// J v and its bias acceleration are rates of the motion of A relative to B', in quadruple precision.
 TEST(ContactJacobian, DriftIsTheRateOfJv) {
   for (unsigned seed = 21; seed <= 26; ++seed) {
     RandomScene s = some_scene(seed);
@@ -88,7 +88,7 @@ TEST(ContactJacobian, DriftIsTheRateOfJv) {
     const VectorXd rates = (velocities(h) - velocities(-h)) / (2 * h);
     Eigen::Index row = 0;
     for (const Contact& contact : s.scene.contacts) {
-      // of rows in A's axes; world-aligned ones turn, and a0 has what A's axes see
+      // rows are in A's axes; world-aligned axes rotate, and a0 is as seen in A's axes
       if (contact.reference_frame == ReferenceFrame::kLocal && contact.type == ContactType::k6D) {
         EXPECT_LE(difference_of(a0.segment(row, 6), rates.segment(row, 6)), 1e-7 * (1 + size_of(rates)));
       }

@@ -1,4 +1,4 @@
-// References taken from a configuration.
+// References are set from a configuration.
 
 #include "manycontact/contact/reference.hpp"
 

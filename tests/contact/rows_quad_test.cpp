@@ -1,4 +1,4 @@
-// Contact rows against the motion they describe, by differences in quadruple precision.
+// Contact rows agree with the motion that they describe, from differences in quadruple precision.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace {
 using VectorQ = VecX<Quad>;
 using MotionQ = Vec6<Quad>;
 
-// Placements in a scene are rotations to double precision only; differences below are good to 1e-15.
+// Placements in a scene are rotations to double precision only; differences below are accurate to 1e-15.
 constexpr double kTightQuad = 1e-13;
 
 class Scenes : public testing::TestWithParam<unsigned> {
@@ -24,11 +24,11 @@ class Scenes : public testing::TestWithParam<unsigned> {
   const Scene& scene = s.scene;
   VectorQ q = s.q.cast<Quad>(), v = s.v.cast<Quad>(), a = random_vector(s.scene.nv, rng).cast<Quad>();
 
-  /// At q (+) (t v + t^2/2 a), with velocity v + t a.
+  /// Returns the rows at q (+) (t v + t^2/2 a), with velocity v + t a.
   SceneRows<Quad> at(const Quad& t) const {
     return SceneRows<Quad>(scene, moved<Quad>(scene, q, t * v + (t * t / Quad(2)) * a), v + t * a);
   }
-  /// Size of what a0 is the sum of; where little moves, it cancels.
+  /// Returns the size of the terms of a0; they cancel where little moves.
   static double terms(const SceneRows<Quad>& rows, int k) {
     return std::max({size_of(rows.data[k].aA), size_of(rows.data[k].aB), size_of(rows.data[k].a0)});
   }
@@ -80,8 +80,8 @@ TEST_P(Scenes, JacobianIsTheRelativeMotionsDerivative) {
   }
 }
 
-// J a + a0 without gains is the second derivative of what the contact holds: of log6(G0^-1 G) for 6D, of A's origin
-// seen from B' (then turned into A's axes) for points. Only placements are differenced, no velocities.
+// J a + a0 without gains is the second derivative of the constrained quantity: log6(G0^-1 G) for 6D, and A's origin as
+// seen from B' (then rotated into A's axes) for points. Only placements are differenced, no velocities.
 TEST_P(Scenes, AccelerationRowsAreTheSecondDerivative) {
   const Quad h(1e-9);
   const Scene bare = scene_without_gains();
@@ -116,7 +116,7 @@ TEST_P(Scenes, AccelerationRowsOf6DAreTheRateOfNu) {
   }
 }
 
-// What the gains add, each alone: alpha the placement error, beta the relative velocity.
+// Each gain alone adds its error: alpha the placement error, beta the relative velocity.
 TEST_P(Scenes, GainsAddPositionAndVelocityErrors) {
   const Scene bare = scene_without_gains();
   const SceneRows<Quad> without(bare, q, v);

@@ -1,4 +1,4 @@
-// What contact rows owe to symmetry: frames, types, swapped bodies, moved worlds, fixed bases, loops.
+// Contact rows have symmetries: frames, types, swapped bodies, moved worlds, fixed bases, loops.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ class Rows : public testing::TestWithParam<unsigned> {
   std::mt19937 rng{GetParam()};
   RandomScene s = random_scene(rng, {.ncontacts = 12});
   SceneRows<double> rows(const Scene& scene) const { return SceneRows<double>(scene, s.q, s.v); }
-  // Every contact made one of this type and frame.
+  // Returns the scene with every contact of this type and frame.
   Scene all(ContactType type, ReferenceFrame frame) const {
     Scene scene = s.scene;
     for (Contact& c : scene.contacts) c.type = type, c.reference_frame = frame;
@@ -52,7 +52,7 @@ TEST_P(Rows, WorldAndLocalWorldAlignedAreTheSame) {
   }
 }
 
-// Errors and drift, too, are turned by oR_A.
+// Errors and bias accelerations, too, are rotated by oR_A.
 TEST_P(Rows, WorldIsLocalTurned) {
   for (ContactType type : {ContactType::k3D, ContactType::k6D}) {
     const Scene local = all(type, ReferenceFrame::kLocal), world = all(type, ReferenceFrame::kWorld);
@@ -84,7 +84,7 @@ TEST_P(Rows, OneAndTwoDKeepComponentsOf3D) {
   }
 }
 
-// The whole world moved and turned, gravity with it: nothing changes in the bodies' own axes.
+// The whole world is moved and rotated, gravity with it: nothing changes in the bodies' own axes.
 TEST_P(Rows, MovingEverythingRigidlyChangesNothing) {
   for (ContactType type : {ContactType::k3D, ContactType::k6D}) {
     const Scene before = all(type, ReferenceFrame::kLocal);
@@ -110,7 +110,7 @@ TEST_P(Rows, MovingEverythingRigidlyChangesNothing) {
   }
 }
 
-// All of it 1e5 m away: the two bodies are as near each other as before, and no digit of that is lost but in q itself.
+// Everything is 1e5 m away: the two bodies are as near as before, and only q itself loses digits.
 TEST_P(Rows, BodiesInContactFarAwayLoseNoDigits) {
   Scene far = s.scene;
   const Vec3<double> shift(131072, -65536, 0);  // powers of two, q's own rounding is 1e-11
@@ -156,7 +156,7 @@ TEST_P(Rows, JointsAboveACommonAncestorHaveNoColumns) {
   }
 }
 
-// A body on the base link of another robot: the same as in the world, where that base stands.
+// A body on the base link of another robot has the rows of a contact with the world at that base.
 TEST(FixedBase, AsBIsAPlaceInTheWorld) {
   std::mt19937 rng(1);
   RandomScene s = random_scene(rng, {.nrobots = 2, .models = {{.floating_base = true}, {}}, .ncontacts = 0});
@@ -180,7 +180,7 @@ TEST(FixedBase, AsBIsAPlaceInTheWorld) {
   }
 }
 
-// A on the base link, the other body B': only B' moves, and A stands still.
+// A is on the base link, the other body is B': only B' moves, and A is at rest.
 TEST(FixedBase, AsA) {
   std::mt19937 rng(2);
   RandomScene s = random_scene(rng, {.nrobots = 2, .models = {{}, {.floating_base = true}}, .ncontacts = 0});
@@ -208,7 +208,7 @@ TEST(FixedBase, AsA) {
 
 // ---- action and reaction --------------------------------------------------------------------------------------------
 
-// Coincident points with no relative velocity, in world axes: swapping A and B' only turns the sign.
+// Points coincide without relative velocity, in world axes: swapping A and B' only changes the sign.
 TEST_P(Rows, SwappingCoincidentPointsTurnsTheSign) {
   for (int k = 0; k < static_cast<int>(s.scene.contacts.size()); ++k) {
     Contact c = s.scene.contacts[k];

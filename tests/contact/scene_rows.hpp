@@ -1,5 +1,5 @@
 #pragma once
-// The rows of all contacts of a scene at one state, in any scalar, and what they should be made of.
+// The rows of all contacts of a scene at one state, in any scalar, and their expected values.
 
 #include <vector>
 
@@ -32,7 +32,7 @@ struct SceneRows {
   }
   int size() const { return static_cast<int>(data.size()); }
 
-  /// J of contact k, in all columns of the scene.
+  /// Returns J of contact k, in all columns of the scene.
   MatX<S> J(int k) const {
     const Contact& c = scene.contacts[k];
     MatX<S> J = MatX<S>::Zero(c.rows(), scene.nv);
@@ -43,7 +43,7 @@ struct SceneRows {
   }
   VecX<S> a0(int k) const { return data[k].a0; }
 
-  /// Placement in the world, by the definition.
+  /// Returns the placement in the world, from its definition.
   SE3<S> world(const Attachment& at) const {
     if (at.robot < 0) return at.placement.template cast<S>();
     if (at.joint < 0) return scene.robots[at.robot].base.template cast<S>() * at.placement.template cast<S>();
@@ -55,7 +55,7 @@ struct SceneRows {
   SE3<S> G(int k) const { return B(k).inverse() * A(k); }
 };
 
-/// What contact c keeps of x, given in A's axes: turned into its frame, components chosen.
+/// Returns the components of x, given in A's axes, that contact c constrains, rotated into its frame.
 template <class S>
 VecX<S> selected(const Contact& c, const SE3<S>& oMA, Vec6<S> x) {
   if (c.reference_frame != ReferenceFrame::kLocal) {
@@ -80,7 +80,7 @@ VecX<S> selected(const Contact& c, const SE3<S>& oMA, Vec6<S> x) {
   return {};
 }
 
-/// q (+) v for the whole scene.
+/// Returns q (+) v for the whole scene.
 template <class S>
 VecX<S> moved(const Scene& scene, const VecX<S>& q, const VecX<S>& v) {
   VecX<S> out(scene.nq);

@@ -1,4 +1,4 @@
-# What the readers of scenes and tasks take, the schemas and the pages name: elements, attributes and their values.
+# Schemas and pages name what the readers of scenes and tasks accept: elements, attributes and their values.
 #   PROJECT: the top folder
 foreach(kind IN ITEMS scene task)
   file(READ ${PROJECT}/models/scene.xsd scene_schema)

@@ -1,4 +1,4 @@
-# Doxygen has nothing to complain of: pages and links, and every function and class of FLOORS has words.
+# Doxygen gives no warning on pages and links, and every function and class of FLOORS is documented.
 #   DOXYGEN, PROJECT: the program, the top folder;  BUILD: where to put what it makes;  FLOORS: headers or their folders
 function(complaints said)  # further lines of the Doxyfile
   string(JOIN "\n" more ${ARGN})
@@ -22,7 +22,7 @@ if(said)
   message(FATAL_ERROR "${said}")
 endif()
 
-# The navigation leads to pages that are there.
+# The navigation leads to existing pages.
 file(STRINGS ${BUILD}/layout.xml tabs REGEX "url=")
 list(LENGTH tabs count)
 if(count LESS 40)
@@ -35,7 +35,7 @@ foreach(tab IN LISTS tabs)
   endif()
 endforeach()
 
-# So do the links of every page.
+# The links of every page lead to existing pages.
 execute_process(COMMAND python3 ${CMAKE_CURRENT_LIST_DIR}/site_links.py ${BUILD}/html OUTPUT_VARIABLE said RESULT_VARIABLE failed)
 if(failed)
   message(SEND_ERROR "${said}")

@@ -1,4 +1,4 @@
-# Every page has a title, and its links and pictures lead to files that are there.
+# Every page has a title, and its links and pictures lead to existing files.
 #   PROJECT: the top folder
 file(GLOB pages ${PROJECT}/*.md ${PROJECT}/src/doc/*.md ${PROJECT}/src/doc/*/*.md ${PROJECT}/models/*.md ${PROJECT}/sparse/*.md
                 ${PROJECT}/bench/*/README.md ${PROJECT}/tests/*/README.md)
@@ -10,7 +10,7 @@ foreach(page IN LISTS pages)
   endif()
   string(REGEX REPLACE "```[^`]*```" "" text "${text}")  # programs
   string(REPLACE "](" "@(" text "${text}")
-  string(REGEX REPLACE "[][;]" " " text "${text}")  # CMake's lists would trip over these
+  string(REGEX REPLACE "[][;]" " " text "${text}")  # CMake's lists would break at these
   string(REGEX MATCHALL "@\\([^()# \n]+" links "${text}")
   get_filename_component(folder ${page} DIRECTORY)
   foreach(link IN LISTS links)

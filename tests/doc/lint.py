@@ -27,7 +27,7 @@ TOP = pages.TOP
 DEBTS = TOP / "tests" / "doc" / "prose_debts.txt"
 LONGEST = 35
 
-# What is written otherwise: pattern, and the standard term.
+# Words to avoid: pattern, and the standard term.
 WORDS = {
     r"floors?": "layer, module (or: ground)",
     r"lanes?|side by side": "SIMD batch",
@@ -206,7 +206,7 @@ def number_faults(text):
 
 
 def anchors(text):
-    """Of the headings of a page, as GitHub names them."""
+    """Returns the anchors of a page's headings, as GitHub names them."""
     headings = re.findall(r"(?m)^#+ (.*)$", re.sub(r"(?s)```.*?```", "", text))
     return {re.sub(r"[^\w -]", "", h.lower()).replace(" ", "-") for h in headings}
 
@@ -219,7 +219,7 @@ def anchor_faults(page, text):
 
 
 def enumerators(name):
-    """Of `enum class NAME` in the installed headers."""
+    """Returns the members of `enum class NAME` in the installed headers."""
     for header in (TOP / "include").rglob("*.hpp"):
         if found := re.search(rf"enum class {name} {{(.*?)}};", header.read_text(), re.S):
             return re.findall(r"\bk[A-Z]\w+", re.sub(r"//.*", "", found[1]))
@@ -239,7 +239,7 @@ def page_faults(page, names):
 
 
 def set_faults():
-    """What is wrong with the pages as a whole."""
+    """Returns the faults of the pages as a whole."""
     index = (TOP / "src" / "doc" / "index.md").read_text()
     for page in pages.pages():
         name = page.relative_to(TOP)
@@ -271,7 +271,7 @@ def set_faults():
 
 
 def bench_faults():
-    """Times of the README and of performance.md that are not those of the last ./run bench, rounded."""
+    """Returns times of the README and of performance.md that differ from the last ./run bench, rounded."""
     measured = (TOP / "bench" / "results" / "README.md").read_text()
     measured = {row.split("|")[1].strip(): re.sub(r"\(.*?\)", "", row) for row in re.findall(r"(?m)^\| .*\d.*\|$", measured)}
     known = {name: {float(x) for x in re.findall(r"(?<=\| )[\d.]+", row)} for name, row in measured.items()}
@@ -308,7 +308,7 @@ def bench_faults():
 
 
 def header_debts(header, names):
-    """{kind: count} of what is wrong in a header's comments."""
+    """Returns {kind: count} of faults in a header's comments."""
     counts, comment = {}, []
     comments = "\n".join(re.findall(r"(?m)(?<![:\"])//(.*)$", header.read_text()))
     files = {f for f in re.findall(r"[\w/]+\.(?:hpp|cpp|md)\b", comments)}

@@ -7,7 +7,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import lint  # noqa: E402
 import pages  # noqa: E402
 
-PAGE = lint.TOP / "src" / "doc" / "performance.md"  # of which a text is taken to be
+PAGE = lint.TOP / "src" / "doc" / "performance.md"  # the assumed page of a text
 
 
 def faults(text):
@@ -52,14 +52,14 @@ It takes 3 us (`./run bench`). See `manycontact/dynamics/solve.hpp`, `solve_batc
 
 
 def check_texts():
-    """lint.texts_of: adjacent literals are one text, whose paragraphs are apart; comments and names of elements are none."""
+    """lint.texts_of joins adjacent literals into one text with separate paragraphs; it skips comments and names of elements."""
     source = 'f("The rows hold"\n  " the same.");  // "the rows hold two"\ng("One push of the scene.\\n\\nOf two robots, one.");\n'
     found = list(lint.texts_of(source))
     return [] if found == ["The rows hold the same.", "One push of the scene.", "Of two robots, one."] else [f"texts: {found}"]
 
 
 def check_output():
-    """pages.difference: numbers to their digits, excerpts, rounding."""
+    """pages.difference compares numbers to their digits, excerpts, rounding."""
     same = [("a 1.5\nb", "a 1.5\nb\n"), ("...\nb", "a\nb\n"), ("a\n...", "a\nb\nc\n"), ("x 1e-17", "x -3e-15\n"), ("t 1.500001", "t 1.500002\n")]
     other = [("a 1.5", "a 1.6\n"), ("t 1.50", "t 1.502\n"), ("a", "a\nb\n"), ("a\nb", "a\n"), ("...\nb", "a\n"), ("a 1", "b 1\n"), ("x 1e-3", "x 2e-3\n"), ("a 294.30", "a 294.31\n")]
     wrong = [f"same: {x}" for x in same if pages.difference(*x, False)] + [f"other: {x}" for x in other if not pages.difference(*x, False)]

@@ -68,7 +68,7 @@ def blocks_of(text):
 
 
 def alike(shown, printed, vary):
-    """One line of a page against one that was printed."""
+    """Compares one line of a page with a printed one."""
     if " ".join(NUMBER.sub("0", shown).split()) != " ".join(NUMBER.sub("0", printed).split()):
         return False
     for a, b in zip(NUMBER.findall(shown), NUMBER.findall(printed)):
@@ -79,7 +79,7 @@ def alike(shown, printed, vary):
 
 
 def difference(shown, printed, vary):
-    """None where a text block shows what was printed, else what is wrong."""
+    """Returns None if a text block shows the printed text, otherwise the difference."""
     lines, at, free = [x.rstrip() for x in printed.rstrip("\n").split("\n")], 0, False
     for line in shown.rstrip("\n").split("\n"):
         if line.strip() == "...":
@@ -96,7 +96,7 @@ def difference(shown, printed, vary):
 
 
 class Run:
-    """The folder that a page's blocks run in."""
+    """A page's blocks run in this folder."""
 
     def __init__(self, page, build, programs, python):
         self.page, self.build, self.programs, self.python = page, build, programs, python
@@ -107,7 +107,7 @@ class Run:
             (self.folder / name).symlink_to(TOP / name)
         shutil.copytree(TOP / "models", self.folder / "models")
         (self.folder / "build" / "release").symlink_to(build)
-        tools = self.folder / "tools"  # python3 is the one that the package was built for
+        tools = self.folder / "tools"  # python3 is that of the package's build
         tools.mkdir()
         (tools / "python3").symlink_to(python)
         self.environment = dict(
@@ -121,7 +121,7 @@ class Run:
         )
 
     def run(self, block):
-        """What the block prints; raises where it ends badly."""
+        """Returns what the block prints; raises if it fails."""
         if block.language == "python":
             name = block.name or "page.py"
             (self.folder / name).write_text(block.text)

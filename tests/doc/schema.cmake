@@ -1,4 +1,4 @@
-# Every scene and task is valid by its schema, and mistakes are not.
+# Every scene and task satisfies its schema, and mistakes do not.
 #   XMLLINT: the program;  MODELS: the folder models;  MORE: a folder of tasks that need not be there;  BUILD: a folder
 function(judge verdict schema file)  # verdict: valid, or refused
   execute_process(COMMAND ${XMLLINT} --noout --nonet --schema ${MODELS}/${schema}.xsd ${file}

@@ -19,8 +19,8 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr double kNoDigits = 1e-2;  // an error allowed that says nothing
-constexpr double kHidden = 1e8;     // a condition above which two ranks may be seen in one matrix
+constexpr double kNoDigits = 1e-2;  // an allowed error that is meaningless
+constexpr double kHidden = 1e8;     // a condition above which one matrix may have two ranks
 
 double size_of(const VectorXd& x) { return x.size() > 0 ? x.lpNorm<Eigen::Infinity>() : 0; }
 
@@ -61,7 +61,7 @@ struct Answer {
     jvp(scene, data, dq, dv, du, da, df);
   }
 
-  /// Of the i-th of the scene's islands; dense-schur has a single one.
+  /// Returns the report of the i-th of the scene's islands; dense-schur has a single one.
   const IslandReport& report(std::size_t island) const {
     return data.report.islands[data.report.islands.size() == 1 ? 0 : island];
   }
@@ -92,7 +92,7 @@ class Judge {
     }
   }
 
-  // Twice in one place, with another contact set between: the same bits. Products are those with the matrices.
+  // The bits are the same again after another contact set in between. Products agree with the matrices.
   void judge_memory(const test::Way& way) {
     way_ = way.name;
     Answer mine(scene_, q_, v_, u_, way.options);
@@ -147,17 +147,16 @@ class Judge {
     }
     const Places at = places(scene_, mine.data, islands_[i]);
     const VectorXd a = oracle_.data.a(at.v), f = oracle_.data.f(at.f), da = oracle_.da(at.v), df = oracle_.df(at.f);
-    // |K^-1| in bounds and conditions is estimated, up to three times too small.
+    // |K^-1| in bounds and conditions is an estimate, up to three times too small.
     const double bound_a = 3 * (r.error_acceleration + o.error_acceleration);
     const double bound_f = 3 * (r.error_forces + o.error_forces);
     if (!schur) {
       check_bound("accelerations", mine.data.a(at.v), a, bound_a, i);
       check_bound("forces", mine.data.f(at.f), f, bound_f, i);
     }
-    // Each within max(1e-12, 100 eps cond) of the truth; estimates of cond are up to three times too small. Where what
-    // K and b are computed from is larger than they are, the bounds say how far that is not enough. The condition is
-    // that of K x = b, x = [a; -f] together; where contacts take all motion away, what is left of it is rounding of the
-    // motion there would be.
+    // Each is within max(1e-12, 100 eps cond) of the truth; estimates of cond are up to three times too small. If the
+    // inputs of K and b are larger than K and b, the bounds include this. The condition is that of K x = b, x = [a; -f]
+    // together; if contacts remove all motion, the remaining a is rounding of the motion without them.
     const double allowed = std::max({2 * std::max(1e-12, 300 * kEps * condition), bound_a, bound_f});
     if (!(allowed < kNoDigits)) return;
     double size = std::max({size_of(a), size_of(f), free_size(at)});
@@ -168,7 +167,7 @@ class Judge {
     // Their terms are as large as products of a, f and v.
     size = std::max({size, size_of(da), size_of(df), size_of(v_(at.v)) * size_of(v_(at.v))});
     check(mine.da(at.v), da, size, 10 * allowed, "derivatives of accelerations", i);
-    // Where rows depend on others in this posture alone (an axis of the world and one of the body) forces have none.
+    // If rows depend on others at this configuration alone (an axis of the world and one of the body) forces have none.
     if (r.status == Status::kOk) check(mine.df(at.f), df, size, 10 * allowed, "derivatives of forces", i);
   }
 
@@ -177,7 +176,7 @@ class Judge {
     return std::isfinite(size) ? size : 0;
   }
 
-  // Bounds are relative to the answers, which differ by less than a hundredth of themselves.
+  // Bounds are relative to the solutions, which differ by less than a hundredth of themselves.
   void check_bound(const std::string& what, const VectorXd& mine, const VectorXd& truth, double bound,
                    std::size_t i) const {
     const double size = std::max(size_of(mine), size_of(truth)), error = size_of(mine - truth);
@@ -191,12 +190,12 @@ class Judge {
     if (!(error <= allowed * size)) fail(std::string("wrong ") + what, i, error / size, allowed);
   }
 
-  // jvp is J d and vjp J^T w, J by differentiate, up to the rounding of the solves in each.
+  // jvp is J d and vjp J^T w, with J from differentiate, up to the rounding of the solves in each.
   void check_products(Answer& mine) const {
     const Report &report = mine.data.report, &truth = oracle_.data.report;
     if (std::max(report.status, truth.status) > Status::kRedundant || !mine.da.allFinite() || !mine.df.allFinite())
       return;
-    // Matrices are made in joint space, whatever the method: the oracle's condition and bounds hold for them.
+    // Matrices are computed in joint space by every method: the reference's condition and bounds apply to them.
     const double allowed =
         20 * std::max({1e-12, 300 * kEps * std::max(report.condition, truth.condition), truth.error_acceleration,
                        truth.error_forces, report.error_acceleration, report.error_forces});

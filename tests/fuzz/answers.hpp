@@ -1,5 +1,5 @@
 #pragma once
-// Every method against the oracle, for any scene.
+// Every method is compared with the dense reference solver, for any scene.
 
 #include <string>
 
@@ -7,15 +7,16 @@
 
 namespace manycontact::fuzz {
 
-/// Solves the scene by every method and order, and judges islands by the dense oracle:
+/// Solves the scene by every method and order, and judges islands by the dense reference solver:
 ///
 ///   * failed: NaN and nothing else; otherwise finite numbers;
-///   * ok, redundant, inconsistent, of the rank that the oracle finds: accelerations and forces within three times
-///     what both answers' error bounds (estimate_errors, whose |K^-1| is an estimate) leave, and together within twice max(1e-12, 100 eps cond);
+///   * ok, redundant, inconsistent, of the rank that the reference finds: accelerations and forces within three times
+///     both solutions' error bounds (estimate_errors, whose |K^-1| is an estimate), and together within twice
+///     max(1e-12, 100 eps cond);
 ///   * of another rank: only where one of both conditions is above 1e8;
 ///   * products with derivatives along one direction: within ten times that; jvp and vjp are products with
 ///     differentiate's matrices;
-///   * a contact switched off and on again leaves every bit as it was.
+/// * a contact switched off and on again leaves every bit as it was.
 ///
 /// Throws Finding.
 void check_answers(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& u);

@@ -1,4 +1,4 @@
-// The corpus through the functions that are fuzzed, in this build, and bytes of this program's own.
+// The corpus and random bytes run through the fuzzed functions in this build.
 
 #include <gtest/gtest.h>
 
@@ -30,10 +30,10 @@ std::vector<std::pair<std::string, File>> corpus(const std::string& name) {
   return files;
 }
 
-// Changes of each file.
+// Numbers of changes of each file.
 constexpr int kReads = 300, kSolves = 20;  // ./run fuzz tries many more
 
-// Each file as it is, and with a few bytes changed, taken out or doubled.
+// Runs each file as it is, and with a few bytes changed, removed or doubled.
 void replay(const std::string& name, Target target, int changed) {
   const auto files = corpus(name);
   EXPECT_GE(files.size(), 3u);

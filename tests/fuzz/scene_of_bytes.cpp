@@ -11,7 +11,7 @@ namespace manycontact::fuzz {
 
 namespace {
 
-// Read from the front; zeros behind the end.
+// Bytes are read from the front; zeros follow the end.
 class Bytes {
  public:
   Bytes(const std::uint8_t* data, std::size_t size) : at_(data), end_(data + size) {}
@@ -43,7 +43,7 @@ class Bytes {
     const double x = number(wild), y = number(wild), z = number(wild);
     return {x, y, z};
   }
-  // A unit quaternion; any four numbers where `wild` is 2 and they have no direction.
+  // Returns a unit quaternion, or any four numbers if `wild` is 2 and they have no direction.
   Eigen::Vector4d quaternion(int wild) {
     if (one_in(3)) return {0, 0, 0, 1};
     Eigen::Vector4d quat;
@@ -61,7 +61,7 @@ class Bytes {
   const std::uint8_t *at_, *end_;
 };
 
-// A turned box: m/12 (b^2 + c^2), ...; massless where its number is 0, a point or a stick where sides are.
+// Returns a rotated box: m/12 (b^2 + c^2), ...; massless if its number is 0, a point or a stick if sides are.
 Inertia<double> inertia(Bytes& in, int wild) {
   const double mass = std::abs(in.number(wild));
   const Vec3<double> sides2 = in.point(wild).cwiseAbs2();
@@ -121,7 +121,7 @@ Attachment body(Bytes& in, const Scene& scene, int wild) {
   return {robot, joint, in.placement(wild)};
 }
 
-// Of any kind, or one of those before once more, perhaps in other axes or asking for something else.
+// Returns a contact of any kind, or an earlier one again, perhaps in other axes or with another request.
 Contact contact(Bytes& in, const MadeScene& made) {
   const Scene& scene = made.scene;
   Contact c;
@@ -173,7 +173,7 @@ MadeScene scene_of_bytes(const std::uint8_t* data, std::size_t size) {
   made.u = numbers(made.scene.nu);
   for (int c = in.below(9); c > 0; --c) try {
       (void)add_contact(made.scene, contact(in, made));
-    } catch (const std::invalid_argument&) {  // such as a body held to itself
+    } catch (const std::invalid_argument&) {  // e.g. a body attached to itself
     }
   return made;
 }

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder of this process with what the files refer to; gone at its end.
+// A folder of this process with the files that are referred to; it is removed at the end.
 class Folder {
  public:
   Folder() : path_(fs::temp_directory_path() / ("manycontact_fuzz_" + std::to_string(getpid()))) {
@@ -62,7 +62,7 @@ void check(bool holds, const char* what) {
   if (!holds) throw Finding(what);
 }
 
-// "FILE:LINE: message" on one line, of what a terminal can show.
+// Expects "FILE:LINE: message" on one line that a terminal can show.
 void check_message(const InputError& error) {
   const std::string what = error.what();
   check(error.line >= 1 && !error.message.empty(), "a refusal without a line or a message");
@@ -81,7 +81,7 @@ void check_scene(const SceneFile& file) {
 
 constexpr int kMostSolved = 120;  // more take too long for a fuzzer
 
-// Unknowns and robots.
+// Returns the number of unknowns and robots.
 int effort(const Scene& scene) {
   int n = scene.nv + scene.nrobots();
   for (const Contact& c : scene.contacts) n += c.rows();

@@ -1,4 +1,4 @@
-// Every kind of bad input: the file and line blamed, and what the message says.
+// Every kind of bad input is refused with its file, line and message.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ std::string joint(const std::string& attributes, const std::string& inside = "",
          "</joint>";
 }
 
-// Line 1 opens the robot; links a (2), b (3), c (4), d (5); joints r, f, p on lines 6 to 8.
+// Line 1 opens the robot; links a (2), b (3), c (4), d (5); joints r, f, p are on lines 6 to 8.
 const std::vector<std::string> kUrdf = {
     R"(<robot name="good">)",
     link("a", mass("1")),
@@ -249,7 +249,7 @@ TEST_F(BadInput, ScenesAndNames) {
       3, "the copied robot 'b0' has the name of another robot");
 }
 
-// Beside copies of b, b-1/link means a copy's neighbour.
+// If b has copies, b-1/link means a copy's neighbour.
 TEST_F(BadInput, NamesOfNeighbours) {
   const auto scene_with = [](const std::string& name, const std::string& more = "") {
     return "<scene>\n<robot name=\"" + name + "\" urdf=\"good.urdf\"" + more +
@@ -426,7 +426,7 @@ TEST_F(BadInput, MimicRefused) {
   EXPECT_NO_THROW((void)read_scene(scene));
 }
 
-// Damaged files are refused or read, and nothing else happens.
+// Damaged files are refused or read, without any other effect.
 TEST_F(BadInput, DamagedFiles) {
   const std::string scene =
       "<scene name=\"s\" gravity=\"0 0 -9.81\"><robot name=\"h\" urdf=\"bad.urdf\" base=\"floating\" "

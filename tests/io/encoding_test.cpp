@@ -1,4 +1,4 @@
-// Bytes that become names: decoded as the file declares them, or refused with their line.
+// Bytes that become names are decoded as the file declares, or refused with their line.
 
 #include <gtest/gtest.h>
 
@@ -13,12 +13,12 @@ using namespace std::string_literals;
 
 class Encoding : public testing::Test {
  protected:
-  // A robot with one joint of that name on line 3, in a file that begins with `head`.
+  // Returns a robot with one joint of that name on line 3, in a file that begins with `head`.
   static std::string robot(const std::string& head, const std::string& joint) {
     return head + "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/>\n\n<joint name=\"" + joint +
            "\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/></joint></robot>\n";
   }
-  // The joint's name, or "LINE: MESSAGE" of the refusal.
+  // Returns the joint's name, or "LINE: MESSAGE" of the refusal.
   std::string read(const std::string& bytes) const {
     try {
       return load_urdf(folder_.write("robot.urdf", bytes)).joints.at(0).name;
@@ -29,7 +29,7 @@ class Encoding : public testing::Test {
   static std::string declared(const std::string& encoding) {
     return "<?xml version=\"1.0\" encoding=\"" + encoding + "\"?>";
   }
-  // ASCII and characters up to U+00FF given as Latin-1.
+  // Encodes ASCII and characters up to U+00FF given as Latin-1.
   static std::string utf16(const std::string& latin1, bool big) {
     std::string out = big ? "\xFE\xFF" : "\xFF\xFE";
     for (const char c : latin1) out += big ? std::string{'\0', c} : std::string{c, '\0'};
@@ -77,7 +77,7 @@ TEST_F(Encoding, Refused) {
   }
 }
 
-// Nothing of a comment is read.
+// The content of a comment is not read.
 TEST_F(Encoding, CommentsMayHoldAnything) {
   EXPECT_EQ(read(robot("<!-- \xFClmotor &#0; &#xD800; \x01 -->", "x")), "x");
   EXPECT_EQ(read(robot("<!--\n\n-->", "\xFC")).find("5: contains the byte 0xfc"), 0u);  // lines go on
@@ -97,7 +97,7 @@ TEST_F(Encoding, OfScenes) {
   };
   EXPECT_EQ(scene(declared("ISO-8859-1"), "\xE9"), "\xC3\xA9");
   EXPECT_EQ(scene("\xEF\xBB\xBF", "x"), "x");
-  // text that is decoded already, as Python's, is UTF-8 whatever it declares
+  // text that is already decoded, as Python's, is UTF-8 whatever it declares
   const std::string text = declared("ISO-8859-1") + "<scene><robot name=\"\xC3\xA9\" urdf=\"robot.urdf\"/></scene>";
   EXPECT_EQ(read_scene_text(text, (folder_ / "scene.xml").string()).scene.robots.at(0).name, "\xC3\xA9");
   EXPECT_EQ(scene("", "&#xD800;").find("2: refers to"), 0u);

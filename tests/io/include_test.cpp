@@ -1,4 +1,4 @@
-// Scenes in scenes; passive joints; damping and friction from the URDF.
+// Scenes include scenes; joints are passive; damping and friction come from the URDF.
 
 #include <gtest/gtest.h>
 
@@ -51,7 +51,7 @@ class Include : public testing::Test {
 std::string robot(const std::string& name) { return "<robot name=\"" + name + "\" urdf=\"robot.urdf\"/>\n"; }
 std::string include(const std::string& file) { return "<include file=\"" + file + "\"/>\n"; }
 
-// In the place of the element, paths from the file that they stand in, contacts across files.
+// Included elements replace the <include>, their paths are relative to their file, and contacts connect files.
 TEST_F(Include, RobotsAndContactsStandWhereTheyAreIncluded) {
   write("scene.xml", robot("first") + include("sub/one.xml") + robot("last") +
                          "<contact name=\"c\" type=\"3d\" frame=\"first/b\" to=\"two/c\"/>");
@@ -115,7 +115,7 @@ TEST_F(Include, CirclesAndDepthAreRefused) {
   expect_problem("d15.xml:2: ", "more than 16 deep");
   write("scene.xml", include("d30.xml"));
   EXPECT_EQ(read().scene.nrobots(), 1);
-  // one file from two places is not a circle; what has robots is refused by their names, what has none by its number
+  // one file from two places is not a cycle; files with robots are refused by their names, others by their number
   std::string twice = include("e1.xml") + include("e1.xml");
   for (int k = 1; k < 12; ++k) {
     const std::string next = include("e" + std::to_string(k + 1) + ".xml");
@@ -165,7 +165,7 @@ TEST_F(Include, DynamicsOfTheUrdf) {
   bad.replace(bad.find("0.5"), 3, "inf");
   std::ofstream(folder_ / "robot.urdf") << bad;
   expect_problem("robot.urdf:4: ", "joint 'hip' has the damping or friction inf, expected a finite number");
-  bad.replace(bad.find("inf"), 3, "-1.");  // drives the joint, and is told
+  bad.replace(bad.find("inf"), 3, "-1.");  // it drives the joint, and a warning is printed
   std::ofstream(folder_ / "robot.urdf") << bad;
   const SceneFile driven = read();
   EXPECT_EQ(driven.scene.robots[0].model->damping[0], -1);

@@ -1,4 +1,4 @@
-// Input that is too large or expands: an answer, or an error of one line, in little time and memory.
+// Input that is too large or expands gives a result, or an error of one line, in little time and memory.
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -41,7 +41,7 @@ TEST_F(Limits, DeepXml) {
   EXPECT_THROW((void)load_urdf(write("deep.urdf", urdf)), InputError);
 }
 
-// tinyxml2 knows no entities but XML's own: a reference to another stays as it is written, and grows to nothing.
+// tinyxml2 knows only XML's own entities: a reference to another stays as written, and does not expand.
 TEST_F(Limits, EntityBomb) {
   std::string bomb = "<!DOCTYPE s [<!ENTITY a0 \"aaaaaaaaaa\">";
   for (int i = 1; i < 30; ++i) {
@@ -83,7 +83,7 @@ TEST_F(Limits, FilesThatDoNotEnd) {
   EXPECT_THROW((void)read_task(task), InputError);
 }
 
-// No recursion over links: a chain is as deep as it is long.
+// Links need no recursion: a chain is as deep as it is long.
 TEST_F(Limits, LongChain) {
   constexpr int kLinks = 30000;
   std::string urdf = "<robot name=\"chain\"><link name=\"l0\"/>";
@@ -95,7 +95,7 @@ TEST_F(Limits, LongChain) {
   EXPECT_EQ(load_urdf(write("chain.urdf", urdf + "</robot>")).nv, kLinks);
 }
 
-// Contact rows of one body are as dense as they are many: so many are left to the dense method, which is linear in them.
+// Many contact rows of one body are dense: they are left to the dense method, which is linear in their number.
 TEST_F(Limits, ManyContactsOfOneBody) {
   constexpr int kContacts = 30000;
   std::string scene = "<scene>" + box("");
@@ -106,7 +106,7 @@ TEST_F(Limits, ManyContactsOfOneBody) {
   SceneData data(file.scene);
   const Report& report = solve(file.scene, file.q, file.v, file.u, data);
   EXPECT_EQ(report.status, Status::kRedundant);
-  EXPECT_EQ(report.rank, 3);  // all of them at one point
+  EXPECT_EQ(report.rank, 3);  // all of them are at one point
 }
 
 }  // namespace

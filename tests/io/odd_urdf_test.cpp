@@ -1,4 +1,4 @@
-// URDFs that are odd but usable, as public ones are: they load, and what is odd is told with its line.
+// URDFs are questionable but usable, as public ones are: they load, with a warning and its line.
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ class OddUrdf : public testing::Test {
              const std::string& head = "", const std::string& tail = "") const {
     return load(robot(type, inside, inertial, head, tail));
   }
-  // "kind name:line", each finding on a line; and all texts.
+  // Returns "kind name:line", one finding per line; and all texts.
   static std::string told(const Read& m) {
     std::string out;
     for (const Finding& f : m.findings)
@@ -66,7 +66,7 @@ TEST_F(OddUrdf, LimitsThatBoundNothing) {
   struct Case {
     const char *type, *limit;
     double lower, upper, velocity, effort;
-    const char* text;  // empty: nothing is told
+    const char* text;  // empty: no warning
   };
   constexpr double inf = std::numeric_limits<double>::infinity();
   const Case cases[] = {
@@ -161,7 +161,7 @@ TEST_F(OddUrdf, WhatIsNotReadIsNamed) {
                  "</mechanicalReduction></actuator></transmission>"),
             "unread x:6|<mechanicalReduction> is ignored: use `armature` for rotor inertia\n");
   EXPECT_EQ(said("<gazebo reference=\"j\"><springStiffness>3</springStiffness></gazebo>").find("unread j:6|"), 0u);
-  // what does not act on the motion is passed over
+  // elements without effect on the motion are ignored silently
   EXPECT_EQ(
       said("<material name=\"x\"/><gazebo reference=\"b\"><mu1>0.2</mu1></gazebo><sensor name=\"s\"/>"
            "<transmission name=\"t\"><actuator><mechanicalReduction>1</mechanicalReduction></actuator></transmission>"
@@ -184,14 +184,14 @@ TEST_F(OddUrdf, XacroIsRefused) {
       "other.urdf",
       "<robot name=\"r\" xmlns:x=\"http://www.ros.org/wiki/xacro\">\n<link name=\"a\"/>\n<x:leg/></robot>");
   EXPECT_EQ(refusal(other).find("3: <x:leg> is xacro"), 0u);
-  // what a run of xacro leaves behind
+  // output of an xacro run
   EXPECT_EQ(
       refusal(folder_.write("expanded.urdf",
                             "<robot name=\"r\" xmlns:xacro=\"http://wiki.ros.org/xacro\"><link name=\"a\"/></robot>")),
       "accepted");
 }
 
-// What xacro leaves in shapes and colours has no part in the motion.
+// xacro elements left in shapes and colours do not affect the motion.
 TEST_F(OddUrdf, XacroInShapesIsTold) {
   for (const char* inside :
        {"<visual><xacro:insert_block name=\"x\"/></visual>", "<collision><geometry><xacro:box/></geometry></collision>",

@@ -1,4 +1,4 @@
-// Another link of a URDF as the root: the same robot, joint by joint, at the state that corresponds.
+// With another link of a URDF as the root the robot is the same, joint by joint, at the corresponding state.
 
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ std::string joint(const std::string& name, const std::string& type, const std::s
 }
 
 // trunk -z_neck- head; trunk -m_arm- upper =a_fixed= elbow -k_slide- lower -b_wrist- hand -locked- finger, hand
-// -c_thumb- thumb; a ball hangs on the trunk and stays on its side of every root that is tried.
+// -c_thumb- thumb; a ball hangs on the trunk and stays on its side of every root that is tested.
 const std::string kRobot =
     "<robot name='r'>" + link("trunk", 5) + link("head", 1) + link("upper", 2) + link("elbow", 0.5) +
     link("lower", 1.5) + link("hand", 0.7) + link("finger", 0.2) + link("thumb", 0.3) + link("ball", 0.4) +
@@ -52,7 +52,7 @@ std::shared_ptr<const Model> robot(const std::string& root, bool floating) {
   return std::make_shared<const Model>(load_urdf(folder.write("r.urdf", kRobot), options));
 }
 
-// The robot with a hand and the trunk held, the head tied to the finger.
+// Returns the robot with a hand and the trunk constrained, and the head tied to the finger.
 Scene scene_of(const std::string& root, bool floating, std::mt19937 rng) {
   Scene scene;
   add_robot(scene, "r", robot(root, floating));
@@ -68,7 +68,7 @@ Scene scene_of(const std::string& root, bool floating, std::mt19937 rng) {
   return scene;
 }
 
-// What goes by a joint's name of x, of the coordinates of `from`, into those of `to`.
+// Copies the entries of x, in the coordinates of `from`, to joints of the same name in y, in those of `to`.
 template <class First, class Count>
 void copy_joints(const Model& from, const VectorXd& x, const Model& to, VectorXd& y, First first, Count count) {
   for (const Joint& joint : to.joints)
@@ -141,7 +141,7 @@ TEST(Root, IsTheSameRobotOnAFloatingBase) {
     }
 }
 
-// On a fixed base the root stands in the world: as a floating robot that is held there.
+// On a fixed base the root is fixed to the world: it agrees with a floating robot that is fixed there.
 TEST(Root, OfAFixedBaseStandsInTheWorld) {
   for (const char* root : {"head", "hand", "finger"}) {
     SCOPED_TRACE(root);
@@ -178,7 +178,7 @@ TEST(Root, OfTheFileIsTheFile) {
     EXPECT_EQ(given->joints[i].placement.p, none->joints[i].placement.p);
     EXPECT_EQ(given->joints[i].axis, none->joints[i].axis);
   }
-  // and a link that is fixed to it stands first, its joints by their names
+  // and a link that is fixed to it is first, its joints ordered by their names
   const auto thumb = robot("thumb", false);
   std::vector<std::string> names;
   for (const Joint& joint : thumb->joints) names.push_back(joint.name);

@@ -1,4 +1,4 @@
-// Scenes from their files: robots, copies, state, contacts.
+// Scenes are read from their files: robots, copies, state, contacts.
 
 #include "manycontact/io/scene_file.hpp"
 
@@ -76,7 +76,7 @@ SE3<double> yaw(double angle, double x = 0, double y = 0, double z = 0) {
   return {rotation_about<double>(Vec3<double>::UnitZ(), angle), Vec3<double>(x, y, z)};
 }
 
-// The pose in seven numbers of a floating base.
+// Returns the pose from the seven numbers of a floating base.
 SE3<double> pose(const Eigen::VectorXd& q, int at) {
   return {rotation_of_quaternion(q[at + 3], q[at + 4], q[at + 5], q[at + 6]), Vec3<double>(q.segment<3>(at))};
 }
@@ -94,7 +94,7 @@ TEST_F(SceneFileTest, SceneAttributes) {
   EXPECT_EQ(load("", " moment_length=\"0.1\"").scene.moment_length, 0.1);
   EXPECT_EQ(load("").scene.moment_length, 1);
   const SceneFile plain = load("");
-  EXPECT_EQ(plain.scene.name, "scene");  // the file's
+  EXPECT_EQ(plain.scene.name, "scene");  // the file's name
   EXPECT_EQ(plain.scene.gravity, Vec3<double>(0, 0, -9.81));
   EXPECT_EQ(plain.scene.nrobots(), 0);
 }
@@ -110,7 +110,7 @@ TEST_F(SceneFileTest, BasePlacement) {
   EXPECT_EQ(s.scene.nu, 2 + 1 + 1);
 }
 
-// Robot::base is where a floating base starts, however the file says it.
+// Robot::base is where a floating base starts, in whichever way the file gives it.
 TEST_F(SceneFileTest, FloatingBasesStartWhereTheyStand) {
   const SceneFile s = load(R"(<robot name="a" urdf="robot.urdf" base="floating" xyz="1 2 3" rpy="0.1 0.2 3"/>
     <robot name="b" urdf="robot.urdf" base="floating" copies="4" arrange="circle" spacing="2" xyz="0 0 1" rpy="0 1 2"/>
@@ -223,7 +223,7 @@ TEST_F(SceneFileTest, CopiesShareQBesideTheArrangement) {
   }
 }
 
-// They take a solver, so that reading leaves them open and says whose they are.
+// These torques need a solver, so reading leaves them open and lists their robots.
 TEST_F(SceneFileTest, GravityTorquesAreLeftOpen) {
   const SceneFile s = load(R"(<robot name="a" urdf="sub/slider.urdf"/>
     <robot name="b" urdf="sub/slider.urdf" copies="2" u="gravity"/>
@@ -261,10 +261,10 @@ TEST_F(SceneFileTest, ContactAttributes) {
   EXPECT_EQ(contact(s, "c3").type, ContactType::k3D);
   EXPECT_EQ(contact(s, "c6").type, ContactType::k6D);
   EXPECT_TRUE(contact(s, "c6").active);
-  expect_near(contact(s, "c6").B.placement, yaw(0, 0, 0, 1));  // where the trunk stands
+  expect_near(contact(s, "c6").B.placement, yaw(0, 0, 0, 1));  // where the trunk is
 }
 
-// Each part left out is put where A stands; the part given stays.
+// Each omitted part is placed where A is; the given part stays.
 TEST_F(SceneFileTest, ReferencesLeftOutAreResolved) {
   const std::string robots = R"(<robot name="a" urdf="robot.urdf" base="floating" xyz="0 0 1" rpy="0.3 0 0">
       <joint name="hip" q="0.4"/></robot>
@@ -292,7 +292,7 @@ TEST_F(SceneFileTest, ReferencesLeftOutAreResolved) {
       }
 }
 
-// A scene is the same whether it was read or built.
+// A scene is the same whether it is read or built.
 TEST_F(SceneFileTest, BuiltInCodeIsTheSame) {
   const std::string file_contacts[] = {
       R"(type="6d" frame="a/foot" offset="0.1 0 0")",
@@ -448,7 +448,7 @@ TEST_F(SceneFileTest, ManyCopiesTakeLinearTime) {
   EXPECT_EQ(s.scene.nq, 450000);
 }
 
-// The order of coordinates that Pinocchio's figures have.
+// The order of coordinates is that of Pinocchio's figures.
 TEST(SceneFile, SharedScenes) {
   const fs::path folder = fs::path(MANYCONTACT_SHARED_DIR) / "golden";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not here";
@@ -485,7 +485,7 @@ TEST_F(SceneFileTest, Pushes) {
   const Attachment foot = attach(scene, "one", "foot", offset);
   EXPECT_EQ(first.at.joint, foot.joint);
   expect_near(first.at.placement, foot.placement);
-  for (int k = 0; k < 3; ++k) {  // the world's axes are every copy's
+  for (int k = 0; k < 3; ++k) {  // the world's axes apply to every copy
     const Push& wind = scene.pushes[static_cast<std::size_t>(1 + k)];
     EXPECT_EQ(wind.name, "wind" + std::to_string(k));
     EXPECT_EQ(wind.at.robot, 1 + k);
@@ -515,7 +515,7 @@ TEST_F(SceneFileTest, Springs) {
   EXPECT_EQ(scene.springs[2].name, "row0");
   EXPECT_EQ(scene.springs[3].B.robot, 3);
   EXPECT_EQ(scene.springs[3].length, 0.5);
-  EXPECT_EQ(scene.springs[4].A.robot, 0);  // what stands on the ground is the world
+  EXPECT_EQ(scene.springs[4].A.robot, 0);  // bodies fixed to the ground are the world
   EXPECT_EQ(scene.springs[4].B.robot, -1);
   EXPECT_NEAR(scene.springs[4].length, 1, 1e-14);
   ASSERT_EQ(scene.joint_springs.size(), 3u);

@@ -1,4 +1,4 @@
-// Robots from URDF files: what becomes joints, bodies, frames.
+// Robots are read from URDF files: elements become joints, bodies, frames.
 
 #include "manycontact/io/urdf.hpp"
 
@@ -89,7 +89,7 @@ TEST(Urdf, ReadsLimits) {
   EXPECT_TRUE(std::isinf(m.joints[2].upper[2]));
 }
 
-// No range, a range of one position, no room for effort; a continuous joint has no range, whatever the file says.
+// No range, a range of one position, and zero effort are read; a continuous joint never has a range.
 TEST(Urdf, LimitsOfRealFiles) {
   const auto limits = [](const char* type, const std::string& range) {
     return load(link_of("a") + link_of("b") +
@@ -252,14 +252,14 @@ TEST(Urdf, InertiasAreJudgedPerBody) {
       load("<link name=\"a\"/><link name=\"b\"><inertial><mass value=\"0\"/><inertia ixx=\"1\" ixy=\"0\" "
            "ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"/></inertial></link>" +
            joint_of("j", "revolute", "a", "b")));
-  // negative, made good by what is merged
+  // negative, compensated by a merged link
   const char* inertia = "<inertia ixx=\"-0.01\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"/>";
   EXPECT_NO_THROW(body("<mass value=\"-1\"/>" + std::string(inertia)));
   EXPECT_THROW(body("<mass value=\"-6\"/>" + std::string(inertia)), InputError);
 }
 
-// A principal moment above the sum of the other two is taken and told, or refused where that is asked for: rods and
-// plates reach the sum, nothing passes it.
+// A principal moment above the sum of the other two is accepted with a warning, or refused on request: rods and plates
+// reach the sum, and no body exceeds it.
 TEST(Urdf, InertiasThatNoBodyHas) {
   const auto taken = [](const std::string& xx, const std::string& yy, const std::string& zz,
                         const std::string& mass = "2", const std::string& origin = "", const std::string& merged = "") {
@@ -294,7 +294,7 @@ TEST(Urdf, InertiasThatNoBodyHas) {
   EXPECT_TRUE(taken("1", "1", "2.000000001"));  // within 1e-9 of the trace, 4
   EXPECT_FALSE(taken("1", "1", "2.00000001"));
   EXPECT_TRUE(taken("1", "0", "0", "0"));  // without mass: a rotor
-  EXPECT_TRUE(taken("0.1", "0.1", "0.25", "2", "", link_of("c", 3) + joint_of("f", "fixed", "b", "c")));  // made good
+  EXPECT_TRUE(taken("0.1", "0.1", "0.25", "2", "", link_of("c", 3) + joint_of("f", "fixed", "b", "c")));  // compensated
 }
 
 TEST(Urdf, ToleratesWhatRealFilesHold) {

@@ -1,4 +1,4 @@
-// What URDFs draw: shapes, colours, and the meshes they name.
+// URDFs contain visuals: shapes, colours, and names of meshes.
 
 #include "manycontact/io/visuals.hpp"
 
@@ -43,7 +43,7 @@ TEST_F(Visuals, ShapesPlacesColours) {
       <visual><geometry><sphere radius="0.25"/></geometry><material name="unknown"/></visual>
       <visual><geometry><mesh filename="m.stl" scale="1 1 -1"/></geometry></visual>
     </link></robot>)"));
-  ASSERT_EQ(visuals.size(), 4u);  // neither the capsule, which URDF has not, nor the empty one
+  ASSERT_EQ(visuals.size(), 4u);  // neither the capsule, which URDF does not have, nor the empty one
   EXPECT_EQ(visuals[0].link, "a");
   EXPECT_EQ(visuals[0].size, Vec3<double>(1, 2, 3));
   EXPECT_EQ(visuals[0].placement.p, Vec3<double>(1, 2, 3));

@@ -1,4 +1,4 @@
-// The dense oracle: against plain LU in quadruple precision where K is regular, against its definition where it is not.
+// The dense reference solver agrees with plain LU in quadruple precision if K is regular, with its definition if not.
 
 #include "manycontact/kkt/dense.hpp"
 
@@ -30,7 +30,7 @@ struct Solved {
   MatrixXd residual2() const { return kkt.J * a + kkt.delta * f - b2; }
 };
 
-// x of K x = b by LU in quadruple precision, as [a; f].
+// Returns x of K x = b from LU in quadruple precision, as [a; f].
 MatX<Quad> truth_of(const Solved& s) {
   MatX<Quad> b(s.kkt.nv() + s.kkt.nc(), s.b1.cols());
   b << s.b1.cast<Quad>(), s.b2.cast<Quad>();
@@ -49,7 +49,7 @@ void expect_true(const Solved& s) {
   }
 }
 
-// The definition: J a nearest b2, then a nearest M^-1 b1 in M's norm, then the shortest f.
+// The definition requires J a nearest to b2, then a nearest to M^-1 b1 in the M-norm, then the shortest f.
 void expect_optimal(const Solved& s) {
   ASSERT_TRUE(s.kkt.regular);
   const MatrixXd& J = s.kkt.J;
@@ -111,7 +111,7 @@ TEST_P(Dense, OracleInQuadIsGoodToQuad) {
   }
 }
 
-// Rows that repeat others: the answer is that without them, the force shared.
+// Some rows repeat others: the solution is that without them, and the force is shared.
 TEST_P(Dense, RedundantRowsThatAgree) {
   const RandomScene scene = kkt_scene(GetParam(), 3);
   int redundant = 0;
@@ -124,7 +124,7 @@ TEST_P(Dense, RedundantRowsThatAgree) {
     EXPECT_EQ(s.kkt.rank, rank);
     expect_optimal(s);
     EXPECT_LE(size_of(s.residual2()), kTight * size_of(b2));
-    const Solved alone(n.M, n.J.topRows(rank), 0, s.b1, b2.head(rank));  // the repeated ones stand at the end
+    const Solved alone(n.M, n.J.topRows(rank), 0, s.b1, b2.head(rank));  // the repeated ones are at the end
     EXPECT_LE(error_of(s.a, alone.a), kTight);
     EXPECT_LE(error_of(MatrixXd(n.J.transpose() * s.f), MatrixXd(n.J.topRows(rank).transpose() * alone.f)), kTight);
   }
@@ -171,10 +171,10 @@ TEST_P(Dense, SeveralRightHandSidesAreSolvedAlike) {
   }
 }
 
-// ---- singular M: semidefinite along one direction, which a contact row holds or not ---------------------------------
+// ---- singular M: semidefinite along one direction, which a contact row constrains or not ---------------------------
 
 struct SingularInertia {
-  MatrixXd M, held, loose;  // J that holds the lost direction, and one that does not
+  MatrixXd M, held, loose;  // J that constrains the lost direction, and one that does not
 
   explicit SingularInertia(std::mt19937& rng) {
     const MatrixXd B = random_vector(48, rng).reshaped(8, 6);

@@ -1,4 +1,4 @@
-// The factor that drops dependent rows, where rows were dropped before.
+// The factor that drops dependent rows is used again after rows were dropped.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// One island at several states: alike matrices.
+// One island at several states has alike matrices.
 struct Matrices {
   std::deque<std::deque<IslandNumbers>> islands;  // per state
   std::shared_ptr<const KktPattern> pattern;      // of the largest island
@@ -44,7 +44,7 @@ struct Matrices {
   }
 };
 
-// Of K without its null space.
+// Returns the condition of K without its null space.
 double condition_of(const IslandNumbers& n) {
   const VectorXd sizes = eigenvalues(n.K(0)).cwiseAbs();
   double least = sizes.maxCoeff();
@@ -60,7 +60,7 @@ struct Answers {
   RowMajor X;
 };
 
-// Of one vector and of the identity's first columns.
+// Solves for one vector and for the identity's first columns.
 Answers answers_of(Factor& factor, const KktMatrix& K, const VectorXd& b) {
   Answers out{factor.rank(), {}, b, RowMajor::Identity(K.size(), 24)};
   factor.dependent_rows(out.dependent);
@@ -104,7 +104,7 @@ TEST_P(DroppedRows, AreDroppedAgainWithTheOraclesAnswers) {
   EXPECT_GT(dropped, 0);
 }
 
-// Rows that depended on others do no longer, and others do.
+// Rows that depended on others no longer do, and others do.
 TEST_P(DroppedRows, AreOthersWhereOthersDepend) {
   const Matrices m(GetParam(), 1);
   FactorScratch scratch;
@@ -113,7 +113,7 @@ TEST_P(DroppedRows, AreOthersWhereOthersDepend) {
   KktMatrix K = m.K(0);
   if (again->factorize(K, scratch) != Reason::kNone) GTEST_SKIP() << "for the oracle";
   ASSERT_LT(again->rank(), K.nc());
-  // every row of J on its own, but for one that is nothing
+  // every row of J is independent, except for a zero one
   const sparse::UpperCsc& A = m.pattern->K;
   const auto noise = random_vector(static_cast<int>(K.values.size()), rng);
   for (int k = K.nv(); k < K.size(); ++k)
@@ -136,7 +136,7 @@ TEST_P(DroppedRows, AreOthersWhereOthersDepend) {
   EXPECT_EQ(y.x, x.x);
 }
 
-// One row more, each in turn; rows that depended on it may do no longer.
+// Each row in turn is dropped in addition; rows that depended on it may no longer do.
 TEST_P(DroppedRows, AreMoreWhereARowVanishes) {
   const Matrices m(GetParam(), 1);
   FactorScratch scratch;
@@ -186,7 +186,7 @@ double condition_of(const KktMatrix& K) {
   return sizes.maxCoeff() / least;
 }
 
-// Rows kept that are a hundredth of those that depend on them: the others are kept in their place.
+// Some retained rows are a hundredth of those that depend on them: the others are retained instead.
 TEST_P(DroppedRows, TakeTurnsWithSmallerRows) {
   const Matrices m(GetParam(), 3);
   FactorScratch scratch;
@@ -225,7 +225,7 @@ TEST_P(DroppedRows, TakeTurnsWithSmallerRows) {
     const double most = 1e2 * kEps * condition_of(K);
     EXPECT_LE(error_of(x.x, truth.x), most);
     EXPECT_LE(error_of(MatrixXd(x.X), MatrixXd(truth.X)), most);
-    // P of the contacts' rows
+    // P of the contacts' rows agrees
     VectorXd kept = b, kept_in_truth = b;
     fresh->project_out(kept.data(), nullptr);
     oracle->project_out(kept_in_truth.data(), nullptr);

@@ -1,5 +1,5 @@
 #pragma once
-// M and J of one island, packed as the KKT code takes them and dense.
+// M and J of one island, packed as the KKT code reads them, and dense.
 
 #include <algorithm>
 #include <deque>
@@ -21,7 +21,7 @@ inline std::vector<char> active_flags(const Scene& scene) {
 
 struct IslandNumbers {
   Island island;
-  mutable IslandShape shape;  // analyses are made when asked for
+  mutable IslandShape shape;  // analyses are made on request
   IslandSupport support;
   std::vector<std::vector<double>> packed, rows;  // per robot M, per contact J by columns
   std::vector<std::span<const double>> M_spans, J_spans;
@@ -57,7 +57,7 @@ struct IslandNumbers {
   }
   IslandNumbers(const IslandNumbers&) = delete;  // spans point into it
 
-  /// All of them, one after the other.
+  /// Returns all of them, one after the other.
   std::vector<double> all_packed() const { return concatenated(packed); }
   std::vector<double> all_rows() const { return concatenated(rows); }
 
@@ -82,7 +82,7 @@ inline std::deque<IslandNumbers> islands_of(const RandomScene& s) {
   return out;
 }
 
-/// Scenes to try: their seed says which.
+/// Returns a scene determined by its seed.
 inline RandomScene kkt_scene(unsigned seed, int redundant = 0, int contradicting = 0) {
   std::mt19937 rng(seed);
   const int nrobots = 2 + static_cast<int>(seed % 4);

@@ -1,4 +1,4 @@
-// Islands: which robots belong together, and where their coordinates and rows stand.
+// Islands determine which robots belong together, and where their coordinates and rows are.
 
 #include "manycontact/kkt/island.hpp"
 
@@ -12,7 +12,7 @@ namespace {
 
 using Numbers = std::vector<int>;
 
-// Six free bodies (the last shares nothing), contacts between the pairs given; -1: the world.
+// Returns six free bodies (the last is separate) with contacts between the given pairs; -1: the world.
 Scene bodies(const std::vector<std::pair<int, int>>& pairs) {
   std::mt19937 rng(1);
   const auto model = std::make_shared<Model>(random_model(rng, {.njoints = 2, .floating_base = true}));
@@ -43,7 +43,7 @@ TEST(Islands, TheWorldAndLoopsJoinNothing) {
   EXPECT_EQ(find_islands(bodies({{0, -1}, {1, -1}, {2, 2}}), {1, 1, 1}).size(), 6u);
 }
 
-// A on the base of a robot that stands: the contact is of B's island, in which nothing of A's robot is.
+// A is on the base of a fixed robot: the contact belongs to B's island, which contains nothing of A's robot.
 TEST(Islands, ABaseThatStandsJoinsNothing) {
   Scene scene = bodies({{0, 1}, {3, -1}});
   std::mt19937 rng(2);
@@ -103,12 +103,12 @@ TEST(Islands, AlikeIslandsShareAShape) {
     return cache.find(scene, find_islands(scene, active)[k]).get();
   };
   EXPECT_EQ(shape({1, 1, 1, 1, 1}, 0), shape({1, 1, 1, 1, 1}, 1));
-  // robot 5 is A there, and no contact with the world
+  // robot 5 is A there, and it has no contact with the world
   EXPECT_NE(shape({1, 1, 1, 1, 1}, 0), shape({1, 1, 1, 1, 1}, 2));
   EXPECT_NE(shape({1, 1, 1, 1, 0}, 0), shape({1, 1, 1, 1, 0}, 1));
 }
 
-// Data of one scene read the same analyses, as long as any of them lives.
+// Data of one scene share the same analyses, as long as any of them exists.
 TEST(Islands, CachesShareTheShapesAtHand) {
   const Scene scene = bodies({{0, 1}, {2, 3}});
   const Island island = find_islands(scene, {1, 1})[0];

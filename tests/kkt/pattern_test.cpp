@@ -1,4 +1,4 @@
-// The sparse K of an island in every elimination order, against the dense one.
+// The sparse K of an island agrees with the dense one in every elimination order.
 
 #include "manycontact/kkt/pattern.hpp"
 
@@ -40,7 +40,7 @@ class Patterns : public testing::TestWithParam<unsigned> {
 };
 INSTANTIATE_TEST_SUITE_P(Seed, Patterns, testing::Range(1u, 9u));
 
-// In the elimination order: entry (k, l) of P K P^T is K(perm[k], perm[l]).
+// Returns K in the elimination order: entry (k, l) of P K P^T is K(perm[k], perm[l]).
 MatrixXd permuted(const MatrixXd& K, const std::vector<int>& perm) {
   MatrixXd out(K.rows(), K.cols());
   for (int k = 0; k < K.rows(); ++k)
@@ -109,8 +109,8 @@ TEST_P(Patterns, LeafToRootFillsNothingInTheInertia) {
   }
 }
 
-// Full rank: nv positive pivots and nc negative ones, and the dense solution. Undamped, contacts-early counts joints
-// but does not know whether they move the contact in as many directions: where they do not, the pivots must say so.
+// Full rank gives nv positive pivots, nc negative ones, and the dense solution. Undamped, contacts-early counts joints
+// but does not know whether they move the contact in as many directions; otherwise the pivots must show it.
 TEST_P(Patterns, LdlHasTheInertiaAndSolvesOrTheRatioTells) {
   for (const IslandNumbers& n : islands)
     for (Order order : kOrders)
@@ -147,7 +147,7 @@ TEST_P(Patterns, LdlHasTheInertiaAndSolvesOrTheRatioTells) {
       }
 }
 
-// A floating body with limbs of three turning joints each.
+// Returns a floating body with limbs of three revolute joints each.
 Model body_with_limbs(std::mt19937& rng, int limbs) {
   RandomScene s = random_scene(rng, {.nrobots = 1, .models = {{.njoints = 1, .floating_base = true}}, .ncontacts = 0});
   Model model = *s.scene.robots[0].model;
@@ -164,7 +164,7 @@ Model body_with_limbs(std::mt19937& rng, int limbs) {
   return model;
 }
 
-// A leg of three turning joints gives a point contact its pivots before the body is reached.
+// A leg of three revolute joints gives a point contact its pivots before the body is reached.
 TEST(ContactsEarly, FillsLessThanContactsLast) {
   std::mt19937 rng(3);
   const Model model = body_with_limbs(rng, 4);
@@ -200,7 +200,7 @@ TEST_P(Patterns, CountsAreThoseOfThePattern) {
     }
 }
 
-// Robots of one leg each, held at the foot, that hold one box by their bodies. The box is hit by all of them.
+// Returns robots of one leg each, fixed at the foot, whose bodies are attached to one box. All of them affect the box.
 RandomScene star(int robots, bool box_first) {
   std::mt19937 rng(4);
   RandomScene leg =
@@ -246,8 +246,8 @@ TEST(ContactsEarly, AHubGoesLastWhereverItStands) {
   EXPECT_LE(twice.flops, 2.2 * first.flops);
 }
 
-// Fingers enough for one to be in a poor posture wherever one looks, and for what all add to the box that they hold to
-// be much: few contacts wait.
+// There are so many fingers that some are in a poor configuration, and that their sum on the box, which they are
+// attached to, is large: few contacts wait.
 TEST(ContactsEarly, HundredsHoldABox) {
   const auto nonzeros = [](int fingers) {
     Model palm;
@@ -284,7 +284,7 @@ TEST(ContactsEarly, HundredsHoldABox) {
   EXPECT_LE(nonzeros(320), 200 * 320);  // 370,000 where all wait
 }
 
-// A contact at the origin of the last joint, which does not move it but for rounding.
+// A contact is at the origin of the last joint, which moves it by rounding error alone.
 TEST(ContactsEarly, RoundingMovesNothing) {
   std::mt19937 rng(8);
   const Model model = body_with_limbs(rng, 6);

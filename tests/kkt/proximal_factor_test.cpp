@@ -1,4 +1,4 @@
-// The proximal factor, where rows depend on each other across many bodies.
+// The proximal factor is tested where rows depend on each other across many bodies.
 
 #include <gtest/gtest.h>
 
@@ -43,7 +43,7 @@ class Proximal : public testing::TestWithParam<int> {
     K_.reset(numbers_.shape.pattern(Order::kLeafToRoot));
     take(numbers_.J);
   }
-  // J in the place of the island's.
+  // Replaces the island's J.
   void take(const MatrixXd& J) {
     assemble(numbers_.M_spans, numbers_.J_spans, 0, K_);
     K_.row_scale = numbers_.J.cwiseAbs().maxCoeff();
@@ -109,8 +109,8 @@ TEST_P(Proximal, ProjectsOnTheNullSpace) {
     if (!rows[k]) EXPECT_LE(std::abs(true_null[K_.pattern->iperm[K_.nv() + k]]), 1e-10) << k;
 }
 
-// A row that depends on others but for a millionth, a ten-millionth ... of its length is no row that depends: refused,
-// or found with its rank.
+// A row that depends on others up to a millionth, a ten-millionth ... of its length is not dependent: it is refused, or
+// found with its rank.
 TEST_P(Proximal, RefusesRowsThatNearlyDepend) {
   std::mt19937 rng(3);
   const auto factor = make_proximal_factor(), oracle = make_dense_factor();

@@ -1,4 +1,4 @@
-// The tree-sparse factor of M and the Schur complement, against dense algebra.
+// The tree-sparse factor of M and the Schur complement agree with dense algebra.
 
 #include "manycontact/kkt/schur.hpp"
 
@@ -72,7 +72,7 @@ TEST_P(Schur, FactorRefusesWhatIsNotPositive) {
   }
 }
 
-// [1 1; 1 1 + gap]: the pivot left is rounding when the gap is below a few eps.
+// The matrix is [1 1; 1 1 + gap]: the second pivot is rounding error if the gap is below a few eps.
 TEST(SchurFactor, RefusesAPivotLostInCancellation) {
   std::mt19937 rng(1);
   const Model model = random_model(rng, {.njoints = 2, .types = {JointType::kRevolute}, .branching = 0});
@@ -101,7 +101,7 @@ TEST_P(Schur, ComplementEqualsDense) {
         }
       const MatrixXd dense = n.J * solved(n.M, n.J.transpose()) + delta * MatrixXd::Identity(n.island.nc, n.island.nc);
       EXPECT_LE(error_of(S, dense), 10 * kEps * condition_1(n.M)) << delta;
-      // contacts that share no robot do not meet in S
+      // contacts without a common robot have no entry in S
       for (std::size_t c = 0; c < n.island.contacts.size(); ++c)
         for (std::size_t d = 0; d < c; ++d) {
           const Contact &a = s.scene.contacts[n.island.contacts[c]], &b = s.scene.contacts[n.island.contacts[d]];

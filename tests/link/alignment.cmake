@@ -15,7 +15,7 @@ execute_process(COMMAND ${CMAKE_COMMAND} -S ${PROJECT} -B ${BUILD} ${CONFIGURE}
                         -DMANYCONTACT_TESTS=OFF -DMANYCONTACT_BENCH=OFF
                 OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 
-# Sets errors to what the compiler says of main.cpp with these flags.
+# Sets errors to the compiler's messages on main.cpp with these flags.
 function(compile)
   execute_process(COMMAND ${CXX} -std=c++20 -fsyntax-only ${ARGN} -I${BUILD}/include -I${PROJECT}/include
                           -isystem ${EIGEN} ${CONSUMER}/main.cpp

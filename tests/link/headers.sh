@@ -1,5 +1,5 @@
 #!/bin/sh
-# Every installed header, compiled alone, with every warning an error: headers.sh INCLUDE JOBS COMPILER...
+# Compiles every installed header alone, with every warning an error: headers.sh INCLUDE JOBS COMPILER...
 set -eu
 include=$1 jobs=$2
 shift 2

@@ -1,6 +1,6 @@
 #!/bin/sh
 # packages.sh BUILD ROOT SOURCES CXX: makes Debian's packages of a build, unpacks them into ROOT, and uses what is there.
-# What they depend on is this machine's; `./run package --test` installs them into a root of their own.
+# Their dependencies are this machine's; `./run package --test` installs them into a root of their own.
 set -eu
 build=$1 root=$2 sources=$3 cxx=$4
 rm -rf "$root" "$build/packages"
@@ -10,7 +10,7 @@ for package in "$build"/packages/*.deb; do
   dpkg-deb -x "$package" "$root"
 done
 
-# What they say they need has to be here, or our programs could not have been linked.
+# Their declared dependencies must be here, or our programs could not have been linked.
 for package in "$build"/packages/*.deb; do
   dpkg-deb -f "$package" Depends | tr ',' '\n' | sed 's/|.*//; s/(.*//; s/ //g' | while read -r name; do
     case $name in
@@ -25,7 +25,7 @@ export LD_LIBRARY_PATH="$root/usr/lib"
 grep -q '^\.SS optimize' "$root/usr/share/man/man1/manycontact.1"
 grep -q 'scenes and tasks to try' "$root/usr/share/man/man1/manycontact.1"
 
-# The shared library shows nothing but ours, and programs find it by pkg-config.
+# The shared library exports only our symbols, and programs find it with pkg-config.
 nm -DC --defined-only "$root/usr/lib/libmanycontact.so" | grep -v manycontact:: && exit 1
 export PKG_CONFIG_PATH="$root/usr/lib/pkgconfig"
 for program in main; do

@@ -1,4 +1,4 @@
-# The page must contain the consumer's program, letter by letter.
+# The page must contain the consumer's program letter by letter.
 foreach(file IN ITEMS PAGE CODE)
   if(NOT EXISTS ${${file}})
     message(FATAL_ERROR "there is no ${${file}}")

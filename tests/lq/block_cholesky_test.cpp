@@ -10,7 +10,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Blocks of a ring with a chord, signs mixed; dense beside it.
+// The blocks are a ring with a chord, with mixed signs; a dense matrix contains the same.
 class BlockCholeskyTest : public testing::Test {
  protected:
   const std::vector<lq::BlockCholesky::Vertex> vertices = {{3, 1}, {2, -1}, {4, 1}, {0, 1}, {5, -1}, {2, 1}};

@@ -1,5 +1,5 @@
-// Problems shaped as contact dynamics give them: x = (q, v), M a = u + J^T w + G x, J a of the two ends of a coupling
-// alike, Euler's step of 10 ms, costs of usual weights.
+// Problems have the structure of contact dynamics: x = (q, v), M a = u + J^T w + G x, equal J a at the two ends of a
+// coupling, Euler's step of 10 ms, and costs of usual weights.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ struct Sizes {
   int robots, velocities, controls, rows, horizon;
 };
 
-// Robot g of a knot. ends: +1 or -1 for each of its couplings.
+// Fills robot g of a knot. ends: +1 or -1 for each of its couplings.
 void fill(lq::Group& g, const std::vector<int>& ends, const Sizes& n, bool terminal, std::mt19937& rng) {
   const int nv = n.velocities, m = n.rows, nw = m * static_cast<int>(ends.size());
   const double h = 0.01;
@@ -81,7 +81,7 @@ TEST_P(LqContacts, CouplingsGiveWhatTheDenseRecursionGives) {
     EXPECT_EQ(outcome.status, lq::Status::kOk) << solver->name();
     EXPECT_LE(outcome.kkt_error, lq::kRefineAbove) << solver->name();
     RecordProperty(std::string(solver->name()) + " refinements", outcome.refinements);
-    z.lambda.clear();  // of other units; the multipliers follow from the rest
+    z.lambda.clear();  // other units; the multipliers follow from the rest
     z.mu.clear();
     answers.push_back(flat(z));
   }

@@ -1,4 +1,4 @@
-// Every direction solver on random problems: the KKT error of its answer, and the dense oracles beside it.
+// Every direction solver is tested on random problems: by its KKT error, and against the dense reference solvers.
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ struct Case {
   std::string name;
   LqOptions options;
   lq::Regularisation reg;
-  bool riccati = true;  // false: what stagewise elimination cannot do
+  bool riccati = true;  // false: stagewise elimination is impossible
 };
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
@@ -33,7 +33,7 @@ std::function<Lists(int)> always(Lists lists) {
   return [=](int) { return lists; };
 }
 
-// In running knots.
+// Returns the lists in running knots.
 std::function<Lists(int)> running(const LqOptions& options, Lists lists) {
   return [=, T = options.horizon](int k) { return k < T ? lists : Lists{}; };
 }
@@ -167,7 +167,7 @@ class DirectionSolvers : public testing::TestWithParam<Case> {
   Solvers solvers;
 };
 
-// The oracle of all: the optimality conditions as one dense matrix. Errors of 100 eps cond are allowed.
+// The reference for all is one dense matrix of the optimality conditions. Errors of 100 eps cond are allowed.
 TEST_P(DirectionSolvers, EqualTheDenseKktMatrix) {
   VectorXd h;
   const MatrixXd H = dense_kkt(problem, c.reg, h);
@@ -202,7 +202,7 @@ TEST_P(DirectionSolvers, EqualDenseRiccati) {
   }
 }
 
-// lambda_k is V's gradient, and the policy gives the controls.
+// lambda_k is V's gradient, and the policy reproduces the controls.
 TEST_P(DirectionSolvers, PoliciesAndValueFunctionFitTheSolution) {
   const lq::Layout layout(problem);
   for (lq::Riccati* solver : {&solvers.dense, &solvers.islands}) {
@@ -230,8 +230,8 @@ TEST_P(DirectionSolvers, PoliciesAndValueFunctionFitTheSolution) {
   }
 }
 
-// The optimum of a convex problem under constraints: no feasible step lowers the cost. Here by the quadratic model that
-// line searches use: linear + quadratic / 2 is the change of cost, and grows along any step of the null space.
+// At the optimum of a convex problem under constraints no feasible step lowers the cost. The quadratic model of line
+// searches shows it: linear + quadratic / 2 is the change of cost, and grows along any step of the null space.
 TEST_P(DirectionSolvers, ChangeOfCostIsThatOfTheProblem) {
   lq::DirectionSolver* solver = solvers.of(c).front();
   const lq::Layout layout(problem);
@@ -251,7 +251,7 @@ TEST_P(DirectionSolvers, ChangeOfCostIsThatOfTheProblem) {
   EXPECT_NEAR(change.quadratic, quadratic, 1e-9 * size);
 }
 
-// As they come from the factor: refinement would hide one that is nearly right.
+// Solutions are compared as the factor gives them: refinement would hide a nearly right one.
 TEST_P(DirectionSolvers, StepsChangeNothing) {
   if (!c.options.steps) GTEST_SKIP();
   lq::Problem unknown = problem;
@@ -269,7 +269,7 @@ TEST_P(DirectionSolvers, StepsChangeNothing) {
     ASSERT_EQ(solver->solve(problem, later).status, Status::kOk);
     EXPECT_LE(relative(flat(later), flat(z[0])), 1e-13) << solver->name();
     EXPECT_LE(relative(flat(z[0]), flat(z[1])), 1e-11) << solver->name();
-    // Robots joined to one cluster have none, and of the dense recursion, the oracle, none are used.
+    // Robots coupled to one cluster have none, and the dense recursion, the reference, uses none.
     if (solver != &solvers.islands) {
       EXPECT_EQ(flat(z[0]) == flat(z[1]), solver == &solvers.dense) << solver->name();
     }

@@ -1,4 +1,4 @@
-// Problems without an answer, or with one that doubles can hardly hold: a status says so.
+// Problems have no solution, or one that doubles can hardly represent: a status reports it.
 
 #include <gtest/gtest.h>
 
@@ -64,7 +64,7 @@ TEST_P(HostileProblems, NegativeCurvatureOfACoupledBlockIsNotConvex) {
   EXPECT_EQ(factorize(problem).status, Status::kNotConvex);
 }
 
-// Stagewise elimination stops; the proximal term's answer shows in its KKT error whether the two agree.
+// Stagewise elimination stops; the KKT error of the proximal term's solution shows whether the two agree.
 TEST_P(HostileProblems, TheSameCouplingTwiceIsSingularOrSolvedWhereBothAgree) {
   lq::Problem problem = random_lq(rng, chain({{0, 1}, {0, 1}}));
   const bool schur = GetParam() == Kind::kCouplingSchur;
@@ -94,7 +94,7 @@ TEST_P(HostileProblems, TheSameCouplingTwiceIsSingularOrSolvedWhereBothAgree) {
     EXPECT_EQ(solver->solve(problem, z).status, Status::kOk);
     EXPECT_LE(lq::kkt_error(problem, z), lq::kAccurate);
   }
-  // With a proximal term and a cost on w it has one answer again.
+  // With a proximal term and a cost on w the problem has one solution again.
   for (lq::Knot& knot : problem.knots)
     for (lq::Group& g : knot.groups)
       if (g.couplings.size() == 2) g.R.bottomRightCorner(4, 4).diagonal().array() += 1e-3;
@@ -126,7 +126,7 @@ TEST_P(HostileProblems, OverflowIsReported) {
   EXPECT_EQ(factorize(random_lq(rng, options)).status, Status::kNotFinite);
 }
 
-// Whatever happens, kOk means a small KKT error, and nothing else is called so.
+// kOk always means a small KKT error.
 TEST_P(HostileProblems, LongUnstableHorizonsAreJudgedByTheirError) {
   for (double growth : {1.5, 3., 10.})
     for (double weight : {1., 1e-8, 0.}) {
@@ -163,7 +163,7 @@ std::string title(const testing::TestParamInfo<Kind>& info) {
 INSTANTIATE_TEST_SUITE_P(Solvers, HostileProblems, testing::Values(Kind::kDense, Kind::kIslands, Kind::kCouplingSchur),
                          title);
 
-// ---- what does not fit is refused with knot and group
+// ---- problems that do not fit are refused with knot and group
 
 TEST(LqProblem, WhatDoesNotFitIsRefused) {
   std::mt19937 rng(1);

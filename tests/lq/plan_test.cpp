@@ -11,7 +11,7 @@ namespace {
 
 using Lists = std::vector<std::vector<int>>;
 
-// The clusters of a knot, blocks and clusters sorted.
+// Returns the clusters of a knot, blocks and clusters sorted.
 Lists clusters(const std::vector<lq::Cluster>& knot) {
   Lists out;
   for (const lq::Cluster& c : knot) {
@@ -24,7 +24,7 @@ Lists clusters(const std::vector<lq::Cluster>& knot) {
 
 class LqPlan : public testing::Test {
  protected:
-  // Blocks 0 and 2 are a group in knots 3 and 4, blocks 1 and 3 have a coupling in knot 6, of horizon 8.
+  // Blocks 0 and 2 are a group in knots 3 and 4, blocks 1 and 3 have a coupling in knot 6; the horizon is 8.
   LqPlan() {
     LqOptions options;
     options.horizon = 8;

@@ -13,7 +13,7 @@ MatrixXd random_matrix(Eigen::Index rows, Eigen::Index cols, std::mt19937& rng) 
   return MatrixXd::NullaryExpr(rows, cols, [&] { return normal(rng); });
 }
 
-// As many of the lists as fit: blocks in none become groups of their own.
+// Completes the groups: blocks in no list become groups of their own.
 std::vector<std::vector<int>> complete(std::vector<std::vector<int>> groups, int blocks) {
   std::vector<bool> seen(blocks);
   for (const auto& g : groups)
@@ -29,7 +29,7 @@ MatrixXd dense(const lq::BlockDiagonal& D, Eigen::Index n) {
   return out;
 }
 
-// The upper halves of A and B follow from the lower ones.
+// Makes the upper halves of A and B follow from the lower ones.
 void step(lq::Group& g, int part, std::mt19937& rng) {
   const auto n = g.A.rows() / 2;
   g.steps.emplace();
@@ -67,7 +67,7 @@ void fill(lq::Group& g, const lq::Knot& knot, int nu, std::mt19937& rng, const L
   g.C = random_matrix(g.C.rows(), nx, rng) / std::sqrt(nx);
   g.D = random_matrix(g.D.rows(), nv, rng) / std::sqrt(std::max<double>(nv, 1));
   g.d = 0.1 * random_matrix(g.d.rows(), 1, rng);
-  // Rows move when w does, as contacts do when forces act.
+  // Rows move when w does, as contacts do under forces.
   Eigen::Index row = 0, w = nu;
   for (int b : g.couplings) {
     const lq::Coupling& coupling = knot.couplings[b];

@@ -1,5 +1,5 @@
 #pragma once
-// Seeded random linear-quadratic problems, convex unless asked otherwise.
+// Seeded random linear-quadratic problems are convex unless requested otherwise.
 
 #include <functional>
 #include <optional>
@@ -12,7 +12,7 @@ namespace manycontact::test {
 struct LqOptions {
   std::vector<int> nx = {4, 3, 5, 2}, nu = {2, 2, 3, 1};  // of each block
   int horizon = 12;
-  /// Blocks that are one group in knot k, as lists; blocks that stand nowhere are groups of their own.
+  /// Blocks that are one group in knot k, as lists; blocks in no list are groups of their own.
   std::function<std::vector<std::vector<int>>(int k)> groups = [](int) { return std::vector<std::vector<int>>{}; };
   /// Couplings of knot k: the blocks that each touches.
   std::function<std::vector<std::vector<int>>(int k)> couplings = [](int) { return std::vector<std::vector<int>>{}; };
@@ -22,22 +22,22 @@ struct LqOptions {
   double state_weight = 1;     // Q's size; 0: no cost on states
   double control_weight = 1;   // R's; 0: none
   double coupling_weight = 0;  // of w in the cost
-  /// The size of J's and G's part in blocks of as many coordinates or more; of groups of one block, those of even size.
+  /// Size of J's and G's part in blocks of as many coordinates or more; of groups of one block, those of even size.
   std::optional<int> steps;
 };
 
 lq::Problem random_lq(std::mt19937& rng, const LqOptions& options = {});
 
-/// New numbers in the same structure.
+/// Sets new numbers in the same structure.
 void refill(lq::Problem& problem, std::mt19937& rng, const LqOptions& options);
 
-/// H of the optimality conditions H z + h = 0, by columns of kkt_residual; h in `h`. Order: as in `flat`.
+/// Returns H of the optimality conditions H z + h = 0, from columns of kkt_residual; h in `h`. Order: as in `flat`.
 Eigen::MatrixXd dense_kkt(const lq::Problem& problem, const lq::Regularisation& reg, Eigen::VectorXd& h);
-/// All of a point in one vector.
+/// Returns all of a point in one vector.
 Eigen::VectorXd flat(const lq::Point& z);
 void unflatten(const Eigen::VectorXd& all, lq::Point& z);
 
-/// Robots hand in hand, each with its neighbour, in every running knot: sizes of humanoids by default.
+/// Returns robots hand in hand, each with its neighbour, in every running knot: sizes of humanoids by default.
 lq::Problem chain_of_robots(int robots, int horizon, std::mt19937& rng, int nx = 76, int nu = 32, int m = 6);
 
 }  // namespace manycontact::test

@@ -1,4 +1,4 @@
-// Names and numbers of a scene's coordinates.
+// A scene's coordinates have names and numbers.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ Joint joint(const std::string& name, JointType type, int parent) {
   return j;
 }
 
-// Three robots: free with a knee and a sledge, fixed with a planar and a floating joint, and a stone.
+// Returns three robots: free with a knee and a sledge, fixed with a planar and a floating joint, and a stone.
 Scene three_robots() {
   Model free, fixed, stone;
   free.floating_base = true;
@@ -54,7 +54,7 @@ TEST(Names, EveryCoordinateHasOne) {
   EXPECT_EQ(torque_names(scene).size(), static_cast<std::size_t>(scene.nu));
 }
 
-// The first coordinate of a joint is the one whose name says so.
+// The first coordinate of a joint has the joint's name.
 TEST(Names, IndicesFindThem) {
   const Scene scene = three_robots();
   const auto expect_at = [](const Names& names, int index, const std::string& name) {

@@ -1,4 +1,4 @@
-// What add_robot, attach and add_contact accept, and what becomes of it.
+// add_robot, attach and add_contact accept or refuse input, and store it correctly.
 
 #include "manycontact/model/scene.hpp"
 
@@ -13,7 +13,7 @@
 namespace manycontact::test {
 namespace {
 
-/// What `action` throws as std::invalid_argument; empty when it throws nothing.
+/// Returns the message of std::invalid_argument that `action` throws; empty if it throws nothing.
 template <class Action>
 std::string refusal(Action&& action) {
   try {
@@ -36,7 +36,7 @@ Frame frame(const std::string& name, int joint, const SE3<double>& placement = {
   return f;
 }
 
-// A table on a fixed base with a lid on a hinge, and a free ball.
+// The scene has a table on a fixed base with a lid on a hinge, and a free ball.
 class SceneOfTwo : public testing::Test {
  protected:
   SceneOfTwo() {
@@ -157,7 +157,7 @@ TEST_F(SceneOfTwo, AnImmovableBodyIsTheWorld) {
   EXPECT_EQ(scene.contacts[1].B.frame, "lid");
 }
 
-// A's axes are those of the rows: exchanged it would be another contact.
+// A's axes are those of the rows: exchanged with B it would be another contact.
 TEST_F(SceneOfTwo, AnImmovableAKeepsItsPlace) {
   add_contact(scene, between(on("table", "top"), on("ball", "ball")));
   const Contact& c = scene.contacts[0];

@@ -18,7 +18,7 @@ WRONG = [
 
 
 def more_objects():
-    """Of the classes that fuzz.objects() has none of."""
+    """Returns objects of the classes that fuzz.objects() lacks."""
     root = str(fuzz.ROOT / "models")
     pushed = mc.load_scene(root + "/humanoid_pushed.xml")
     scene, data = pushed.scene, mc.SceneData(pushed.scene)
@@ -74,7 +74,7 @@ def more_objects():
 
 
 def residual_data(state):
-    """Data of a residual, which are there while its calc runs."""
+    """Returns data of a residual, which exist while its calc runs."""
     kept = []
 
     class Kept(mc.ResidualModelAbstract):

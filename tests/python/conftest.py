@@ -1,4 +1,4 @@
-"""Where the package, the models and the program are, by the environment that ctest sets or this build's defaults."""
+"""Places of the package, the models and the program, from ctest's environment or this build's defaults."""
 
 import os
 import pathlib
@@ -17,7 +17,7 @@ GOLDEN = ROOT.parent / "shared" / "golden"
 
 @pytest.fixture
 def humanoid():
-    """One humanoid on both soles, and data."""
+    """Returns one humanoid on both soles, and data."""
     file = mc.load_scene(str(MODELS / "humanoid_standing.xml"))
     return file, mc.SceneData(file.scene)
 

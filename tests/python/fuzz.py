@@ -14,14 +14,14 @@ import manycontact as mc
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.append(str(ROOT / "src/python"))  # behind the package that is built
+sys.path.append(str(ROOT / "src/python"))  # after the built package
 import stubs  # noqa: E402
 
 REFUSALS = (ValueError, TypeError, IndexError, KeyError, MemoryError, OverflowError)
 
 
 def objects():
-    """One or more of most classes, which belong together as far as they can."""
+    """Returns one or more objects of most classes, which belong together where possible."""
     file = mc.load_scene(str(ROOT / "models/humanoid_standing.xml"))
     scene = file.scene
     data = mc.SceneData(scene)
@@ -74,7 +74,7 @@ class Fuzzer:
         return [x for x in self.pool if isinstance(x, cls)]
 
     def value(self, annotation):
-        """Something of that type, or now and then None."""
+        """Returns an object of that type, or sometimes None."""
         if self.random.random() < 0.08:
             return None
         if annotation in self.values:
@@ -122,7 +122,7 @@ class Fuzzer:
 
 
 def targets():
-    """(class or None, name, function or property) of everything public."""
+    """Returns (class or None, name, function or property) of everything public."""
     for name, x in vars(mc._manycontact).items():
         if name.startswith("_") or hasattr(x, "__members__"):
             continue

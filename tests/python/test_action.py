@@ -89,7 +89,7 @@ class Translation(mc.ResidualModelAbstract):
 
 
 def test_residual_and_activation_of_ones_own(humanoid):
-    """The same numbers as the library's, though nobody here keeps the Python objects."""
+    """The numbers are the library's, without references here to the Python objects."""
     file, _ = humanoid
 
     def numbers(own):

@@ -1,4 +1,4 @@
-"""Optimal control in Python: solvers, callbacks, nodes of one's own in several threads, tasks."""
+"""Optimal control in Python: solvers, callbacks, user-defined nodes in several threads, tasks."""
 
 import gc
 import json
@@ -54,7 +54,7 @@ def test_node_of_ones_own_takes_the_librarys_steps():
     theirs, their_log = solved(mc.ActionModelUnicycle(), mc.ActionModelUnicycle())
     assert ours.iter == theirs.iter and np.allclose(log.costs, their_log.costs, rtol=1e-10)
     assert np.allclose(ours.xs, theirs.xs, atol=1e-8) and np.allclose(ours.us, theirs.us, atol=1e-8)
-    assert isinstance(ours.problem.runningModels[0], Wheel)  # kept, though nobody here has it
+    assert isinstance(ours.problem.runningModels[0], Wheel)  # kept alive without a reference here
     assert len(ours.K) == 20 and ours.K[0].shape == (2, 3)
 
 
@@ -179,7 +179,7 @@ def test_solution_in_simulation_by_its_gains(program, tmp_path):
     assert motion.stopped == mc.StepStatus.OK and theirs["completed"]
     assert motion.distance == theirs["distance"] and motion.energy_lost == theirs["energy_lost"] > 0
     assert len(motion.xs) == 57 and np.all(np.isfinite(motion.xs))
-    u = solution.us[5] - gains.K[5] @ np.full(36, 0.01)  # feedback of a state that is off
+    u = solution.us[5] - gains.K[5] @ np.full(36, 0.01)  # feedback of a state that deviates
     assert np.max(np.abs(u - solution.us[5])) > 0.1
     with pytest.raises(ValueError, match="a step"):
         mc.simulate(task, solution, substeps=0)

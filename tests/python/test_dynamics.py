@@ -1,4 +1,4 @@
-"""Solve, derivatives, products, batches: against the program bit for bit, against each other, and who owns what."""
+"""Solve, derivatives, products and batches agree with the program bit for bit and with each other; ownership is tested."""
 
 import gc
 import json
@@ -40,7 +40,7 @@ def test_the_programs_numbers(scene, program, tmp_path):
 def test_report(humanoid):
     file, data = humanoid
     report = mc.solve(file.scene, file.q, file.v, file.u, data)
-    for of in (report, report.islands[0]):  # what was not estimated is not 0
+    for of in (report, report.islands[0]):  # values without an estimate are not 0
         assert all(np.isnan(x) for x in (of.condition, of.error_acceleration, of.error_forces))
     assert report.islands[0].nv == 38 and report.rank == 12
     assert report.times.solve > 0 and report.times.setup >= 0
@@ -66,7 +66,7 @@ def test_report(humanoid):
 
 
 def test_redistributed_forces():
-    """Against the null space of J^T: the same J^T f, at the least weighted distance."""
+    """J^T f stays the same, at the least weighted distance, compared with the null space of J^T."""
     file = mc.load_scene_text(
         """<scene><robot name="b" urdf="box.urdf" base="floating"/>
         <contact name="lower" type="3d" frame="b/crate" offset="-0.2 0 -0.2"/>
@@ -234,7 +234,7 @@ def test_batches(humanoid):
 
 
 def test_data_of_one_thread_at_a_time():
-    """Threads with data of their own run side by side; with the same data they are refused, not wrong."""
+    """Threads with data of their own run concurrently; with the same data they are refused, not wrong."""
     file = mc.load_scene(str(MODELS / "ring_of_humanoids.xml"))
     shared = mc.SceneData(file.scene)
     mc.solve(file.scene, file.q, file.v, file.u, shared)

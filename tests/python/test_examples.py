@@ -1,4 +1,4 @@
-"""The programs of src/python/examples do what they say."""
+"""The programs of src/python/examples give their documented results."""
 
 import importlib.util
 import os
@@ -31,7 +31,7 @@ def numbers(pattern, text):
 
 
 def test_all_are_run():
-    run_here = {"standing.py"}  # by CMake's test python/example
+    run_here = {"standing.py"}  # in CMake's test python/example
     run_here |= set(re.findall(r'run\("(\w+\.py)"', open(__file__).read()))
     assert run_here == {path.name for path in EXAMPLES.glob("*.py")}
 

@@ -1,4 +1,4 @@
-"""Under load and misuse: callbacks that do what they should not, forks, Ctrl-C, objects without contents."""
+"""Load and misuse: callbacks that do forbidden things, forks, Ctrl-C, objects without contents."""
 
 import _thread
 import gc
@@ -39,7 +39,7 @@ class Counting(mc.CallbackAbstract):
 
 @pytest.mark.parametrize("Solver", SOLVERS)
 def test_callbacks_that_set_callbacks(Solver):
-    """The new ones are called from the next iteration on, and stay when the solve has ended."""
+    """The new callbacks are called from the next iteration on, and stay when the solve has ended."""
     later = Counting()
 
     class Once(mc.CallbackAbstract):
@@ -74,7 +74,7 @@ def test_solvers_held_by_their_callbacks_are_freed(Solver):
             assert solver is self.known
 
     class Tracked(Solver):
-        """A class in Python, so that there is something to see it go by."""
+        """A class in Python shows when its object is destroyed."""
 
     solver = Solver(problem())
     solver.setCallbacks([Knowing(solver), Knowing([solver]), mc.CallbackLogger()])
@@ -91,14 +91,14 @@ def test_solvers_held_by_their_callbacks_are_freed(Solver):
     solver.solve(maxiter=2)
     del solver
     gc.collect()
-    assert gone[0]() is not None and callback.known.getCallbacks()[0] is callback  # still held from here
+    assert gone[0]() is not None and callback.known.getCallbacks()[0] is callback  # still referenced from here
     del callback
     gc.collect()
     assert all(r() is None for r in gone)
 
 
 def test_callbacks_in_use_are_not_collected():
-    """Rings that anything outside reaches stay, and work."""
+    """Reference cycles that are reachable from outside stay, and work."""
     node = Wheel()
     solver = mc.SolverFDDP(mc.ShootingProblem([-1.0, -1.0, 1.0], [node] * 20, node))
 
@@ -124,7 +124,7 @@ def test_callbacks_in_use_are_not_collected():
 
 
 def test_solving_within_a_callback():
-    """By the same solver it is refused, by another one it works, with the same callback object, too."""
+    """With the same solver it is refused, with another one it works, even with the same callback object."""
     inner = mc.SolverFDDP(problem())
 
     class Nested(mc.CallbackAbstract):
@@ -211,7 +211,7 @@ def _in_a_child(name):
 @pytest.mark.parametrize("method", ["fork", "spawn"])
 @pytest.mark.parametrize("name", ["batch", "solve", "problem"])
 def test_children_after_threads(name, method):
-    """Parallel regions in the parent, in its children, and in the parent again."""
+    """Parallel regions run in the parent, in its children, and in the parent again."""
     before = _in_a_child(name)
     pool = multiprocessing.get_context(method).Pool(2)
     try:
@@ -270,7 +270,7 @@ def test_batches_hear_ctrl_c(name):
 
 
 def test_chunks_change_no_numbers():
-    """More states than one chunk has, by every function: as one by one, failed ones too; no state is left out."""
+    """With more states than one chunk every function gives the results of single states, failed ones too."""
     file = mc.load_scene(str(MODELS / "humanoid_standing.xml"))
     scene, batch = file.scene, mc.BatchData(file.scene, 2)
     rng = np.random.default_rng(3)
@@ -300,7 +300,7 @@ def classes():
 
 
 def test_objects_that_hold_nothing(tmp_path):
-    """In a process of its own: a crash would end it."""
+    """The test runs in a process of its own: a crash would end it."""
     text = f"""
 import sys; sys.path.insert(0, {os.path.dirname(os.path.dirname(mc.__file__))!r})
 import manycontact as mc, pickle, copy
@@ -334,7 +334,7 @@ except TypeError: print("done")
 
 
 def test_large_scenes_are_looked_at_item_by_item():
-    """Neither a loop over contacts nor the force of each copies all: time grows with their number, not its square."""
+    """Neither a loop over contacts nor the force of each copies all: the time is linear in their number."""
     model = mc.load_urdf(str(MODELS / "box.urdf"), floating_base=True)
 
     def seconds(n):

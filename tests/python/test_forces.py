@@ -1,4 +1,4 @@
-"""Pushes and springs: scenes built and loaded, wrenches that change, derivatives by them."""
+"""Pushes and springs: scenes built and loaded, wrenches that change, derivatives with respect to them."""
 
 import manycontact as mc
 import numpy as np
@@ -41,7 +41,7 @@ def test_wrenches_change_between_solves(pushed):
     file, data = pushed
     scene = file.scene
     mc.solve(scene, file.q, file.v, file.u, data)
-    assert len(data.report.islands) == 1  # the rope joins the two
+    assert len(data.report.islands) == 1  # the rope couples the two
     a = data.a
     request = mc.DerivativeRequest(pushes=True)
     blocks = mc.differentiate(scene, data, request).islands[0]
@@ -50,7 +50,7 @@ def test_wrenches_change_between_solves(pushed):
     da_dw, df_dw = np.array(dense.da_dw), np.array(dense.dforces_dw)
     f = data.f
     step = np.array([3.0, -2, 1, 0.5, 1, -1])
-    data.pushes[0] += step  # linear: exactly so much
+    data.pushes[0] += step  # the effect is exactly linear
     mc.solve(scene, file.q, file.v, file.u, data)
     assert np.allclose(data.a - a, da_dw @ step, atol=1e-9)
     assert np.allclose(data.f - f, df_dw @ step, atol=1e-8)

@@ -1,4 +1,4 @@
-"""A short run of the fuzzer, in a process of its own."""
+"""The fuzzer runs for a short time, in a process of its own."""
 
 import os
 import pathlib

@@ -1,4 +1,4 @@
-"""Classes of one's own: what Crocoddyl calls of them is called here, or the class is refused."""
+"""User-defined classes: methods that Crocoddyl calls are called here, or the class is refused."""
 
 import manycontact as mc
 import numpy as np
@@ -31,7 +31,7 @@ def stack(state, cost, weight=1.0):
 
 
 def spring_cost(Base, *arguments):
-    """2 x'x + 3 u'u, of a class of its own."""
+    """The cost is 2 x'x + 3 u'u, in a class of its own."""
 
     class Spring(Base):
         def calc(self, data, x, u=None):
@@ -65,7 +65,7 @@ def bases(state):
 @pytest.mark.parametrize("number", range(7))
 @pytest.mark.parametrize("storage", ["BOTH", "DENSE", "SPARSE"])
 def test_costs(state, number, storage):
-    """A cost of one's own beside one of the library's: the sum's derivatives are those of both, by weights."""
+    """A user's cost and one of the library's are summed: the derivatives are the weighted sum of both."""
     rng = np.random.default_rng(number)
     costs = stack(state, spring_cost(*bases(state)[number]), 0.5)
     costs.addCost("u", mc.CostModelResidual(state, mc.ResidualModelControl(state, state.nv)), 2.0)
@@ -167,7 +167,7 @@ def test_costs_without_derivatives_say_so(state):
 
 
 def test_costs_in_a_solver(state):
-    """The optimum of a cost of one's own is that of the same cost by a residual, in several threads too."""
+    """The optimum of a user's cost is that of the same cost from a residual, in several threads too."""
 
     def solved(cost):
         node = mc.IntegratedActionModelEuler(dynamics(state, stack(state, cost)), 0.01)
@@ -196,7 +196,7 @@ def test_costs_in_a_solver(state):
             data.Rx, data.Ru = np.eye(n + m, n), np.eye(n + m)[:, n:]
 
     class Residual(mc.CostModelResidual):
-        """Terminal nodes count the state, as Pull's do."""
+        """Terminal nodes include the state, as Pull's do."""
 
         def calc(self, data, x, u=None):
             super().calc(data, x, np.zeros(state.nv) if u is None else u)
@@ -347,14 +347,14 @@ def wheels():
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("method", [m for m, _ in METHODS if m != "increaseRegularization"])
 def test_solvers(solver, method):
-    """solve() calls what the class has; where that calls its base, iterates are the library's."""
+    """solve() calls the class's methods; if these call their base, iterates are the library's."""
     Base, calls = getattr(mc, solver), []
 
     def own(self, *arguments):
         calls.append(arguments)
         return getattr(Base, method)(self, *arguments)
 
-    own.__code__ = own.__code__.replace(co_name=method)  # by which pybind11 knows a call of the base
+    own.__code__ = own.__code__.replace(co_name=method)  # pybind11 recognises a call of the base by this name
     mine = type("Mine", (Base,), {method: own})(wheels())
     library = Base(wheels())
     assert mine.solve([], [], 20) == library.solve([], [], 20)
@@ -383,7 +383,7 @@ def test_what_methods_return_is_taken():
     assert solver.solve([], [], 20) and solver.stop == 0.0 and solver.iter < 5
 
 
-# ---- what has no place for methods ---------------------------------------------------------------------------------
+# ---- classes without overridable methods ---------------------------------------------------------------------------
 
 REFUSED = [
     ("ContactModel3D", "calc"), ("ContactModel6D", "updateForce"), ("ContactModelOfScene", "calcDiff"),
@@ -405,11 +405,11 @@ def test_refused(base, method):
 
 
 def test_every_method_that_cpp_calls_is_known():
-    """A class whose objects C++ is given is of a family that says what C++ calls."""
+    """A class whose objects C++ receives belongs to a family that defines the methods C++ calls."""
     from manycontact import _classes
 
     expected = {name for name in dir(mc) if name.endswith(("ModelAbstract", "ModelSum", "ModelMultiple", "ModelManager"))}
-    expected -= {"SquashingModelAbstract"}  # it has no trampoline: C++ makes its objects
+    expected -= {"SquashingModelAbstract"}  # it has no trampoline: C++ creates its objects
     expected |= {"SolverAbstract", "ShootingProblem", "StateAbstract", "CallbackAbstract"}
     of_families = {
         name

@@ -27,7 +27,7 @@ def run(*command, **keywords):
 
 @pytest.fixture(scope="module")
 def environment(tmp_path_factory):
-    """Of a virtual environment, which sees the system's numpy: its interpreter, without this test's paths."""
+    """Returns the interpreter of a virtual environment with the system's numpy, without this test's paths."""
     if not (BUILD / "CMakeCache.txt").exists() or not all(map(importlib.util.find_spec, ("pip", "ensurepip"))):
         pytest.skip("no build folder, or no pip and venv")
     folder = tmp_path_factory.mktemp("venv")
@@ -81,7 +81,7 @@ print(mc.__version__, mc.solve(file.scene, file.q, file.v, file.u, mc.SceneData(
 
 @pytest.fixture(scope="module")
 def unpacked(tmp_path_factory):
-    """The source archive of cmake_wheel.py, unpacked: its top folder."""
+    """Returns the top folder of the unpacked source archive of cmake_wheel.py."""
     folder = tmp_path_factory.mktemp("archive")
     backend = "import sys; sys.path[0:0] = [sys.argv[1]]; import cmake_wheel; print(cmake_wheel.build_sdist(sys.argv[2]))"
     name = run(sys.executable, "-B", "-c", backend, str(ROOT / "src/python/packaging"), str(folder)).strip()
@@ -92,7 +92,7 @@ def unpacked(tmp_path_factory):
 
 
 def test_version_is_the_same_everywhere(unpacked):
-    """CMake's, Python's, colcon's, pip's, CITATION.cff's, the changelog's, the README's."""
+    """Versions agree in CMake, Python, colcon, pip, CITATION.cff, the changelog and the README."""
     version = re.search(r"project\(manycontact\s+VERSION\s+([\d.]+)", (ROOT / "CMakeLists.txt").read_text())[1]
     assert mc.__version__ == version
     assert xml.etree.ElementTree.parse(unpacked / "package.xml").findtext("version") == version
@@ -103,7 +103,7 @@ def test_version_is_the_same_everywhere(unpacked):
 
 
 def test_the_archive_configures_and_packs_itself(unpacked, tmp_path):
-    """CMake finds all that it needs in the archive; an archive of it is the same, though git does not know it."""
+    """CMake finds all that it needs in the archive; an archive of it is the same, without git."""
     off = [f"-DMANYCONTACT_{part}=OFF" for part in ("TESTS", "CHART", "BENCH")]
     run("cmake", "-S", str(unpacked), "-B", str(tmp_path / "build"), "-DCMAKE_BUILD_TYPE=Release", *off)
     backend = "import sys; sys.path[0:0] = [sys.argv[1]]; import cmake_wheel; print(cmake_wheel.build_sdist(sys.argv[2]))"

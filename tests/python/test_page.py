@@ -1,4 +1,4 @@
-"""src/doc/python.md: its functions are there, with the arguments that it names."""
+"""The functions of src/doc/python.md exist, with the arguments that it names."""
 
 import re
 

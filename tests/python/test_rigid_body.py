@@ -1,5 +1,5 @@
-"""Dynamics, frames and the whole of robots without contacts; contact Jacobians; inverse kinematics: against an
-independent reference, Pinocchio's figures where they are, differences and the laws of mechanics."""
+"""Dynamics, frames and totals of robots without contacts, contact Jacobians and inverse kinematics agree with an
+independent reference, Pinocchio's figures if present, differences and the laws of mechanics."""
 
 import importlib.util
 import json
@@ -15,7 +15,7 @@ AXES = ("local", "world", "local_world_aligned")
 
 
 def state(bodies, seed=3):
-    """q, v, a and one more vector of nv numbers."""
+    """Returns q, v, a and one more vector of nv numbers."""
     rng = np.random.default_rng(seed)
     q = mc.random_configuration(bodies, seed)
     nv = mc.crba(bodies, q).shape[0]
@@ -166,7 +166,7 @@ def test_derivatives(scene):
         close(by_q[:, k], moved, 1e-5)
         close(by_step[:, k], mc.difference(scene, q1, mc.integrate(scene, q, step + e)) / H, 1e-5)
     by_q0, by_q1 = mc.difference_derivatives(scene, q, q1)
-    close(by_q1 @ by_step, np.eye(scene.nv))  # the one undoes the other
+    close(by_q1 @ by_step, np.eye(scene.nv))  # one is the inverse of the other
     close(by_q0, -by_q1 @ by_q)
     close(mc.difference(scene, q, mc.interpolate(scene, q, q1, 0.5)), step / 2)
 
@@ -274,7 +274,7 @@ def test_contacts_and_what_joints_carry(humanoid):
     bodies = mc.RigidBodyData(scene)
     close(mc.rnea(scene, file.q, v, data.a, bodies, fext), tau, 1e-9)
     name = mc.joint_names(scene)[0]
-    close(mc.joint_wrench(scene, bodies, name), np.zeros(6), 1e-8)  # nothing holds the floating base
+    close(mc.joint_wrench(scene, bodies, name), np.zeros(6), 1e-8)  # nothing constrains the floating base
     knee = next(n for n in mc.joint_names(scene) if n.endswith("left_knee"))
     k = mc.velocity_names(scene).index(knee if "/" in knee else scene.robots[0].name + "/" + knee)
     model = scene.robots[0].model
@@ -380,4 +380,4 @@ def test_poses_of_scene_files():
     assert [f.kind for f in file.findings] == ["pose"]
     with pytest.raises(mc.InputError) as error:
         mc.load_scene_text(text.replace('z="0.65"', 'z="3"'), str(MODELS / "scene.xml"))
-    assert error.value.line in (2, 3)  # the one that is missed by most
+    assert error.value.line in (2, 3)  # the one with the largest error

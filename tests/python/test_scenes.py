@@ -1,4 +1,4 @@
-"""Scenes from files, from text and built in code; what is refused."""
+"""Scenes are read from files and text, and built in code; bad ones are refused."""
 
 import copy
 
@@ -79,7 +79,7 @@ def test_rotations_are_taken_by_scipy():
     spatial = pytest.importorskip("scipy.spatial.transform")
     M = mc.SE3.from_quaternion([0, 0, np.sin(0.3), np.cos(0.3)])
     for R in M.R, M.rotation:
-        turned = spatial.Rotation.from_matrix(R)  # scipy 1.10 takes no array that is read-only
+        turned = spatial.Rotation.from_matrix(R)  # scipy 1.10 accepts no read-only array
         np.testing.assert_allclose(turned.as_rotvec(), [0, 0, 0.6], atol=1e-15)
     M.R[0, 0] = 7
     assert M.R[0, 0] == pytest.approx(np.cos(0.6))
@@ -143,7 +143,7 @@ def test_any_array_of_numbers_will_do(humanoid):
 
 
 def test_findings(tmp_path):
-    """What is odd in a URDF is taken, and told with file and line."""
+    """Questionable input in a URDF is accepted, and listed with file and line."""
     urdf = tmp_path / "arm.urdf"
     urdf.write_text(
         """<robot name="r"><link name="a"/>

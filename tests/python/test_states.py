@@ -1,4 +1,4 @@
-"""States: what they break of their contacts, and states that fit."""
+"""States violate their contacts, or are consistent."""
 
 import copy
 
@@ -83,7 +83,7 @@ def solved(contacts, attributes=""):
 
 
 def test_rank_changes():
-    """A trunk that is held, and a leg that is stretched to a foot that is held too."""
+    """The trunk is fixed, and a leg is stretched to a foot that is fixed too."""
     file, data = solved(
         '<contact name="trunk" type="6d" frame="q/trunk"/><contact name="foot" type="3d" frame="q/RF_foot"/>'
     )

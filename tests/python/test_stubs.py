@@ -1,4 +1,4 @@
-"""The type stubs have what the module has, and what people write passes mypy by them."""
+"""The type stubs have the module's names, and usual programs pass mypy with them."""
 
 import ast
 import importlib.util
@@ -46,7 +46,7 @@ def test_stubs_match_the_module():
 
 
 def test_everything_is_documented():
-    """Every function says what it takes and gives; its types are Python's."""
+    """Every function declares its arguments and results; its types are Python's."""
     for name, member in vars(mc).items():
         if name.startswith("_") or not inspect.isbuiltin(member):
             continue
@@ -55,7 +55,7 @@ def test_everything_is_documented():
 
 
 def parameters(doc):
-    """Names in the signature of a function with one overload."""
+    """Returns names in the signature of a function with one overload."""
     signature = doc.partition(") -> ")[0].partition("(")[2]
     return re.findall(r"(?:^|, )(\w+): ", re.sub(r"\[[^\]]*\]", "", signature))
 
@@ -107,7 +107,7 @@ def mypy(module, *arguments):
 
 @pytest.fixture(scope="module")
 def check(tmp_path_factory):
-    """check(text): what mypy says to a program; with one cache for all."""
+    """Returns check(text): mypy's messages on a program, with one cache for all."""
     folder = tmp_path_factory.mktemp("mypy")
     (folder / "mypy.ini").write_text("[mypy]\n[mypy-scipy.*,matplotlib.*]\nignore_missing_imports = True\n")
 
@@ -120,10 +120,10 @@ def check(tmp_path_factory):
 
 
 def test_stubs_are_the_modules():
-    """stubtest: no name of the module is missing in the stubs, nor the other way round. (Of pybind11's classes it knows
+    """stubtest: no name of the module is missing in the stubs, and vice versa. (For pybind11's classes it knows
     neither metaclass nor signatures.)"""
     lines = mypy("mypy.stubtest", "manycontact", "--concise").stdout.splitlines()
-    assert any(line.startswith("manycontact.SceneData ") for line in lines), lines  # it has looked
+    assert any(line.startswith("manycontact.SceneData ") for line in lines), lines  # stubtest has run
     missing = [line for line in lines if "is not present" in line or "is missing" in line or "does not exist" in line]
     alias = re.compile(r"manycontact\.(_.*|\w+\.(__\w+__|_pybind11\w+)) ")
     assert not [line for line in missing if not alias.match(line)]

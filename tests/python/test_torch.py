@@ -1,4 +1,4 @@
-"""manycontact.torch: values of solve, gradients by gradcheck, of every kind of joint."""
+"""manycontact.torch has the values of solve, and gradients that pass gradcheck, for every kind of joint."""
 
 import manycontact as mc
 import numpy as np
@@ -56,7 +56,7 @@ def test_gradients(mixed):
     dynamics = mt.Dynamics(mixed.scene, threads=2)
     q, v, u = states(mixed, 2)
     pushes = torch.tensor(np.random.default_rng(2).standard_normal((2, 6)))
-    q = q * (1 + 0.1 * torch.rand(1))  # quaternions that are not unit, too
+    q = q * (1 + 0.1 * torch.rand(1))  # quaternions not of unit length, too
     inputs = [x.requires_grad_() for x in (q, v, u, pushes)]
     assert torch.autograd.gradcheck(dynamics, inputs, eps=3e-5, atol=1e-4, rtol=1e-5)
 

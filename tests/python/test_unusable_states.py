@@ -1,5 +1,5 @@
-"""What is no configuration is refused wherever q comes in: quaternions that are not of unit length, numbers that are
-not finite. solve and steps answer with a status instead."""
+"""Invalid configurations are refused in every argument q: quaternions that are not of unit length, numbers that are
+not finite. solve and steps return a status instead."""
 
 import manycontact as mc
 import numpy as np
@@ -15,7 +15,7 @@ X = np.concatenate([Q, V])
 A = np.ones(SCENE.nv)
 GOALS = [mc.pose_goal(SCENE, "humanoid/left_sole", mc.SE3())]
 
-# Every function with a q, as f(q).
+# All functions with a q, as f(q).
 CALLS = {
     "integrate": lambda q: mc.integrate(SCENE, q, V),
     "difference": lambda q: mc.difference(SCENE, q, Q),
@@ -56,7 +56,7 @@ CALLS = {
     "state.diff": lambda q: STATE.diff(np.concatenate([q, V]), X),
     "state.diff to": lambda q: STATE.diff(X, np.concatenate([q, V])),
 }
-# Those that answer by a status, of whatever q they are given.
+# These return a status for any q.
 BY_STATUS = {"solve", "solve_tau", "SimulationData", "set_state"}
 
 
@@ -91,7 +91,7 @@ def test_refused(name, q):
 
 @pytest.mark.parametrize("name", CALLS)
 def test_accepted(name):
-    """A quaternion as files with seven digits leave it."""
+    """The quaternion has seven digits, as in files."""
     q = Q.copy()
     q[3:7] *= 1 + 4e-7
     CALLS[name](q)

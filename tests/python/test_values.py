@@ -1,4 +1,4 @@
-"""Python that does not pretend: assignments work or raise; strings for members; copies, pickles, reprs."""
+"""Assignments take effect or raise; strings name members; copies, pickles and reprs work."""
 
 import copy
 import functools
@@ -19,16 +19,16 @@ def file():
     return mc.load_scene(str(MODELS / "humanoid_standing.xml"))
 
 
-# ---- what is assigned changes what it belongs to, or raises --------------------------------------------------------
+# ---- assignments change their object, or raise ---------------------------------------------------------------------
 
 
 def is_(x):
-    """Something to compare: arrays by their bytes."""
+    """Returns a comparable value: the bytes of an array."""
     return x.tobytes() if isinstance(x, np.ndarray) else repr(x)
 
 
 def attribute(path, value):
-    """(what, write, read): of one attribute of the objects in a World."""
+    """Returns (what, write, read) of one attribute of the objects in a World."""
     *way, last = path.split(".")
 
     def get(x, name):
@@ -44,7 +44,7 @@ def attribute(path, value):
 
 
 def element(path, index=0):
-    """The same of an element of an array, a list or a dict."""
+    """Returns the same of an element of an array, a list or a dict."""
     _, read = attribute(path, None).values
 
     def write(world):
@@ -58,7 +58,7 @@ def element(path, index=0):
 
 
 class World:
-    """One of most things, each solved, so that there is something to write into."""
+    """Contains one object of most classes, each solved, so that assignments have a target."""
 
     def __init__(self):
         self.file = mc.load_scene(str(MODELS / "humanoid_standing.xml"))
@@ -98,11 +98,11 @@ class World:
 
 
 def up(path):
-    """The object's own value, plus one."""
+    """Returns the object's own value plus one."""
     return lambda world: attribute(path, None).values[1](world) + 1
 
 
-ASSIGNED = [  # these have to change it
+ASSIGNED = [  # these must change it
     *(attribute(p, up(p)) for p in ("file.q", "file.v", "file.u", "sim.v")),
     attribute("sim.q", lambda world: mc.integrate(world.scene, world.sim.q, np.full(world.scene.nv, 0.1))),
     *(element(p) for p in ("file.q", "file.v", "file.u")),
@@ -148,7 +148,7 @@ ASSIGNED = [  # these have to change it
     attribute("task.tolerance", 1e-3),
     attribute("task.solver", "sparse"),
 ]
-REFUSED = [  # these cannot, and say so
+REFUSED = [  # these cannot, and raise
     attribute("sim.h", 1.0),
     attribute("scene.contacts.0.name", "other"),
     attribute("scene.contacts.0.B.placement.p", [1, 2, 3]),
@@ -194,7 +194,7 @@ def test_assignment_raises(world, write, read):
 
 
 def test_no_property_pretends(world):
-    """Whatever array, list or dict a property gives: writing into it raises, or the property gives it back changed."""
+    """Writing into any array, list or dict of a property raises, or the property returns it changed."""
     seen = 0
     for owner in list(vars(world).values()) + [world.scene.contacts[0], world.model.joints[1], world.solution.gains[0]]:
         for name, member in inspect.getmembers(type(owner), lambda x: isinstance(x, property)):
@@ -224,7 +224,7 @@ def test_no_property_pretends(world):
 
 
 def test_changed_contacts_count(file):
-    """What was assigned is what is solved: by the scene, and by one that had it from the start."""
+    """Solutions after an assignment are those of a scene that had the value from the start."""
     scene, data = file.scene, mc.SceneData(file.scene)
     mc.solve(scene, file.q, file.v, file.u, data)
     before = data.a
@@ -465,7 +465,7 @@ def test_reprs(world):
         assert " object at 0x" not in repr(x) and len(repr(x)) < 5000, type(x)
 
 
-# ---- classes of one's own ------------------------------------------------------------------------------------------
+# ---- user-defined classes ------------------------------------------------------------------------------------------
 
 
 def test_methods_that_would_not_be_called_are_refused():

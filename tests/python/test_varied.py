@@ -23,7 +23,7 @@ def test_bodies_are_scaled():
     turning = np.r_[3:6, 6 : model.nv]
     assert np.allclose(larger[np.ix_(turning, turning)], 2 * 9 * inertia[np.ix_(turning, turning)])
     assert np.allclose(larger[:3, :3], 2 * inertia[:3, :3])
-    rubbed = model.varied(friction=0.2, armature=0.01)  # one number is that of the joints: a floating base has none
+    rubbed = model.varied(friction=0.2, armature=0.01)  # one number applies to the joints: a floating base has none
     assert np.allclose(rubbed.armature, np.r_[np.zeros(6), np.full(12, 0.01)])
     mc.add_robot(scene, "s", rubbed)
     v = np.ones(scene.nv)

@@ -1,4 +1,4 @@
-// LDL that drops dependent rows, their null space and the projector on it, against dense decompositions.
+// LDL that drops dependent rows, their null space and the projector on it agree with dense decompositions.
 
 #include "manycontact/rank/dependent_rows.hpp"
 
@@ -45,7 +45,7 @@ struct FactorOfRows {
     if (done == K.n())
       find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), D.data(), rows);
   }
-  // Without the rows that are to be dropped, whichever they are.
+  // Factorizes without the rows that are to be dropped, whichever they are.
   void factor_others() {
     std::vector<double> x = K.x;
     for (int k : rows.dropped) x[K.pattern.p[k + 1] - 1] = -1e200;
@@ -58,14 +58,14 @@ struct FactorOfRows {
     sparse::ldl_solve(symbolic, L.data(), D.data(), x);
     project_out(rows, x);
   }
-  // N among the rows of J.
+  // Returns N among the rows of J.
   MatrixXd null_space() const {
     MatrixXd N = MatrixXd::Zero(K.n() - nv, rows.dropped.size());
     for (std::size_t c = 0; c < rows.dropped.size(); ++c)
       for (int p = rows.Np[c]; p < rows.Np[c + 1]; ++p) N(rows.Ni[p] - nv, c) = rows.Nx[p];
     return N;
   }
-  // P, column by column, as project_out takes it away.
+  // Returns P, column by column, as project_out subtracts it.
   MatrixXd projector() {
     const int nc = K.n() - nv;
     MatrixXd P(nc, nc);
@@ -79,7 +79,7 @@ struct FactorOfRows {
   }
 };
 
-// What a projector's error grows by: coefficients of dependence, and rows kept that nearly coincide.
+// The amplification of a projector's error: coefficients of dependence, and retained rows that nearly coincide.
 struct Spectrum {
   MatrixXd P;       // on the null space of J^T
   double cond = 1;  // of J: largest by smallest singular value that is not zero
@@ -178,7 +178,7 @@ TEST_P(DependentRowsOf, ProjectOutGivesThePartThatItTakes) {
       << "P y is added to what is there";
 }
 
-// Columns first ... first+cols-1 of a panel whose rows stand in another order; all else is left alone.
+// Columns first ... first+cols-1 of a panel have their rows in another order; all else is left unchanged.
 TEST_P(DependentRowsOf, PanelEqualsColumns) {
   using Panel = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const SaddlePoint& s = GetParam();
@@ -186,7 +186,7 @@ TEST_P(DependentRowsOf, PanelEqualsColumns) {
   ASSERT_EQ(f.done, s.n());
   std::mt19937 rng(43);
   std::vector<int> row(s.n());
-  for (int k = 0; k < s.n(); ++k) row[k] = k + 1;  // row 0 of the panel is nobody's
+  for (int k = 0; k < s.n(); ++k) row[k] = k + 1;  // row 0 of the panel is not used
   std::shuffle(row.begin(), row.end(), rng);
   for (const auto& [ld, first, cols] : {std::array{1, 0, 1}, {9, 2, 5}, {40, 3, 37}, {6, 6, 0}, {70, 0, 70}}) {
     const Panel given = random_matrix(s.n() + 1, ld, rng);
@@ -206,15 +206,15 @@ TEST_P(DependentRowsOf, PanelEqualsColumns) {
   }
 }
 
-// [a; y] of least squares and least norm: the dense decomposition's of K with a right-hand side that J can meet.
+// [a; y] of least squares and least norm agrees with the dense decomposition of K, for consistent right-hand sides.
 TEST_P(DependentRowsOf, AnswerIsTheDenseDecompositions) {
   const SaddlePoint& s = GetParam();
   FactorOfRows f(s);
   ASSERT_EQ(f.done, s.n());
   std::mt19937 rng(44);
-  const Spectrum of_J(s.J), of_K(s.dense(), 1e-13);  // in K the smallest of J stand squared
+  const Spectrum of_J(s.J), of_K(s.dense(), 1e-13);  // in K the smallest of J are squared
   for (int trial = 0; trial < 3; ++trial) {
-    VectorXd b = random_matrix(s.n(), 1, rng);  // b2 contradicts itself
+    VectorXd b = random_matrix(s.n(), 1, rng);  // b2 is inconsistent
     VectorXd x = b;
     f.solve(x.data());
     if (s.nc() > 0) b.tail(s.nc()) -= of_J.P * b.tail(s.nc());
@@ -250,7 +250,7 @@ TEST_P(DependentRowsOf, AllocateNothingAgain) {
   EXPECT_EQ(f.projector(), P);
 }
 
-// Which dropped rows share others may change from one matrix of a pattern to the next.
+// The dropped rows that share others may change from one matrix of a pattern to the next.
 TEST(DependentRows, ClustersThatMergeAllocateNothing) {
   if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc is not ours to count";
   std::mt19937 rng(52);
@@ -295,7 +295,7 @@ TEST(DependentRows, StorageIsReusedForOtherMatrices) {
   }
 }
 
-// In between dependent and not, rounding decides which rows are: the rows themselves tell.
+// Between dependent and independent, rounding decides on the rows: the rows themselves confirm it.
 TEST(DependentRows, AreNotBelievedWhereTheyOnlyNearlyDepend) {
   std::mt19937 rng(45);
   SaddlePoint s{"nearly", random_positive(9, 0.4, rng), random_matrix(5, 9, rng)};
@@ -329,7 +329,7 @@ TEST(DependentRows, AreNotBelievedWhereOneOfSeveralOnlyNearlyDepends) {
   }
 }
 
-// Nearly coincident rows kept make l_k inaccurate: what refinement is for. Where none helps, it says so.
+// Nearly coincident retained rows make l_k inaccurate: refinement is needed. If it fails, the factor reports it.
 TEST(DependentRows, AreRefinedWherePivotsKeptAreSmall) {
   std::mt19937 rng(46);
   for (int trial = 0; trial < 20; ++trial) {
@@ -358,7 +358,7 @@ TEST(DependentRows, AreNotBelievedWhereCoefficientsAreLarge) {
   }
 }
 
-// Two clusters of which one has rows that are too small, and a dropped row that depends on one after it then.
+// One of two clusters has rows that are too small, and then a dropped row depends on one after it.
 TEST(DependentRows, TakeTurnsUntilNoCoefficientIsLarge) {
   std::mt19937 rng(54);
   for (int trial = 0; trial < 20; ++trial) {
@@ -384,7 +384,7 @@ TEST(DependentRows, TakeTurnsUntilNoCoefficientIsLarge) {
     EXPECT_LE(size_of(MatrixXd(s.J.transpose() * N)), 1e-14 * s.J_size());
     const Spectrum truth(s.J);
     EXPECT_LE(difference_of(f.projector(), truth.P), allowed(truth, f.rows));
-    f.factor();  // nothing of that stays
+    f.factor();  // no effect of that remains
     EXPECT_EQ(f.rows.dropped, (std::vector<int>{17, 19, 21}));
     EXPECT_EQ(f.null_space(), FactorOfRows(s).null_space());
   }
@@ -397,13 +397,13 @@ TEST(DependentRows, RowsBelowNothingAreDroppedWhateverTheirDirection) {
   FactorOfRows f(s);
   ASSERT_EQ(f.done, s.n());
   EXPECT_EQ(f.rows.dropped, std::vector<int>{11});
-  s.J.row(2) *= 1e3;  // 1e-10 of the others: small, and a direction of its own
+  s.J.row(2) *= 1e3;  // 1e-10 of the others: small, but an independent direction
   FactorOfRows g(s);
   ASSERT_EQ(g.done, s.n());
   EXPECT_TRUE(g.rows.dropped.empty());
 }
 
-// Rows of M are never dropped: what is wrong with them is returned.
+// Rows of M are never dropped: the first faulty one is returned.
 TEST(DependentRows, ARowOfMWithoutPivotIsReturned) {
   std::mt19937 rng(49);
   SaddlePoint s{"singular M", random_positive(6, 1, rng), random_matrix(3, 6, rng)};
@@ -439,8 +439,8 @@ TEST(DependentRows, WhatIsNotANumberIsReturned) {
     }
 }
 
-// Two bodies, each followed by its own rows, then rows that join them: rows of M after rows of J. One row of the first
-// body depends on its others, one that joins them on both bodies' rows, one on another that joins them.
+// Two bodies are each followed by their own rows, then by rows that couple them: rows of M after rows of J. One row of
+// the first body depends on its others, a coupling row on both bodies' rows, and another on the other coupling rows.
 TEST(DependentRows, AmongRowsOfMAfterThem) {
   std::mt19937 rng(8);
   const int m = 4;

@@ -1,4 +1,4 @@
-// Least-squares solutions of least norm, against Eigen's complete orthogonal decomposition.
+// Least-squares solutions of least norm agree with Eigen's complete orthogonal decomposition.
 
 #include "manycontact/rank/least_norm.hpp"
 
@@ -23,7 +23,7 @@ std::vector<Eigen::Triplet<double>> entries_of(const MatrixXd& A) {
   std::vector<Eigen::Triplet<double>> entries;
   for (int i = 0; i < A.rows(); ++i)
     for (int j = 0; j < A.cols(); ++j)
-      if (A(i, j) != 0) {  // in two parts, which add up
+      if (A(i, j) != 0) {  // in two parts that add up
         entries.emplace_back(i, j, 0.25 * A(i, j));
         entries.emplace_back(i, j, 0.75 * A(i, j));
       }

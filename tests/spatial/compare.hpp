@@ -1,5 +1,5 @@
 #pragma once
-// Errors against a truth, in the maximum norm. NaN when either holds NaN, so that EXPECT_LE fails.
+// Errors against a truth are in the maximum norm. They are NaN if either contains NaN, so that EXPECT_LE fails.
 
 #include <limits>
 
@@ -9,7 +9,7 @@ namespace manycontact::test {
 
 inline constexpr double kEps = std::numeric_limits<double>::epsilon();
 
-/// Largest magnitude of an entry; NaN when one is NaN.
+/// Returns the largest magnitude of an entry; NaN if one is NaN.
 template <class D>
 double size_of(const Eigen::DenseBase<D>& x) {
   double largest = 0;
@@ -22,21 +22,21 @@ double size_of(const Eigen::DenseBase<D>& x) {
   return largest;
 }
 
-/// max |x - truth|, subtracted in the truth's precision.
+/// Returns max |x - truth|, subtracted in the truth's precision.
 template <class A, class B>
 double difference_of(const Eigen::MatrixBase<A>& x, const Eigen::MatrixBase<B>& truth) {
   if (x.rows() != truth.rows() || x.cols() != truth.cols()) return std::numeric_limits<double>::quiet_NaN();
   return size_of((x.template cast<typename B::Scalar>() - truth).eval());
 }
 
-/// max |x - truth| / max |truth|; 0 when both are zero.
+/// Returns max |x - truth| / max |truth|; 0 if both are zero.
 template <class A, class B>
 double error_of(const Eigen::MatrixBase<A>& x, const Eigen::MatrixBase<B>& truth) {
   const double difference = difference_of(x, truth);
   return difference == 0 ? 0 : difference / size_of(truth);
 }
 
-/// Placements compared entry by entry, the larger of both parts' differences.
+/// Compares placements entry by entry, and returns the larger of both parts' differences.
 template <class A, class B>
 double difference_of(const SE3<A>& x, const SE3<B>& truth) {
   const double R = difference_of(x.R, truth.R), p = difference_of(x.p, truth.p);

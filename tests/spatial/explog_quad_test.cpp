@@ -1,4 +1,4 @@
-// True errors of the exponentials and logarithms, by quadruple precision; and their Jacobians by differences.
+// True errors of exponentials and logarithms are found in quadruple precision, their Jacobians from differences.
 
 #include <gtest/gtest.h>
 
@@ -46,7 +46,7 @@ TEST(ExpLogInQuad, ExpOfDouble) {
     }
 }
 
-// The argument is a rotation but for its rounding, which moves log by as much; near pi either sign is right.
+// The argument is a rotation up to rounding, which changes log by as much; near pi either sign is right.
 TEST(ExpLogInQuad, LogOfDouble) {
   std::mt19937 rng(3);
   for (double angle : kQuadAngles)
@@ -70,7 +70,7 @@ TEST(ExpLogInQuad, JacobiansOfDouble) {
     }
 }
 
-// Column by column: log6(M exp6(h e_k)) and log6(exp6(-m) exp6(m + h e_k)). Differences in Quad are good to 1e-18.
+// Columns are log6(M exp6(h e_k)) and log6(exp6(-m) exp6(m + h e_k)). Differences in Quad are accurate to 1e-18.
 TEST(ExpLogInQuad, JacobiansAgainstCentralDifferences) {
   std::mt19937 rng(5);
   const Quad h(1e-10);

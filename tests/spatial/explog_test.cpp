@@ -1,4 +1,4 @@
-// Exponentials and logarithms in double: round trips at every angle, quaternions, SE(2). True errors: explog_quad_test.
+// Exponentials and logarithms in double: round trips at every angle, quaternions, SE(2). explog_quad_test: true errors.
 
 #include "manycontact/spatial/explog.hpp"
 
@@ -60,7 +60,7 @@ TEST(ExpLog, PureTranslationIsExact) {
   EXPECT_EQ(log6<double>(exp6<double>(m)), m);
 }
 
-// Pitch along the axis stays; about z by a, a unit speed along x draws an arc of radius 1/a.
+// Pitch along the axis stays; with a rotation about z by a, a unit speed along x draws an arc of radius 1/a.
 TEST(ExpLog, ScrewAboutZ) {
   for (double a : {1e-9, 1e-3, 0.4, 0.6, 2.0, 3.1}) {
     Vec6<double> m;
@@ -107,7 +107,7 @@ TEST(ExpLog, Se2IsThePlanePartOfSe3) {
     EXPECT_EQ(d[2], angle);
     EXPECT_LE(difference_of(log_se2<double>(d), m), 16 * kEps) << angle;
   }
-  const Vec3<double> beyond(0.3, 0.4, 5);  // log_se2 takes the angle as it stands, beyond pi too
+  const Vec3<double> beyond(0.3, 0.4, 5);  // log_se2 accepts any angle, beyond pi too
   EXPECT_LE(difference_of(log_se2<double>(exp_se2<double>(beyond)), beyond), 32 * kEps);
 }
 

@@ -1,4 +1,4 @@
-// One property kit for placements, motions and forces: at the identity, near it (1e-8) and anywhere.
+// Placements, motions and forces share properties: at the identity, near it (1e-8) and anywhere.
 
 #include <gtest/gtest.h>
 
@@ -80,7 +80,7 @@ TEST_P(Group, ForcesAreDualToMotions) {
   }
 }
 
-// d/dt Ad(exp(t m)) = ad_m at t = 0, for forces minus its transpose; and so Ad(exp m) = e^(ad_m).
+// d/dt Ad(exp(t m)) = ad_m at t = 0, for forces minus its transpose; hence Ad(exp m) = e^(ad_m).
 TEST_P(Group, CrossProductsAreTheDerivativeOfTheAction) {
   const double step = 1e-5;  // central differences: truncation step^2, rounding eps / step
   for (int trial = 0; trial < kStates; ++trial) {
@@ -113,7 +113,7 @@ TEST_P(Group, CrossProductsAreALieAlgebraOnWhichPlacementsAct) {
   }
 }
 
-// ---- inertia: a cloud of point masses is the definition -------------------------------------------------------------
+// ---- inertia is defined by a cloud of point masses ------------------------------------------------------------------
 
 struct Cloud {
   std::vector<double> mass;
@@ -125,7 +125,7 @@ struct Cloud {
       at.push_back(random_vector(3, rng, 0.5));
     }
   }
-  // The point moves with v + w x p; its momentum, and that's moment.
+  // The point moves with v + w x p; the matrix gives its momentum and the moment of that.
   Matrix6 matrix() const {
     Matrix6 Y = Matrix6::Zero();
     for (std::size_t k = 0; k < mass.size(); ++k) {

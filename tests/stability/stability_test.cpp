@@ -166,7 +166,7 @@ TEST(Judge, SeesWrongRegularisedAnswers) {
   EXPECT_EQ(outcome(1e-4, [](SceneData&) {}), Outcome::kMislabelled);
 }
 
-// Of two islands only the regularised one is compared with the solution without damping.
+// Only the regularised one of two islands is compared with the solution without damping.
 TEST(Judge, TellsIslandsApart) {
   Problem p = two_robots("arm", false, "box");
   hold(p, ContactType::k3D, "tool", {0, 0, 0}, ReferenceFrame::kLocal, "a");

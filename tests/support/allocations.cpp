@@ -11,7 +11,7 @@ namespace {
 
 std::size_t allocated = 0, by_memalign = 0;
 std::ptrdiff_t held = 0;
-constinit thread_local long until_failure = -1;  // allocations that succeed before; -1: none fails
+constinit thread_local long until_failure = -1;  // successful allocations before a failure; -1: none fails
 constinit thread_local bool fail_all_after = false, failed = false;
 
 PLAIN bool allocation_fails() {
@@ -34,7 +34,7 @@ PLAIN void* hold(void* p) {
 }  // namespace
 
 #if defined(__SANITIZE_ADDRESS__)
-// tinyxml loses what it has where memory runs out, the loader a list of a library's dependencies.
+// tinyxml leaks its memory if memory runs out, and the loader a list of a library's dependencies.
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() { return "leak:TiXml\nleak:_dl_map_object_deps\n"; }
 #define NEXT(function) __interceptor_##function
@@ -81,8 +81,8 @@ PLAIN void free(void* p) noexcept {
 }  // extern "C"
 
 #if defined(__SANITIZE_ADDRESS__)
-// The sanitizer's operator new does not come through malloc. Each is passed on, so that it still sees which delete
-// fits.
+// The sanitizer's operator new does not call malloc. Each call is forwarded, so that the sanitizer still checks the
+// matching delete.
 #include <dlfcn.h>
 
 namespace {

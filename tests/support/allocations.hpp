@@ -1,10 +1,10 @@
 #pragma once
-// Heap allocations counted, and made to fail. Eigen and SuiteSparse call malloc, not operator new, so a test executable
-// that uses this has its malloc replaced (allocations.cpp), for the shared libraries it loads too.
+// Heap allocations are counted, and made to fail. Eigen and SuiteSparse call malloc, not operator new, so a test
+// executable that uses this has its malloc replaced (allocations.cpp), for the shared libraries it loads too.
 //
 //   EXPECT_EQ(allocations([&] { solve(...); }), 0u);
 //
-//   // The 0th, 1st, 2nd ... allocation of what stands in braces fails, until one run asks for no more.
+//   // The 0th, 1st, 2nd ... allocation in the first braces fails, until one run requests no more.
 //   const FailedRuns runs = fail_each_allocation([&] { load(...); }, [&] { EXPECT_TRUE(still_sound()); });
 //   EXPECT_GT(runs.failed, 0);
 
@@ -21,7 +21,7 @@
 #define MANYCONTACT_COUNTS_ALLOCATIONS 0
 #endif
 
-// Under AddressSanitizer allocations fail too; leaks are then for it to find.
+// Under AddressSanitizer allocations fail too; it also finds leaks.
 #if defined(__GLIBC__) && !defined(__SANITIZE_THREAD__)
 #define MANYCONTACT_FAILS_ALLOCATIONS 1
 #else
@@ -30,15 +30,15 @@
 
 namespace manycontact::test {
 
-/// Of the whole program, since its start.
+/// Returns the count of the whole program, since its start.
 std::size_t allocation_count();
-/// Of these, by memalign or posix_memalign: OpenMP's runtime, which CHOLMOD's supernodal part calls, is alone in that.
+/// Returns those of memalign or posix_memalign: only OpenMP's runtime, used by CHOLMOD's supernodal module, calls them.
 /// They never fail, since it would end the program.
 std::size_t memalign_count();
-/// Allocated and not freed. Counted where allocations are; else 0.
+/// Returns allocated blocks that are not freed if allocations are counted, otherwise 0.
 std::ptrdiff_t blocks_held();
 
-/// Allocations while `work` runs.
+/// Returns the number of allocations while `work` runs.
 template <class Work>
 std::size_t allocations(Work&& work) {
   const std::size_t before = allocation_count();
@@ -46,15 +46,15 @@ std::size_t allocations(Work&& work) {
   return allocation_count() - before;
 }
 
-/// While it lives, this thread's k-th allocation (from 0) fails, with `all_after` those behind it too. malloc returns
-/// null, new throws.
+/// During its lifetime this thread's k-th allocation (from 0) fails, with `all_after` the later ones too. malloc
+/// returns null, new throws.
 class FailingAllocation {
  public:
   FailingAllocation(long k, bool all_after);
   ~FailingAllocation();
   FailingAllocation(const FailingAllocation&) = delete;
   FailingAllocation& operator=(const FailingAllocation&) = delete;
-  /// Whether the k-th was asked for.
+  /// Returns whether the k-th was requested.
   bool reached() const;
 };
 
@@ -63,9 +63,9 @@ struct FailedRuns {
   long survived = 0;  // of these, ended without an exception
 };
 
-/// Runs work() over and over, its k-th allocation failing, k = 0, 1, 2, ..., each k alone and then with all behind it.
-/// Such a run must end by std::bad_alloc, or by itself; after each, check() is called with memory as usual. Where
-/// `keeps_memory` is false, work must give back all it takes.
+/// Runs work() repeatedly with its k-th allocation failing, k = 0, 1, 2, ..., each k alone and then with all later
+/// ones. Such a run must end with std::bad_alloc or normally; after each, check() is called with memory as usual. If
+/// `keeps_memory` is false, work must release all it allocates.
 template <class Work, class Check>
 FailedRuns fail_each_allocation(Work&& work, Check&& check, bool keeps_memory = false) {
   FailedRuns runs;

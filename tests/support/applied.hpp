@@ -1,5 +1,5 @@
 #pragma once
-// Pushes and springs added to scenes.
+// Pushes and springs are added to scenes.
 
 #include "manycontact/model/scene.hpp"
 #include "support/random.hpp"
@@ -12,8 +12,8 @@ inline Attachment random_body(const Scene& scene, std::mt19937& rng) {
   return {robot, static_cast<int>(uniform(rng, 0, model.njoints() - 1e-9)), random_placement(rng, 0.3)};
 }
 
-/// Pushes in the axes of bodies and of the world; springs to the world, within a robot and between robots, one of no
-/// length; springs in joints.
+/// Adds pushes in the axes of bodies and of the world; springs to the world, within a robot and between robots, one of
+/// zero length; springs in joints.
 inline void add_random_forces(Scene& scene, std::mt19937& rng, int pushes = 3, int springs = 5) {
   for (int k = 0; k < pushes; ++k) {
     Push push{"push" + std::to_string(k), random_body(scene, rng)};

@@ -1,5 +1,5 @@
 #pragma once
-// Long chains, made in code.
+// Long chains are made in code.
 
 #include <cmath>
 #include <random>
@@ -11,11 +11,11 @@ namespace manycontact::test {
 
 struct ChainOptions {
   int links = 1000;
-  int held_every = 10;  // the last of so many links is held in the world; 0: none is
+  int held_every = 10;  // the last of so many links is fixed to the world; 0: none is
   ContactType type = ContactType::k6D;
   bool floating_base = false;
-  int loop_every = 0;   // from so many links back a link is held to the one before them; 0: no loops
-  double extent = 0.2;  // of angles: the less, the further the chain reaches
+  int loop_every = 0;   // a link is attached to the one so many links before it; 0: no loops
+  double extent = 0.2;  // of angles: smaller values make the chain reach further
 };
 
 struct Chain {
@@ -23,7 +23,7 @@ struct Chain {
   Eigen::VectorXd q, v, u;
 };
 
-/// Links of 0.3 m and 1 kg on revolute joints about x, y, z in turn, in a posture and motion without symmetry.
+/// Returns links of 0.3 m and 1 kg on revolute joints about x, y, z in turn, in an asymmetric configuration and motion.
 inline Chain make_chain(const ChainOptions& options) {
   std::mt19937 rng(7);
   std::uniform_real_distribution<double> noise(-1, 1);

@@ -1,21 +1,21 @@
 #pragma once
-// Eigen's dense decompositions for tests, compiled once: every file that names one itself takes seconds longer.
+// Eigen's dense decompositions for tests are compiled once: every file that uses one itself takes seconds longer.
 
 #include <Eigen/Core>
 
 namespace manycontact::test {
 
-/// A^-1 B, by LU.
+/// Returns A^-1 B, from LU.
 Eigen::MatrixXd solved(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 
-/// Of all X that minimise |A X - B| the one of least norm, by a complete orthogonal decomposition. Of A, what is below
-/// `threshold` times the largest is nothing; 0: Eigen's own choice.
+/// Returns the X of least norm among those that minimise |A X - B|, from a complete orthogonal decomposition. Parts of
+/// A below `threshold` times the largest are zero; 0: Eigen's own choice.
 Eigen::MatrixXd least_norm(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, double threshold = 0);
 
-/// A^-1, by LU.
+/// Returns A^-1, from LU.
 Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& A);
 
-/// By QR with pivoting: what is below `threshold` times the largest counts as nothing.
+/// Uses QR with pivoting: values below `threshold` times the largest are zero.
 int rank_of(const Eigen::MatrixXd& A, double threshold);
 
 /// A = U diag(sigma) V^T, U and V square, sigma descending.
@@ -25,10 +25,10 @@ struct Svd {
   Eigen::MatrixXd U, V;
 };
 
-/// Of a symmetric matrix, ascending.
+/// Returns the eigenvalues of a symmetric matrix, ascending.
 Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& A);
 
-/// |A| |A^-1| in the 1-norm.
+/// Returns |A| |A^-1| in the 1-norm.
 double condition_1(const Eigen::MatrixXd& A);
 
 }  // namespace manycontact::test

@@ -1,12 +1,12 @@
 #pragma once
-// Tests run beside each other: a file's name is never shared.
+// Tests run in parallel: a file's name is never shared.
 
 #include <filesystem>
 #include <string>
 
 namespace manycontact::test {
 
-/// A folder of this object's own in the temporary one; it goes away with it.
+/// A folder of this object's own in the temporary one; it is removed with the object.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -16,7 +16,7 @@ class TemporaryFolder {
 
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  /// Writes a file, with the folders it stands in; its path.
+  /// Writes a file, with its folders; returns its path.
   std::string write(const std::string& name, const std::string& text) const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// The islands of a scene as tests count them, whatever a method makes of them.
+// The islands of a scene as tests count them, independent of any method.
 
 #include "manycontact/dynamics/data.hpp"
 #include "manycontact/kkt/island.hpp"
@@ -10,7 +10,7 @@ inline std::vector<Island> islands_at(const Scene& scene, const SceneData& data)
   return find_islands(scene, data.active);
 }
 
-/// Per robot the number of its island.
+/// Returns for each robot the number of its island.
 inline std::vector<int> island_numbers(const Scene& scene, const std::vector<char>& active) {
   std::vector<int> number(scene.robots.size());
   const std::vector<Island> islands = find_islands(scene, active);

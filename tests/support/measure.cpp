@@ -8,12 +8,12 @@ namespace manycontact::test {
 
 namespace {
 
-// The larger; NaN when either is.
+// Returns the larger one; NaN if either is.
 double worse(double a, double b) { return b <= a ? a : a != a ? a : b; }
 
 double relative(double difference, double size) { return difference == 0 ? 0 : difference / size; }
 
-// Largest entry and largest difference of the contacts that act on a robot, relative.
+// Returns the relative error of the contacts that act on a robot.
 template <class S>
 double force_error(const Scene& scene, const SceneData& data, int robot, const VecX<S>& f) {
   double difference = 0, size = 0;

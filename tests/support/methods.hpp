@@ -1,5 +1,5 @@
 #pragma once
-// Every way to solve a scene, for tests that must hold for all of them.
+// Every way to solve a scene, for tests that must pass with all of them.
 
 #include <string>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace manycontact::test {
 
-/// Those of kMethods that this build has.
+/// Returns those of kMethods that this build has.
 inline std::vector<Method> methods() {
   std::vector<Method> out;
   for (Method method : kMethods)
@@ -22,8 +22,8 @@ struct Way {
   Options options;
 };
 
-/// Each method, with each order where the method takes one, and sparse-ldl without lanes; the oracle only if asked
-/// for.
+/// Returns each method, with each order if the method has one, and sparse-ldl without SIMD batches; the dense reference
+/// solver only on request.
 inline std::vector<Way> ways(bool with_oracle = false) {
   std::vector<Way> out;
   for (Method method : methods()) {
@@ -36,7 +36,7 @@ inline std::vector<Way> ways(bool with_oracle = false) {
   return out;
 }
 
-/// The same, and sparse-ldl at each level of instructions that runs here.
+/// Returns the same, and sparse-ldl at each level of instructions that runs here.
 inline std::vector<Way> ways_here(bool with_oracle = false) {
   std::vector<Way> out = ways(with_oracle);
   for (Lanes lanes : lanes_here())

@@ -1,5 +1,5 @@
 #pragma once
-// Many free bodies joined by contacts, made in code: towers, tables, pyramids, grids, walls.
+// Many free bodies coupled by contacts are made in code: towers, tables, pyramids, grids, walls.
 
 #include <cmath>
 #include <random>
@@ -29,13 +29,13 @@ class PileMaker {
     box_ = std::make_shared<const Model>(std::move(model));
   }
 
-  /// Of unit edges. Its number.
+  /// Adds a box of unit edges; returns its number.
   int box(double x, double y, double z) {
     places_.push_back({x, y, z});
     add_robot(pile_.scene, "box" + std::to_string(places_.size()), box_);
     return static_cast<int>(places_.size()) - 1;
   }
-  /// Between box a and box b, or the ground (-1), at a point of the world.
+  /// Adds a contact between box a and box b, or the ground (-1), at a point of the world.
   void join(ContactType type, int a, int b, const Vec3<double>& at) {
     Contact c;
     c.name = "contact" + std::to_string(pile_.scene.contacts.size());
@@ -51,7 +51,7 @@ class PileMaker {
     }
     add_contact(pile_.scene, c);
   }
-  /// All boxes where they were made, in motion unless speed is 0.
+  /// Returns all boxes where they were made, in motion unless speed is 0.
   Pile finish(double speed = 0.1) {
     std::mt19937 rng(11);
     std::uniform_real_distribution<double> noise(-speed, speed);
@@ -71,7 +71,7 @@ class PileMaker {
   Pile pile_;
 };
 
-/// Boxes welded one on the other, the lowest to the ground.
+/// Returns boxes welded one on the other, the lowest to the ground.
 inline Pile tower(int boxes, double speed = 0.1) {
   PileMaker make;
   for (int i = 0; i < boxes; ++i) {
@@ -81,7 +81,7 @@ inline Pile tower(int boxes, double speed = 0.1) {
   return make.finish(speed);
 }
 
-/// Boxes welded on one box, which is welded to the ground.
+/// Returns boxes welded on one box, which is welded to the ground.
 inline Pile table(int boxes, double speed = 0.1) {
   PileMaker make;
   make.box(0, 0, 0);
@@ -94,7 +94,7 @@ inline Pile table(int boxes, double speed = 0.1) {
   return make.finish(speed);
 }
 
-/// Rows of boxes, each welded to the two below, the lowest row to the ground.
+/// Returns rows of boxes, each welded to the two below, the lowest row to the ground.
 inline Pile pyramid(int rows, double speed = 0.1) {
   PileMaker make;
   std::vector<int> below;
@@ -112,7 +112,7 @@ inline Pile pyramid(int rows, double speed = 0.1) {
   return make.finish(speed);
 }
 
-/// n x n boxes in a plane, each joined to its neighbours; the corner, or the lowest row, is welded to the ground.
+/// Returns n x n boxes in a plane, coupled to their neighbours; the corner or the lowest row is welded to the ground.
 inline Pile grid(int n, ContactType type, bool row_welded, double speed = 0.1) {
   PileMaker make;
   for (int i = 0; i < n; ++i)
@@ -125,8 +125,8 @@ inline Pile grid(int n, ContactType type, bool row_welded, double speed = 0.1) {
   return make.finish(speed);
 }
 
-/// n x n boxes at uneven places in a plane, each joined to its neighbours by points of this plane, the lowest row
-/// welded to the ground: rows depend on each other with coefficients of any size.
+/// Returns n x n boxes at uneven places in a plane, each coupled to its neighbours by points of this plane, the lowest
+/// row welded to the ground: rows depend on each other with coefficients of any size.
 inline Pile uneven_wall(int n, double speed = 0.1) {
   PileMaker make;
   std::mt19937 rng(5);
@@ -144,7 +144,7 @@ inline Pile uneven_wall(int n, double speed = 0.1) {
   return make.finish(speed);
 }
 
-/// n x n boxes welded to one box, their hub, and each to its neighbours.
+/// Returns n x n boxes welded to one box, their hub, and each to its neighbours.
 inline Pile hub(int n, double speed = 0.1) {
   PileMaker make;
   make.box(0, 0, 0);
@@ -159,8 +159,8 @@ inline Pile hub(int n, double speed = 0.1) {
   return make.finish(speed);
 }
 
-/// Boxes at random places near a grid of a plane or of space, joined to neighbours and some others by points, welds,
-/// four points a face, or by contacts of all types; some bonds are left out. In motion or at rest, turned or not.
+/// Returns boxes near a grid of a plane or of space, coupled to neighbours and some others by points, welds, four
+/// points a face, or all contact types; some bonds are left out. They are in motion or at rest, rotated or not.
 inline Pile random_pile(unsigned seed) {
   std::mt19937 rng(seed);
   const auto number = [&rng](double low, double high) {

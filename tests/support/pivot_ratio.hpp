@@ -3,7 +3,7 @@
 
 namespace manycontact::test {
 
-/// min over k of |D_k| / terms_k: what cancellation leaves of a pivot. 0 where one is not finite.
+/// Returns min over k of |D_k| / terms_k, the rest of a pivot after cancellation; 0 if one is not finite.
 inline double smallest_pivot_ratio(int n, const double* D, const double* terms) {
   double ratio = 1;
   for (int k = 0; k < n; ++k) {

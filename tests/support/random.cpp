@@ -132,7 +132,7 @@ Eigen::VectorXd random_configuration(const Model& model, std::mt19937& rng) {
 
 namespace {
 
-// Rows are independent by a wide margin: random numbers make the others rare.
+// Rows must be independent by a wide margin: with random numbers other rows are rare.
 bool full_rank(const Eigen::MatrixXd& J) {
   if (J.rows() > J.cols()) return false;
   const Eigen::VectorXd diagonal = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(J.transpose()).matrixQR().diagonal();
@@ -167,14 +167,14 @@ void add_robots(std::mt19937& rng, const SceneOptions& options, RandomScene& s) 
   s.u = random_vector(s.scene.nu, rng, 5);
 }
 
-// A body of the robot; its fixed base, too, where `or_base`.
+// Returns a body of the robot, or its fixed base if `or_base`.
 Attachment random_attachment(const Scene& scene, int robot, bool or_base, std::mt19937& rng) {
   const Model& model = *scene.robots[robot].model;
   const bool base = or_base && !model.floating_base && chance(rng, 0.3);
   return {robot, base ? -1 : pick(rng, model.njoints()), random_placement(rng, 0.2)};
 }
 
-// On another body than A: of its own robot, or of another.
+// Returns a body other than A's: of its own robot, or of another.
 Attachment random_partner(const Scene& scene, const Attachment& A, std::mt19937& rng) {
   int robot = A.robot;
   if (scene.nrobots() > 1 && chance(rng, 0.5)) robot = (robot + 1 + pick(rng, scene.nrobots() - 1)) % scene.nrobots();
@@ -206,7 +206,7 @@ Contact random_contact(const RandomScene& s, const SceneOptions& options, std::m
   return c;
 }
 
-// The same equations once more, perhaps in other axes.
+// Returns the same equations again, perhaps in other axes.
 Contact repeated(const Contact& c, int number) {
   Contact copy = c;
   copy.name = "repeated" + std::to_string(number);
@@ -234,7 +234,7 @@ RandomScene random_scene(std::mt19937& rng, const SceneOptions& options) {
   const int independent = static_cast<int>(s.scene.contacts.size());
   for (int k = 0; k < options.redundant + options.contradicting && independent > 0; ++k) {
     Contact c = repeated(s.scene.contacts[pick(rng, independent)], k);
-    if (k >= options.redundant) {  // another wish for the same motion
+    if (k >= options.redundant) {  // another request for the same motion
       c.alpha += 10;
       c.B.placement.p += Vec3<double>(0.1, 0.1, 0.1);
     }

@@ -2,7 +2,7 @@
 
 namespace manycontact::test {
 
-/// Whether the sanitizers are on: unoptimized code is slower by much and rounds otherwise.
+/// Whether the sanitizers are on: unoptimised code is much slower and rounds differently.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool kSanitized = true;
 #else

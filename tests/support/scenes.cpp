@@ -50,7 +50,7 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
   for (; at != std::string::npos; at = text.find(from, at + to.size())) text.replace(at, from.size(), to);
 }
 
-// Reads `xml` as if it stood in `folder`.
+// Reads `xml` as a file in `folder`.
 SceneFile load_at(std::string xml, const std::string& folder) {
   replace_all(xml, "urdf=\"", "urdf=\"" + folder + "/");
   const TemporaryFolder own;

@@ -13,7 +13,7 @@ Terms::Terms(const Scene& scene, const std::vector<char>& active, const Eigen::V
     : M(Eigen::MatrixXd::Zero(scene.nv, scene.nv)), tau_b(scene.nv), damping(scene.damping) {
   SceneData data(scene, {Method::kDense, {}});
   data.active = active;
-  (void)solve(scene, q, v, u, data);  // evaluates them all, whether or not it finds an answer
+  (void)solve(scene, q, v, u, data);  // evaluates all of them, with or without a solution
   J.setZero(data.f.size(), scene.nv);
   a0.resize(data.f.size());
   for (int r = 0; r < scene.nrobots(); ++r) {

@@ -1,5 +1,5 @@
-// LAPACK's dense solvers of symmetric indefinite systems: Bunch-Kaufman pivoting (dsysv), the bounded one (dsysv_rook),
-// and the expert driver with refinement (dsysvx).
+// LAPACK has dense solvers of symmetric indefinite systems: Bunch-Kaufman pivoting (dsysv), the bounded one
+// (dsysv_rook), and the expert driver with refinement (dsysvx).
 
 #include <stdexcept>
 
@@ -24,7 +24,7 @@ constexpr int kLargest = 2500;  // O(n^3)
 constexpr int kOne = 1;
 
 void check(int info, int n) {
-  if (info > 0 && info <= n) throw std::runtime_error("a pivot is zero");  // n + 1 of dsysvx: a warning
+  if (info > 0 && info <= n) throw std::runtime_error("a pivot is zero");  // n + 1 in dsysvx is a warning
 }
 
 struct Dense : Solver {

@@ -1,5 +1,5 @@
-// MUMPS, sequential: multifrontal LDL^T with pivoting for symmetric indefinite systems, as by default and with two
-// steps of refinement.
+// MUMPS, sequential, is a multifrontal LDL^T with pivoting for symmetric indefinite systems. It runs with its defaults
+// and with two steps of refinement.
 
 #include "solver.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the collection judges: solvers of K x = b, K symmetric and indefinite.
+// The collection judges solvers of K x = b, K symmetric and indefinite.
 
 #include <Eigen/SparseCore>
 #include <memory>
@@ -18,10 +18,10 @@ struct System {
   int size() const { return static_cast<int>(lower.rows()); }
 };
 
-/// A solver prepared for one system. What depends on the pattern of K alone is done when it is made, and is not timed.
+/// A solver is prepared for one system. Work that depends on the pattern of K alone is done at creation, and not timed.
 struct Solver {
   virtual ~Solver() = default;
-  /// Factorizes K and solves for b, anew each time. Throws std::runtime_error if K cannot be factorized.
+  /// Factorizes K and solves for b, each time again. Throws std::runtime_error if K cannot be factorized.
   virtual Eigen::VectorXd solve() = 0;
 };
 
@@ -34,7 +34,7 @@ struct Kind {
 /// One entry per library found when this program was built.
 const std::vector<Kind>& kinds();
 
-// Each in a file of its own.
+// Each is in a file of its own.
 std::vector<Kind> lapack_kinds();
 std::vector<Kind> mumps_kinds();  // empty without MUMPS
 std::vector<Kind> suitesparse_kinds();
