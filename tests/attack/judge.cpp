@@ -371,7 +371,7 @@ std::array<bool, 2> Trying::judge_derivative_bounds(const Answer& t, const std::
     }
     const double bound = numbers(stated[island])[which][p.kind] * p.x.lpNorm<1>();
     within[which] = within[which] && bound < 1 && off <= bound * size;
-    if (off > bound * size + kVanishing * floor)
+    if (off > bound * size + (kVanishing + kQuadRounding * t.condition) * floor)
       find(Fault::kBound, text("%s of island %zu off by %.2e of %.2e, bound %.2e, condition %.1e",
                                kNames[which][p.kind], island, off, size, bound, t.condition));
     if (!std::isfinite(bound) && size > 0 && t.condition < 1e10)
@@ -407,7 +407,7 @@ void Trying::judge_derivatives(const Answer& t) {
   for (int k = 0; k < trial.truth.nv(); ++k) free = std::max(free, 1 / static_cast<double>(trial.truth.M()(k, k)));
   const double force = std::max(size_of(t.f, 0, t.f.size()), 1e-6 * trial.truth.load() / J);
   const double floor_a[kKinds] = {motion, motion / speed, 1e-4 * free, 1e-4 * free},
-               floor_f[kKinds] = {force, force / speed, 1e-4 / J, 1e-4 / J};
+               floor_f[kKinds] = {force, force / speed, 1e-4 / J, 1e-4};
   const std::vector<DerivativeBounds> stated = estimate_derivative_errors(scene, data);
   const Bounds bounds = numbers(stated.front());
   bool good = true;

@@ -158,9 +158,9 @@ void expand_forces(const SceneData& data, const double* y, double* f) {
   r.each_pair([&](int c, const PairRows& pair) {
     const auto& Q = pair.numbers->Q;
     const PairVector of(y + r.data->f_offset[static_cast<std::size_t>(c)], Q.cols());
-    double* const all = r.rows_of_pair.data();
-    Eigen::Map<Eigen::VectorXd>(all, Q.rows()) = unit_of(pair).cwiseProduct(Q.lazyProduct(of));
-    each_member(data.f_offset, pair, [&](int to, int first, int rows) { std::copy_n(all + first, rows, f + to); });
+    auto all = r.rows_of_pair.head(Q.rows());
+    all = unit_of(pair).cwiseProduct(Q.lazyProduct(of));
+    each_member(data.f_offset, pair, [&](int to, int first, int rows) { std::copy_n(&all[first], rows, f + to); });
   });
 }
 
@@ -169,10 +169,11 @@ void reduce_forces(const SceneData& data, const double* f, double* y) {
   each_single(data, r, [&](int from, int to, int rows) { std::copy_n(f + from, rows, y + to); });
   r.each_pair([&](int c, const PairRows& pair) {
     const auto& Q = pair.numbers->Q;
-    double* const all = r.rows_of_pair.data();
-    each_member(data.f_offset, pair, [&](int from, int first, int rows) { std::copy_n(f + from, rows, all + first); });
+    auto all = r.rows_of_pair.head(Q.rows());
+    each_member(data.f_offset, pair, [&](int from, int first, int rows) { std::copy_n(f + from, rows, &all[first]); });
+    all.array() *= unit_of(pair).array();
     Eigen::Map<Eigen::VectorXd>(y + r.data->f_offset[static_cast<std::size_t>(c)], Q.cols()) =
-        Q.transpose().lazyProduct(unit_of(pair).cwiseProduct(PairVector(all, Q.rows())).matrix());
+        Q.transpose().lazyProduct(all);
   });
 }
 
