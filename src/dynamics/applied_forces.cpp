@@ -90,8 +90,8 @@ void join_rows(const Scene& scene, const SceneData& data, const Island& island, 
   }
 }
 
-// Of the columns of torques those asked for, which move to the left; zero behind them, unless the island has no
-// derivatives: then all is NaN.
+// Moves the requested columns of the torques to the left and fills the rest with zeros; all with NaN if the island has
+// no derivatives.
 void keep_columns(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out) {
   out.request = request;
   if (request.u && request.tau) return;

@@ -40,15 +40,15 @@ void add_applied_forces(const Scene& scene, SceneData& data, const double* q, co
 /// Whether a spring on the island's robots has no direction.
 bool lacks_direction(const Scene& scene, const Workspace& w, const Island& island);
 
-/// What `differentiate` computes for that request where forces are applied: by torques on all coordinates.
+/// The request that `differentiate` uses where forces are applied: with respect to torques on all coordinates.
 DerivativeRequest by_all_torques(DerivativeRequest request);
-/// Joins derivatives so computed with the torques' own, and keeps what was asked for.
+/// Joins the derivatives of that request with the torques' own, and keeps those that were asked for.
 void join_applied_forces(const Scene& scene, SceneData& data, const DerivativeRequest& request);
 
-/// What they add to right-hand sides that do not know of them: to R.X, J_F^T in R.W; right-hand sides are in the island's
-/// order, and R is laid out.
+/// Adds the terms of applied forces to right-hand sides without them: to R.X, and J_F^T to R.W. Right-hand sides are in
+/// the island's order, and R is laid out.
 void add_applied_right_hand_sides(const Scene& scene, SceneData& data, const Island& island, IslandDerivatives& R);
-/// What their torques and derivatives were computed from, at the solution at hand; zero where none act.
+/// Sizes of the terms of applied torques and of their derivatives, at the current solution; zero where no forces act.
 AppliedSizes applied_sizes(const Scene& scene, const SceneData& data, const Island& island);
 
 }  // namespace internal

@@ -122,7 +122,7 @@ void check(const char* function, const Scene& scene, const BatchStates& s, const
   internal::check_size(function, "status", static_cast<Eigen::Index>(status.size()), count);
 }
 
-// From how many states on they stand side by side: all copies together cost as much as two alone, whoever is in them.
+// The least number of states for which copies pay off: all copies together cost as much as two single solves.
 std::ptrdiff_t worth_it(int copies) { return std::min(copies, 3); }
 
 void prepare_copies(const Scene& scene, BatchData& batch) {
@@ -141,13 +141,13 @@ void prepare_copies(const Scene& scene, BatchData& batch) {
   }
 }
 
-// Of the states first, first+1, ..., the rows of X one after the other; copies left over take the last state.
+// Copies the rows of X of the states first, first+1, ... one after the other; copies left over take the last state.
 void gather(const ConstBatchRows& X, std::ptrdiff_t first, int copies, Eigen::VectorXd& out) {
   for (std::ptrdiff_t k = 0; k < copies; ++k)
     out.segment(k * X.cols(), X.cols()) = row_of(X, std::min(first + k, X.rows() - 1));
 }
 
-// What was solved at once: the scene itself, or copies of it, one state in each.
+// The scene that was solved: itself, or copies of it with one state in each.
 struct Solved {
   const Scene& scene;
   SceneData& data;

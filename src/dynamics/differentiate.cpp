@@ -93,16 +93,16 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
   w.linearisation->assign(scene, w, d.island);
 }
 
-// Whether an island that sparse-bodies answered is differentiated by the whole K first: bodies solve for columns one by
-// one, which takes 4 to 70 times as long where K's sparse factor is sound, however deep the tree. Where it is not, the
-// oracle of a large K would take longer.
+// Whether the whole K first differentiates an island that sparse-bodies solved. Bodies solve for columns one by one,
+// which takes 4 to 70 times as long where K's sparse factor is sound, however deep the tree. Where it is not sound, the
+// dense reference solver of a large K would take longer.
 bool differentiates_by_matrix(const SceneData& data, const IslandWork& d) {
   return data.options.method == Method::kAuto && d.answered_by(d.bodies.get()) &&
          d.island.size() <= tolerance::kDifferentiatedByMatrix;
 }
 
-// Of an island that no batch of robots alone serves: robot by robot where that is cheaper, by the system that answered,
-// by the whole K.
+// Differentiates an island that no batch of robots alone serves: robot by robot where that is cheaper, by the system
+// that solved it, or by the whole K.
 void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, ThreadWork& thread,
                           IslandDerivatives& out) {
   if (differentiates_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;

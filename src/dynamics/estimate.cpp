@@ -9,7 +9,7 @@ namespace manycontact {
 
 namespace {
 
-// Of what was not requested there is no bound.
+// Derivatives that were not requested have no bound.
 void forget_unrequested(const DerivativeRequest& request, DerivativeBounds& b) {
   if (!request.q) b.da_dq = b.dforces_dq = kNotEstimated;
   if (!request.v) b.da_dv = b.dforces_dv = kNotEstimated;

@@ -25,7 +25,7 @@ Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& 
 void reset(IslandReport& report, const Island& island);
 /// report.dependent_rows, of rows of the island's J that depend on others: numbered as data.f has them.
 void name_dependent_rows(const SceneData& data, const Island& island, std::span<const int> rows, IslandReport& report);
-/// What row i of a contact is asked for, as accelerations.
+/// The acceleration prescribed for row i of a contact.
 inline double prescribed_in(const SceneData& data, int contact, Eigen::Index i) {
   const std::vector<double>& prescribed = data.workspace->prescribed;
   return prescribed.empty() ? 0 : prescribed[data.f_offset[static_cast<std::size_t>(contact)] + i];
@@ -40,7 +40,7 @@ inline void keep_left(Workspace& w, int contact, const ContactData<double>& rows
   if (double* left = left_of(w, contact)) std::copy_n(rows.left.data(), rows.left.size(), left);
 }
 
-/// What solves: the workspace of the scene solved in place of this one, where there is one.
+/// The workspace that solves: that of the scene solved in place of this one, where there is one.
 inline const Workspace& solver_of(const SceneData& data) {
   const Workspace& w = *data.workspace;
   return w.reduction ? *w.reduction->data->workspace : w;
@@ -52,8 +52,8 @@ inline ProductWork& products_of(const Scene& scene, Workspace& w) {
   return *w.products;
 }
 
-/// use(system) of the system that answered an island, or where that says false, of the whole K, made for it. False:
-/// there is no answer, or neither could.
+/// Calls use(system) of the system that solved an island; if that returns false, of the whole K, made for it. Returns
+/// false if there is no solution, or neither system succeeds.
 template <class Use>
 bool ask(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread, Use&& use) {
   if (!d.answered) return false;
@@ -77,14 +77,14 @@ bool has_derivatives(const SceneData& data);
 void number_torques(const Scene& scene, const Island& island, IslandDerivatives& out);
 /// Sizes and places of an island's blocks.
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out);
-/// -dr into the panel out.X, which is laid out and zero where it may stand. After derivative_terms.
+/// Writes -dr into the panel out.X, which is laid out and zero where -dr has entries. Call it after derivative_terms.
 void derivative_rhs(const Scene& scene, const Linearisation& terms, const Eigen::VectorXd& v, const IslandWork& island,
                     IslandDerivatives& out);
-/// Both, of the solution at hand, into a panel of anything. While AtSolution lives.
+/// Computes both at the current solution, in a panel with any content. AtSolution must be alive.
 void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& island, IslandDerivatives& out);
 
-/// |K^-1|_1 of n rows, solve(x): x <- K^-1 x. Of a small K itself, by all its columns, which costs no more than a
-/// factor; else an estimate.
+/// |K^-1|_1 of n rows, where solve(x) is x <- K^-1 x. It is exact for a small K, from all its columns, which cost no
+/// more than a factor; else it is an estimate.
 double inverse_norm(int n, const std::function<void(double*)>& solve);
 
 /// Largest residuals r of dynamics rows and of contact rows into the report, relative to the terms they are left of;

@@ -28,8 +28,8 @@ namespace {
 
 void set_nan(Eigen::Ref<Eigen::VectorXd> x) { x.setConstant(std::numeric_limits<double>::quiet_NaN()); }
 
-// product(system) of the one that answered an island, or of its whole K, for each that no batch of robots alone serves;
-// refused(island) where neither can tell.
+// Calls product(system) of the system that solved an island, or of its whole K, for each island that no batch of robots
+// alone serves. Calls refused(island) where neither succeeds.
 template <class Product, class Refused>
 void each_product(const Scene& scene, SceneData& data, Product&& product, Refused&& refused) {
   internal::each_island(

@@ -1,5 +1,5 @@
 #pragma once
-// What the equations M a + h = tau of one robot are made of: for doubles, for packs of robots side by side, and for the
+// Terms of the equations M a + h = tau of one robot: for doubles, for packs of robots in a SIMD batch, and for the
 // truth in wider scalars.
 
 #include <limits>

@@ -147,7 +147,7 @@ void begin(const char* function, const Scene& scene, const ConstVector& q, const
   prepare_checked(scene, data);
 }
 
-// What is solved, and that nothing is yet.
+// Stores the inputs of a solve, and marks everything as not yet solved.
 void begin_state(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                  SceneData& data, std::span<const double> prescribed) {
   Workspace& w = *data.workspace;

@@ -13,7 +13,7 @@
 
 namespace manycontact::internal {
 
-/// Of one contact, whose rows are those at the solution.
+/// Rate of one contact's J, with the rows at the solution.
 template <class S>
 class JacobianRate {
   using V6 = Vec6<S>;

@@ -1,13 +1,13 @@
 #pragma once
-// What products with derivatives have before and after the solve: right-hand sides along a direction, and gradients
-// from the adjoint. In the scene's coordinates, [a; y] of the scratch.
+// Steps of products with derivatives before and after the solve: right-hand sides along a direction, and gradients from
+// the adjoint. Vectors are in the scene's coordinates, [a; y] of the scratch.
 
 #include "../workspace/workspace.hpp"
 
 namespace manycontact::internal {
 
-/// Of what does not move. (Not beside BodyVariation: kernels include that, and must not run code when a program
-/// starts.)
+/// Variation of a body that does not move. It is not defined with BodyVariation, because kernels include that header
+/// and must not run code when a program starts.
 inline const BodyVariation kAtRest{Vec6<double>::Zero(), Vec6<double>::Zero(), Vec6<double>::Zero(),
                                    Vec6<double>::Zero()};
 

@@ -4,13 +4,13 @@
 //     [M  J^T     ] [ a]   [tau - h        ]
 //     [J  -delta I] [-f] = [prescribed - a0].
 //
-//     RobotsSystem   several robots as blocks in SIMD lanes, coupled by the few rows that join them (systems/robots)
+//     RobotsSystem   several robots as blocks in SIMD batches, coupled by few rows (systems/robots)
 //     BodiesSystem   deep trees: the accelerations of bodies stay unknowns (systems/bodies)
-//     MatrixSystem   the whole K by any factor, down to the dense oracle (systems/matrix)
+//     MatrixSystem   the whole K by any factor, down to the dense reference solver (systems/matrix)
 //     AloneSystem    one robot, in a SIMD batch with others (systems/robots/alone.cpp)
 //
-// `solve` takes the first system whose answer is sound. That system also gives derivatives, products and bounds of its
-// answer, unless another is cheaper (differentiate.cpp). The whole K does the rest, and is made then (`ask` in
+// `solve` takes the first system whose solution is sound. That system also gives derivatives, products and bounds of
+// its solution, unless another is cheaper (differentiate.cpp). The whole K does the rest, and is made then (`ask` in
 // internal.hpp). A system stamps its numbers with the state they belong to (Workspace::state), and computes them again
 // at another state.
 
@@ -28,19 +28,19 @@ struct ThreadWork;
 
 namespace internal {
 
-/// What is known of an island's answer: the largest entry, a bound of its error, and what it is known to be small
-/// beside where it vanishes; all of one unit.
+/// Accuracy of an island's solution: the largest entry, a bound of its error, and the size that it is judged against
+/// where it vanishes; all of one unit.
 struct Known {
   double size = 0, error = 0, acts = 0;
   double relative() const { return error == 0 ? 0 : error / size; }
-  /// Beside what an error of it is felt as.
+  /// The error relative to the larger of the solution and the loads.
   double felt() const { return error == 0 ? 0 : error / std::max(size, acts); }
   bool uncertain() const { return !(error < std::max(size, acts)) && error != 0; }
 };
 
-/// What acts on an island, beside which accelerations and forces that vanish are known to be little: gravity, torques
-/// and bias forces beside the inertia that they move, what contacts' rows are computed from beside their levers; and
-/// the forces of these at the longest lever.
+/// Loads on an island, relative to which accelerations and forces that vanish are small: gravity; torques and bias
+/// forces relative to the inertia that they move; terms of contacts' rows relative to their moment arms; and the forces
+/// of these at the longest moment arm.
 struct Acting {
   double gravity = 0, load = 0, moved = 0, answered = 0, inertia = 0, lever = 0;
   void add_coordinate(double torque, double its_inertia) {
@@ -62,8 +62,7 @@ struct Acting {
 
 }  // namespace internal
 
-/// What jvp and vjp are given, and where the answers go, in the scene's coordinates. dtau, wtau: of torques on all
-/// velocity coordinates.
+/// Inputs and outputs of jvp and vjp, in the scene's coordinates. dtau, wtau: of torques on all velocity coordinates.
 struct TangentProduct {
   const ConstVector &dq, &dv, &dtau;
   Eigen::Ref<Eigen::VectorXd> &da, &df;
@@ -88,10 +87,10 @@ class IslandSystem {
  public:
   virtual ~IslandSystem() = default;
 
-  /// Factorizes at q and v of the state at hand and solves for data.tau, refined and judged: the answer is in data.a
-  /// and data.f, and the report is whole. False: report.reason says why, where one is known.
+  /// Factorizes at the current q and v and solves for data.tau, refined and judged: the solution is in data.a and
+  /// data.f, and the report is complete. False: report.reason has the reason, where one is known.
   virtual bool solve(const Scene &, SceneData &, ThreadWork &, Dropped, IslandReport &) { return false; }
-  /// All derivatives of the answer at hand, into what is laid out.
+  /// All derivatives of the current solution, into what is laid out.
   virtual bool differentiate(const Scene &, SceneData &, ThreadWork &, IslandDerivatives &) { return false; }
   /// Products with them, by a solve that is refined once.
   virtual bool jvp(const Scene &, SceneData &, ThreadWork &, const TangentProduct &) { return false; }

@@ -106,7 +106,7 @@ bool all_finite(const BodyVectors& x) {
          std::all_of(x.force.begin(), x.force.end(), finite);
 }
 
-// What accelerations of the bodies are computed from, and how long their levers are.
+// The terms that accelerations of the bodies are computed from, and the largest moment arm.
 RowTerms<double> terms_of_bodies(const Workspace& work, const BodiesSystem& bodies, double& lever) {
   RowTerms<double> out;
   for (const V6& c : bodies.solution.b.motion) {
@@ -156,7 +156,7 @@ rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace
   return of;
 }
 
-// Without the rows that depend on others. What these contradict each other by is back in b, and in the residual.
+// Solves without the redundant rows. Their inconsistency is back in b, and in the residual.
 Reason solve_without_dependent(BodiesSystem& bodies, sparse::Refinement& refinement) {
   BodySolve& v = bodies.solution;
   const BodySystem& s = bodies.factor.system;
@@ -170,7 +170,7 @@ Reason solve_without_dependent(BodiesSystem& bodies, sparse::Refinement& refinem
   return Reason::kNone;
 }
 
-// Of few coordinates the whole K does it as fast, and keeps derivatives.
+// Whether sparse-bodies drops rows: with few coordinates the whole K is as fast, and keeps derivatives.
 bool drops_rows_here(const Scene& scene, const SceneData& data, const Island& island) {
   return may_drop_rows(scene, island.contacts) &&
          (data.options.method == Method::kSparseBodies || island.nv >= tolerance::kFewCoordinates);

@@ -1,5 +1,5 @@
 #pragma once
-// An island solved by sparse-bodies (kkt/bodies): whole, or subtree by subtree where held bodies cut its trees.
+// An island solved by sparse-bodies (kkt/bodies): whole, or subtree by subtree where constrained bodies cut its trees.
 
 #include "../../lanes/lanes.hpp"
 #include "../../lanes/subtrees.hpp"
@@ -10,7 +10,7 @@
 
 namespace manycontact {
 
-/// A body whose rows say how it accelerates: what hangs below is solved beside its own subtree, not after it.
+/// A body whose rows determine its acceleration: the subtree below is solved independently of its own, not after it.
 struct HeldBody {
   Vec6<double> a;
   BodyHold hold;
@@ -19,7 +19,7 @@ struct HeldBody {
 
 class BodiesSystem final : public IslandSystem {
  public:
-  /// level: of the instructions for subtrees in lanes, nullptr: subtrees stand alone.
+  /// level: instruction level for subtrees in SIMD batches; nullptr: each subtree is solved alone.
   BodiesSystem(IslandWork& island, const lanes::Level* level);
 
   bool solve(const Scene&, SceneData&, ThreadWork&, Dropped, IslandReport&) override;
@@ -36,10 +36,10 @@ class BodiesSystem final : public IslandSystem {
 
   IslandWork& owner;
   std::vector<BodyKinematics<double>> kin;  // per robot of the island; by solve
-  // subtree by subtree, where held bodies cut the trees; alike subtrees share what they are solved by
+  // subtree by subtree, where constrained bodies cut the trees; subtrees of one shape share a Shape
   const BodySubtrees* subtrees;
   struct Slot {
-    const BodySubtree* subtree = nullptr;  // the one at hand
+    const BodySubtree* subtree = nullptr;  // the current one
     BodySystem system;
     BodySolve solution;
     std::vector<int> row;  // per row: its number among the scene's forces
@@ -48,8 +48,8 @@ class BodiesSystem final : public IslandSystem {
     Shape(std::shared_ptr<const BodyPattern> pattern, const lanes::Level* level);
     std::shared_ptr<const BodyPattern> pattern;
     BodyLdl ldl;                                 // of a subtree alone
-    std::unique_ptr<lanes::SubtreeBatch> lanes;  // null: its subtrees stand alone
-    std::vector<Slot> slots;                     // as many as stand side by side
+    std::unique_ptr<lanes::SubtreeBatch> lanes;  // null: its subtrees are solved alone
+    std::vector<Slot> slots;                     // one per subtree of a SIMD batch
     std::size_t filled = 0;
     std::vector<lanes::SubtreeBatch::Subtree> side_by_side;  // one per slot that is filled
   };
@@ -72,7 +72,7 @@ class BodiesSystem final : public IslandSystem {
 
 namespace internal {
 
-/// What is reported of systems solved: the worst and the largest of all.
+/// Report of the systems solved: the worst and the largest values of all.
 struct BodyAnswer {
   sparse::Refinement refinement;
   int nonzeros = 0;
@@ -95,7 +95,7 @@ void begin_evaluation(const Scene& scene, const SceneData& data, BodiesSystem& b
 Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodyDependence& work, BodySolve& solve,
                            sparse::Refinement& refinement);
 
-/// Of an attachment's robot; nullptr where its body cannot move.
+/// Kinematics of an attachment's robot; nullptr where its body cannot move.
 const BodyKinematics<double>* kinematics_at(const BodiesSystem& bodies, const Attachment& at);
 /// bodies.contacts, about the bodies that the contacts are on.
 void evaluate_rows_at_solution(const Scene& scene, BodiesSystem& bodies);

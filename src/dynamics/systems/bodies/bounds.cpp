@@ -3,8 +3,8 @@
 //   |z - z_true| <= |A^-1| (|r| + c eps (|A||z| + |b|)),
 //
 // where each equation's terms are those of one body and its parent, and A is symmetric once unknowns and equations are
-// paired (a with f's, f with a's). b's own terms count by what they are computed from: v x* Y v is a difference of
-// products as large as |v|^2 |Y|, which a body fast beside its joints' speeds leaves nothing of.
+// paired (a with f's, f with a's). The entries of b count with the terms they are computed from: v x* Y v is a
+// difference of products as large as |v|^2 |Y|, which cancel for a body that is fast relative to its joints' speeds.
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,7 @@ namespace {
 
 using V6 = Vec6<double>;
 
-// What a contact's a0 is computed from; a place in the world is as good as its own digits.
+// The terms that a contact's a0 is computed from; a placement in the world is as accurate as its own digits.
 internal::RowTerms<double> answered(const Contact& contact, const ContactData<double>& rows) {
   const double place = contact.B.robot < 0 ? internal::largest_entry<double>(contact.B.placement.p) : 0;
   return internal::row_terms<double>(contact, rows, place);

@@ -23,7 +23,7 @@ V6 combine(const BodySystem& s, int i, const double* x) {
   return out;
 }
 
-// Of the parent, about the node's origin.
+// Motion of the parent, about the node's origin.
 V6 of_parent(const BodySystem& s, int i, const std::vector<V6>& x) {
   const int parent = s.pattern->parent[i];
   return parent < 0 ? V6(V6::Zero()) : motion_at(x[parent], s.r[i]);

@@ -1,6 +1,6 @@
-// An island by sparse-bodies where held bodies cut its trees (kkt/bodies/subtrees.hpp). The rows of a held body say how
-// it accelerates, so no subtree waits for another: each is evaluated, and as soon as so many alike subtrees are as
-// stand side by side, they are solved and judged. What they pull at held bodies is added at last.
+// An island by sparse-bodies where constrained bodies cut its trees (kkt/bodies/subtrees.hpp). The rows of such a body
+// determine its acceleration, so no subtree waits for another: each is evaluated, and subtrees of one shape are solved
+// and judged as soon as they fill a SIMD batch. Their reactions on constrained bodies are added last.
 
 #include <algorithm>
 
@@ -45,7 +45,7 @@ void evaluate_subtree(const Scene& scene, const SceneData& data, BodiesSystem& b
   }
 }
 
-// What a held body's rows say, and give where something pulls at it. False: they depend on each other, or nearly.
+// Factorizes the rows that constrain a body, and solves for its acceleration. False: the rows are (nearly) redundant.
 bool hold_body(const BodiesSystem::Slot& slot, const BodyCut& cut, HeldBody& held) {
   if (!factorize_hold(slot.system, cut.node, cut.row, 6, held.hold)) return false;
   V6 g;
@@ -70,8 +70,8 @@ void put_subtree(const Scene& scene, SceneData& data, const BodiesSystem& bodies
   for (int row = 0; row < p.nc; ++row) data.f[slot.row[row]] = -x.rows[row];
 }
 
-// How a subtree pulls at the body that it hangs on. Returns what of that the body's rows do not hold, beside the terms
-// it is a sum of.
+// Computes the reaction of a subtree on the body that it hangs on. Returns the part of it that the body's rows do not
+// support, relative to the terms of the sum.
 double reaction_of(const BodiesSystem::Slot& slot, const BodyHold& hold, V6& reaction) {
   const BodyPattern& p = *slot.subtree->pattern;
   V6 size = V6::Zero();

@@ -21,8 +21,8 @@ Apply inverse(MatrixSystem& m) {
   return [&m](double* x) { m.factor->solve(x); };
 }
 
-// Sizes of the linear and the angular part of a motion or a force: a body that only slides has no lever, and its
-// turning is not to count with the lever of where it stands.
+// Sizes of the linear and the angular part of a motion or a force: a body that only slides has no moment arm, and its
+// rotation must not count with the distance of its placement.
 struct TwistSize {
   double linear = 0, angular = 0;
   double of(const TwistSize& motion) const { return linear * motion.linear + angular * motion.angular; }
@@ -32,7 +32,7 @@ struct TwistSize {
   }
 };
 
-// Of an inertia: what it was computed from, where that is more than what is left.
+// Sizes of the terms that an inertia was computed from, where they exceed its own entries.
 struct InertiaSize {
   double m = 0, h = 0, I = 0;
   InertiaSize() = default;
@@ -44,7 +44,7 @@ struct InertiaSize {
   TwistSize operator*(const TwistSize& x) const { return {m * x.linear + h * x.angular, h * x.linear + I * x.angular}; }
 };
 
-// Of a motion subspace's column, its lever included.
+// Size of a motion subspace's column, its moment arm included.
 TwistSize size_of_column(const Kinematics<double>& kin, int joint, int k) {
   TwistSize out;
   out.take(kin.J.col(k));
@@ -130,8 +130,8 @@ namespace {
 using internal::rounding;
 using internal::rounding_of_J;
 
-// |r| + c eps (everything the rows were computed from), in elimination order. Of r only what the solve left: what
-// contacts contradict each other by is no error of least squares.
+// |r| + c eps (everything the rows were computed from), in elimination order. r has only what the solve left: the
+// inconsistency of contacts is no error of least squares.
 std::vector<double> uncertainty(const Scene& scene, SceneData& data, const MatrixSystem& m) {
   const Workspace& work = *data.workspace;
   const KktVectors& s = m.v;
@@ -180,7 +180,7 @@ double bound(const Apply& solve, const std::vector<double>& w, const std::vector
              n, [&](double* x) { mask(x), solve(x), scale(x); }, [&](double* x) { scale(x), solve(x), mask(x); });
 }
 
-// Of the island's rows first ... first+count-1, what of K's unknowns is a or f: 1, S of f.
+// Weights of K's unknowns in the island's rows first ... first+count-1: 1 for a, S for f; zero in all other rows.
 std::vector<double> kept_rows(const MatrixSystem& m, int first, int count) {
   std::vector<double> kept(m.owner.island.size(), 0.0);
   for (int k = first; k < first + count; ++k)
@@ -247,7 +247,7 @@ std::vector<double> internal::turned_contradiction(const Scene& scene, const Wor
 
 namespace {
 
-// What projecting the forces to those of least norm may have made of them.
+// The error that projecting the forces to those of least norm may have added.
 double projected_forces(const MatrixSystem& m) {
   double f = 0;
   for (int k = 0; k < m.owner.island.nc; ++k)
@@ -255,8 +255,8 @@ double projected_forces(const MatrixSystem& m) {
   return m.factor->projector_error() * f;
 }
 
-// Of the answer given, (a, f), the size, and by how much it differs from x = [a; -f], which the whole K gave since: the
-// bounds are x's.
+// The size of the solution given, (a, f), and its difference from x = [a; -f], which the whole K gave since: the bounds
+// are x's.
 struct Given {
   double size = 0, moved = 0;
   void add(double given, double own) {

@@ -48,7 +48,7 @@ std::vector<double> sizes_of_G(const Scene& scene, const Workspace& work, const 
   return out;
 }
 
-// The largest motions and turns of a robot's coordinates; where a free base stands changes nothing.
+// The largest motions and rotations of a robot's coordinates; the placement of a free base changes nothing.
 RowTerms<double> largest_motions(const Model& model, const Kinematics<double>& kin) {
   RowTerms<double> out;
   for (int k = 0; k < model.nv; ++k) {
@@ -59,8 +59,8 @@ RowTerms<double> largest_motions(const Model& model, const Kinematics<double>& k
   return out;
 }
 
-// terms += |d(S^T f)/dq|, the largest over q, f the contacts' forces on a body and on all that it carries: those that
-// hold each other cancel in it, and leave their rounding.
+// terms += |d(S^T f)/dq|, the largest over q, f the contacts' forces on a body and on all that it carries: opposite
+// forces cancel in it, and leave their rounding error.
 void add_turned_forces(const Model& model, const Kinematics<double>& kin, const RowTerms<double>& motions,
                        const std::vector<Vec6<double>>& fext, double* terms) {
   std::vector<RowTerms<double>> F(model.njoints());
@@ -140,7 +140,7 @@ void add_terms_of_K(const Scene& scene, const Workspace& work, const MatrixSyste
   add_terms_of_J(scene, work, m, sizes, w);
 }
 
-// What is not known of what the contacts contradict each other by, of the island's rows.
+// The uncertainty of the contacts' inconsistency, per row of the island.
 std::vector<double> unknown_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& m) {
   const Island& island = m.owner.island;
   std::vector<double> out(island.nc);

@@ -1,4 +1,4 @@
-// An island's whole K factorized by the first way that is sound, from the one chosen down to the oracle.
+// Factorizes an island's whole K by the first way that is sound, from the chosen one to the dense reference solver.
 
 #include <algorithm>
 #include <array>
@@ -35,7 +35,7 @@ bool may_ask_oracle(const MatrixSystem& m) {
          (m.owner.island.nc <= tolerance::kFewRows && m.owner.island.size() <= tolerance::kDenseSize);
 }
 
-// What the rows of the island's J are judged beside.
+// The sizes that the rows of the island's J are judged relative to.
 void row_scales(const Scene& scene, const Workspace& w, const Island& island, std::vector<double>& size) {
   size.resize(island.nc);
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
@@ -45,7 +45,7 @@ void row_scales(const Scene& scene, const Workspace& w, const Island& island, st
   }
 }
 
-// Whether a row of the island's J is nothing but rounding beside the contacts' motions: no pivot shows that.
+// Whether a row of the island's J is only rounding error relative to the contacts' motions: no pivot shows that.
 bool has_vanishing_row(const Scene& scene, const MatrixSystem& m, const std::vector<double>& size) {
   for (std::size_t c = 0; c < m.J.size(); ++c) {
     const Eigen::Index rows = scene.contacts[m.owner.island.contacts[c]].rows();
@@ -58,7 +58,7 @@ bool has_vanishing_row(const Scene& scene, const MatrixSystem& m, const std::vec
   return false;
 }
 
-// What the contacts contradict each other by. Rows made dependent may leave what they were changed by.
+// The inconsistency of the contacts. Rows made dependent may leave a residual as large as their change.
 rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace& w, MatrixSystem& m,
                                              const std::vector<double>& sizes) {
   const Island& island = m.owner.island;
@@ -112,7 +112,7 @@ double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const s
   const auto root = [&](int k) { return std::sqrt(inertia(k)); };
   const Island& island = m.owner.island;
   const std::vector<std::vector<int>>& columns = m.owner.shape->support().columns;
-  forces.assign(m.K.size(), 0.0);  // of them at each velocity, beside J's entries there
+  forces.assign(m.K.size(), 0.0);  // sizes of J^T f at each velocity coordinate
   for (std::size_t c = 0; m.deficient() && c < island.contacts.size(); ++c) {
     double sum = 0;
     for (int i = 0, row = island.row_offset[c]; i < scene.contacts[island.contacts[c]].rows(); ++i, ++row)
@@ -129,7 +129,7 @@ double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const s
     double sum = 0;
     for (int k : columns[c]) sum += a(k);
     for (int i = 0, row = island.row_offset[c]; i < scene.contacts[island.contacts[c]].rows(); ++i, ++row)
-      // What contacts cannot agree on was taken out by its largest entries.
+      // The contacts' inconsistency was removed with rounding errors of its largest entries.
       judge(island.nv + row, row_size[row] * sum, std::max(of_rows, kRounding * row_size[row] * largest_a));
   }
   return error;
@@ -157,7 +157,7 @@ Reason factorize_and_solve(const Scene& scene, const SceneData& data, FactorScra
   report.refinement_steps = refinement.steps + (by.kind == FactorKind::kProximal ? 0 : own);
   if (!all_finite(m.v.x))
     return all_finite(m.K.values) && all_finite(m.v.b) ? Reason::kLargeResidual : Reason::kNotFinite;
-  // the oracle's answer is the best there is
+  // the dense reference solver's result is the most accurate there is
   const double most = by.kind == FactorKind::kDense ? std::numeric_limits<double>::max() : tolerance::kConverged;
   m.factor = &factor;
   if (m.rows) m.rows->known = false;
@@ -191,8 +191,8 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   return reason;
 }
 
-// Whether rows that depend are dropped in the chosen order first: where that is far cheaper than leaf-to-root, which
-// eliminates all of M first (a hub that many robots hold then joins all their rows). Robots in lanes drop
+// Whether redundant rows are dropped in the chosen order first: where that is far cheaper than leaf-to-root, which
+// eliminates all of M first (a hub that many robots grasp then couples all their rows). Robots in SIMD batches drop
 // leaf-to-root's.
 bool drops_in_chosen_order(const MatrixSystem& m) {
   const auto [method, order] = m.owner.choice;

@@ -17,7 +17,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// Of the c-th contact of an island, in the coordinates of that.
+// Jacobian rate of the c-th contact of an island, in the island's coordinates.
 JacobianRate<double> jacobian_rate(const Scene& scene, const Workspace& work, const IslandWork& d, std::size_t c) {
   const int number = d.island.contacts[c];
   const Contact& contact = scene.contacts[number];
@@ -38,8 +38,8 @@ DependentDerivatives& work_of(MatrixSystem& m) {
   return *m.rows;
 }
 
-// y with J y = f, once per solution. (Which one does not matter: d(J n) = 0 along J n = 0.) Refined on K, as every
-// solve is, unless the oracle has decomposed J itself.
+// y with J y = f, once per solution. (Which one does not matter: d(J n) = 0 along J n = 0.) It is refined on K, as in
+// every solve, unless the dense reference solver has decomposed J itself.
 const Eigen::VectorXd& any_motion(const Scene& scene, const SceneData& data, MatrixSystem& m, KktVectors& v) {
   DependentDerivatives& w = work_of(m);
   if (w.known) return w.y;

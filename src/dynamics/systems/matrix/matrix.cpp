@@ -49,8 +49,8 @@ void take_answer(const Scene& scene, SceneData& data, const MatrixSystem& m, Isl
     report.backward_error = sparse::componentwise_backward_error(m.v.r, m.v.scale);
 }
 
-// solve(), which says whether there is an answer; once more with J changed where fewer rows depend on each other than
-// at the start, but for the contacts' drift.
+// Calls solve(), which returns whether there is a solution; again with J changed if fewer rows are redundant than at
+// the start, but for the constraint violation.
 template <class Solve>
 bool solve_with_kept_rows(const Scene& scene, const SceneData& data, MatrixSystem& m, IslandReport& report,
                           Solve&& solve) {
@@ -63,7 +63,7 @@ bool solve_with_kept_rows(const Scene& scene, const SceneData& data, MatrixSyste
   return solve();
 }
 
-// Of the state at hand: K, and x by the first factor that is sound.
+// Solves at the current state: K, and x by the first factor that is sound.
 bool solve_at_state(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& m,
                     IslandReport& report) {
   m.factor = nullptr;
@@ -73,8 +73,8 @@ bool solve_at_state(const Scene& scene, const SceneData& data, ThreadWork& threa
                               [&] { return internal::solve_by_fallbacks(scene, data, thread.scratch, m, report); });
 }
 
-// Whether rounding of the terms of one equation alone may change its own unknown by a part of what acts: an inertia or
-// a damping next to nothing beside terms that cancel. Few are; their bounds tell.
+// Whether rounding errors of one equation's terms alone may change its own unknown by a part of the loads: an inertia
+// or a damping is tiny relative to terms that cancel. Few equations are in doubt; their bounds decide.
 bool in_doubt(const Scene& scene, const MatrixSystem& m) {
   const KktPattern& p = *m.K.pattern;
   double size[2] = {scene.gravity.cwiseAbs().maxCoeff(), 0}, change[2] = {0, 0};  // of a, of f
@@ -86,7 +86,7 @@ bool in_doubt(const Scene& scene, const MatrixSystem& m) {
     if (!row) size[row] = std::max(size[row], std::abs(m.v.b[k]) / own);
     change[row] = std::max(change[row], m.v.scale[k] / own);
   }
-  const auto doubtful = [&](int row) {  // infinite beside infinite: nothing is known
+  const auto doubtful = [&](int row) {  // infinite relative to infinite: nothing is known
     return !(change[row] <= tolerance::kInDoubt * size[row]) || std::isinf(change[row]);
   };
   return doubtful(0) || doubtful(1);
@@ -195,7 +195,7 @@ bool internal::weighed_right_hand_sides(const Scene& scene, SceneData& data, Mat
 
 namespace {
 
-// answer(), whether it can be believed; where not, once more by the oracle's factor.
+// Returns answer(), whether the solution is accurate; if not, once more with the dense reference solver's factor.
 template <class Answer>
 bool else_by_oracle(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m, Answer&& answer) {
   return answer() || (internal::solve_by_oracle(scene, data, thread, m) && answer());

@@ -1,6 +1,6 @@
 #pragma once
-// An island solved by its whole K in joint space: by the factor that was chosen, by one that drops dependent rows, or
-// by the dense oracle, whichever is sound first (fallbacks.cpp).
+// An island solved by its whole K in joint space: by the factor that was chosen, by one that drops redundant rows, or
+// by the dense reference solver, whichever is sound first (fallbacks.cpp).
 
 #include <array>
 #include <span>
@@ -56,7 +56,7 @@ class MatrixSystem final : public IslandSystem {
   bool by_dependent_rows() const {
     return deficient() && (factor == dropping.get() || factor == dropping_in_order.get());
   }
-  /// The same, or by the proximal factor, which no robot in lanes can follow.
+  /// The same, or by the proximal factor, which no robot in a SIMD batch can follow.
   bool found_dependent() const { return by_dependent_rows() || (deficient() && factor == proximal.get()); }
 
   IslandWork& owner;
@@ -91,9 +91,9 @@ inline void scale_rows(const MatrixSystem& m, IslandDerivatives& out) {
 /// cannot be believed.
 bool weighed_right_hand_sides(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
                               PanelWork& work);
-/// Bounds of the errors of a and f, and what they are beside (bounds.cpp).
+/// Bounds of the errors of a and f, and the sizes that they are relative to (bounds.cpp).
 std::pair<Known, Known> known_answer(const Scene& scene, SceneData& data, MatrixSystem& system);
-/// x <- K^-1 x, refined once: next to masses of almost nothing a single solve leaves rounding of what cancels.
+/// x <- K^-1 x, refined once: with nearly massless bodies a single solve leaves rounding errors of terms that cancel.
 void solve_refined_once(MatrixSystem& system, double* x);
 /// |K|_1 |K^-1|_1, estimated.
 double condition_of(MatrixSystem& system);
@@ -129,7 +129,7 @@ void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Wo
 /// The same at the current state (q, v), unless they are there already; with memory, so that the island may be one of
 /// sparse-bodies'.
 void evaluate_at_state(const Scene& scene, const SceneData& data, IslandWork& d);
-/// Of these, the bodies' placements alone: what products with derivatives take of them, beside the rows at the answer.
+/// The bodies' placements alone, which products with derivatives need in addition to the rows at the solution.
 void place_at_state(const Scene& scene, const SceneData& data, const Island& island);
 /// Whether joint-space terms may be made: of an island of sparse-bodies only up to kMostJointSpace numbers.
 bool joint_space_fits(const IslandWork& d);
@@ -163,13 +163,13 @@ Attempts attempts_of(const MatrixSystem& system, double damping);
 /// Tries only the factors for dependent rows. False if none is sound, or if it finds no dependent row.
 bool solve_by_dependent_rows(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
                              IslandReport& report);
-/// The oracle, alone, where another factor does not serve for derivatives. False where it would take too long or was
-/// asked already.
+/// Solves by the dense reference solver alone, where another factor does not serve for derivatives. False where it
+/// would take too long or was tried already.
 bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& system);
 
-/// Overwrites the panel of right-hand sides with [da; -df], by the factor at hand. NaN where that cannot be believed.
+/// Overwrites the panel of right-hand sides with [da; -df], by the current factor. NaN where that is inaccurate.
 void solve_panel(const Scene& scene, MatrixSystem& system, IslandDerivatives& out, PanelWork& work);
-/// X <- K^+ X of a panel with row stride ld in the same way. False where that cannot be believed.
+/// X <- K^+ X of a panel with row stride ld in the same way. False where that is inaccurate.
 bool solve_columns(MatrixSystem& system, double* X, int ld, PanelWork& work);
 /// v.x <- K^+ v.b by the factor at hand, refined once. False, and NaN, where that cannot be believed.
 bool solve_vector(MatrixSystem& system, KktVectors& v);

@@ -78,7 +78,7 @@ bool grows_too_much(const Factor& factor) {
   return factor.growth() * std::numeric_limits<double>::epsilon() > tolerance::kConverged;
 }
 
-// |r| beside |K|_1 |x| + |b|, as refine_panel has it of a column. Overwrites v.scale.
+// |r| relative to |K|_1 |x| + |b|, as refine_panel computes it for a column. Overwrites v.scale.
 double normwise_error(const MatrixSystem& m, KktVectors& v) {
   const double norm = sparse::norm_1(m.K.pattern->K, m.K.values.data(), v.scale.data());
   const bool dependent = m.deficient();  // then r has in it what least squares leave
@@ -96,8 +96,8 @@ void reserve(std::vector<T>& memory, std::size_t size) {
   if (memory.size() < size) memory.resize(size);
 }
 
-// Whether an unrefined panel is good enough, by the answer's own error before refinement or a bound for every column.
-// Where rows depend neither tells: small entries are lost in the projections of large ones.
+// Whether an unrefined panel is good enough, by the solution's own error before refinement or a bound for every column.
+// Neither is conclusive for redundant rows: small entries are lost in the projections of large ones.
 bool needs_no_refinement(MatrixSystem& m) {
   if (m.factor->own_refinements() > 0) return true;
   if (m.deficient()) return false;

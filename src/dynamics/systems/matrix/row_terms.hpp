@@ -1,5 +1,5 @@
 #pragma once
-// What rows of K are computed from at the state at hand: of contacts (rank/row_size.hpp) and of robots.
+// The terms that rows of K are computed from at the current state: of contacts (rank/row_size.hpp) and of robots.
 
 #include "../../workspace/workspace.hpp"
 #include "manycontact/rank/row_size.hpp"
@@ -33,8 +33,7 @@ std::pair<double, double> largest_of_motions(const Motions& J) {
   return {J.template topRows<3>().cwiseAbs().maxCoeff(), J.template bottomRows<3>().cwiseAbs().maxCoeff()};
 }
 
-/// What the entries of a contact's rows of J are computed from: motions, and turning at the levers that it was taken
-/// at.
+/// The terms of a contact's rows of J: motions, and rotations at the moment arms of the placements.
 inline RowTerms<double> motion_terms(const Contact& contact, const ContactData<double>& data) {
   const auto [moved, turning] = largest_of_motions(data.Jl);
   double lever = largest_entry<double>(data.aMA.p) + largest_entry<double>(data.on_A) + data.joint_lever;
@@ -42,8 +41,8 @@ inline RowTerms<double> motion_terms(const Contact& contact, const ContactData<d
   return {std::max(moved, turning * lever), turning, data.pair ? &*data.pair : nullptr};
 }
 
-/// Of a robot's coordinates, the sizes of all terms that M a + h is computed from, a its own; and the largest entry of
-/// M's row (bounds.cpp).
+/// Sizes of all terms that M a + h is computed from, for a robot's coordinates, a its own; and the largest entry of M's
+/// row (bounds.cpp).
 void torque_terms(const Model& model, const RobotData& robot, const double* a, double* terms,
                   double* largest_of_M = nullptr);
 

@@ -141,7 +141,7 @@ bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, 
   return w.rows.largest_entry <= tolerance::kLargestEntry;
 }
 
-// What rows of J are off by where the contacts are not closed [m].
+// The error of the rows of J from contacts that are not closed [m].
 double drift(const Scene& scene, const Workspace& work, const IslandWork& d, const KktPattern& p, double L, Work& w) {
   w.dq.assign(p.size(), 0.0);
   int row = 0;
@@ -176,7 +176,7 @@ bool is_within(const Workspace& work, const IslandWork& d, const KktPattern& p, 
   return true;
 }
 
-// The columns of N, or none. The more rows have to be told apart, the less may be left of a pivot.
+// Finds the columns of N, or none. The more rows are to be distinguished, the smaller a pivot may be.
 bool find(const Scene& scene, const Workspace& work, const IslandWork& d, const KktPattern& p, double L, Work& w) {
   const double most = tolerance::kMostDrift * L, largest = d.depended > 0 ? most : std::min(scene.tolerance, most);
   const double generous = tolerance::kLargestEntry * largest / L;

@@ -14,9 +14,9 @@ class WithinTolerance {
  public:
   WithinTolerance();
   ~WithinTolerance();
-  /// Where rows of the island's J depend on each other but for the tolerance, or rows that depended at the start but
-  /// for the contacts' misplacements, changes J so that they do (within_tolerance.cpp). After evaluate. Returns what
-  /// such rows may contradict each other by, beside the terms that they are computed from.
+  /// Changes J so that rows of the island's J depend on each other, where they do within the tolerance, or did at the
+  /// start and now differ by the contacts' misplacements (within_tolerance.cpp). Call it after evaluate. Returns the
+  /// largest inconsistency that such rows may have, relative to the terms that they are computed from.
   double make_dependent(const Scene& scene, Workspace& work, const IslandWork& d);
   /// After that: what entries of J in rows of lengths may be off by, at a coordinate of the island.
   double inaccuracy(int coordinate) const;

@@ -1,4 +1,4 @@
-// Robots alone in lanes: islands of one robot, as many side by side as there are lanes.
+// Robots alone in SIMD batches: islands of one robot, as many at a time as a batch has elements.
 
 #include <algorithm>
 
@@ -54,7 +54,7 @@ void take_dependence(const SceneData& data, const lanes::Answer& answer, IslandW
   report_dropped_rows(data, d, d.matrix.dependent, answer.contradiction, report);
 }
 
-// The islands into w.lanes, each with the group that group_of(island) gives it, if any: in batches of `width`.
+// Puts the islands into w.lanes, each with the group that group_of(island) returns, if any: in batches of `width`.
 template <class GroupOf>
 void form_batches(const Scene& scene, Workspace& w, int width, GroupOf&& group_of) {
   InLanes& in = w.lanes;

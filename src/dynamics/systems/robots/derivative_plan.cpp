@@ -1,4 +1,4 @@
-// What is known of derivatives robot by robot before any number is: patterns, places, predicted cost.
+// Plan of derivatives robot by robot, known before any number is: patterns, places, predicted cost.
 
 #include <algorithm>
 
@@ -41,8 +41,8 @@ double cost_at_once(const IslandWork& d, double ld, bool dropping) {
 
 double cost_of_interface(double nonzeros, double ld) { return ld * 2 * nonzeros; }
 
-// The same robot by robot. Those of a product run faster than those of a sparse solve. Measured on rings and on a beam
-// between two humanoids.
+// The same robot by robot. Operations of a product run faster than those of a sparse solve. Measured on rings and on a
+// beam between two humanoids.
 double cost_by_robots(const RobotsSystem& system, const RobotsDerivatives& by, double ld) {
   double cost = cost_of_interface(system.interface->nonzeros, ld);
   for (std::size_t k = 0; k < by.robots.size(); ++k) {

@@ -119,14 +119,14 @@ void each_end(const RobotsSystem& system, std::size_t k, Use&& use) {
   }
 }
 
-// Where a column of X stands in a robot's panel.
+// Index of a column of X in a robot's panel.
 int place_in_panel(const OfRobot& r, int column) {
   for (const RobotsDerivatives::Columns& c : r.columns)
     if (c.in_X <= column && column < c.in_X + c.count) return c.in_P + column - c.in_X;
   return -1;
 }
 
-// A robot's panel, in which the lanes left K_r^-1 [E_r, own columns]: adds K_r^-1 E_r D_r; then T, G, H = G_r P.
+// Completes a robot's panel, which has K_r^-1 [E_r, own columns]: adds K_r^-1 E_r D_r; then T, G, H = G_r P.
 void finish_robot(const RobotsSystem& system, std::size_t k, const IslandDerivatives& out,
                   RobotsDerivatives::Buffers& buffers) {
   const sparse::PanelKernels& kernels = sparse::panel_kernels();
@@ -152,7 +152,7 @@ void finish_robot(const RobotsSystem& system, std::size_t k, const IslandDerivat
   kernels.product(r.G.data(), ldG, r.P.data(), r.nv, ldG, r.ld, r.ld, r.H.data());
 }
 
-// E_r D_r in the sampled columns of B_r, of which the lanes left the robot's own.
+// Adds E_r D_r to the sampled columns of B_r, which have the robot's own part.
 void finish_sample(const RobotsSystem& system, std::size_t k, const IslandDerivatives& out) {
   OfRobot& r = system.derivatives->robots[k];
   if (!out.request.q) return;
@@ -173,7 +173,7 @@ void finish_sample(const RobotsSystem& system, std::size_t k, const IslandDeriva
   });
 }
 
-// -S Y into the interface rows, which hold B: B_interface - sum_r G_r K_r^-1 B_r.
+// -S Y into the interface rows, which contain B: B_interface - sum_r G_r K_r^-1 B_r.
 void interface_rhs(const RobotsDerivatives& by, AlignedPanel& X) {
   for (const OfRobot& r : by.robots)
     for (std::size_t i = 0; i < r.join.size(); ++i) {
@@ -197,7 +197,7 @@ void add_own(const OfRobot& r, const Columns& columns, int first, int cols, doub
 }
 
 // Columns first ... first+cols-1 of [da; df] from what interface_rhs left in the interface rows: -Y there, and
-// K_r^-1 B_r - T_r Y in each robot's, K_r^-1 B_r where columns_of(r) says.
+// K_r^-1 B_r - T_r Y in each robot's, K_r^-1 B_r in the columns of columns_of(r).
 template <class ColumnsOf>
 void answer(const RobotsSystem& system, const RobotsDerivatives& by, ColumnsOf&& columns_of, int first, int cols,
             double* X, int ld, bool non_temporal, RobotsDerivatives::Buffers& buffers) {
@@ -265,7 +265,7 @@ bool sample_is_good(const Scene& scene, Workspace& w, RobotsSystem& system, cons
   return error <= tolerance::kPanelRefined;
 }
 
-// What answers need of each robot and of the interface rows, from right-hand sides in X; whether that is sound.
+// Computes from right-hand sides in X what `answer` needs of each robot and of the interface rows; whether it is sound.
 bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, bool refined, IslandDerivatives& out) {
   Workspace& w = *data.workspace;
   RobotsDerivatives& by = *system.derivatives;

@@ -4,13 +4,13 @@
 //
 //     S Y = sum_r G_r K_r^-1 B_r - B_joining,    X_r = K_r^-1 B_r - T_r Y,    X_joining = Y.
 //
-// Forces come out with their own sign, -X; so -Y stands in the interface rows of the panel, and the products take it
-// there. A column of B is zero in the rows of most robots. There X_r is -T_r Y alone, a product of as few terms as rows
-// join the robot, in place of a solve with the island's factor.
+// Forces come out with their own sign, -X; so -Y is in the interface rows of the panel, and the products take it there.
+// A column of B is zero in the rows of most robots. There X_r is -T_r Y alone, a product of as few terms as rows couple
+// the robot, in place of a solve with the island's factor.
 //
 // A contact that joins A and B acts on their bodies alone, by E_r: six columns of forces on robot r's body, so that
 // G_r^T = E_r W^T, and B_r = own columns + E_r D_r, where D_r, six rows, has columns of the other robot's coordinates
-// too. So K_r^-1 [E_r, columns of the robot's own coordinates] is all that the lanes solve.
+// too. So K_r^-1 [E_r, columns of the robot's own coordinates] is all that SIMD batches solve.
 
 #include <optional>
 
@@ -19,13 +19,13 @@
 
 namespace manycontact {
 
-/// Of an island's shape, and for one request at a time.
+/// Derivatives of islands of one shape, for one request at a time.
 struct RobotsDerivatives {
   static constexpr int kChunk = 192;  // columns of X worked at a time, which stay in the cache
 
   explicit RobotsDerivatives(const IslandShape& shape, const RobotsSystem& system);
 
-  struct Columns {  // A block of columns of X, and where it stands in a robot's panel.
+  struct Columns {  // A block of columns of X, and its place in a robot's panel.
     int in_X, in_P, count;
   };
   struct OfRobot {
@@ -36,7 +36,7 @@ struct RobotsDerivatives {
     int q_first = 0, v_first = 0, u_first = 0, own = 0;  // of the panel: as lanes::DerivativeJob has them
     std::vector<Columns> columns;                        // where B_r is not zero
     std::vector<Columns> sampled;                        // those of the sample, in its panel
-    std::vector<lanes::Sampled> copied;                  // of these, what the lanes have
+    std::vector<lanes::Sampled> copied;                  // of these, those of the SIMD batch
     int ld = 0;                                          // of P and H
     // numbers
     AlignedPanel P;            // K_r^-1 [E_r, B_r], forces with their own sign

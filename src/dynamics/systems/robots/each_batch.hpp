@@ -9,9 +9,9 @@
 namespace manycontact::internal {
 
 /// step(kernel, robots, their memory, memory of the thread) for each batch, each thread's one way and the next time
-/// back: the last ones are still in the cache then. A batch is always the same thread's, whose kernel knows it. Of
-/// steps that take SolvingBlocks, the kernel is that of the precision of the factors at hand.
-/// of_solve: the work of the steps of which this is one, beside that of a solve.
+/// back: the last ones are still in the cache then. A batch is always the same thread's, whose kernel knows it. For
+/// steps that take SolvingBlocks, the kernel is that of the precision of the current factors.
+/// of_solve: the work of all steps that this one belongs to, relative to that of a solve.
 template <class Step>
 void each_batch(Workspace& w, RobotsSystem& system, double of_solve, Step&& step) {
   system.back = !system.back;

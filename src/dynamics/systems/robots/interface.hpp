@@ -16,7 +16,7 @@
 
 namespace manycontact {
 
-/// Of an island's shape; constant.
+/// Interface rows of islands of one shape; constant.
 struct Interface {
   explicit Interface(const IslandShape& shape);
 
@@ -38,7 +38,7 @@ struct Interface {
   int rows() const { return static_cast<int>(row.size()); }
 };
 
-/// What S's factor has at least, in any order, and without S: any two rows of a robot meet there.
+/// Least counts of S's factor, in any order and without S: any two rows of a robot meet there.
 sparse::LdlCounts least_interface_counts(const IslandShape& shape);
 
 inline bool joins_two(const Contact& contact) { return joins_robots(contact) && contact.A.robot != contact.B.robot; }

@@ -1,4 +1,4 @@
-// What is known of robots in lanes before any number is: patterns, places, predicted cost.
+// Plan of robots in SIMD batches, known before any number is: patterns, places, predicted cost.
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// Of a shape's scene: a robot, the contacts on it alone, those that join it to others, and the pattern of its K without
+// A robot of a shape's scene, the contacts on it alone, those that join it to others, and the pattern of its K without
 // these.
 struct Block {
   const Scene& scene;
@@ -101,14 +101,14 @@ void make_kernels(Workspace& w, BlockGroup& group, bool side_by_side) {
   make(group.kernels, w.lanes.level->make);
   if (!group.plan->dropped.empty()) return;  // those are solved in double
   if (w.options.precision == Precision::kMixed) make(group.mixed, w.lanes.level->make_mixed);
-  // What the contacts of a pair contradict each other by is judged beside the rounding of doubles.
+  // The inconsistency of a pair's contacts is judged relative to the rounding errors of doubles.
   const auto is_pair = [](const Contact& c) { return c.pair != nullptr; };
   if (w.options.precision == Precision::kSingle && group.plan->border == 0 &&
       std::ranges::none_of(group.plan->scene.contacts, is_pair))
     make(group.single, w.lanes.level->single.make);
 }
 
-// Of an island of one robot that is not large; nullptr: it has no place in lanes.
+// Group of an island of one robot that is not large; nullptr: it has no place in a SIMD batch.
 BlockGroup* group_of_alone(Workspace& w, const IslandWork& d) {
   if (d.choice.method != Method::kSparseLdl || d.island.nv == 0 || d.island.size() > kLargestInLanes) return nullptr;
   const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(d.choice.order);
@@ -122,7 +122,7 @@ bool can_be_joined(const IslandWork& d, const Options& options) {
                      [](const Robot& robot) { return robot.model->nv <= kLargestInLanes; });
 }
 
-// Whether a contact comes before another in its group: like ones stand together, in any order of the scene.
+// Whether a contact comes before another in its group: like ones are adjacent, in any order of the scene.
 bool before(const Contact& x, const Contact& y) {
   const auto numbers = [](const Contact& c) {
     return std::array<double, 6>{
@@ -170,12 +170,12 @@ double seconds_joined(const RobotsSystem& system, int width) {
   return seconds;
 }
 
-// What an island's own way costs, which its robots' must be clearly below.
+// Predicted cost of an island's own way, which its robots' must be clearly below.
 double cost_of_choice(const IslandWork& d) {
   return predicted_cost_ldl(d.shape->island().size(), d.shape->counts(d.choice.order));
 }
 
-// Whether they may be, as far as can be told without the interface rows' patterns.
+// Whether its robots may be cheaper, as far as is known without the interface rows' patterns.
 bool may_be_cheaper(const IslandWork& d) {
   int rows = 0;
   for (const Contact& contact : d.shape->scene().contacts)
@@ -184,7 +184,7 @@ bool may_be_cheaper(const IslandWork& d) {
          predicted_cost_ldl(rows, least_interface_counts(*d.shape)) < tolerance::kCheaper * cost_of_choice(d);
 }
 
-// nullptr: an island's robots or interface rows have no place in lanes.
+// nullptr: an island's robots or interface rows have no place in SIMD batches.
 std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d, Order order) {
   if (!can_be_joined(d, w.options)) return nullptr;
   auto out = std::make_unique<RobotsSystem>(d);

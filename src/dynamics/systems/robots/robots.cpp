@@ -1,4 +1,4 @@
-// Islands of several robots, in lanes: the numbers.
+// Numerical steps for islands of several robots in SIMD batches.
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +26,7 @@ using Kernel = lanes::RobotBlocks;
 using Solver = lanes::SolvingBlocks;
 using Memory = lanes::RobotBlocks::Memory;
 
-// Robots alike, as many as stand side by side.
+// Forms batches of robots of one group, each as large as a SIMD batch can be.
 void form_robot_batches(const Scene& scene, Workspace& w, RobotsSystem& s) {
   s.batches.clear();
   std::size_t size = 0;
@@ -113,7 +113,7 @@ void evaluate_interface(const Scene& scene, Workspace& w, RobotsSystem& s) {
       });
 }
 
-// No row of J is nothing but rounding beside the contacts' motions: pivots do not show that.
+// Whether no row of J is only rounding error relative to the contacts' motions: pivots do not show that.
 bool accept_rows(const Scene& scene, const RobotsSystem& s) {
   double smallest = std::numeric_limits<double>::infinity(), motion = 0;
   const auto add = [&](const auto& x) {
@@ -125,7 +125,7 @@ bool accept_rows(const Scene& scene, const RobotsSystem& s) {
   return scene.damping > 0 || smallest > tolerance::kRank * motion;
 }
 
-// b = wanted - a0 of the interface rows, which hold a0.
+// b = wanted - a0 of the interface rows, which contain a0.
 void interface_right_side(const SceneData& data, RobotsSystem& s) {
   for (const RobotsSystem::Coupling& coupling : s.contacts)
     for (int i = 0; i < coupling.rows; ++i)
@@ -225,8 +225,7 @@ void report_answer(const Scene& scene, const RobotsSystem& s, const sparse::Refi
   report.backward_error = refinement.backward_error;
 }
 
-// Of an island that drops rows: which, and what they contradict each other by. False: they are left to the dense
-// reference solver.
+// Reports the rows that an island drops, and their inconsistency. False: they are left to the dense reference solver.
 bool report_dependence(const SceneData& data, RobotsSystem& s, IslandReport& report) {
   rank::Contradiction<double> all;
   for (const Member& m : s.members) all.add(m.contradiction);

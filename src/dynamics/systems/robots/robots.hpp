@@ -1,12 +1,12 @@
 #pragma once
-// Islands solved by sparse-ldl robot by robot, in lanes: of one robot, or of several that few rows join. In the
-// notation of interface.hpp, with b = [b_1; ...; b_n; c]:
+// Islands solved by sparse-ldl robot by robot, in SIMD batches: of one robot, or of several that few rows couple. In
+// the notation of interface.hpp, with b = [b_1; ...; b_n; c]:
 //
 //     x_r  = K_r^-1 (b_r - G_r^T y),    S y = sum_r G_r K_r^-1 b_r - c.
 //
-// A robot's terms, its part of K, the factor of K_r with the rows of G_r below it, and its part of S are one step after
-// the other while they are in the cache, of as many robots as stand side by side; likewise back. The answer is refined
-// and judged with the island's K as that of its factor is. Of a robot alone there are no y.
+// A robot's terms, its part of K, the factor of K_r with the rows of G_r below it, and its part of S are computed one
+// after the other while they are in the cache, for a SIMD batch of robots; likewise the steps back. The solution is
+// refined and judged with the island's K as that of its factor is. A robot alone has no y.
 
 #include <map>
 
@@ -45,12 +45,12 @@ struct InterfaceContactGroup {
   std::vector<std::unique_ptr<lanes::InterfaceContacts>> kernels;  // one per thread
 };
 
-/// By prepare: who stands in lanes.
+/// SIMD batches of robots, formed by prepare.
 struct InLanes {
-  const lanes::Level* level = nullptr;                                              // nullptr: nobody
+  const lanes::Level* level = nullptr;                                              // nullptr: no batches
   std::map<std::pair<const ModelStructure*, std::vector<int>>, BlockGroup> groups;  // by what plans depend on
   std::map<InterfaceContactGroup::Key, InterfaceContactGroup> contacts;
-  // scratch of a call: the islands it is about, those that stand side by side one after the other
+  // scratch of a call: its islands, those of a SIMD batch one after the other
   struct Batch {
     BlockGroup* group;
     int first, count;  // of islands and robots
@@ -60,13 +60,13 @@ struct InLanes {
   std::vector<Batch> batches;
 };
 
-/// An island of one robot that stands in lanes beside others like it: batch by batch, all of a scene's by one call (the
-/// functions of `alone.cpp` below). Asked for one island it has no answer, and the whole K does what batches left.
+/// An island of one robot in a SIMD batch with others of its group: batch by batch, all of a scene's by one call (the
+/// functions of `alone.cpp` below). For one island alone it has no solution, and the whole K solves what batches left.
 struct AloneSystem final : IslandSystem {
-  BlockGroup* group = nullptr;      // nullptr: it does not stand in lanes; by prepare
+  BlockGroup* group = nullptr;      // nullptr: it is in no SIMD batch; by prepare
   BlockGroup* dependent = nullptr;  // where rows were found to depend: with the last such rows dropped
   BlockGroup* by = nullptr;         // which of the two gave the last answer
-  // of the last answer that came from a lane
+  // of the last answer that came from a SIMD batch
   bool panel_is_safe = false;  // whether derivatives may come from there too
   bool refine_panel = false;   // and are refined once
 };
@@ -157,11 +157,11 @@ namespace internal {
 /// The predicted cost of a SIMD batch of `count` robots, relative to one robot.
 inline double together(std::size_t count) { return count > 1 ? 1 + costs::kTogether * static_cast<double>(count) : 1; }
 
-/// What lanes solve an island of a new shape by, where that is cheaper than its factor: alone.group, robots.
+/// Plans SIMD batches for an island of a new shape, where they are cheaper than its factor: alone.group, robots.
 void plan_robots(const Scene& scene, Workspace& work, IslandWork& island);
 /// The same for other robots and contacts of the same shape. Allocates nothing for a contact set met before.
 void bind_robots(const Scene& scene, Workspace& work, IslandWork& island);
-/// Which of the islands at hand stand side by side, alone.
+/// Groups the current islands of one robot into SIMD batches.
 void group_robots_alone(Workspace& work);
 /// Gives back the groups that no island has, at work or in the pool.
 void forget_unused_groups(Workspace& work);
@@ -174,21 +174,21 @@ void make_robots(const Scene& scene, Workspace& work, IslandWork& island);
 void solve_alone(const Scene& scene, SceneData& data, Dropped dropped, const StartOfStep* start = nullptr);
 /// Whether all robots are islands that have a place in a SIMD batch of doubles.
 bool stand_alone(const Scene& scene, const Workspace& w);
-/// The same islands, those not answered yet, in single or mixed precision where the options ask for it. Those whose
+/// The same islands, those not answered yet, in single or mixed precision where the options ask for it. Islands whose
 /// condition is too poor for that are left.
 void solve_alone_in_low(const Scene& scene, SceneData& data);
 /// How many robots alone, or states, a SIMD batch has at most; 1 without SIMD batches.
 int batch_width(const Workspace& w);
-/// What the report of an island says of rows of its J that were dropped: status, rank, names.
+/// Reports the rows of an island's J that were dropped: status, rank, names.
 void report_dropped_rows(const SceneData& data, const IslandWork& island, std::span<const int> rows,
                          const rank::Contradiction<double>& contradiction, IslandReport& report);
 /// robots.dropped and the robots' groups without these, of the rows that the factor of the whole K dropped. False where
-/// they have no place in lanes: rows that join robots are among them.
+/// they have no place in SIMD batches: rows that join robots are among them.
 bool find_dependent_groups(Workspace& work, RobotsSystem& robots);
-/// island.alone.dependent of the rows that the factor of the whole K dropped; nullptr: it has no place in lanes.
+/// island.alone.dependent of the rows that the factor of the whole K dropped; nullptr: no SIMD batch takes it.
 void find_dependent_group(Workspace& work, IslandWork& island);
-/// Derivatives of those that lanes serve (IslandWork::served_in_lanes) into w.derivatives, and products with them.
-/// Vectors in the scene's coordinates, as in jvp.hpp.
+/// Derivatives of islands that SIMD batches serve (IslandWork::served_in_lanes) into w.derivatives, and products with
+/// them. Vectors are in the scene's coordinates, as in jvp.hpp.
 void differentiate_alone(const Scene& scene, SceneData& data);
 void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* dtau, double* da,
                double* df);
@@ -201,7 +201,7 @@ void prepare_robots_derivatives(const Scene& scene, IslandWork& island, const Is
 /// Whether it is; but for that the way may turn out not to be sound.
 bool differentiates_by_robots(const IslandWork& island);
 
-/// What lanes are asked at the state at hand, in the scene's coordinates.
+/// The job of SIMD batches at the current state, in the scene's coordinates.
 lanes::Job job_at_state(const Scene& scene, SceneData& data);
 
 /// The componentwise backward error (sparse/refine.hpp) of the interface rows, of their b and y and the robots'
