@@ -27,7 +27,7 @@ struct Job {
   const std::vector<int>& f_offset;  // per contact; negative: not active
 };
 
-/// What a call is about: whole islands.
+/// The whole islands that a call is about.
 struct Part {
   std::span<const int> robots, contacts;  // of the scene
 };
@@ -54,7 +54,7 @@ class Equations {
   virtual void begin_projection(const Part& part, Projected what, const double* weights) = 0;
   /// rest -= S^2 J dy, of forces, or J dy. change: what that subtracts.
   virtual void project(const Part& part, const double* dy, double* change) = 0;
-  /// What a step dy is to satisfy as J dy, of forces: S^-2 rest, rounded.
+  /// The right-hand side f that a step dy is to satisfy as J dy = f, of forces: S^-2 rest, rounded.
   virtual void rest(const Part& part, double* f) const = 0;
   /// J^T S^2 rest of residuals, rounded: what a step is to satisfy as J^T S^2 J dy. The rest itself is far larger than
   /// what a step is to take from it.

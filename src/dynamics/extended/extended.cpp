@@ -71,7 +71,7 @@ double largest(const Scene& scene, const Island& island, const Eigen::VectorXd& 
   });
   return out;
 }
-// [a; y] <- K^+ [a; y] of the scratch of products, of the open islands. NaN where an island's system cannot tell.
+// [a; y] <- K^+ [a; y] of the scratch of products, of the open islands. NaN where an island's system fails.
 void invert_islands(const Scene& scene, SceneData& data, const ExtendedWork& e) {
   Workspace& w = *data.workspace;
   ProductWork& x = *w.products;
@@ -253,8 +253,8 @@ void step_of_projection(const Scene& scene, SceneData& data, bool forces, Extend
   invert(scene, data, e);
 }
 
-// The rest of open islands by steps of y, until these change nothing that the solution shows: of forces their own
-// digits, of what least squares leave the digits of double-double, since x may be small beside it.
+// Projects the rest of open islands by steps of y, until these change no digit of the solution: of forces their own
+// digits, of least-squares residuals those of double-double, since x may be small relative to them.
 void project(const Scene& scene, SceneData& data, extended::Equations::Projected what, ExtendedWork& e) {
   const bool forces = what == extended::Equations::Projected::kForces;
   e.equations->begin_projection(part_of(e), what, e.weights.data());
@@ -390,15 +390,15 @@ struct Distance {
   double distance, last, at_rest;
   double share;  // of the bound by |K^-1|
   // A bound of the error is the sum of the distance to x and of the errors of x. These are the last correction, of
-  // which a part remains or which shows what double-double rounds, and a share of the bound by |K^-1|. What underflows
-  // has no second double.
+  // which a part remains or which shows rounding errors of double-double, and a share of the bound by |K^-1|. Values
+  // that underflow have no second double.
   double error() const {
     return kJustAbove * distance + 64 * last +
            (tolerance::kReadRounding + share * by_inverse) * std::max(size, size_before) +
            std::numeric_limits<double>::min();
   }
   bool is_known(double error) const { return error < std::max(size, at_rest); }
-  // The digits of an answer in double that vanishes beside what acts are those of rounding.
+  // The digits of a double solution that vanishes relative to the loads are rounding errors.
   bool vanishes() const { return by_inverse >= 1 && is_known(by_inverse * size); }
 };
 

@@ -26,7 +26,7 @@ struct ExtendedWork {
     bool converged = false;               // x has
     bool projects = false;                // its rows depend on each other
     double before = 0, now = 0;           // sizes of corrections
-    double at_rest_a = 0, at_rest_f = 0;  // what vanishing a and f are small beside
+    double at_rest_a = 0, at_rest_f = 0;  // what vanishing a and f are compared with
     double size_a = 0, size_f = 0;        // the largest of a and f, as the double answer had them
     double last_a = 0, last_f = 0;        // the last correction
     double rest = 0;                      // what is projected

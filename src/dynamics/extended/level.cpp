@@ -111,7 +111,7 @@ LevelEquations::LevelEquations(const Scene& scene) : contacts_(scene.contacts.si
   for (VecX<S>* x : {&f_, &b_f_, &r_f_, &rest_, &square_, &weighed_}) x->resize(all);
 }
 
-// Friction, springs and external wrenches beside the torques given.
+// Adds friction, springs and external wrenches to the torques given.
 void LevelEquations::take_applied_forces(const Job& job) {
   if (!job.applied) return;
   if (!applied_) applied_.emplace(job.scene);

@@ -1,5 +1,5 @@
 #pragma once
-// Between the arrays of robots or contacts and the lanes of S = Pack<W>; rows of contacts whose ends are placed.
+// Copies between the arrays of robots or contacts and packs S = Pack<W>; rows of contacts whose ends are placed.
 
 #include <limits>
 #include <utility>
@@ -31,7 +31,7 @@ const Pack<W, E>* as_scalar(const Pack<W, E>* x) {
 /// The most robots that a SIMD batch has: of floats in the widest registers.
 inline constexpr int kMostInBatch = 16;
 
-/// to[k] lane l = from[l][k] for k < count. Lanes beyond those given repeat the last one.
+/// Element l of to[k] = from[l][k] for k < count. Elements beyond those given repeat the last one.
 template <int W>
 [[gnu::noinline]] void load_arrays(std::span<const double* const> from, int count, Pack<W>* to) {
   const auto lane = [&](int l) { return from[std::min<std::size_t>(l, from.size() - 1)]; };
@@ -70,7 +70,7 @@ template <int W>
     for (int i = k; i < count; ++i) to[i].set(l, lane(l)[i]);
 }
 
-/// to[l][k] = from[k] lane l for k < count.
+/// to[l][k] = element l of from[k] for k < count.
 template <int W>
 [[gnu::noinline]] void store_arrays(const Pack<W>* from, int count, std::span<double* const> to) {
   int k = 0;
@@ -123,7 +123,7 @@ void load_pair(std::span<Item> items, Of&& contact_of, ContactData<S>& to, const
     load([m](const PairRows& pair) { return pair.numbers->A[m].R.data(); }, own.A[m].R.data(), 12);
 }
 
-/// Per lane, the largest entry of the row of J whose entries are the smallest.
+/// The largest entry of the row of J whose entries are the smallest, per robot of the SIMD batch.
 template <class S>
 S smallest_row(const ContactData<S>& rows) {
   S smallest(std::numeric_limits<double>::infinity());

@@ -21,7 +21,7 @@ struct MovingEnd {
 /// In that memory, what comes back (EndForce): the contact's force on the body, in the tree frame; the columns of J_l;
 /// by rows, D of the robot's own coordinates (JoinTerms).
 
-/// The end of a contact that stands still: in the world, its axes about its origin; on a base, its frame about the
+/// The end of a contact that does not move: in the world, its axes about its origin; on a base, its frame about the
 /// base's origin.
 template <class S>
 struct StandingEnd {
@@ -50,7 +50,7 @@ struct BlockPlan {
   const sparse::LdlSchedule& schedule() const { return border > 0 ? bordered : pattern->schedule(); }
 
   std::size_t joins() const { return supports.size() - static_cast<std::size_t>(alone); }
-  /// Of Robot::joins, and of Robot::ends.
+  /// Sizes of Robot::joins and of Robot::ends.
   template <class End>
   std::size_t size_of_ends(std::size_t count) const {  // of the first so many
     std::size_t size = 0;

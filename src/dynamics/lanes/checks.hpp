@@ -1,5 +1,5 @@
 #pragma once
-// Whether numbers side by side can be believed, per lane.
+// Whether the numbers of a SIMD batch are sound, per element.
 
 #include <limits>
 #include <span>
@@ -95,7 +95,7 @@ template <class S>
 struct Refinement {
   S steps = S(0), error, first;  // corrections made; backward errors, the last and that before the first step
 
-  /// correct(open): x += A^-1 r where the lane is open; returns the error of all.
+  /// correct(open): x += A^-1 r in the elements that are open; returns the error of all.
   template <class Correct>
   Refinement(typename S::Mask usable, S error_of_x, Correct&& correct, int most = tolerance::kRefinementSteps)
       : error(error_of_x), first(error_of_x) {
@@ -117,7 +117,7 @@ struct Largest {
   Largest(S least_scale, std::span<const int> rows, const S* residual, const S* size)
       : Largest(
             least_scale, rows.size(), [&](std::size_t k) { return rows[k]; }, residual, size) {}
-  /// Of the first `count` rows.
+  /// The same for the first `count` rows.
   Largest(S least_scale, std::size_t count, const S* residual, const S* size)
       : Largest(
             least_scale, count, [](std::size_t k) { return k; }, residual, size) {}

@@ -1,5 +1,5 @@
 #pragma once
-// InterfaceContacts in the lanes of S = Pack<W>.
+// InterfaceContacts on packs S = Pack<W>.
 
 #include <limits>
 
@@ -73,7 +73,7 @@ class InterfaceContactsOf {
   }
 
  private:
-  // What the rows need of the robot at one end, and the contact's frame there.
+  // Terms of the robot at one end that the rows need, and the contact's frame there.
   struct End {
     Kinematics<S> kin;
     std::vector<std::pair<int, int>> stretches;  // of coordinates: begin, end

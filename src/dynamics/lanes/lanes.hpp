@@ -1,7 +1,7 @@
 #pragma once
-// Robots of one structure (Model::structure) in SIMD lanes: 2, 4 or 8 of them worked side by side by the same
-// instructions. The kernels are compiled for several levels of instructions and chosen when the program runs. A robot's
-// numbers do not depend on its lane, nor on who stands beside it.
+// SIMD batches of robots of one structure (Model::structure): the same instructions work on 2, 4 or 8 of them. The
+// kernels are compiled for several levels of instructions and chosen when the program runs. A robot's numbers do not
+// depend on its place in the batch, nor on the other robots there.
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@
 
 namespace manycontact::lanes {
 
-/// What is solved, and where the answers go, in the scene's coordinates. serial: of the solution, in all jobs.
+/// Inputs of a solve and places of its solution, in the scene's coordinates. serial: of the solution, in all jobs.
 struct Job {
   const Scene& scene;
   std::uint64_t serial;
@@ -35,16 +35,16 @@ struct Sampled {
   int column;
   double* b;
 };
-/// One robot's columns K_r^-1 [E, B_r], forces with their own sign. Of a robot alone, which has no E: the derivatives
-/// of its island at the answer, X as IslandDerivatives has it.
+/// One robot's columns K_r^-1 [E, B_r], forces with their own sign. A robot alone has no E: its columns are the
+/// derivatives of its island at the solution, X as IslandDerivatives has it.
 struct Panel {
   double* X;
   int ld;                            // of X, a multiple of 8
   bool refine;                       // once, unless the factor bounds the error of every column
   std::span<const Sampled> sampled;  // of robots joined to others
 };
-/// What is differentiated: the solution, and how many columns there are and where those of q, v, u begin. E: six
-/// columns per contact that joins the robot, of forces on its body, before all others.
+/// Inputs of derivatives: the solution, the number of columns, and where those of q, v, u begin. E: six columns per
+/// contact that joins the robot, of forces on its body, before all others.
 struct DerivativeJob {
   const Scene& scene;
   std::uint64_t serial;
@@ -52,7 +52,7 @@ struct DerivativeJob {
   const std::vector<int>& f_offset;
   DerivativeRequest request;
   int q_first, v_first, u_first, columns;  // columns: a multiple of 8
-  bool non_temporal;                       // panels, together more than these hold, are not to go through them
+  bool non_temporal;                       // panels, together larger than the caches, bypass them
 };
 
 /// A product with the derivatives at a solution: in and out in the scene's coordinates. jvp: dq, dv, dtau (nv) to da,
@@ -66,19 +66,19 @@ struct ProductJob {
   double* out[3];
 };
 
-/// Of one island. Where it is not sound, nothing else is known: another way has to answer.
+/// Result of one island. Where it is not sound, nothing else is known: another system has to solve the island.
 struct Answer {
   bool sound = false;
   int refinement_steps = 0;
   double residual_dynamics = 0, residual_contact = 0, contact_terms = 0, backward_error = 0;  // as IslandReport's
-  // Of derivatives by the same factor (systems/matrix/panel.cpp): whether nothing has to judge them, and whether they
-  // are refined once; whether nothing has to judge products.
+  // derivatives by the same factor (systems/matrix/panel.cpp): whether they need no check, and whether they are refined
+  // once; whether products need no check
   bool panel_is_safe = false, refine_panel = false;
   rank::Contradiction<double> contradiction;  // where the plan drops rows
 };
 
-/// Robots of one plan, in all calls one of them, or after `reserve_batch` as many as fit side by side, their contacts
-/// alike but for placements (`alike`): the steps of a solve.
+/// Steps of a solve of robots of one plan, in all calls one of them, or after `reserve_batch` as many as fit in a SIMD
+/// batch, with contacts that are identical except for placements (`alike`).
 class SolvingBlocks {
  public:
   struct Robot {
@@ -92,20 +92,20 @@ class SolvingBlocks {
     // by the steps
     bool sound = false;  // where not, another way has to answer
     double smallest_row = 0,
-           motion = 0;                // evaluate: of the contacts on it alone; no row may be rounding beside the motion
+           motion = 0;                // evaluate: of the contacts on it alone; no row may be rounding relative to it
     double terms = 0, diagonal = 0;   // factor: the largest of the pivots' and of K's
     double r[2] = {}, scale[2] = {};  // correct, check: the largest of dynamics rows, contact rows
     double error = 0;                 // correct, check: componentwise backward error; NaN where any is
     rank::Contradiction<double> contradiction = {};  // finish
   };
-  /// Of the robots of a batch. next: memory of the batch after this one, which is prefetched meanwhile.
+  /// Memory of the robots of a batch. next: that of the batch after this one, which is prefetched meanwhile.
   struct Memory {
     double* at;
     const double* next;
   };
 
   virtual ~SolvingBlocks() = default;
-  /// Memory for robots side by side, from then on: one that stands alone needs none.
+  /// Makes memory for a SIMD batch, used from then on: a robot that is solved alone needs none.
   virtual void reserve_batch() = 0;
 
   // Robots alone: islands of their own, solved by LDL of K in the plan's order. Between calls the numbers of those last
@@ -204,10 +204,10 @@ struct Level {
 /// The one that options ask for; nullptr: none, or it does not run here.
 const Level* level_of(Lanes lanes);
 
-/// Whether contacts of one type on the same joints can be evaluated side by side: alike but for placements.
+/// Whether contacts of one type on the same joints can share a SIMD batch: they are identical except for placements.
 bool alike_rows(const Contact& x, const Contact& y);
-/// Whether robots of one structure with contacts of one shape on them can stand side by side: these are alike but for
-/// where ends are on their bodies, or stand in the world.
+/// Whether robots of one structure with contacts of one shape on them can share a SIMD batch: the contacts are
+/// identical except for the placements of their ends, on bodies or in the world.
 bool alike(const Scene& scene, std::span<const int> contacts_x, std::span<const int> contacts_y);
 
 }  // namespace manycontact::lanes

@@ -27,8 +27,7 @@ std::vector<Lanes> lanes_here() {
 namespace lanes {
 
 namespace {
-// Two ends of contacts on robots of one structure. Where they are on the body, or stand in the world, is each one's
-// own.
+// Whether two ends of contacts on robots of one structure agree. Their placements may differ.
 bool alike_ends(const Attachment& x, const Attachment& y) {
   return x.joint == y.joint && (x.robot < 0) == (y.robot < 0);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// SubtreeBatch in the lanes of S = Pack<W>, W of one shape side by side.
+// SubtreeBatch on packs S = Pack<W>, for W subtrees of one shape.
 
 #include "../robot_quantities.hpp"
 #include "arrays.hpp"
@@ -193,7 +193,7 @@ void SubtreeBatchOf<S>::act() {
   }
 }
 
-/// x += K^-1 r in the lanes that are open; r = b - K x, and how large it is beside |b| + |K| |x|; NaN where any is.
+/// x += K^-1 r in the elements that are open; r = b - K x, and its size relative to |b| + |K| |x|; NaN where any is.
 template <class S>
 S SubtreeBatchOf<S>::correct(Mask open) {
   step_ = left_;

@@ -1,7 +1,7 @@
 #pragma once
-// Subtrees of deep trees (kkt/bodies/subtrees.hpp) in SIMD lanes. A subtree between two held bodies is short, so
-// there it is solved and judged in joint space: K = [M J^T; J 0] of its coordinates is small, its order never changes,
-// and subtrees of one shape stand side by side.
+// Subtrees of deep trees (kkt/bodies/subtrees.hpp) in SIMD batches. A subtree between two constrained bodies is short,
+// so it is solved and judged in joint space: K = [M J^T; J 0] of its coordinates is small, its order never changes, and
+// subtrees of one shape share a batch.
 
 #include <memory>
 #include <span>

@@ -21,7 +21,7 @@ namespace manycontact {
 struct Workspace;
 
 struct Reduction {
-  /// What the pairs that may be reduced depend on, beside what SceneIdentity holds.
+  /// Terms that the pairs that may be reduced depend on, in addition to those of SceneIdentity.
   struct Terms {
     std::vector<char> constant_rows;  // per contact of the scene
     bool damped = false;

@@ -66,7 +66,7 @@ void add_damped_contradictions(const SceneData& data, double damping, const Redu
   });
 }
 
-// What the contacts of an island's pairs contradict each other by.
+// Inconsistency of the contacts of an island's pairs.
 struct PairContradiction {
   bool reduced = false, contradicts = false;
 };

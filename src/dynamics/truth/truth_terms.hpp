@@ -1,5 +1,5 @@
 #pragma once
-// What the two truths share: the terms of a scene in S, and the dense solution of one island.
+// The two truths share the terms of a scene in S, and the dense solution of one island.
 
 #include "../robot_quantities.hpp"
 #include "manycontact/contact/rows.hpp"

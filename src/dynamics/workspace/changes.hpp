@@ -1,11 +1,11 @@
 #pragma once
-// What of a scene may change under data in use (data.hpp), taken into scenes that data are made of inside.
+// Copies what may change of a scene under data in use (data.hpp) into the scenes that data make inside.
 
 #include "manycontact/model/scene.hpp"
 
 namespace manycontact::internal {
 
-/// What may change of a contact. The robots it is on stay.
+/// Copies what may change of a contact. Its robots stay.
 inline void take_changes(const Contact& from, Contact& to) {
   to.reference_frame = from.reference_frame;
   to.alpha = from.alpha, to.beta = from.beta;

@@ -6,7 +6,7 @@
 
 namespace manycontact {
 
-/// Memory of each of a scene's robots or contacts that an island needed: lanes have their own.
+/// Memory of each of a scene's robots or contacts that an island needed; SIMD batches have their own.
 template <class T>
 class OnDemand {
  public:

@@ -24,7 +24,7 @@ int default_threads() { return omp_get_max_threads(); }
 const int given_back_before_fork = pthread_atfork([] { omp_pause_resource_all(omp_pause_soft); }, nullptr, nullptr);
 #endif
 
-// The thread sanitizer does not see how libgomp's threads wait for each other; it is told.
+// The thread sanitizer does not see how libgomp's threads wait for each other, so it is notified.
 #ifdef __SANITIZE_THREAD__
 #define BEFORE(place) __tsan_release(place)
 #define AFTER(place) __tsan_acquire(place)

@@ -24,7 +24,7 @@ void run_items(int threads, std::ptrdiff_t count, Work& work) {
       [](void* context, std::ptrdiff_t item, int thread) { (*static_cast<Work*>(context))(item, thread); }, &work);
 }
 
-/// What ended a thread's work, and at which item.
+/// The exception that ended a thread's work, and its item.
 struct Failure {
   std::exception_ptr error;
   std::ptrdiff_t item = 0;

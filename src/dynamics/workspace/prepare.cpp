@@ -51,7 +51,7 @@ std::unique_ptr<IslandWork> take(const Scene& scene, Workspace& w, Island& islan
   return out;
 }
 
-// Memory of what islands are solved by first; lanes have their own.
+// Makes the memory of the systems that solve islands first; SIMD batches have their own.
 void make_first_systems(const Scene& scene, Workspace& w) {
   for (const auto& island : w.islands) {
     IslandWork& d = *island;
@@ -167,7 +167,7 @@ void internal::prepare_islands(const Scene& scene, const SceneData& data) {
   const bool all = !known || data.options.method == Method::kDenseSchur;
   w.has_islands = false;
   if (!w.reduction) keep_derivatives(w);  // with one, derivatives are not those of these islands
-  if (!same_options) {  // other factors, in other orders
+  if (!same_options) {                    // other factors, in other orders
     w.islands.clear();
     w.pool.clear();
     w.lanes = {};

@@ -30,7 +30,7 @@ std::string counts(const char* what, std::size_t was, std::size_t is) {
 
 }  // namespace
 
-// What may not change under data in use (data.hpp), as `contact` was and is. Null: nothing did.
+// Names what differs between `was` and `is` and may not change under data in use (data.hpp). Null: nothing differs.
 const char* SceneIdentity::changed(const OfContact& was, const Contact& is) {
   if (was.type != is.type) return "type";
   if (was.robot_A != is.A.robot || was.joint_A != is.A.joint) return "body A";

@@ -8,7 +8,7 @@ namespace manycontact {
 class SceneIdentity {
  public:
   explicit SceneIdentity(const Scene& scene);
-  /// What differs, for people; empty where nothing does.
+  /// The difference as a text; empty where there is none.
   std::string difference(const Scene& scene) const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// Threads inside one call on a scene's data, private to floor dynamics.
+// Threads inside one call on a scene's data, private to module dynamics.
 
 #include <optional>
 
@@ -30,10 +30,10 @@ inline bool are_worth_threads(const Workspace& w, double seconds) {
   return seconds >= w.worth_a_thread * static_cast<double>(w.threads.size());
 }
 /// work(island, its number, memory of the thread) for each island that no batch of robots alone has `done`; first those
-/// of which with_all_threads(island) holds, one after the other: they have their own use for all threads.
+/// for which with_all_threads(island) is true, one after the other: they use all threads themselves.
 template <class Done, class WithAllThreads, class Work>
 void each_island(Workspace& w, Done&& done, WithAllThreads&& with_all_threads, Work&& work) {
-  w.done.assign(w.islands.size(), 0);  // work may change what holds of an island
+  w.done.assign(w.islands.size(), 0);  // work may change these conditions
   for (std::size_t i = 0; i < w.islands.size(); ++i)
     if (with_all_threads(*w.islands[i])) {
       work(*w.islands[i], i, w.threads.front());

@@ -1,5 +1,5 @@
 #pragma once
-// The memory behind SceneData, private to floor dynamics. Each part says who writes it.
+// The memory behind SceneData, private to module dynamics. Each part names its writer.
 
 #include <map>
 #include <span>
@@ -51,9 +51,9 @@ struct IslandWork {
   bool joinable = true;              // false: its robots do not fit a RobotsSystem, or it cannot pay
   IslandSystem* answered = nullptr;  // gave the solution at hand, and gives its derivatives; nullptr: there is none
   bool answered_by(const IslandSystem* system) const { return system && answered == system; }
-  /// The answer came from a lane, and so may its derivatives and products.
+  /// The solution came from a SIMD batch, and so may its derivatives and products.
   bool served_in_lanes() const { return answered == &alone && alone.panel_is_safe; }
-  /// Its first way is by lanes, which need none of what the whole K is made of.
+  /// SIMD batches solve it first, which need none of the terms of the whole K.
   bool stands_in_lanes() const { return alone.group || (robots && robots->solves); }
   int depended = 0;        // so many rows depended on others at the start (dynamics/keep_dependent.hpp)
   int factorizations = 0;  // of K, whole or robot by robot, since that began
@@ -136,8 +136,8 @@ struct Workspace {
   OnDemand<ContactData<double>> contacts;  // at the bias accelerations
   std::vector<std::uint64_t> rows_state;   // per contact: the state these are of
 
-  // Of pairs (contact/pair_rows.hpp), by who evaluates their rows at the state: ContactData::left, at left_offset of
-  // the contact; -1: it is none.
+  // ContactData::left of pairs (contact/pair_rows.hpp), by who evaluates their rows at the state, at left_offset of the
+  // contact; -1: it is no pair
   std::vector<int> left_offset;
   std::vector<double> left;
 
@@ -161,13 +161,13 @@ namespace internal {
 
 /// Throws std::invalid_argument, in the name of `function`, where data are not of this scene.
 void check_scene(const Scene& scene, const SceneData& data, const char* function);
-/// The same, and std::logic_error unless data holds a solution of the contacts now active.
+/// The same, and std::logic_error unless data contain a solution of the contacts now active.
 void check_solved(const Scene& scene, const SceneData& data, const char* function);
 /// The same, and std::logic_error where its contacts were asked for accelerations (dynamics/solve_prescribed.hpp).
 void check_not_prescribed(const Scene& scene, const SceneData& data, const char* function);
 void check_size(const char* function, const char* what, Eigen::Index given, Eigen::Index expected);
 
-/// x of n numbers, whatever it held: Eigen's own resize leaves an array freed when memory runs out.
+/// x of n numbers, whatever it contained: Eigen's own resize leaves an array freed when memory runs out.
 template <class Matrix>
 void remake(Matrix& x, Eigen::Index rows, Eigen::Index cols = 1) {
   if (x.rows() == rows && x.cols() == cols) return;

@@ -73,8 +73,8 @@ void RobotBlock<S, Low>::apply_inverse(S* x) {
     if (dependent_) dependent_->project_out(x);
 }
 
-/// x += K^-1 r in the lanes that are open. Where no entry moves by more than tolerance::kSameSize of itself: there |K|
-/// |x| stays what it is, but for as much.
+/// x += K^-1 r in the elements that are open. Returns where no entry moves by more than tolerance::kSameSize of itself:
+/// there |K| |x| changes by no more either.
 template <class S, class Low>
 typename S::Mask RobotBlock<S, Low>::correct(Mask open) {
   std::copy_n(r_.data(), rows_, n_.w);
@@ -107,7 +107,7 @@ S RobotBlock<S, Low>::backward_error() {
   return componentwise_error<S>(r, scale_.data());
 }
 
-/// The same after `correct`, which says where scale need not be computed again.
+/// The same after `correct`, whose mask shows where scale need not be computed again.
 template <class S, class Low>
 S RobotBlock<S, Low>::residual(Mask same_sizes) {
   if (same_sizes.all()) {
@@ -120,7 +120,7 @@ S RobotBlock<S, Low>::residual(Mask same_sizes) {
   return backward_error();
 }
 
-/// x = K^-1 b, each lane refined as if it stood alone (sparse/refine.hpp).
+/// x = K^-1 b, each element refined as if it were solved alone (sparse/refine.hpp).
 template <class S, class Low>
 void RobotBlock<S, Low>::refine() {
   if constexpr (!kLow)
@@ -166,8 +166,8 @@ void RobotBlock<S, Low>::report(const Job& job, Robots robots, std::span<Answer>
   }
 }
 
-/// Whether rounding of a damped row's terms is little beside the forces (kInDoubt), or a thousandth of the loads'
-/// terms.
+/// Whether rounding errors of a damped row's terms are small relative to the forces (kInDoubt), or to a thousandth of
+/// the loads' terms.
 template <class S, class Low>
 typename S::Mask RobotBlock<S, Low>::plainly_damped(double damping) const {
   if (!(damping > 0)) return all();
@@ -182,7 +182,7 @@ typename S::Mask RobotBlock<S, Low>::plainly_damped(double damping) const {
 
 // ---- rows that depend on each other (systems/matrix/fallbacks.cpp) ------------------------------------------------
 
-/// What rows of J are judged beside, and what their contradictions are.
+/// Computes the sizes that rows of J and their inconsistency are judged relative to.
 template <class S, class Low>
 void RobotBlock<S, Low>::size_rows(const Scene& scene, Robots robots) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
@@ -238,7 +238,7 @@ void RobotBlock<S, Low>::report_dependence(Robots robots, std::span<Answer> answ
   }
 }
 
-/// A lane's x = [a; -f] into the scene's a and f.
+/// Writes one robot's x = [a; -f] into the scene's a and f.
 template <class S, class Low>
 void RobotBlock<S, Low>::scatter(const Scene& scene, const std::vector<int>& f_offset, const Robot& robot, int lane,
                                  double* a, double* f) const {

@@ -1,7 +1,7 @@
 #pragma once
-// Contact rows that depend on each other, of robots side by side: rank/dependent_rows.hpp for all lanes at once, with
-// the rows that are dropped given. Whether these are the rows that ldl_factor_dependent drops each lane is asked for
-// itself (`hold`); where they are not, another way has to answer.
+// Redundant contact rows of robots in a SIMD batch: rank/dependent_rows.hpp for all elements at once, with the rows to
+// drop given. `hold` checks for each element whether these are the rows that ldl_factor_dependent drops; where they are
+// not, another system has to solve.
 
 #include <limits>
 #include <span>
@@ -40,11 +40,11 @@ class DependentRows {
     gram_ = N_ + nv_ + count * rows;
     columns_ = reinterpret_cast<int*>(gram_ + count * count);
   }
-  /// What row k of J, in K's order, is judged beside (rank/row_size.hpp); to be set before `hold`.
+  /// The size that row k of J, in K's order, is judged relative to (rank/row_size.hpp); to be set before `hold`.
   S& row_size(int k) const { return row_size_[k]; }
-  /// The largest term that its a0 is computed from (contact_drift), which its contradiction is judged beside.
+  /// The largest term that its a0 is computed from (contact_drift), which its inconsistency is judged relative to.
   S& row_terms(int k) const { return row_terms_[k]; }
-  /// Of row k, what project_out kept.
+  /// The part of row k that project_out kept.
   const S& null_component(int k) const { return null_component_[k]; }
 
   /// Before K is factorized: the rows dropped as if they were damped beyond all numbers, which leaves the others as
@@ -82,7 +82,7 @@ class DependentRows {
     return out;
   }
 
-  /// What residuals are judged beside (rank::scale_of_dependent), of all rows, into `judged`.
+  /// Computes the sizes that residuals of all rows are judged relative to (rank::scale_of_dependent), into `judged`.
   void scale_of_dependent(const S* scale, S* judged) {
     std::copy_n(scale, rows_, judged);
     for (std::size_t c = 0; c < dropped_.size(); ++c) {
@@ -129,12 +129,12 @@ class DependentRows {
  private:
   int diagonal(int k) const { return pattern_.K.p[k + 1] - 1; }
   S& N(std::size_t c, int row) { return N_[c * static_cast<std::size_t>(rows_ - nv_) + row]; }
-  /// Rows of column c of N that are other than zero in any lane, that dropped first; their number before them.
+  /// Rows of column c of N that are not zero in any element, the dropped row first; their number precedes them.
   int* counted(std::size_t c) { return columns_ + c * static_cast<std::size_t>(rows_ - nv_ + 1); }
   std::span<const int> column(std::size_t c) { return {counted(c) + 1, static_cast<std::size_t>(*counted(c))}; }
   void begin_column(std::size_t c) { counted(c)[0] = 1, counted(c)[1] = dropped_[c]; }
 
-  /// Of a row of J, its largest entry.
+  /// The largest entry of a row of J.
   S largest_entry(const S* K, int k) const {
     S size(0);
     for (int p = pattern_.K.p[k]; p < pattern_.K.p[k + 1]; ++p)
@@ -142,7 +142,7 @@ class DependentRows {
     return size;
   }
 
-  /// Whether ldl_factor_dependent would drop these rows, by a margin (kkt/factor/dependent_rows.cpp says why).
+  /// Whether ldl_factor_dependent would drop these rows, by a margin (see kkt/factor/dependent_rows.cpp).
   Mask same_rows(const S* K, const S* L, const S* D, const S* pivot_terms) const {
     Mask good = S(0) <= S(0);
     rank::PassedOn<S> passed_on;
@@ -191,7 +191,7 @@ class DependentRows {
         x_[s.Rj[p]] = subtract_product(L[s.Rk[p]], z, x_[s.Rj[p]]);
     }
   }
-  /// Entry j of the column, -z, where any lane has one; z as it stands there.
+  /// Stores entry j of the column, -z, where any element has one; returns z as stored.
   S keep_entry(std::size_t c, int j, S z) {
     z = select(abs(z) <= S(tolerance::kNullEntry), S(0), z);
     if ((abs(z) <= S(0)).all()) return z;
@@ -201,7 +201,7 @@ class DependentRows {
     return z;
   }
 
-  /// left <- J_k - sum_j z_j J_j; its largest entry, beside the sizes of the rows. NaN where any is.
+  /// left <- J_k - sum_j z_j J_j; returns its largest entry relative to the sizes of the rows. NaN where any is.
   S residual(std::size_t c, const S* K) {
     std::fill(left_.begin(), left_.end(), S(0));
     S size(0), largest(0), sum(0);
@@ -215,7 +215,7 @@ class DependentRows {
     return select(largest > S(0), largest / size, sum);
   }
 
-  /// z += K_kept^-1 of what z leaves, in the lanes that are open: where the pivots kept were too small for l_k to be
+  /// z += K_kept^-1 of what z leaves, in the elements that are open: where the pivots kept were too small for l_k to be
   /// accurate.
   template <class Solve>
   void refine_column(std::size_t c, Mask open, Solve&& solve) {

@@ -1,7 +1,7 @@
 #pragma once
-// Derivatives of robots side by side: dynamics/differentiate.cpp for all lanes at once. Of robots joined to others, the
-// columns of their own part: K_r^-1 [E, B_r], B_r what their own coordinates and torques do, E forces on the bodies
-// that contacts join (dynamics/systems/robots/derivatives.cpp).
+// Derivatives of robots in a SIMD batch: dynamics/differentiate.cpp for all elements at once. For robots joined to
+// others these are the columns of their own part: K_r^-1 [E, B_r], B_r of their own coordinates and torques, E of
+// forces on the bodies that contacts join (dynamics/systems/robots/derivatives.cpp).
 
 #include <functional>
 #include <numeric>
@@ -95,7 +95,7 @@ void RobotBlock<S, Low>::find_places() {
       if (places(i, j)) places_.push_back({i, j, of_tree(i, j)});
 }
 
-/// What never changes of right-hand sides, and in which chunks of columns they are solved.
+/// Finds the constant entries of right-hand sides, and the chunks of columns in which they are solved.
 template <class S, class Low>
 void RobotBlock<S, Low>::find_reach(const DerivativeJob& job) {
   const int size = rows_, ld = job.columns;
@@ -130,8 +130,8 @@ void RobotBlock<S, Low>::find_reach(const DerivativeJob& job) {
   q_first_ = job.q_first;
 }
 
-/// Bands of columns whose answers stay in the second cache; in each, chunks of parts that reach much the same rows.
-/// reach: of each part, in the pattern's order. Memory, and where right-hand sides and answers stand in it.
+/// Bands of columns whose solutions stay in the second cache; in each, chunks of parts that reach much the same rows.
+/// reach: of each part, in the pattern's order. Makes memory, and places of right-hand sides and solutions in it.
 template <class S, class Low>
 auto RobotBlock<S, Low>::form_chunks(std::span<const std::vector<char>> reach, int ld) -> std::vector<Chunk> {
   constexpr std::size_t kBand = 1 << 19;  // bytes
@@ -230,7 +230,7 @@ void RobotBlock<S, Low>::right_sides(const DerivativeJob& job, Robots robots) {
   }
 }
 
-/// Lanes in which every column of every panel has a backward error of no more than kRefinePanel as it comes from the
+/// Elements in which every column of every panel has a backward error of no more than kRefinePanel as it comes from the
 /// factor: |dK|_1 / |K|_1 of sparse::ldl_rounding.
 template <class S, class Low>
 typename S::Mask RobotBlock<S, Low>::accurate_unrefined(const S* L) {
@@ -253,7 +253,7 @@ const S* RobotBlock<S, Low>::inner_L() {
   return inner_L_.data();
 }
 
-/// [da; df] = K^-1 B, into the panels of the lanes that are plain.
+/// [da; df] = K^-1 B, into the panels of the elements that are plain.
 template <class S, class Low>
 void RobotBlock<S, Low>::solve_panels(const S* L, std::span<const Panel> panels, Mask plain, bool non_temporal) {
   for (int k = 0; k < rows_; ++k) inverse_[k] = S(1) / n_.D[k];
@@ -269,8 +269,8 @@ void RobotBlock<S, Low>::solve_panels(const S* L, std::span<const Panel> panels,
   if (non_temporal) sparse::kernel::finish_streams();
 }
 
-/// What the chunks of a band left in work_, to the panels, which start at a cache line and whose rows are multiples of
-/// it.
+/// Copies the solutions of a band's chunks from work_ to the panels, which start at a cache line and whose rows are
+/// multiples of it.
 template <class S, class Low>
 template <class Put>
 void RobotBlock<S, Low>::write(const Band& band, std::span<const Panel> panels, Mask plain, Put&& put) {
@@ -424,7 +424,7 @@ void RobotBlock<S, Low>::subtract_least_norm_columns(std::size_t chunk, Number* 
   if (any) dependent_->template subtract_null_component<N>(D, X);
 }
 
-/// X + K^-1 (B - K X) of one lane, X = K^-1 B.
+/// X + K^-1 (B - K X) of one robot, X = K^-1 B.
 template <class S, class Low>
 void RobotBlock<S, Low>::solve_refined(const S* L, int lane, const Panel& panel, int columns) {
   const auto take = [lane](const S* from, std::vector<double>& to) {

@@ -77,7 +77,7 @@ void RobotBlock<S, Low>::factor(Robots robots, Memory memory) {
   begin(robots);
 }
 
-/// What the elimination leaves of K in the border, and the terms of that.
+/// Stores the Schur complement that the elimination leaves in the border, and its terms.
 template <class S, class Low>
 void RobotBlock<S, Low>::store_schur_complement(Robots robots) {
   S* to = border_.data();

@@ -1,5 +1,5 @@
 #pragma once
-// Products with the derivatives of robots alone: derivatives/products.cpp for all lanes at once.
+// Products with the derivatives of robots alone: derivatives/products.cpp for a whole SIMD batch.
 
 #include "manycontact/spatial/products.hpp"
 #include "robot_block.hpp"

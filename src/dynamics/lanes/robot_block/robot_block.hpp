@@ -1,7 +1,7 @@
 #pragma once
-// W robots of one plan (block.hpp), side by side in the lanes of S = Pack<W>: the steps of a solve
-// (systems/matrix/evaluate.cpp, kkt/factor/ldl.cpp, kkt/factor/refined.cpp), each for all lanes at once. The class is
-// here; beside it what robots are given (terms.hpp), how robots alone are solved and judged (alone.hpp), robots joined
+// A SIMD batch of W robots of one plan (block.hpp) on packs S = Pack<W>: the steps of a solve
+// (systems/matrix/evaluate.cpp, kkt/factor/ldl.cpp, kkt/factor/refined.cpp), each for all robots at once. The class is
+// here. Other headers have the robots' inputs (terms.hpp), solves and checks of robots alone (alone.hpp), robots joined
 // to others (joined.hpp), the solution once more (linearise.hpp), and derivatives and products from there.
 
 #include <algorithm>
@@ -37,9 +37,9 @@ template <class S, class Low = S>
 class RobotBlock {
  public:
   static constexpr int W = S::width;
-  /// Of floats: they solve robots alone, without rows that depend on others, and do no more (single.hpp).
+  /// Whether all numbers are floats: these solve only robots alone, without redundant rows (single.hpp).
   static constexpr bool kSingle = std::is_same_v<typename S::Element, float>;
-  /// Floats for the factor alone: solves of robots alone and joined, without rows that depend on others.
+  /// Whether the factor alone is in floats: for solves of robots alone and joined, without redundant rows.
   static constexpr bool kMixed = !std::is_same_v<S, Low>;
   static constexpr bool kLow = kSingle || kMixed;
   using Mask = typename S::Mask;
@@ -108,8 +108,8 @@ class RobotBlock {
     for (int k = 0; k < count; ++k) to[k] = static_cast<To>(from[k]);
   }
 
-  /// Of a panel: columns at a time; those of them in registers, four rows of each; and those of a part, which stand
-  /// beside each other in the panel.
+  /// Columns of a panel: those worked at a time; of these those in registers, four rows of each; and those of a part,
+  /// which are adjacent in the panel.
   struct Columns {
     int at_a_time, in_registers, of_part;
   };
@@ -242,7 +242,7 @@ class RobotBlock {
                                      (64 - reinterpret_cast<std::uintptr_t>(work_.data()) % 64) % 64 / sizeof(double));
   }
   const Contact& contact(std::size_t k) const { return plan_->scene.contacts[k]; }
-  /// Where the rows of a contact stand in K.
+  /// Places of the rows of a contact in K.
   const int* rows_of(std::size_t k) const { return pattern_.iperm.data() + model_->nv + plan_->island.row_offset[k]; }
   auto diagonal() const {
     return [this](std::size_t k) { return static_cast<Low>(n_.K[pattern_.K.p[k + 1] - 1]); };
@@ -256,11 +256,11 @@ class RobotBlock {
     else
       return {__builtin_convertvector(of.bits, typename S::Int)};
   }
-  /// Lanes without a robot of their own repeat the last one.
+  /// Elements without a robot of their own repeat the last one.
   static const Robot& in_lane(Robots robots, int lane) {
     return robots[std::min<std::size_t>(static_cast<std::size_t>(lane), robots.size() - 1)];
   }
-  /// at(robot in its scene, robot) of each, an array of `count`, into the lanes of `to`.
+  /// Loads at(robot in its scene, robot) of each, an array of `count`, into the elements of `to`.
   template <class At>
   static void load_each(const Scene& scene, Robots robots, int count, S* to, At&& at) {
     const double* from[kMostInBatch];
@@ -290,7 +290,7 @@ class RobotBlock {
   std::vector<BodySizes> body_sizes_;
   std::vector<float> signs_;  // per row of K: 1 or -1
   std::vector<std::array<StandingEnd<S>, 2>>
-      standing_;                                // per contact on the robots alone: A, B, where they stand still
+      standing_;                                // per contact on the robots alone: A, B, where they do not move
   std::vector<std::array<SE3<S>, 2>> on_body_;  // and the frames on the bodies where they move
   Mask usable_;                                 // q, v, tau are finite, quaternions of unit length ...
   ModelNumbers<S> own_model_;                   // where the robots are not all of the plan's model
@@ -334,7 +334,7 @@ class RobotBlock {
   std::vector<S> inner_L_;     // L without the border's rows
   std::vector<S> packed_;      // sparse::ldl_pack
   std::vector<S> inverse_;     // of the pivots
-  std::vector<double> Lx_, Dx_, Kx_;      // one lane's
+  std::vector<double> Lx_, Dx_, Kx_;      // one robot's
   std::vector<Piece> pieces_;             // of all columns
   std::vector<double> work_;              // a band, chunk after chunk; of solve_refined
   double rounding_;                       // sparse::ldl_rounding

@@ -43,7 +43,7 @@ void RobotBlock<S, Low>::load_model(const Scene& scene, Robots robots) {
   load(model_->nv, own_model_.armature.data(), [](const Model& m) { return m.armature.data(); });
 }
 
-/// Where the ends of contacts are: on their bodies, or where they stand.
+/// Loads the placements of contacts' ends: on their bodies, or where they do not move.
 template <class S, class Low>
 void RobotBlock<S, Low>::load_ends(const Scene& scene, Robots robots) {
   static_assert(sizeof(StandingEnd<double>) == 15 * sizeof(double) && sizeof(StandingEnd<S>) == 15 * sizeof(S));
@@ -144,7 +144,7 @@ void RobotBlock<S, Low>::evaluate_rows(const Scene& scene, Robots robots) {
   }
 }
 
-/// What the contacts of pairs contradict each other by.
+/// Stores the inconsistency of the contacts of pairs.
 template <class S, class Low>
 void RobotBlock<S, Low>::store_left(const Job& job, Robots robots) const {
   double* to[kMostInBatch];
@@ -156,8 +156,8 @@ void RobotBlock<S, Low>::store_left(const Job& job, Robots robots) const {
                    }));
 }
 
-/// The smallest row of J, and the largest motion that rows are picked from: rows that are nothing but rounding beside
-/// that no pivot shows.
+/// Finds the smallest row of J, and the largest motion that rows are picked from: no pivot shows rows that are only
+/// rounding error relative to it.
 template <class S, class Low>
 void RobotBlock<S, Low>::check_rows(const Scene& scene, Robots robots) {
   smallest_row_ = S(std::numeric_limits<double>::infinity()), motion_ = S(0);
