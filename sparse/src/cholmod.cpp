@@ -61,7 +61,7 @@ std::vector<int> permuted_slots(const UpperCsc& A, const std::vector<int>& iperm
   return from;
 }
 
-// The lower triangle by columns, i.e. the upper one by rows, and where its values stand in the upper one.
+// The lower triangle by columns, i.e. the upper one by rows, and the places of its values in the upper one.
 UpperCsc transposed(const UpperCsc& A, std::vector<int>& from) {
   UpperCsc T;
   T.n = A.n;
@@ -146,7 +146,7 @@ struct Cholmod::Impl {
   const CholmodSymbolic::Impl& symbolic;
   Common common;
   cholmod_factor* factor = nullptr;
-  std::vector<double> values;  // of `triangle`, where they are not the caller's as they stand
+  std::vector<double> values;  // of `triangle`, where they are not the caller's unchanged
   int most_cols;               // solved for at once: as LDL' does in any case, or enough for the BLAS
   std::vector<double> b;       // right-hand sides, permuted
   cholmod_dense *X = nullptr, *Y = nullptr, *E = nullptr;  // solve2's result and workspace

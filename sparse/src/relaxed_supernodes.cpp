@@ -11,7 +11,7 @@ namespace {
 
 int count(const LdlSymbolic& L, int k) { return L.Lp[k + 1] - L.Lp[k]; }
 
-// Those of which `leading` has more rows than L: there it was relaxed.
+// Flags columns that have more rows in `leading` than in L: there they were relaxed.
 std::vector<char> nested_like(const LdlSymbolic& leading, const LdlSymbolic& L) {
   std::vector<char> nested(L.n, 0);
   for (int k = 0; k < leading.n; ++k) {
@@ -37,8 +37,8 @@ void find_rows(LdlSymbolic& L) {
     }
 }
 
-// Column k takes the pattern of column k + 1, its parent, which holds its own. What it takes goes no further: the
-// parent has it.
+// Column k takes the pattern of column k + 1, its parent, which contains its own. Rows so added go no further: the
+// parent has them.
 void nest(const std::vector<char>& nested, LdlSymbolic& L) {
   std::vector<int> size(L.n), Lp(L.n + 1, 0);
   for (int k = L.n - 1; k >= 0; --k) size[k] = nested[k] ? size[k + 1] + 1 : count(L, k);

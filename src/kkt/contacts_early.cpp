@@ -55,7 +55,7 @@ Numbers numbers_at(const Scene& scene, const Island& island, const IslandSupport
   return numbers;
 }
 
-// Rows of unit length: what coordinates give a row is judged beside all that moves it.
+// Rows of unit length: the part that coordinates give a row is judged relative to all that moves it.
 std::vector<Eigen::MatrixXd> of_unit_rows(std::vector<Eigen::MatrixXd> J) {
   for (Eigen::MatrixXd& rows : J)
     for (auto row : rows.rowwise())
@@ -83,8 +83,8 @@ std::vector<int> robots_by_degree(const Scene& scene, const Island& island) {
 }
 
 // Bodies that placed contacts fix to each other: a contact of six rows fixes its two bodies. The rows of any further
-// contact between bodies of one cluster are sums of rows placed already. What elimination leaves of them is zero in any
-// order, so that these contacts need not wait for coordinates.
+// contact between bodies of one cluster are sums of rows placed already. They are zero after elimination in any order,
+// so that these contacts need not wait for coordinates.
 class Clusters {
  public:
   Clusters(const Scene& scene, const Island& island) : scene_(scene), island_(island), first_{1} {
@@ -135,8 +135,8 @@ class Clusters {
 };
 
 // A contact is ready once the eliminated coordinates of its own, not yet used up by another, move it in as many
-// directions as it has rows, by `distinct` at least; it uses up those that do it best. J: of unit rows, in postures in
-// all of which that must hold.
+// directions as it has rows, by `distinct` at least; it uses up those that do it best. J: of unit rows, in
+// configurations in all of which that must be so.
 std::vector<int> with_contacts(const Scene& scene, const Island& island, const IslandSupport& support,
                                const std::vector<std::vector<Eigen::MatrixXd>>& J, const std::vector<int>& robots,
                                double distinct) {
@@ -185,7 +185,7 @@ double cost(const sparse::UpperCsc& K, const std::vector<int>& perm) {
   return predicted_cost_ldl(K.n, sparse::ldl_count(sparse::permute(K, sparse::inverse(perm))));
 }
 
-// Of the last one legs are nearly straight.
+// In the last of these configurations legs are nearly straight.
 std::vector<Numbers> some_postures(const Scene& scene, const Island& island, const IslandSupport& support) {
   std::vector<Numbers> out;
   for (const auto& [mean, most] : {std::pair(0.3, 0.2), std::pair(0.0, 0.2), std::pair(0.0, 0.02)})
@@ -262,7 +262,7 @@ std::vector<int> contacts_early_order(const Scene& scene, const Island& island, 
     if (found != orders.end() || (least >= most && alone)) break;
   }
   if (island.contacts.size() < tolerance::kManyContacts || postures.empty()) return perm;
-  // Of many contacts on a hub a few are ill-placed in every test posture. It may be far cheaper to delay only these.
+  // With many contacts on a hub a few are always ill-placed in the tests. It may be far cheaper to delay only these.
   for (const Numbers& numbers : postures) J.push_back(of_unit_rows(numbers.J));
   auto [other, of_other] = std::move(orders_by(tolerance::kWaitDistinct).front());
   const double most_growth =

@@ -66,8 +66,8 @@ bool is_noise(const S& pivot, const S& terms, int rounding = tolerance::kRoundin
   return !(abs(pivot) > S(rounding) * std::numeric_limits<S>::epsilon() * terms);
 }
 
-// A = N^T M N, of which a pivot may be no more than rounding of the terms |N|^T |M| |N|, however large these are beside
-// A; or no more than what rounding of N's columns, which are of unit length, makes of M.
+// A = N^T M N, whose pivots may be only rounding errors of the terms |N|^T |M| |N|, however large these are relative to
+// A; or only those of N's columns, which are of unit length, times M.
 template <class S>
 bool sound_inertia(const DenseKkt<S>& kkt, const MatX<S>& A) {
   const MatX<S>&M = kkt.M, &N = kkt.N;
@@ -180,7 +180,7 @@ void solve(const DenseKkt<S>& kkt, const MatX<S>& b1, const MatX<S>& b2, MatX<S>
     return;
   }
   solve_once<S>(kkt, b1, b2, a, f);
-  // What least squares leaves of r2 is orthogonal to J's range and changes nothing.
+  // The least-squares residual of r2 is orthogonal to J's range and changes nothing.
   const MatX<S> r1 = b1 - kkt.M * a + kkt.J.transpose() * f, r2 = b2 - kkt.J * a - kkt.delta * f;
   MatX<S> da, df;
   solve_once<S>(kkt, r1, r2, da, df);

@@ -89,9 +89,9 @@ std::vector<char> robots_furthest_from_ground(const Scene& scene, const Island& 
 
 namespace {
 
-// A row more, after all others, which the joints of the robots furthest from the ground have entries in: whatever order
-// is as good as another eliminates a tower from the ground on, where what is held stays at rest. From the free end on the
-// inertia of all above would pass through the pivots of each contact below.
+// One more row, after all others, which the joints of the robots furthest from the ground have entries in: an order
+// that is otherwise as good eliminates a tower from the ground on, where constrained bodies stay at rest. From the free
+// end on the inertia of all above would pass through the pivots of each contact below.
 sparse::UpperCsc with_row_of_furthest(const Scene& scene, const Island& island, const sparse::UpperCsc& K) {
   const std::vector<char> furthest = robots_furthest_from_ground(scene, island);
   sparse::UpperCsc out = K;

@@ -160,8 +160,8 @@ void add_structure(const Scene& scene, const Island& island, Words& key) {
   }
 }
 
-// What the order contacts-early sees beside that: the models' numbers, and what IslandShape keeps of the contacts'
-// places and axes.
+// Further words for the order contacts-early: the models' numbers, and those of the contacts' places and axes that
+// IslandShape keeps.
 void add_places(const Scene& scene, const Island& island, Words& key) {
   for (int r : island.robots) key.push_back(reinterpret_cast<std::uint64_t>(scene.robots[r].model.get()));
   const auto add = [&key](const auto& numbers) {
@@ -177,7 +177,7 @@ void add_places(const Scene& scene, const Island& island, Words& key) {
   }
 }
 
-// Of both, at most.
+// Reserves the most words of both.
 void reserve(const Island& island, Words& key) {
   key.reserve(2 + 2 * island.robots.size() + 54 * island.contacts.size());
 }
@@ -185,8 +185,8 @@ void reserve(const Island& island, Words& key) {
 }  // namespace
 
 const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const Island& island, bool by_places) {
-  // The shapes that any cache of the program holds, so that data of one scene, as the nodes of a horizon are, read the
-  // same analyses, which stay in the processor's caches. By a key that names a shape's models while these live.
+  // The shapes in all caches of the program, so that data of one scene, such as the nodes of a horizon, read the same
+  // analyses, which stay in the processor's caches. The key names a shape's models while these live.
   static Interned<IslandShape> at_hand;
   key_.clear();
   reserve(island, key_);

@@ -27,7 +27,7 @@ int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s
   rows.turned.clear();
   rows.inverse.resize(s.n);
   rows.noise.resize(s.n);
-  double* y = w.Y.data();  // may hold anything: entry j is zero from step j on, between rows
+  double* y = w.Y.data();  // may have any value: entry j is zero from step j on, between rows
   for (int k = 0; k < s.n; ++k) {
     // row k of L: L(0:k-1, 0:k-1) D l_k = K(0:k-1, k)
     double size = 0;  // of J's row
@@ -74,7 +74,7 @@ int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s
 
 namespace {
 
-// residual <- J_k - sum_j z_j J_j for the last column of N; returns its largest entry, beside the sizes of the rows.
+// residual <- J_k - sum_j z_j J_j for the last column of N; returns its largest entry relative to the rows' sizes.
 // Entries are zero but for those touched.
 double dependence_residual(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M,
                            const double* row_scale, DependentRows& rows) {
@@ -100,7 +100,7 @@ double dependence_residual(const sparse::UpperCsc& K, const double* Kx, std::spa
 
 bool is_turned(const DependentRows& rows, int k) { return !rows.turned.empty() && rows.turned[k]; }
 
-// Where J's entries in rows of M after them stand.
+// Finds J's entries in rows of M after them.
 void take_later_entries(const sparse::UpperCsc& K, std::span<const char> of_M, DependentRows& rows) {
   rows.Jp.assign(K.n + 1, 0);
   rows.M_first = std::is_sorted(of_M.begin(), of_M.end(), std::greater<>());
@@ -219,7 +219,7 @@ void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
 
 // [Z; 1] of a cluster, a column for each of its kept rows.
 void take_complement(DependentRows& rows, DependentRows::Cluster& cluster) {
-  std::vector<int>& place = rows.owner;  // of kept rows: where the next entry of their column stands
+  std::vector<int>& place = rows.owner;  // of kept rows: the place of the next entry of their column
   const int* kept = rows.cluster_rows.data() + cluster.row + cluster.count;
   for (int j = 0; j < cluster.size; ++j) place[kept[j]] = 1;
   const auto each = [&](auto&& use) {  // but the dropped rows' own
@@ -262,7 +262,7 @@ void take_basis(DependentRows& rows, DependentRows::Cluster& cluster) {
 // Columns of N that share rows belong together.
 void make_clusters(int n, DependentRows& rows) {
   const int d = static_cast<int>(rows.dropped.size());
-  // Of each row of K: a column with it, -1; then of each column: its cluster's first.
+  // per row of K: a column with it, -1; then per column: its cluster's first
   std::vector<int>& owner = rows.owner;
   owner.assign(n + d, -1);
   sparse::UnionFind sets(std::span<int>(owner).subspan(n));

@@ -154,10 +154,10 @@ void solve_refined(const LdlSchedule& schedule, const UpperCsc& A, const double*
   });
 }
 
-// Rows of H at a time, and columns: as many as registers hold.
+// Rows of H at a time, and columns: as many as fit in registers.
 constexpr int kHigh = kRegister == 8 ? 8 : 4, kWide = kRegister == 2 ? 4 : 3 * kRegister;
 
-// Rows a stride apart, and rows that stand anywhere.
+// Rows a stride apart, and rows at any place.
 struct Strided {
   std::ptrdiff_t ld;
   std::ptrdiff_t operator()(int i) const { return i * ld; }

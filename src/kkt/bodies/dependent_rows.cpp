@@ -35,20 +35,20 @@ void find_bases(const BodySystem& s, std::vector<Basis>& bases) {
   }
 }
 
-// Of a force on a body, how much moves any joint, beside its size.
+// Part of a force on a body that moves any joint, relative to its size.
 double moved_by(const V6& F, const Basis& basis) {
   double sum = 0;
   for (int k = 0; k < basis.rank; ++k) sum += std::pow(basis.Q.col(k).dot(F), 2);
   return std::sqrt(sum) / F.norm();
 }
 
-// use(row) for each row that moves no coordinate by more than rounding, until it says false.
+// use(row) for each row that moves no coordinate by more than rounding errors, until it returns false.
 template <class Use>
 void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& use) {
   const BodyPattern& p = *s.pattern;
   bool known = false;  // bases
   // Walks towards the base until an entry of J is plainly not zero; after kManyJoints a basis of the body's motions
-  // tells.
+  // decides.
   const auto moves = [&](int node, V6 G) {
     double largest = 0, size = 0;
     V6 sizes = G.cwiseAbs();
@@ -72,7 +72,7 @@ void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& us
     if (!moves(p.A[k], s.GA.col(k)) && !moves(p.B[k], s.GB.col(k)) && !use(k)) return;
 }
 
-// A row between a body and what stands still.
+// Whether an end of a row does not move.
 bool stands(const BodyPattern& p, int row) { return p.A[row] < 0 || p.B[row] < 0; }
 
 // Rows whose forces, times what `solve` finds, balance each other: no joint between the bodies that they are on feels
@@ -230,7 +230,7 @@ void balance_bodies(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
     if (p.parent[i] >= 0) x.force[p.parent[i]] += pairs::force_from(x.force[i], s.r[i]);
 }
 
-// Of the rows between node i and what stands still those that others on it say, the largest kept first.
+// Finds the rows between node i and what does not move that others on it span; of these the largest are kept first.
 void find_rows_others_say(const BodySystem& s, const BodyLdl& d, int i, std::vector<BodyDependence::OnBody>& rows) {
   const BodyPattern& p = *s.pattern;
   const auto share = [](const BodyDependence::OnBody& r) { return r.F.norm() / r.length; };
@@ -284,7 +284,7 @@ Reason factorize_dependent(const BodySystem& system, BodyLdl& d, BodyDependence&
   if (const Reason reason = factorize_bodies(system, d, nullptr, true); reason != Reason::kNone) return reason;
   const int kept = system.pattern->nc - static_cast<int>(d.found.size());
   if (d.found.empty() || kept > system.pattern->nv || !find_null_space(system, d, work)) return Reason::kSmallPivot;
-  return factorize_bodies(system, d);  // rows that hold bodies are fewer now
+  return factorize_bodies(system, d);  // fewer rows constrain bodies now
 }
 
 sparse::Refinement solve_dependent(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps,

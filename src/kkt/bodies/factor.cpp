@@ -23,14 +23,14 @@ sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySol
       [&] {
         backward_sweep(system, ldl, v.residual.r);
         error = correct_bodies(system, ldl, v.b, v.dx, v.x, v.residual);
-        // perhaps of equations whose terms are nothing beside the others
+        // perhaps of equations whose terms are tiny relative to the others
         if (error > tolerance::kRefined) error = backward_error(system, v.b, v.x, v.residual);
       });
 }
 
 namespace {
 
-// Of a column, of which most entries may be nothing but rounding beside the others: a torque may move nothing at all.
+// For a column, whose entries may be only rounding errors relative to the others: a torque may move nothing at all.
 double normwise(const BodyResidual& r) {
   const double left = std::max(r.dynamics, r.contact);
   return left == 0 ? 0 : left / std::max(r.dynamics_scale, r.contact_scale);

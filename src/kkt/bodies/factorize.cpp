@@ -197,11 +197,11 @@ double compliance(const V6& G, const V6& inverse) {
   return sum[0] + sum[1];
 }
 
-// Of a row's pivot beside all that joints gave it: rows eliminated before stiffened the bodies by up to `growth`, and
-// rounding of what they took away grows with its square; what joints gave the row, with the spread of their inertias.
-// What a small pivot is wrong by is as much larger in the rows after it (kkt/factor/pivots.hpp): least is the smallest
-// part left of the pivots before, at the same node, and below it where rows there are dropped. (Loops along a chain
-// leave less and less, and are right.)
+// Least part of a row's pivot relative to all that joints gave it: rows eliminated before stiffened the bodies by up to
+// `growth`, and rounding errors of what they took away grow with its square; those of what joints gave the row, with
+// the spread of their inertias. The error of a small pivot is as much larger in the rows after it
+// (kkt/factor/pivots.hpp): least is the smallest part left of the pivots before, at the same node, and below it where
+// rows there are dropped. (Loops along a chain leave less and less, and are right.)
 double least_left(const BodyLdl& d, int row, double least) {
   const double spread = d.most_inertia[row] / d.least_inertia[row];
   const double own = std::clamp(tolerance::kRowRounding * std::max(d.growth * d.growth, spread), tolerance::kPivotLeft,
@@ -293,8 +293,8 @@ bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
   return true;
 }
 
-// Whether a row from below is a combination of the rows that already hold body i (their span is Q): no joint below has
-// moved its body, and all of it is along Q.
+// Whether a row from below is a combination of the rows that already constrain body i (their span is Q): no joint below
+// has moved its body, and all of it is along Q.
 template <class Q>
 bool says_nothing_new(const BodyPattern& s, const BodyLdl& d, int i, Rows& at, int k, const Q& along) {
   const int row = at.row[k];

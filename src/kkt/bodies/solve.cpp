@@ -7,7 +7,7 @@ namespace {
 
 using V6 = Vec6<double>;
 
-// p and g_j of what comes from the children, the acceleration along the rows that hold node i put in (BodyHold).
+// p and g_j from the children, with the acceleration along the rows that constrain node i inserted (BodyHold).
 void backward_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const BodyPattern& s = *system.pattern;
   const BodyHold& h = d.hold[s.hold[i]];
@@ -91,7 +91,7 @@ void forward(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, i
   for (int k = 0; k < m; ++k) f += d.G[at + k] * x.rows[d.row[at + k]];
 }
 
-// y of the rows that hold node i, by its own equation.
+// y of the rows that constrain node i, by its own equation.
 void balance(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, int i, BodyVectors& x) {
   const BodyPattern& s = *system.pattern;
   const BodyHold& h = d.hold[s.hold[i]];

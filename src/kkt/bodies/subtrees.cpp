@@ -11,7 +11,7 @@ bool is_held_by_six(const BodyPattern& p, int i) {
   return p.hold[i] >= 0 && p.own_first[p.hold[i] + 1] - p.own_first[p.hold[i]] == 6;
 }
 
-// Those, unless a row joins what hangs below to another body.
+// Bodies constrained by six rows, unless a row joins the subtree below to another body.
 std::vector<char> find_cuts(const BodyPattern& p) {
   std::vector<char> cut(p.nodes, 0);
   for (int i = 0; i < p.nodes; ++i) cut[i] = is_held_by_six(p, i);
@@ -123,7 +123,7 @@ BodySubtrees split_bodies(const Island& island, const BodyPattern& whole) {
   std::vector<std::shared_ptr<const BodyPattern>> patterns;
   for (BodySubtree& subtree : out.subtrees) {
     BodyPattern p = pattern_of(whole, island, at, subtree);
-    std::vector<int> key{p.nodes};  // which says where each list ends
+    std::vector<int> key{p.nodes};  // determines where each list ends
     for (const std::vector<int>* list : {&p.parent, &p.ndof, &p.A, &p.B})
       key.insert(key.end(), list->begin(), list->end());
     const auto [found, is_new] = shapes.try_emplace(std::move(key), static_cast<int>(patterns.size()));

@@ -94,7 +94,7 @@ void motion_terms(const BodySystem& s, const BodyVectors& b, const BodyVectors& 
   }
 }
 
-// Passes over NaN, which `sum_` tells.
+// Passes over NaN, which `sum_` shows.
 void take_largest(double& largest, double x) {
   if (x > largest) largest = x;
 }

@@ -20,9 +20,9 @@ class DependentRowsFactor final : public Factor {
  public:
   Method method() const override { return Method::kSparseLdl; }
 
-  // A row of J with less than kPivotLeft left of its pivot may depend on the others (below 3e-6 of its length it does
-  // not point elsewhere). Whether it does in truth, J's rows themselves tell, far more sharply: what is left of them
-  // must be rounding; in between, the oracle decides.
+  // A row of J with less than kPivotLeft left of its pivot may depend on the others (below 3e-6 of its length it has no
+  // direction of its own). J's rows themselves decide far more sharply whether it does: what is left of them must be
+  // rounding errors; in between, the dense reference solver decides.
   Reason factorize(const KktMatrix& K, FactorScratch& scratch) override {
     if (ldl_.pattern != K.pattern) take(K.pattern);
     scratch.scale.resize(std::max<std::size_t>(scratch.scale.size(), K.size()));
@@ -154,7 +154,7 @@ class DependentRowsFactor final : public Factor {
     return true;
   }
   // Whether `drop` would drop the same rows, by the pivots of all; those of the rows dropped are what K's own would be.
-  // By a margin: both factors round otherwise, and where that decides it is for `drop` to tell.
+  // There is a margin: both factors round differently, and where that decides, `drop` must.
   bool drops_the_same(const KktMatrix& K, FactorScratch& scratch) const {
     return kept_are_sound(K, scratch, tolerance::kMargin) &&
            std::all_of(dependence_.dropped.begin(), dependence_.dropped.end(), [&](int k) {
@@ -190,7 +190,7 @@ class DependentRowsFactor final : public Factor {
       if (of_M_[A.i[p]]) own = std::max(own, std::abs(K.values[p]));
     return {false, d, terms, own, row_size_[k]};
   }
-  // What L leaves of row k's entry on the diagonal, and the sizes of the terms.
+  // The remainder of row k's entry on the diagonal after L, and the sizes of the terms.
   std::pair<double, double> rest_of(int k, double d) const {
     const sparse::LdlSymbolic& s = ldl_.pattern->ldl;
     double terms = std::abs(d);

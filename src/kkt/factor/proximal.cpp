@@ -29,7 +29,7 @@
 //                                         its coefficients: a larger delta enlarges it as many times. The pivot of any
 //                                         other row hardly depends on delta.
 //
-// The residual's own rounding, eps of b, becomes forces eps / delta large in the null space (beside S of 1), which
+// The residual's own rounding, eps of b, becomes forces eps / delta large in the null space (relative to S of 1), which
 // moves nothing: P f is taken out at the end. E keeps a vector of the null space but for a part of eps / delta
 // ("drift"), so that P is applied several times. Source: Rockafellar, SIAM J. Control Optim. 14 (1976), sec. 4; Gill,
 // Saunders, Shinnerl, SIAM J. Matrix Anal. Appl. 17 (1996).
@@ -156,8 +156,8 @@ class ProximalFactor final : public Factor {
     return true;
   }
 
-  // Judges rows by the size of their pivots beside delta, or where one is of a size that both kinds of rows may have,
-  // by how pivots change with delta. The answer does not depend on in_doubt_, which saves a factorization. False: the
+  // Judges rows by their pivots relative to delta, or where one is of a size that both kinds of rows may have,
+  // by how pivots change with delta. The result does not depend on in_doubt_, which saves a factorization. False: the
   // rank is in doubt.
   bool find_dependent_rows(FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
@@ -252,7 +252,7 @@ class ProximalFactor final : public Factor {
   double growth_ = 1;
   double drift_ = 0;                                         // of a vector that E keeps: what rounding makes of it
   int applications_ = 1;                                     // of E, until it is P
-  double left_ = 0;                                          // of J^T on the null space, beside the rows
+  double left_ = 0;                                          // of J^T on the null space, relative to the rows
   std::vector<double> b_, r_, scale_, w_, probes_, before_;  // scratch, in K's order
   std::vector<double> X_, B_, W_;                            // of panels: kChunk columns of all rows
   std::vector<char> nonzero_;
@@ -328,7 +328,7 @@ double ProximalFactor::left_of_probes(const FactorScratch& scratch) {
   return rows > 0 ? left : 0;
 }
 
-// What rounding makes of vectors that E keeps, beside them: the change of the probes once they are such vectors.
+// Rounding errors of vectors that E keeps, relative to them: the change of the probes once they are such vectors.
 void ProximalFactor::measure_drift() {
   double change = 0;
   for (std::size_t k = 0; k < probes_.size(); ++k)

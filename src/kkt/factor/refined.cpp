@@ -21,10 +21,10 @@ void restore(const KktPattern& p, KktVectors& v) {
   }
 }
 
-// What rows contradict each other by, P b1, is orthogonal to J's range. Rounding of b1's large entries hides how small
-// those of heavy rows (a turn beside a length of micrometres) are: P b1 -= (J^T)^+ J^T P b1, unless that is more than
-// rounding of b1: rows that were dropped all but depend on the others. v.x, v.r and v.scale are scratch here: the
-// answer is computed afterwards.
+// The inconsistency of the rows, P b1, is orthogonal to J's range. Rounding errors of b1's large entries hide how small
+// those of heavy rows (rotations, with lengths in micrometres) are: P b1 -= (J^T)^+ J^T P b1, unless that is more than
+// rounding errors of b1: rows that were dropped are only nearly dependent. v.x, v.r and v.scale are scratch here: the
+// solution is computed afterwards.
 void refine_contradiction(Factor& factor, const KktMatrix& K, KktVectors& v) {
   using sparse::largest;
   const double missed = largest(v.null_component), size = std::max(largest(v.b), missed);
@@ -74,7 +74,7 @@ sparse::Refinement Factor::solve_refined(const KktMatrix& K, KktVectors& v, int 
 
 namespace {
 
-// |K|_1 |X| + |B| column by column, and the largest |R| beside it. Sums: room for three rows.
+// |K|_1 |X| + |B| column by column, and the largest |R| relative to it. Sums: memory for three rows.
 double column_error(const KktMatrix& K, int ld, const double* B, const double* X, const double* R,
                     std::vector<double>& sums) {
   sums.resize(std::max<std::size_t>(K.size(), 3 * static_cast<std::size_t>(ld)));

@@ -2,8 +2,8 @@
 
 namespace manycontact::sparse {
 
-/// As long as it lives, OpenBLAS, where that is the BLAS at hand, works in one thread: its sums depend on their number.
-/// Of the whole program; not for two threads at a time.
+/// While it lives, OpenBLAS, if that is the BLAS in use, works in one thread: its sums depend on their number. It acts
+/// on the whole program; not for two threads at a time.
 class OneBlasThread {
  public:
   OneBlasThread();

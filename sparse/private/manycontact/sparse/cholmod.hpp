@@ -3,11 +3,11 @@
 // Rajamanickam, Algorithm 887: CHOLMOD (2008).
 //
 // Memory is taken by the constructors. After them kSimplicialLdl allocates nothing, nor does kSupernodalLlt to solve
-// for one column. What cannot be avoided there:
+// for one column. These allocations remain:
 //  * factorize: cholmod_super_numeric makes and frees its update matrix, two blocks;
 //  * where CHOLMOD is built with OpenMP, as Debian's is, that routine enters parallel regions for each supernode, and
 //    GNU's OpenMP takes and frees 1.5 KB for most of them (they run in one thread; others run in four, whatever
-//    OMP_NUM_THREADS says: OMP_THREAD_LIMIT=1 stops that);
+//    OMP_NUM_THREADS is: OMP_THREAD_LIMIT=1 stops that);
 //  * the BLAS takes memory as it likes: OpenBLAS does with several threads (not with OPENBLAS_NUM_THREADS=1), and for
 //    small products on machines with AVX-512.
 //
@@ -28,7 +28,7 @@ enum class CholmodKind {
 /// Whether kSupernodalLlt was built in (option MANYCONTACT_GPL).
 bool supernodal_available();
 
-/// What the pattern alone determines. Constant: any number of Cholmods may share one, in any number of threads.
+/// Analysis of the pattern alone. Constant: any number of Cholmods may share one, in any number of threads.
 class CholmodSymbolic {
  public:
   /// `order_rows`: let CHOLMOD choose the order (AMD); otherwise the rows stay as they are. Throws

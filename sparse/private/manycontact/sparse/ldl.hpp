@@ -9,7 +9,7 @@
 
 namespace manycontact::sparse {
 
-/// What the pattern alone determines. Constant; shared by all matrices of the pattern.
+/// Analysis of the pattern alone. Constant; shared by all matrices of the pattern.
 struct LdlSymbolic {
   int n = 0;
   std::vector<int> parent;      // elimination tree
@@ -31,7 +31,7 @@ struct LdlWorkspace {
 
 LdlSymbolic ldl_analyze(const UpperCsc& A);
 
-/// What that would find of L's size, as LdlSymbolic has it.
+/// L's size as that analysis would find it, in the terms of LdlSymbolic.
 struct LdlCounts {
   double nonzeros = 0, flops = 0;
   // once columns whose patterns are nearly one share it (sparse/relaxed_supernodes.hpp): blocks of columns, and the sum

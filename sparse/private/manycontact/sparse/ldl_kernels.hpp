@@ -3,8 +3,8 @@
 // to as many matrices of one pattern. A pack needs + - * /, unary -, V{} = 0, V(1.0), and multiply_add(a, b, c) =
 // a b + c and subtract_product(a, b, c) = c - a b rounded as those of double are, absolute(a), found by its namespace.
 //
-// Every lane of a pack sees the same operations in the same order as a double does: a matrix has the same factor, bit
-// for bit, alone and among others. Doubles are worked on several rows of a column at a time.
+// Each matrix of a pack sees the same operations in the same order as a double does: it has the same factor, bit for
+// bit, alone and among others. Doubles are worked on several rows of a column at a time.
 //
 // Compiled for several instruction levels too: templates only, plain memory, no other library.
 
@@ -185,8 +185,8 @@ inline void finish_streams() {
 #endif
 }
 
-/// What a sweep over a matrix asks for while it works: the same entries of another one of its pattern, so many bytes
-/// further, which is met next and is not in the nearest cache any more. By default nothing.
+/// Prefetches, during a sweep over a matrix, the same entries of another one of its pattern, so many bytes further.
+/// That matrix is next and no longer in the nearest cache. By default nothing is fetched.
 struct PrefetchNext {
   std::ptrdiff_t bytes;
   template <class V>
@@ -222,7 +222,7 @@ inline void in_chunks(int begin, int end, F&& f) {
   if constexpr (N > 1) in_chunks<N / 2>(begin, end, f);
 }
 
-/// t += sum over columns c of u[c stride] times the rows at x: of column c + 1 they stand `step - c` behind column c's.
+/// t += sum over columns c of u[c stride] times the rows at x: those of column c + 1 are `step - c` behind column c's.
 template <class V, int N>
 inline void accumulate(Tile<V, N>& t, const V* x, int step, const V* u, int stride, int columns) {
   for (int c = 0; c < columns; ++c, u += stride) {
@@ -259,7 +259,7 @@ void factor_block(int width, int below, V* L, V* D, V* scale) {
   }
 }
 
-/// What a block takes from columns of another one: N of them, which are rows a ... a+N-1 below it.
+/// Updates columns of another block: N of them, which are rows a ... a+N-1 below this one.
 template <int N, class V>
 inline void update_columns(const LdlSchedule& schedule, const LdlSchedule::Run& run, int a, int width, int below,
                            const V* L, const V* D, V* Lx, V* D_all, V* scale) {

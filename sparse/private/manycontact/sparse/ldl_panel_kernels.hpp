@@ -11,12 +11,12 @@ namespace manycontact::sparse {
 
 namespace kernel {
 
-/// Columns at a time, and rows: as many as the machine's registers hold, with room for those they meet.
+/// Columns at a time, and rows: as many as fit in the machine's registers, together with their operands.
 inline constexpr int kPanel = (kRegister == 8 ? 4 : 2) * kRegister, kPanelRows = LdlSchedule::kHigh;
 
 /// Rows r ... r+R-1 of a block whose column c (of begin ... end-1) starts at L_c: t -= L x, x the block's own rows.
-/// at: in Lx, row r of column `begin`, if there is any; column c + 1 of a row stands `step - c` behind column c's.
-/// Of N columns that stand beside each other, M.
+/// at: in Lx, row r of column `begin`, if there is any; column c + 1 of a row is `step - c` behind column c's.
+/// Works on M of N adjacent columns.
 template <int R, int N, int M, class V>
 [[gnu::always_inline]] inline void subtract_columns(Tile<V, M>* t, const V* Lx, int at, int step, int begin, int end,
                                                     const V* own) {
@@ -99,8 +99,8 @@ template <int R, int N, int M, class V, class Store>
 
 /// X = A \ X for N columns, M of them in registers at a time: X is n x N, in A's order. packed: of L (ldl_pack);
 /// inverse: of the pivots. Rows that `reached` does not flag are zero before they are divided by the pivots
-/// (ldl_scheduled_reach); those of a block none of whose rows it flags may hold anything. store(k, row k of the answer
-/// as a tile), as each is known, of M columns.
+/// (ldl_scheduled_reach); rows of a block without any flag may have any value. Calls store(k, row k of the solution as
+/// a tile) with M columns, as each row is known.
 template <int N, int M = N, class V, class Store>
 inline void solve_columns(const LdlSchedule& schedule, const V* Lx, const V* packed, const V* inverse,
                           const char* reached, V* X, Store&& store) {

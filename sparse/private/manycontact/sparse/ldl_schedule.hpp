@@ -67,7 +67,7 @@ struct LdlSchedule {
 /// symbolic: of A. Not compiled where targets would take more than four times the memory of L's pattern and values:
 /// scattered patterns without nesting columns, of which SuiteSparse's numeric phase needs no lists.
 LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& symbolic);
-/// Of the first `columns` columns alone. L and D end in the Schur complement on the others: its diagonal in D.
+/// The same for the first `columns` columns. L and D end in the Schur complement on the others: its diagonal in D.
 LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& symbolic, int columns);
 
 }  // namespace manycontact::sparse

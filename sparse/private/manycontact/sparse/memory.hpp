@@ -15,10 +15,10 @@ struct TooLarge : std::bad_alloc {
   char text_[120];
 };
 
-/// Doubles from a cache line's border on, in large pages where the system has them. What they hold is not kept.
+/// Doubles that start at a cache line, in large pages where the system has them. Their values are not kept.
 class LargeMemory {
  public:
-  /// Room for `count`; allocates where there was less.
+  /// Memory for `count`; allocates where there was less.
   void reserve(std::size_t count);
   double* data() const { return data_.get(); }
 

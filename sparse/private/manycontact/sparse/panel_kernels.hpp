@@ -35,8 +35,8 @@ struct PanelKernels {
   /// H = L^T R. L: depth x ldl, of which the first `rows` columns; R: depth x ld, H: rows x ld, of which the first
   /// `cols` columns, with ld >= cols a multiple of eight.
   void (*product)(const double* L, int ldl, const double* R, int depth, int rows, int cols, int ld, double* H);
-  /// The same where row k of R is R + from[k] ld and row i of H is H + to[i] ld. non_temporal: H, of more than these
-  /// hold, is not to go through them; then H starts at a cache line and ld is a multiple of eight.
+  /// The same where row k of R is R + from[k] ld and row i of H is H + to[i] ld. non_temporal: H, larger than the
+  /// caches, bypasses them; then H starts at a cache line and ld is a multiple of eight.
   void (*product_of_rows)(const double* L, int ldl, const double* R, const int* from, int depth, double* H,
                           const int* to, int rows, int cols, int ld, bool non_temporal);
   /// X <- L^-1 X (L^-T X) for the n x n factor of a Cholesky decomposition, by columns, column j at L + j ldl.

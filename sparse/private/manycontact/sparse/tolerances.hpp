@@ -1,6 +1,6 @@
 #pragma once
-// Every numeric threshold of the modules sparse, rank, kkt and dynamics that decides an answer, a way to it or the
-// memory for it. All are relative, so without unit, unless the comment says so; eps = 2.2e-16. "Used by" names the
+// Every numeric threshold of the modules sparse, rank, kkt and dynamics that decides a solution, a way to it or the
+// memory for it. All are relative, so without unit, unless the comment gives one; eps = 2.2e-16. "Used by" names the
 // functions that compare with it. The coefficients of predicted costs are in kkt/costs.hpp.
 
 #include <cstddef>
@@ -10,77 +10,76 @@ namespace manycontact::tolerance {
 
 // ---- pivots and rank ------------------------------------------------------------------------------------------
 
-/// Of a pivot, beside the terms it is computed from: |d| / (|A_kk| + sum l_kj^2 |d_j|). Rounding of the terms leaves
-/// n eps in the worst case, 1e-13 to 1e-12 for n of 1e3 to 1e4, and earlier pivots pass theirs on; below ten times that
-/// a small number cannot be told from none. Geometrically: a row of J that keeps less than sqrt(1e-11) = 3e-6 of its
-/// length does not point elsewhere than those before it.
-/// Used by: the judges of LDL, CHOLMOD, the Schur complement, dense-schur and the inertia's own LDL;
-/// ldl_factor_dependent (as a row that may depend on others, until the null space confirms it); least_norm_solution.
+/// Pivot relative to the terms it is computed from: |d| / (|A_kk| + sum l_kj^2 |d_j|). Rounding errors of the terms
+/// leave n eps in the worst case, 1e-13 to 1e-12 for n of 1e3 to 1e4, and earlier pivots pass theirs on; below ten
+/// times that a small number cannot be distinguished from zero. Geometrically: a row of J that keeps less than
+/// sqrt(1e-11) = 3e-6 of its length has no other direction than those before it. Used by: the judges of LDL, CHOLMOD,
+/// the Schur complement, dense-schur and the inertia's own LDL; ldl_factor_dependent (as a row that may depend on
+/// others, until the null space confirms it); least_norm_solution.
 inline constexpr double kPivotLeft = 1e-11;
 
-/// Of a row of J, beside the largest motion its contact is picked from (motion_scale [J's units], contact/rows.hpp):
-/// smaller rows, or parts of rows orthogonal to the others, are rounding. The same margin over rounding as kPivotLeft,
-/// and for the same reason; here lengths are compared, not squares.
-/// Used by: the dense oracle's rank; rows of J that vanish; ldl_factor_dependent; least_norm_solution;
+/// Row of J relative to the largest motion its contact is picked from (motion_scale [J's units], contact/rows.hpp):
+/// smaller rows, or parts of rows orthogonal to the others, are rounding errors. It has the same margin over rounding
+/// errors as kPivotLeft, and for the same reason; here lengths are compared, not squares.
+/// Used by: the dense reference solver's rank; rows of J that vanish; ldl_factor_dependent; least_norm_solution;
 /// analysis/ranks.
 inline constexpr double kRank = 1e-11;
 
-/// Units of eps of the scalar at hand (double or quadruple precision): what a sum of six to eight products may be wrong
-/// by, each with an error of 2 eps.
-/// Used by: pivots of the dense oracle, and its condition estimate (16 eps cond < 1); coordinates without inertia.
-/// The articulated-body algorithm (floor algorithm, which does not see this file) has the same number.
+/// Units of eps of the scalar in use (double or quadruple precision): the error of a sum of six to eight products, each
+/// with an error of 2 eps.
+/// Used by: pivots of the dense reference solver, and its condition estimate (16 eps cond < 1); coordinates without
+/// inertia. The articulated-body algorithm (module algorithm, which does not see this file) has the same number.
 inline constexpr int kRounding = 16;
 
 /// Pivots of a damped K, in the same units: below, the damping counts as lost (regularised). A pivot that is c eps of
 /// its terms leaves 1/c of the forces, so these are good to 1 % or better above it.
-/// Used by: LU of the dense oracle.
+/// Used by: LU of the dense reference solver.
 inline constexpr int kDampingRounding = 100 * kRounding;
 
-/// Of a contact row's pivot, beside what the row would have if its body were free: E_kk / sum_j (G_kj^2 / P_jj). A row
-/// is eliminated once joints below have given it that much; the body's inertia then grows by at most the inverse. The
-/// more it grows, the less is left of the rows after, so loops along a chain of thousands of links want rows to wait
-/// for more joints; rows that wait cost time. Used by: the factor of sparse-bodies.
+/// Pivot of a contact row relative to its pivot if its body were free: E_kk / sum_j (G_kj^2 / P_jj). A row is
+/// eliminated once joints below have given it that much; the body's inertia then grows by at most the inverse. The more
+/// it grows, the less is left of the rows after, so loops along a chain of thousands of links want rows to wait for
+/// more joints; rows that wait cost time. Used by: the factor of sparse-bodies.
 inline constexpr double kRowMoves = 5e-2;
-/// Rounding of such a pivot beside all that joints gave it, times what makes it grow (factorize_bodies): 450 eps.
-/// Where less is left, and anywhere below kPivotLeft, rows depend on each other. Used by: the same; and of what small
-/// pivots pass on, by PassedOn of all factors, and in lanes (checks.hpp, dependent_rows.hpp).
+/// Rounding error of such a pivot relative to all that joints gave it, times its growth (factorize_bodies): 450 eps.
+/// Where less is left, and anywhere below kPivotLeft, rows are redundant. Used by: the same; and for errors that small
+/// pivots pass on, by PassedOn of all factors, and in SIMD batches (checks.hpp, dependent_rows.hpp).
 inline constexpr double kRowRounding = 1e-13;
 
-/// Of an entry of J, beside the sizes of the products it is a sum of: more, and its row plainly moves that coordinate;
-/// no other needs to be looked at.
-/// Used by: rows of J that vanish, in sparse-bodies.
+/// Entry of J relative to the sizes of the products it is a sum of: above, its row plainly moves that coordinate, and
+/// no other needs a check. Used by: rows of J that vanish, in sparse-bodies.
 inline constexpr double kPlainlyMoves = 1e-3;
 
-/// Of a row's length, what stands across the rows before it on the same held body: less, and that body's rows are left
-/// in the system as any other's. Orthogonal to 1e-14 by one pass of Gram and Schmidt.
-/// Used by: held bodies of sparse-bodies.
+/// Part of a row orthogonal to the rows before it on the same constrained body, relative to its length: below, that
+/// body's rows are left in the system like any others. Orthogonal to 1e-14 by one pass of Gram and Schmidt.
+/// Used by: constrained bodies of sparse-bodies.
 inline constexpr double kHeldApart = 1e-2;
-/// Of what comes from below along a held body's rows, where any number solves the system: enough for a body without
-/// inertia of its own to have a pivot.
+/// Part of the children's inertia that is kept along a constrained body's rows, where any number solves the system:
+/// enough for a body without inertia of its own to have a pivot.
 inline constexpr double kHeldKept = 1e-2;
 
 // ---- pairs of bodies ------------------------------------------------------------------------------------------
 
-/// Of the pivots of a column-pivoted QR of the rows between two bodies, beside the largest: rows that span the others
-/// keep more than the first, and rows that depend on them leave less than the second, which is rounding of 12 to 100
-/// rows. Points 1e-10 m apart are between the two; the factorization then tells what they are, as for rows of a
-/// posture. Used by: contact/pair_rows.hpp.
+/// Pivots of a column-pivoted QR of the rows between two bodies, relative to the largest: rows that span the others
+/// keep more than the first. Rows that depend on them leave less than the second, the rounding error of 12 to 100 rows.
+/// Points 1e-10 m apart are between the two; the factorization then decides, as for rows of a configuration. Used by:
+/// contact/pair_rows.hpp.
 inline constexpr double kPairIndependent = 1e-9, kPairDependent = 1e-13;
 
-/// Relative velocities and displacements of two bodies, relative to the velocities and levers they are differences of:
-/// below, the bodies move as one, and damped contacts between them do not contradict each other to first order.
+/// Relative velocities and displacements of two bodies, relative to the velocities and moment arms they are differences
+/// of: below, the bodies move as one, and damped contacts between them are consistent to first order.
 /// Used by: dynamics/reduction/derivatives.cpp.
 inline constexpr double kMovesAsOne = 1e-13;
 
 // ---- dependent rows -------------------------------------------------------------------------------------------
 
-/// What J_k - sum z_j J_j may leave of J's entries when row k depends on the rows kept: the sum's own rounding, below
-/// 1e-14 for the 30 terms of kLargestEntry, with room for J's own. A row that is independent but kept only kPivotLeft
-/// leaves 3e-6, so there are seven orders between the two; in between the dense oracle decides.
-/// Used by: DependentRows::accepted.
+/// Residual J_k - sum z_j J_j relative to J's entries when row k depends on the rows kept: the sum's own rounding
+/// error, below 1e-14 for the 30 terms of kLargestEntry, with a margin for J's own. A row that is independent but kept
+/// only kPivotLeft leaves 3e-6, seven orders more; in between the dense reference solver decides. Used by:
+/// DependentRows::accepted.
 inline constexpr double kRowLeft = 1e-13;
 
-/// Of the coefficients z_j: the projector's error grows by their square, in units of eps, and 30^2 eps = 2e-13 stays
+/// Largest coefficient z_j: the projector's error grows by its square, in units of eps, and 30^2 eps = 2e-13 stays
 /// below the 1e-12 that any value is allowed. Larger ones mean rows kept that are much smaller than those dropped.
 /// Used by: DependentRows::accepted.
 inline constexpr double kLargestEntry = 30;
@@ -89,7 +88,7 @@ inline constexpr double kLargestEntry = 30;
 /// the null space as many times larger, so that there is an end. Used by: exchange_rows.
 inline constexpr double kExchanged = 2;
 
-/// Coefficients z_j are zero below this (beside 1, the entry of the dropped row): a few eps, what substitution leaves.
+/// Coefficients z_j are zero below this (relative to 1, the entry of the dropped row): a few eps, left by substitution.
 /// Used by: find_null_space.
 inline constexpr double kNullEntry = 1e-15;
 
@@ -105,7 +104,7 @@ inline constexpr int kNullColumnSteps = 2;
 inline constexpr double kMargin = 10;
 
 /// The damping of a row that is dropped from a factor without changing its pattern: 1 / kDroppedDamping times any entry
-/// squared is zero beside any other. Used by: DependentRowsFactor, SIMD batches, WithinTolerance.
+/// squared is zero relative to any other. Used by: DependentRowsFactor, SIMD batches, WithinTolerance.
 inline constexpr double kDroppedDamping = 1e200;
 
 /// Rows that one robot may drop in a SIMD batch, at most: their null space is dense there, of as many columns. Batches
@@ -170,8 +169,8 @@ inline constexpr int kOverdetermined = 300, kTimesOverdetermined = 4, kTooFull =
 
 // ---- the proximal factor ----------------------------------------------------------------------------------------
 
-/// delta, beside the largest diagonal entry of J M^-1 J^T: a thousand times the rounding of its pivots. Those of rows
-/// that depend are then below 4e-10 on walls of 3,600 boxes, others above 3e-8; at 1e-10 the two meet there.
+/// delta relative to the largest diagonal entry of J M^-1 J^T: a thousand times the rounding error of its pivots. Those
+/// of redundant rows are then below 4e-10 on walls of 3,600 boxes, others above 3e-8; at 1e-10 the two meet there.
 /// Used by: ProximalFactor, as all in this part.
 inline constexpr double kProximal = 1e-12;
 /// Pivots of dependent rows are delta (1 + |z|^2), with their coefficients z, usually below the first number times
@@ -181,13 +180,13 @@ inline constexpr double kPivotOfDependent = 1e2, kPivotOfOthers = 1e7, kStiffer 
 /// The exponent of delta in a pivot is plain within the first number of an integer. The sum of the others may differ
 /// from an integer by the second: rounding of pivots contributes 1e-3 each.
 inline constexpr double kPlainExponent = 0.02, kExponentsLeft = 0.2;
-/// Of the projection's factor for the smallest eigenvalue of J M^-1 J^T, which is usually below 1e-3: from 1/2 on rows
-/// are taken to depend but nearly.
+/// The projection's factor for the smallest eigenvalue of J M^-1 J^T, which is usually below 1e-3: from 1/2 on rows
+/// count as nearly dependent.
 inline constexpr double kSlowest = 0.5;
 inline constexpr int kMostApplications = 12;
 /// Entries of random vectors' projections, below which a row is in no null vector: a thousand times their rounding.
 inline constexpr double kInNullSpace = 1e-11;
-/// What is left of a null space's part, beside all, that no projection more takes out; and how many are made for it.
+/// Part of a null space, relative to all, that no further projection takes out; and how many are made for it.
 inline constexpr double kProjected = 1e-11;
 inline constexpr int kProjections = 6;
 /// J^T times the projections of random vectors may stop falling here, by rounding: an eigenvector of J M^-1 J^T that
@@ -223,7 +222,7 @@ inline constexpr double kMostGrowth = 1e6;
 
 /// Backward error above which panels of derivatives are refined once, be it that of the unrefined solve or, where that
 /// is more, the bound that the factor gives for every column: derivatives are allowed 1000 eps cond(K) = 2.2e-13
-/// cond(K), of which an unrefined solve then takes less than a quarter. Used by: solve_panel, lanes.
+/// cond(K), of which an unrefined solve then takes less than a quarter. Used by: solve_panel, SIMD batches.
 inline constexpr double kRefinePanel = 5e-14;
 
 /// dense-schur, derivatives: normwise residuals at which refinement stops, half of the 1000 eps allowed; up to
@@ -231,8 +230,8 @@ inline constexpr double kRefinePanel = 5e-14;
 inline constexpr double kPanelRefined = 1e-13;
 inline constexpr int kPanelSteps = 3;  // the first is the solve itself
 
-/// What is smaller than this has lost relative digits by underflow (the smallest normal number is 2e-308): such a
-/// residual of a column says nothing. Used by: refine_panel.
+/// Numbers below this have lost relative digits by underflow (the smallest normal number is 2e-308): such a residual of
+/// a column is meaningless. Used by: refine_panel.
 inline constexpr double kVanishing = 1e-290;
 
 /// Quadruple precision: normwise residual of an answer that counts as truth, 1e4 of float128's eps = 2e-30.
@@ -247,7 +246,7 @@ inline constexpr double kSameSize = 1e-6;
 // ---- single and mixed precision -------------------------------------------------------------------------------------
 
 /// By how much more than doubles floats have to leave of a pivot or a row (kPivotLeft, kRank), and of two pivots in
-/// turn (kRowRounding): 1e-5, 100 eps of floats, and 1e-7. What leaves more is judged by its effect.
+/// turn (kRowRounding): 1e-5, 100 eps of floats, and 1e-7. Pivots that leave more are judged by their effect.
 /// Used by: SIMD batches of floats.
 inline constexpr double kSingleLeft = 1e6, kSinglePassedOn = 1e3;
 /// The same of two pivots in mixed precision, whose refinement hides what a dependent row does to the forces: 4e-5, as
@@ -258,8 +257,9 @@ inline constexpr double kMixedPassedOn = 2e4;
 /// Used by: SIMD batches and robots that contacts join.
 inline constexpr int kMixedSteps = 10;
 
-/// What rounding may change of the largest acceleration and force, for a solution in single precision to be worth
-/// anything. The change is what the rounding of all terms makes with signs without pattern: two digits are left.
+/// Largest change by rounding errors, relative to the largest acceleration and force, for a solution in single
+/// precision to be useful: two digits are left. The change is that of rounding errors of all terms with signs without
+/// pattern.
 inline constexpr double kWorthless = 1e-2;
 
 /// The largest term of a robot's rows, in its units: below, floats may have lost it to underflow, which begins at
@@ -281,13 +281,13 @@ inline constexpr double kDriftRounding = 1e-13;
 /// Derivatives have the term of what is left sooner, from 20 eps on: of rounding it is rounding, too.
 inline constexpr double kDriftNoise = 4e-15;
 
-/// Rows that contradict each other by least squares, the smallest beside the largest: normal equations of the rows kept
-/// square that, and lose eight digits.
-/// Used by: dependent rows, which leave such islands to the oracle.
+/// The smallest relative to the largest row, of rows that are inconsistent in least squares: normal equations of the
+/// rows kept square that, and lose eight digits. Used by: dependent rows, which leave such islands to the dense
+/// reference solver.
 inline constexpr double kGradedRows = 1e-4;
 
-/// Of a floating base's quaternion from unit length: what files with 7 digits keep. Beyond, solving refuses.
-/// Used by: check_input; floor io refuses the same.
+/// Deviation of a floating base's quaternion from unit length, as files with 7 digits have it. Beyond, solving refuses.
+/// Used by: check_input; module io refuses the same.
 inline constexpr double kQuaternion = 1e-6;
 
 /// Hager's and Higham's estimate of a 1-norm is a lower bound, nearly always within this factor.
@@ -298,9 +298,9 @@ inline constexpr double kNormEstimate = 3;
 /// Used by: estimate_errors.
 inline constexpr int kBoundRounding = 12;
 
-/// Of the terms of one equation beside its own inertia or damping times the answer: where they are more, their rounding
-/// (kBoundRounding eps) may change a hundredth of it, and its bounds are looked at.
-/// Used by: solves of the whole K, and of damped islands in lanes, which leave the looking to it.
+/// Terms of one equation relative to its own inertia or damping times the solution: above, their rounding errors
+/// (kBoundRounding eps) may change a hundredth of it, and its bounds are checked.
+/// Used by: solves of the whole K, and of damped islands in SIMD batches, which leave the check to it.
 inline constexpr double kInDoubt = 0.01 / (kBoundRounding * std::numeric_limits<double>::epsilon());
 
 /// The forces that a damped answer is compared with are at least this part of the largest load. Used by: plainly_damped
@@ -344,11 +344,11 @@ inline constexpr double kReadRounding = 0x1p-50, kReadShare = 1.0 / 32, kExtende
 /// Used by: the choice of orders.
 inline constexpr double kCheaper = 0.9;
 
-/// Of the length of J's rows: what a QR decomposition of some of J's columns must have left in its last pivot for these
-/// coordinates to give a contact that is eliminated early its pivots. Where these do not hold, more is asked for.
+/// Part of the length of J's rows that a QR decomposition of some of J's columns must have left in its last pivot, for
+/// these coordinates to give a contact that is eliminated early its pivots. If they do not, more is required.
 /// Used by: the order contacts-early.
 inline constexpr double kDistinct = 1e-3;
-/// What is asked for then, the last one whatever comes of it.
+/// The values required then, the last one whatever its result.
 inline constexpr double kMoreDistinct[] = {kDistinct, 3e-2, 1e-1};
 /// From this many contacts on, some on a hub are ill-placed in every posture that the order is tested at. Only these
 /// wait, for kWaitDistinct, where the order then costs less than kFarCheaper; ten contacts may add the growth of one.

@@ -7,7 +7,7 @@
 // on the velocity coordinates, and products with their derivatives without any matrix. Each force on a body is a wrench
 // F in the tree frame (algorithm/kinematics.hpp), f_i the sum over the subtree of body i, and tau_i = S_i^T f_i. Along
 // (dq, dv) body i moves by xi_i = sum of S_j dq_j on its path, and its velocity changes by dv_i, both as seen from the
-// tree frame, which stands still; then
+// tree frame, which is at rest; then
 //
 //     dtau_i = S_i^T df_i + (xi_i x S_i)^T f_i.
 

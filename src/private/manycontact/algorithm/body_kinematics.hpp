@@ -1,8 +1,8 @@
 #pragma once
 // Forward kinematics of a robot for deep trees, joint by joint, each body in its **body frame**: world axes, origin at
-// the body's own child frame, as it stands at the instant. What is far from the base loses no digits, as it does in the
-// tree frame (algorithm/kinematics.hpp), where inertias grow with the square of the distance. From a body to the next
-// there is a translation r:
+// the current place of the body's own child frame. Bodies far from the base lose no digits, as they do in the tree
+// frame (algorithm/kinematics.hpp), where inertias grow with the square of the distance. From a body to the next there
+// is a translation r:
 //
 //   motions, to the child:  v_lin += w x r        forces, to the parent:  n += r x f
 
@@ -63,7 +63,7 @@ struct BodyTerms {
 template <class S>
 void place_trees(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, BodyKinematics<S>& kin);
 
-/// After place_trees, fills joint i's numbers in `kin`, where its parent's stand, and what `terms` points to. q: nq, v:
+/// After place_trees, fills joint i's numbers in `kin`, which has its parent's, and the targets of `terms`. q: nq, v:
 /// nv of the robot.
 template <class S>
 void body_kinematics(const Model& model, const SE3<double>& base, int i, const ConstVecRef<S>& q,

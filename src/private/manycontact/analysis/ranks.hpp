@@ -1,6 +1,6 @@
 #pragma once
-// Which contact rows of an island hold something that the others do not, at the configuration solved last: by the rank
-// of J, to tolerance::kRank of what each row is picked from (row_scale, rank/row_size.hpp), its own length at
+// Which contact rows of an island constrain a motion that the others do not, at the configuration solved last: by the
+// rank of J, to tolerance::kRank of what each row is picked from (row_scale, rank/row_size.hpp), its own length at
 // least.
 
 #include "manycontact/analysis/names.hpp"
@@ -8,13 +8,13 @@
 
 namespace manycontact {
 
-/// What would hold the same as all contacts between two bodies.
+/// A set of rows that imposes the same constraint as all contacts between two bodies.
 enum class Holds {
   kEach,        // every row counts
   kOneContact,  // one of them alone
   kSixD,        // one 6D contact anywhere on the body
   kThreeD,      // one 3D contact at their common point
-  kLine,        // points on a line: five motions, which no single type holds
+  kLine,        // points on a line: five motions, which no single type constrains
   kFewerRows,   // some of the rows; see IslandRanks::redundant
 };
 
@@ -35,7 +35,7 @@ struct Lighter {
   int only_just = 0;  // rows beyond that rank of which only just something is left (analysis/near_dependent.hpp)
 };
 
-struct IslandRanks {            // What find_ranks finds of one island.
+struct IslandRanks {            // Result of find_ranks for one island.
   bool known = false;           // of rank and redundant; false: left out, the island is too large
   int rank = 0;                 // of the island's J
   std::vector<char> redundant;  // per row of the island: it depends on the rows before it
@@ -50,7 +50,7 @@ IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t is
 /// An island's rows by name, and its contacts once the redundant rows are taken out, as words.
 struct RowSelection {
   std::vector<std::string> redundant;  // "left_2[1]"
-  std::vector<std::string> kept;       // "left_1", "left_2 as 2d (x and z)", "left_3[0]": what holds the same
+  std::vector<std::string> kept;       // "left_1", "left_2 as 2d (x and z)", "left_3[0]": these impose the same
   std::vector<std::string> dropped;    // contacts of which no row is left
 };
 /// ranks: of that island, known. Takes rows out from the last on, so that the first contacts stay whole.

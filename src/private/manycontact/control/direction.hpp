@@ -5,7 +5,7 @@
 //
 //   RiccatiDirection   the recursion of ddp.hpp, on nodes of matrices (control/riccati_direction.hpp)
 //   BoxDirection       the same with the models' limits on controls
-//   CoupledDirection   robots that hold each other, by an lq::DirectionSolver (control/coupled_direction.hpp)
+//   CoupledDirection   coupled robots, by an lq::DirectionSolver (control/coupled_direction.hpp)
 
 #include "manycontact/control/parts.hpp"
 

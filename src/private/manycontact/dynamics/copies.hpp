@@ -6,7 +6,7 @@ namespace manycontact::internal {
 /// A scene `count` times over, one copy after the other: copy k has row k of what is laid side by side.
 Scene copies_of(const Scene& scene, int count);
 
-/// How many states fill a SIMD batch: 1 where the robots of one do, or where there are no lanes. After prepare.
+/// How many states fill a SIMD batch: 1 where the robots of one do, or without SIMD batches. After prepare.
 int states_side_by_side(const SceneData& data);
 
 }  // namespace manycontact::internal

@@ -1,10 +1,10 @@
 #pragma once
 // Contact rows that depend on each other at the start of a motion, and only there.
 //
-// A mechanism such as Bricard's hangs together by more than it needs: its rows depend on each other on the closed loop,
-// and not beside it, where integration takes it by 1e-9 m. Rows found dependent by the solution at hand are dependent
-// in the solves to come, while contacts are misplaced by no more than a hundredth of the largest lever and as long as
-// the contacts that join their robots stay.
+// A mechanism such as Bricard's is overconstrained: its rows depend on each other on the closed loop, and not in its
+// neighbourhood, where integration takes it by 1e-9 m. Rows found dependent by the current solution are dependent
+// in the solves to come, while contacts are misplaced by no more than a hundredth of the largest moment arm and as long
+// as the contacts that join their robots stay.
 
 #include "manycontact/dynamics/data.hpp"
 

@@ -15,7 +15,7 @@ const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t 
 const IslandSupport& island_support_of(const SceneData& data, std::size_t i);
 /// K of an island as solved last, in the choice's order or, where report.changed_order, leaf-to-root.
 const KktMatrix& assembled_matrix_of(const SceneData& data, std::size_t i);
-/// What is solved in place of the scene and its data, where contacts between the same two bodies are reduced to one
+/// The scene and data that are solved in place of these, where contacts between the same two bodies are reduced to one
 /// (Options::reduce_pairs); elsewhere these themselves. shape_of and choice_of are those of its islands.
 const Scene& scene_solved(const Scene& scene, const SceneData& data);
 const SceneData& data_solved(const SceneData& data);

@@ -1,5 +1,5 @@
 #pragma once
-// Torques that would hold the scene still at the last solve's q with its contact forces, pushes and springs:
+// Torques that keep the scene at rest at the last solve's q with its contact forces, external wrenches and springs:
 //
 //     tau = g(q) - J^T f - tau_s(q, 0, w)        tau_s: of algorithm/applied_forces.hpp
 
@@ -10,7 +10,7 @@
 
 namespace manycontact {
 
-/// Kinematics of the scene at rest, beside those of the solve. Allocated once.
+/// Kinematics of the scene at rest, in addition to those of the solve. Allocated once.
 struct StaticTorque {
   explicit StaticTorque(const Scene& scene);       // room for its robots
   std::vector<Kinematics<double>> kin;             // per robot
@@ -24,11 +24,11 @@ struct StaticTorque {
 };
 
 /// s.tau (nv): with the contact forces, or without `contacts` as if there were none; with data.pushes. q: nq. After
-/// forward_kinematics of data's robots at q and, with `contacts`, a solve; throws std::logic_error where that went in
-/// lanes and `complete` was not called since.
+/// forward_kinematics of data's robots at q and, with `contacts`, a solve; throws std::logic_error where SIMD batches
+/// solved and `complete` was not called since.
 void static_torque(const Scene& scene, const SceneData& data, const double* q, bool contacts, StaticTorque& s);
 
-/// Its derivative with respect to q, on the tangent space, f held constant in each contact's own frame: an island's
+/// Its derivative with respect to q, on the tangent space, with f constant in each contact's own frame: an island's
 /// nv x nv. After static_torque with the same `contacts`; crba and, with `contacts`, differentiate.
 void static_torque_derivative(const Scene& scene, const SceneData& data, std::size_t island, bool contacts,
                               StaticTorque& s, Eigen::Ref<IslandDerivatives::Panel, 0, Eigen::OuterStride<>> out);

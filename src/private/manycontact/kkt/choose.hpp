@@ -10,7 +10,7 @@ namespace manycontact {
 
 /// Predicted costs of one factorization and two solves. Coefficients of sparse-ldl and sparse-bodies by least squares
 /// of the logarithms of times, measured over chains, trees, combs, hands, nets and ladders of 10 to 1,000 links one by
-/// one; most within 1.3. Where rows are hard to tell apart it takes longer.
+/// one; most within 1.3. Nearly dependent rows take longer.
 struct PredictedCosts {
   std::array<double, std::size(kOrders)> ldl, cholmod;  // in each order
   double supernodal;                                    // infinite where it is not built in or there are no contacts
@@ -18,19 +18,19 @@ struct PredictedCosts {
   double terms;   // of M and J, which all these need ...
   double bodies;  // ... but not sparse-bodies
 };
-/// Of deep trees, whose joint-space patterns are not made, ldl is least_cost_ldl and cholmod, supernodal are infinite.
+/// For deep trees, whose joint-space patterns are not made, ldl is least_cost_ldl; cholmod and supernodal are infinite.
 PredictedCosts predict_costs(IslandShape& shape);
 
 /// In the same units.
 double predicted_cost_ldl(int rows, const sparse::LdlCounts& L);
 
-/// Of terms, of an island that stands in lanes.
+/// The part for terms, of an island in a SIMD batch.
 double predicted_cost_of_terms(int rows, std::size_t contacts);
 
-/// Rows of a robot's K that stands in lanes, at most: the scratch memory of robots side by side stays in the caches.
+/// Rows of a robot's K in a SIMD batch, at most: the scratch memory of a batch stays in the caches.
 inline constexpr int kLargestInLanes = 400;
 
-/// What sparse-ldl costs at least in any order, from the trees' depths alone.
+/// Least cost of sparse-ldl in any order, from the trees' depths alone.
 double least_cost_ldl(const IslandShape& shape);
 /// Whether sparse-bodies is cheaper than that: then the patterns of the joint-space K are not made to choose.
 bool is_deep(IslandShape& shape);
@@ -40,7 +40,7 @@ bool is_deep(IslandShape& shape);
 double joint_space_size(const IslandShape& shape);
 inline constexpr double kMostJointSpace = 1 << 22;
 
-/// What the options leave open is chosen: another order than leaf-to-root where it is clearly cheaper
+/// Chooses what the options leave open: another order than leaf-to-root where it is clearly cheaper
 /// (tolerance::kCheaper), sparse-supernodal where it is cheaper than sparse-ldl. kAuto never takes a dense method:
 /// these allocate, and are cheaper on islands of a few coordinates at most.
 Choice choose(IslandShape& shape, const Options& options);

@@ -1,15 +1,15 @@
 #pragma once
-// The dense oracle: the KKT system of one island, rank-revealing, in any scalar. It answers where J has dependent rows
-// (delta = 0) and where M alone is singular but the contacts hold what it lets go:
+// The dense reference solver: the KKT system of one island, rank-revealing, in any scalar. It solves where J has
+// dependent rows (delta = 0) and where M alone is singular but the contacts constrain its null space:
 //
 //   a minimises (a - a_free)^T M (a - a_free) among the minimisers of |J a - b2|,
 //   f is the least-norm solution of J^T f = M a - b1.
 //
 // Null-space method: J^T P = Q [C; 0], R C^T = U T V^T (a complete orthogonal decomposition), a = J^+ b2 + N y,
-// (N^T M N) y = N^T (b1 - M J^+ b2). Which rows count, and come first in P, a QR with pivoting tells of J with each row
-// beside its own size: metres and radians, and levers of any length, do not decide it. R sorts the rows by their sizes,
-// V pivots: least squares of micrometres beside radians lose no digits then. With delta > 0 the answer is unique: LU of
-// K. Source: Golub, Van Loan, Matrix Computations (2013), 5.5 and 6.2; Cox, Higham, Stability of Householder QR
+// (N^T M N) y = N^T (b1 - M J^+ b2). A QR with pivoting, with each row of J relative to its own size, decides which
+// rows count, and come first in P: metres and radians, and moment arms of any length, do not. R sorts the rows by their
+// sizes, V pivots: least squares of micrometres and radians lose no digits then. With delta > 0 the solution is unique:
+// LU of K. Source: Golub, Van Loan, Matrix Computations (2013), 5.5 and 6.2; Cox, Higham, Stability of Householder QR
 // factorization for weighted least squares problems (1998).
 
 #include <Eigen/Cholesky>
@@ -24,15 +24,15 @@ template <class S>
 struct DenseKkt {  // K and its rank-revealing factor
   MatX<S> M, J;    // nv x nv, nc x nv
   S delta = S(0);
-  VecX<S> row_scale;  // nc, what rows of J count beside (rank/row_size.hpp); empty: their largest entries
+  VecX<S> row_scale;  // nc, sizes that rows of J are relative to (rank/row_size.hpp); empty: their largest entries
 
   // by factor
   int rank = 0;          // of J
-  bool holds = false;    // N^T M N is positive definite, whatever delta: contacts hold what M lets go
+  bool holds = false;    // N^T M N is positive definite, whatever delta: contacts constrain M's null space
   bool regular = false;  // and, with delta > 0, K's pivots are sound: a and f can be had
   Eigen::ColPivHouseholderQR<MatX<S>> choice;       // of J^T, rows over their sizes: P, and how much was left of each
   Eigen::HouseholderQR<MatX<S>> of_Jt;              // J^T P = Q [C; 0]
-  Eigen::PermutationMatrix<Eigen::Dynamic> sorted;  // R P^T: rows of J as they stand in R C^T
+  Eigen::PermutationMatrix<Eigen::Dynamic> sorted;  // R P^T: rows of J in the order of R C^T
   Eigen::ColPivHouseholderQR<MatX<S>> of_Ct;        // R C^T = U T V^T
   MatX<S> N;                                        // nv x (nv - rank): orthonormal basis of J's null space
   Eigen::LLT<MatX<S>> reduced;                      // of N^T M N

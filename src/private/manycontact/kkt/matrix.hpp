@@ -14,8 +14,8 @@ struct KktMatrix {
   std::shared_ptr<const KktPattern> pattern;
   std::vector<double> values;  // in the pattern's slots
   double damping = 0;          // delta
-  /// Rows of J are judged beside this: the largest of the motions they are picked from (contact/rows.hpp,
-  /// motion_scale). All of J may be rounding.
+  /// Rows of J are judged relative to this: the largest of the motions they are picked from (contact/rows.hpp,
+  /// motion_scale). All of J may be rounding errors.
   double row_scale = 0;
 
   /// Takes a pattern and the memory its values need.

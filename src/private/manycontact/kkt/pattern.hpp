@@ -46,8 +46,8 @@ sparse::UpperCsc natural_pattern(const Scene& scene, const Island& island, const
 
 // The orders in which rows of K are eliminated: permutations, as KktPattern::perm. K: natural_pattern.
 
-/// Of each of the island's robots whether it has a neighbour, through a contact, and none is further from the ground,
-/// counted in contacts; none where no contact is with the ground. Of a tower that is the free end.
+/// Whether each of the island's robots has a neighbour, through a contact, and none is further from the ground, counted
+/// in contacts; false for all where no contact is with the ground. In a tower that is the free end.
 std::vector<char> robots_furthest_from_ground(const Scene& scene, const Island& island);
 
 /// Order::kCamd. Where it makes no other difference, contacts on the robots furthest from the ground come late.

@@ -21,7 +21,7 @@ struct SchurPattern {
   sparse::UpperCsc S;        // nc x nc
   std::vector<int> slot;     // per robot: of the upper triangle of its product, by columns
 };
-/// What that would find.
+/// Counts that analyze_schur would find.
 struct SchurCounts {
   std::vector<int> rows;  // per robot: rows that act on it
   double nonzeros = 0;    // of S

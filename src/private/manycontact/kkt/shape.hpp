@@ -1,5 +1,5 @@
 #pragma once
-// What islands of the same trees and contacts share: everything that is analysed, and nothing that is measured.
+// Islands of the same trees and contacts share everything that is analysed, and nothing that is measured.
 
 #include <array>
 #include <cstdint>
@@ -24,12 +24,12 @@ class IslandShape {
 
   const Scene& scene() const { return scene_; }     // the island's robots and contacts alone, numbered as in the island
   const Island& island() const { return island_; }  // of scene(): all of it
-  /// Of the joint-space K, as everything below but bodies(). In deep trees these grow with the square of the depth.
+  /// Support of the joint-space K, like all below but bodies(). In deep trees these grow with the square of the depth.
   const IslandSupport& support() const;
 
   /// A permutation of K's rows. That of kContactsEarly alone depends on where contacts are on their bodies.
   const std::vector<int>& permutation(Order order);
-  /// Of the factor in that order, whose pattern need not be made to know.
+  /// Counts of the factor in that order, whose pattern need not be made for them.
   const sparse::LdlCounts& counts(Order order);
   const std::shared_ptr<const KktPattern>& pattern(Order order);
   /// The number of independent loops in the graph of robots and ground. Contacts between the same two count once.

@@ -22,7 +22,7 @@ struct CouplingNode {
   int size = 0;  // of y
 };
 
-/// Where a coupling's w and mu stand: vertex and first row in it.
+/// Place of a coupling's w and mu: vertex and first row in it.
 struct CouplingPlace {
   int w, w_offset, mu, mu_offset;
 };

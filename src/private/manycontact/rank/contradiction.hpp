@@ -1,8 +1,8 @@
 #pragma once
-// Whether contacts whose rows depend on each other contradict each other: the definition (mathematics.md, Redundant
-// contacts) is |P (J a + a0)| > 1e-8 (| |J| |a| | + |a0|), maximum norms, with P the projector on the null space of
-// J^T. What is left there may still be rounding of the terms that a0 is computed from, and that is no contradiction.
-// Templates on the scalar: SIMD batches have one value per robot.
+// Whether redundant contacts are inconsistent: the definition (mathematics.md, Redundant contacts) is
+// |P (J a + a0)| > 1e-8 (| |J| |a| | + |a0|), maximum norms, with P the projector on the null space of J^T. The rest
+// may still be rounding errors of the terms that a0 is computed from, and that is no inconsistency. Templates on the
+// scalar: SIMD batches have one value per robot.
 
 #include <cmath>
 #include <limits>
@@ -27,7 +27,7 @@ struct RowOfContradiction {
 };
 
 /// Rounding that the projector P on J^T's null space passes on from row to row. Null vectors y balance the rows, sum of
-/// y_k J_k = 0, so |P_jk| is at most about s_j / s_k and s_k / s_j, s the sizes of the rows. Of all rows j that is no
+/// y_k J_k = 0, so |P_jk| is at most about s_j / s_k and s_k / s_j, s the sizes of the rows. For all rows j that is no
 /// more than min(s_k max(t_j / s_j), max(t_j s_j) / s_k, max t_j), t the terms that a0 is computed from.
 template <class S>
 class PassedRounding {

@@ -1,6 +1,6 @@
 #pragma once
 // L D L^T of a saddle point matrix K = [M J^T; J 0] whose rows J may depend on each other: rows with nothing left of
-// their pivot are dropped, and the null space of J^T tells how they depend on the rows kept. Everything in K's order of
+// their pivot are dropped, and the null space of J^T shows how they depend on the rows kept. Everything in K's order of
 // elimination, of which flags of_M say which rows are M's: all first, or some after rows of J, where these must have
 // their pivots from the rows of M before them.
 //
@@ -25,13 +25,13 @@ struct DependentRows {
   std::vector<char> turned;  // of K's rows, those dropped in another's place: they may depend on later ones. Or empty
   std::vector<int> Np, Ni;   // N by columns, one per dropped row: rows of K ...
   std::vector<double> Nx;    // ... and values, the 1 of the dropped row first
-  double largest_residual = 0;  // max |J_k - sum z_j J_j|, beside the largest of the rows' sizes, that of j times |z_j|
+  double largest_residual = 0;  // max |J_k - sum z_j J_j|, relative to the rows' largest size, that of j times |z_j|
   double largest_entry = 0;     // max |z_j|: the projector loses its square, in units of eps
   int largest_cluster = 0;      // most entries of B that project a row, see Cluster
 
   /// Whether the rows dropped depend on those kept in truth, in numbers small enough for the projector: what J's rows
   /// leave is rounding, and no z_j is large (kRowLeft, kLargestEntry in tolerances.hpp). After find_null_space; else
-  /// rounding hides which rows are dependent, and a dense decomposition must tell.
+  /// rounding errors hide which rows are dependent, and a dense decomposition must decide.
   bool accepted() const;
 
   /// Dropped rows whose columns of N share rows. They are projected by whichever is smaller: these columns, or those of
@@ -79,8 +79,8 @@ void make_projector(int n, DependentRows& rows);
 /// False where nothing was exchanged, or a cluster is too large for that.
 [[nodiscard]] bool exchange_rows(DependentRows& rows);
 
-/// Of scale |b| + |K| |x| (n), what residuals are judged beside: of a row that was dropped, |N|^T scale, since rows
-/// kept leave z_j times what they leave themselves. In memory of `rows`.
+/// What residuals are judged relative to, from scale |b| + |K| |x| (n): for a row that was dropped, |N|^T scale, since
+/// rows kept leave z_j times what they leave themselves. In memory of `rows`.
 std::span<const double> scale_of_dependent(DependentRows& rows, std::span<const double> scale);
 
 /// y -= P y, and P y into `null_component` when it is given (n, zero outside J's rows). y: n, in K's order; rows of M

@@ -60,8 +60,8 @@ RowWeights<S> row_weights(const ContactData<S>& data, int i) {
 }
 
 /// The largest terms that a contact's a0 is computed from: of a point's motion [m/s^2], its first three rows, and of
-/// turning [rad/s^2], the others. Where lengths are in micrometres either says nothing of the other. Rows of a pair are
-/// sums of both.
+/// rotation [rad/s^2], the others. Where lengths are in micrometres neither bounds the other. Rows of a pair are sums
+/// of both.
 template <class S>
 struct RowTerms {
   S linear = S(0), angular = S(0);
@@ -102,7 +102,7 @@ RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const 
   return row_terms<S>(contact, data, origin);
 }
 
-/// The largest terms that a contact's a0 is computed from. Of the bodies' velocities and accelerations as the tree has
+/// The largest terms that a contact's a0 is computed from: the bodies' velocities and accelerations as the tree has
 /// them, about its base: at the contact they may cancel. place: B's in the world [m].
 template <class S>
 RowTerms<S> contact_drift(const Contact& contact, const ContactData<S>& data, const Model& A, const Kinematics<S>& kinA,

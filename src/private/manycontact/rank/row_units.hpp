@@ -10,20 +10,20 @@
 
 namespace manycontact::internal {
 
-/// Whether the scene's own numbers can be used at all (check_input says which cannot).
+/// Whether the scene's own numbers can be used at all (check_input reports which cannot).
 inline bool usable_numbers(const Scene& scene) {
   return scene.damping >= 0 && std::isfinite(scene.damping) && scene.moment_length > 0 &&
          std::isfinite(scene.moment_length);
 }
 
-/// Of a contact's row; 1 of every row with damping, which makes all of them independent, and of a pair's, which are
-/// weighed already.
+/// Unit of a contact's row: 1 for every row with damping, which makes all of them independent, and for a pair's, which
+/// are weighed already.
 inline double row_unit(const Scene& scene, const Contact& contact, int row) {
   return row < 3 || scene.damping > 0 || contact.pair ? 1 : scene.moment_length;
 }
 
 /// Whether any is not 1: rows that depend on each other are then dropped from the whole K alone, which is weighed where
-/// they may be (dependent rows, the oracle).
+/// they may be (dependent rows, the dense reference solver).
 inline bool has_row_units(const Scene& scene, std::span<const int> contacts) {
   if (scene.damping > 0 || scene.moment_length == 1) return false;
   for (int c : contacts)

@@ -1,6 +1,6 @@
 #pragma once
 // Singular postures that a motion passes, between its states too. With w a unit vector of contact rows, x = M^-1 J^T w
-// and sigma^2 = w^T J M^-1 J^T w, the smallest sigma says how near an island's contacts are to losing rank. It is
+// and sigma^2 = w^T J M^-1 J^T w, the smallest sigma measures how near an island's contacts are to losing rank. It is
 // followed by one inverse iteration per state, which a solve of the island at rest does,
 //
 //     [ M  J^T ] [  a ]   [ 0 ]
@@ -23,7 +23,7 @@ struct ClosestPosture {  // The posture between two states that is nearest to a 
   double at = 0;         // where between them: 0 the last, 1 this one
 };
 
-struct PostureData {  // What is known of the islands' smallest sigma; and the memory of its solves.
+struct PostureData {  // The islands' smallest sigma, and the memory of its solves.
   /// For this scene; `options`: of the solves.
   explicit PostureData(const Scene& scene, const Options& options = {});
 

@@ -1,7 +1,7 @@
 #pragma once
 // Forces of joints that resist motion, taken at the end of a semi-implicit Euler step of any length.
 //
-// The damper d, the spring k and the PD law of a joint act by -(d + h k) v+ beside what they are at the start, so that
+// The damper d, the spring k and the PD law of a joint act by -(d + h k) v+ in addition to their start values, so
 // M gets h d + h^2 k on its diagonal, as of a rotor's inertia. Coulomb's friction is the multiplier of v+ = 0 while
 // that is below h F. A joint that sticks gets the inertia h F / kStickVelocity, one that slides the constant force.
 // Which does what is found by Newton's method on
@@ -47,7 +47,7 @@ struct ResistingJoints {
 
   /// Before each solve: of joints that stick, the inertia; of `scene`.
   void set_inertias(const Scene& scene, double h);
-  /// What is added to a coordinate's inertia then.
+  /// The inertia added to a coordinate then.
   double inertia(int i, double h) const {
     return added[i] + (friction[i] > 0 && slip[i] == 0 ? h * friction[i] / kStickVelocity : 0);
   }

@@ -3,8 +3,8 @@
 // moves the mass m along it, obeys m x'' + c x' + k x = 0. RK4 is stable while |h lambda| < 2.6 for
 // lambda^2 + (c/m) lambda + k/m = 0; semi-implicit Euler, which takes them at the end of a step, is stable for any h,
 // and takes what swings faster than h omega = 2 out within few steps. m is that of the scene with its contacts,
-// 1/m = g^T M^-1 g of the torques g of a unit force along the spring. Of each spring and joint alone: several on one
-// body bear less.
+// 1/m = g^T M^-1 g of the torques g of a unit force along the spring. It is that of each spring and joint alone:
+// several on one body allow less.
 
 #include "manycontact/simulation/step.hpp"
 
@@ -30,7 +30,7 @@ struct SpringStep {
   bool any() const { return spring >= 0 || coordinate >= 0; }
 };
 
-/// What bears the shortest steps at q (nq), with the contacts flagged `active`.
+/// The spring or joint that needs the shortest steps at q (nq), with the contacts flagged `active`.
 SpringStep shortest_spring_step(const Scene& scene, const PdLaws& pd, const std::vector<char>& active,
                                 const Eigen::VectorXd& q, Integrator integrator);
 

@@ -1,12 +1,12 @@
 #pragma once
-// Contact rows of a body-space system that depend on each other: those that move nothing, as the pull along a straight
-// chain that hangs on a wall; those on one body that others on it say; and those that hold a body where another that it
-// hangs together with stands already, as along a straight chain held twice. They are dropped, and forces of least norm
-// are found as rank/dependent_rows.hpp has it:
+// Redundant contact rows of a body-space system: those that move nothing, such as the tension along a straight chain on
+// a wall; those on one body that others on it span; and those that constrain a body which others already constrain
+// through its joints, as along a straight chain fixed at both ends. They are dropped, and forces of least norm are
+// found as in rank/dependent_rows.hpp:
 //
 //   [a; y] = (I - P) K_kept^-1 (I - P) [b1; b2]
 //
-// Rows with both ends on bodies that move are not looked at: where these depend, another way has to answer.
+// Rows with both ends on bodies that move are not checked: where these are redundant, another system has to solve.
 
 #include "manycontact/kkt/bodies/factor.hpp"
 #include "manycontact/rank/dependent_rows.hpp"
@@ -49,9 +49,9 @@ void forget_dropped(BodyLdl& ldl);
 sparse::Refinement solve_dependent(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps,
                                    BodyDependence& work);
 
-/// Of the rows of K, the largest of |J| |a| and of a0, which what they contradict each other by is judged beside:
-/// gravity, which the bodies' accelerations have in them, is in neither. For two bodies that one joint moves, |J| |a|
-/// counts it for both. v: solved; overwrites v.dx.
+/// The largest of |J| |a| and of a0 among the rows of K, which their inconsistency is judged relative to: gravity,
+/// which the bodies' accelerations contain, is in neither. For two bodies that one joint moves, |J| |a| counts it for
+/// both. v: solved; overwrites v.dx.
 std::pair<double, double> row_terms_of_joints(const BodySystem& system, BodySolve& v);
 
 }  // namespace manycontact

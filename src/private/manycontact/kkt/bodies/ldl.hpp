@@ -1,6 +1,6 @@
 #pragma once
 // Block L D L^T of a body-space system, from the leaves to the root, without forming it: the articulated-body
-// algorithm with contact rows. What a node's subtree leaves for its body is
+// algorithm with contact rows. A node's subtree leaves for its body
 //
 //   1/2 a^T P a + a^T p + y^T (G a - g) - 1/2 y^T E y,      y: the rows still open
 //
@@ -12,7 +12,7 @@
 //
 //   P += G_k^T G_k / E_kk,   G_j -= (E_jk / E_kk) G_k,   E_ij -= E_ik E_kj / E_kk
 //
-// What is left goes to the parent by X. Rows that do not depend on each other leave at most tolerance::kMostOpen of
+// The remainder goes to the parent by X. Rows that do not depend on each other leave at most tolerance::kMostOpen of
 // their own open, so the cost is linear in the bodies; rows that join far bodies are open all the way between them.
 // Rows open at the bases are a dense system. Sources: Featherstone (2008), table 7.1; for rows in such a recursion
 // Popov, Vereshchagin, Zenkevich (1978), Sathya, Carpentier, arXiv 2404.12514. The choice of rows by pivots, and rows
@@ -24,8 +24,8 @@
 
 namespace manycontact {
 
-/// Rows G = Q R that hold a body, G^T a = g. What the body's acceleration is along Q these rows say, so nothing that
-/// comes from the children counts there, whatever its size:
+/// Rows G = Q R that constrain a body, G^T a = g. They determine the body's acceleration along Q, so nothing that comes
+/// from the children counts there, whatever its size:
 ///
 ///   a = N a + a_g,  a_g = Q R^-T g,  N = 1 - Q Q^T:
 ///   C <- N C N,  p <- N (p + C a_g),  G_j <- N G_j,  g_j <- g_j - G_j^T a_g      C, p, G_j: from the children
@@ -38,7 +38,7 @@ struct BodyHold {
   Mat6<double> Q, R, C;
 };
 
-/// Of `count` rows of a node; false, and rows = 0, where they depend on each other, or nearly.
+/// Factorizes `count` rows of a node; false, and rows = 0, where they depend on each other, or nearly.
 bool factorize_hold(const BodySystem& system, int node, const int* row, int count, BodyHold& hold);
 /// y of R^T y = b and of R y = Q^T f, entries 0 ... rows - 1.
 Vec6<double> solve_transposed(const BodyHold& hold, Vec6<double> b);
@@ -62,12 +62,12 @@ struct BodyLdl {  // block LDL from leaves to root
   double growth = 1;               // of P
   std::vector<double> least_kept;  // per node: of the rows eliminated there and below, what is left of the least
   std::vector<char> drops_below;   // per node: rows there or below were dropped
-  std::vector<double> least_inertia, most_inertia;  // per row: of joints that gave it E_kk, rows held before included
+  std::vector<double> least_inertia, most_inertia;  // per row: of joints that gave it E_kk, with rows eliminated before
 
-  // rows that others say (dependent_rows.hpp): they have no part in the factor, and y of them is zero
+  // rows that others span (dependent_rows.hpp): they have no part in the factor, and their y is zero
   std::vector<char> dropped;  // per row
   struct Drop {
-    int row, node;  // whose rows say what this one does; as many as there are nodes: it moves nothing
+    int row, node;  // whose rows span this one; the number of nodes: it moves nothing
   };
   std::vector<Drop> found;
 
@@ -76,20 +76,20 @@ struct BodyLdl {  // block LDL from leaves to root
   Eigen::VectorXd u, g;         // D^-1 u; rows' right-hand sides
 
   // scratch
-  std::vector<int> place;  // per row: where it stands at the node at hand
+  std::vector<int> place;  // per row: its place at the current node
 
   void resize(const BodyPattern& pattern);
 };
 
-/// The rows that hold a node and are not dropped, six at most.
+/// The rows that constrain a node and are not dropped, six at most.
 struct HeldRows {
   int row[6], count = 0;
 };
 HeldRows held_rows(const BodyPattern& pattern, const BodyLdl& ldl, int node);
 
-/// kNone: sound. kSingularInertia: a joint has nothing to move, or no more than rounding. kSmallPivot: rows depend on
+/// kNone: sound. kSingularInertia: a joint has nothing to move, or only rounding errors. kSmallPivot: rows depend on
 /// each other, or nearly. kNotFinite. With b, right-hand sides are lifted in the same sweep. drop: rows that those
-/// which hold a body say are dropped as they are met, into ldl.found.
+/// which constrain a body span are dropped as they are met, into ldl.found.
 [[nodiscard]] Reason factorize_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors* b = nullptr,
                                       bool drop = false);
 

@@ -13,12 +13,12 @@ struct BodyPattern {
   std::vector<int> node_offset;      // per robot of the island
   std::vector<int> parent, end;      // per node: -1 at the base; one past its subtree
   std::vector<int> first_dof, ndof;  // per node: its joint's coordinates in the island
-  std::vector<int> A, B;             // per contact row: the nodes it acts on, -1 for what stands still
+  std::vector<int> A, B;             // per contact row: the nodes it acts on, -1 for what does not move
   std::vector<int> at_first, at;     // rows that act on a node: at[at_first[i]] ... at[at_first[i + 1] - 1]
 
-  // nodes with children that one to six rows hold to what stands still
+  // nodes with children that one to six rows constrain relative to what does not move
   std::vector<int> hold;            // per node: its number among them, -1: not one
-  std::vector<int> own_first, own;  // the rows that hold the h-th: own[own_first[h]] ... own[own_first[h + 1] - 1]
+  std::vector<int> own_first, own;  // the rows of the h-th: own[own_first[h]] ... own[own_first[h + 1] - 1]
 
   // rows that may be open at a node before its joint is eliminated, and where its numbers begin: of rows, of rows
   // times coordinates, of rows times rows; the joint's D

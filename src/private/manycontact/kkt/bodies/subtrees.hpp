@@ -1,7 +1,7 @@
 #pragma once
-// Trees cut at held bodies. Six independent rows between a body and what stands still say all of its acceleration, so
-// what hangs below it is a system (system.hpp) of its own, with a base that moves as told; it pulls at the body, which
-// these rows' forces alone feel.
+// Trees cut at constrained bodies. Six independent rows between a body and what does not move determine its
+// acceleration, so the subtree below it is a system (system.hpp) of its own, whose base has a prescribed motion. It
+// exerts a reaction on the body, which these rows' forces alone balance.
 
 #include <memory>
 
@@ -9,7 +9,7 @@
 
 namespace manycontact {
 
-/// A body that six rows hold, a leaf in its own subtree.
+/// A body that six rows constrain, a leaf in its own subtree.
 struct BodyCut {
   int node = 0;   // in its own subtree
   int below = 0;  // the subtree that hangs on it
@@ -18,9 +18,9 @@ struct BodyCut {
 
 /// Constant; its nodes, coordinates and rows are numbered in the order of the island's.
 struct BodySubtree {
-  std::shared_ptr<const BodyPattern> pattern;  // alike subtrees share one
+  std::shared_ptr<const BodyPattern> pattern;  // subtrees of one shape share one
   int shape = 0;                               // its number among the patterns
-  int above = -1;                              // the cut on which its bases hang; -1: they stand on nothing
+  int above = -1;                              // the cut that its bases are attached to; -1: none
   std::vector<int> node, contact;              // of the island
   int first_cut = 0, end_cut = 0;              // those in this subtree
 };
@@ -30,11 +30,11 @@ struct BodySubtrees {
   std::vector<BodyCut> cuts;
 };
 
-/// Whether there is a body to cut at: with others below it, held by six rows.
+/// Whether there is a body to cut at: with others below it, constrained by six rows.
 bool may_be_cut(const BodyPattern& p);
 
-/// Cuts wherever six rows to what stands still hold a body and no row of another body goes past it. Linear cost, as
-/// analyze_bodies.
+/// Cuts wherever six rows to what does not move constrain a body and no row of another body goes past it. Linear cost,
+/// as analyze_bodies.
 BodySubtrees split_bodies(const Island& island, const BodyPattern& whole);
 
 }  // namespace manycontact

@@ -9,7 +9,7 @@
 //   S_i^T f_i + armature qdd_i = tau_i
 //   G_Ak^T a_A + G_Bk^T a_B - delta y_k = g_k
 //
-// With c, p = 0 that is K [qdd; y] = [tau; g]. A base's acceleration stands in c of the body on it.
+// With c, p = 0 that is K [qdd; y] = [tau; g]. A base's acceleration is in c of the body on it.
 
 #include <memory>
 
@@ -54,8 +54,8 @@ struct BodyResidual {
   void resize(const BodyPattern& p);
 };
 
-/// Fills `out`; returns the backward error, the largest residual of an equation (of a three-vector, of f and a) beside
-/// the terms it is left of, these at least eps times the largest of their kind. f in the equation of a joint and a in
+/// Fills `out`; returns the backward error, the largest residual of an equation (of a three-vector, of f and a)
+/// relative to its terms, these at least eps times the largest of their kind. f in the equation of a joint and a in
 /// that of a row count with the terms that they are sums of. NaN when x is not finite.
 double backward_error(const BodySystem& system, const BodyVectors& rhs, const BodyVectors& x, BodyResidual& out);
 

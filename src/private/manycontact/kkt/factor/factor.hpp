@@ -19,8 +19,8 @@ struct FactorScratch {
   sparse::LdlWorkspace ldl;
   std::vector<double> scale;                      // of pivots
   std::vector<rank::PassedOn<double>> passed_on;  // per row of K
-  /// In, of each row of J, in the island's order: the largest motion it is picked from (rank/row_size.hpp), beside
-  /// which it is judged. Of another length: all are K.row_scale.
+  /// Input, of each row of J, in the island's order: the largest motion it is picked from (rank/row_size.hpp), which it
+  /// is judged relative to. If the length differs, all are K.row_scale.
   std::vector<double> row_scale;
 };
 
@@ -35,14 +35,14 @@ class Factor {  // one island's factor, whatever the method
   /// x <- K^-1 x, in K's order of elimination. With dependent rows (damping 0) the generalised inverse that gives
   /// least-squares accelerations and least-norm forces.
   virtual void solve(double* x) = 0;
-  /// The same of what an answer leaves, b - K x, where b has no part P b (project_out): of dependent rows those kept
-  /// alone. What rounding leaves of J x in the others no correction of x takes away.
+  /// The same for a solution's residual, b - K x, where b has no part P b (project_out): of dependent rows those kept
+  /// alone. No correction of x removes the rounding errors of J x in the others.
   virtual void correct(double* r) { solve(r); }
   /// v.x <- K^-1 v.b, refined by at most max_steps corrections of the true residual; v.r and v.scale are those of x.
-  /// Where rows are dependent, what they cannot agree on is taken out of b meanwhile, and left in v.null_component.
+  /// Where rows are dependent, their inconsistency is taken out of b meanwhile, and left in v.null_component.
   virtual sparse::Refinement solve_refined(const KktMatrix& K, KktVectors& v, int max_steps);
-  /// The componentwise backward error of that (sparse/refine.hpp). Of dependent rows those dropped, sums of z_j times
-  /// rows kept, are judged beside |z_j| times these rows' scale.
+  /// The componentwise backward error of that (sparse/refine.hpp). Dropped rows, sums of z_j times rows kept, are
+  /// judged relative to |z_j| times these rows' scale.
   virtual double backward_error(std::span<const double> r, std::span<const double> scale) {
     return sparse::componentwise_backward_error(r, scale);
   }
@@ -60,7 +60,7 @@ class Factor {  // one island's factor, whatever the method
   /// Gives back what memory only solve_panel needs, until that is called again.
   virtual void release_panels() {}
 
-  /// Of J.
+  /// Rank of J.
   virtual int rank() const = 0;
   /// Rows of J, numbered within the island, that depend on the others: nc - rank of them, in any order.
   virtual void dependent_rows(std::vector<int>& rows) const { rows.clear(); }
@@ -72,13 +72,13 @@ class Factor {  // one island's factor, whatever the method
   /// A flag per row of J, numbered within the island (rows: nc): set where y -= P y may change it, and it others.
   virtual void null_space_rows(std::span<char> rows) const { std::fill(rows.begin(), rows.end(), 1); }
 
-  /// What is left of the rows that were dropped, beside what they are judged by, where that may be more than rounding.
+  /// What is left of dropped rows, relative to what they are judged by, where that may be more than rounding errors.
   virtual double left_of_dropped_rows() const { return 0; }
 
-  /// What rounding makes of the projections, beside the largest entry of y: the forces of least norm are no better.
+  /// Rounding error of the projections relative to the largest entry of y, which limits the forces of least norm.
   virtual double projector_error() const { return 0; }
 
-  /// Of the factor, diagonals included.
+  /// Nonzeros of the factor, diagonals included.
   virtual int nonzeros() const = 0;
   /// Where J y = f has a solution y (f: the contacts' rows of x), one of them takes the place of x's other rows; the
   /// contacts' rows are overwritten.
@@ -95,7 +95,7 @@ class Factor {  // one island's factor, whatever the method
     (void)K;
     return std::numeric_limits<double>::infinity();
   }
-  /// Whether a panel's columns come out as accurate as a single solve: then growth and the backward error of that tell
+  /// Whether a panel's columns are as accurate as a single solve: then growth and the backward error of that decide
   /// whether the panel needs refinement. Otherwise panels are judged by their own residual.
   virtual bool panel_is_like_solve() const { return true; }
 };

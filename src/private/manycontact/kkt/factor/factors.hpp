@@ -29,13 +29,13 @@ std::unique_ptr<Factor> make_cholmod_factor(std::shared_ptr<IslandShape> shape);
 /// M = L^T D L robot by robot, and CHOLMOD's supernodal L L^T of the Schur complement J M^-1 J^T + delta I.
 std::unique_ptr<Factor> make_schur_factor(std::shared_ptr<IslandShape> shape);
 
-/// Dense and rank-revealing (kkt/dense.hpp): the oracle.
+/// Dense and rank-revealing (kkt/dense.hpp): the dense reference solver.
 std::unique_ptr<Factor> make_dense_factor();
 
 /// Dense LLT of M and of the Schur complement: the baseline, as Crocoddyl does it.
 std::unique_ptr<Factor> make_dense_schur_factor();
 
-/// The factor that stands behind a method, not kAuto.
+/// The factor of a method, not kAuto.
 std::unique_ptr<Factor> make_factor(Method method, std::shared_ptr<IslandShape> shape);
 
 }  // namespace manycontact
