@@ -37,7 +37,7 @@ void each_robot(const Forces& forces, std::span<const int> robots, Use&& use) {
     if (const int k = forces.number[r]; k >= 0) use(forces.robots[k], static_cast<std::size_t>(k));
 }
 
-// An end of a spring, as it is and as it varies. In the world: it stands still.
+// An end of a spring, and its variation. An end in the world does not move.
 struct End {
   SpringEnd<double> at;
   V6 *u = nullptr, *x = nullptr, *v = nullptr;  // of its body

@@ -73,8 +73,8 @@ std::optional<Eigen::VectorXd> upright(const Scene& scene, const Eigen::VectorXd
   return std::nullopt;
 }
 
-// The q that meets the poses and closes the contacts, found from q; where it leaves robots leaning and the poses allow
-// it, one where they stand. standing: the contacts that carry robots.
+// Finds from q a configuration that meets the poses and closes the contacts. If robots lean there and the poses allow
+// it, finds one in which they stand upright. standing: the contacts that carry robots.
 Eigen::VectorXd placed(const Scene& scene, const Eigen::VectorXd& q, const std::vector<ScenePose>& poses,
                        const std::vector<bool>& closed, const std::vector<bool>& standing, int restarts,
                        const std::string& file, int line) {
@@ -117,7 +117,7 @@ void place(SceneFile& file) {
 
 void place_references(TaskFile& task) {
   const SceneFile& file = task.scene;
-  // Contacts that stand where the scene has them: from the start on, or by a phase that closes them there.
+  // Contacts that are where the scene has them: from the start on, or by a phase that closes them there.
   std::vector<bool> held(file.scene.contacts.size(), true), before = held;
   const auto find = [&](TaskPhase& phase) {
     for (std::size_t c = 0; c < held.size(); ++c) {

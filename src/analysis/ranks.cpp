@@ -31,8 +31,8 @@ struct Examined {
   const ContactData<double>& numbers(int position) const { return contact_of(data, island.contacts[position]); }
 };
 
-// J^T of some contacts of an island, of the columns they act on only, each row of J beside its own size; what is left
-// of one up to tolerance::kRank is nothing.
+// J^T of some contacts of an island, of the columns they act on only, each row of J relative to its own size. A rest of
+// up to tolerance::kRank counts as zero.
 Eigen::MatrixXd rows_of(const Examined& x, const std::vector<int>& positions) {
   std::map<int, int> column;  // of the island -> of the result
   int rows = 0;
@@ -188,7 +188,7 @@ std::string lightest(const Contact& contact, const Eigen::MatrixXd& Jt, int rank
   return "";
 }
 
-// What is left of a contact when only some of its rows are kept.
+// Name of a contact of which only some rows are kept.
 std::string kept_as(const Contact& contact, const std::vector<int>& rows) {
   std::vector<std::string> names;
   for (int r : rows) names.push_back(row_name(contact, r));

@@ -1,5 +1,5 @@
 #pragma once
-// Whether robots could stand where their contacts are: by where their centres of mass are over them.
+// Whether robots could stand on their contacts, judged by the positions of their centres of mass over these.
 
 #include <vector>
 

@@ -60,8 +60,8 @@ int main(int argc, char** argv) {
   if (format != ".dae" && format != ".obj" && format != ".stl")
     return refuse("is no mesh that can be read, expected .dae, .obj or .stl");
 
-  // Placed by their nodes, in metres by COLLADA's <unit>. URDF's viewers take COLLADA's axes as they stand, whatever
-  // its <up_axis>: so does rviz, for which robots are made.
+  // Nodes place the meshes, in metres by COLLADA's <unit>. URDF's viewers use COLLADA's axes unchanged, whatever its
+  // <up_axis>: so does rviz, for which robots are made.
   Assimp::Importer importer;
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFile(argv[1], 0);

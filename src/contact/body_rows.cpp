@@ -25,7 +25,7 @@ Placed placed(const Scene& scene, const Attachment& at, const BodyKinematics<dou
 void body_rows(const Scene& scene, const Contact& c, const BodyKinematics<double>* kinA,
                const BodyKinematics<double>* kinB, const Vec6<double>& aA, const Vec6<double>& aB,
                ContactData<double>& d) {
-  Vec6<double> rest = Vec6<double>::Zero();  // acceleration of what stands still, minus gravity
+  Vec6<double> rest = Vec6<double>::Zero();  // acceleration of bodies at rest, minus gravity
   rest.head<3>() = -scene.gravity;
   const Placed A = placed(scene, c.A, kinA), B = placed(scene, c.B, kinB);
   d.aMA = d.bMA = A.frame;

@@ -52,7 +52,7 @@ WorldPoint<S> origin(const Scene& scene, const Attachment& at, const Kinematics<
 template <class S>
 void place_and_move(const Vec3<double>& gravity, const Contact& c, const Kinematics<S>& kinA, const Kinematics<S>* kinB,
                     const SE3<S>& bMB, const Vec3<S>& from_b, ContactData<S>& d) {
-  Vec6<S> rest = Vec6<S>::Zero();  // acceleration of what stands still, minus gravity
+  Vec6<S> rest = Vec6<S>::Zero();  // acceleration of bodies at rest, minus gravity
   rest.template head<3>() = -gravity.cast<S>();
   d.bMA = d.aMA;
   d.bMA.p += from_b;

@@ -60,7 +60,7 @@ RobotState read_state(const RobotElement& robot, const Model& model);
 /// xyz and rpy of <robot>.
 SE3<double> read_base(const Element& robot);
 
-/// Where copy i of n stands: `arrange` and `spacing`.
+/// Placement of copy i of n: `arrange` and `spacing`.
 struct Arrangement {
   int kind = 0;  // line, circle, grid
   double spacing = 1;

@@ -11,7 +11,7 @@ namespace {
 
 struct Kind {
   const char* name;
-  const char* alias;  // the name of the action floor's class in lower case, where it is another; or null
+  const char* alias;  // the name of the class in module action in lower case, if different; or null
   std::vector<const char*> attributes;
 };
 

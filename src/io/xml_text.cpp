@@ -168,7 +168,7 @@ class Characters {
 
   void check_reference() const {
     const std::size_t end = text_.find_first_of("; \t\r\n<>\"'&", at_ + 2);
-    if (end == std::string_view::npos || text_[end] != ';') return;  // none, and taken as it stands
+    if (end == std::string_view::npos || text_[end] != ';') return;  // none, and taken unchanged
     std::string_view digits = text_.substr(at_ + 2, end - at_ - 2);
     const bool hex = digits.starts_with('x');
     if (hex) digits.remove_prefix(1);

@@ -28,7 +28,7 @@ void each_part(const BlockDiagonal& D, Use&& use) {
   }
 }
 
-// use(first, size) of what stands between the parts.
+// use(first, size) of each gap between the parts.
 template <class Use>
 void each_gap(const BlockDiagonal& D, Index n, Use&& use) {
   Index at = 0;

@@ -65,7 +65,7 @@ void RiccatiStep::lay_out(int nv, int nx) {
   ld_ = u_ + sparse::padded(nx);
   if (same) return;
   const std::ptrdiff_t ld = ld_, rows = nx;
-  F_.assign(static_cast<std::size_t>(rows * ld + kTile), 0);  // what stands between v and x stays zero
+  F_.assign(static_cast<std::size_t>(rows * ld + kTile), 0);  // entries between v and x stay zero
   grow(PF_, sparse::padded(nx) * ld);
   grow(H_, ld * ld);
   grow(qs_, ld);

@@ -1,11 +1,11 @@
-// Energy of steps in which springs move bodies by angles that no linear force is right for.
+// Energy of steps in which springs rotate bodies by angles too large for linear forces.
 //
-// What turns by an angle x in a step leaves a spring's line by s x^2 / 2, which a spring that is faster than the step
-// takes back at once, and bodies that turn by radians are wrong in everything that is linear: energy may grow from step
-// to step. So robots with such springs do not gain energy but for what motors, pushes and contacts give. Where they
-// did, only a share is left of what moves them beside their motion as one rigid body, which their momentum asks for
-// (one_body.hpp). With a share of 0 no spring changes its length, and what the world holds stands still. Of a spring
-// counts what a step can make of its energy, k e^2 / 2 / (1 + h^2 k / m).
+// A body that rotates by an angle x in a step leaves a spring's line by s x^2 / 2, which a spring that is faster than
+// the step takes back at once. Bodies that rotate by radians are wrong in every linear term: energy may grow from step
+// to step. So robots with such springs gain no energy except from motors, external wrenches and contacts. Where they
+// did, only a share is left of their motion relative to that as one rigid body, which follows from their momentum
+// (one_body.hpp). With a share of 0 no spring changes its length, and clusters fixed to the world stay at rest. A
+// spring counts with what a step can make of its energy, k e^2 / 2 / (1 + h^2 k / m).
 
 #include <algorithm>
 #include <cmath>
@@ -70,7 +70,7 @@ void find_clusters(const Scene& scene, const SimulationData& d, BoundedEnergy& e
     if (e.far[r]) e.far[static_cast<std::size_t>(e.cluster[r])] = 1;
 }
 
-// Which clusters the world holds.
+// Finds the clusters that the world constrains.
 void find_tied(const Scene& scene, const FreeGroups& groups, BoundedEnergy& e) {
   e.tied.assign(scene.robots.size(), 0);
   const auto tie = [&](int robot) { e.tied[static_cast<std::size_t>(e.cluster[robot])] = 1; };
@@ -138,7 +138,7 @@ void find_bodies(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
 
 double& at_robot(Eigen::VectorXd& x, const BoundedEnergy& e, int robot) { return x[e.cluster[robot]]; }
 
-// Of each cluster at q, v; and the sum of the sizes of what it is made of.
+// Energy of each cluster at q, v; and the sum of the sizes of its terms.
 void find_energies(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                    const std::vector<double>& fast, std::vector<Kinematics<double>>& kin, BoundedEnergy& e,
                    Eigen::VectorXd& energy) {
@@ -168,7 +168,7 @@ void find_energies(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Ve
   }
 }
 
-// What motors, pushes, PD laws and contacts gave in the step, at most.
+// Adds the most that motors, external wrenches, PD laws and contacts gave in the step.
 void add_work(const Scene& scene, const SimulationData& d, BoundedEnergy& e) {
   e.mean = 0.5 * d.h * (d.v + d.next_v);
   for (int r = 0; r < scene.nrobots(); ++r) {

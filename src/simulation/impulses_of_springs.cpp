@@ -1,4 +1,4 @@
-// What springs between points do to the momentum of free groups.
+// Changes of the momentum of free groups by springs between points.
 
 #include <algorithm>
 #include <numeric>

@@ -1,4 +1,4 @@
-// What joints that resist do in a semi-implicit Euler step.
+// Joints that resist motion, in a semi-implicit Euler step.
 
 #include "internal.hpp"
 #include "resisting_forces.hpp"

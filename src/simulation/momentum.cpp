@@ -43,7 +43,7 @@ void hold_in_plane(FreeGroup& group, const Vec3<double>& normal) {
     group.tied = true;
 }
 
-// 1D in world axes: it holds its end in a plane.
+// 1D in world axes: it constrains its end to a plane.
 bool holds_in_plane(const Contact& c) {
   return c.type == ContactType::k1D && c.reference_frame != ReferenceFrame::kLocal;
 }
@@ -110,7 +110,7 @@ void accelerate(const Scene& scene, const std::vector<Kinematics<double>>& kin, 
   }
 }
 
-// What the torques of a free joint do to the group below it and, the other way round, to that above; C_next is C still.
+// Effect of a free joint's torques on the group below it and, the other way round, on that above; C_next is C still.
 void add_torques_of(const Scene& scene, const FreeGroups::FreeJoint& j, const Eigen::Ref<const Eigen::VectorXd>& tau,
                     double h, const std::vector<Kinematics<double>>& kin, FreeGroups& groups) {
   const Robot& robot = scene.robots[j.robot];

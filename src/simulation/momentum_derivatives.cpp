@@ -30,7 +30,8 @@ void each_above(const Robot& robot, int i, const Kinematics<double>& kin, Use&& 
       use(robot.idx_v + k, kin.J.col(k));
 }
 
-// What each joint of robot r carries of a group, and the derivatives of the group's momentum about its reference.
+// The part of a group that each joint of robot r carries, and the derivatives of the group's momentum about its
+// reference.
 void differentiate_robot(const Scene& scene, int r, int root, const std::vector<Kinematics<double>>& kin,
                          const FreeGroups& groups, const FreeGroup& group, FreeMotionDerivatives& d, OfGroup& out) {
   const Robot& robot = scene.robots[r];
@@ -60,7 +61,7 @@ void differentiate_robot(const Scene& scene, int r, int root, const std::vector<
   }
 }
 
-// Of every free group's C, P and L at the places and velocities of kin, which it was measured at.
+// Derivatives of every free group's C, P and L at the placements and velocities of kin, where it was measured.
 void differentiate_momentum(const Scene& scene, const std::vector<Kinematics<double>>& kin, const FreeGroups& groups,
                             FreeMotionDerivatives& d) {
   for (std::size_t g = 0; g < d.groups.size(); ++g) {
@@ -89,7 +90,7 @@ void differentiate_momentum(const Scene& scene, const std::vector<Kinematics<dou
   }
 }
 
-// Whose groups there are.
+// Whether a group moves freely.
 bool is_free(const FreeGroups& groups, std::size_t g) { return !groups.groups[g].tied; }
 
 OfGroup& of_group(FreeMotionDerivatives& d, const FreeGroups& groups, const FreeGroup& group) {

@@ -1,5 +1,5 @@
 #pragma once
-// What a step's end (simulation/momentum.hpp) and its derivatives have in common.
+// A step's end (simulation/momentum.hpp) and its derivatives share these functions.
 
 #include "manycontact/simulation/momentum.hpp"
 
@@ -21,11 +21,11 @@ void each_side(Groups& groups, const FreeGroups::FreeJoint& j, Use&& use) {
   if (auto& group = group_at(groups, j.parent); !group.tied) use(group, -1.0);
 }
 
-/// What end_free_motion adds to a free joint: a displacement, and a velocity at the point `at`, in the world.
+/// Changes of a free joint by end_free_motion: a displacement, and a velocity at the point `at`, in the world.
 Vec3<double> added_displacement(const FreeGroups& groups, const FreeGroups::FreeJoint& j);
 Vec6<double> added_velocity(const FreeGroups& groups, const FreeGroups::FreeJoint& j, const Vec3<double>& at);
 
-/// groups.any: whether the world does not hold a group. begin_free_motion finds the same; this needs no kinematics.
+/// groups.any: whether the world leaves a group free. begin_free_motion finds the same; this needs no kinematics.
 bool find_free_groups(const Scene& scene, const std::vector<char>& active, FreeGroups& groups);
 /// Places and velocities of all robots; accelerations are not used.
 void kinematics_at(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,

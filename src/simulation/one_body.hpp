@@ -15,7 +15,7 @@ struct PartOfBody {
   Vec3<double> P, L;    // L about C
   Vec3<double> C_next;  // as FreeGroup::C_next
 };
-/// Of a group whose Y is that of the start.
+/// The part of a group whose Y is that of the start.
 PartOfBody part_of(const FreeGroup& group);
 
 struct OneBody {
@@ -26,14 +26,14 @@ struct OneBody {
   Vec3<double> L = Vec3<double>::Zero();         // about C, of all parts
   Vec3<double> V = Vec3<double>::Zero(), w = V;  // its velocity by the parts' momentum
 };
-/// Of the groups `members`, whose parts they are. moves: else V = w = 0.
+/// The body that consists of the groups `members` with their parts. moves: else V = w = 0.
 OneBody one_body(std::span<const int> members, const std::vector<PartOfBody>& parts, const FreeGroups& groups,
                  bool moves);
 
 /// Gives the groups what the parts have.
 void keep_all(std::span<const int> members, const std::vector<PartOfBody>& parts, FreeGroups& groups);
 /// Gives the groups, after a step of h, a share of what the parts have, and for the rest the motion of the one body.
-/// What moves keeps the sum of the parts' momentum to rounding.
+/// If it moves, the sum of the parts' momentum is kept to rounding errors.
 void approach(const OneBody& body, std::span<const int> members, const std::vector<PartOfBody>& parts, double share,
               bool moves, double h, FreeGroups& groups);
 

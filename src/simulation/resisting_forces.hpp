@@ -14,11 +14,11 @@ namespace internal {
 /// first.
 struct BoundedEnergy {
   std::vector<int> cluster;
-  std::vector<char> sprung, tied;                       // a spring acts on the cluster; the world holds it
+  std::vector<char> sprung, tied;                       // a spring acts on the cluster; the world constrains it
   std::vector<char> far;                                // it turns by angles that are large for its springs
   std::vector<double> turn;                             // of a robot's joints, the farthest [rad]
   Eigen::VectorXd before, after, least, size, kinetic;  // J; before: with what was given in the step
-  Eigen::VectorXd share;                                // of the motion beside that as one body
+  Eigen::VectorXd share;                                // of the motion relative to that as one body
   Eigen::VectorXd mean, unbounded_v, rigid_v;           // nv
   std::vector<double> none;
 
@@ -28,7 +28,7 @@ struct BoundedEnergy {
   std::vector<OneBody> bodies;      // per cluster
 };
 
-/// What semi-implicit Euler solves: the scene at rest, with what joints add to M.
+/// The equations that semi-implicit Euler solves: the scene at rest, with the joints' additions to M.
 struct AtRest {
   Scene& scene;
   SceneData& data;  // data.dynamics where they add nothing

@@ -337,7 +337,7 @@ void keep_turning(const SimulationData& d, ResistingSprings& s) {
       row.g = -row.keeps * s.rate[i];
 }
 
-// What is across springs: D and g, by what the rows along them do.
+// Finds D and g across springs, from the action of the rows along them.
 bool find_across(const SimulationData& d, ResistingSprings& s) {
   if (std::none_of(s.rows.begin(), s.rows.end(), is_across)) return true;
   if (!factorize_rows(false, s)) return false;

@@ -114,7 +114,7 @@ std::unique_ptr<SimulationData> data_of_copies(const Work& work, const Part& par
   return std::make_unique<SimulationData>(work.scene, part.q, part.v, work.integrator, work.h, work.options);
 }
 
-// What a step goes on from, into the data and back.
+// Exchanges the state that a step continues from with that of the data.
 void exchange(Part& part, SimulationData& d) {
   part.q.swap(d.q), part.v.swap(d.v);
   part.left_q.swap(d.left_q), part.left_v.swap(d.left_v);

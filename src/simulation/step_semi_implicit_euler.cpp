@@ -16,7 +16,7 @@ bool goes_on_from_last(const SimulationData& d) {
   return d.left_active == d.dynamics.active && d.left_q == d.q && d.left_v == d.v;
 }
 
-// What of M v has no part in the robots' inverse dynamics.
+// The part of M v that the robots' inverse dynamics lack.
 void find_momentum_of_armatures(const Scene& scene, SimulationData& d) {
   for (const Robot& robot : scene.robots)
     d.tau.segment(robot.idx_v, robot.model->nv) =

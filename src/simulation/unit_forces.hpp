@@ -28,7 +28,7 @@ class UnitTorques {
   /// Takes a velocity or acceleration (nv); after it, what that is along a force. Clears.
   void look(const Eigen::VectorXd& a);
   double along(const UnitForce& force) const;
-  /// What it is along a spring, of the ends on an island; -1: of both ends.
+  /// The same along a spring, of the ends on an island; -1: of both ends.
   double along(int spring, const Vec3<double>& direction, int island) const;
   /// Robots are on one island that contacts flagged `active` join.
   void find_islands(const Scene& scene, const std::vector<char>& active);

@@ -154,7 +154,7 @@ std::shared_ptr<ResidualModelAbstract> of_frame(const TaskTerm& term, const Part
   }
 }
 
-// In which axes a cone on a contact stands, and how: z along the normal (contact/normal.hpp).
+// The axes of a cone on a contact, and its rotation: z along the normal (contact/normal.hpp).
 struct Cone {
   ConeAxes axes;
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();

@@ -29,7 +29,7 @@ double largest(const auto& x) {
 
 double ratio(double part, double whole) { return whole > 0 ? part / whole : part > 0 ? INFINITY : 0; }
 
-// The size of the correction dx: relative to x as a whole, which tells convergence, and to the largest acceleration and
+// The size of the correction dx: relative to x as a whole, which shows convergence, and to the largest acceleration and
 // the largest force, which may be far smaller than x.
 double relative_size(const Eigen::VectorXd& dx, const VecX<Quad>& x) { return ratio(largest(dx), largest(x)); }
 double relative_size_of_parts(const Eigen::VectorXd& dx, const VecX<Quad>& x, int nv) {

@@ -11,7 +11,7 @@ namespace manycontact::cli {
 /// for line breaks; blanks around numbers, empty lines and a byte order mark are passed over.
 class CsvReader {
  public:
-  /// Reads the header. Throws InputError: the file cannot be read or is none in UTF-8, a name stands twice in it, a
+  /// Reads the header. Throws InputError: the file cannot be read or is none in UTF-8, a name occurs twice in it, a
   /// quote stays open, there is no column t.
   explicit CsvReader(const std::string& path);
 

@@ -6,7 +6,7 @@
 
 namespace manycontact::cli {
 
-/// Where the program `name` stands, or would stand: in this program's folder.
+/// Path of the program `name` in this program's folder, whether it exists or not.
 std::string program_beside(const std::string& name);
 
 /// Becomes the program `name` in this program's folder, with `command` and `words` as its arguments. It returns only by

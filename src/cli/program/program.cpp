@@ -70,7 +70,7 @@ int dispatch(const std::vector<Command>& commands, const std::vector<std::string
   return complain(kind + words[0] + "'", hint, kExitUsage);
 }
 
-// Those that are closed: a file that is opened later does not become standard error. Writing there fails as before.
+// Opens those that are closed: a file opened later does not become standard error. Writing there fails as before.
 void hold_standard_descriptors() {
   int file = 0;
   do file = open("/dev/null", O_RDONLY);

@@ -78,7 +78,7 @@ void IntegratedActionDataEuler::dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& f
   integrate_velocities(fx, fu);
 }
 
-// Of Fx, Fu from dv'/dx without v's own, and dv'/du, in the lower halves:
+// Computes Fx, Fu from dv'/dx without v's own, and dv'/du, in the lower halves:
 //
 //     Fx = [J1 0; 0 0] + [h J2; 1] (h a_x + [0 I]),    Fu = [h J2; 1] h a_u
 void IntegratedActionDataEuler::integrate_velocities(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const {

@@ -267,7 +267,7 @@ void coupled_gradient(const ActionModelParts& model, const ActionDataParts& d, c
 //
 //     R^T dw = W^T df + s x* F - th x F
 //
-// so that what stands with w stands with f, whose derivatives are the scene's, and with A's place.
+// so that a gradient with respect to w becomes one with respect to f, whose derivatives are the scene's, and A's place.
 void scene_gradient(const ActionModelParts& model, ActionDataParts& d, const VectorXd& next, bool terminal,
                     const VectorXd& y, VectorXd& gx, VectorXd& gu) {
   if (terminal) return terminal_gradient(model, d, y, gx);

@@ -2,7 +2,7 @@
 
 namespace manycontact {
 
-// What the gaps fs add to the expected improvement of DDP's, with V of the backward pass and the states tried x:
+// Adds the terms of the gaps fs to DDP's expected improvement, with V of the backward pass and the states tried x:
 //     dv = - sum fs^T Vxx (xs (-) x),    d0 = dg + dv,    d1 = dq - 2 dv
 const Eigen::Vector2d& SolverFDDP::expectedImprovement() {
   dv_ = 0;
