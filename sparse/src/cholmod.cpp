@@ -22,7 +22,7 @@ struct Common : cholmod_common {
     error_handler = nullptr;
     final_asis = 1;
     nmethods = 1;
-    grow2 = 0;  // columns of L get the room they need, no more
+    grow2 = 0;  // columns of L get the memory they need, no more
   }
   Common(const Common&) = delete;
   ~Common() { cholmod_finish(this); }

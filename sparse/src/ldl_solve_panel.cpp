@@ -5,7 +5,7 @@ namespace manycontact::sparse {
 
 namespace {
 
-constexpr int kWide = 8 * kernel::kRegister;  // the widest chunk that leaves the machine's registers room
+constexpr int kWide = 8 * kernel::kRegister;  // the widest chunk that fits in the machine's registers with its operands
 
 // Row by row, so that a row stays in registers while the rows it depends on stream past.
 template <int N>

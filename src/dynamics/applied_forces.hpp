@@ -19,7 +19,7 @@ struct Workspace;
 struct AppliedWork {
   explicit AppliedWork(const Scene& scene);
 
-  bool act = false;              // in the solution at hand: its scene has them
+  bool act = false;              // in the current solution: its scene has them
   std::vector<Vec6<double>> w;   // wrenches solved with
   AppliedForces<double> forces;  // at the state solved at
   struct OfThread {              // scratch
@@ -31,7 +31,7 @@ struct AppliedWork {
 
 namespace internal {
 
-/// Whether any act in the solution at hand.
+/// Whether any act in the current solution.
 bool forces_are_applied(const Workspace& w);
 /// Throws std::invalid_argument, in the name of `function`, unless data.pushes has a wrench per push of the scene.
 void check_pushes(const Scene& scene, const SceneData& data, const char* function);

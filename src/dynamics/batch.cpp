@@ -171,7 +171,7 @@ Status status_of(const Solved& s, int copy) {
   return worst;
 }
 
-// Solves the states first ... first+states-1 and uses them: side by side, or one after the other.
+// Solves the states first ... first+states-1 and uses them: as copies in one scene, or one after the other.
 template <class Use>
 void solve_some(const Scene& scene, const BatchStates& s, BatchData::Thread& thread, std::ptrdiff_t first, int states,
                 std::span<Status> status, Use&& use) {
@@ -195,7 +195,7 @@ void solve_some(const Scene& scene, const BatchStates& s, BatchData::Thread& thr
   }
 }
 
-// Solves all states, then use(Solved) of each, or of those side by side. The one loop over states there is.
+// Solves all states, then use(Solved) of each, or of copies solved together. This is the only loop over states.
 template <class Use>
 void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std::span<Status> status, Use&& use) {
   for (BatchData::Thread& thread : batch.threads) {

@@ -64,14 +64,14 @@ bool ask(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& t
 /// Bounds of the errors by |K^-1| (mathematics.md), into the islands' reports.
 void bound_errors(const Scene& scene, SceneData& data);
 
-/// Forgets what a solve leaves to the next one for speed alone: the next answer depends on its state alone, as that of
-/// new data does.
+/// Forgets what a solve leaves to the next one for speed alone: the next solution depends on its state alone, as that
+/// of new data does.
 void reset_warm_starts(SceneData& data);
 
 /// Bytes of derivatives: more than a core can count on in a cache it shares, and need not be written through it.
 inline constexpr std::size_t kCacheBytes = 4 << 20;
 
-/// Whether derivatives of the solution at hand are there.
+/// Whether derivatives of the current solution are there.
 bool has_derivatives(const SceneData& data);
 /// Which columns of an island's derivatives are by torques, of those of out.request.
 void number_torques(const Scene& scene, const Island& island, IslandDerivatives& out);
@@ -94,7 +94,7 @@ inline void report_residuals(const Scene& scene, const double (&r)[2], const dou
   report.residual_contact = r[1] == 0 ? 0 : r[1] / std::max(scale[1], scene.gravity.norm());
   report.contact_terms = scale[1];
 }
-/// The bounds into the report, and whether they leave anything of the answer.
+/// Writes the bounds into the report; returns whether the solution exceeds them.
 inline void report_bounds(const Known& a, const Known& f, IslandReport& report) {
   report.error_acceleration = a.relative();
   report.error_forces = f.relative();

@@ -69,7 +69,7 @@ void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, Dropp
   if (solve_by(&d.matrix) && report.reason == Reason::kNone) report.reason = refused;
 }
 
-// The islands that SIMD batches did not answer.
+// Solves the islands that SIMD batches did not.
 void solve_left(const Scene& scene, SceneData& data, Dropped dropped) {
   if (dropped == Dropped::kAsFound) return;
   Workspace& w = *data.workspace;

@@ -9,7 +9,7 @@ namespace manycontact {
 
 namespace {
 
-// x of the answer at hand, in the order of elimination.
+// x of the current solution, in the order of elimination.
 std::vector<double> given_solution(const Scene& scene, const SceneData& data, const MatrixSystem& m) {
   const Island& island = m.owner.island;
   const int* iperm = m.K.pattern->iperm.data();

@@ -179,7 +179,7 @@ Choice choose(IslandShape& shape, const Options& options) {
       choice.method = Method::kSparseSupernodal, least = cost;
   if (!options.order && bodies_are_cheaper(shape, least))
     return {Method::kSparseBodies,
-            choice.order};  // the order is for the whole K, which answers what sparse-bodies cannot
+            choice.order};  // the order is for the whole K, which solves what sparse-bodies cannot
   return choice;
 }
 

@@ -21,14 +21,14 @@ namespace manycontact {
 
 namespace {
 
-// M and J in a posture, as assemble takes them.
+// M and J in a configuration, as assemble takes them.
 struct Numbers {
   std::vector<std::vector<double>> M;  // per robot, packed
   std::vector<Eigen::MatrixXd> J;      // per contact
 };
 
-// In a posture without symmetry, `most` about `mean` from the neutral one, whatever the base: alike islands see the
-// same. other: how a robot's differs from the one before.
+// M and J in a configuration without symmetry, `most` about `mean` from the neutral one, whatever the base: islands of
+// one shape see the same. other: how a robot's differs from the one before.
 Numbers numbers_at(const Scene& scene, const Island& island, const IslandSupport& support, double mean, double most,
                    double other) {
   Numbers numbers;
@@ -193,14 +193,14 @@ std::vector<Numbers> some_postures(const Scene& scene, const Island& island, con
   return out;
 }
 
-// Whether the pivots can be believed, by far, in some postures.
+// Whether the pivots are sound, by far, in some configurations.
 bool holds(const Scene& scene, const Island& island, const IslandSupport& support, const sparse::UpperCsc& K,
            const std::vector<int>& perm, double most_growth, std::vector<Numbers>& postures) {
   if (postures.empty()) postures = some_postures(scene, island, support);
   KktMatrix matrix;
   matrix.reset(std::make_shared<const KktPattern>(analyze(scene, island, support, K, Order::kContactsEarly, perm)));
-  // Once: by the factor that compiles no schedule. Rows that depend on others in the first posture are dropped, or of
-  // many rows left as they are: their null space may be no sparse matrix.
+  // Once: by the factor that compiles no schedule. Rows that depend on others in the first configuration are dropped,
+  // or of many rows left as they are: their null space may be no sparse matrix.
   std::unique_ptr<Factor> factor = make_ldl_factor(Method::kSuiteSparseLdl);
   FactorScratch scratch;
   bool first = true;

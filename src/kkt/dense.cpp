@@ -54,7 +54,7 @@ void decompose_rows(DenseKkt<S>& kkt) {
     sorted.row(k) = C.col(order[k]).transpose();
     kkt.sorted.indices()[kkt.choice.colsPermutation().indices()[order[k]]] = k;
   }
-  if (kkt.of_Ct.cols() != kkt.rank)  // made anew, as in factor
+  if (kkt.of_Ct.cols() != kkt.rank)  // made again, as in factor
     kkt.of_Ct = Eigen::ColPivHouseholderQR<MatX<S>>(kkt.nc(), kkt.rank);
   kkt.of_Ct.compute(sorted);
 }
@@ -151,7 +151,7 @@ void factor(DenseKkt<S>& kkt) {
     decide_rank(kkt);
     if (kkt.rank > 0) decompose_rows(kkt);
   }
-  // A change of rank makes these anew: where memory runs out, Eigen's own resize leaves an array freed.
+  // A change of rank makes these again: where memory runs out, Eigen's own resize leaves an array freed.
   if (kkt.N.cols() != nv - kkt.rank) {
     kkt.N = MatX<S>();
     kkt.reduced = Eigen::LLT<MatX<S>>(MatX<S>::Identity(nv - kkt.rank, nv - kkt.rank));

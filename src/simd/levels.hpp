@@ -1,6 +1,6 @@
 #pragma once
-// The kernels of all floors, compiled once per level of instructions (src/simd/levels.cmake) and chosen here when the program
-// runs.
+// The kernels of all modules, compiled once per level of instructions (src/simd/levels.cmake) and chosen here when the
+// program runs.
 
 #include <span>
 
@@ -35,7 +35,7 @@ struct Level {
   const lanes::Level& robots;
 };
 
-/// All levels of this build that the processor at hand has the instructions of, the widest first.
+/// All levels of this build that this processor has the instructions of, the widest first.
 std::span<const Level> levels();
 
 }  // namespace simd

@@ -25,7 +25,7 @@ int group_number(const FreeGroups& groups, const Attachment& at) {
       .group[static_cast<std::size_t>(groups.node[static_cast<std::size_t>(groups.first_body[at.robot] + at.joint)])];
 }
 
-// Gives groups that springs join the angular momentum `dL` about the world's origin, by turning them as one body.
+// Gives groups that springs join the angular momentum `dL` about the world's origin, by rotating them as one body.
 void turn_together(std::span<const int> members, const Vec3<double>& dL, double h, std::vector<PartOfBody>& parts,
                    FreeGroups& groups) {
   for (const int g : members) parts[static_cast<std::size_t>(g)] = part_of(groups.groups[static_cast<std::size_t>(g)]);

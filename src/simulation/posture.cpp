@@ -101,7 +101,7 @@ ClosestPosture follow_posture(const Scene& scene, const std::vector<char>& activ
   for (int k = anew ? kFirstIterations : 1; k > 0; --k) {
     d.asked = d.w;
     if (!iterate(q, d)) {
-      d.active.clear();  // begin anew
+      d.active.clear();  // start again
       return {};
     }
     for (std::size_t i = 0; k > 1 && i < island_count(d.dynamics); ++i)

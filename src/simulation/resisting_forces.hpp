@@ -23,7 +23,7 @@ struct BoundedEnergy {
   std::vector<double> none;
 
   std::vector<PartOfBody> parts;    // per free group
-  std::vector<int> of_group;        // likewise: its cluster
+  std::vector<int> of_group;        // per free group: its cluster
   std::vector<int> members, first;  // free groups, cluster by cluster; per cluster where they begin
   std::vector<OneBody> bodies;      // per cluster
 };

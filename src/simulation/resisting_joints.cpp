@@ -23,11 +23,11 @@ std::shared_ptr<Model> own_model(const Robot& robot, const Eigen::VectorXd& adde
 
 }  // namespace
 
-// Robots alike share a model, unless friction changes theirs from solve to solve.
+// Like robots share a model, unless friction changes theirs from solve to solve.
 Scene ResistingJoints::with_inertias(const Scene& scene) {
   added = to_add;
   Scene out = scene;
-  std::vector<std::size_t> first;  // of robots alike
+  std::vector<std::size_t> first;  // of like robots
   models.assign(scene.robots.size(), nullptr);
   for (std::size_t r = 0; r < scene.robots.size(); ++r) {
     const Robot& robot = scene.robots[r];

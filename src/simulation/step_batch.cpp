@@ -14,8 +14,8 @@
 
 namespace manycontact {
 
-/// States side by side as copies of the scene, or, after a step of one of them failed, each with its own data. Between
-/// its steps a part is no more than what `step` goes on from; the memory of solves is the thread's. A part whose rows
+/// States as copies in one scene, or, after a step of one of them failed, each with its own data. Between its steps a
+/// part is no more than what `step` continues from; the memory of solves is the thread's. A part whose rows
 /// depend on each other keeps the data that found them.
 struct SimulationBatch::Part {
   Eigen::Index first;
@@ -81,7 +81,7 @@ void put_state(const Scene& scene, const SimulationData& d, int copy, Eigen::Ind
   b.f.row(state) = d.f.segment(copy * b.f.cols(), b.f.cols()).transpose();
 }
 
-// One state of those side by side, with all that the next step knows of the last.
+// One state of the copies, with all that the next step knows of the last.
 SimulationData taken_out(const Scene& scene, const SimulationData& d, int copy, Eigen::Index rows) {
   const Eigen::VectorXd q = d.q.segment(copy * scene.nq, scene.nq), v = d.v.segment(copy * scene.nv, scene.nv);
   SimulationData out(scene, q, v, d.integrator, d.h, d.dynamics.options);
@@ -142,7 +142,7 @@ void with_data(const Work& work, std::unique_ptr<SimulationData>& of_thread, Par
   use(d) ? part.own.swap(of_thread) : exchange(part, d);
 }
 
-// Steps of copies side by side: those that were made before one failed.
+// Steps of copies in one scene: the number made before one failed.
 int step_together(const Scene& scene, const ConstBatchRows& u, int steps, const Work& work, Part& part,
                   SimulationData& d, SimulationBatch& b) {
   take_settings(b, part.first, work.copies, d);

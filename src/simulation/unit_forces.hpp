@@ -37,7 +37,7 @@ class UnitTorques {
   /// The forces on a spring's ends, one for each island that they are on; or the force on a joint. With their numbers.
   void add_forces(int spring, const Vec3<double>& direction, std::vector<UnitForce>& to);
   void add_force(const Scene& scene, int coordinate, std::vector<UnitForce>& to);
-  /// Before the first of these: numbers begin anew. After the last: how many there are.
+  /// Before the first of these: numbers start again. After the last: how many there are.
   void begin_numbers() { std::fill(count_.begin(), count_.end(), 0), most_ = 0; }
   int numbers() const { return most_; }
 
@@ -46,8 +46,8 @@ class UnitTorques {
   std::vector<int> islands_, count_;
   int most_ = 0;
   std::vector<int> push_[2];           // per spring: of A's end and of B's; -1: in the world
-  std::vector<int> island_of_end_[2];  // likewise
-  Scene ends_;                // the robots, with a push in world axes at each end that moves
+  std::vector<int> island_of_end_[2];  // the same
+  Scene ends_;                         // the robots, with a push in world axes at each end that moves
   AppliedForces<double> forces_;
   AppliedScratch scratch_;
   std::vector<int> robots_;

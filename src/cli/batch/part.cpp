@@ -24,7 +24,7 @@ struct Members {
 Members members_of(const Scene& scene, const std::vector<Island>& islands, int number, int parts) {
   std::int64_t total = 0, before = 0;
   for (const Island& island : islands) total += island.size();
-  // a contact needs both its robots in the scene, also one on whose standing base it is and that it does not join
+  // a contact needs both its robots in the scene, also one on whose fixed base it is and that it does not join
   const int count = static_cast<int>(islands.size());
   std::vector<int> memory(count), island_of(scene.robots.size()), part(count);
   sparse::UnionFind neighbours(memory);

@@ -19,7 +19,7 @@ struct ScenePart {
 
 /// The islands that the scene's active contacts make, without contacts that are not active. `number` of `parts`: their
 /// neighbouring islands, so cut that all have about as many velocities and forces; an island with a contact on another
-/// robot's standing base goes with that robot's. Some may be empty.
+/// robot's fixed base goes with that robot's. Some may be empty.
 ScenePart part_of(const Scene& scene, int number, int parts);
 
 /// Whole rows to the part's and back.

@@ -11,7 +11,7 @@ namespace manycontact::cli {
 namespace {
 
 constexpr int kMostSteps = 40;        // of refinement: each gains digits as long as eps |K| |K^-1| is below 1
-constexpr double kConverged = 1e-20;  // relative size of the last correction, above which the solution is not believed
+constexpr double kConverged = 1e-20;  // relative size of the last correction, above which the solution is not accepted
 constexpr double kMostDigits = 32;    // of quadruple precision's 34, less what a residual of many terms loses
 
 VecX<Quad> residual(const Eigen::SparseMatrix<double>& K, const Eigen::VectorXd& b, const VecX<Quad>& x) {

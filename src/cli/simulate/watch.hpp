@@ -51,7 +51,7 @@ class Watch {
   double work_ = 0, friction_work_ = 0, push_work_ = 0, spring_work_ = 0;
   PostureData posture_;
   double least_share_ = 1, share_time_ = 0;  // the least sigma of its largest, and when
-  double singular_time_ = -1;                // when it first was next to nothing, -1: never
+  double singular_time_ = -1;                // when it first was nearly zero, -1: never
   double first_condition_ = 0, largest_condition_ = 0, condition_time_ = 0;
   int most_rank_ = -1;
   double rank_time_ = -1;  // when rows became dependent that were not, -1: never

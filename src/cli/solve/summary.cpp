@@ -106,7 +106,7 @@ std::string errors_in_words(const IslandReport& r) {
   return a + (a.empty() || f.empty() ? "" : ", ") + f;
 }
 
-// Empty where nothing but double was asked for.
+// Empty where only double was asked for.
 std::string precision_in_words(const SolvedScene& s, const IslandReport& r) {
   const Precision asked = s.data.options.precision;
   if (asked == Precision::kDouble) return "";

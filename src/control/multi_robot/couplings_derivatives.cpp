@@ -154,7 +154,7 @@ void Couplings::differentiate(const std::vector<ActionPart>& parts, ActionDataPa
 }
 
 // The node's own matrices. With w = W [dx; du], part i's z = (x_i, u_i, w_i) = T [dx; du]:
-//     [Fx Fu] = sum [A B] T,    L.. = sum T^T [Lxx Lxu; Lxu^T Luu] T,    [Gx Gu] = [G_i T], [Hx Hu] alike
+//     [Fx Fu] = sum [A B] T,    L.. = sum T^T [Lxx Lxu; Lxu^T Luu] T,    [Gx Gu] = [G_i T], [Hx Hu] = [H_i T]
 void Couplings::condense(const std::vector<ActionPart>& parts, ActionDataParts& d) const {
   const Index ndx = d.Fu.rows(), nu = d.Fu.cols();
   const CouplingSystem system = system_of(*this, parts, *d.couplings, ndx, nu);

@@ -43,7 +43,7 @@ struct Linearisation {
   std::vector<int> model;  // per robot: number of its model
   std::size_t models = 0;
   std::vector<std::vector<int>> of_model;  // per thread and model: its places in the pool
-  std::vector<int> used;                   // per model: places taken by the island at hand
+  std::vector<int> used;                   // per model: places taken by the current island
 };
 
 /// As long as it lives, kin.a of an island's robots are the accelerations of the solution, and the linearisation's
@@ -62,7 +62,7 @@ class AtSolution {
 
 namespace internal {
 
-/// The linearisation, made when first needed and fit for the islands at hand.
+/// The linearisation, made when first needed and fit for the current islands.
 Linearisation& linearisation_of(const Scene& scene, SceneData& data);
 
 /// Terms of an island's derivatives at the last solve: RNEA's and the contacts', with contact forces f of the scene.

@@ -48,7 +48,7 @@ class Equations {
   virtual void difference(const Part& part, const double* a, const double* f, double* da, double* df) const = 0;
 
   // The part of forces that moves nothing, n of f = n + S^2 J y, J^T n = 0; or of the contacts' residual r = n + J y
-  // what no accelerations answer, J^T S^2 n = 0.
+  // what no accelerations satisfy, J^T S^2 n = 0.
   enum class Projected { kForces, kResidual };
   /// rest = f of x, or r. weights: S, per row of f.
   virtual void begin_projection(const Part& part, Projected what, const double* weights) = 0;

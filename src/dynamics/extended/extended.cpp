@@ -35,7 +35,7 @@ bool has_pairs(const SceneData& data, std::size_t i) {
   return r && r->islands[i].contacts.size() != r->data->workspace->islands[i]->island.contacts.size();
 }
 
-// Whether the double answer is one of this scene's equations.
+// Whether the double solution is one of this scene's equations.
 bool may_refine(const IslandWork& d, const IslandReport& report) {
   if (!d.answered || d.matrix.tolerated > 0) return false;
   if (report.status == Status::kRegularised)
@@ -99,7 +99,7 @@ void invert(const Scene& scene, SceneData& data, ExtendedWork& e) {
     e.r.head(rows) = -x.y.head(rows);
   } else {
     reduce_forces(data, e.r.data(), x.y.data());
-    const bool damped = scene.damping > 0;  // the damping alone bears what the pairs' contacts contradict each other by
+    const bool damped = scene.damping > 0;  // the damping alone takes the inconsistency of the pairs' contacts
     if (damped) {
       expand_forces(data, x.y.data(), e.rest.data());
       each_row(scene, data, e, [&](std::size_t c, int, int k) {
@@ -134,7 +134,7 @@ double change_of_parts(const Scene& scene, const SceneData& data, const Extended
   return out;
 }
 
-// Whether an island has converged or cannot, by the correction at hand, which is yet to be added.
+// Whether an island has converged or cannot, by the current correction, which is yet to be added.
 enum class Progress { kGoesOn, kConverged, kFailed };
 Progress judge(const Scene& scene, const SceneData& data, const ExtendedWork& e, std::size_t i, OfIsland& of) {
   const Island& island = island_of(data, i);
@@ -298,7 +298,7 @@ void take_projection(const Scene& scene, SceneData& data, extended::Equations::P
   if (open_dependent(data, e)) e.equations->take_rest(part_of(e));
 }
 
-// Rows that depend by rounding of the state alone have other answers, if any, than those of double's rank.
+// Rows that depend by rounding of the state alone have other solutions, if any, than those of double's rank.
 void take_dependence(const Scene& scene, SceneData& data, ExtendedWork& e) {
   if (!open_dependent(data, e)) return;
   take_weights(scene, data, e);
@@ -334,7 +334,7 @@ void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
   }
 }
 
-// x of the answer at hand, in e. Nothing else changes.
+// x of the current solution, in e. Nothing else changes.
 void refine(const Scene& scene, SceneData& data, ExtendedWork& e) {
   const Workspace& w = *data.workspace;
   e.state = 0;
@@ -384,7 +384,7 @@ void take_answers(const Scene& scene, SceneData& data, ExtendedWork& e) {
 
 constexpr double kJustAbove = 1 + 0x1p-20;  // rounding of a distance; of a bound that is to be above 1
 
-// An answer's size and the bound by |K^-1|, which is relative to it; and what is known since.
+// A solution's size and the bound by |K^-1|, which is relative to it; and what is known since.
 struct Distance {
   double size, size_before, by_inverse;
   double distance, last, at_rest;

@@ -1,7 +1,7 @@
 #pragma once
-// The precision `extended`, and what any answer's errors are bounded by: an answer in double, of whichever system,
+// The precision `extended`, and bounds of the errors of any solution: a solution in double, of whichever system, is
 // refined with residuals in double-double until a and f do not change any more. The terms of the scene are evaluated in
-// double-double, x = [a; f] is one, and each correction is K^+ r by what answered in double (IslandSystem::invert).
+// double-double, x = [a; f] is one, and each correction is K^+ r by the system that solved (IslandSystem::invert).
 // Forces of dependent rows are projected so that they have the least norm, in double-double too.
 
 #include <Eigen/Core>
@@ -27,11 +27,11 @@ struct ExtendedWork {
     bool projects = false;                // its rows depend on each other
     double before = 0, now = 0;           // sizes of corrections
     double at_rest_a = 0, at_rest_f = 0;  // what vanishing a and f are compared with
-    double size_a = 0, size_f = 0;        // the largest of a and f, as the double answer had them
+    double size_a = 0, size_f = 0;        // the largest of a and f, as the double solution had them
     double last_a = 0, last_f = 0;        // the last correction
     double rest = 0;                      // what is projected
     int steps = 0;
-    Status status = Status::kOk;  // of the answer, before its bounds
+    Status status = Status::kOk;  // of the solution, before its bounds
     Reason reason = Reason::kNone;
   };
 
@@ -47,9 +47,9 @@ struct ExtendedWork {
 
 namespace internal {
 
-/// Refines the double answer at hand, and takes what it becomes where that converges.
+/// Refines the current double solution, and takes the result where that converges.
 void refine_extended(const Scene& scene, SceneData& data);
-/// Refines a copy of the answer at hand, of any precision.
+/// Refines a copy of the current solution, of any precision.
 void refine_for_bounds(const Scene& scene, SceneData& data);
 /// Bounds of errors by the distance to the copy, where that converged, in place of those by |K^-1|, which the report
 /// has. It is to be summarised then.

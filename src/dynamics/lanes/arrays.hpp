@@ -91,7 +91,7 @@ template <int W>
     for (int i = 0; i < count; ++i) to[l][i] = from[i][static_cast<int>(l)];
 }
 
-/// One of the pointers that each of `items` has, at(item), side by side.
+/// Collects one of the pointers that each of `items` has, at(item).
 template <class P, int N, class Item, class At>
 std::span<P const> side_by_side(std::span<Item> items, P (&memory)[N], At&& at) {
   for (std::size_t l = 0; l < items.size(); ++l) memory[l] = at(items[l]);

@@ -34,7 +34,7 @@ inline StandingEnd<double> standing_end(const Scene& scene, const Attachment& at
   return {{base.R * at.placement.R, base.R * at.placement.p}, base.p};
 }
 
-/// Constant; shared by robots of one structure with alike contacts.
+/// Constant; shared by robots of one structure with contacts of one shape.
 struct BlockPlan {
   Scene scene;     // of one of these robots and its contacts: first those on it alone, then those that join it
   Island island;   // all of it
@@ -101,7 +101,7 @@ struct Border {
   static std::size_t size(int m) { return static_cast<std::size_t>(m) * (m + 1) / 2 + 5 * m; }
   double* terms() const { return S + m * (m + 1) / 2; }  // of the diagonal: sums of sizes
   double* b() const { return terms() + m; }              // of the right-hand side
-  double* y() const { return b() + m; }                  // the answer in these rows
+  double* y() const { return b() + m; }                  // the solution in these rows
   double* r() const { return y() + m; }                  // -G x: the robot's part of the residual
   double* scale() const { return r() + m; }              // |G| |x|
 };

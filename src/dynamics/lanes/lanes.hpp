@@ -24,7 +24,7 @@ struct Job {
   const double *q, *v, *tau;
   const std::vector<int>& f_offset;               // per contact
   const double* prescribed;                       // of the rows, as f; nullptr: zero
-  double *a, *f;                                  // the robots' parts are written where the answer is sound
+  double *a, *f;                                  // the robots' parts are written where the solution is sound
   const std::vector<int>* left_offset = nullptr;  // per contact, of pairs
   double* left = nullptr;                         // ContactData::left of pairs on single robots
   const StartOfStep* start = nullptr;             // of a step, of robots alone; v is zero then
@@ -90,7 +90,7 @@ class SolvingBlocks {
     const double *x = nullptr, *b = nullptr;  // of check: columns of a panel, rows as the plan's island has them
     Border border = {};
     // by the steps
-    bool sound = false;  // where not, another way has to answer
+    bool sound = false;  // where not, another system has to solve
     double smallest_row = 0,
            motion = 0;                // evaluate: of the contacts on it alone; no row may be rounding relative to it
     double terms = 0, diagonal = 0;   // factor: the largest of the pivots' and of K's
@@ -119,7 +119,7 @@ class SolvingBlocks {
   virtual void evaluate(const Job& job, std::span<Robot> robots, Memory memory) = 0;
   /// The factor; x = 0, and b's part of the border.
   virtual void factor(std::span<Robot> robots, Memory memory) = 0;
-  /// x += K^-1 r with the border's answer y, r = b - K x, and r's part of the border.
+  /// x += K^-1 r with the border's solution y, r = b - K x, and r's part of the border.
   virtual void correct(std::span<Robot> robots, Memory memory) = 0;
   /// Accelerations, and forces of the contacts on the robots alone.
   virtual void store(const Job& job, std::span<Robot> robots, double* memory) = 0;
@@ -128,7 +128,7 @@ class SolvingBlocks {
 /// The same, and what comes after a solve.
 class RobotBlocks : public SolvingBlocks {
  public:
-  /// The islands' derivatives, of answers that were sound and whose panels are safe; or, with their memory, of robots
+  /// The islands' derivatives, of solutions that were sound and whose panels are safe; or, with their memory, of robots
   /// joined to others the columns of their own part.
   virtual void differentiate(const DerivativeJob& job, std::span<Robot> robots, double* memory,
                              std::span<const Panel> panels) = 0;
@@ -139,16 +139,15 @@ class RobotBlocks : public SolvingBlocks {
   // Robots joined to others, as above.
   /// After factor, another right-hand side: b = [a; -f] of the robots and the contacts on them alone.
   virtual void load(const Job& job, std::span<Robot> robots, double* memory) = 0;
-  /// r = b - K x of columns given with the border's answer y; what load and correct had there is lost.
+  /// r = b - K x of columns given with the border's solution y; what load and correct had there is lost.
   virtual void check(std::span<Robot> robots, Memory memory) = 0;
-  /// After the last correction, where any robot's rows depend on each other: r and scale with what these contradict
-  /// each other by.
+  /// After the last correction, where any robot's rows depend on each other: adds their inconsistency to r and scale.
   virtual void finish(std::span<Robot> robots, Memory memory) = 0;
   /// MovingEnd of each contact that joins the robots, at the solution.
   virtual void move_ends(const DerivativeJob& job, std::span<Robot> robots) = 0;
 };
 
-/// Contacts alike that join two robots, side by side: one, or as many as fit.
+/// Like contacts that join two robots: one, or as many as fit in a SIMD batch.
 class InterfaceContacts {
  public:
   struct Rows {
@@ -167,7 +166,7 @@ class InterfaceContacts {
   };
 
   virtual ~InterfaceContacts() = default;
-  // alike but for placements (`alike_rows`)
+  // identical except for placements (`alike_rows`)
   virtual void evaluate(const Vec3<double>& gravity, std::span<Rows> rows) = 0;
   virtual void differentiate(const Vec3<double>& gravity, std::span<const Derivatives> rows) = 0;
 };
@@ -176,7 +175,7 @@ struct SubtreePlan;  // lanes/subtrees.hpp
 class SubtreeBatch;
 
 /// Robots alone in single precision, in all calls one of them, or after `reserve_batch` as many as fit. Where the
-/// condition leaves fewer than two digits (tolerance::kWorthless), the answer is not sound.
+/// condition leaves fewer than two digits (tolerance::kWorthless), the solution is not sound.
 class SingleBlocks {
  public:
   virtual ~SingleBlocks() = default;
@@ -190,7 +189,7 @@ struct SingleLevel {
 
 /// A level of instructions that kernels were compiled for.
 struct Level {
-  int width;  // robots side by side
+  int width;  // robots in a SIMD batch
   std::unique_ptr<RobotBlocks> (*make)(std::shared_ptr<const BlockPlan> plan);
   /// With a factor in single precision; of plans without rows that depend on others.
   std::unique_ptr<SolvingBlocks> (*make_mixed)(std::shared_ptr<const BlockPlan> plan);

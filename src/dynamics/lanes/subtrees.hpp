@@ -36,12 +36,12 @@ class SubtreeBatch {
     const BodySystem* system;  // not damped
     BodySolve* solution;       // of b: x.joints, x.rows, x.force of the bases; of the residual what is largest
     // by solve
-    bool sound;  // where not, nothing else is known and another way has to answer
+    bool sound;  // where not, nothing else is known and another system has to solve
     int factor_nonzeros;
     sparse::Refinement refinement;
   };
   virtual ~SubtreeBatch() = default;
-  /// As many as fit side by side, or fewer.
+  /// As many as fit in a SIMD batch, or fewer.
   virtual void solve(std::span<Subtree> subtrees) = 0;
 };
 

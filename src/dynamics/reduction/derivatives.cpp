@@ -17,7 +17,7 @@ bool alike_gains(const PairRows& pair) {
   });
 }
 
-// Whether what the contacts of a pair contradict each other by is zero to first order around the state.
+// Whether the inconsistency of a pair's contacts is zero to first order around the state.
 bool moves_as_one(const Reduction& r, int c, const PairRows& pair) {
   const double* left = left_of(*r.data->workspace, c);
   return alike_gains(pair) && left[pair.unit.size() + 1] <= tolerance::kMovesAsOne;

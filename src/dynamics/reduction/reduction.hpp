@@ -1,7 +1,7 @@
 #pragma once
 // Decorator of all that is done with a scene's data: where several contacts join the same two bodies, the scene that is
-// solved has one contact in their place, whose rows span theirs (contact/pair_rows.hpp). Its answers are then those of
-// all contacts: accelerations are the same, forces f = S Q y.
+// solved has one contact in their place, whose rows span theirs (contact/pair_rows.hpp). Its solutions are then those
+// of all contacts: accelerations are the same, forces f = S Q y.
 //
 // The scene solved has the contacts of the scene, of which those in pairs are not active, and behind them the pairs. A
 // pair is one set of active contacts between two bodies; sets met before are kept.
@@ -46,7 +46,7 @@ struct Reduction {
   Eigen::VectorXd df;                // scratch of products: rows of `data`
   std::vector<char> set;             // scratch
   Eigen::VectorXd rows_of_pair;      // scratch, for all rows of any pair
-  bool plain_is_current = false;     // of the answer at hand
+  bool plain_is_current = false;     // of the current solution
 
   int first_pair() const { return static_cast<int>(scene.contacts.size() - pairs.size()); }
   /// The rows of a contact of `scene`; nullptr where it is no pair.
@@ -64,14 +64,14 @@ struct Reduction {
 
 namespace internal {
 
-/// Whether the reduction at hand is that of the data's options, contacts and numbers.
+/// Whether the current reduction is that of the data's options, contacts and numbers.
 bool reduction_is_current(const Scene& scene, const SceneData& data);
 /// Makes, changes or drops the reduction for data.active; its islands are prepared.
 void prepare_reduction(const Scene& scene, SceneData& data);
 /// After `begin` of solve, where there is a reduction. prescribed: of rows of data.f, or none.
 const Report& solve_reduced(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                             SceneData& data, std::span<const double> prescribed);
-/// The data whose derivatives are those of the answer at hand: of the scene solved, or of the scene itself.
+/// The data whose derivatives are those of the current solution: of the scene solved, or of the scene itself.
 SceneData& differentiated(const Scene& scene, SceneData& data);
 
 /// f of the scene's contacts, of that of the scene solved; S Q y of pairs.

@@ -1,4 +1,4 @@
-// The scene solved in place of the one given, and its answer as that of all contacts.
+// Solves a scene in place of the one given, and expands its solution to that of all contacts.
 
 #include <algorithm>
 #include <cmath>
@@ -46,8 +46,8 @@ void each_single(const SceneData& data, const Reduction& r, Use&& use) {
 
 const double* left_of_pair(const Reduction& r, int c) { return left_of(*r.data->workspace, c); }
 
-// Damped, the forces of a pair that do not move the bodies: the damping alone bears what its contacts contradict each
-// other by, f += (prescribed - left) / delta.
+// Adds, with damping, the forces of a pair that do not move the bodies: the damping alone takes the inconsistency of
+// its contacts, f += (prescribed - left) / delta.
 void add_damped_contradictions(const SceneData& data, double damping, const Reduction& r,
                                std::span<const double> wanted, Eigen::VectorXd& f) {
   r.each_pair([&](int c, const PairRows& pair) {

@@ -49,7 +49,7 @@ struct Acting {
     if (its_inertia > 0) moved = std::max(moved, torque / its_inertia);
   }
   void add_contact(const Contact &contact, const ContactData<double> &data, const RowTerms<double> &terms) {
-    for (int row = 0; row < contact.rows(); row += contact.pair ? 1 : 3) {  // one of a motion, one of turning
+    for (int row = 0; row < contact.rows(); row += contact.pair ? 1 : 3) {  // one of a motion, one of rotation
       const double its_lever = row_size(contact, data, row);
       if (!(its_lever > 0)) continue;
       lever = std::max(lever, its_lever);
@@ -73,16 +73,16 @@ struct AdjointProduct {
 };
 
 /// The rows of J that a factor leaves out, because they depend on others. A solve tries the three in this order.
-/// Whether the rows left out are the right ones is judged at each state, by a margin: the answer is the same, to the
+/// Whether the rows left out are the right ones is judged at each state, by a margin: the solution is the same, to the
 /// last bit, whatever was solved before.
 enum class Dropped {
   kAsBefore,  // those that depended at the solve before, where some did; it only saves time to try them first
   kNone,
   kAsFound,  // those that the factor of the whole K has just found: SIMD batches solve their islands again, so that
-             // the answer is the same whether they were known before or not
+             // the solution is the same whether they were known before or not
 };
 
-/// Every function returns false where the system has no sound answer to that: then what it was to write is not known.
+/// Every function returns false where the system has no sound result: then its output is undefined.
 class IslandSystem {
  public:
   virtual ~IslandSystem() = default;

@@ -1,5 +1,4 @@
-// Islands of a contact set, from what is at hand: only those whose contacts were switched change, and nothing is
-// analysed twice.
+// Updates the islands of a contact set: only islands with switched contacts change, and nothing is analysed twice.
 
 #include <algorithm>
 #include <set>
@@ -30,7 +29,7 @@ void pool_island(Workspace& w, std::unique_ptr<IslandWork> island) {
   w.pool.give(std::move(island), w.layout);
 }
 
-// The options of the islands at hand. Where the pairs' scene is solved in their place, these are for views alone: any
+// The options of the current islands. Where the pairs' scene is solved in their place, these are for views alone: any
 // order serves, and the one that needs no search is taken.
 Options options_of_islands(const Workspace& w) {
   Options options = w.options;

@@ -49,7 +49,7 @@ struct IslandWork {
   MatrixSystem matrix;
 
   bool joinable = true;              // false: its robots do not fit a RobotsSystem, or it cannot pay
-  IslandSystem* answered = nullptr;  // gave the solution at hand, and gives its derivatives; nullptr: there is none
+  IslandSystem* answered = nullptr;  // gave the current solution, and gives its derivatives; nullptr: there is none
   bool answered_by(const IslandSystem* system) const { return system && answered == system; }
   /// The solution came from a SIMD batch, and so may its derivatives and products.
   bool served_in_lanes() const { return answered == &alone && alone.panel_is_safe; }
@@ -57,7 +57,7 @@ struct IslandWork {
   bool stands_in_lanes() const { return alone.group || (robots && robots->solves); }
   int depended = 0;        // so many rows depended on others at the start (dynamics/keep_dependent.hpp)
   int factorizations = 0;  // of K, whole or robot by robot, since that began
-  bool refused = false;    // at the state at hand: SIMD batches without the rows that depended have no sound answer
+  bool refused = false;    // at the current state: SIMD batches without the rows that depended have no sound solution
 
   IslandDerivatives derivatives;  // while on the pool; else in Workspace::derivatives
 };
@@ -88,7 +88,7 @@ struct ThreadWork {
   FactorScratch scratch;
   PanelWork panel;
   IslandReport spare_report;  // of factorizations that nobody asked for
-  // as many as fit side by side
+  // as many as fit in a SIMD batch
   std::vector<lanes::Answer> answers;
   std::vector<lanes::Panel> panels;
   std::vector<lanes::InterfaceContacts::Rows> interface_contacts;
@@ -100,8 +100,8 @@ struct Workspace {
   explicit Workspace(const Scene& scene);
 
   SceneIdentity scene;        // the scene these data belong to
-  std::uint64_t state = 0;    // number of the state at hand: of solves and other evaluations begun so far
-  std::uint64_t current = 0;  // serial of the solution at hand, 0: none. What stamps point to
+  std::uint64_t state = 0;    // number of the current state: of solves and other evaluations begun so far
+  std::uint64_t current = 0;  // serial of the current solution, 0: none. What stamps point to
 
   // by prepare, for `active` and `options`
   bool prepared = false;  // all of this fits; false while it is being changed

@@ -145,7 +145,7 @@ class Balance {
   double largest_ = 0;
 };
 
-// The null-space column of a dropped row that follows from the rows holding body drop.node: the column has rows that
+// The null-space column of a dropped row that follows from the rows of body drop.node: the column has rows that
 // were not dropped before. No coordinate between the two nodes moves.
 template <class Put>
 bool null_column(const BodySystem& s, const BodyLdl::Drop& drop, const std::vector<int>& dropped_at, Put&& put) {

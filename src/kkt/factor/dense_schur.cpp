@@ -31,7 +31,7 @@ class DenseSchurFactor final : public Factor {
     inverted_ = false;
     internal::expand(K, M_, J_);
     if (!M_.allFinite() || !J_.allFinite()) return Reason::kNotFinite;
-    // Made anew, as resizing in place is not safe, and of a matrix, as Eigen leaves info() undefined without one.
+    // Made again, as resizing in place is not safe, and of a matrix, as Eigen leaves info() undefined without one.
     if (llt_M_.rows() != K.nv()) llt_M_ = Eigen::LLT<Eigen::MatrixXd>(Eigen::MatrixXd::Identity(K.nv(), K.nv()));
     llt_M_.compute(M_);
     if (llt_M_.info() != Eigen::Success) return Reason::kSingularInertia;
@@ -134,7 +134,7 @@ std::unique_ptr<Factor> make_factor(Method method, std::shared_ptr<IslandShape> 
       return make_cholmod_factor(std::move(shape));
     case Method::kSparseSupernodal:
       return make_schur_factor(std::move(shape));
-    case Method::kSparseBodies:  // in joint space: another answers where bodies cannot
+    case Method::kSparseBodies:  // in joint space: another system solves where bodies cannot
       return make_ldl_factor(Method::kSparseLdl);
     default:
       return make_ldl_factor(method);

@@ -16,8 +16,8 @@ inline double* noise_of(int n, FactorScratch& scratch) {
   return memory.data();
 }
 
-/// K's inertia must be (nv, nc, 0), and no pivot lost in cancellation. scratch.scale: the pivots' terms. L: where it is
-/// at hand; else nullptr.
+/// K's inertia must be (nv, nc, 0), and no pivot lost in cancellation. scratch.scale: the pivots' terms. L: nullptr
+/// where it is not available.
 inline Reason judge_pivots(const KktMatrix& K, const double* L, const double* D, FactorScratch& scratch) {
   const std::vector<double>& terms = scratch.scale;
   const sparse::UpperCsc& A = K.pattern->K;

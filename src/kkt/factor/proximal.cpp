@@ -149,7 +149,7 @@ class ProximalFactor final : public Factor {
     return growth_ <= tolerance::kMostGrowth ? Reason::kNone : Reason::kSmallPivot;
   }
 
-  // Pivots with a larger delta, for the next functions. The factor at hand is lost.
+  // Pivots with a larger delta, for the next functions. The current factor is lost.
   bool find_stiffer_pivots(FactorScratch& scratch) {
     if (!factorize_damped(tolerance::kStiffer * delta_, scratch)) return false;
     stiffer_ = ldl_.D;
@@ -437,7 +437,7 @@ void ProximalFactor::solve_panel(double* X, int ld, int first, int cols, char*) 
 }
 
 // Without P b first: where b has no such part, steps end with residuals of rounding. Where it has one, they end with
-// that, and the forces have grown by P b / delta each: then all begins anew without it.
+// that, and the forces have grown by P b / delta each: then all starts again without it.
 sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors& v, int) {
   std::fill(v.null_component.begin(), v.null_component.end(), 0.0);
   sparse::Refinement refinement = refine(K, v);

@@ -16,7 +16,7 @@
 
 namespace manycontact::sparse {
 
-/// a b + c: fused where the machine at hand fuses.
+/// a b + c: fused where the machine does.
 inline double multiply_add(double a, double b, double c) {
 #ifdef __FMA__
   return __builtin_fma(a, b, c);
@@ -399,7 +399,7 @@ void ldl_scheduled_forward(const LdlSchedule& schedule, const V* Lx, V* x) {
   }
 }
 
-/// x <- L^-T D^-1 x. Where not all columns are eliminated, x ends in the answer to the Schur complement.
+/// x <- L^-T D^-1 x. Where not all columns are eliminated, x ends in the solution of the Schur complement.
 template <class V, class Prefetch = kernel::NoPrefetch>
 void ldl_scheduled_backward(const LdlSchedule& schedule, const V* Lx, const V* D, V* x, Prefetch prefetch = {}) {
   const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();

@@ -1,6 +1,6 @@
 #pragma once
 // Solves with A = L D L^T for a few columns of a panel at a time, by the blocks of a compiled schedule: four rows
-// at a time, so that a row read from the cache serves as many. And what such solves are worth. For any value V, as in
+// at a time, so that a row read from the cache serves as many. Also the accuracy of such solves. For any value V, as in
 // ldl_kernels.hpp: packs solve as many panels at once.
 //
 // Compiled for several instruction levels: templates only, plain memory, no other library.

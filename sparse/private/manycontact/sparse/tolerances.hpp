@@ -99,8 +99,8 @@ inline constexpr double kNullColumn = 1e-14;
 inline constexpr int kNullColumnSteps = 2;
 
 /// A selection of dropped rows is kept for the next state while all its pivots are on their side of kPivotLeft by this
-/// factor: two factors of one K round differently, by a few eps of the pivots' terms, and their answers must not depend
-/// on which was tried first. Used by: DependentRowsFactor, SIMD batches.
+/// factor: two factors of one K round differently, by a few eps of the pivots' terms, and their solutions must not
+/// depend on which was tried first. Used by: DependentRowsFactor, SIMD batches.
 inline constexpr double kMargin = 10;
 
 /// The damping of a row that is dropped from a factor without changing its pattern: 1 / kDroppedDamping times any entry
@@ -130,21 +130,21 @@ inline constexpr int kBalancedRows = 24, kBalanceEquations = 64;
 /// Entries of N within which dropped rows are exchanged: each turn passes over all of them. Used by: exchange_rows.
 inline constexpr std::size_t kMostExchanged = 1 << 20;
 
-/// Closed loops: neither the tolerance nor the drift is more than the first part of the largest lever. From one try to
-/// the next a row of J may keep the second part of its length. Used by: WithinTolerance.
+/// Closed loops: neither the tolerance nor the drift is more than the first part of the largest moment arm. From one
+/// try to the next a row of J may keep the second part of its length. Used by: WithinTolerance.
 inline constexpr double kMostDrift = 1e-2, kNextPivot = 1e-2;
 
 // ---- large islands -----------------------------------------------------------------------------------------------
 
-/// Rows of J up to which the dense solver confirms doubtful answers of others: 300 rows take 30 ms, 600 rows 170 ms.
+/// Rows of J up to which the dense solver confirms doubtful solutions of others: 300 rows take 30 ms, 600 rows 170 ms.
 /// Used by: the ways to solve the whole K, as all in this part.
 inline constexpr int kFewRows = 300;
 /// Beyond so many loops of robots, in islands of more rows, rows that depend are found by the proximal factor: where
 /// they are dropped, the null space of 64 boxes in a pyramid takes 2.4 ms, of 100 in a grid 33 ms, and it 1 and 3 ms.
 inline constexpr int kFewLoops = 8;
-/// Rows of K up to which the dense solver answers after all others have refused: 3000 take 2 s and 72 MB a matrix.
+/// Rows of K up to which the dense solver is used after all others have refused: 3000 take 2 s and 72 MB a matrix.
 inline constexpr int kDenseSize = 3000;
-/// Rows of K up to which it differentiates what sparse-bodies answered: bodies solve for columns one by one, which
+/// Rows of K up to which it differentiates islands solved by sparse-bodies: bodies solve for columns one by one, which
 /// takes 4 to 70 times as long where K's factor is sound. Where it is not, the dense solver of a larger K would take
 /// longer. Used by: differentiate.
 inline constexpr int kDifferentiatedByMatrix = 1500;
@@ -192,10 +192,10 @@ inline constexpr int kProjections = 6;
 /// J^T times the projections of random vectors may stop falling here, by rounding: an eigenvector of J M^-1 J^T that
 /// the projection keeps leaves sqrt(delta), 1e-6.
 inline constexpr double kMostLeft = 1e-11;
-/// Proximal steps gain a factor of 1e3 and more each; near a singular posture less.
+/// Proximal steps gain a factor of 1e3 and more each; near a singular configuration less.
 inline constexpr int kProximalSteps = 30;
-/// Contacts contradict each other where steps leave more than this of delta f in their rows: they leave all of it then,
-/// and rounding of 1e-4 of it otherwise.
+/// Contacts are inconsistent where steps leave more than this of delta f in their rows: they leave all of it then, and
+/// rounding errors of 1e-4 of it otherwise.
 inline constexpr double kProximalAgree = 1e-2;
 
 /// J^T times random vectors of the null space leaves rounding: this many eps times the growth of K's entries.
@@ -208,7 +208,7 @@ inline constexpr double kGrown = 30;
 inline constexpr double kRefined = 1e-15;
 inline constexpr int kRefinementSteps = 5;  // the error halves at least; two are usual
 
-/// Backward error up to which an answer is believed: errors of max(1e-12, 100 eps cond(K)) are allowed everywhere.
+/// Backward error up to which a solution is accepted: errors of max(1e-12, 100 eps cond(K)) are allowed everywhere.
 /// Growth of K's entries during elimination counts as such an error, eps times it: a right-hand side of derivatives may
 /// show it that the solve's own did not.
 /// Used by: all solves after refinement, panels of derivatives (normwise), least_norm_solution.
@@ -226,7 +226,7 @@ inline constexpr double kMostGrowth = 1e6;
 inline constexpr double kRefinePanel = 5e-14;
 
 /// dense-schur, derivatives: normwise residuals at which refinement stops, half of the 1000 eps allowed; up to
-/// kConverged they are believed. Derivatives robot by robot: componentwise backward errors that are believed.
+/// kConverged they are accepted. Derivatives robot by robot: componentwise backward errors that are accepted.
 inline constexpr double kPanelRefined = 1e-13;
 inline constexpr int kPanelSteps = 3;  // the first is the solve itself
 
@@ -234,7 +234,7 @@ inline constexpr int kPanelSteps = 3;  // the first is the solve itself
 /// a column is meaningless. Used by: refine_panel.
 inline constexpr double kVanishing = 1e-290;
 
-/// Quadruple precision: normwise residual of an answer that counts as truth, 1e4 of float128's eps = 2e-30.
+/// Quadruple precision: normwise residual of a solution that counts as truth, 1e4 of float128's eps = 2e-30.
 /// Steps: each gains at least a factor 2, and 30 digits are 100 factors; usual are 10 digits a step. A factor that
 /// gains less than a factor 4 a step is left to the dense truth. Used by: refine_truth.
 inline constexpr int kTruthRounding = 10000;  // units of eps of the scalar
@@ -253,7 +253,7 @@ inline constexpr double kSingleLeft = 1e6, kSinglePassedOn = 1e3;
 /// many eps of floats as kRowRounding has of doubles.
 inline constexpr double kMixedPassedOn = 2e4;
 
-/// Corrections by a factor of floats, in mixed precision: each gains 3 to 6 digits where it is worth anything.
+/// Corrections by a factor of floats, in mixed precision: each gains 3 to 6 digits where it is useful.
 /// Used by: SIMD batches and robots that contacts join.
 inline constexpr int kMixedSteps = 10;
 
@@ -272,7 +272,7 @@ inline constexpr double kHalfTurn = 1e-4;
 
 // ---- judging answers ------------------------------------------------------------------------------------------
 
-/// Contacts contradict each other (mathematics.md): |J a + a0| > 1e-8 (| |J| |a| | + |a0|), maximum norms ...
+/// Contacts are inconsistent (mathematics.md): |J a + a0| > 1e-8 (| |J| |a| | + |a0|), maximum norms ...
 /// Used by: `inconsistent`, in all methods.
 inline constexpr double kContradiction = 1e-8;
 /// ... unless of every row it is rounding of the largest term that its a0 is computed from (contact_drift, [m/s^2] or
@@ -303,8 +303,8 @@ inline constexpr int kBoundRounding = 12;
 /// Used by: solves of the whole K, and of damped islands in SIMD batches, which leave the check to it.
 inline constexpr double kInDoubt = 0.01 / (kBoundRounding * std::numeric_limits<double>::epsilon());
 
-/// The forces that a damped answer is compared with are at least this part of the largest load. Used by: plainly_damped
-/// of SIMD batches and of robots that contacts join.
+/// The forces that a damped solution is compared with are at least this part of the largest load. Used by:
+/// plainly_damped of SIMD batches and of robots that contacts join.
 inline constexpr double kLeastLoad = 1e-3;
 
 /// Where a backward error is above kConverged, rows are compared with this part of the data they are computed from: two
@@ -312,17 +312,17 @@ inline constexpr double kLeastLoad = 1e-3;
 inline constexpr double kPartOfData = 1e-2;
 
 // ---- the precision `extended` ---------------------------------------------------------------------------------
-// Used by: dynamics/extended, which refines answers in double-double, whose own rounding is about 2^-104.
+// Used by: dynamics/extended, which refines solutions in double-double, whose own rounding is about 2^-104.
 
 /// Refinement has converged when the last correction of each robot's accelerations and each contact's forces is at most
-/// this part of them (an eighth of double's rounding), or this part of what acts, which bounds answers that vanish.
+/// this part of them (an eighth of double's rounding), or this part of the loads, which bounds solutions that vanish.
 inline constexpr double kExtendedConverged = 0x1p-56, kExtendedVanishing = 0x1p-80;
 /// A correction of more than kExtendedSlow times the one before ends refinement. Rounding in double-double stops it: it
 /// has converged if its corrections are at most these parts, which leave the last digits of double.
 inline constexpr double kExtendedSlow = 0.8;
 inline constexpr double kExtendedStopped = 0x1p-52, kExtendedStoppedVanishing = 0x1p-60;
-/// Least squares leave a part of the right-hand side that may be far larger than what the answer is computed from. All
-/// its digits count: the last change is at most this part of it, or of what acts, or this part where it stops.
+/// Least squares leave a part of the right-hand side that may be far larger than the terms of the solution. All its
+/// digits count: the last change is at most this part of it, or of the loads, or this part where it stops.
 inline constexpr double kExtendedDigits = 0x1p-96, kExtendedDigitsVanishing = 0x1p-110,
                         kExtendedDigitsStopped = 0x1p-85;
 /// Rows depend exactly if forces exist with J^T n of at most this part of its terms. Rounding of a state in double
@@ -332,8 +332,8 @@ inline constexpr double kExtendedDependent = 0x1p-75;
 inline constexpr int kExtendedSteps = 60;
 /// Numbers of a scene (placements, inertias, quaternions) are rounded when they are read. The error of a solution that
 /// follows from this is at most kReadRounding of it and kReadShare of the bound by |K^-1|, which counts kBoundRounding
-/// eps of each term. In 15,000 solutions of random scenes the share was at most 1/40. The precision `extended` is judged
-/// by the scene as read: its share is 2^-104 / 2^-53, and 32 for the constants of sums and products in double-double.
+/// eps of each term. In 15,000 solutions of random scenes the share was at most 1/40. The precision `extended` is
+/// judged by the scene as read: its share is 2^-104 / 2^-53, and 32 for the constants of sums and products in double-double.
 /// Used by: estimate_errors.
 inline constexpr double kReadRounding = 0x1p-50, kReadShare = 1.0 / 32, kExtendedShare = 0x1p-46;
 
@@ -350,8 +350,8 @@ inline constexpr double kCheaper = 0.9;
 inline constexpr double kDistinct = 1e-3;
 /// The values required then, the last one whatever its result.
 inline constexpr double kMoreDistinct[] = {kDistinct, 3e-2, 1e-1};
-/// From this many contacts on, some on a hub are ill-placed in every posture that the order is tested at. Only these
-/// wait, for kWaitDistinct, where the order then costs less than kFarCheaper; ten contacts may add the growth of one.
+/// From this many contacts on, some on a hub are ill-placed in every configuration tested. Only these wait, for
+/// kWaitDistinct, where the order then costs less than kFarCheaper; ten contacts may add the growth of one.
 inline constexpr std::size_t kManyContacts = 100;
 inline constexpr double kWaitDistinct = 3 * kDistinct, kGrowTogether = 10;
 

@@ -199,7 +199,7 @@ void RobotBlock<S, Low>::size_rows(const Scene& scene, Robots robots) {
   }
 }
 
-/// Rows of b and r with what was taken out of them: what dependent rows contradict each other by.
+/// Adds the inconsistency of dependent rows, which was taken out of them, to b and r.
 template <class S, class Low>
 void RobotBlock<S, Low>::restore_contradiction() {
   for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) {

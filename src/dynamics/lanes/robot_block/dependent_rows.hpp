@@ -30,7 +30,7 @@ class DependentRows {
   /// Memory to project so many columns at a time.
   void reserve(int columns) { t_.resize(std::max(t_.size(), dropped_.size() * columns)); }
 
-  /// Where the numbers of the robots at hand are: BlockPlan::dependence_size of each.
+  /// Where the numbers of the current robots are: BlockPlan::dependence_size of each.
   void use(double* memory) {
     const std::size_t rows = rows_ - nv_, count = dropped_.size();
     row_terms_ = reinterpret_cast<S*>(memory) - nv_;
@@ -105,7 +105,7 @@ class DependentRows {
   void project_out(V* x) {
     subtract_null_component<C>(x, x);
   }
-  /// x -= P y, likewise.
+  /// x -= P y in the same way.
   template <int C, class V>
   void subtract_null_component(const V* y, V* x) {
     using Row = sparse::kernel::Tile<V, C>;

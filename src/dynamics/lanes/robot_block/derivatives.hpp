@@ -150,7 +150,7 @@ auto RobotBlock<S, Low>::form_chunks(std::span<const std::vector<char>> reach, i
   bands_.clear(), reach_.clear(), reached_.clear();
   place_.assign(size * ld, -1);
   pieces_.resize(parts);
-  std::size_t count = 0, at = 0, most = 0;  // of right-hand sides; of the band's answers, of any band's
+  std::size_t count = 0, at = 0, most = 0;  // of right-hand sides; of the band's solutions, of any band's
   for (int next = 0; next < parts;) {
     const int band = order[next] / wide;
     if (static_cast<std::size_t>(band) == bands_.size()) bands_.push_back({band * wide, 0, chunks.size(), 0}), at = 0;

@@ -122,8 +122,8 @@ class RobotBlock {
   static_assert(kLow || (8 % kPart == 0 && 8 % W == 0));
   struct Chunk {
     int first[kParts], parts;
-    std::size_t at;      // in B_: rows that it reaches, its columns side by side
-    std::size_t answer;  // in work_: all rows, likewise
+    std::size_t at;      // in B_: rows that it reaches, its columns adjacent
+    std::size_t answer;  // in work_: all rows, columns adjacent
     int columns() const { return W == 1 ? parts * kPart : kColumns; }
   };
   struct Band {  // of parts, and their chunks

@@ -1,6 +1,6 @@
 #pragma once
-// RobotBlock of floats: robots alone, solved without refinement. Whether the solution is worth anything is judged by
-// what the rounding of all terms does to it. That is one more solve: its right-hand side is what K x leaves of b, and
+// RobotBlock of floats: robots alone, solved without refinement. Whether the solution is accurate enough is judged by
+// the effect of rounding errors of all terms. That is one more solve: its right-hand side is the residual b - K x, and
 // eps of the terms that each row was computed from, with signs without pattern. These terms are in the tree frame,
 // where links far from the base lose digits that no residual shows.
 

@@ -128,7 +128,7 @@ RowTerms<double> terms_of_bodies(const Workspace& work, const BodiesSystem& bodi
   return out;
 }
 
-// Sizes of rows are levers here: there is no J.
+// Sizes of rows are moment arms here: there is no J.
 rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace& work, BodiesSystem& bodies) {
   rank::Contradiction<double> of;
   std::tie(of.Ja, of.a0) = row_terms_of_joints(bodies.factor.system, bodies.solution);

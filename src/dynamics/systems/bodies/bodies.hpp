@@ -30,7 +30,7 @@ class BodiesSystem final : public IslandSystem {
   bool bound_errors(const Scene&, SceneData&, IslandReport&) override;
   bool estimate_condition(const Scene&, SceneData&, IslandReport&) override;
 
-  /// The whole system and its solution at the state at hand, where subtrees answered. False where that has no sound
+  /// The whole system and its solution at the current state, where subtrees were solved. False where that has no sound
   /// pivots.
   bool make_current(const Scene&, const SceneData&);
 
@@ -80,7 +80,7 @@ struct BodyAnswer {
   void add(int factor_nonzeros, const BodyResidual& left, const sparse::Refinement& refinement);
 };
 
-/// Subtree by subtree; false where the island is one subtree, or one has no sound answer.
+/// Subtree by subtree; false where the island is one subtree, or one has no sound solution.
 bool solve_by_subtrees(const Scene& scene, SceneData& data, BodiesSystem& system, BodyAnswer& answer);
 
 /// The pieces of both: a robot's node, a contact's rows, in equations numbered from node `at`, coordinate `dof` and row

@@ -1,4 +1,4 @@
-// Bounds of errors where sparse-bodies answered: of the body-space system A z = b, componentwise,
+// Bounds of errors of a solution by sparse-bodies: of the body-space system A z = b, componentwise,
 //
 //   |z - z_true| <= |A^-1| (|r| + c eps (|A||z| + |b|)),
 //
@@ -131,7 +131,7 @@ bool BodiesSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
   const BodyVectors& x = solution.x;
   (void)backward_error(factor.system, solution.b, x, solution.residual);
   const std::vector<double> w = uncertainty(scene, data, *this);
-  // where subtrees answered: how far that is from the whole system's answer, whose error is bounded
+  // where subtrees were solved: the distance to the whole system's solution, whose error is bounded
   double da = 0, df = 0;
   each_velocity_block(scene, owner.island, [&](int from, int to, int n) {
     if (n > 0) da = std::max(da, (data.a.segment(from, n) - x.joints.segment(to, n)).cwiseAbs().maxCoeff());

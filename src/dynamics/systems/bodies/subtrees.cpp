@@ -31,7 +31,7 @@ void evaluate_subtree(const Scene& scene, const SceneData& data, BodiesSystem& b
   BodySystem& s = slot.system;
   BodyVectors& b = slot.solution.b;
   slot.subtree = &subtree;
-  s.S.setZero();  // alike subtrees may have joints of other types
+  s.S.setZero();  // subtrees of one shape may have joints of other types
   each_joint(bodies, subtree, [&](int i, std::size_t robot, int joint) {
     evaluate_node(scene, data, bodies, robot, joint, i, s.pattern->first_dof[i], s, b);
     if (s.pattern->parent[i] < 0 && subtree.above >= 0) b.motion[i] += motion_at(bodies.held[subtree.above].a, s.r[i]);
@@ -85,7 +85,7 @@ double reaction_of(const BodiesSystem::Slot& slot, const BodyHold& hold, V6& rea
   return worst == 0 ? 0 : left.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() / worst;
 }
 
-// The subtrees in a shape's slots, side by side where they are sound so. False where one has no sound answer.
+// Solves the subtrees in a shape's slots, in a SIMD batch where that is sound. False: one has no sound solution.
 bool solve_filled(const Scene& scene, SceneData& data, BodiesSystem& bodies, BodiesSystem::Shape& shape,
                   BodyAnswer& answer) {
   shape.side_by_side.clear();

@@ -16,7 +16,7 @@ namespace {
 
 using Apply = std::function<void(double*)>;
 
-// x <- K^-1 x (or K's generalised inverse) by the factor at hand.
+// x <- K^-1 x (or K's generalised inverse) by the current factor.
 Apply inverse(MatrixSystem& m) {
   return [&m](double* x) { m.factor->solve(x); };
 }

@@ -162,7 +162,7 @@ struct Panel {
   AlignedPanel Y, left;  // [da; -df over S], R - K Y
   AlignedPanel missed;   // P R, where rows depend
 
-  // X may have room for more columns than R has
+  // X may have memory for more columns than R has
   Panel(const MatrixSystem& m, const AlignedPanel& of, const AlignedPanel& R) : X(of), Y(R), left(R) {
     const int nv = m.owner.island.nv, ld = static_cast<int>(R.cols());
     Y.leftCols(ld) = X.leftCols(ld);

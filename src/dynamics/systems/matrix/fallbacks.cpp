@@ -180,7 +180,7 @@ Reason factorize_and_solve(const Scene& scene, const SceneData& data, FactorScra
   return Reason::kNone;
 }
 
-// Factorizes the system in its order and solves it with refinement. kNone: the answer is sound, and the report is
+// Factorizes the system in its order and solves it with refinement. kNone: the solution is sound, and the report is
 // whole. Should memory run out, there is neither K nor a factor.
 Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch, const Attempt& by, MatrixSystem& m,
                IslandReport& report) {
@@ -224,7 +224,7 @@ Attempts attempts_of(const MatrixSystem& m, double damping) {
       (damping > 0 ? has_order(method) : method == Method::kSparseLdl || method == Method::kSparseBodies))
     out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
   if (method != Method::kDense && damping == 0) out.add(by_dependent_rows(m));
-  // The last: near a singular posture no sparse factor may be sound.
+  // The last: near a singular configuration no sparse factor may be sound.
   if (method == Method::kDense || m.owner.island.size() <= tolerance::kDenseSize)
     out.add({FactorKind::kDense, order, damping});
   return out;
@@ -266,7 +266,7 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
   }
   report.reason = last;
   if (last != Reason::kSmallPivot || scene.damping == 0 || method == Method::kDenseSchur) return false;
-  // A damping below the rounding of K: the answer without it, as a neighbouring problem's.
+  // A damping below the rounding of K: the solution without it, as a neighbouring problem's.
   if (attempt(scene, data, scratch, by_dependent_rows(m), m, report) != Reason::kNone) return false;
   report.status = Status::kRegularised;
   report.reason = Reason::kDampingLost;

@@ -9,7 +9,7 @@
 // space. Differentiated at constant rank, P df = P D dq with D = d(J(q) y)/dq at constant y = J^+ f: how the contacts'
 // velocities change when the joints move with y.
 //
-// Where the contacts contradict each other by rho = J a + a0, least squares ask for J^T rho = 0:
+// Where the contacts are inconsistent by rho = J a + a0, least squares require J^T rho = 0:
 // J^T (J da + dr2) + G dq = 0 with G = d(J^T rho)/dq at constant rho, so J da = -dr2 - (J^T)^+ G dq on J's range.
 // (J^T)^+ G dq is y of K^+ [G dq; 0]: as J^T rho vanishes everywhere, G dq is in J^T's range, and a of it is zero.
 
@@ -81,7 +81,7 @@ void take_contradiction(MatrixSystem& m, Eigen::VectorXd& rho) {
     rho[k] = -unit_of(m, k) * m.v.null_component[m.K.pattern->iperm[m.owner.island.nv + k]];
 }
 
-// S P S x of the contacts' rows: x, and the answer, by the island's rows.
+// S P S x of the contacts' rows: x, and the result, by the island's rows.
 void project(MatrixSystem& m, KktVectors& v, Eigen::VectorXd& x) {
   const int* iperm = m.K.pattern->iperm.data() + m.owner.island.nv;
   v.resize(m.owner.island.size());

@@ -140,7 +140,7 @@ bool MatrixSystem::make_current(const Scene& scene, const SceneData& data, Threa
 
 namespace {
 
-// Whether the panel could be believed.
+// Whether the panel is accurate.
 bool differentiate_once(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m,
                         IslandDerivatives& out) {
   const AtSolution at(scene, data, m.owner.island);
@@ -152,7 +152,7 @@ bool differentiate_once(const Scene& scene, SceneData& data, ThreadWork& thread,
   return out.X.size() == 0 || !std::isnan(out.X(0, 0));
 }
 
-// [a; y] <- K^-1 [a; y] of the scratch of products. False where that cannot be believed.
+// [a; y] <- K^-1 [a; y] of the scratch of products. False where that is inaccurate.
 bool solve_product(const Scene& scene, const SceneData& data, MatrixSystem& m, KktVectors& v, ProductWork& work) {
   const KktPattern& p = *m.K.pattern;
   v.resize(m.K.size());
@@ -195,7 +195,7 @@ bool internal::weighed_right_hand_sides(const Scene& scene, SceneData& data, Mat
 
 namespace {
 
-// Returns answer(), whether the solution is accurate; if not, once more with the dense reference solver's factor.
+// Returns answer(), whether its result is accurate; if not, once more with the dense reference solver's factor.
 template <class Answer>
 bool else_by_oracle(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m, Answer&& answer) {
   return answer() || (internal::solve_by_oracle(scene, data, thread, m) && answer());

@@ -20,7 +20,7 @@ struct ProductWork;
 /// Workspace of an island with dependent contact rows, for derivatives and products.
 struct DependentDerivatives {
   Eigen::VectorXd y;                     // nv: J y = f
-  bool known = false;                    // y is of the factor at hand
+  bool known = false;                    // y is of the current factor
   Eigen::VectorXd dofs, gradient, rows;  // scratch: nv, nv, nc
   // by take_columns
   std::vector<char> in_null_space;  // nc
@@ -42,8 +42,8 @@ class MatrixSystem final : public IslandSystem {
   bool bound_errors(const Scene&, SceneData&, IslandReport&) override;
   bool estimate_condition(const Scene&, SceneData&, IslandReport&) override;
 
-  /// K, its factor and x of the solution at hand, where another system answered that. False: no factor is sound, or K
-  /// is too large for memory.
+  /// K, its factor and x of the current solution, where another system solved. False: no factor is sound, or K is too
+  /// large for memory.
   bool make_current(const Scene&, const SceneData&, ThreadWork&);
   /// Whether make_joint_space has been asked since prepare gave it the island.
   bool has_terms() const;
@@ -51,7 +51,7 @@ class MatrixSystem final : public IslandSystem {
   void make_room(Order order);
   /// Whether the island's contact rows were found dependent.
   bool deficient() const;
-  /// Whether that is why a factor which drops such rows answered.
+  /// Whether that is why a factor which drops such rows solved.
   bool dropped_rows() const;
   bool by_dependent_rows() const {
     return deficient() && (factor == dropping.get() || factor == dropping_in_order.get());
@@ -63,17 +63,17 @@ class MatrixSystem final : public IslandSystem {
   std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J; by make_joint_space
   std::uint64_t state = 0;                    // that all below is of
   KktMatrix K;
-  KktVectors v;                   // x: the answer
+  KktVectors v;                   // x: the solution
   std::vector<double> row_terms;  // nc, scratch of the factorization
   std::vector<double> unit;       // nc, or empty where all are 1: S of row_units.hpp, of K and v
   // Made when first needed, one per attempt (Attempts below): the chosen method's, those that drop dependent rows in
   // the chosen order and leaf-to-root, the proximal factor, and the dense one.
   std::unique_ptr<Factor> chosen, dropping_in_order, dropping, proximal, dense;
-  Factor* factor = nullptr;    // the one that answered; nullptr: none did
+  Factor* factor = nullptr;    // the one that solved; nullptr: none did
   double first_error = 0;      // backward error before refinement
-  bool contradiction = false;  // the contacts contradict each other: least squares
+  bool contradiction = false;  // the contacts are inconsistent: least squares
   WithinTolerance within;
-  double tolerated = 0;        // what rows made dependent may contradict each other by, relative to their terms
+  double tolerated = 0;        // inconsistency that rows made dependent may have, relative to their terms
   bool was_dependent = false;  // the last solve found rows dependent
   std::vector<int> dependent;  // scratch: rows of J
   std::unique_ptr<DependentDerivatives> rows;  // by differentiate and products, where rows depend
@@ -87,8 +87,8 @@ namespace internal {
 inline void scale_rows(const MatrixSystem& m, IslandDerivatives& out) {
   for (std::size_t k = 0; k < m.unit.size(); ++k) out.X.row(out.nv + static_cast<Eigen::Index>(k)) *= m.unit[k];
 }
-/// Right-hand sides of K's derivatives, with what contradicting contacts add. While AtSolution lives. False: that
-/// cannot be believed.
+/// Right-hand sides of K's derivatives, with the terms of inconsistent contacts. While AtSolution lives. False: they
+/// are inaccurate.
 bool weighed_right_hand_sides(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
                               PanelWork& work);
 /// Bounds of the errors of a and f, and the sizes that they are relative to (bounds.cpp).
@@ -110,7 +110,7 @@ double rounding_of_J(const Scene& scene, const MatrixSystem& system);
 /// more than what is left of what they are computed from.
 void add_terms_of_J(const Scene& scene, const Workspace& work, const MatrixSystem& system,
                     const std::vector<double>& sizes, std::vector<double>& w);
-/// Where contacts contradict each other by r, rounding of J turns the least squares: by K^+ K^+ [dJ^T r; 0] (Golub,
+/// Where contacts are inconsistent by r, rounding errors of J change the least squares by K^+ K^+ [dJ^T r; 0] (Golub,
 /// Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). |dJ^T r|; both in elimination order.
 std::vector<double> turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& system,
                                          const std::vector<double>& r);
@@ -120,7 +120,7 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
 
 /// Memory for a robot's kinematics and dynamics terms, the first time.
 void make_robot(const Scene& scene, Workspace& work, int robot);
-/// Whether these are of the state at hand.
+/// Whether these are of the current state.
 bool is_evaluated(const Workspace& work, int robot);
 /// Memory for the joint-space terms of an island, the first time. Throws std::length_error beyond 2^31 entries.
 void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
@@ -139,7 +139,7 @@ void check_joint_space(const IslandWork& d, const char* function, const char* in
 /// K and b = [data.tau - h; wanted - a0] of what was evaluated, in that order of elimination.
 void assemble(const Scene& scene, const SceneData& data, Order order, double damping, bool weighed,
               MatrixSystem& system);
-/// Factorizes and solves by the first way that gives a sound answer: v.x, factor and the report are that answer's.
+/// Factorizes and solves by the first way that gives a sound solution: v.x, factor and the report are that solution's.
 /// False where there is none. After evaluate.
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
                         IslandReport& report);
@@ -171,7 +171,7 @@ bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thre
 void solve_panel(const Scene& scene, MatrixSystem& system, IslandDerivatives& out, PanelWork& work);
 /// X <- K^+ X of a panel with row stride ld in the same way. False where that is inaccurate.
 bool solve_columns(MatrixSystem& system, double* X, int ld, PanelWork& work);
-/// v.x <- K^+ v.b by the factor at hand, refined once. False, and NaN, where that cannot be believed.
+/// v.x <- K^+ v.b by the current factor, refined once. False, and NaN, where that is inaccurate.
 bool solve_vector(MatrixSystem& system, KktVectors& v);
 
 // Where rows are dependent (least_norm_forces.cpp), of derivatives and of products with them. While AtSolution lives.
@@ -181,13 +181,13 @@ void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& system
                        IslandDerivatives& out);
 void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,
                        ProductWork& work);
-/// Where the contacts contradict each other, a solves J^T (J a + a0) = 0: adds to -dr2, of the panel or of the scratch
-/// along dq, what the turning of J^T does. False where that cannot be believed.
+/// Where the contacts are inconsistent, a solves J^T (J a + a0) = 0: adds the effect of J^T's rotation to -dr2, of the
+/// panel or of the scratch along dq. False where that is inaccurate.
 bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
                        PanelWork& work);
 bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,
                        ProductWork& work);
-/// Adds to wq what the transposes of both do. v: l = K^+ [wa; -wf] in v.x; used up. False where it cannot be believed.
+/// Adds to wq what the transposes of both do. v: l = K^+ [wa; -wf] in v.x; used up. False where it is inaccurate.
 bool add_dependent_adjoint(const Scene& scene, SceneData& data, MatrixSystem& system, const AdjointProduct& p,
                            KktVectors& v);
 

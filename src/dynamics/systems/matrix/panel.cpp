@@ -73,7 +73,7 @@ void solve_blocks(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, b
   }
 }
 
-// Growth of K's entries, beyond which a factor's answers are judged by their own residuals.
+// Growth of K's entries, beyond which a factor's solutions are judged by their own residuals.
 bool grows_too_much(const Factor& factor) {
   return factor.growth() * std::numeric_limits<double>::epsilon() > tolerance::kConverged;
 }
@@ -105,7 +105,7 @@ bool needs_no_refinement(MatrixSystem& m) {
 }
 
 // Where rows depend and entries grow, norms hide what is lost in small entries: columns one by one, refined until each
-// of their rows is as good as the solve's, or no better. False where one cannot be believed.
+// of their rows is as good as the solve's, or no better. False where one is inaccurate.
 bool solve_one_by_one(MatrixSystem& m, double* X, int ld, KktVectors& v) {
   const KktPattern& p = *m.K.pattern;
   v.resize(p.size());
@@ -120,7 +120,7 @@ bool solve_one_by_one(MatrixSystem& m, double* X, int ld, KktVectors& v) {
 }
 
 // X <- K^+ X of a panel with row stride ld, refined as needed; solve(refined): by the factor, once refined or not.
-// False where that cannot be believed.
+// False where that is inaccurate.
 template <class Solve>
 bool solve_as_needed(MatrixSystem& m, double* X, int ld, PanelWork& work, Solve&& solve) {
   const std::size_t size = static_cast<std::size_t>(m.owner.island.size()) * ld;

@@ -10,13 +10,13 @@
 // and bounds are of this J.
 //
 // N is found by an LDL of [D J^T; J 0] with a diagonal D in place of M, since masses have no part in this: 1 for
-// coordinates in m, L^2 for those in rad, L being the largest lever. A dependence counts where it leaves no more than
-// the rows themselves are off by: |r_c| <= sum_j |n_j| times the tolerance t. Rows and coordinates in rad are weighed
-// by L. There are two tolerances:
+// coordinates in m, L^2 for those in rad, L being the largest moment arm. A dependence counts where it leaves no more
+// than the rows themselves are off by: |r_c| <= sum_j |n_j| times the tolerance t. Rows and coordinates in rad are
+// weighed by L. There are two tolerances:
 //   - of the scene, for any number of rows;
 //   - of drift, for as many rows as depended at the start. The closed loop is nearest at q + dq, where dq solves
 //     [D J^T; J 0] [dq; y] = [0; -e] for the contact errors e and the rows kept. A joint between here and there turns
-//     the axes and the levers of J by |dq_j|, so that t = 2 L sum_j |dq_j|.
+//     the axes and the moment arms of J by |dq_j|, so that t = 2 L sum_j |dq_j|.
 
 #include "within_tolerance.hpp"
 
@@ -90,7 +90,7 @@ void take_island(const Scene& scene, const IslandWork& d, Work& w) {
   }
 }
 
-// The largest lever: metres that a point moves by for a radian; 1 where nothing turns.
+// The largest moment arm: metres that a point moves by for a radian; 1 where nothing rotates.
 double largest_lever(const Workspace& work, const IslandWork& d, const Work& w) {
   double L = 0;
   for (int c = 0; c < d.island.nv; ++c)

@@ -27,7 +27,7 @@ class WithinTolerance {
   std::unique_ptr<Work> work_;
 };
 
-/// Whether that may be: then the whole K answers, no other system. Rows that depended at the start are looked at only
+/// Whether that may be: then the whole K solves, no other system. Rows that depended at the start are considered only
 /// where fewer are found to depend.
 bool is_inexact(const Scene& scene, const IslandWork& d);
 

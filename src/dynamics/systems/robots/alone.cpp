@@ -132,7 +132,7 @@ BlockGroup* group_of_solve(const Scene& scene, Workspace& w, IslandWork& d, Drop
   return enough && !d.refused ? alone.dependent : nullptr;
 }
 
-// The group that gave an island's answer; nullptr: none, or not the derivatives.
+// The group that gave an island's solution; nullptr: none, or not the derivatives.
 BlockGroup* group_of_answer(const IslandWork& d) { return d.served_in_lanes() ? d.alone.by : nullptr; }
 
 }  // namespace

@@ -306,7 +306,7 @@ bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, boo
   return sample_is_good(scene, w, system, out.X);
 }
 
-// The factors of the state at hand, where another system answered.
+// The factors of the current state, where another system solved.
 bool make_current(const Scene& scene, SceneData& data, RobotsSystem& system) {
   if (system.state == data.workspace->state) return system.factorize_in_double(scene, data);
   system.first_error = system.owner.matrix.first_error;

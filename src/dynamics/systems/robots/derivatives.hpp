@@ -1,6 +1,6 @@
 #pragma once
 // Derivatives of an island robot by robot, of which interface.hpp has the matrices, by the factors that solved it.
-// With T_r = K_r^-1 G_r^T and S = sum_r G_r T_r + delta I, the answer to K X = B is
+// With T_r = K_r^-1 G_r^T and S = sum_r G_r T_r + delta I, the solution of K X = B is
 //
 //     S Y = sum_r G_r K_r^-1 B_r - B_joining,    X_r = K_r^-1 B_r - T_r Y,    X_joining = Y.
 //
@@ -44,7 +44,7 @@ struct RobotsDerivatives {
     std::vector<double> H;     // G_r P
     std::vector<double> T;     // T_r^T where accelerations come out, -T_r^T where forces do; by rows of G_r, padded
     std::vector<double> B;     // sampled columns of B_r, one after the other
-    std::vector<double> x;     // one of the answer; zeros behind it
+    std::vector<double> x;     // one of the solution; zeros behind it
     std::vector<double> left;  // of each, in the interface rows: the robot's part of the residual, and of its size
     double error = 0;          // of these columns, in the robot's rows: the largest backward error
 

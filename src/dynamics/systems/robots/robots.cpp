@@ -203,7 +203,7 @@ double largest_interface_error(const RobotsSystem& s) {
   return sparse::componentwise_backward_error(s.r, s.scale, largest);
 }
 
-// The componentwise backward error (sparse/refine.hpp) of the answer, NaN where any is. A robot's rows are compared
+// The componentwise backward error (sparse/refine.hpp) of the solution, NaN where any is. A robot's rows are compared
 // with the largest of that robot, which is stricter than the largest of the island. The interface rows are compared
 // with the largest of the island: at rest all their terms are rounding of accelerations that vanish.
 double backward_error_of(const RobotsSystem& s) {
@@ -237,7 +237,7 @@ bool report_dependence(const SceneData& data, RobotsSystem& s, IslandReport& rep
   return true;
 }
 
-// The answer, in the scene's coordinates.
+// Stores the solution, in the scene's coordinates.
 void store_answer(const lanes::Job& job, Workspace& w, RobotsSystem& s) {
   each_batch(w, s, [&](Solver& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
     kernel.store(job, robots, memory.at);
@@ -369,7 +369,7 @@ namespace internal {
 
 namespace {
 
-// Whether the island may be solved so: not where another system has answered, and not without rows that are unknown.
+// Whether the island may be solved so: not where another system has solved, and not without rows that are unknown.
 bool may_solve(const Scene& scene, Workspace& w, RobotsSystem& s, Dropped dropped) {
   if (!s.solves || !usable_numbers(scene)) return false;
   if (dropped == Dropped::kNone) return !s.owner.answered;
@@ -400,7 +400,7 @@ bool RobotsSystem::solve_in_use(const Scene& scene, SceneData& data, IslandRepor
   if (!factorize(scene, data)) return false;
   const int steps = mixed ? tolerance::kMixedSteps : tolerance::kRefinementSteps;
   const sparse::Refinement refinement = internal::solve_refined(w, scene.damping, steps, *this);
-  state = 0;  // until the answer is judged
+  state = 0;  // until the solution is judged
   if (!(refinement.backward_error <= tolerance::kConverged)) return false;
   first_error = refinement.first;
   internal::store_answer(internal::job_at_state(scene, data), w, *this);

@@ -27,14 +27,14 @@ struct IslandReport;
 struct BlockGroup {
   std::shared_ptr<const lanes::BlockPlan> plan;
   std::vector<std::unique_ptr<lanes::RobotBlocks>> kernels;  // one per thread
-  // likewise, where the options ask for these: of robots alone in single precision; with a factor in single precision
+  // the same, where the options ask for these: of robots alone in single precision; with a factor in single precision
   std::vector<std::unique_ptr<lanes::SingleBlocks>> single;
   std::vector<std::unique_ptr<lanes::SolvingBlocks>> mixed;
   std::vector<int> islands;  // scratch of a call: the islands it solves with this plan
   double seconds = 0;        // predicted, of one robot solved alone
 };
 
-/// Contacts that join two robots, alike but for places and gains.
+/// Contacts that join two robots, identical except for places and gains.
 struct InterfaceContactGroup {
   struct Key {  // what their kernels are made for
     const ModelStructure *A, *B;
@@ -65,8 +65,8 @@ struct InLanes {
 struct AloneSystem final : IslandSystem {
   BlockGroup* group = nullptr;      // nullptr: it is in no SIMD batch; by prepare
   BlockGroup* dependent = nullptr;  // where rows were found to depend: with the last such rows dropped
-  BlockGroup* by = nullptr;         // which of the two gave the last answer
-  // of the last answer that came from a SIMD batch
+  BlockGroup* by = nullptr;         // which of the two gave the last solution
+  // of the last solution that came from a SIMD batch
   bool panel_is_safe = false;  // whether derivatives may come from there too
   bool refine_panel = false;   // and are refined once
 };
@@ -87,10 +87,10 @@ class RobotsSystem final : public IslandSystem {
   /// From here on with or without the rows of `dropped`.
   void drop_rows(bool on);
 
-  /// The factors of the robots and of the interface rows, and the right-hand side, at the state at hand. False where
+  /// The factors of the robots and of the interface rows, and the right-hand side, at the current state. False where
   /// these are not sound.
   bool factorize(const Scene& scene, SceneData& data);
-  /// The same in double, where the factors at hand are not: for all that comes after a solve.
+  /// The same in double, where the current factors are not: for all that comes after a solve.
   bool factorize_in_double(const Scene& scene, SceneData& data);
   bool solve_in_use(const Scene&, SceneData&, IslandReport&);  // by the groups in use
   /// Growth of K's entries in these factors, as Factor has it.
@@ -98,12 +98,12 @@ class RobotsSystem final : public IslandSystem {
 
   IslandWork& owner;
   using Robot = lanes::RobotBlocks::Robot;
-  struct Batch {  // robots side by side: numbers of `order`
+  struct Batch {  // robots of a SIMD batch: numbers of `order`
     BlockGroup* group;
     int first, count;
     std::size_t at;  // in `memory`
   };
-  struct ContactBatch {  // likewise, of `contacts`
+  struct ContactBatch {  // the same, of `contacts`
     InterfaceContactGroup* group;
     int first, count;
   };
@@ -133,8 +133,8 @@ class RobotsSystem final : public IslandSystem {
   std::vector<OfRobot> robots;
   std::vector<int> dropped;    // rows of the island that depended on others when last solved, robots' own all of them
   bool drops = false;          // robots' groups are those without them
-  bool contradiction = false;  // of the last answer that was given so: derivatives have a term of it, in the whole K
-  // by prepare, for the island at hand
+  bool contradiction = false;  // of the last solution that was given so: derivatives have a term of it, in the whole K
+  // by prepare, for the current island
   std::vector<Coupling> contacts;  // group by group, like ones together
   std::vector<Robot> members;      // as `order`; filled by solve
   Robot& member(std::size_t robot) { return members[robots[robot].member]; }
@@ -144,7 +144,7 @@ class RobotsSystem final : public IslandSystem {
   std::vector<ContactBatch> contact_batches;
   std::uint64_t state = 0;                         // that all of this is of; 0 where it is not sound
   bool mixed = false;                              // the robots' factors are in single precision
-  double first_error = 0;                          // backward error of the answer before refinement
+  double first_error = 0;                          // backward error of the solution before refinement
   bool back = false;                               // the way the last step took through the batches
   sparse::LargeMemory memory;                      // of the batches and their robots
   std::vector<double> Sx, L, D, terms;             // -S and its factor, in its order
@@ -168,13 +168,13 @@ void forget_unused_groups(Workspace& work);
 /// island.robots, settled, where that is possible; made when first asked for.
 void make_robots(const Scene& scene, Workspace& work, IslandWork& island);
 
-/// Solves the islands of one robot that have a place in a SIMD batch, at w.q, data.v, data.tau: those not answered yet,
-/// or, of rows found to depend, those that the whole K answered.
+/// Solves the islands of one robot that have a place in a SIMD batch, at w.q, data.v, data.tau: those not solved yet,
+/// or, of rows found to depend, those that the whole K solved.
 /// start: of a step, whose forces are then not in data.tau.
 void solve_alone(const Scene& scene, SceneData& data, Dropped dropped, const StartOfStep* start = nullptr);
 /// Whether all robots are islands that have a place in a SIMD batch of doubles.
 bool stand_alone(const Scene& scene, const Workspace& w);
-/// The same islands, those not answered yet, in single or mixed precision where the options ask for it. Islands whose
+/// The same islands, those not solved yet, in single or mixed precision where the options ask for it. Islands whose
 /// condition is too poor for that are left.
 void solve_alone_in_low(const Scene& scene, SceneData& data);
 /// How many robots alone, or states, a SIMD batch has at most; 1 without SIMD batches.

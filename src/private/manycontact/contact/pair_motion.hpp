@@ -28,7 +28,7 @@ Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> rows_of_member(const Contact& m, co
 }
 
 /// One member at the state: its motion beyond nudot,
-///     6D: alpha log6(G) + beta nu,   points: nu_ang x nu_lin + alpha e + beta nu_lin,   5D: turning besides.
+///     6D: alpha log6(G) + beta nu,   points: nu_ang x nu_lin + alpha e + beta nu_lin,   5D: rotation, too.
 template <class S>
 struct MemberMotion {
   const Contact& c;

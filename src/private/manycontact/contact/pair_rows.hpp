@@ -8,7 +8,7 @@
 //
 // S weighs rows that turn by Scene::moment_length. The pair's rows R nu, with a0 = Q^T S a0_all, take the place of all.
 // With their forces y the forces of all are f = S Q y: the ones of least norm |S^-1 f|, since Q is orthonormal.
-// (1 - Q Q^T) S a0_all is what the contacts of the pair contradict each other by, whatever the bodies do.
+// (1 - Q Q^T) S a0_all is the inconsistency of the pair's contacts, whatever the bodies do.
 
 #include <memory>
 #include <span>

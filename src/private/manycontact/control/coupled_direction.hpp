@@ -42,8 +42,8 @@ class CoupledDirection : public Direction {
   const lq::Outcome& outcome() const { return outcome_; }
 
   void resize() override;
-  /// False also where the direction's KKT error exceeds lq::kAccurate, as where couplings depend on each other and
-  /// contradict.
+  /// False also where the direction's KKT error exceeds lq::kAccurate, as where couplings depend on each other and are
+  /// inconsistent.
   bool compute(double preg, double dreg) override;
   Eigen::Vector2d improvement(bool) override { return improvement_; }
   double expected_reduction() const override { return improvement_[0] + 0.5 * improvement_[1]; }

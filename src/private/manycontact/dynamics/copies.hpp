@@ -3,7 +3,7 @@
 
 namespace manycontact::internal {
 
-/// A scene `count` times over, one copy after the other: copy k has row k of what is laid side by side.
+/// A scene `count` times over, one copy after the other: copy k has the k-th part of concatenated vectors.
 Scene copies_of(const Scene& scene, int count);
 
 /// How many states fill a SIMD batch: 1 where the robots of one do, or without SIMD batches. After prepare.

@@ -3,7 +3,7 @@
 
 namespace manycontact {
 
-/// No solution is at hand from here on, nor derivatives of one.
+/// From here on there is no current solution, nor derivatives of one.
 void give_up_solution(SceneData& data);
 
 }  // namespace manycontact

@@ -22,7 +22,7 @@ const SceneData& data_solved(const SceneData& data);
 /// The ways in which `solve` tries to solve an island, in their order: "robot by robot in SIMD batches; sparse-ldl in
 /// leaf-to-root order; sparse-ldl in leaf-to-root order without dependent rows; dense".
 std::string ways_of(const Scene& scene, const SceneData& data, std::size_t i);
-/// How often an island's K, whole or robot by robot, was factorized for the solution at hand and what was made of it.
+/// How often an island's K, whole or robot by robot, was factorized for the current solution and what was made of it.
 int factorizations_of(const SceneData& data, std::size_t i);
 /// Number of shapes analysed so far.
 std::size_t shapes_analysed(const SceneData& data);

@@ -12,7 +12,7 @@ namespace manycontact {
 
 /// Kinematics of the scene at rest, in addition to those of the solve. Allocated once.
 struct StaticTorque {
-  explicit StaticTorque(const Scene& scene);       // room for its robots
+  explicit StaticTorque(const Scene& scene);       // memory for its robots
   std::vector<Kinematics<double>> kin;             // per robot
   std::vector<RneaDerivatives> terms;              // per robot
   std::vector<std::vector<Vec6<double>>> fext, f;  // per robot: njoints contact forces (tree frame), scratch

@@ -1,7 +1,7 @@
 #pragma once
-// The forward path in any scalar: in quadruple precision (library manycontact_quad) the truth that the answers in
-// double are measured against. solve_truth is dense, uses no structure but the islands and keeps nothing. refine_truth
-// is for islands too large for that: linear cost, K x = b refined with residuals in S and a factor in double.
+// The forward path in any scalar: in quadruple precision (library manycontact_quad) the truth that solutions in double
+// are measured against. solve_truth is dense, uses no structure but the islands and keeps nothing. refine_truth is for
+// islands too large for that: linear cost, K x = b refined with residuals in S and a factor in double.
 
 #include <span>
 
@@ -11,7 +11,7 @@
 namespace manycontact {
 
 template <class S>
-struct Truth {            // An answer, in S.
+struct Truth {            // A solution, in S.
   VecX<S> a;              // scene.nv
   VecX<S> f;              // rows of the active contacts
   VecX<S> h;              // scene.nv: bias less friction, pushes and springs
@@ -30,7 +30,7 @@ Truth<S> solve_truth(const Scene& scene, const std::vector<char>& active, const 
 ///
 ///     x <- x + L^-T D^-1 L^-1 (b - K x),   K, b at q, v, u in S, L D L^T in double,
 ///
-/// until the backward error stops falling. Islands that sparse-ldl did not answer, or where that ends above 1e4 eps of
+/// until the backward error stops falling. Islands that sparse-ldl did not solve, or where that ends above 1e4 eps of
 /// S, are solved densely up to `dense_size` unknowns; larger ones are not known: NaN, not regular. rank: nc where
 /// refined.
 template <class S>

@@ -1,7 +1,7 @@
 #pragma once
 // The coefficients of predicted costs, from which `auto` chooses methods and orders and knows what is worth a thread.
 // The unit is kPredictedSecond: a multiply-add of CHOLMOD's simplicial factor on a core of 2020. They are fitted to
-// measured times by least squares of relative errors: `./run bench --fit` measures, fits and prints this file anew.
+// measured times by least squares of relative errors: `./run bench --fit` measures, fits and prints this file again.
 
 namespace manycontact::costs {
 
@@ -22,7 +22,7 @@ inline constexpr double kCholmodCall = 8000, kCholmodRow = 50, kCholmodEntry = 2
 inline constexpr double kSupernodalCall = 20000, kSupernodalFlop = 2.2, kSupernodalRow = 4500, kSupernodalEntry = 42;
 
 // sparse-bodies: per body with its joint, more where that has several coordinates, contact row, open row squared,
-// update of an open row, multiply-add at the base. Subtrees that are alike share a SIMD batch.
+// update of an open row, multiply-add at the base. Subtrees of one shape share a SIMD batch.
 inline constexpr double kBody = 1180, kBodyJoint = 3900, kBodyRow = 1100, kBodyOpen = 10, kBodyUpdate = 0.5,
                         kBodyBase = 1.0 / 12, kBodyAlike = 0.5;
 inline constexpr double kBodyEliminated = 0.5;  // complete rows that a coordinate is likely to give their pivots

@@ -24,7 +24,7 @@ struct LazySchedule {
   std::unique_ptr<const sparse::LdlSchedule> schedule;
 };
 
-/// Pattern of P K P^T, where every number goes, and the symbolic factorization. Constant; shared by alike islands.
+/// Pattern of P K P^T, place of every number, and symbolic factorization. Constant; shared by islands of one shape.
 struct KktPattern {
   int nv = 0, nc = 0;
   Order order = Order::kLeafToRoot;
@@ -54,9 +54,9 @@ std::vector<char> robots_furthest_from_ground(const Scene& scene, const Island& 
 std::vector<int> camd_order(const Scene& scene, const Island& island, const sparse::UpperCsc& K);
 /// Order::kLeafToRoot. by_degree: camd_order's, whose order the contact rows have among themselves.
 std::vector<int> leaf_to_root_order(const Scene& scene, const Island& island, const std::vector<int>& by_degree);
-/// Order::kContactsEarly. It looks at the contacts' J in a posture without symmetry, so it depends on the contacts'
-/// types, axes and places on A's bodies, as well as on the trees. Robots go in the island's order, or by CAMD on the
-/// graph of those that contacts join, hubs last, where that makes the factor clearly cheaper.
+/// Order::kContactsEarly. It looks at the contacts' J in a configuration without symmetry, so it depends on the
+/// contacts' types, axes and places on A's bodies, as well as on the trees. Robots go in the island's order, or by CAMD
+/// on the graph of those that contacts join, hubs last, where that makes the factor clearly cheaper.
 std::vector<int> contacts_early_order(const Scene& scene, const Island& island, const IslandSupport& support,
                                       const sparse::UpperCsc& K);
 

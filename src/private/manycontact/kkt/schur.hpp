@@ -37,7 +37,7 @@ struct SchurData {
   Eigen::VectorXd w, y;  // scratch of solves: nv, nc
 };
 
-/// Fills L, Z, Sx. M: the robots' packed inertias, one after the other; J: the contacts' J by columns, likewise. False
+/// Fills L, Z, Sx. M: the robots' packed inertias, one after the other; J: the contacts' J by columns. False
 /// when an inertia is not positive definite.
 [[nodiscard]] bool form_schur(const Scene& scene, const Island& island, const IslandSupport& support,
                               const SchurPattern& pattern, std::span<const double> M, std::span<const double> J,

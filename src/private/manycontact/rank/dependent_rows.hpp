@@ -1,7 +1,7 @@
 #pragma once
 // L D L^T of a saddle point matrix K = [M J^T; J 0] whose rows J may depend on each other: rows with nothing left of
 // their pivot are dropped, and the null space of J^T shows how they depend on the rows kept. Everything in K's order of
-// elimination, of which flags of_M say which rows are M's: all first, or some after rows of J, where these must have
+// elimination, of which flags of_M mark the rows of M: all first, or some after rows of J, where these must have
 // their pivots from the rows of M before them.
 //
 // For a dropped row k, K's factor without it gives z with J_k = sum_j z_j J_j over the rows kept: L^T z = l_k, of which
@@ -11,7 +11,7 @@
 //   [a; y] = (I - P) K_kept^-1 (I - P) [b1; b2]
 //
 // solves M a + J^T y = b1 with a least-squares J a = b2 (Euclidean norm), M-orthogonal to J's null space, and y of
-// least norm: the answer that rank-revealing dense methods give, in a few more operations than a sparse solve.
+// least norm: the solution that rank-revealing dense methods give, in a few more operations than a sparse solve.
 
 #include <span>
 
@@ -75,12 +75,12 @@ void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbo
 void make_projector(int n, DependentRows& rows);
 
 /// Other rows to drop, after find_null_space: those of a cluster take turns with rows of its null space until no entry
-/// is larger than kExchanged (tolerances.hpp), as N by another basis would have them. To be factorized and judged anew.
-/// False where nothing was exchanged, or a cluster is too large for that.
+/// is larger than kExchanged (tolerances.hpp), as N by another basis would have them. To be factorized and judged
+/// again. False where nothing was exchanged, or a cluster is too large for that.
 [[nodiscard]] bool exchange_rows(DependentRows& rows);
 
-/// What residuals are judged relative to, from scale |b| + |K| |x| (n): for a row that was dropped, |N|^T scale, since
-/// rows kept leave z_j times what they leave themselves. In memory of `rows`.
+/// Sizes that residuals are judged relative to, from scale |b| + |K| |x| (n): for a row that was dropped, |N|^T scale,
+/// since rows kept leave z_j times what they leave themselves. In memory of `rows`.
 std::span<const double> scale_of_dependent(DependentRows& rows, std::span<const double> scale);
 
 /// y -= P y, and P y into `null_component` when it is given (n, zero outside J's rows). y: n, in K's order; rows of M

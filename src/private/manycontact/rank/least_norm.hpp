@@ -11,7 +11,7 @@ namespace manycontact::rank {
 /// NaN where A or b is not finite, in x that share rows with it.
 ///
 /// [x; y] solves K [x; y] = [0; b] with K = [I A^T; A 0], rows of A that depend on others dropped as dependent_rows.hpp
-/// has it, and refined. Where rounding hides which rows these are, Eigen's complete orthogonal decomposition answers.
+/// has it, and refined. Where rounding hides which rows these are, Eigen's complete orthogonal decomposition is used.
 /// Source of the augmented form: Bjorck, Numerical Methods for Least Squares Problems (1996), sec. 2.5.
 Eigen::VectorXd least_norm_solution(int rows, int cols, const std::vector<Eigen::Triplet<double>>& A,
                                     const Eigen::VectorXd& b);

@@ -8,8 +8,8 @@
 namespace manycontact {
 
 /// The largest motion that row k of a contact is picked from: of a point's motion as motion_scale has it, no less than
-/// a hundredth of the turning times the levers it was computed with; of turning the turning alone, in radians: a lever
-/// of a million metres does not make it small. After contact_rows.
+/// a hundredth of the rotation times the moment arms it was computed with; of a rotation that alone, in radians: a
+/// moment arm of a million metres does not make it small. After contact_rows.
 template <class S>
 S row_size(const Contact& contact, const ContactData<S>& data, int k) {
   const MotionSizes<S> of = motion_sizes<S>(contact, data);
@@ -72,7 +72,7 @@ struct RowTerms {
   }
 };
 
-/// The sizes of all terms: accelerations (gravity in them), products of velocities, and what gains answer. Their error
+/// The sizes of all terms: accelerations (gravity in them), products of velocities, and terms of gains. Their error
 /// is a difference of placements, as good as these are. origin: how far the bodies' origins are off, in units of
 /// rounding.
 template <class S>

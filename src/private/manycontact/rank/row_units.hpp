@@ -1,7 +1,7 @@
 #pragma once
-// The weights of contact rows of motion and of turning (Scene::moment_length). Forces of least norm and least squares
-// of contradictions depend on them, answers of independent rows do not. Where rows may depend, K's contact rows, and
-// those of b, are multiplied by S = diag(1, or the length for rows that turn), and K's unknown y is -f divided by S.
+// Weights of contact rows of motion and of rotation (Scene::moment_length). Forces of least norm and least squares of
+// inconsistent rows depend on them, solutions of independent rows do not. Where rows may depend, contact rows of K and b
+// are multiplied by S = diag(1, or the length for rows that rotate), and K's unknown y is -f divided by S.
 
 #include <cmath>
 #include <span>
@@ -31,7 +31,7 @@ inline bool has_row_units(const Scene& scene, std::span<const int> contacts) {
   return false;
 }
 
-/// Whether rows that depend may be dropped from anything but the whole K: nothing damps them, and all count alike.
+/// Whether rows that depend may be dropped from anything but the whole K: nothing damps them, and all count the same.
 inline bool may_drop_rows(const Scene& scene, std::span<const int> contacts) {
   return scene.damping == 0 && !has_row_units(scene, contacts);
 }

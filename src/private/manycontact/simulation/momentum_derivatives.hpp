@@ -35,10 +35,10 @@ struct FreeMotionDerivatives {
   struct OfGroup {
     std::vector<int> robots;        // that have bodies of it
     Eigen::MatrixXd next;           // 9 x n: of C+, P+, L+; by differentiate_begin
-    Eigen::MatrixXd h_q, h_v, C_q;  // 6, 6, 3 x nv: of P, L and C at the state at hand; columns of `robots`
+    Eigen::MatrixXd h_q, h_v, C_q;  // 6, 6, 3 x nv: of P, L and C at the current state; columns of `robots`
     Eigen::MatrixXd added;          // 9 x n: of C at the end and of the added u, w
   };
-  std::vector<OfGroup> groups;  // as FreeGroups::groups; without room for the world's
+  std::vector<OfGroup> groups;  // as FreeGroups::groups; without memory for the world's
   /// By a joint, of one group, about its reference.
   struct Carried {
     Inertia<double> Y;

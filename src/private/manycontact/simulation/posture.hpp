@@ -1,13 +1,13 @@
 #pragma once
-// Singular postures that a motion passes, between its states too. With w a unit vector of contact rows, x = M^-1 J^T w
-// and sigma^2 = w^T J M^-1 J^T w, the smallest sigma measures how near an island's contacts are to losing rank. It is
-// followed by one inverse iteration per state, which a solve of the island at rest does,
+// Singular configurations that a motion passes, between its states too. With w a unit vector of contact rows, x = M^-1
+// J^T w and sigma^2 = w^T J M^-1 J^T w, the smallest sigma measures how near an island's contacts are to losing rank.
+// It is followed by one inverse iteration per state, which a solve of the island at rest does,
 //
 //     [ M  J^T ] [  a ]   [ 0 ]
 //     [ J   0  ] [ -f ] = [ w ]      w+ = f / |f|,   x = a / |f|,   sigma^2 = w^T w+ / |f|
 //
-// Where the motion passes a singular posture x goes through zero and comes out on its other side; where it passes close
-// by, past it. Between two states x is taken for straight, so that the least sigma of a step is
+// Where the motion passes a singular configuration x goes through zero and comes out on its other side; where it passes
+// close by, past it. Between two states x is taken for straight, so that the least sigma of a step is
 //
 //     min over s in [0, 1] of | (1 - s) x_k + s x_k+1 |_M
 //
@@ -18,7 +18,7 @@
 
 namespace manycontact {
 
-struct ClosestPosture {  // The posture between two states that is nearest to a singular one.
+struct ClosestPosture {  // The configuration between two states that is nearest to a singular one.
   double share = 1;      // least sigma between the last state and this one, of the largest sigma so far
   double at = 0;         // where between them: 0 the last, 1 this one
 };
@@ -37,7 +37,7 @@ struct PostureData {  // The islands' smallest sigma, and the memory of its solv
 };
 
 /// Goes on to the state q (nq), with the contacts flagged `active`; of all islands the closest. The first state, and
-/// one whose contacts are others than the last one's, begin anew.
+/// one whose contacts are others than the last one's, start again.
 ClosestPosture follow_posture(const Scene& scene, const std::vector<char>& active, const Eigen::VectorXd& q,
                               PostureData& data);
 

@@ -30,7 +30,7 @@ struct ResistingJoints {
   Eigen::VectorXd added, to_add;  // h d + h^2 k: as solved with, and in this step
   std::vector<int> rubbing;       // the coordinates with friction
 
-  bool vary = false;                           // robots alike do not share models, so that what is added may change
+  bool vary = false;                           // like robots do not share models, so that what is added may change
   std::vector<std::shared_ptr<Model>> models;  // per robot its own; nullptr: the scene's, or shared with other robots
 
   // Newton's method, per entry of `rubbing`: v, K (v - v0), and the same after a solve.

@@ -16,7 +16,7 @@ namespace manycontact {
 /// Which rows depend, and how. Storage is kept: nothing is allocated for a system of the same pattern and dependences.
 struct BodyDependence {
   rank::DependentRows rows;        // by their numbers
-  Eigen::VectorXd null_component;  // nc: what they contradict each other by
+  Eigen::VectorXd null_component;  // nc: their inconsistency
 
   // scratch
   struct Basis {
@@ -44,8 +44,8 @@ void forget_dropped(BodyLdl& ldl);
 /// kSmallPivot: these are not plainly the ones.
 [[nodiscard]] Reason factorize_dependent(const BodySystem& system, BodyLdl& ldl, BodyDependence& work);
 
-/// x of b by it, with y of least norm and the bodies' forces of that. b.rows loses what the rows contradict each other
-/// by, which is left in work.null_component.
+/// x of b by it, with y of least norm and the bodies' forces of that. The inconsistency of the rows is taken out of
+/// b.rows and left in work.null_component.
 sparse::Refinement solve_dependent(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps,
                                    BodyDependence& work);
 

@@ -1,5 +1,5 @@
 #pragma once
-// Which bodies and contact rows an island's body-space system (system.hpp) joins, and the room its factor needs.
+// Which bodies and contact rows an island's body-space system (system.hpp) joins, and the memory its factor needs.
 
 #include <vector>
 
@@ -7,7 +7,7 @@
 
 namespace manycontact {
 
-/// Nodes are the joints' bodies, robot after robot, parents before children. Constant; shared by alike islands.
+/// Nodes are the joints' bodies, robot after robot, parents before children. Constant; shared by islands of one shape.
 struct BodyPattern {
   int nodes = 0, nv = 0, nc = 0;
   std::vector<int> node_offset;      // per robot of the island

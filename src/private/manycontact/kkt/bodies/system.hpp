@@ -59,8 +59,8 @@ struct BodyResidual {
 /// that of a row count with the terms that they are sums of. NaN when x is not finite.
 double backward_error(const BodySystem& system, const BodyVectors& rhs, const BodyVectors& x, BodyResidual& out);
 
-/// The same node by node, in a sweep that is at hand; no terms are kept and none counts as more than it is, so the
-/// error is that of backward_error or larger. x.rows at the nodes: what they are with `more` added, if there is any.
+/// The same node by node, within a sweep; no terms are kept and none counts as more than it is, so the error is that of
+/// backward_error or larger. x.rows at the nodes: what they are with `more` added, if there is any.
 class BodyJudge {
  public:
   BodyJudge(const BodySystem& system, const BodyVectors& rhs, const BodyVectors& x, BodyResidual& out)

@@ -72,7 +72,7 @@ class Factor {  // one island's factor, whatever the method
   /// A flag per row of J, numbered within the island (rows: nc): set where y -= P y may change it, and it others.
   virtual void null_space_rows(std::span<char> rows) const { std::fill(rows.begin(), rows.end(), 1); }
 
-  /// What is left of dropped rows, relative to what they are judged by, where that may be more than rounding errors.
+  /// Residual of dropped rows, relative to what they are judged by, where that may be more than rounding errors.
   virtual double left_of_dropped_rows() const { return 0; }
 
   /// Rounding error of the projections relative to the largest entry of y, which limits the forces of least norm.
@@ -84,10 +84,10 @@ class Factor {  // one island's factor, whatever the method
   /// contacts' rows are overwritten.
   virtual void particular_solution(double* x) { solve(x); }
 
-  /// Steps of refinement that solve and solve_panel make by themselves; their answers are then final.
+  /// Steps of refinement that solve and solve_panel make by themselves; their solutions are then final.
   virtual int own_refinements() const { return 0; }
   /// Growth of K's entries during elimination: the largest term of a pivot over the largest diagonal of K. The backward
-  /// error of an unrefined solve is about eps times that, for some right-hand sides if not for the one at hand.
+  /// error of an unrefined solve is about eps times that, for some right-hand sides if not for the current one.
   virtual double growth() const { return 1; }
   /// A bound of the backward error |dK|_1 / |K|_1 of every column that solve_panel gives, whatever the right-hand side;
   /// infinite where none is known. K: the one factorized.
