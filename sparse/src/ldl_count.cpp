@@ -13,7 +13,7 @@ namespace manycontact::sparse {
 
 namespace {
 
-// Root of i's tree so far; what is passed on the way points there from now on.
+// Root of i's tree so far; all nodes passed on the way point there from now on.
 int root_of(std::vector<int>& ancestor, int i) {
   int root = i;
   while (ancestor[root] != root) root = ancestor[root];

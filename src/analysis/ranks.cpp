@@ -87,7 +87,7 @@ internal::RowRemainders remainders_of(const Scene& scene, const IslandReport& re
   return out;
 }
 
-// least: what has to be left of a row that counts.
+// least: the least remainder of a row that counts.
 int rank_of(const Eigen::MatrixXd& Jt, double least = tolerance::kRank) {
   if (Jt.size() == 0) return 0;
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(Jt);

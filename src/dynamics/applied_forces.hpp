@@ -15,7 +15,7 @@ struct SceneData;
 struct IslandWork;
 struct Workspace;
 
-/// A scene's pushes and springs at work, by solve. Where the scene has none there is none of this.
+/// External wrenches and springs that act in a scene, by solve. It is not made for a scene without them.
 struct AppliedWork {
   explicit AppliedWork(const Scene& scene);
 

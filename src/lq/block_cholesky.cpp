@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-// Vertices below each, fill included: what is below a column joins what is below its parent, the first of it.
+// Vertices below each, fill included: those below a column join those below its parent, the first of them.
 std::vector<std::set<int>> fill(int n, const std::vector<std::pair<int, int>>& edges) {
   std::vector<std::set<int>> below(n);
   for (const auto& [u, v] : edges)

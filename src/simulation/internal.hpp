@@ -20,9 +20,9 @@ void watch_condition(const Scene& scene, SceneData& of, SimulationData& data);
 /// those that do from here on (dynamics/keep_dependent.hpp).
 void keep_what_depends(SceneData& of, SimulationData& data);
 
-/// q+ and v+ of what semi-implicit Euler's solve came to, data.next_v, with the momentum of what is free.
+/// q+ and v+ from the result of semi-implicit Euler's solve, data.next_v, with the momentum of free groups.
 void end_step(const Scene& scene, SimulationData& data);
-/// After it: what springs act on gains no energy (bounded_energy.cpp). data.wanted: J v at the start; data.dynamics:
+/// After it: bodies on springs gain no energy (bounded_energy.cpp). data.wanted: J v at the start; data.dynamics:
 /// v+ in the place of a, and f in newtons.
 void bound_energy(const Scene& scene, SimulationData& data);
 

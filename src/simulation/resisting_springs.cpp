@@ -25,7 +25,7 @@ constexpr double kMostZeros = 8;         // ... no more than one entry of so man
 constexpr int kFewNumbers = 32;          // unit forces on an island, for a solve of each
 constexpr int kMostCoordinates = 2000;   // of an island, for K^-1 as a matrix
 
-// J M^-1 J^T of a body alone, at most; what it is joined to makes it less.
+// J M^-1 J^T of a body alone, at most: joints and contacts make it less.
 double mobility_of_end(const Scene& scene, const Attachment& at) {
   if (!moves(at)) return 0;
   const Inertia<double>& Y = scene.robots[at.robot].model->joints[at.joint].inertia;

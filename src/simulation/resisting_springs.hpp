@@ -26,7 +26,7 @@ namespace manycontact::internal {
 struct ResistingSprings {
   explicit ResistingSprings(const Scene& scene);
 
-  Scene loads;                                      // the scene without them: pushes and joints' springs act
+  Scene loads;                                      // the scene without them: external wrenches and joints' springs act
   std::shared_ptr<AppliedForces<double>> of_loads;  // nullptr: there are none
   std::vector<double> mobility;                     // per spring: its bodies' alone, at least what moves [1/kg]
 
@@ -67,7 +67,7 @@ struct ResistingSprings {
   std::vector<PartOfBody> parts;
 };
 
-/// Adds what pushes and joints' springs do at the start of the step to data.w; data.applied is at the state then.
+/// Adds external wrenches and joints' springs at the start of the step to data.w; data.applied is at the state then.
 void add_loads(const Scene& scene, SimulationData& data);
 /// After it: the rows. Where a spring has no direction, data.w is NaN.
 void take_springs(const Scene& scene, SimulationData& data);

@@ -71,7 +71,7 @@ bool solve_to_the_end(const Scene& scene, SimulationData& d) {
   return true;
 }
 
-// Torques at the start of the step into w; what resists is made ready.
+// Writes the torques at the start of the step into w, and prepares the resisting forces.
 void begin_forces(const Scene& scene, const ConstVector& u, SimulationData& d) {
   torques_of_motors(scene, u, d.w);
   if (!d.resisting && d.pd.kp.size() > 0) d.resisting = std::make_shared<ResistingForces>(scene);

@@ -12,15 +12,16 @@ namespace manycontact {
 ///     K [ da ; -df ] = -[ dr1 ; dr2 ],   r1 = ID(q, v, a, f) - tau,   r2 = J a + a0 + delta f.
 ///
 /// While r1 is differentiated, f is constant in each contact's own frame. The torque tau(q, v, u, w) is that of motors,
-/// joint friction, external wrenches and springs. If contacts are redundant, dforces_* are the derivatives of the least-norm
-/// forces, where the rank is locally constant. If contacts are inconsistent, da_* are those of the least-squares
-/// accelerations. Blocks are NaN for failed islands, and for islands whose derivative system could not be solved
-/// accurately.
+/// joint friction, external wrenches and springs. If contacts are redundant, dforces_* are the derivatives of the
+/// least-norm forces, where the rank is locally constant. If contacts are inconsistent, da_* are those of the
+/// least-squares accelerations. Blocks are NaN for failed islands, and for islands whose derivative system could not be
+/// solved accurately.
 ///
-/// Sizes per island: nv or nc rows; nv columns (q, v), nu columns (u), 6 columns per external wrench (w). The views in the result
-/// remain valid until the next solve. Memory: (nv + nc)(2 nv + nu) numbers per island. Cost: one solve with the factor
-/// per column; see `jvp` and `vjp` for products at the cost of a few solves. With the sparse methods, a call does not
-/// allocate if request and contact set are as before, unless a state needs a fallback. Thread-safe for distinct data.
+/// Sizes per island: nv or nc rows; nv columns (q, v), nu columns (u), 6 columns per external wrench (w). The views in
+/// the result remain valid until the next solve. Memory: (nv + nc)(2 nv + nu) numbers per island. Cost: one solve with
+/// the factor per column; see `jvp` and `vjp` for products at the cost of a few solves. With the sparse methods, a call
+/// does not allocate if request and contact set are as before, unless a state needs a fallback. Thread-safe for
+/// distinct data.
 ///
 /// Throws std::logic_error before the first solve and if contacts were switched after it. Throws std::invalid_argument
 /// if the data belong to another scene.

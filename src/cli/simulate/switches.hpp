@@ -30,7 +30,7 @@ class Switches {
   };
   const std::vector<ImpactEvent>& blows() const { return blows_; }
 
-  /// "5 left off, 7 right on": what is not done yet, as the option has it; empty where all is.
+  /// "5 left off, 7 right on": the switches not done yet, as the option has them; empty where all are.
   std::string not_reached() const;
 
   /// Does what is due at the state's time, `tolerance` early at most. False when an impact could not be solved.

@@ -47,17 +47,17 @@ class Equations {
   /// x - [a; f], rounded.
   virtual void difference(const Part& part, const double* a, const double* f, double* da, double* df) const = 0;
 
-  // The part of forces that moves nothing, n of f = n + S^2 J y, J^T n = 0; or of the contacts' residual r = n + J y
-  // what no accelerations satisfy, J^T S^2 n = 0.
+  // The part of forces that moves nothing, n of f = n + S^2 J y, J^T n = 0; or the part of the contacts' residual
+  // r = n + J y that no accelerations satisfy, J^T S^2 n = 0.
   enum class Projected { kForces, kResidual };
   /// rest = f of x, or r. weights: S, per row of f.
   virtual void begin_projection(const Part& part, Projected what, const double* weights) = 0;
-  /// rest -= S^2 J dy, of forces, or J dy. change: what that subtracts.
+  /// rest -= S^2 J dy, of forces, or J dy. change: the difference.
   virtual void project(const Part& part, const double* dy, double* change) = 0;
   /// The right-hand side f that a step dy is to satisfy as J dy = f, of forces: S^-2 rest, rounded.
   virtual void rest(const Part& part, double* f) const = 0;
-  /// J^T S^2 rest of residuals, rounded: what a step is to satisfy as J^T S^2 J dy. The rest itself is far larger than
-  /// what a step is to take from it.
+  /// J^T S^2 rest of residuals, rounded: a step is to satisfy it as J^T S^2 J dy. The rest itself is far larger than
+  /// the part that a step is to take from it.
   virtual void gradient_of_rest(const Part& part, double* torque) = 0;
   /// Takes the rest from x's f, or from b.
   virtual void take_rest(const Part& part) = 0;

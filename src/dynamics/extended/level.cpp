@@ -226,7 +226,7 @@ void LevelEquations::torques(const Part& part, bool inertial) {
   }
 }
 
-// r = b - K x of all of x: what rounding makes of it shows in the next correction.
+// r = b - K x of all of x: the next correction shows its rounding errors.
 void LevelEquations::evaluate_residual(const Part& part) {
   motions(part, a_.data());
   put_forces(part, f_.data());

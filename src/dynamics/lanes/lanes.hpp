@@ -139,7 +139,7 @@ class RobotBlocks : public SolvingBlocks {
   // Robots joined to others, as above.
   /// After factor, another right-hand side: b = [a; -f] of the robots and the contacts on them alone.
   virtual void load(const Job& job, std::span<Robot> robots, double* memory) = 0;
-  /// r = b - K x of columns given with the border's solution y; what load and correct had there is lost.
+  /// r = b - K x of columns given with the border's solution y; this overwrites the results of load and correct.
   virtual void check(std::span<Robot> robots, Memory memory) = 0;
   /// After the last correction, where any robot's rows depend on each other: adds their inconsistency to r and scale.
   virtual void finish(std::span<Robot> robots, Memory memory) = 0;

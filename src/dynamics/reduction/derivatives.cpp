@@ -63,7 +63,7 @@ void expand_panel(const Scene& scene, const Reduction& r, std::size_t i, const I
   expand_rows(r, i, from.W.block(nv, 0, from.nc, w), out.W.block(nv, 0, island.nc, w));
 }
 
-// The largest sum of sizes of a row of S Q: what an error of y is in f, at most.
+// The largest sum of sizes of a row of S Q: the largest error of f from an error of y.
 double largest_share(const Reduction& r, std::size_t i) {
   double largest = 1;
   for (int c : island_of(*r.data, i).contacts) {

@@ -12,7 +12,7 @@ inline void take_changes(const Contact& from, Contact& to) {
   to.B.placement = from.B.placement;
 }
 
-/// All but contacts into `to`, whose robots, pushes and springs are those of `from`, once or several times over.
+/// All but contacts into `to`, whose robots, external wrenches and springs are those of `from`, once or several times.
 inline void take_changes(const Scene& from, Scene& to) {
   to.gravity = from.gravity;
   to.damping = from.damping;

@@ -144,7 +144,7 @@ struct Workspace {
   std::vector<double> prescribed;  // rows of f: accelerations asked for, or none where these are zero
 
   // by solve
-  std::unique_ptr<AppliedWork> applied;  // nullptr: the scene has neither pushes nor springs
+  std::unique_ptr<AppliedWork> applied;  // nullptr: the scene has neither external wrenches nor springs
   Eigen::VectorXd q;                     // nq: the configuration solved at
   Eigen::VectorXd given;                 // nv: the torques given, without friction, springs and external wrenches
 

@@ -230,7 +230,7 @@ void balance_bodies(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
     if (p.parent[i] >= 0) x.force[p.parent[i]] += pairs::force_from(x.force[i], s.r[i]);
 }
 
-// Finds the rows between node i and what does not move that others on it span; of these the largest are kept first.
+// Finds the rows between node i and what does not move that others on it span. The largest rows are kept first.
 void find_rows_others_say(const BodySystem& s, const BodyLdl& d, int i, std::vector<BodyDependence::OnBody>& rows) {
   const BodyPattern& p = *s.pattern;
   const auto share = [](const BodyDependence::OnBody& r) { return r.F.norm() / r.length; };

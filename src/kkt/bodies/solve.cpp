@@ -36,7 +36,7 @@ void backward_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, i
   }
 }
 
-// From the leaves: what the right-hand sides leave for a node's parent, p and g.
+// From the leaves: the right-hand sides p and g for a node's parent.
 template <int N>
 V6 backward(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const BodyPattern& s = *system.pattern;

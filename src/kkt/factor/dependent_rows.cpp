@@ -21,7 +21,7 @@ class DependentRowsFactor final : public Factor {
   Method method() const override { return Method::kSparseLdl; }
 
   // A row of J with less than kPivotLeft left of its pivot may depend on the others (below 3e-6 of its length it has no
-  // direction of its own). J's rows themselves decide far more sharply whether it does: what is left of them must be
+  // direction of its own). J's rows themselves decide far more sharply whether it does: their remainder must be
   // rounding errors; in between, the dense reference solver decides.
   Reason factorize(const KktMatrix& K, FactorScratch& scratch) override {
     if (ldl_.pattern != K.pattern) take(K.pattern);

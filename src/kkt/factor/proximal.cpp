@@ -250,7 +250,7 @@ class ProximalFactor final : public Factor {
   std::vector<std::pair<double, int>> order_;  // rows of J that may depend, the surest first
   bool in_doubt_ = false;                      // whether these were needed at the last state
   double growth_ = 1;
-  double drift_ = 0;                                         // of a vector that E keeps: what rounding makes of it
+  double drift_ = 0;                                         // rounding error of a vector that E keeps
   int applications_ = 1;                                     // of E, until it is P
   double left_ = 0;                                          // of J^T on the null space, relative to the rows
   std::vector<double> b_, r_, scale_, w_, probes_, before_;  // scratch, in K's order

@@ -67,7 +67,7 @@ class Cholmod {
   void pivots(double* D) const;
   /// After kSimplicialLdl: as pivot_terms in ldl.hpp (n).
   void pivot_terms(const double* Ax, double* terms) const;
-  /// After kSupernodalLlt: what part of its diagonal entry each of the n pivots is, in the order of elimination.
+  /// After kSupernodalLlt: the n pivots as parts of their diagonal entries, in the order of elimination.
   void parts_left(double* left) const;
   const CholmodSymbolic& symbolic() const;
   /// As CholmodSymbolic's.

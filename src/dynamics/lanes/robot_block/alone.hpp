@@ -49,7 +49,7 @@ typename S::Mask RobotBlock<S, Low>::sound_pivots() {
                                     kMixed ? tolerance::kMixedPassedOn : kPassedOn<Low>));
 }
 
-/// x <- K^-1 x by L and D, without the border: what x has there, of all the pattern's rows, is lost.
+/// x <- K^-1 x by L and D, without the border. The entries of x there, of all the pattern's rows, are lost.
 template <class S, class Low>
 void RobotBlock<S, Low>::solve_by_factor(S* x) const {
   if constexpr (kMixed) {

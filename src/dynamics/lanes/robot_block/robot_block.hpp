@@ -32,7 +32,7 @@ struct Without {
   explicit Without(const Model&) {}
 };
 
-/// Low: what the factor is in, S or, for mixed precision, floats of as many robots.
+/// Low: scalar of the factor, S or, for mixed precision, floats of as many robots.
 template <class S, class Low = S>
 class RobotBlock {
  public:

@@ -1,5 +1,5 @@
 #pragma once
-// RobotBlock: what the robots are given, and K x = b made of it.
+// RobotBlock: inputs of the robots, and K x = b from these.
 
 #include "robot_block.hpp"
 #include "single.hpp"

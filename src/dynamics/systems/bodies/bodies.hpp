@@ -55,7 +55,7 @@ class BodiesSystem final : public IslandSystem {
   };
   std::vector<Shape> shapes;
   std::vector<HeldBody> held;          // per cut
-  std::vector<Vec6<double>> reaction;  // per cut: of what hangs below
+  std::vector<Vec6<double>> reaction;  // per cut: of the subtree below
   // as a whole
   std::uint64_t state = 0;  // that factor and solution are of
   bool sound = false;       // and whether they can be used

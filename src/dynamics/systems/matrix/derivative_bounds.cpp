@@ -78,11 +78,11 @@ void add_turned_forces(const Model& model, const Kinematics<double>& kin, const 
   }
 }
 
-// Sizes of the terms that derivatives to q and to v are computed from, of K's rows in the island's order: what turns
-// with a coordinate is as large as it is, and products of velocities are twice as large to one of them.
+// Sizes of the terms that derivatives to q and to v are computed from, of K's rows in the island's order: a term that
+// rotates with a coordinate is as large as itself, and products of velocities are twice as large to one of them.
 struct TermsOfDerivatives {
   std::vector<double> q, v;
-  std::vector<double> M;  // of dynamics: what the largest entry of M's row is computed from
+  std::vector<double> M;  // of dynamics: size of the terms of the largest entry of M's row
 };
 TermsOfDerivatives terms_of_derivatives(const Scene& scene, const SceneData& data, const MatrixSystem& m) {
   const Workspace& work = *data.workspace;
@@ -180,9 +180,9 @@ struct Panel {
 struct Columns {
   const Panel& panel;
   int first, count;
-  const AlignedPanel* R = nullptr;             // without pushes and springs
+  const AlignedPanel* R = nullptr;             // without external wrenches and springs
   const std::vector<double>* terms = nullptr;  // per row of the island, that R is computed from
-  std::vector<double> applied = {};            // per row of dynamics, of pushes and springs
+  std::vector<double> applied = {};            // per row of dynamics, of external wrenches and springs
   bool by_q = false;
 
   double largest(const AlignedPanel& X, int row, int rows = 1) const {
@@ -243,7 +243,7 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
     of_a = Known{of.largest(of.panel.X, 0, island.nv), bound(0, island.nv)}.relative();
     if (island.nc == 0 || !derivatives.request.forces) return;
     const double df = of.largest(of.panel.X, island.nv, island.nc);
-    // of pushes and springs they may cancel those of all others
+    // of external wrenches and springs they may cancel those of all others
     const double summed = m.deficient() ? bound_of_solution(m, of_applied, island.nv, island.nc) : 0;
     of_f = Known{df, bound(island.nv, island.nc) + projected * (df + summed)}.relative();
   };

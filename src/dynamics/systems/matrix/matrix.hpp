@@ -133,7 +133,7 @@ void evaluate_at_state(const Scene& scene, const SceneData& data, IslandWork& d)
 void place_at_state(const Scene& scene, const SceneData& data, const Island& island);
 /// Whether joint-space terms may be made: of an island of sparse-bodies only up to kMostJointSpace numbers.
 bool joint_space_fits(const IslandWork& d);
-/// Throws std::length_error, in the name of `function`, where they may not. instead: what to ask for.
+/// Throws std::length_error, in the name of `function`, where they may not. instead: the method to use.
 void check_joint_space(const IslandWork& d, const char* function, const char* instead);
 
 /// K and b = [data.tau - h; wanted - a0] of what was evaluated, in that order of elimination.

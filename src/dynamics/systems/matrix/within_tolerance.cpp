@@ -45,7 +45,7 @@ struct WithinTolerance::Work {
   std::vector<char> of_M;
   rank::DependentRows rows;
   Eigen::VectorXd left;
-  double lever = 1, tolerance = 0;  // the largest [m]; what those rows of J are off by [m]
+  double lever = 1, tolerance = 0;  // the largest [m]; error of those rows of J [m]
   std::vector<double> dq;           // to the nearest closed loop, in K's order
 };
 

@@ -18,7 +18,7 @@ class WithinTolerance {
   /// start and now differ by the contacts' misplacements (within_tolerance.cpp). Call it after evaluate. Returns the
   /// largest inconsistency that such rows may have, relative to the terms that they are computed from.
   double make_dependent(const Scene& scene, Workspace& work, const IslandWork& d);
-  /// After that: what entries of J in rows of lengths may be off by, at a coordinate of the island.
+  /// After that: the error of entries of J in rows of lengths, at a coordinate of the island.
   double inaccuracy(int coordinate) const;
 
   struct Work;

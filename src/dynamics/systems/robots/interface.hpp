@@ -3,7 +3,7 @@
 //
 //     [ K_1             G_1^T    ]
 //     [      ...        ...      ]    K_r = [ M_r J_r^T; J_r -delta I ]: a robot and the contacts on it alone,
-//     [           K_n   G_n^T    ]    G_r: what the interface rows have of its velocities,
+//     [           K_n   G_n^T    ]    G_r: the interface rows' entries at its velocities,
 //     [ G_1  ...  G_n   -delta I ]
 //
 // and the robots' elimination leaves -S = -sum_r G_r K_r^-1 G_r^T - delta I on the interface rows: few, and coupled

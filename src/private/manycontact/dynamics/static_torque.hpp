@@ -16,10 +16,10 @@ struct StaticTorque {
   std::vector<Kinematics<double>> kin;             // per robot
   std::vector<RneaDerivatives> terms;              // per robot
   std::vector<std::vector<Vec6<double>>> fext, f;  // per robot: njoints contact forces (tree frame), scratch
-  AppliedForces<double> applied;                   // pushes and springs, at rest
+  AppliedForces<double> applied;                   // external wrenches and springs, at rest
   AppliedScratch scratch;                          // for their derivatives
   Eigen::VectorXd tau;                             // nv: by static_torque
-  Eigen::VectorXd tau_s;                           // nv: what `applied` comes to
+  Eigen::VectorXd tau_s;                           // nv: torques of `applied`
   Eigen::VectorXd l, wq, wv;                       // nv: scratch, l zero between uses
 };
 

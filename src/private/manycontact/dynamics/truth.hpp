@@ -14,13 +14,13 @@ template <class S>
 struct Truth {            // A solution, in S.
   VecX<S> a;              // scene.nv
   VecX<S> f;              // rows of the active contacts
-  VecX<S> h;              // scene.nv: bias less friction, pushes and springs
+  VecX<S> h;              // scene.nv: bias less friction, external wrenches and springs
   std::vector<int> rank;  // per island
   std::vector<bool> regular;
 };
 
-/// Accelerations and forces at q, v, u (sizes of the scene), contacts as flagged in `active`, under these wrenches of
-/// pushes: none given, those of the scene.
+/// Accelerations and forces at q, v, u (sizes of the scene), contacts as flagged in `active`, under these external
+/// wrenches: none given, those of the scene.
 template <class S>
 Truth<S> solve_truth(const Scene& scene, const std::vector<char>& active, const VecX<S>& q, const VecX<S>& v,
                      const VecX<S>& u, std::span<const Vec6<S>> pushes = {});

@@ -45,7 +45,7 @@ inline constexpr double kMostJointSpace = 1 << 22;
 /// these allocate, and are cheaper on islands of a few coordinates at most.
 Choice choose(IslandShape& shape, const Options& options);
 
-/// "sparse-ldl in leaf-to-root order, at 0.4 of sparse-supernodal's predicted cost": what the choice rests on.
+/// "sparse-ldl in leaf-to-root order, at 0.4 of sparse-supernodal's predicted cost": the reason of the choice.
 std::string why_chosen(const Choice& choice, const PredictedCosts& costs, const Options& options);
 
 }  // namespace manycontact

@@ -38,7 +38,7 @@ void gather_rows(const KktMatrix& K, std::vector<double>& J);
 struct KktVectors {
   std::vector<double> b, x;
   std::vector<double> r, scale;        // residual b - K x, and |b| + |K| |x|
-  std::vector<double> null_component;  // of b: what dependent rows cannot agree on
+  std::vector<double> null_component;  // of b: the inconsistency of dependent rows
 
   void resize(int n);
 };

@@ -11,7 +11,7 @@
 
 namespace manycontact {
 
-/// The active contact rows' places: what K's pattern depends on, besides the trees.
+/// Places of the active contact rows, which K's pattern depends on, in addition to the trees.
 struct IslandSupport {
   std::vector<ContactSupport> contacts;   // per contact of the island, numbered within the robots
   std::vector<std::vector<int>> columns;  // per contact: the same as columns of the island, a's first, then b's

@@ -1,6 +1,6 @@
 #pragma once
-// The optimality conditions of a problem, H z + h = 0 with z = (x, u, w, lambda, mu), H symmetric: what every direction
-// solver is judged by.
+// The optimality conditions of a problem, H z + h = 0 with z = (x, u, w, lambda, mu), H symmetric, judge every
+// direction solver.
 
 #include "manycontact/lq/problem.hpp"
 

@@ -36,9 +36,9 @@ auto has_its_sign(const Pivot<S>& p) {
   return p.of_M ? p.d > S(0) : p.d < S(0);
 }
 
-/// Rows of J, damping 0: what a small pivot is wrong by is as much larger in those after it, where it may look like the
+/// Rows of J, damping 0: the error of a small pivot is as much larger in those after it, where it may look like the
 /// pivot of a row that has none. So of two pivots with the parts r and s left of them, r s must be above the rounding
-/// of either. M's pivots alone, which small masses make small, decide nothing. Here any two pivots are compared.
+/// error of either. M's pivots alone, which small masses make small, decide nothing. Here any two pivots are compared.
 template <class S>
 struct PassedOn {
   S least = S(1), least_of_J = S(1);  // parts left, so far

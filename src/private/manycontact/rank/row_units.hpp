@@ -1,7 +1,7 @@
 #pragma once
 // Weights of contact rows of motion and of rotation (Scene::moment_length). Forces of least norm and least squares of
-// inconsistent rows depend on them, solutions of independent rows do not. Where rows may depend, contact rows of K and b
-// are multiplied by S = diag(1, or the length for rows that rotate), and K's unknown y is -f divided by S.
+// inconsistent rows depend on them, solutions of independent rows do not. Where rows may depend, contact rows of K and
+// b are multiplied by S = diag(1, or the length for rows that rotate), and K's unknown y is -f divided by S.
 
 #include <cmath>
 #include <span>

@@ -10,9 +10,9 @@
 
 namespace manycontact {
 
-struct SpringMobilities {             // 1/m of what springs and dampers move, at one configuration.
-  std::vector<Mat3<double>> springs;  // per spring between points: what A's end gains on B's by a unit force on A and
-                                      // its opposite on B, in world axes [1/kg]
+struct SpringMobilities {             // 1/m of bodies on springs and dampers, at one configuration.
+  std::vector<Mat3<double>> springs;  // per spring between points: acceleration of A's end relative to B's by a unit
+                                      // force on A and its opposite on B, in world axes [1/kg]
   Eigen::VectorXd joints;             // nv: of joints' coordinates that anything resists; 0 of others
 };
 /// At q (nq), with the contacts flagged `active`. Zero where nothing moves, or the solve failed. Joints of a robot with
@@ -25,7 +25,7 @@ double largest_spring_step(Integrator integrator, double k, double c);
 
 struct SpringStep {
   int spring = -1;      // of Scene::springs; -1: not between points
-  int coordinate = -1;  // of the velocities: a joint's springs, dampers, PD law and friction together; -1: not a joint's
+  int coordinate = -1;  // of the velocities: a joint's springs, dampers, PD law and friction together; -1: none
   double largest = 0;   // [s]
   bool any() const { return spring >= 0 || coordinate >= 0; }
 };

@@ -93,13 +93,13 @@ HeldRows held_rows(const BodyPattern& pattern, const BodyLdl& ldl, int node);
 [[nodiscard]] Reason factorize_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors* b = nullptr,
                                       bool drop = false);
 
-/// The first half of solving, from the leaves: what b leaves at the bases; one step of it: of node i for its parent.
+/// The first half of solving, from the leaves to b's remainder at the bases; its one step, of node i for its parent.
 void backward_step(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, int i);
 void backward_sweep(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b);
 
-/// The second, from the bases: x of the b lifted, and how far it is from solving.
+/// The second, from the bases: x of the b lifted; returns its backward error.
 double forward_sweep(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, BodyVectors& x, BodyResidual& left);
-/// The same for a correction, of which b = left.r was lifted: x += dx, and how far x is from solving for b.
+/// The same for a correction, of which b = left.r was lifted: x += dx; returns the backward error of x for b.
 double correct_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, BodyVectors& dx, BodyVectors& x,
                       BodyResidual& left);
 
