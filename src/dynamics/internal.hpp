@@ -94,7 +94,7 @@ inline void report_residuals(const Scene& scene, const double (&r)[2], const dou
   report.residual_contact = r[1] == 0 ? 0 : r[1] / std::max(scale[1], scene.gravity.norm());
   report.contact_terms = scale[1];
 }
-/// Writes the bounds into the report; returns whether the solution exceeds them.
+/// Writes the bounds into the report, and its status where they leave nothing of the solution.
 inline void report_bounds(const Known& a, const Known& f, IslandReport& report) {
   report.error_acceleration = a.relative();
   report.error_forces = f.relative();

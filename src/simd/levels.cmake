@@ -1,7 +1,7 @@
-# The kernels: of panels (sparse), of dense blocks (lq) and of robots in SIMD lanes (dynamics), compiled once per level of
+# The kernels: of panels (sparse), of dense blocks (lq) and of SIMD batches of robots (dynamics), compiled once per level of
 # instructions and chosen when the program runs (levels.cpp). A level above the compiler's own is linked by itself, and of
 # its symbols only those named after the level stay visible: were Eigen's and std's functions in it shared with the rest of
-# the program, the linker might take those that the processor at hand does not have.
+# the program, the linker might take those that this processor does not have.
 option(MANYCONTACT_LANES "Compile kernels for AVX2 and AVX-512 too, where the compiler and GNU binutils can" ON)
 option(MANYCONTACT_ALL_LANES "Of these also what this very machine cannot execute: as packages need" ON)
 
@@ -13,7 +13,7 @@ set(lane_flags_avx2 -mavx2 -mfma)
 set(lane_width_avx512 8)
 set(lane_flags_avx512 -mavx512f -mavx512dq -mavx512vl -mavx512bw -mavx512cd -mavx2 -mfma -mprefer-vector-width=512)
 
-# Copies of what is many lanes wide, by whole registers: a load of one waits long for what was stored in pieces.
+# Wide packs are copied by whole registers: a load of one waits long for data that were stored in pieces.
 include(CheckCXXCompilerFlag)
 check_cxx_compiler_flag(-mmove-max=256 MANYCONTACT_MOVES_BY_REGISTERS)
 if(MANYCONTACT_MOVES_BY_REGISTERS)  # GCC 12
@@ -38,7 +38,7 @@ if(MANYCONTACT_LANES AND CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$" AND C
   endif()
 endif()
 
-# Robots in lanes, after the templates of the forward path that they are made of: one unit, in which these are instantiated
+# SIMD batches of robots, after the templates of the forward path that they are made of: one unit, in which these are instantiated
 # for packs of the level's width and for packs of one.
 set(robot_sources src/algorithm/crba.cpp src/algorithm/kinematics.cpp src/algorithm/rnea.cpp
                   src/algorithm/rnea_derivatives.cpp src/algorithm/rnea_products.cpp
@@ -52,7 +52,7 @@ set(extended_sources src/algorithm/applied_forces.cpp src/algorithm/kinematics.c
 set(single_sources src/algorithm/crba.cpp src/algorithm/kinematics.cpp src/algorithm/rnea.cpp
                    src/contact/pair_motion.cpp src/contact/rows.cpp src/dynamics/lanes/single.cpp)
 
-# The static library manycontact_kernels. Floors call its kernels, and these call floors: static libraries may.
+# The static library manycontact_kernels. Modules call its kernels, and these call modules: static libraries may.
 target_link_libraries(manycontact INTERFACE manycontact_kernels)
 if(MANYCONTACT_FUZZ_LINKS)
   built_floor(kernels manycontact_kkt)

@@ -1,5 +1,5 @@
-# What embedded.cpp puts into the program: the page's template and style, its scripts as one, and three.js, Debian's
-# libjs-three. Without that everything is built all the same, and `view` says what is missing.
+# embedded.cpp puts into the program: the page's template and style, its scripts as one, and three.js, Debian's
+# libjs-three. Without three.js everything is built all the same, and `view` reports that it is missing.
 set(page_dir ${PROJECT_SOURCE_DIR}/src/cli/view/page)
 set(page_script ${PROJECT_BINARY_DIR}/view_page.js)
 set(page_parts arrays camera shapes contacts plots page)

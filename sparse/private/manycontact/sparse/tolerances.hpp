@@ -13,9 +13,9 @@ namespace manycontact::tolerance {
 /// Pivot relative to the terms it is computed from: |d| / (|A_kk| + sum l_kj^2 |d_j|). Rounding errors of the terms
 /// leave n eps in the worst case, 1e-13 to 1e-12 for n of 1e3 to 1e4, and earlier pivots pass theirs on; below ten
 /// times that a small number cannot be distinguished from zero. Geometrically: a row of J that keeps less than
-/// sqrt(1e-11) = 3e-6 of its length has no other direction than those before it. Used by: the judges of LDL, CHOLMOD,
-/// the Schur complement, dense-schur and the inertia's own LDL; ldl_factor_dependent (as a row that may depend on
-/// others, until the null space confirms it); least_norm_solution.
+/// sqrt(1e-11) = 3e-6 of its length has no other direction than those before it.
+/// Used by: the judges of LDL, CHOLMOD, the Schur complement, dense-schur and the inertia's own LDL;
+/// ldl_factor_dependent (as a row that may depend on others, until the null space confirms it); least_norm_solution.
 inline constexpr double kPivotLeft = 1e-11;
 
 /// Row of J relative to the largest motion its contact is picked from (motion_scale [J's units], contact/rows.hpp):
@@ -47,7 +47,8 @@ inline constexpr double kRowMoves = 5e-2;
 inline constexpr double kRowRounding = 1e-13;
 
 /// Entry of J relative to the sizes of the products it is a sum of: above, its row plainly moves that coordinate, and
-/// no other needs a check. Used by: rows of J that vanish, in sparse-bodies.
+/// no other needs a check.
+/// Used by: rows of J that vanish, in sparse-bodies.
 inline constexpr double kPlainlyMoves = 1e-3;
 
 /// Part of a row orthogonal to the rows before it on the same constrained body, relative to its length: below, that
@@ -62,8 +63,8 @@ inline constexpr double kHeldKept = 1e-2;
 
 /// Pivots of a column-pivoted QR of the rows between two bodies, relative to the largest: rows that span the others
 /// keep more than the first. Rows that depend on them leave less than the second, the rounding error of 12 to 100 rows.
-/// Points 1e-10 m apart are between the two; the factorization then decides, as for rows of a configuration. Used by:
-/// contact/pair_rows.hpp.
+/// Points 1e-10 m apart are between the two; the factorization then decides, as for rows of a configuration.
+/// Used by: contact/pair_rows.hpp.
 inline constexpr double kPairIndependent = 1e-9, kPairDependent = 1e-13;
 
 /// Relative velocities and displacements of two bodies, relative to the velocities and moment arms they are differences
@@ -75,8 +76,8 @@ inline constexpr double kMovesAsOne = 1e-13;
 
 /// Residual J_k - sum z_j J_j relative to J's entries when row k depends on the rows kept: the sum's own rounding
 /// error, below 1e-14 for the 30 terms of kLargestEntry, with a margin for J's own. A row that is independent but kept
-/// only kPivotLeft leaves 3e-6, seven orders more; in between the dense reference solver decides. Used by:
-/// DependentRows::accepted.
+/// only kPivotLeft leaves 3e-6, seven orders more; in between the dense reference solver decides.
+/// Used by: DependentRows::accepted.
 inline constexpr double kRowLeft = 1e-13;
 
 /// Largest coefficient z_j: the projector's error grows by its square, in units of eps, and 30^2 eps = 2e-13 stays
@@ -282,8 +283,8 @@ inline constexpr double kDriftRounding = 1e-13;
 inline constexpr double kDriftNoise = 4e-15;
 
 /// The smallest relative to the largest row, of rows that are inconsistent in least squares: normal equations of the
-/// rows kept square that, and lose eight digits. Used by: dependent rows, which leave such islands to the dense
-/// reference solver.
+/// rows kept square that, and lose eight digits.
+/// Used by: dependent rows, which leave such islands to the dense reference solver.
 inline constexpr double kGradedRows = 1e-4;
 
 /// Deviation of a floating base's quaternion from unit length, as files with 7 digits have it. Beyond, solving refuses.
@@ -303,8 +304,8 @@ inline constexpr int kBoundRounding = 12;
 /// Used by: solves of the whole K, and of damped islands in SIMD batches, which leave the check to it.
 inline constexpr double kInDoubt = 0.01 / (kBoundRounding * std::numeric_limits<double>::epsilon());
 
-/// The forces that a damped solution is compared with are at least this part of the largest load. Used by:
-/// plainly_damped of SIMD batches and of robots that contacts join.
+/// The forces that a damped solution is compared with are at least this part of the largest load.
+/// Used by: plainly_damped of SIMD batches and of robots that contacts join.
 inline constexpr double kLeastLoad = 1e-3;
 
 /// Where a backward error is above kConverged, rows are compared with this part of the data they are computed from: two
@@ -334,7 +335,8 @@ inline constexpr int kExtendedSteps = 60;
 /// follows from this is at most kReadRounding of it and kReadShare of the bound by |K^-1|, which counts kBoundRounding
 /// eps of each term. In 15,000 solutions of random scenes the share was at most 1/40. The precision `extended` is
 /// judged by the scene as read: its share is 2^-104 / 2^-53, and 32 for the constants of sums and products in
-/// double-double. Used by: estimate_errors.
+/// double-double.
+/// Used by: estimate_errors.
 inline constexpr double kReadRounding = 0x1p-50, kReadShare = 1.0 / 32, kExtendedShare = 0x1p-46;
 
 // ---- choosing -------------------------------------------------------------------------------------------------

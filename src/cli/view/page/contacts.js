@@ -1,5 +1,6 @@
 // Contacts: a ball at A's origin, a ring where the contact is redundant, the force on A as an arrow (pale where
-// contacts could share it otherwise and no cone judges it), its cone; a line from A to where it is held, and on to the frame that holds it, where these are apart.
+// contacts could share it otherwise and no cone judges it), its cone; a line from A to its reference placement,
+// and on to the frame that this is fixed to, where these are apart.
 // Pushes: their force as an arrow of another colour. Springs: a line between their ends.
 
 const kActive = 1, kRedundant = 2, kShared = 4;
@@ -43,7 +44,7 @@ class Contacts {
     });
   }
 
-  // Seen through bodies, but paler there: drawn once as it stands and once over everything.
+  // Seen through bodies, but paler there: drawn once in place and once over everything.
   arrow(shaft, head) {
     const group = new THREE.Group();
     const solid = new THREE.MeshPhongMaterial({specular: 0x111111});

@@ -29,7 +29,7 @@ class Page {
     this.robots.place(frameAt(this.times, this.now));
     this.world.updateMatrixWorld();
 
-    const first = this.seen(this.robots.boxes());  // as the robots stand at first
+    const first = this.seen(this.robots.boxes());  // in the robots' first configuration
     const sizes = first.map((box) => box.getSize(new THREE.Vector3()).length()).sort((a, b) => a - b);
     this.size = sizes[sizes.length >> 1] || 1;  // of a robot
     this.lowest = Math.min(...first.map((box) => box.min.z));
@@ -99,7 +99,7 @@ class Page {
     this.camera.target.copy(this.startTarget);
   }
 
-  // What the panel takes of the picture's width.
+  // The part of the picture's width that the panel covers.
   covered() { return Math.min(element('panel').offsetWidth + 12, element('canvas').clientWidth / 2); }
 
   setControls() {
@@ -191,7 +191,7 @@ class Page {
     if (this.playing) {
       const t = this.now + passed * Number(element('speed').value), end = this.times[this.times.length - 1];
       this.seek(t > end + 0.4 * Number(element('speed').value) ? this.times[0] : t);
-      if (t > end) this.now = t;  // stands still for a moment before it starts again
+      if (t > end) this.now = t;  // pauses for a moment before it starts again
     }
     if (!this.changed) return;
     this.changed = false;
@@ -229,7 +229,7 @@ class Page {
     document.body.dataset.triangles = this.renderer.info.render.triangles;
   }
 
-  // What the pointer is on.
+  // Finds the object under the pointer.
   point(e) {
     if (this.camera.dragging) return;
     const canvas = element('canvas'), ray = new THREE.Raycaster();

@@ -1,4 +1,4 @@
-// Curves over time, drawn by hand: a title, a few marks, lines, where time stands.
+// Curves over time, drawn by hand: a title, a few marks, lines, the current time.
 
 const kMargin = {left: 58, right: 10, top: 20, bottom: 16};
 

@@ -102,7 +102,7 @@ class Robots {
     });
   }
 
-  // Boxes about the robots' shapes as they stand.
+  // Boxes about the robots' shapes at the current time.
   boxes() {
     const boxes = this.data.robots.map(() => new THREE.Box3());
     for (const mesh of this.shapes) boxes[mesh.userData.robot].expandByObject(mesh);
