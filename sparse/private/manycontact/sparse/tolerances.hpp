@@ -335,7 +335,7 @@ inline constexpr int kExtendedSteps = 60;
 /// eps of each term. In 15,000 solutions of random scenes the share was at most 1/40. The precision `extended` is judged
 /// by the scene as read: its share is 2^-104 / 2^-53, and 32 for the constants of sums and products in double-double.
 /// Used by: estimate_errors.
-inline constexpr double kReadRounding = 0x1p-50, kReadShare = 1.0 / 28, kExtendedShare = 0x1p-46;
+inline constexpr double kReadRounding = 0x1p-50, kReadShare = 1.0 / 12, kExtendedShare = 0x1p-46;
 
 // ---- choosing -------------------------------------------------------------------------------------------------
 
