@@ -41,7 +41,7 @@ class TightBounds : public testing::Environment {
                  most = bound_over_error[bound_over_error.size() * 19 / 20];
     std::cout << "bound over error: least " << bound_over_error.front() << ", median " << median << ", 95 % below "
               << most << " (" << bound_over_error.size() << ")\n";
-    EXPECT_LE(median, 30);
+    EXPECT_LE(median, 40);
     EXPECT_LE(most, 1000);
   }
 };
@@ -61,6 +61,16 @@ TEST_P(Attack, FindsNothing) {
     bound_over_error.insert(bound_over_error.end(), j.bound_over_error.begin(), j.bound_over_error.end());
   }
   EXPECT_GE(judged, kinds.count / 2);
+}
+
+// With long moment arms the null space of J^T in double is too far from the true one.
+TEST(ExtendedPrecision, FindsTheForcesOfLeastNorm) {
+  const test::TemporaryFolder folder;
+  for (const std::uint64_t seed : {602548, 965249, 923444, 970675}) {
+    const Case c = random_case(seed, draw_dimensions(seed, kDimensions));
+    for (const Finding& f : judge(c, folder.path().string(), {Method::kAuto}).findings)
+      EXPECT_EQ(f.method.find("extended"), std::string::npos) << c.name << ": " << f.text;
+  }
 }
 
 // Kinds with open faults (README.md) are left out.

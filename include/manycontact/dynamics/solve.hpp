@@ -49,7 +49,7 @@ void estimate_condition(const Scene& scene, SceneData& data);
 /// Bounds the errors of each island's a and f after a solve, in the maximum norm, and stores the bounds in the report.
 /// A copy of the solution is refined with residuals in double-double (Precision::kExtended). The bound is the distance
 /// to the copy plus the uncertainty of the copy: its last correction, and the rounding errors of the scene's numbers
-/// when they were read. The precision `extended` leaves the latter out. The bound is usually less than thirty times the
+/// when they were read. The precision `extended` leaves the latter out. The bound is usually less than fifty times the
 /// error. The cost is that of about ten solves. If the copy does not converge, because rows are dependent only due to
 /// rounding errors, or because of contacts' tolerance, the bound is
 ///

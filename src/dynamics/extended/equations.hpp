@@ -54,10 +54,8 @@ class Equations {
   virtual void begin_projection(const Part& part, Projected what, const double* weights) = 0;
   /// rest -= S^2 J dy, of forces, or J dy. change: the difference.
   virtual void project(const Part& part, const double* dy, double* change) = 0;
-  /// The right-hand side f that a step dy is to satisfy as J dy = f, of forces: S^-2 rest, rounded.
-  virtual void rest(const Part& part, double* f) const = 0;
-  /// J^T S^2 rest of residuals, rounded: a step is to satisfy it as J^T S^2 J dy. The rest itself is far larger than
-  /// the part that a step is to take from it.
+  /// torque = J^T S^2 J dy of the step dy that is left, rounded: J^T rest of forces, J^T S^2 rest of residuals. The rest
+  /// itself is far larger than the part that a step is to take from it.
   virtual void gradient_of_rest(const Part& part, double* torque) = 0;
   /// Takes the rest from x's f, or from b.
   virtual void take_rest(const Part& part) = 0;

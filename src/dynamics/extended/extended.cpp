@@ -238,17 +238,13 @@ void refuse_unless_dependent(const Scene& scene, SceneData& data, ExtendedWork& 
       });
 }
 
-// The step dy of a projection, in e.r_a: of forces S^2 J dy = rest; of residuals J^T S^2 J dy = J^T S^2 rest, by forces
-// z of J^T z = J^T S^2 rest and S^2 J dy = z.
-void step_of_projection(const Scene& scene, SceneData& data, bool forces, ExtendedWork& e) {
-  if (forces) {
-    e.equations->rest(part_of(e), e.r.data());
-  } else {
-    e.equations->gradient_of_rest(part_of(e), e.r_a.data());
-    e.r.setZero();
-    invert(scene, data, e);
-    each_row(scene, data, e, [&](std::size_t, int, int k) { e.r[k] /= -e.weights[k] * e.weights[k]; });
-  }
+// Computes the step dy of a projection, in e.r_a: J^T S^2 J dy = g with the gradient g in double-double. Forces z of
+// J^T z = g come first, then S^2 J dy = z. A step from the rest itself would end at the null space of double.
+void step_of_projection(const Scene& scene, SceneData& data, ExtendedWork& e) {
+  e.equations->gradient_of_rest(part_of(e), e.r_a.data());
+  e.r.setZero();
+  invert(scene, data, e);
+  each_row(scene, data, e, [&](std::size_t, int, int k) { e.r[k] /= -e.weights[k] * e.weights[k]; });
   e.r_a.setZero();
   invert(scene, data, e);
 }
@@ -280,7 +276,7 @@ void project(const Scene& scene, SceneData& data, extended::Equations::Projected
         return Progress::kGoesOn;
       },
       [&] {
-        step_of_projection(scene, data, forces, e);
+        step_of_projection(scene, data, e);
         e.equations->project(part_of(e), e.r_a.data(), e.rest.data());
       });
 }

@@ -51,7 +51,6 @@ class LevelEquations final : public Equations {
   void difference(const Part& part, const double* a, const double* f, double* da, double* df) const override;
   void begin_projection(const Part& part, Projected what, const double* weights) override;
   void project(const Part& part, const double* dy, double* change) override;
-  void rest(const Part& part, double* f) const override;
   void gradient_of_rest(const Part& part, double* torque) override;
   void take_rest(const Part& part) override;
   void set_rest(const Part& part, const double* f) override;
@@ -285,12 +284,9 @@ void LevelEquations::project(const Part& part, const double* dy, double* change)
   }
 }
 
-void LevelEquations::rest(const Part& part, double* f) const {
-  each_row(part, [&](Eigen::Index k) { f[k] = static_cast<double>(rest_[k]) / static_cast<double>(square_[k]); });
-}
-
 void LevelEquations::gradient_of_rest(const Part& part, double* torque) {
-  each_row(part, [&](Eigen::Index k) { weighed_[k] = square_[k] * rest_[k]; });
+  const bool forces = projected_ == Projected::kForces;
+  each_row(part, [&](Eigen::Index k) { weighed_[k] = forces ? rest_[k] : square_[k] * rest_[k]; });
   put_forces(part, weighed_.data());
   torques(part, false);
   each_coordinate(part, [&](Eigen::Index k) { torque[k] = -static_cast<double>(torque_[k]); });

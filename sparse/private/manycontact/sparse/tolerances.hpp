@@ -337,7 +337,7 @@ inline constexpr int kExtendedSteps = 60;
 /// judged by the scene as read: its share is 2^-104 / 2^-53, and 32 for the constants of sums and products in
 /// double-double.
 /// Used by: estimate_errors.
-inline constexpr double kReadRounding = 0x1p-50, kReadShare = 1.0 / 32, kExtendedShare = 0x1p-46;
+inline constexpr double kReadRounding = 0x1p-50, kReadShare = 1.0 / 12, kExtendedShare = 0x1p-46;
 
 // ---- choosing -------------------------------------------------------------------------------------------------
 
