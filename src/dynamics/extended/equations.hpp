@@ -52,10 +52,10 @@ class Equations {
   enum class Projected { kForces, kResidual };
   /// rest = f of x, or r. weights: S, per row of f.
   virtual void begin_projection(const Part& part, Projected what, const double* weights) = 0;
-  /// rest -= S^2 J dy, of forces, or J dy. change: the difference.
+  /// rest -= S^2 J dy, of forces, or J dy. change: the term subtracted.
   virtual void project(const Part& part, const double* dy, double* change) = 0;
-  /// torque = J^T S^2 J dy of the step dy that is left, rounded: J^T rest of forces, J^T S^2 rest of residuals. The rest
-  /// itself is far larger than the part that a step is to take from it.
+  /// torque = J^T S^2 J dy of the step dy that is left, rounded: J^T rest of forces, J^T S^2 rest of residuals. The
+  /// rest itself is far larger than the part that a step is to take from it.
   virtual void gradient_of_rest(const Part& part, double* torque) = 0;
   /// Takes the rest from x's f, or from b.
   virtual void take_rest(const Part& part) = 0;
