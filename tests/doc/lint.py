@@ -288,7 +288,7 @@ def bench_faults():
             "solve": "manycontact solve",
             "gradient (`vjp`), after the solve": "manycontact vjp",
             "all derivatives, after the solve": "manycontact derivatives",
-            "MuJoCo 2.2.2 `mj_forward`, soft contacts": "MuJoCo mj_forward",
+            "MuJoCo 3.12.1 `mj_forward`, soft contacts": "MuJoCo mj_forward",
             "DART 6.12.1 `step`": "DART step",
         },
     }.items():
