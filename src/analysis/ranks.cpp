@@ -72,18 +72,12 @@ std::vector<double> remainders_of(const Eigen::MatrixXd& Jt, double dependent = 
   return left;
 }
 
-// Remainders of an island's rows. With a tolerance of the scene, the smallest ones are those of dependent rows, as many
-// as the rank of the solve leaves out.
+// Remainders of an island's rows. Rows that the scene's tolerance made dependent leave no more than it [m] of rows
+// whose sizes are moment arms.
 internal::RowRemainders remainders_of(const Scene& scene, const IslandReport& report, const Eigen::MatrixXd& Jt) {
-  internal::RowRemainders out{remainders_of(Jt)};
-  if (scene.tolerance == 0 || report.status == Status::kFailed || report.rank >= report.nc) return out;
-  const auto largest_dependent = [&] {
-    std::vector<double> sorted = out.left;
-    std::sort(sorted.begin(), sorted.end());
-    return std::max(tolerance::kRank, sorted[static_cast<std::size_t>(report.nc - report.rank - 1)]);
-  };
-  out.left = remainders_of(Jt, largest_dependent());
-  out.dependent = largest_dependent();
+  internal::RowRemainders out;
+  if (report.rank < report.nc) out.dependent = std::max(tolerance::kRank, scene.tolerance);
+  out.left = remainders_of(Jt, out.dependent);
   return out;
 }
 
