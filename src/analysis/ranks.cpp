@@ -58,7 +58,7 @@ Eigen::MatrixXd rows_of(const Examined& x, const std::vector<int>& positions) {
 
 // The norm of each column of J^T after projection on the complement of those before it that are above `dependent`.
 // Gram-Schmidt, twice.
-std::vector<double> remainders_of(const Eigen::MatrixXd& Jt, double dependent = tolerance::kRank) {
+std::vector<double> remainders_of(const Eigen::MatrixXd& Jt, double dependent) {
   std::vector<double> left;
   Eigen::MatrixXd Q(Jt.rows(), std::min(Jt.rows(), Jt.cols()));
   Eigen::Index rank = 0;

@@ -165,10 +165,8 @@ std::array<std::span<const double>, 3> deciding(const PairNumbers<double>& of) {
 
 bool PairNumbersLess::operator()(const SharedPairNumbers& a, const SharedPairNumbers& b) const {
   const auto of_a = deciding(*a), of_b = deciding(*b);
-  for (std::size_t k = 0; k < of_a.size(); ++k) {
-    if (std::ranges::lexicographical_compare(of_a[k], of_b[k])) return true;
-    if (std::ranges::lexicographical_compare(of_b[k], of_a[k])) return false;
-  }
+  for (std::size_t k = 0; k < of_a.size(); ++k)
+    if (!std::ranges::equal(of_a[k], of_b[k])) return std::ranges::lexicographical_compare(of_a[k], of_b[k]);
   return false;
 }
 

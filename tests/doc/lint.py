@@ -283,6 +283,9 @@ def bench_faults():
             "MuJoCo `mj_forward`, soft contacts": "MuJoCo mj_forward",
             "Simbody `realize`": "Simbody realize",
             "DART `step`": "DART step",
+            "Pinocchio `constraintDynamics`": "Pinocchio constraintDynamics",
+            "Pinocchio `constrainedABA`, proximal": "Pinocchio constrainedABA",
+            "Pinocchio derivatives": "Pinocchio derivatives",
         },
         "README.md": {
             "solve": "manycontact solve",
@@ -290,6 +293,7 @@ def bench_faults():
             "all derivatives, after the solve": "manycontact derivatives",
             "MuJoCo 3.12.1 `mj_forward`, soft contacts": "MuJoCo mj_forward",
             "DART 6.12.1 `step`": "DART step",
+            "Pinocchio 3.7.0 `constraintDynamics`": "Pinocchio constraintDynamics",
         },
     }.items():
         text = (TOP / page).read_text()

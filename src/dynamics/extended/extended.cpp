@@ -384,11 +384,12 @@ constexpr double kJustAbove = 1 + 0x1p-20;  // rounding of a distance; of a boun
 struct Distance {
   double size, size_before, by_inverse;
   double distance, last, at_rest;
-  double share;  // of the bound by |K^-1|
+  bool extended;  // the bound is that of the scene as read
   // A bound of the error is the sum of the distance to x and of the errors of x. These are the last correction, of
   // which a part remains or which shows rounding errors of double-double, and a share of the bound by |K^-1|. Values
   // that underflow have no second double.
   double error() const {
+    const double share = extended ? tolerance::kExtendedShare : tolerance::kReadShare;  // of the bound by |K^-1|
     return kJustAbove * distance + 64 * last +
            (tolerance::kReadRounding + share * by_inverse) * std::max(size, size_before) +
            std::numeric_limits<double>::min();
@@ -398,11 +399,11 @@ struct Distance {
   bool vanishes() const { return by_inverse >= 1 && is_known(by_inverse * size); }
 };
 
-double relative_bound(const Distance& of, bool extended) {
+double relative_bound(const Distance& of) {
   if (of.by_inverse == 0) return 0;
   const double bound = of.error() / of.size;
   if (!std::isfinite(bound)) return of.by_inverse;
-  return !extended && of.vanishes() ? std::max(bound, kJustAbove) : bound;
+  return !of.extended && of.vanishes() ? std::max(bound, kJustAbove) : bound;
 }
 
 }  // namespace
@@ -428,22 +429,21 @@ void take_extended_bounds(const Scene& scene, SceneData& data) {
     IslandReport& report = data.report.islands[i];
     const Island& island = island_of(data, i);
     const bool extended = report.precision == Precision::kExtended;
-    const double share = extended ? tolerance::kExtendedShare : tolerance::kReadShare;
     const Distance a{largest(scene, island, data.a),
                      of.size_a,
                      report.error_acceleration,
                      largest(scene, island, e.r_a),
                      of.last_a,
                      of.at_rest_a,
-                     share};
+                     extended};
     const Distance f{largest_force(scene, data.f_offset, island, data.f),
                      of.size_f,
                      report.error_forces,
                      largest_force(scene, data.f_offset, island, e.r),
                      of.last_f,
                      of.at_rest_f,
-                     share};
-    report.error_acceleration = relative_bound(a, extended), report.error_forces = relative_bound(f, extended);
+                     extended};
+    report.error_acceleration = relative_bound(a), report.error_forces = relative_bound(f);
     if (a.is_known(a.error()) && f.is_known(f.error())) report.status = of.status, report.reason = of.reason;
   }
 }

@@ -285,9 +285,12 @@ void LevelEquations::project(const Part& part, const double* dy, double* change)
 }
 
 void LevelEquations::gradient_of_rest(const Part& part, double* torque) {
-  const bool forces = projected_ == Projected::kForces;
-  each_row(part, [&](Eigen::Index k) { weighed_[k] = forces ? rest_[k] : square_[k] * rest_[k]; });
-  put_forces(part, weighed_.data());
+  const S* forces = rest_.data();
+  if (projected_ == Projected::kResidual) {
+    each_row(part, [&](Eigen::Index k) { weighed_[k] = square_[k] * rest_[k]; });
+    forces = weighed_.data();
+  }
+  put_forces(part, forces);
   torques(part, false);
   each_coordinate(part, [&](Eigen::Index k) { torque[k] = -static_cast<double>(torque_[k]); });
 }

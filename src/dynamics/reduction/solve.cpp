@@ -89,12 +89,12 @@ PairContradiction contradiction_of(const SceneData& data, const Reduction& r, st
     }
     const auto& Q = pair->numbers->Q;
     const auto y = r.prescribed.segment(r.data->f_offset[static_cast<std::size_t>(c)], Q.cols());
+    const double its_terms = of_left + y.template lpNorm<1>();
     each_member(data.f_offset, *pair, [&](int from, int first, int rows) {
       for (int i = 0; i < rows; ++i) {
         const double asked =
             wanted[static_cast<std::size_t>(from + i)] * pair->unit[static_cast<std::size_t>(first + i)];
-        out.contradicts |=
-            contradicts(std::abs(all[first + i] - (asked - Q.row(first + i).dot(y))), of_left + y.template lpNorm<1>());
+        out.contradicts |= contradicts(std::abs(all[first + i] - (asked - Q.row(first + i).dot(y))), its_terms);
       }
     });
   }
