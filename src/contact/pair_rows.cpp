@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <mutex>
 
@@ -63,11 +64,11 @@ Eigen::MatrixXd rows_of_all(const PairRows& pair, const std::vector<SE3<double>>
   return B;
 }
 
-// The rank of B, or -1 if it cannot be determined reliably.
-int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr, Eigen::Index rows) {
+// The rank of the rows, or -1 if it cannot be determined reliably.
+int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr) {
   int rank = 0;
   const double largest = std::abs(qr.matrixQR()(0, 0));
-  for (Eigen::Index k = 0; k < std::min<Eigen::Index>(rows, 6); ++k) {
+  for (Eigen::Index k = 0; k < std::min(qr.rows(), qr.cols()); ++k) {
     const double left = std::abs(qr.matrixQR()(k, k)) / largest;
     if (left > tolerance::kPairIndependent)
       ++rank;
@@ -79,6 +80,7 @@ int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr, Eigen::Ind
 
 // Per row of B, whether it is independent of those before it: one of `rank`.
 std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
+  const double independent = std::sqrt(tolerance::kPairIndependent * tolerance::kPairDependent);
   std::vector<char> out(static_cast<std::size_t>(B.rows()), 0);
   Eigen::Matrix<double, Eigen::Dynamic, 6> basis(rank, 6);
   int found = 0;
@@ -86,7 +88,7 @@ std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
     Eigen::RowVectorXd left = B.row(row);
     for (int pass = 0; pass < 2; ++pass)
       for (int k = 0; k < found; ++k) left -= left.dot(basis.row(k)) * basis.row(k);
-    if (!(left.norm() > tolerance::kPairIndependent * B.row(row).norm())) continue;
+    if (!(left.norm() > independent * B.row(row).norm())) continue;
     basis.row(found++) = left.normalized();
     out[static_cast<std::size_t>(row)] = 1;
   }
@@ -97,8 +99,9 @@ std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
 bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   const Eigen::MatrixXd B = rows_of_all(pair, numbers.A);
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(B);
-  const int rank = plain_rank(qr, B.rows());
+  const int rank = plain_rank(qr);
   if (rank <= 0 || rank == B.rows()) return false;
+  if (rank != plain_rank(Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(B.rowwise().normalized()))) return false;
   numbers.Q = qr.householderQ() * Eigen::MatrixXd::Identity(B.rows(), rank);
   numbers.R = numbers.Q.transpose() * B;
   // Computes a right inverse with rotations in units of the moment arms, as in R, so that its error does not depend on

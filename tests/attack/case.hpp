@@ -113,7 +113,7 @@ Tree read_tree(const std::string& urdf, bool floating);
 inline const std::vector<std::string> kDimensions = {
     "mass",  "massless", "armature", "lock",   "fast",      "force", "still",   "posture", "gravity", "weightless",
     "many",  "pairs",    "multi",    "gains",  "drift",     "near",  "damping", "units",   "mixed",   "redundant",
-    "joint", "chain",    "exact",    "lever",  "push",      "spring", "joint_spring", "damper", "root", "herd"};
+    "joint", "chain",    "exact",    "lever",  "push",      "spring", "joint_spring", "damper", "root", "herd", "pile"};
 Case random_case(std::uint64_t seed, const std::vector<std::string>& dimensions);
 /// Draws up to three of the given dimensions with the seed.
 std::vector<std::string> draw_dimensions(std::uint64_t seed, const std::vector<std::string>& from);

@@ -68,6 +68,7 @@ struct Makes {  // one scene
   Hold hold(const Case& c);
   Hold copy_of(const Hold& h);
   void herd(Case& c);
+  void pile(Case& c);
   void reverse(Tree& t);
   void spring_joints(Tree& t);
   Push push(const Case& c);
@@ -301,17 +302,60 @@ void Makes::herd(Case& c) {
   }
 }
 
+// Adds free boxes in rows, each row on the one below, with up to four points or a weld between the faces that touch.
+void Makes::pile(Case& c) {
+  constexpr double kHalf = 0.5;
+  const bool pyramid = r.chance(0.5), tilted = !has("exact") && r.chance(0.5);
+  const int bottom = pyramid ? 2 + r.below(2) : 1 + r.below(2), rows = pyramid ? bottom : 2 + r.below(3);
+  const auto rests = [&](int tree, int on, double from, double to) {
+    const int points = 1 + r.below(4);
+    const bool welded = r.chance(0.2);
+    for (int k = 0; k < (welded ? 1 : points); ++k) {
+      Hold h;
+      h.tree = tree, h.to_tree = on;
+      h.rows = welded ? 6 : r.chance(0.8) ? 3 : 1;
+      h.offset = {k % 2 ? to : from, k < 2 ? kHalf : -kHalf, -kHalf};
+      h.frame = r.chance(0.8) ? "local" : "local_world_aligned";
+      if (has("gains")) h.alpha = r.power(0, 6), h.beta = r.power(0, 3);
+      c.holds.push_back(h);
+    }
+  };
+  std::vector<int> below;
+  for (int row = 0; row < rows; ++row) {
+    const int boxes = pyramid ? bottom - row : bottom;
+    std::vector<int> own;
+    for (int i = 0; i < boxes; ++i) {
+      own.push_back(static_cast<int>(c.trees.size()));
+      Tree t = tree(0);
+      t.floating = true, t.xyz = t.rpy = {};
+      number_coordinates(t);
+      state(t);
+      const double x = 2 * kHalf * i + (pyramid ? kHalf * row : 0);
+      const std::vector<double> at = {x, 0, 2 * kHalf * row + kHalf, 0, 0, 0, 1};
+      if (!tilted) std::copy(at.begin(), at.end(), t.q.begin());
+      c.trees.push_back(t);
+      if (row == 0) rests(own.back(), -1, -kHalf, kHalf);
+      for (int k = 0; row > 0 && k < (pyramid ? 2 : 1); ++k)
+        rests(own.back(), below[i + k], pyramid && k == 1 ? 0 : -kHalf, pyramid && k == 0 ? 0 : kHalf);
+      if (i > 0 && r.chance(0.3)) rests(own.back(), own[i - 1], -kHalf, -kHalf);
+    }
+    below = own;
+  }
+}
+
 Case Makes::make() {
   Case c;
   const int trees = has("multi") || has("pairs") || has("mixed") ? 1 + r.below(3) : 1;
   if (has("herd"))
     herd(c);
+  else if (has("pile"))
+    pile(c);
   else
     for (int k = 0; k < trees; ++k) c.trees.push_back(tree(1 + r.below(trees > 1 ? 4 : 5)));
   if (r.chance(0.3)) c.gravity = r.vector(9.81);
   if (has("gravity")) c.gravity = scaled(c.gravity, r.power(2, 8));
   if (has("weightless")) c.gravity = {};
-  const int holds = has("herd") ? r.below(2) : has("many") ? 4 + r.below(5) : 1 + r.below(3);
+  const int holds = has("herd") || has("pile") ? r.below(2) : has("many") ? 4 + r.below(5) : 1 + r.below(3);
   for (int k = 0; k < holds; ++k) {
     c.holds.push_back(hold(c));
     if ((has("redundant") || has("near")) && r.chance(0.8)) c.holds.push_back(copy_of(c.holds.back()));

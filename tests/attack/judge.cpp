@@ -86,10 +86,23 @@ struct Trial {
     if (rank == std::min(truth.rows(), truth.nv())) return true;
     if (!constant_rank) {
       Case beside = c;
-      double by = 1e-4;
+      std::mt19937 rng(5);
+      const auto move = [&rng](double& q, double unit) {
+        q += 1e-2 * unit * (0x1p-31 * static_cast<double>(rng()) - 1);
+      };
       for (Tree& tree : beside.trees)
-        for (const Link& l : tree.links)
-          if (l.moves() && nv_of(l.kind) == 1) tree.q[l.iq] += by, by *= -0.83;
+        for (const Link& l : tree.links) {
+          if (!l.moves()) continue;
+          double* const q = tree.q.data() + l.iq;
+          if (l.kind != Kind::kFloating) {
+            for (int k = 0; k < nq_of(l.kind); ++k) move(q[k], 1);
+            continue;
+          }
+          const double far = std::max({std::abs(q[0]), std::abs(q[1]), std::abs(q[2])});
+          for (int k = 0; k < 7; ++k) move(q[k], k < 3 && far > 0 ? far : 1);
+          const double n = std::hypot(std::hypot(q[3], q[4]), std::hypot(q[5], q[6]));
+          for (int k = 3; k < 7; ++k) q[k] /= n;
+        }
       constant_rank = Reference(beside).ranks() == truth.ranks();
     }
     return *constant_rank;
@@ -371,7 +384,7 @@ std::array<bool, 2> Trying::judge_derivative_bounds(const Answer& t, const std::
     }
     const double bound = numbers(stated[island])[which][p.kind] * p.x.lpNorm<1>();
     within[which] = within[which] && bound < 1 && off <= bound * size;
-    if (off > bound * size + (kVanishing + kQuadRounding * t.condition) * floor)
+    if (off > bound * size + kVanishing * floor + kQuadRounding * t.condition * std::max(floor, 1.0))
       find(Fault::kBound, text("%s of island %zu off by %.2e of %.2e, bound %.2e, condition %.1e",
                                kNames[which][p.kind], island, off, size, bound, t.condition));
     if (!std::isfinite(bound) && size > 0 && t.condition < 1e10)

@@ -63,9 +63,10 @@ inline constexpr double kHeldKept = 1e-2;
 
 /// Pivots of a column-pivoted QR of the rows between two bodies, relative to the largest: rows that span the others
 /// keep more than the first. Rows that depend on them leave less than the second, the rounding error of 12 to 100 rows.
-/// Points 1e-10 m apart are between the two; the factorization then decides, as for rows of a configuration.
+/// Points 1e-6 m apart, or 1e6 m away from other points, are between the two. The factorization then decides, as for
+/// rows of a configuration: a basis of all rows would lose the digits by which these differ.
 /// Used by: contact/pair_rows.hpp.
-inline constexpr double kPairIndependent = 1e-9, kPairDependent = 1e-13;
+inline constexpr double kPairIndependent = 1e-5, kPairDependent = 1e-13;
 
 /// Relative velocities and displacements of two bodies, relative to the velocities and moment arms they are differences
 /// of: below, the bodies move as one, and damped contacts between them are consistent to first order.

@@ -1,11 +1,11 @@
 // Bounds of the errors of derivatives Y = [da; -df], K Y = R, column by column in the maximum norm:
 //
-//     |Y - Y_true| <= |K^-1| (|R - K Y| + (c eps + e) T + c eps |K| |Y|),
+//     |Y - Y_true| <= |K^-1| (|R - K Y| + c eps T + c eps |K| |Y| + T_x),
 //
-// T the sizes of the terms that R is computed from, for they may cancel, |K| with those of its entries, and e the
-// relative error of a and f: every term of derivatives to q is linear in these, no other has them. Terms of pushes and
-// springs have neither. Where rows depend, and contradict each other by rho and by columns of derivatives P R, as
-// rounding of a solution (bounds.cpp)
+// T are the sizes of the terms that R is computed from, for they may cancel, and |K| has those of its entries. T_x are
+// the terms that errors of a and f make: derivatives by q are linear in these, and no other derivative has them. Terms
+// of pushes and springs have neither. Where rows depend, and contradict each other by rho and by columns of derivatives
+// P R, as rounding of a solution (bounds.cpp)
 //
 //     + |K^+ K^+| (|dJ^T P R| + |d(J^T drho)/dq|),
 //
@@ -125,6 +125,44 @@ TermsOfDerivatives terms_of_derivatives(const Scene& scene, const SceneData& dat
   return out;
 }
 
+// T_x, of K's rows in the island's order: the terms of derivatives by q that all accelerations of size a and all forces
+// of size f make.
+std::vector<double> terms_of_errors(const Scene& scene, const SceneData& data, const MatrixSystem& m,
+                                    const std::vector<double>& terms_of_M, double a, double f) {
+  const Workspace& work = *data.workspace;
+  const Island& island = m.owner.island;
+  std::vector<double> out(island.size(), 0.0);
+  std::vector<std::vector<Vec6<double>>> fext;  // per robot of the island: sizes of the contacts' forces on its bodies
+  for (int r : island.robots) fext.emplace_back(scene.robots[r].model->njoints(), Vec6<double>(Vec6<double>::Zero()));
+  const auto place_of = [&](int robot) {
+    return std::lower_bound(island.robots.begin(), island.robots.end(), robot) - island.robots.begin();
+  };
+  for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+    const Contact& contact = scene.contacts[island.contacts[k]];
+    const ContactData<double>& rows = work.linearisation->contacts[island.contacts[k]];
+    const Vec6<double> F = f * rows.W.cwiseAbs().colwise().sum().transpose();
+    each_body_force(contact, rows, F, [&](const Attachment& at, const Vec6<double>& force) {
+      fext[place_of(at.robot)][at.joint] += force.cwiseAbs();
+    });
+    const RowTerms<double> J = motion_terms(contact, rows);
+    const auto [moved, turned] = largest_of_motions(rows.Jl);
+    const double accelerated = a * static_cast<double>(rows.Jl.cols());
+    for (int i = 0, row = island.nv + island.row_offset[k]; i < contact.rows(); ++i, ++row)
+      out[row] = unit_of(m, row - island.nv) * accelerated *
+                 (turned * J.of_row(i) + row_weights(rows, i).linear * moved * J.angular);
+  }
+  for (std::size_t k = 0; k < island.robots.size(); ++k) {
+    const Model& model = *scene.robots[island.robots[k]].model;
+    const Kinematics<double>& kin = work.robots[island.robots[k]].kin;
+    const int first = island.dof_offset[k];
+    if (model.nv == 0) continue;
+    const RowTerms<double> motions = largest_motions(model, kin);
+    for (int i = first; i < first + model.nv; ++i) out[i] = motions.angular * terms_of_M[i] * model.nv * a;
+    add_turned_forces(model, kin, motions, fext[k], out.data() + first);
+  }
+  return out;
+}
+
 // w += |dK| of the unknowns' sizes, both in order of elimination, in units of rounding: K's entries may be no more than
 // what is left of what they are computed from.
 void add_terms_of_K(const Scene& scene, const Workspace& work, const MatrixSystem& m, const TermsOfDerivatives& terms,
@@ -209,6 +247,8 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
   const double c_eps = rounding(scene, m), e = std::max(a.felt(), f.felt());
   const double projected = m.deficient() ? m.factor->projector_error() + f.felt() : 0;
   const TermsOfDerivatives terms = terms_of_derivatives(scene, data, m);
+  const std::vector<double> of_errors = terms_of_errors(scene, data, m, terms.M, a.error, f.error);
+  const double of_dropped = m.deficient() ? rounding_of_J(scene, m) : c_eps;
   const AppliedSizes applied = applied_sizes(scene, data, island);
   const std::vector<double> of_contradiction =
       m.deficient() ? sizes_of_G(scene, *data.workspace, m, unknown_contradiction(scene, *data.workspace, m))
@@ -219,15 +259,16 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
     if (of.count == 0) return;
     const KktPattern& p = *m.K.pattern;
     const double of_K = m.deficient() && m.contradiction ? c_eps + e : c_eps;  // least squares turn with a and f
-    const double of_R = of.by_q ? c_eps + e : c_eps;
     for (int k = 0; k < island.size(); ++k) sizes[p.iperm[k]] = of.largest(of.panel.Y, k);
     sparse::residual(p.K, m.K.values.data(), sizes.data(), none.data(), rest.data(), w.data());  // w = |K| sizes
     add_terms_of_K(scene, *data.workspace, m, terms, sizes, w);
     std::vector<double> of_applied(island.size(), 0.0);
     for (int k = 0; k < island.size(); ++k) {
       double& of_row = w[p.iperm[k]];
-      of_row = of.largest(of.panel.left, k) + of_K * of_row +
-               of_R * ((of.R ? of.largest(*of.R, k) : 0) + (of.terms ? (*of.terms)[k] : 0));
+      of_row =
+          of.largest(of.panel.left, k) + of_K * of_row +
+          (k < island.nv ? c_eps : of_dropped) * ((of.R ? of.largest(*of.R, k) : 0) + (of.terms ? (*of.terms)[k] : 0)) +
+          (of.by_q ? of_errors[k] : 0);
       if (k < island.nv && !of.applied.empty()) of_applied[p.iperm[k]] = of.applied[k];
       of_row += c_eps * of_applied[p.iperm[k]];
     }
