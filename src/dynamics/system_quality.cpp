@@ -53,10 +53,10 @@ double scaled_condition(MatrixSystem& m) {
 SystemQuality quality_of(const Scene& scene, const SceneData& data, MatrixSystem& m) {
   const int n = m.owner.island.size();
   const std::vector<double> x = given_solution(scene, data, m);
-  std::vector<double> r(n), scale(n), sums(n);
+  std::vector<double> r(n), scale(n);
   sparse::residual(m.K.pattern->K, m.K.values.data(), x.data(), m.v.b.data(), r.data(), scale.data());
   if (m.deficient()) m.factor->project_out(r.data(), nullptr);  // least squares leave that
-  const double norm = sparse::norm_1(m.K.pattern->K, m.K.values.data(), sums.data());
+  const double norm = internal::norm_of(m);
   using sparse::largest;
   SystemQuality out;
   out.componentwise_backward_error = sparse::componentwise_backward_error(r, scale);

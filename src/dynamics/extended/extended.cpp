@@ -35,9 +35,10 @@ bool has_pairs(const SceneData& data, std::size_t i) {
   return r && r->islands[i].contacts.size() != r->data->workspace->islands[i]->island.contacts.size();
 }
 
-// Whether the double solution is one of this scene's equations.
-bool may_refine(const IslandWork& d, const IslandReport& report) {
+// Whether the double solution is one of this scene's equations. With damping all rows count: none may be left out.
+bool may_refine(const Scene& scene, const IslandWork& d, const IslandReport& report) {
   if (!d.answered || d.matrix.tolerated > 0) return false;
+  if (scene.damping > 0 && report.rank < report.nc && report.reason != Reason::kDampingLost) return false;
   if (report.status == Status::kRegularised)
     return report.reason == Reason::kUncertain || report.reason == Reason::kDampingLost;
   return report.status <= Status::kInconsistent;
@@ -307,7 +308,7 @@ void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
   for (std::size_t i = 0; i < e.islands.size(); ++i) {
     const IslandReport& report = data.report.islands[i];
     OfIsland& of = e.islands[i];
-    of.refined = may_refine(*solver.islands[i], report);
+    of.refined = may_refine(scene, *solver.islands[i], report);
     if (!of.refined) continue;
     of.status = report.status, of.reason = report.reason;
     if (report.reason == Reason::kUncertain) {  // by bounds of an earlier call

@@ -168,9 +168,18 @@ void bound_errors_reduced(const Scene& scene, SceneData& data) {
   take_bounds(scene, data, r);
 }
 
+// With damping, K of all contacts has the eigenvalue -damping for the forces of a pair that move nothing.
 void estimate_condition_reduced(const Scene& scene, SceneData& data) {
   const Reduction& r = *data.workspace->reduction;
   estimate_condition(r.scene, *r.data);
+  Workspace& solved = *r.data->workspace;
+  for (std::size_t i = 0; i < r.islands.size() && scene.damping > 0; ++i) {
+    IslandWork& d = *solved.islands[i];
+    if (r.islands[i].contacts.size() == d.island.contacts.size()) continue;
+    if (!d.matrix.make_current(r.scene, *r.data, solved.threads.front())) continue;
+    double& condition = r.data->report.islands[i].condition;
+    condition = std::max(condition, norm_of(d.matrix) / scene.damping);
+  }
   take_bounds(scene, data, r);
 }
 

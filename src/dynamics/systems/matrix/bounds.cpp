@@ -338,11 +338,13 @@ void internal::solve_refined_once(MatrixSystem& m, double* x) {
   for (std::size_t k = 0; k < n; ++k) x[k] += r[k];
 }
 
+double internal::norm_of(const MatrixSystem& m) {
+  std::vector<double> sums(m.owner.island.size());
+  return sparse::norm_1(m.K.pattern->K, m.K.values.data(), sums.data());
+}
+
 double internal::condition_of(MatrixSystem& m) {
-  const int n = m.owner.island.size();
-  std::vector<double> sums(n);
-  return sparse::norm_1(m.K.pattern->K, m.K.values.data(), sums.data()) *
-         inverse_norm(n, [&m](double* x) { solve_refined_once(m, x); });
+  return norm_of(m) * inverse_norm(m.owner.island.size(), [&m](double* x) { solve_refined_once(m, x); });
 }
 
 bool MatrixSystem::estimate_condition(const Scene&, SceneData&, IslandReport& report) {

@@ -95,6 +95,8 @@ bool weighed_right_hand_sides(const Scene& scene, SceneData& data, MatrixSystem&
 std::pair<Known, Known> known_answer(const Scene& scene, SceneData& data, MatrixSystem& system);
 /// x <- K^-1 x, refined once: with nearly massless bodies a single solve leaves rounding errors of terms that cancel.
 void solve_refined_once(MatrixSystem& system, double* x);
+/// |K|_1.
+double norm_of(const MatrixSystem& system);
 /// |K|_1 |K^-1|_1, estimated.
 double condition_of(MatrixSystem& system);
 /// The largest entry of |K^-1| w among rows first ... first+count-1 of the island's, those of f in newtons and newton
