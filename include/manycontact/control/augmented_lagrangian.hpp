@@ -85,19 +85,21 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
 
   const std::shared_ptr<SolverDDP>& get_inner() const { return inner_; }  // the unconstrained solver
   double get_violation() const { return violation_; }                     // largest violation, after a solve
-  double get_kkt_residual() const { return kkt_; }                        // after a solve
-  std::size_t get_outer_iter() const { return outer_; }                   // minimisations of the last solve
-  double get_penalty() const { return rho_; }                             // the current penalty
-  double get_penalty_init() const { return rho_init_; }                   // initial penalty
-  double get_penalty_factor() const { return rho_factor_; }               // factor of increases of the penalty
-  double get_penalty_max() const { return rho_max_; }                     // largest penalty
-  double get_th_constraint() const { return th_constraint_; }             // threshold of the violation
-  double get_th_kkt() const { return th_kkt_; }                           // threshold of the KKT residual
+  /// The KKT residual after a solve, in units of get_kkt_scale().
+  double get_kkt_residual() const { return kkt_; }
+  std::size_t get_outer_iter() const { return outer_; }        // minimisations of the last solve
+  double get_penalty() const { return rho_; }                  // the current penalty
+  double get_penalty_init() const { return rho_init_; }        // initial penalty
+  double get_penalty_factor() const { return rho_factor_; }    // factor of increases of the penalty
+  double get_penalty_max() const { return rho_max_; }          // largest penalty
+  double get_th_constraint() const { return th_constraint_; }  // threshold of the violation
+  double get_th_kkt() const { return th_kkt_; }                // threshold of the KKT residual
   /// The number of separate minimisations of the violation in the last solve.
   std::size_t get_restorations() const { return restorations_; }
-  /// The size of the cost, as in SolverDDP. The penalties (set_penalty_init, set_penalty_max), th_stop and th_kkt are
-  /// multiplied by it. With set_measures_scale(true) a solve measures it at its guess.
+  /// The size of the cost, as in SolverDDP. The penalties (set_penalty_init, set_penalty_max) and th_stop are
+  /// multiplied by it, and th_kkt by get_kkt_scale(). With set_measures_scale(true) a solve measures both at its guess.
   double get_scale() const { return scale_; }
+  double get_kkt_scale() const { return kkt_scale_; }  // the unit of gradients, as in SolverDDP
   void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }  // see get_measures_scale
   /// They throw std::invalid_argument for numbers out of range.
   void set_penalty(double penalty);              // above 0
@@ -190,7 +192,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   int stuck_ = 0;                         // consecutive minimisations without progress
   int flat_ = 0;                          // those without progress of the constraints, although these outweigh the cost
   std::size_t outer_ = 0, total_ = 0, restorations_ = 0;
-  double scale_ = 1;
+  double scale_ = 1, kkt_scale_ = 1;
   bool measures_scale_ = false;
 };
 

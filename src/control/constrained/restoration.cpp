@@ -367,7 +367,9 @@ StopReason AL::restore(std::size_t maxiter) {
 // of the guess. `violation` is the violation that the cost alone leaves.
 void AL::takeCostOf(double violation) {
   constexpr double kOrdinary = 1e4;  // th_stop and th_kkt suit costs up to this size
-  scale_ = std::max(scale_, std::exp2(std::round(std::log2(std::abs(cost_) / kOrdinary))));
+  const double of_cost = std::exp2(std::round(std::log2(std::abs(cost_) / kOrdinary)));
+  scale_ = std::max(scale_, of_cost);
+  kkt_scale_ = std::max(kkt_scale_, of_cost);
   inner_->set_scale(scale_);
   set_penalty(std::max(rho_, 2 * std::abs(cost_) / (violation * violation)));
 }
@@ -377,7 +379,7 @@ void AL::startAgain() {
   for (const Node& node : nodes_)
     for (const Augmented& own : node.augmented)
       own.model->set_multipliers(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(own.rows.size())));
-  set_penalty(std::min(rho_ * rho_factor_ * rho_factor_, rho_max_ * scale_));
+  set_penalty(std::min(rho_ * rho_factor_ * rho_factor_, rho_max_ * std::max(scale_, kkt_scale_)));
   flat_ = stuck_ = 0;
   curved_ = false;
   failed_stop_ = std::numeric_limits<double>::infinity();
