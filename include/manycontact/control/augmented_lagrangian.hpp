@@ -20,12 +20,12 @@
 // If the violation does not decrease although the constraints outweigh the cost, there are three possible causes: the
 // constraints are infeasible, the penalty is too small, or the minimisation is stuck. Therefore a separate problem
 // minimises only the violation: the same nodes with the cost 1/2 sum |c - P(c)|^2. If it finds a point that meets the
-// constraints, the method continues from there. If it ends at a stationary point, searches from nearby points and from
-// some other motions try to find a smaller violation. If they do not, the solve ends there as kInfeasible. (A nonconvex
-// problem may have a smaller minimum elsewhere.)
+// constraints, the method continues from there. Otherwise searches from some other motions, and at a stationary point
+// from nearby ones, try to find a smaller violation. If they find none at a stationary point, the solve ends there as
+// kInfeasible. (A nonconvex problem may have a smaller minimum elsewhere.)
 //
 // Let r be the violations and C their Jacobian. A point is stationary if C^T r is below a millionth of |C| |r|, or if a
-// step of the linearised problem reduces |r|^2 by less than a millionth. If the search ends at another point, the
+// step of the linearised problem reduces |r|^2 by less than a millionth. If the searches end at another point, the
 // result is inconclusive: the solve ends as kNoStep, at the point with the smallest violation.
 //
 // In each iteration's report, cost is the problem's, merit the augmented Lagrangian, and gfeas and hfeas are the

@@ -51,7 +51,7 @@ constexpr double kLongest = 10;
 // violation.
 constexpr double kBack = 1e-3;
 constexpr std::size_t kRestorations = 5;
-// The number of stationary candidates that may turn out not to be minima.
+// The number of candidates that may turn out not to be minima.
 constexpr int kSaddles = 4;
 
 // The largest magnitude in states or controls, at least 1.
@@ -334,13 +334,14 @@ StopReason AL::restore(std::size_t maxiter) {
     level(own);
   }
   bool stationary = isStationary(own);
-  for (int k = 0; stationary && goes_on(); ++k) {  // maxima, saddles and other minima are stationary too
+  // Maxima, saddles and other minima are stationary too, and in a curved valley no search may come to its end.
+  for (int k = 0; goes_on(); ++k) {
     Beside beside = Beside::kUnclear;
     for (const double by : kBeside)
-      if (beside == Beside::kUnclear && goes_on()) beside = lookBeside(own, by);
+      if (stationary && beside == Beside::kUnclear && goes_on()) beside = lookBeside(own, by);
     bool falls = beside == Beside::kFalls;
     for (const double by : kElsewhere) falls = falls || (goes_on() && lookBeside(own, by) == Beside::kFalls);
-    stationary = !falls && beside == Beside::kComesBack;
+    stationary = stationary && !falls && beside == Beside::kComesBack;
     if (!falls || k == kSaddles) break;
     leastViolation(own);
     stationary = isStationary(own);
