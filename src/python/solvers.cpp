@@ -329,7 +329,8 @@ void add_solver_classes(py::module_& m) {
                     "Threshold of the violation, above 0.")
       .def_property("th_kkt", &A::get_th_kkt, &A::set_th_kkt, "Threshold of the KKT residual, above 0.");
   m.def("kkt_residual", &kkt_residual, py::arg("problem"), py::arg("xs"), py::arg("us"), py::arg("multipliers"),
-        py::arg("limits"), py::arg("constraint_multipliers") = Vectors(), Unlocked(), doc::kkt_residual);
+        py::arg("limits"), py::arg("constraint_multipliers") = Vectors(), py::arg("scale") = 1, Unlocked(),
+        doc::kkt_residual);
 }
 
 void add_callbacks(py::module_& m) {

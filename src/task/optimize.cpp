@@ -200,11 +200,11 @@ void Run::without() {
   solver->set_measures_scale(true);
   solve(*solver, *solver);
   out.polishing_iterations = solver->get_polishing_iter();
-  out.kkt_residual = solver->get_kkt_residual() / solver->get_scale();
+  out.kkt_residual = solver->get_kkt_residual();
   if (std::isfinite(out.kkt_residual)) return;
   const bool limits = solver->keeps_limits();
   const auto l = least_squares_multipliers(*problem.problem, out.xs, out.us, limits);
-  out.kkt_residual = kkt_residual(*problem.problem, out.xs, out.us, l, limits) / solver->get_scale();
+  out.kkt_residual = kkt_residual(*problem.problem, out.xs, out.us, l, limits, {}, solver->get_kkt_scale());
 }
 
 // Solves again from the solution so far; iterations and times are added.

@@ -136,6 +136,27 @@ TEST(RandomProblems, WeightsOfAnySizeGiveTheSameMotion) {
     }
 }
 
+// Between the sizes that cost_scale brings to an ordinary one, an absolute th_kkt would accept motions beside the
+// optimum for small weights.
+TEST(RandomProblems, WeightsOfAnySizeGiveTheSameMotionWithinLimits) {
+  for (int seed = 0; seed < 30; ++seed) {
+    const double limit = 0.5 * RandomProblem(seed).best().lpNorm<Eigen::Infinity>();
+    const VectorXd best = RandomProblem(seed, 1, limit).best_within(limit);
+    for (int power = -8; power <= 10; ++power) {
+      SCOPED_TRACE(std::to_string(seed) + ", weights times 1e" + std::to_string(power));
+      const RandomProblem p(seed, std::pow(10, power), limit);
+      SolverBoxDDP ddp(p.problem);
+      SolverBoxFDDP fddp(p.problem);
+      for (SolverDDP* solver : std::vector<SolverDDP*>{&ddp, &fddp}) {
+        solver->set_measures_scale(true);
+        solver->set_th_kkt(1e-7);
+        EXPECT_TRUE(solver->solve(p.xs, p.us, 200)) << to_string(solver->reason());
+        EXPECT_LT(error_of(RandomProblem::stacked(solver->get_us()), best), 3e-6);
+      }
+    }
+  }
+}
+
 // The last state's goal, in some directions, is the end of a random motion.
 TEST(RandomProblems, ConstraintsThatCanBeMetAreMetAtLeastCost) {
   for (int seed = 0; seed < 200; ++seed) {
@@ -153,6 +174,27 @@ TEST(RandomProblems, ConstraintsThatCanBeMetAreMetAtLeastCost) {
     const double least = p.cost(p.best(C * p.S, d - C * p.c)), found = p.cost(RandomProblem::stacked(solver.get_us()));
     EXPECT_NEAR(found, least, 1e-6 * (1 + std::abs(least)));
   }
+}
+
+// Some weights of the last three are too large for a largest penalty in absolute numbers. An absolute th_kkt accepts
+// motions beside the optimum of 20, and none of 6 and 21.
+TEST(RandomProblems, ConstraintsAreMetAtLeastCostWhateverTheWeights) {
+  for (const int seed : {6, 20, 21, 159, 297, 399})
+    for (int power = -8; power <= 10; ++power) {
+      SCOPED_TRACE(std::to_string(seed) + ", weights times 1e" + std::to_string(power));
+      std::mt19937 rng(1000 + seed);
+      const RandomProblem free(seed);
+      const int rows = 1 + seed % std::min(free.nx, free.T * free.nu);
+      const MatrixXd C = random_entries(rows, free.nx, rng);
+      const VectorXd d = C * (free.S * random_vector(free.T * free.nu, rng) + free.c);
+      const RandomProblem p(seed, std::pow(10, power), kInfinity, C, d);
+      SolverAugmentedLagrangian solver(p.problem);
+      solver.set_measures_scale(true);
+      solver.set_th_kkt(1e-8);
+      EXPECT_TRUE(solver.solve(p.xs, p.us, 500)) << to_string(solver.reason());
+      EXPECT_LE(solver.get_kkt_residual(), 1e-8);
+      EXPECT_LT(error_of(RandomProblem::stacked(solver.get_us()), p.best(C * p.S, d - C * p.c)), 1e-6);
+    }
 }
 
 // The same direction has two goals at once.

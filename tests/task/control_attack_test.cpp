@@ -269,6 +269,15 @@ TEST(ControlAttack, WhatCanBeMetIsNeverCalledInfeasible) {
   EXPECT_GE(converged, 4 * count / 5);  // the others end by their iterations, and report it
 }
 
+// The least violation lies in a curved valley where searches come to no end; they do from other motions.
+TEST(ControlAttack, AValleyWithoutStepsIsLeftByOtherMotions) {
+  const TaskFile task = feasible(1916);
+  TaskProblem problem = make_problem(task, TaskSolver::kFddp);
+  const TaskSolution s = optimize(task, problem, {TaskSolver::kFddp, 1, {}});
+  EXPECT_TRUE(s.converged) << s.reason;
+  EXPECT_LE(s.constraint_violation, 1e-9);
+}
+
 // The tip's goal is out of reach, or at two places at once.
 TEST(ControlAttack, WhatCannotBeMetIsNeverCalledConverged) {
   Ends ends("impossible");
@@ -310,8 +319,21 @@ TEST(ControlAttack, WhatCannotBeMetIsNeverCalledConverged) {
 
 // ---- weights
 
-// (Below the threshold of very large weights tolerances are absolute. In some ten of 30,000 solves rounding keeps the
-// KKT residual above its tolerance, which is reported, or the last digits of the motion differ.)
+void scale_costs(TaskFile& task, double scale) {
+  for (TaskPhase& phase : task.phases)
+    for (TaskTerm& cost : phase.costs) cost.weight *= scale;
+  for (TaskTerm& cost : task.terminal.costs) cost.weight *= scale;
+}
+
+// The largest difference of states, relative to their size.
+double apart(const TaskSolution& s, const std::vector<Eigen::VectorXd>& right) {
+  double out = 0;
+  for (std::size_t t = 0; t < right.size(); ++t)
+    out = std::max(out,
+                   (s.xs[t] - right[t]).lpNorm<Eigen::Infinity>() / std::max(1.0, right[t].lpNorm<Eigen::Infinity>()));
+  return out;
+}
+
 TEST(ControlAttack, WeightsOfAnySizeGiveTheSameMotion) {
   Ends ends("weights");
   const int count = tasks(60);
@@ -323,24 +345,36 @@ TEST(ControlAttack, WeightsOfAnySizeGiveTheSameMotion) {
     std::vector<Eigen::VectorXd> right;
     for (const double scale : {1.0, 1e-12, 1e-10, 1e-8, 1e-6, 1e-3, 1e3, 1e6, 1e8, 1e10, 1e12}) {
       TaskFile scaled = task;
-      for (TaskPhase& phase : scaled.phases)
-        for (TaskTerm& cost : phase.costs) cost.weight *= scale;
-      for (TaskTerm& cost : scaled.terminal.costs) cost.weight *= scale;
+      scale_costs(scaled, scale);
       TaskProblem problem = make_problem(scaled, TaskSolver::kFddp);
       const TaskSolution s = optimize(scaled, problem, {TaskSolver::kFddp, 1, {}});
       ends.add(s);
       ++solves;
       if (right.empty()) right = s.xs;
-      double apart = 0;
-      for (std::size_t t = 0; t < right.size(); ++t)
-        apart = std::max(
-            apart, (s.xs[t] - right[t]).lpNorm<Eigen::Infinity>() / std::max(1.0, right[t].lpNorm<Eigen::Infinity>()));
-      EXPECT_LE(apart, 1e-5) << k << ", weights times " << scale;
-      missed += s.converged && apart <= 1e-6 ? 0 : 1;
+      const double off = apart(s, right);
+      EXPECT_LE(off, 1e-5) << k << ", weights times " << scale;
+      missed += s.converged && off <= 1e-6 ? 0 : 1;
     }
   }
   EXPECT_LE(missed, solves / 1000);
   if (is_long()) std::cout << missed << " of " << solves << " did not converge, or to another motion" << std::endl;
+}
+
+// In absolute numbers, the KKT residual of some is never small with large weights, and the penalty of others too small.
+TEST(ControlAttack, WeightsOfAnySizeGiveTheSameMotionWithConstraints) {
+  for (const int k : {0, 1, 3, 4, 5, 8, 10, 11, 13}) {
+    const TaskFile task = feasible(k);
+    std::vector<Eigen::VectorXd> right;
+    for (const double scale : {1.0, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-2, 1e2, 1e4, 1e5, 1e6, 1e7, 1e8, 1e10}) {
+      TaskFile scaled = task;
+      scale_costs(scaled, scale);
+      TaskProblem problem = make_problem(scaled, TaskSolver::kFddp);
+      const TaskSolution s = optimize(scaled, problem, {TaskSolver::kFddp, 1, {}});
+      if (right.empty()) right = s.xs;
+      EXPECT_TRUE(s.converged) << k << ", weights times " << scale << ": " << s.reason;
+      EXPECT_LE(apart(s, right), 1e-6) << k << ", weights times " << scale;
+    }
+  }
 }
 
 }  // namespace

@@ -20,12 +20,12 @@
 // If the violation does not decrease although the constraints outweigh the cost, there are three possible causes: the
 // constraints are infeasible, the penalty is too small, or the minimisation is stuck. Therefore a separate problem
 // minimises only the violation: the same nodes with the cost 1/2 sum |c - P(c)|^2. If it finds a point that meets the
-// constraints, the method continues from there. If it ends at a stationary point, searches from nearby points and from
-// some other motions try to find a smaller violation. If they do not, the solve ends there as kInfeasible. (A nonconvex
-// problem may have a smaller minimum elsewhere.)
+// constraints, the method continues from there. Otherwise searches from some other motions, and at a stationary point
+// from nearby ones, try to find a smaller violation. If they find none at a stationary point, the solve ends there as
+// kInfeasible. (A nonconvex problem may have a smaller minimum elsewhere.)
 //
 // Let r be the violations and C their Jacobian. A point is stationary if C^T r is below a millionth of |C| |r|, or if a
-// step of the linearised problem reduces |r|^2 by less than a millionth. If the search ends at another point, the
+// step of the linearised problem reduces |r|^2 by less than a millionth. If the searches end at another point, the
 // result is inconclusive: the solve ends as kNoStep, at the point with the smallest violation.
 //
 // In each iteration's report, cost is the problem's, merit the augmented Lagrangian, and gfeas and hfeas are the
@@ -85,19 +85,21 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
 
   const std::shared_ptr<SolverDDP>& get_inner() const { return inner_; }  // the unconstrained solver
   double get_violation() const { return violation_; }                     // largest violation, after a solve
-  double get_kkt_residual() const { return kkt_; }                        // after a solve
-  std::size_t get_outer_iter() const { return outer_; }                   // minimisations of the last solve
-  double get_penalty() const { return rho_; }                             // the current penalty
-  double get_penalty_init() const { return rho_init_; }                   // initial penalty
-  double get_penalty_factor() const { return rho_factor_; }               // factor of increases of the penalty
-  double get_penalty_max() const { return rho_max_; }                     // largest penalty
-  double get_th_constraint() const { return th_constraint_; }             // threshold of the violation
-  double get_th_kkt() const { return th_kkt_; }                           // threshold of the KKT residual
+  /// The KKT residual after a solve, in units of get_kkt_scale().
+  double get_kkt_residual() const { return kkt_; }
+  std::size_t get_outer_iter() const { return outer_; }        // minimisations of the last solve
+  double get_penalty() const { return rho_; }                  // the current penalty
+  double get_penalty_init() const { return rho_init_; }        // initial penalty
+  double get_penalty_factor() const { return rho_factor_; }    // factor of increases of the penalty
+  double get_penalty_max() const { return rho_max_; }          // largest penalty
+  double get_th_constraint() const { return th_constraint_; }  // threshold of the violation
+  double get_th_kkt() const { return th_kkt_; }                // threshold of the KKT residual
   /// The number of separate minimisations of the violation in the last solve.
   std::size_t get_restorations() const { return restorations_; }
-  /// The size of the cost, as in SolverDDP. The penalties (set_penalty_init, set_penalty_max), th_stop and th_kkt are
-  /// multiplied by it. With set_measures_scale(true) a solve measures it at its guess.
+  /// The size of the cost, as in SolverDDP. The penalties (set_penalty_init, set_penalty_max) and th_stop are
+  /// multiplied by it, and th_kkt by get_kkt_scale(). With set_measures_scale(true) a solve measures both at its guess.
   double get_scale() const { return scale_; }
+  double get_kkt_scale() const { return kkt_scale_; }  // the unit of gradients, as in SolverDDP
   void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }  // see get_measures_scale
   /// They throw std::invalid_argument for numbers out of range.
   void set_penalty(double penalty);              // above 0
@@ -190,7 +192,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   int stuck_ = 0;                         // consecutive minimisations without progress
   int flat_ = 0;                          // those without progress of the constraints, although these outweigh the cost
   std::size_t outer_ = 0, total_ = 0, restorations_ = 0;
-  double scale_ = 1;
+  double scale_ = 1, kkt_scale_ = 1;
   bool measures_scale_ = false;
 };
 

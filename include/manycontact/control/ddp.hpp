@@ -98,9 +98,13 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   double get_scale() const { return scale_; }
   void set_scale(double scale);  // above 0, or std::invalid_argument is thrown
   /// Whether a solve computes the scale from the Hessians at its guess; it remains 1 for ordinary sizes. Initially
-  /// false, so that regularisations are Crocoddyl's for all sizes.
+  /// false, so that regularisations are Crocoddyl's for all sizes. Only th_kkt is then multiplied by get_kkt_scale().
   bool get_measures_scale() const { return measures_scale_; }
   void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }
+  /// The unit of the cost's gradients in KKT residuals: the scale as it was set, or as a solve measures it. The latter
+  /// is proportional to the cost, so that the weights times any number give the same verdict. It is the geometric mean
+  /// of the smallest Hessian of controls, at any node, and the largest Hessian.
+  double get_kkt_scale() const { return kkt_scale_; }
 
   double get_reg_incfactor() const { return reg_incfactor_; }        // factor of increases of the regularisation
   double get_reg_decfactor() const { return reg_decfactor_; }        // factor of decreases of the regularisation
@@ -111,7 +115,8 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   double get_th_stepinc() const { return th_stepinc_; }  // the regularisation increases below this step length
   double get_th_grad() const { return th_grad_; }        // threshold of the gradient, below which a step is accepted
   double get_th_kkt() const { return th_kkt_; }          // threshold of the KKT residual
-  /// The KKT residual of the candidate, with least_squares_multipliers; NaN if the last solve did not compute it.
+  /// The KKT residual of the candidate in units of get_kkt_scale(), with least_squares_multipliers; NaN if the last
+  /// solve did not compute it.
   double get_kkt_residual() const { return kkt_; }
   /// The number of steps after the stopping rule was met, to a KKT residual below th_kkt. Callbacks do not see them.
   std::size_t get_polishing_iter() const { return polishing_; }
@@ -188,7 +193,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
 
   std::vector<std::unique_ptr<Direction>> directions_;
   double reg_incfactor_ = 10, reg_decfactor_ = 10, reg_min_ = 1e-9, reg_max_ = 1e9;
-  double scale_ = 1;
+  double scale_ = 1, kkt_scale_ = 1;
   bool measures_scale_ = false, judges_ = true;
   double cost_try_ = 0;
   std::vector<Eigen::VectorXd> xs_try_, us_try_, us_guess_;

@@ -16,10 +16,11 @@ namespace manycontact {
 ///
 /// If `limits`, and the problem has limits on controls, the third is u - min(max(u - that, u_lb), u_ub). Without
 /// constraint_multipliers, constraints are left out. The nodes are evaluated, with derivatives, at xs, us. The result
-/// is infinite if a number is not finite. Throws std::invalid_argument for wrong sizes.
+/// is infinite if a number is not finite. `scale` is the unit of the cost: gradients and multipliers are divided by it.
+/// Throws std::invalid_argument for wrong sizes, and a scale that is not above 0.
 double kkt_residual(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
                     const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& multipliers,
-                    bool limits, const std::vector<Eigen::VectorXd>& constraint_multipliers = {});
+                    bool limits, const std::vector<Eigen::VectorXd>& constraint_multipliers = {}, double scale = 1);
 
 /// Computes the multipliers l of the dynamics that minimise the residuals r of stationarity, |r|^2 = sum |r_x|^2 +
 /// |r_u|^2 (Nocedal & Wright, Numerical Optimization, 18.3). They are those of the linear-quadratic problem

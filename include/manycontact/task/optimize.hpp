@@ -44,9 +44,9 @@ struct TaskSolution {  // The result of optimize, and how it was found.
   std::vector<Eigen::VectorXd> xs, us;    // nodes + 1 states, nodes controls
   std::vector<TaskGains> gains;           // per decoupled subproblem or cluster; none if no direction was found
   std::string solver;
-  std::string direction;    // method of search directions: "Riccati", or a name of lq::DirectionSolver
-  std::vector<int> blocks;  // sizes of the matrices factorized at a node, one per subproblem or cluster
-  double kkt_residual = 0;
+  std::string direction;            // method of search directions: "Riccati", or a name of lq::DirectionSolver
+  std::vector<int> blocks;          // sizes of the matrices factorized at a node, one per subproblem or cluster
+  double kkt_residual = 0;          // with gradients in units of the cost's Hessians (SolverDDP::get_kkt_scale)
   double constraint_violation = 0;  // largest over all nodes and rows
   std::vector<TaskViolation> violations;
   std::vector<Eigen::VectorXd> multipliers;  // of the constraints [g; h] of each node; assign them to
@@ -70,7 +70,8 @@ struct TaskOptions {                      // Solver settings that are not in the
 /// sparse if the problem has more than one block, else FDDP.
 ///
 /// When the stopping value is below the tolerance, the solver continues until the KKT residual is below 1e-6;
-/// `converged` means both. For costs of extraordinary size, both are relative to it (SolverDDP::set_measures_scale).
+/// `converged` means both. The KKT residual is relative to the size of the cost (SolverDDP::get_kkt_scale), and for
+/// costs of extraordinary size so is the tolerance (SolverDDP::set_measures_scale).
 /// Constraints are met to 1e-9 by SolverAugmentedLagrangian with any of these solvers.
 ///
 /// A numerical failure is not an exception. `reason` describes it, and these remedies, if they were applied:

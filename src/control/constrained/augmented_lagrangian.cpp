@@ -117,7 +117,9 @@ void SolverAugmentedLagrangian::start(const Vectors& init_xs, const Vectors& ini
   measureViolation();
   if (measures_scale_) {
     problem_->calcDiff(xs_, us_);
-    const double before = std::exchange(scale_, internal::cost_scale(*problem_));
+    const internal::CostScale measured = internal::cost_scale(*problem_);
+    const double before = std::exchange(scale_, measured.cost);
+    kkt_scale_ = measured.gradient;
     set_penalty(rho_ * scale_ / before);
   }
   inner_->set_scale(scale_);
@@ -230,7 +232,7 @@ void SolverAugmentedLagrangian::assess() {
     inner_->computeDirection(false);
   }
   measureViolation();
-  measure_ = kkt_ = 0;  // kkt: of an ordinary scale
+  measure_ = kkt_ = 0;
   for (std::size_t t = 0; t <= problem_->get_T(); ++t) {
     for (const Augmented& own : nodes_[t].augmented) {
       const Eigen::VectorXd &y = own.model->get_multipliers(), &next = own.data->y_next;
@@ -239,14 +241,13 @@ void SolverAugmentedLagrangian::assess() {
         measure_ = sparse::larger_or_nan(std::abs(next[i] - y[i]) / rho_, measure_);
         const double c = rows.value(*own.data->inner, i);
         kkt_ = sparse::larger_or_nan(
-            std::abs(c - std::min(std::max(c + next[i] / scale_, rows.lower(i)), rows.upper(i))), kkt_);
+            std::abs(c - std::min(std::max(c + next[i] / kkt_scale_, rows.lower(i)), rows.upper(i))), kkt_);
       }
     }
   }
-  kkt_ = sparse::larger_or_nan(
-      internal::kkt_residual_of_nodes(*augmented_, xs_, us_, inner_->get_Vx(), inner_->keeps_limits(), {}, work_) /
-          scale_,
-      kkt_);
+  kkt_ = sparse::larger_or_nan(internal::kkt_residual_of_nodes(*augmented_, xs_, us_, inner_->get_Vx(),
+                                                               inner_->keeps_limits(), {}, kkt_scale_, work_),
+                               kkt_);
   if (std::isnan(kkt_) || !inner_->direction_is_sound()) kkt_ = std::numeric_limits<double>::infinity();
 }
 
@@ -262,7 +263,7 @@ StopReason SolverAugmentedLagrangian::judge(std::size_t maxiter) {
   if (total_ >= maxiter) return flat_ > 0 ? StopReason::kInfeasible : StopReason::kIterations;
   const bool progress = (last_measure_ > th_constraint_ && measure_ <= 0.5 * last_measure_) || kkt_ <= 0.5 * best_kkt_;
   if (met && !moved_ && !progress && inner == StopReason::kNoStep) return inner;
-  const bool grows = measure_ > th_constraint_ && rho_ < rho_max_ * scale_;
+  const bool grows = measure_ > th_constraint_ && rho_ < rho_max_ * std::max(scale_, kkt_scale_);
   stuck_ = progress || grows || (met && inner == StopReason::kIterations) ? 0 : stuck_ + 1;
   if (stuck_ < kPatience) return StopReason::kNone;
   return met ? StopReason::kNoStep : StopReason::kInfeasible;
@@ -286,12 +287,13 @@ void SolverAugmentedLagrangian::updateMultipliers() {
   failed_stop_ = std::numeric_limits<double>::infinity();
   const bool small = measure_ <= th_constraint_;
   if (!small && !(measure_ <= kProgress * last_measure_)) {
-    set_penalty(std::min(rho_ * rho_factor_, rho_max_ * scale_));
+    set_penalty(std::min(rho_ * rho_factor_, rho_max_ * std::max(scale_, kkt_scale_)));
     curved_ = false;
-  } else if (small && kkt_ > th_kkt_ && kkt_ > 0.5 * best_kkt_ && rho_ > rho_init_) {
+  } else if (const double least = rho_init_ * std::min(scale_, kkt_scale_);
+             small && kkt_ > th_kkt_ && kkt_ > 0.5 * best_kkt_ && rho_ > least) {
     // The rounding errors of the constraints, times the penalty, are the errors of the multipliers. Good multipliers
     // need a smaller penalty.
-    set_penalty(std::max(rho_ / rho_factor_, rho_init_));
+    set_penalty(std::max(rho_ / rho_factor_, least));
   }
   tolerance_ = std::min(small ? std::min(0.01 * tolerance_, th_stop_ * scale_) : tolerance_,
                         tolerance_after(measure_, rho_, th_constraint_));

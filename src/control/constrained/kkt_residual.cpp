@@ -46,12 +46,12 @@ bool is_of_parts(const ShootingProblem& problem) {
 }
 
 // c - P(c + y) of each row
-void add_constraints(const ConstraintRows& rows, const ActionDataAbstract& d, const Eigen::VectorXd& y,
+void add_constraints(const ConstraintRows& rows, const ActionDataAbstract& d, const Eigen::VectorXd& y, double scale,
                      Largest& worst) {
   check_size("kkt_residual", "multipliers of a node", y.size(), static_cast<std::size_t>(rows.size()));
   for (Eigen::Index k = 0; k < rows.size(); ++k) {
     const double c = rows.value(d, k);
-    worst.add(c - std::min(std::max(c + y[k], rows.lower(k)), rows.upper(k)));
+    worst.add(c - std::min(std::max(c + y[k] / scale, rows.lower(k)), rows.upper(k)));
   }
 }
 
@@ -70,7 +70,7 @@ namespace internal {
 namespace {
 
 double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
-                            bool limits, const Vectors& ys, Eigen::VectorXd& work) {
+                            bool limits, const Vectors& ys, double scale, Eigen::VectorXd& work) {
   const std::size_t T = problem.get_T();
   Largest worst;
   const Eigen::Index ndx = static_cast<Eigen::Index>(problem.get_ndx());
@@ -87,11 +87,12 @@ double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, c
       gx.setZero();
     const ConstraintRows rows = rows_at(problem, t);
     const Eigen::VectorXd* y = ys.empty() ? nullptr : &ys[t];
-    if (y) add_constraints(rows, d, *y, worst);
+    if (y) add_constraints(rows, d, *y, scale, worst);
     for (Eigen::Index i = 0; i < l[t].size(); ++i)
-      worst.add(d.Lx[i] - l[t][i] + gx[i] +
-                pull_back(
-                    rows, y, [&](Eigen::Index k) { return rows.x_row(d, k); }, i));
+      worst.add((d.Lx[i] - l[t][i] + gx[i] +
+                 pull_back(
+                     rows, y, [&](Eigen::Index k) { return rows.x_row(d, k); }, i)) /
+                scale);
     if (t == T) break;
     model.get_state()->diff(xs[t + 1], d.xnext, gap);
     worst.add(gap);
@@ -99,7 +100,7 @@ double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, c
       const double slope = d.Lu[i] + gu[i] +
                            pull_back(
                                rows, y, [&](Eigen::Index k) { return rows.u_row(d, k); }, i);
-      add_slope(model, us[t], i, limits, slope, worst);
+      add_slope(model, us[t], i, limits, slope / scale, worst);
     }
   }
   return worst.value;
@@ -108,7 +109,7 @@ double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, c
 // The same of nodes with couplings: the couplings' wrenches are eliminated from the gradients, by the scene's own
 // derivatives and not by the rows that directions are made of.
 double kkt_residual_of_coupled(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
-                               bool limits, const Vectors& ys, Eigen::VectorXd& work) {
+                               bool limits, const Vectors& ys, double scale, Eigen::VectorXd& work) {
   const std::size_t T = problem.get_T();
   Largest worst;
   Eigen::VectorXd gx, gu;
@@ -119,12 +120,12 @@ double kkt_residual_of_coupled(const ShootingProblem& problem, const Vectors& xs
   for (std::size_t t = 0; t <= T; ++t) {
     const ActionModelAbstract& model = *problem.model(t);
     auto& d = static_cast<ActionDataParts&>(*problem.data(t));
-    if (!ys.empty()) add_constraints(rows_at(problem, t), d, ys[t], worst);
+    if (!ys.empty()) add_constraints(rows_at(problem, t), d, ys[t], scale, worst);
     scene_gradient(static_cast<const ActionModelParts&>(model), d, l[std::min(t + 1, T)], t == T,
                    ys.empty() ? none : ys[t], gx, gu);
-    worst.add(gx - l[t]);
+    worst.add((gx - l[t]) / scale);
     if (t == T) break;
-    for (Eigen::Index i = 0; i < gu.size(); ++i) add_slope(model, us[t], i, limits, gu[i], worst);
+    for (Eigen::Index i = 0; i < gu.size(); ++i) add_slope(model, us[t], i, limits, gu[i] / scale, worst);
     model.get_state()->diff(xs[t + 1], d.xnext, gap);
     worst.add(gap);
   }
@@ -132,18 +133,18 @@ double kkt_residual_of_coupled(const ShootingProblem& problem, const Vectors& xs
 }
 
 double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
-                            bool limits, const Vectors& ys, Eigen::VectorXd& work) {
+                            bool limits, const Vectors& ys, double scale, Eigen::VectorXd& work) {
   const auto size = static_cast<Eigen::Index>(2 * problem.get_ndx() + problem.get_nu_max());
   if (work.size() < size) work.resize(size);
-  return CoupledDirection::applies_to(problem) ? kkt_residual_of_coupled(problem, xs, us, l, limits, ys, work)
-                                               : kkt_residual_of_data(problem, xs, us, l, limits, ys, work);
+  return CoupledDirection::applies_to(problem) ? kkt_residual_of_coupled(problem, xs, us, l, limits, ys, scale, work)
+                                               : kkt_residual_of_data(problem, xs, us, l, limits, ys, scale, work);
 }
 
 }  // namespace
 
 double kkt_residual_of_nodes(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
-                             bool limits, const Vectors& ys, Eigen::VectorXd& work) {
-  if (!is_of_parts(problem)) return kkt_residual_of_part(problem, xs, us, l, limits, ys, work);
+                             bool limits, const Vectors& ys, double scale, Eigen::VectorXd& work) {
+  if (!is_of_parts(problem)) return kkt_residual_of_part(problem, xs, us, l, limits, ys, scale, work);
   const std::vector<ShootingPart> parts = separate(problem);
   std::vector<Vectors> own_ys(parts.size(), Vectors(ys.size()));
   for (std::size_t t = 0; t < ys.size(); ++t) {
@@ -162,7 +163,7 @@ double kkt_residual_of_nodes(const ShootingProblem& problem, const Vectors& xs, 
       gather(l[t], part.dx, own_l[t]);
       if (t < us.size()) gather(us[t], part.u[t], own_us[t]);
     }
-    worst = std::max(worst, kkt_residual_of_part(*part.problem, own_xs, own_us, own_l, limits, own_ys[i], work));
+    worst = std::max(worst, kkt_residual_of_part(*part.problem, own_xs, own_us, own_l, limits, own_ys[i], scale, work));
   }
   return worst;
 }
@@ -216,16 +217,17 @@ double control_gradient_of_nodes(const ShootingProblem& problem, const Vectors& 
 }  // namespace internal
 
 double kkt_residual(ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l, bool limits,
-                    const Vectors& ys) {
+                    const Vectors& ys, double scale) {
   const std::size_t nodes = problem.get_T() + 1;
   require(l.size() == nodes && (ys.empty() || ys.size() == nodes), "kkt_residual",
           "the number of multipliers is not T + 1");
+  require(scale > 0, "kkt_residual", "a positive scale is expected");
   for (const Eigen::VectorXd& l_t : l)
     check_size("kkt_residual", "multipliers of a node", l_t.size(), problem.get_ndx());
   problem.calc(xs, us);
   problem.calcDiff(xs, us);
   Eigen::VectorXd work;
-  return internal::kkt_residual_of_nodes(problem, xs, us, l, limits, ys, work);
+  return internal::kkt_residual_of_nodes(problem, xs, us, l, limits, ys, scale, work);
 }
 
 }  // namespace manycontact

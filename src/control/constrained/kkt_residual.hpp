@@ -8,7 +8,7 @@ namespace manycontact::internal {
 /// of it each time.
 double kkt_residual_of_nodes(const ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
                              const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& l, bool limits,
-                             const std::vector<Eigen::VectorXd>& ys, Eigen::VectorXd& work);
+                             const std::vector<Eigen::VectorXd>& ys, double scale, Eigen::VectorXd& work);
 
 /// least_squares_multipliers of nodes that are evaluated.
 std::vector<Eigen::VectorXd> least_squares_multipliers_of_nodes(const ShootingProblem& problem,

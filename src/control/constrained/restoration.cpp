@@ -51,7 +51,7 @@ constexpr double kLongest = 10;
 // violation.
 constexpr double kBack = 1e-3;
 constexpr std::size_t kRestorations = 5;
-// The number of stationary candidates that may turn out not to be minima.
+// The number of candidates that may turn out not to be minima.
 constexpr int kSaddles = 4;
 
 // The largest magnitude in states or controls, at least 1.
@@ -334,13 +334,14 @@ StopReason AL::restore(std::size_t maxiter) {
     level(own);
   }
   bool stationary = isStationary(own);
-  for (int k = 0; stationary && goes_on(); ++k) {  // maxima, saddles and other minima are stationary too
+  // Maxima, saddles and other minima are stationary too, and in a curved valley no search may come to its end.
+  for (int k = 0; goes_on(); ++k) {
     Beside beside = Beside::kUnclear;
     for (const double by : kBeside)
-      if (beside == Beside::kUnclear && goes_on()) beside = lookBeside(own, by);
+      if (stationary && beside == Beside::kUnclear && goes_on()) beside = lookBeside(own, by);
     bool falls = beside == Beside::kFalls;
     for (const double by : kElsewhere) falls = falls || (goes_on() && lookBeside(own, by) == Beside::kFalls);
-    stationary = !falls && beside == Beside::kComesBack;
+    stationary = stationary && !falls && beside == Beside::kComesBack;
     if (!falls || k == kSaddles) break;
     leastViolation(own);
     stationary = isStationary(own);
@@ -367,7 +368,9 @@ StopReason AL::restore(std::size_t maxiter) {
 // of the guess. `violation` is the violation that the cost alone leaves.
 void AL::takeCostOf(double violation) {
   constexpr double kOrdinary = 1e4;  // th_stop and th_kkt suit costs up to this size
-  scale_ = std::max(scale_, std::exp2(std::round(std::log2(std::abs(cost_) / kOrdinary))));
+  const double of_cost = std::exp2(std::round(std::log2(std::abs(cost_) / kOrdinary)));
+  scale_ = std::max(scale_, of_cost);
+  kkt_scale_ = std::max(kkt_scale_, of_cost);
   inner_->set_scale(scale_);
   set_penalty(std::max(rho_, 2 * std::abs(cost_) / (violation * violation)));
 }
@@ -377,7 +380,7 @@ void AL::startAgain() {
   for (const Node& node : nodes_)
     for (const Augmented& own : node.augmented)
       own.model->set_multipliers(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(own.rows.size())));
-  set_penalty(std::min(rho_ * rho_factor_ * rho_factor_, rho_max_ * scale_));
+  set_penalty(std::min(rho_ * rho_factor_ * rho_factor_, rho_max_ * std::max(scale_, kkt_scale_)));
   flat_ = stuck_ = 0;
   curved_ = false;
   failed_stop_ = std::numeric_limits<double>::infinity();

@@ -47,7 +47,7 @@ void add_node(const ActionDataAbstract& data, Sizes& out) {
 
 }  // namespace
 
-double cost_scale(const ShootingProblem& problem) {
+CostScale cost_scale(const ShootingProblem& problem) {
   double controls = 0, all = 0;  // of the nodes whose controls have any, the least
   for (std::size_t t = 0; t <= problem.get_T(); ++t) {
     Sizes own;
@@ -55,6 +55,9 @@ double cost_scale(const ShootingProblem& problem) {
     all = std::max({all, own.all, own.controls});
     if (own.controls > 0) controls = controls > 0 ? std::min(controls, own.controls) : own.controls;
   }
+  CostScale out;
+  const double gradient = controls > 0 ? std::sqrt(controls * all) : all;
+  if (gradient > 0 && std::isfinite(gradient)) out.gradient = gradient;
   double scale = 1;
   if (controls > 0 && controls < kSmall)
     scale = controls / kUsualControls;
@@ -63,8 +66,8 @@ double cost_scale(const ShootingProblem& problem) {
   else if (all > kLarge)
     scale = all / kUsualAll;
   if (scale < 1) scale = std::min(std::max(scale, all / kLarge), 1.0);  // without making others too large
-  if (!std::isfinite(scale) || scale == 1) return 1;
-  return std::exp2(std::round(std::log2(scale)));
+  if (std::isfinite(scale) && scale != 1) out.cost = std::exp2(std::round(std::log2(scale)));
+  return out;
 }
 
 }  // namespace manycontact::internal

@@ -204,10 +204,10 @@ namespace {
 
 // By the multipliers that leave the least, of nodes that are differentiated at that motion.
 double kkt_residual_of(const ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
-                       const std::vector<Eigen::VectorXd>& us, bool limits) {
+                       const std::vector<Eigen::VectorXd>& us, bool limits, double scale) {
   Eigen::VectorXd work;
   return internal::kkt_residual_of_nodes(
-      problem, xs, us, internal::least_squares_multipliers_of_nodes(problem, us, limits), limits, {}, work);
+      problem, xs, us, internal::least_squares_multipliers_of_nodes(problem, us, limits), limits, {}, scale, work);
 }
 
 }  // namespace
@@ -217,8 +217,8 @@ double kkt_residual_of(const ShootingProblem& problem, const std::vector<Eigen::
 StopReason SolverDDP::judgeWithoutStep() {
   problem_->calc(xs_, us_);  // the data are of the last try
   calcDiff();
-  kkt_ = kkt_residual_of(*problem_, xs_, us_, false);
-  return kkt_ <= th_kkt_ * scale_ ? StopReason::kConverged : StopReason::kNoStep;
+  kkt_ = kkt_residual_of(*problem_, xs_, us_, false, kkt_scale_);
+  return kkt_ <= th_kkt_ ? StopReason::kConverged : StopReason::kNoStep;
 }
 
 namespace {
@@ -257,7 +257,7 @@ StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
   constexpr int kRounds = 20, kIdle = 3;  // each of one backward pass; of them in a row that gain nothing
   double least = std::numeric_limits<double>::infinity();
   for (int round = 0, idle = 0; round < kRounds && idle < kIdle; ++round) {
-    if (by_kkt) th_stop_ = std::max(1e-6 * restore.value, rounding);
+    if (by_kkt) th_stop_ = std::max(1e-6 * restore.value * std::min(1.0, kkt_scale_ / scale_), rounding);
     if (by_gap) th_stop_ = optimality_gap(restore.value, rounding);
     preg_ = dreg_ = reg_min_ * scale_;
     const StopReason reason = descend(maxiter);
@@ -266,8 +266,8 @@ StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
     if (by_kkt) {
       problem_->calc(xs_, us_);
       calcDiff();
-      kkt_ = kkt_residual_of(*problem_, xs_, us_, true);
-      if (kkt_ <= th_kkt_ * scale_) return StopReason::kConverged;
+      kkt_ = kkt_residual_of(*problem_, xs_, us_, true, kkt_scale_);
+      if (kkt_ <= th_kkt_) return StopReason::kConverged;
     }
     const double left = by_gap ? stop_ : kkt_;
     idle = left < 0.5 * least ? 0 : idle + 1;
@@ -287,9 +287,9 @@ StopReason SolverDDP::polish(std::size_t maxiter) {
   for (bool moved = true;; ++polishing_) {
     if (moved) {
       calcDiff();
-      kkt_ = kkt_residual_of(*problem_, xs_, us_, keeps_limits());
+      kkt_ = kkt_residual_of(*problem_, xs_, us_, keeps_limits(), kkt_scale_);
     }
-    if (kkt_ <= th_kkt_ * scale_) return StopReason::kConverged;
+    if (kkt_ <= th_kkt_) return StopReason::kConverged;
     if (polishing_ == maxiter) return StopReason::kIterations;
     if (!findDirection(false)) return StopReason::kNoDirection;
     moved = searchLine();
@@ -435,14 +435,16 @@ void SolverDDP::decreaseRegularization() { dreg_ = preg_ = std::max(preg_ / reg_
 
 void SolverDDP::set_scale(double scale) {
   require(scale > 0 && std::isfinite(scale), "SolverDDP::set_scale", "a positive number is expected");
-  scale_ = scale;
+  scale_ = kkt_scale_ = scale;
   for (const auto& own : directions_) own->set_scale(scale_);
 }
 
 // The current regularisation was chosen for the previous scale.
 void SolverDDP::measureScale() {
   const double before = scale_;
-  set_scale(internal::cost_scale(*problem_));
+  const internal::CostScale measured = internal::cost_scale(*problem_);
+  set_scale(measured.cost);
+  kkt_scale_ = measured.gradient;
   preg_ *= scale_ / before;
   dreg_ *= scale_ / before;
 }

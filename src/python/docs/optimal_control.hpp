@@ -39,6 +39,8 @@ limits : bool
     Whether limits of controls are used.
 constraint_multipliers : list of arrays, optional
     T + 1 multipliers of the constraints; empty: without constraints.
+scale : float
+    Unit of the cost, above 0: gradients and multipliers are divided by it.
 
 Returns
 -------
