@@ -263,7 +263,8 @@ class ProximalFactor final : public Factor {
 
 // Random vectors in the place of P's columns: E^k of them is P of them once J^T of that is rounding, which it never is
 // where a row that was dropped depends on the others but nearly: an eigenvector of S that E neither takes away nor
-// keeps shows in nearly all random vectors. Forces are smoother than these, and have more of the smallest eigenvalues':
+// keeps shows in nearly all random vectors. A row dropped by its pivot alone may have one of kPivotOfDependent delta,
+// that E takes away by as much each time. Forces are smoother than these, and have more of the smallest eigenvalues':
 // they take one application more.
 bool ProximalFactor::certify(FactorScratch& scratch) {
   left_ = drift_ = 0;
@@ -271,6 +272,7 @@ bool ProximalFactor::certify(FactorScratch& scratch) {
   std::fill(in_null_space_.begin(), in_null_space_.end(), 0);
   if (dropped_.empty()) return true;
   start_probes();
+  const double slowest = in_doubt_ ? tolerance::kSlowest : 0.5 / tolerance::kPivotOfDependent;
   double last = std::numeric_limits<double>::infinity();
   for (int k = 1; k < tolerance::kMostApplications; ++k, last = left_) {
     before_ = probes_;
@@ -278,7 +280,7 @@ bool ProximalFactor::certify(FactorScratch& scratch) {
     measure_drift();
     left_ = left_of_probes(scratch);
     const bool vanishes = left_ <= std::max(tolerance::kRowLeft, tolerance::kGrown * kEps * growth_);
-    if (!vanishes && left_ < tolerance::kSlowest * last) continue;
+    if (!vanishes && left_ < slowest * last) continue;
     left_ = std::min(left_, last);  // where it stalls, the rest is rounding: an eigenvector that E keeps leaves more
     if (!vanishes && !(left_ <= tolerance::kMostLeft)) return false;
     applications_ = vanishes ? k + 1 : k;
