@@ -33,7 +33,7 @@ int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s
     double size = 0;  // of J's row
     for (int p = K.p[k]; p < K.p[k + 1]; ++p) {
       y[K.i[p]] = Kx[p];
-      if (of_M[K.i[p]]) size = std::max(size, std::abs(Kx[p]));
+      size = std::max(size, std::abs(Kx[p]));
     }
     double d = y[k], terms = std::abs(d), passed_on = 0;
     const double own = y[k];
@@ -65,7 +65,7 @@ int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s
       rows.inverse[k] = rows.noise[k] = 0;
       continue;
     }
-    if (!left || !has_its_sign(pivot) || !std::isfinite(d)) return k;
+    if (!left || !has_its_sign(pivot)) return k;
     D[k] = d;
     rows.inverse[k] = 1 / d;
   }
@@ -159,7 +159,8 @@ void null_column(const sparse::LdlSymbolic& s, std::span<const char> of_M, const
   rows.Np.push_back(static_cast<int>(rows.Ni.size()));
 }
 
-// z += K_kept^-1 of what z leaves, when the pivots kept were too small for l_k to be accurate, or z is not known yet.
+// z += K_kept^-1 of what z leaves, when the pivots kept were too small for l_k to be accurate, or a row that was turned
+// depends on later rows, too.
 void refine_column(const sparse::LdlSymbolic& s, std::span<const char> of_M, const double* Lx, const double* D,
                    DependentRows& rows) {
   const int first = rows.Np[rows.Np.size() - 2];
@@ -391,15 +392,7 @@ void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, co
   take_later_entries(K, of_M, rows);
   rows.largest_residual = 0;
   for (int k : rows.dropped) {
-    if (is_turned(rows, k)) {
-      rows.Ni.push_back(k);
-      rows.Nx.push_back(1);
-      rows.Np.push_back(static_cast<int>(rows.Ni.size()));
-      (void)dependence_residual(K, Kx, of_M, row_scale, rows);  // J_k
-      refine_column(s, of_M, Lx, D, rows);
-    } else {
-      null_column(s, of_M, Lx, k, rows);
-    }
+    null_column(s, of_M, Lx, k, rows);
     const sparse::Refinement refinement = sparse::refine(
         tolerance::kNullColumnSteps, tolerance::kNullColumn,
         [&] { return dependence_residual(K, Kx, of_M, row_scale, rows); },

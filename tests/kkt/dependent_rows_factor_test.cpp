@@ -249,5 +249,34 @@ TEST_P(DroppedRows, OfNumbersThatAreNotFinite) {
   }
 }
 
+// An inertia whose diagonal is positive is not definite: all factors see it by a pivot, whatever was dropped before.
+TEST_P(DroppedRows, OfAnInertiaThatIsNotDefinite) {
+  const Matrices m(GetParam(), 1);
+  FactorScratch scratch;
+  KktMatrix K = m.K(0), damped = m.K(0);
+  const IslandNumbers& n = m.largest(0);
+  assemble(n.M_spans, n.J_spans, 0.1, damped);
+  const auto again = make_dependent_rows_factor(), ldl = make_ldl_factor(Method::kSparseLdl),
+             suitesparse = make_ldl_factor(Method::kSuiteSparseLdl);
+  if (again->factorize(K, scratch) != Reason::kNone) GTEST_SKIP() << "for the oracle";
+  ASSERT_EQ(ldl->factorize(damped, scratch), Reason::kNone);
+  const sparse::UpperCsc& A = m.pattern->K;
+  int spoilt = 0;
+  for (int k = 0; k < K.size(); ++k)
+    for (int p = A.p[k]; p < A.p[k + 1] - 1; ++p) {
+      const int i = A.i[p];
+      if (m.pattern->perm[k] >= K.nv() || m.pattern->perm[i] >= K.nv() || ++spoilt % 8 != 1) continue;
+      const double was = K.values[p];
+      K.values[p] = damped.values[p] = 2 * std::sqrt(K.values[A.p[k + 1] - 1] * K.values[A.p[i + 1] - 1]);
+      EXPECT_NE(again->factorize(K, scratch), Reason::kNone) << i << " and " << k;
+      EXPECT_EQ(ldl->factorize(damped, scratch), Reason::kWrongInertia) << i << " and " << k;
+      EXPECT_EQ(suitesparse->factorize(damped, scratch), Reason::kWrongInertia) << i << " and " << k;
+      K.values[p] = damped.values[p] = was;
+      EXPECT_EQ(again->factorize(K, scratch), Reason::kNone) << i << " and " << k;
+      EXPECT_EQ(ldl->factorize(damped, scratch), Reason::kNone) << i << " and " << k;
+    }
+  EXPECT_GT(spoilt, 0);
+}
+
 }  // namespace
 }  // namespace manycontact::test

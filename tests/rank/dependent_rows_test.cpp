@@ -1,9 +1,16 @@
-// LDL that drops dependent rows, their null space and the projector on it agree with dense decompositions.
+// LDL that drops dependent rows, their null space and the projector on it agree with dense decompositions; the judges
+// of pivots and of contradictions decide by each of their conditions.
 
 #include "manycontact/rank/dependent_rows.hpp"
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <optional>
+
+#include "manycontact/rank/contradiction.hpp"
+#include "manycontact/rank/pivots.hpp"
+#include "manycontact/rank/row_size.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "sparse/saddle_point.hpp"
 #include "spatial/compare.hpp"
@@ -480,6 +487,246 @@ TEST(DependentRows, AmongRowsOfMAfterThem) {
     for (int p = found.Np[c]; p < found.Np[c + 1]; ++p) N(found.Ni[p], c) = found.Nx[p];
   EXPECT_LE((J.transpose() * N(rows, Eigen::all)).cwiseAbs().maxCoeff(), 1e-14);
   EXPECT_EQ(N(columns, Eigen::all).cwiseAbs().maxCoeff(), 0);
+}
+
+// J's second row is small beside the first, and the third depends on both: its pivot is the second's error enlarged.
+TEST(DependentRows, AreFoundWhereSmallPivotsPassTheirErrorsOn) {
+  for (double small : {1e-4, 3e-5, 1e-5}) {
+    SaddlePoint s{"passed on", MatrixXd::Identity(2, 2) / 3, MatrixXd(3, 2)};
+    s.J << 1, 0, 1, small, 0, 1;
+    const FactorOfRows f(s);
+    ASSERT_EQ(f.done, s.n()) << small;
+    EXPECT_EQ(f.rows.dropped, std::vector<int>{4}) << small;
+  }
+}
+
+// The same numbers in M, which is definite: what is left of its last pivot counts.
+TEST(DependentRows, PivotsOfMPassNothingOnAmongThemselves) {
+  MatrixXd M(3, 3);
+  M << 1, 1, 0, 1, 1 + 1e-8, 1e-4, 0, 1e-4, 1 + 1e-6;
+  const FactorOfRows f({"definite", M, MatrixXd::Ones(1, 3)});
+  EXPECT_EQ(f.done, 4);
+  EXPECT_TRUE(f.rows.dropped.empty());
+}
+
+// A row of M has a pivot from the row of J before it alone, which buries its own entry.
+TEST(DependentRows, ARowOfMThatRowsOfJBuryIsReturned) {
+  const Symmetric K(MatrixXd{{1, 1, 0}, {1, 0, 1}, {0, 1, 1e-14}});
+  const std::vector<char> of_M{1, 0, 1};
+  const double row_size[] = {1, 1, 1};
+  const sparse::LdlSymbolic symbolic = sparse::ldl_analyze(K.pattern);
+  std::vector<double> L(symbolic.nonzeros()), D(3);
+  sparse::LdlWorkspace work;
+  DependentRows found;
+  EXPECT_EQ(
+      rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, 1, row_size, work, L.data(), D.data(), found),
+      2);
+}
+
+// The judges of pivots: each condition decides by itself.
+TEST(Pivots, AreLeftWhereEachConditionHolds) {
+  using Judged = rank::Pivot<double>;
+  const double inf = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(rank::is_left(Judged{true, 1e-10, 1, 1}));
+  EXPECT_FALSE(rank::is_left(Judged{true, 1e-12, 1, 1})) << "the pivot";
+  EXPECT_FALSE(rank::is_left(Judged{true, 1, 1, 1e-12})) << "M's own entry";
+  EXPECT_TRUE(rank::is_left(Judged{false, -1e-10, 1, 1, 1}));
+  EXPECT_FALSE(rank::is_left(Judged{false, -1e-12, 1, 1, 1})) << "the pivot";
+  EXPECT_FALSE(rank::is_left(Judged{false, -1, 1, 1e-12, 1})) << "J's row";
+  EXPECT_TRUE(rank::is_left(Judged{false, -1, 1, 0})) << "a row that is judged elsewhere";
+  EXPECT_FALSE(rank::is_left(Judged{true, 1e-10, 1, 1}, 100)) << "the margin";
+  for (const double bad : {inf, std::nan("")}) {
+    EXPECT_FALSE(rank::is_left(Judged{true, 1, bad, 1}));
+    EXPECT_FALSE(rank::is_left(Judged{false, -bad, bad, 1, 1}));
+  }
+  EXPECT_TRUE(rank::has_its_sign(Judged{true, 1, 1, 1}));
+  EXPECT_FALSE(rank::has_its_sign(Judged{true, -1, 1, 1}));
+  EXPECT_TRUE(rank::has_its_sign(Judged{false, -1, 1, 1}));
+  EXPECT_FALSE(rank::has_its_sign(Judged{false, 1, 1, 1}));
+}
+
+TEST(Pivots, TwoInTurnMayNotBothBeSmallUnlessBothAreOfM) {
+  for (const bool first : {false, true})
+    for (const bool second : {false, true}) {
+      rank::PassedOn<double> passed_on;
+      EXPECT_TRUE(passed_on.accepts(first, 1e-7));
+      EXPECT_EQ(passed_on.accepts(second, 1e-7), first && second) << first << second;
+    }
+}
+
+// Two leaves of a tree hand nothing to each other, and both to the root.
+TEST(Pivots, PassErrorsOnAlongTheTree) {
+  const Symmetric A(MatrixXd{{1, 0, 1}, {0, 1, 1}, {1, 1, 1}});
+  std::vector<rank::PassedOn<double>> memory;
+  const sparse::LdlSymbolic symbolic = sparse::ldl_analyze(A.pattern);
+  rank::PassedOnInTree passed_on(symbolic, memory);
+  EXPECT_TRUE(passed_on.accepts(0, false, 1e-7));
+  EXPECT_TRUE(passed_on.accepts(1, false, 1e-7));
+  EXPECT_FALSE(passed_on.accepts(2, false, 1e-7));
+}
+
+TEST(Pivots, AreRoundingWhereTheirOwnOrWhatWasPassedOnIsMore) {
+  const Symmetric A(MatrixXd{{1, 1}, {1, 1}});
+  const sparse::LdlSymbolic symbolic = sparse::ldl_analyze(A.pattern);
+  const auto rounding = [&](double l, std::array<double, 2> D, std::array<double, 2> terms, int of_M,
+                            double margin = 1) {
+    double noise[2];
+    return rank::any_pivot_is_rounding(
+        symbolic, &l, D.data(), terms.data(), margin, [=](int k) { return k < of_M; }, noise);
+  };
+  EXPECT_FALSE(rounding(1, {1, -1}, {1, 1}, 1));
+  EXPECT_TRUE(rounding(1, {1e-14, -1}, {1, 1}, 1)) << "its own terms";
+  EXPECT_TRUE(rounding(1, {1, -1e-6}, {1, 1e8}, 1)) << "its own terms beside what was passed on";
+  EXPECT_TRUE(rounding(1e3, {1, -1e-8}, {1, 1e-8}, 1)) << "passed on to a row of J";
+  EXPECT_TRUE(rounding(1e3, {-1, 1e-8}, {1, 1e-8}, 0)) << "passed on among rows of J";
+  EXPECT_FALSE(rounding(1e3, {1, 1e-8}, {1, 1e-8}, 2)) << "among rows of M";
+  EXPECT_FALSE(rounding(1e3, {1, -1e-6}, {1, 1e-6}, 1));
+  EXPECT_TRUE(rounding(1e3, {1, -1e-6}, {1, 1e-6}, 1, 100)) << "the margin";
+  EXPECT_FALSE(rounding(0, {INFINITY, -1}, {0, 1}, 0)) << "a row without pivot";
+}
+
+using Rows = std::vector<rank::RowOfContradiction<double>>;
+rank::Contradiction<double> contradiction_of(const Rows& rows, double Ja = 0, double a0 = 1) {
+  rank::Contradiction<double> out;
+  out.add_products(Ja, a0);
+  out.add_rows([&](auto&& use) {
+    for (const auto& row : rows) use(row);
+  });
+  return out;
+}
+
+// Rows: size, terms, what is left.
+TEST(Contradiction, IsMoreThanEachBoundAllows) {
+  EXPECT_TRUE(contradiction_of({{1, 1, 1e-6}}).contradicts());
+  EXPECT_FALSE(contradiction_of({{1, 1, 1e-9}}, 0, 1).contradicts()) << "a0";
+  EXPECT_FALSE(contradiction_of({{1, 1, 1e-9}}, 1, 0).contradicts()) << "J a";
+  EXPECT_TRUE(contradiction_of({{1, 1, 1e-9}}, 0, 0.01).contradicts());
+  EXPECT_FALSE(contradiction_of({{1, 1e8, 1e-6}}).contradicts()) << "rounding of its own terms";
+  EXPECT_TRUE(contradiction_of({{1, 1, NAN}}).contradicts());
+  EXPECT_TRUE(contradiction_of({{1, 1, 1e-14}}).exceeds_rounding());
+  EXPECT_FALSE(contradiction_of({{1, 1, 1e-15}}).exceeds_rounding());
+  EXPECT_FALSE(contradiction_of({{1, 0, 0}}).exceeds_rounding()) << "nothing of nothing";
+}
+
+TEST(Contradiction, RoundingOfOtherRowsIsBoundedThreeTimes) {
+  const auto contradicts = [](Rows rows) {
+    rows.push_back({1, 1, 1e-6});
+    return contradiction_of(rows).contradicts();
+  };
+  EXPECT_FALSE(contradicts({{1, 1e8, 0}})) << "another's terms";
+  EXPECT_TRUE(contradicts({{1e6, 1e8, 0}})) << "of a large row";
+  EXPECT_TRUE(contradicts({{1e-6, 1e8, 0}})) << "of a small row";
+  EXPECT_TRUE(contradicts({{1e-6, 1e2, 0}, {1e6, 1e2, 0}})) << "no more than the largest terms";
+  EXPECT_TRUE(contradicts({{1e6, 1e8, 0}, {0, 1, 0}})) << "a row of zeros has no lever";
+  EXPECT_TRUE(contradiction_of({{0, 1e8, 0}, {0, 1, 1e-6}}).contradicts()) << "and takes no other's";
+  EXPECT_FALSE(contradiction_of({{0, 1e8, 1e-6}}).contradicts()) << "but its own";
+}
+
+TEST(Contradiction, OfRowsOfVeryDifferentSizeIsLeftToTheDenseSolver) {
+  EXPECT_TRUE(contradiction_of({{1, 1, 1e-6}, {1e-5, 1, 0}}).needs_dense());
+  EXPECT_FALSE(contradiction_of({{1, 1, 1e-6}, {1e-3, 1, 0}}).needs_dense()) << "sizes";
+  EXPECT_FALSE(contradiction_of({{1, 1, 1e-9}, {1e-5, 1, 0}}).needs_dense()) << "they agree";
+  EXPECT_FALSE(contradiction_of({{1, 1, 1e-6}, {0, 1, 0}}).needs_dense()) << "no row";
+}
+
+// The sizes that rows are compared with: each motion is set alone, and counts.
+class RowSizes : public testing::Test {
+ protected:
+  using Terms = internal::RowTerms<double>;
+
+  RowSizes() : data_(contact_, {}) {
+    contact_.A = {0, 0, SE3<double>::Identity()};
+    contact_.B.robot = -1;
+    for (Joint& joint : model_.joints) joint.inertia = Inertia<double>::from_com(1, {}, Mat3<double>::Identity());
+    finalize(model_);
+    kin_.emplace(model_);
+    for (auto* motions : {&kin_->v, &kin_->a}) motions->assign(2, Vec6<double>::Zero());
+    for (Vec6<double>* motion : {&data_.vA, &data_.vB, &data_.aA, &data_.aB}) motion->setZero();
+    for (Vec3<double>* p : {&data_.aMA.p, &data_.bMA.p, &data_.on_A, &data_.on_B}) p->setZero();
+  }
+  Terms terms(double origin = 0) const { return internal::row_terms<double>(contact_, data_, origin); }
+  Terms drift(const Vec3<double>& place = Vec3<double>::Zero()) const {
+    return internal::contact_drift<double>(contact_, data_, model_, *kin_, model_, *kin_, place);
+  }
+  static void expect(const Terms& found, double linear, double angular) {
+    EXPECT_EQ(found.linear, linear);
+    EXPECT_EQ(found.angular, angular);
+  }
+
+  Contact contact_;
+  ContactData<double> data_;
+  Model model_ = [] {
+    Model model;
+    model.joints.resize(2);
+    model.joints[1].parent = 0;
+    return model;
+  }();
+  std::optional<Kinematics<double>> kin_;
+};
+
+TEST_F(RowSizes, OfRotationsAreRadians) {
+  data_.Jl.setZero(6, 1);
+  data_.Jl(1, 0) = 2, data_.Jl(4, 0) = 3;
+  data_.joint_lever = 0;
+  EXPECT_EQ(row_size<double>(contact_, data_, 2), 2);
+  EXPECT_EQ(row_size<double>(contact_, data_, 3), 3);
+}
+
+TEST_F(RowSizes, OfAccelerations) {
+  data_.aA[1] = 5, data_.aA[4] = 2, data_.aB[0] = -7, data_.aB[5] = -1;
+  expect(terms(), 12, 3);
+}
+
+TEST_F(RowSizes, OfVelocities) {
+  data_.vA[3] = -2, data_.vB[2] = 3;
+  expect(terms(), 6, 4);
+  contact_.beta = -5;
+  expect(terms(), 6 + 15, 4 + 10);
+}
+
+TEST_F(RowSizes, OfPlacements) {
+  contact_.alpha = -2;
+  expect(terms(), 0, 2);
+  expect(terms(7), 14, 2);
+  for (Vec3<double>* p : {&data_.aMA.p, &data_.bMA.p, &data_.on_B}) {
+    (*p)[1] = -3;
+    expect(terms(), 6, 2);
+    p->setZero();
+  }
+  expect(drift({0, -9, 0}), 18, 2);
+  contact_.B = {0, 1, SE3<double>::Identity()};
+  expect(drift({0, -9, 0}), 0, 2);
+}
+
+TEST_F(RowSizes, OfBodiesAsTheTreeHasThem) {
+  kin_->v[0] << 0, 3, 0, 2, 0, 0;
+  expect(drift(), 6, 4);
+  kin_->v[0] << 0, 0, 0, 2, 0, 0;
+  data_.aMA.p[2] = -10;
+  expect(drift(), 40, 4);
+  kin_->v[0].setZero();
+  kin_->a[0] << 0, 7, 0, 0, 0, 0;
+  expect(drift(), 7, 0);
+  kin_->a[0] << 0, 0, 0, 0, 5, 0;
+  expect(drift(), 50, 5);
+}
+
+TEST_F(RowSizes, OfOriginsThatRoundingMoves) {
+  model_.trees.resize(1), model_.tree_of = {0, 0};
+  kin_->origins.resize(1);
+  kin_->origins[0].p = {0, 0, -4};
+  const auto off = [&](std::vector<int> path) {
+    model_.trees[0].path = std::move(path);
+    return internal::origin_rounding<double>(model_, *kin_, 0);
+  };
+  model_.joints[1].type = JointType::kPrismatic;
+  EXPECT_EQ(off({1, 1}), 0) << "a sum along axes as given";
+  EXPECT_EQ(off({1, 0}), 0) << "the last joint turns what follows alone";
+  EXPECT_EQ(off({0, 1}), 4);
+  model_.joints[1].placement_rotates = true;
+  EXPECT_EQ(off({1}), 4);
+  model_.floating_base = true;
+  EXPECT_EQ(off({0, 1}), 0);
 }
 
 }  // namespace

@@ -56,7 +56,7 @@ void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& us
       for (int k = p.first_dof[node]; k < p.first_dof[node] + p.ndof[node]; ++k) {
         largest = std::max(largest, std::abs(G.dot(s.S.col(k))));
         size = std::max(size, sizes.dot(s.S.col(k).cwiseAbs()));
-        if (largest > tolerance::kPlainlyMoves * size && largest > 0) return true;
+        if (largest > tolerance::kPlainlyMoves * size) return true;
       }
       if (met >= tolerance::kManyJoints) {
         if (!known) find_bases(s, bases), known = true;

@@ -147,7 +147,6 @@ bool eliminate_joint(const BodySystem& system, BodyLdl& d, int i, const V6& size
   }
   if constexpr (N == 1) {
     Dinv(0, 0) = 1 / D(0, 0);
-    if (!std::isfinite(Dinv(0, 0))) return false;
   } else {
     const Eigen::LLT<Square> llt(D);
     if (llt.info() != Eigen::Success) return false;

@@ -165,29 +165,24 @@ class DependentRowsFactor final : public Factor {
   bool kept_are_sound(const KktMatrix& K, FactorScratch& scratch, double margin) const {
     const std::vector<double>& terms = scratch.scale;
     auto dropped = dependence_.dropped.begin();
-    rank::PassedOnInTree passed_on(ldl_.pattern->ldl, scratch.passed_on);
-    bool passed = false;
     for (int k = 0; k < K.size(); ++k) {
       if (dropped != dependence_.dropped.end() && *dropped == k) {
         ++dropped;
-        passed_on.pass_up(k);
         continue;
       }
       const rank::Pivot<double> pivot = pivot_of(K, k, ldl_.D[k], terms[k]);
-      if (!passed_on.accepts(k, pivot.of_M, std::abs(pivot.d) / (margin * terms[k]))) passed = true;
       if (!rank::is_left(pivot, margin) || !rank::has_its_sign(pivot)) return false;
     }
     const auto of_M = [this](int k) { return of_M_[k] != 0; };
-    return !passed || !rank::any_pivot_is_rounding(ldl_.pattern->ldl, ldl_.L.data(), ldl_.D.data(), terms.data(),
-                                                   margin, of_M, internal::noise_of(K.size(), scratch));
+    return !rank::any_pivot_is_rounding(ldl_.pattern->ldl, ldl_.L.data(), ldl_.D.data(), terms.data(), margin, of_M,
+                                        internal::noise_of(K.size(), scratch));
   }
   // A pivot of these terms, with its row's own entries.
   rank::Pivot<double> pivot_of(const KktMatrix& K, int k, double d, double terms) const {
     const sparse::UpperCsc& A = ldl_.pattern->K;
     if (of_M_[k]) return {true, d, terms, K.values[A.p[k + 1] - 1]};
     double own = 0;
-    for (int p = A.p[k]; p < A.p[k + 1]; ++p)
-      if (of_M_[A.i[p]]) own = std::max(own, std::abs(K.values[p]));
+    for (int p = A.p[k]; p < A.p[k + 1]; ++p) own = std::max(own, std::abs(K.values[p]));
     return {false, d, terms, own, row_size_[k]};
   }
   // The remainder of row k's entry on the diagonal after L, and the sizes of the terms.

@@ -51,11 +51,9 @@ class ProximalFactor final : public Factor {
   Reason factorize(const KktMatrix& K, FactorScratch& scratch) override {
     if (ldl_.pattern != K.pattern) take(K.pattern);
     K_ = &K;
-    const double S = largest_of_S();
-    if (!(S > 0) || !std::isfinite(S)) return Reason::kSingularInertia;
-    delta_ = tolerance::kProximal * S;
-    if (in_doubt_ && !find_stiffer_pivots(scratch)) return Reason::kZeroPivot;
-    if (!factorize_damped(delta_, scratch)) return Reason::kZeroPivot;
+    delta_ = tolerance::kProximal * largest_of_S();
+    if (in_doubt_) find_stiffer_pivots(scratch);
+    factorize_damped(delta_, scratch);
     if (const Reason reason = judge(scratch.scale.data()); reason != Reason::kNone) return reason;
     return find_dependent_rows(scratch) && certify(scratch) ? Reason::kNone : Reason::kSmallPivot;
   }
@@ -129,10 +127,11 @@ class ProximalFactor final : public Factor {
     return largest(r_);
   }
 
-  bool factorize_damped(double delta, FactorScratch& scratch) {
+  // A pivot that is zero, or no number, stays in D.
+  void factorize_damped(double delta, FactorScratch& scratch) {
     std::copy(K_->values.begin(), K_->values.end(), damped_.begin());
     for (int slot : ldl_.pattern->diagonal_slot) damped_[slot] = -delta;
-    return ldl_.factor(damped_.data(), scratch);
+    (void)ldl_.factor(damped_.data(), scratch);
   }
 
   // M's pivots as of any factor; those of J's rows have their sign.
@@ -141,7 +140,7 @@ class ProximalFactor final : public Factor {
     const sparse::UpperCsc& A = ldl_.pattern->K;
     for (int k = 0; k < A.n; ++k) {
       const double d = ldl_.D[k];
-      if (!std::isfinite(d) || d == 0 || !std::isfinite(scale[k])) return Reason::kZeroPivot;
+      if (!std::isfinite(d) || d == 0) return Reason::kZeroPivot;
       if ((d > 0) != static_cast<bool>(of_M_[k])) return of_M_[k] ? Reason::kSingularInertia : Reason::kWrongInertia;
       if (of_M_[k] && !rank::is_left<double>({true, d, scale[k], K_->values[A.p[k + 1] - 1]}))
         return Reason::kSingularInertia;
@@ -150,10 +149,9 @@ class ProximalFactor final : public Factor {
   }
 
   // Pivots with a larger delta, for the next functions. The current factor is lost.
-  bool find_stiffer_pivots(FactorScratch& scratch) {
-    if (!factorize_damped(tolerance::kStiffer * delta_, scratch)) return false;
+  void find_stiffer_pivots(FactorScratch& scratch) {
+    factorize_damped(tolerance::kStiffer * delta_, scratch);
     stiffer_ = ldl_.D;
-    return true;
   }
 
   // Judges rows by their pivots relative to delta, or where one is of a size that both kinds of rows may have,
@@ -171,7 +169,11 @@ class ProximalFactor final : public Factor {
         in_doubt_ = true;
     }
     if (!in_doubt_) return true;
-    return (known || (find_stiffer_pivots(scratch) && factorize_damped(delta_, scratch))) && compare_pivots();
+    if (!known) {
+      find_stiffer_pivots(scratch);
+      factorize_damped(delta_, scratch);
+    }
+    return compare_pivots();
   }
 
   // The product of all pivots is det M det (S + delta), in which each zero eigenvalue of S is a factor delta: the
@@ -261,7 +263,8 @@ class ProximalFactor final : public Factor {
 
 // Random vectors in the place of P's columns: E^k of them is P of them once J^T of that is rounding, which it never is
 // where a row that was dropped depends on the others but nearly: an eigenvector of S that E neither takes away nor
-// keeps shows in nearly all random vectors. Forces are smoother than these, and have more of the smallest eigenvalues':
+// keeps shows in nearly all random vectors. A row dropped by its pivot alone may have one of kPivotOfDependent delta,
+// that E takes away by as much each time. Forces are smoother than these, and have more of the smallest eigenvalues':
 // they take one application more.
 bool ProximalFactor::certify(FactorScratch& scratch) {
   left_ = drift_ = 0;
@@ -269,6 +272,7 @@ bool ProximalFactor::certify(FactorScratch& scratch) {
   std::fill(in_null_space_.begin(), in_null_space_.end(), 0);
   if (dropped_.empty()) return true;
   start_probes();
+  const double slowest = in_doubt_ ? tolerance::kSlowest : 0.5 / tolerance::kPivotOfDependent;
   double last = std::numeric_limits<double>::infinity();
   for (int k = 1; k < tolerance::kMostApplications; ++k, last = left_) {
     before_ = probes_;
@@ -276,7 +280,7 @@ bool ProximalFactor::certify(FactorScratch& scratch) {
     measure_drift();
     left_ = left_of_probes(scratch);
     const bool vanishes = left_ <= std::max(tolerance::kRowLeft, tolerance::kGrown * kEps * growth_);
-    if (!vanishes && left_ < tolerance::kSlowest * last) continue;
+    if (!vanishes && left_ < slowest * last) continue;
     left_ = std::min(left_, last);  // where it stalls, the rest is rounding: an eigenvector that E keeps leaves more
     if (!vanishes && !(left_ <= tolerance::kMostLeft)) return false;
     applications_ = vanishes ? k + 1 : k;
@@ -325,7 +329,7 @@ double ProximalFactor::left_of_probes(const FactorScratch& scratch) {
     for (int k = 0; k < p.size(); ++k)
       if (of_M_[k]) left = sparse::larger_or_nan(left, std::abs(r_[k]) / std::max(scale_[k], rows));
   }
-  return rows > 0 ? left : 0;
+  return left;
 }
 
 // Rounding errors of vectors that E keeps, relative to them: the change of the probes once they are such vectors.
@@ -333,7 +337,7 @@ void ProximalFactor::measure_drift() {
   double change = 0;
   for (std::size_t k = 0; k < probes_.size(); ++k)
     change = sparse::larger_or_nan(change, std::abs(probes_[k] - before_[k]));
-  drift_ = std::max(change / largest(probes_), kEps);
+  drift_ = change / largest(probes_);
 }
 
 void ProximalFactor::take_null_space_rows() {

@@ -104,7 +104,6 @@ void solve_panel_refined(Factor& factor, const KktMatrix& K, double* X, int ld, 
   for (int c = first; c < first + cols; c += kChunk) {
     const int n = std::min(kChunk, first + cols - c);
     for (std::ptrdiff_t k = 0; k < K.size(); ++k) std::copy_n(X + k * ld + c, n, B + k * ld);
-    if (c > first) std::fill_n(work.nonzero.begin(), K.size(), 1);
     factor.solve_panel(X, ld, c, n, work.nonzero.data());
     sparse::residual_panel(p.K, K.values.data(), p.perm.data(), X + c, B, ld, n);
     std::fill_n(work.nonzero.begin(), K.size(), 1);  // a residual has no zero rows

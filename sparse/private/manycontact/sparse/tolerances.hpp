@@ -183,7 +183,7 @@ inline constexpr double kPivotOfDependent = 1e2, kPivotOfOthers = 1e7, kStiffer 
 /// from an integer by the second: rounding of pivots contributes 1e-3 each.
 inline constexpr double kPlainExponent = 0.02, kExponentsLeft = 0.2;
 /// The projection's factor for the smallest eigenvalue of J M^-1 J^T, which is usually below 1e-3: from 1/2 on rows
-/// count as nearly dependent.
+/// count as nearly dependent, and from 1 / (2 kPivotOfDependent) on where pivots are not compared.
 inline constexpr double kSlowest = 0.5;
 inline constexpr int kMostApplications = 12;
 /// Entries of random vectors' projections, below which a row is in no null vector: a thousand times their rounding.
