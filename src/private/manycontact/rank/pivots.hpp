@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "manycontact/sparse/ldl.hpp"
@@ -23,12 +22,13 @@ struct Pivot {
 };
 
 /// Whether more than rounding is left of it, `margin` times over. A row of M has its own entry, too: where rows of J
-/// before it bury that, these hardly moved the joints below it, so their pivots were rounding.
+/// before it bury that, these hardly moved the joints below it, so their pivots were rounding. Of terms that are
+/// infinite, or no numbers, nothing is left.
 template <class S>
 auto is_left(const Pivot<S>& p, double margin = 1) {
   const S least = S(margin * tolerance::kPivotLeft) * p.terms, size = absolute(p.d);
   const S own = p.of_M ? least : S(margin * tolerance::kRank) * p.row_size;
-  return (size > least) & (p.own > own) & (p.terms <= S(std::numeric_limits<double>::max()));
+  return (size > least) & (p.own > own);
 }
 /// Whether it has the sign of its row, which it has in any order: K has nv positive eigenvalues.
 template <class S>
@@ -61,15 +61,11 @@ class PassedOnInTree {
   }
   bool accepts(int k, bool of_M, double left) {
     const bool accepted = at_[k].accepts(of_M, left);
-    pass_up(k);
+    if (const int parent = symbolic_.parent[k]; parent >= 0) {
+      at_[parent].least = std::min(at_[parent].least, at_[k].least);
+      at_[parent].least_of_J = std::min(at_[parent].least_of_J, at_[k].least_of_J);
+    }
     return accepted;
-  }
-  /// In place of that, for a row without pivot.
-  void pass_up(int k) {
-    const int parent = symbolic_.parent[k];
-    if (parent < 0) return;
-    at_[parent].least = std::min(at_[parent].least, at_[k].least);
-    at_[parent].least_of_J = std::min(at_[parent].least_of_J, at_[k].least_of_J);
   }
 
  private:
@@ -79,15 +75,14 @@ class PassedOnInTree {
 
 /// The same by L itself, sharper: the error of a pivot is the rounding of its own terms, and l^2 times the errors of
 /// the pivots before it, but among M's alone. In a long tower each contact's pivots are small compared with their
-/// terms, by the inertia of all above, and hardly change those below. Whether some pivot is no more than that; rows
-/// without pivot, whose D is infinite, are passed over. terms: of the pivots; noise: memory of n numbers.
+/// terms, by the inertia of all above, and hardly change those below. Whether some pivot is no more than that. Rows
+/// without pivot have an infinite D and no L, and pass nothing on. terms: of the pivots; noise: memory of n numbers.
 template <class OfM>
 bool any_pivot_is_rounding(const sparse::LdlSymbolic& s, const double* L, const double* D, const double* terms,
                            double margin, OfM&& of_M, double* noise) {
   std::fill_n(noise, s.n, 0.0);
   bool lost = false;
   for (int j = 0; j < s.n; ++j) {
-    if (!std::isfinite(D[j])) continue;
     const double wrong = noise[j] += tolerance::kRowRounding * terms[j];
     lost = lost || !(std::abs(D[j]) > margin * wrong);
     for (int k = s.Lp[j]; k < s.Lp[j + 1]; ++k)
