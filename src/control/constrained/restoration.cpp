@@ -29,7 +29,7 @@ constexpr double kCrawling = 1e-9;
 // are for candidates from which a motion without feedback moves too far.
 constexpr double kBeside[] = {1e-2, 1e-4, 1e-6};
 // The same for motions far from the candidate.
-constexpr double kElsewhere[] = {0.3, -0.1, 1, -0.5, 3, -2};
+constexpr double kElsewhere[] = {0.3, -0.1, 1, -0.5, 3, -2, 0.05, 0.2};
 constexpr double kRegularised = 1e-12;
 // A search converges slowly if kCreepingWindow iterations leave more than this share of the squared violation.
 constexpr double kCreeping = 0.99;
