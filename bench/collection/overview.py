@@ -66,7 +66,7 @@ def points_of(table, name, line):
 class Labels:
     """Places labels next to their points, each where it covers markers, other labels and the outside least."""
 
-    PLACES = [(dx, dy) for reach in (10, 16, 26) for dx, dy in ((reach, 0), (-reach, 0), (0, reach), (0, -reach), (reach, reach), (reach, -reach),
+    PLACES = [(dx, dy) for reach in (10, 16, 26, 40) for dx, dy in ((reach, 0), (-reach, 0), (0, reach), (0, -reach), (reach, reach), (reach, -reach),
                                                                 (-reach, reach), (-reach, -reach))]
 
     def __init__(self, axes):
