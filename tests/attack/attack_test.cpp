@@ -41,8 +41,8 @@ class TightBounds : public testing::Environment {
                  most = bound_over_error[bound_over_error.size() * 19 / 20];
     std::cout << "bound over error: least " << bound_over_error.front() << ", median " << median << ", 95 % below "
               << most << " (" << bound_over_error.size() << ")\n";
-    EXPECT_LE(median, 100);
-    EXPECT_LE(most, 2500);
+    EXPECT_LE(median, 500);
+    EXPECT_LE(most, 10000);
   }
 };
 const testing::Environment* const tight_bounds = testing::AddGlobalTestEnvironment(new TightBounds);

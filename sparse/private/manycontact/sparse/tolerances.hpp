@@ -334,11 +334,11 @@ inline constexpr double kExtendedDependent = 0x1p-75;
 inline constexpr int kExtendedSteps = 60;
 /// Numbers of a scene (placements, inertias, quaternions) are rounded when they are read. The error of a solution that
 /// follows from this is at most kReadRounding of it and kReadShare of the bound by |K^-1|, which counts kBoundRounding
-/// eps of each term: one of these. With 1/32, the median of bound over error would be 34 in place of 78, but 6 of 16,000
-/// random scenes exceeded their bound by up to 5 times. The precision `extended` is judged by the scene as read: its
-/// share is 2^-104 / 2^-53, and 32 for the constants of sums and products in double-double.
+/// eps of each term: four of these. With 1/12, the median of bound over error would be 78 in place of 311, but 6 of
+/// 42,000 random scenes exceeded their bound by up to 2.5 times. The precision `extended` is judged by the scene as
+/// read: its share is 2^-104 / 2^-53, and 32 for the constants of sums and products in double-double.
 /// Used by: estimate_errors.
-inline constexpr double kReadRounding = 0x1p-48, kReadShare = 1.0 / 12, kExtendedShare = 0x1p-46;
+inline constexpr double kReadRounding = 0x1p-48, kReadShare = 1.0 / 3, kExtendedShare = 0x1p-46;
 
 // ---- choosing -------------------------------------------------------------------------------------------------
 
