@@ -30,11 +30,6 @@ using OfIsland = ExtendedWork::OfIsland;
 
 SceneData& solved_data(SceneData& data) { return data.workspace->reduction ? *data.workspace->reduction->data : data; }
 
-bool has_pairs(const SceneData& data, std::size_t i) {
-  const Reduction* r = data.workspace->reduction;
-  return r && r->islands[i].contacts.size() != r->data->workspace->islands[i]->island.contacts.size();
-}
-
 // Whether the double solution is one of this scene's equations. With damping all rows count: none may be left out.
 bool may_refine(const Scene& scene, const IslandWork& d, const IslandReport& report) {
   if (!d.answered || d.matrix.tolerated > 0) return false;
@@ -304,6 +299,7 @@ void take_dependence(const Scene& scene, SceneData& data, ExtendedWork& e) {
 
 void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
   const Workspace& solver = solver_of(data);
+  const Reduction* reduction = data.workspace->reduction;
   e.islands.assign(island_count(data), {});
   for (std::size_t i = 0; i < e.islands.size(); ++i) {
     const IslandReport& report = data.report.islands[i];
@@ -318,7 +314,7 @@ void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
     const Island& island = island_of(data, i);
     const double damping = report.reason == Reason::kDampingLost ? 0 : scene.damping;
     for (int c : island.contacts) e.damping[static_cast<std::size_t>(c)] = damping;
-    of.projects = damping == 0 && (report.rank < report.nc || has_pairs(data, i));
+    of.projects = damping == 0 && (report.rank < report.nc || (reduction && has_pairs(*reduction, i)));
     of.size_a = largest(scene, island, data.a);
     of.size_f = largest_force(scene, data.f_offset, island, data.f);
     of.at_rest_a = std::max(scene.gravity.norm(), report.contact_terms);

@@ -175,8 +175,7 @@ void estimate_condition_reduced(const Scene& scene, SceneData& data) {
   Workspace& solved = *r.data->workspace;
   for (std::size_t i = 0; i < r.islands.size() && scene.damping > 0; ++i) {
     IslandWork& d = *solved.islands[i];
-    if (r.islands[i].contacts.size() == d.island.contacts.size()) continue;
-    if (!d.matrix.make_current(r.scene, *r.data, solved.threads.front())) continue;
+    if (!has_pairs(r, i) || !d.matrix.make_current(r.scene, *r.data, solved.threads.front())) continue;
     double& condition = r.data->report.islands[i].condition;
     condition = std::max(condition, norm_of(d.matrix) / scene.damping);
   }

@@ -177,6 +177,10 @@ std::unique_ptr<Reduction> begin_reduction(const Scene& scene) {
 
 }  // namespace
 
+bool has_pairs(const Reduction& r, std::size_t i) {
+  return r.islands[i].contacts.size() != island_of(*r.data, i).contacts.size();
+}
+
 bool reduction_is_current(const Scene& scene, const SceneData& data) {
   const Workspace& w = *data.workspace;
   const bool may = may_reduce(scene, data.options);

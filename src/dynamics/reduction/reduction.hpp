@@ -66,6 +66,8 @@ namespace internal {
 
 /// Whether the current reduction is that of the data's options, contacts and numbers.
 bool reduction_is_current(const Scene& scene, const SceneData& data);
+/// Whether contacts of an island are reduced.
+bool has_pairs(const Reduction& reduction, std::size_t island);
 /// Makes, changes or drops the reduction for data.active; its islands are prepared.
 void prepare_reduction(const Scene& scene, SceneData& data);
 /// After `begin` of solve, where there is a reduction. prescribed: of rows of data.f, or none.

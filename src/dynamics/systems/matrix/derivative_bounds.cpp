@@ -134,15 +134,12 @@ std::vector<double> terms_of_errors(const Scene& scene, const SceneData& data, c
   std::vector<double> out(island.size(), 0.0);
   std::vector<std::vector<Vec6<double>>> fext;  // per robot of the island: sizes of the contacts' forces on its bodies
   for (int r : island.robots) fext.emplace_back(scene.robots[r].model->njoints(), Vec6<double>(Vec6<double>::Zero()));
-  const auto place_of = [&](int robot) {
-    return std::lower_bound(island.robots.begin(), island.robots.end(), robot) - island.robots.begin();
-  };
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[island.contacts[k]];
     const ContactData<double>& rows = work.linearisation->contacts[island.contacts[k]];
     const Vec6<double> F = f * rows.W.cwiseAbs().colwise().sum().transpose();
     each_body_force(contact, rows, F, [&](const Attachment& at, const Vec6<double>& force) {
-      fext[place_of(at.robot)][at.joint] += force.cwiseAbs();
+      fext[local_robot(island, at.robot)][at.joint] += force.cwiseAbs();
     });
     const RowTerms<double> J = motion_terms(contact, rows);
     const auto [moved, turned] = largest_of_motions(rows.Jl);
