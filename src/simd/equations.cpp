@@ -11,10 +11,13 @@ extern const Level level_baseline, level_avx2;
 
 // Double-double needs the fused product alone, and gains nothing from wider registers.
 const Level& level_here() {
-#ifdef MANYCONTACT_LEVEL_avx2
-  if (simd::levels().front().name != std::string_view("baseline")) return level_avx2;
-#endif
+#ifndef MANYCONTACT_LEVEL_baseline
+  return level_avx2;
+#elif defined(MANYCONTACT_LEVEL_avx2)
+  return simd::levels().front().name == std::string_view("baseline") ? level_baseline : level_avx2;
+#else
   return level_baseline;
+#endif
 }
 
 }  // namespace manycontact::extended

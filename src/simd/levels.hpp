@@ -33,9 +33,11 @@ struct Level {
   const sparse::PanelKernels& panels;
   const lq::DenseKernels& blocks;
   const lanes::Level& robots;
+  bool (*runs)();  // whether this processor has the instructions
 };
 
 /// All levels of this build that this processor has the instructions of, the widest first.
+/// @throws std::runtime_error where there are none: the build was for another machine alone
 std::span<const Level> levels();
 
 }  // namespace simd
