@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "../src/cli/files/csv_file.hpp"
+#include "../src/program/files/csv_file.hpp"
 
 namespace manycontact::bench {
 

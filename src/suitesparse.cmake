@@ -1,4 +1,4 @@
-# The parts of SuiteSparse that floor sparse links, as the target manycontact::suitesparse. Used by the build and by the
+# The parts of SuiteSparse that module sparse links, as the target manycontact::suitesparse. Used by the build and by the
 # installed package alike; SuiteSparse before 7 has no CMake package, so headers and libraries are looked up.
 if(TARGET manycontact::suitesparse)
   return()

@@ -18,10 +18,10 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::map<std::string, int> level = {
-    {"abi", -1},     {"version", -1},     {"simd", -1},   {"sparse", 0},     {"lq", 1},      {"spatial", 1},
-    {"model", 2},    {"algorithm", 3},    {"contact", 4}, {"io", 5},         {"rank", 5},    {"kkt", 6},
-    {"dynamics", 7}, {"analysis", 8},     {"action", 8},  {"simulation", 8}, {"control", 9}, {"crocoddyl", 10},
-    {"task", 10},    {"manycontact", 11}, {"cli", 12},    {"python", 12},
+    {"abi", -1},     {"version", -1},     {"simd", -1},    {"sparse", 0},     {"lq", 1},      {"spatial", 1},
+    {"model", 2},    {"algorithm", 3},    {"contact", 4},  {"io", 5},         {"rank", 5},    {"kkt", 6},
+    {"dynamics", 7}, {"analysis", 8},     {"action", 8},   {"simulation", 8}, {"control", 9}, {"crocoddyl", 10},
+    {"task", 10},    {"manycontact", 11}, {"program", 12}, {"python", 12},
 };
 
 struct Guarded {
@@ -36,21 +36,29 @@ const std::vector<Guarded> guarded = {
                 "|SuiteSparse\\w*\\.h(pp)?|Eigen/(Cholmod|UmfPack|SPQR|KLU)Support"),
      std::regex("sparse/src/.*")},
     {"urdfdom and tinyxml2 belong to the sources of io",
-     std::regex("(urdf\\w*|console_bridge|tinyxml2?)/.*|tinyxml2?\\.h"), std::regex("src/io/.*")},
-    {"JSON belongs to cli", std::regex("nlohmann/.*"), std::regex("src/cli/.*")},
+     std::regex("(urdf\\w*|console_bridge|tinyxml2?)/.*|tinyxml2?\\.h"), std::regex("src/tools/io/.*")},
+    {"JSON belongs to the programs", std::regex("nlohmann/.*"), std::regex("src/(optimal_control/)?program/.*")},
     {"OpenMP belongs to one file, which sees no Eigen", std::regex("omp\\.h"),
-     std::regex("src/dynamics/workspace/parallel\\.cpp")},
-    {"MPI belongs to the program manycontact-mpi", std::regex("mpi\\.h"), std::regex("src/cli/mpi_main\\.cpp")},
-    {"assimp belongs to the program manycontact-mesh", std::regex("assimp/.*"), std::regex("src/cli/mesh_main\\.cpp")},
+     std::regex("src/core/dynamics/workspace/parallel\\.cpp")},
+    {"MPI belongs to the program manycontact-mpi", std::regex("mpi\\.h"), std::regex("src/program/mpi_main\\.cpp")},
+    {"assimp belongs to the program manycontact-mesh", std::regex("assimp/.*"),
+     std::regex("src/program/mesh_main\\.cpp")},
     {"boost belongs to spatial/scalar.hpp and quad.hpp", std::regex("boost/.*"),
      std::regex("include/manycontact/spatial/scalar\\.hpp|(.*/)?quad\\.hpp")},
 };
 
-// Returns the layer of a file from its path in the repository: "kkt" for src/kkt/assemble.cpp. The umbrella
+// The folder of src that a module is in, as a level: tools, optimal_control, programs; all others are in core.
+const std::map<std::string, int> folder_level = {
+    {"io", 1},        {"analysis", 1}, {"simulation", 1}, {"lq", 2},          {"action", 2}, {"control", 2},
+    {"crocoddyl", 2}, {"task", 2},     {"program", 3},    {"manycontact", 3}, {"python", 3},
+};
+
+// Returns the layer of a file from its path in the repository: "kkt" for src/core/kkt/assemble.cpp. The umbrella
 // include/manycontact/action.hpp is part of "action"; include/manycontact/manycontact.hpp is above all but the program.
 std::optional<std::string> floor_of(const std::string& file) {
   static const std::regex place(
-      "(?:(?:include|src/private|sparse/private)/manycontact|src)/(\\w+)(?:/.*|\\.hpp)|(sparse)/src/.*");
+      "(?:(?:include|src/(?:core|tools|optimal_control)/private|sparse/private)/manycontact|"
+      "src/(?:core|tools|optimal_control)|src)/(\\w+)(?:/.*|\\.hpp)|(sparse)/src/.*");
   std::smatch match;
   if (!std::regex_match(file, match, place)) return std::nullopt;
   const std::string name = match[1].matched ? match[1] : match[2];
@@ -58,11 +66,19 @@ std::optional<std::string> floor_of(const std::string& file) {
   return name;
 }
 
+int folder_of(const std::string& module) {
+  const auto found = folder_level.find(module);
+  return found == folder_level.end() ? 0 : found->second;
+}
+
 // Returns our file that `header` means when `file` includes it, from the top of the repository.
 std::optional<std::string> own_target(const std::string& file, const std::string& header, bool quoted) {
+  const fs::path top = MANYCONTACT_SOURCE_DIR;
+  for (const char* folder :
+       {"src/core/private", "src/tools/private", "src/optimal_control/private", "sparse/private", "src", "src/core"})
+    if (quoted && fs::exists(top / folder / header)) return std::string(folder) + "/" + header;
   if (header.starts_with("manycontact/")) return "include/" + header;
   if (!quoted) return std::nullopt;
-  if (fs::exists(fs::path(MANYCONTACT_SOURCE_DIR) / "src" / header)) return "src/" + header;
   return (fs::path(file).parent_path() / header).lexically_normal().generic_string();
 }
 
@@ -77,8 +93,9 @@ std::string complaint(const std::string& file, const std::string& header, bool q
   const auto from = floor_of(file);
   const auto to = floor_of(*target);
   if (!to) return "includes " + header + ", which stands on no floor";
-  if (*from == *to || level.at(*to) < level.at(*from)) return "";
-  const std::string direction = level.at(*to) == level.at(*from) ? "sideways" : "up";
+  const bool up = folder_of(*to) > folder_of(*from) || level.at(*to) > level.at(*from);
+  if (*from == *to || (!up && level.at(*to) < level.at(*from))) return "";
+  const std::string direction = up ? "up" : "sideways";
   return "includes " + header + ": from " + *from + " " + direction + " to " + *to;
 }
 
@@ -179,15 +196,15 @@ TEST(Layering, WhatIsInstalledIsListed) {
 }
 
 TEST(Layering, CheckerNamesFileAndLineOfABadInclude) {
-  EXPECT_EQ(check_text("src/kkt/assemble.cpp",
+  EXPECT_EQ(check_text("src/core/kkt/assemble.cpp",
                        "#include \"manycontact/kkt/assemble.hpp\"\n"
                        "\n"
                        "  #  include <manycontact/dynamics/solve.hpp>  // up\n"
                        "#include \"manycontact/sparse/pattern.hpp\"\n"
                        "#include <cholmod.h>\n"),
             (std::vector<std::string>{
-                "src/kkt/assemble.cpp:3: includes manycontact/dynamics/solve.hpp: from kkt up to dynamics",
-                "src/kkt/assemble.cpp:5: includes cholmod.h: SuiteSparse belongs to the sources of sparse"}));
+                "src/core/kkt/assemble.cpp:3: includes manycontact/dynamics/solve.hpp: from kkt up to dynamics",
+                "src/core/kkt/assemble.cpp:5: includes cholmod.h: SuiteSparse belongs to the sources of sparse"}));
 }
 
 // Returns whether header `file`, or one of ours that it includes, includes manycontact/abi.hpp.
@@ -222,19 +239,19 @@ struct Include {
 
 TEST(Layering, CheckerLetsGoodIncludesPass) {
   const std::vector<Include> good = {
-      {"src/cli/main.cpp", "\"manycontact/io/scene_file.hpp\""},
-      {"src/cli/main.cpp", "\"commands.hpp\""},
-      {"src/cli/main.cpp", "<nlohmann/json.hpp>"},
+      {"src/program/main.cpp", "\"manycontact/io/scene_file.hpp\""},
+      {"src/program/main.cpp", "\"commands.hpp\""},
+      {"src/program/main.cpp", "<nlohmann/json.hpp>"},
       {"include/manycontact/model/scene.hpp", "\"manycontact/model/model.hpp\""},
       {"include/manycontact/model/scene.hpp", "<vector>"},
       {"include/manycontact/spatial/scalar.hpp", "<boost/multiprecision/float128.hpp>"},
       {"sparse/src/ldl.cpp", "\"manycontact/sparse/ldl.hpp\""},
       {"sparse/src/ldl.cpp", "<ldl.h>"},
-      {"src/io/urdf.cpp", "<urdf_parser/urdf_parser.h>"},
+      {"src/tools/io/urdf.cpp", "<urdf_parser/urdf_parser.h>"},
       {"include/manycontact/manycontact.hpp", "\"manycontact/simulation/step.hpp\""},
-      {"src/cli/main.cpp", "\"manycontact/manycontact.hpp\""},
-      {"src/analysis/load_scene.cpp", "\"manycontact/io/scene_file.hpp\""},
-      {"src/io/urdf.cpp", "<tinyxml2.h>"},
+      {"src/program/main.cpp", "\"manycontact/manycontact.hpp\""},
+      {"src/tools/analysis/load_scene.cpp", "\"manycontact/io/scene_file.hpp\""},
+      {"src/tools/io/urdf.cpp", "<tinyxml2.h>"},
   };
   for (const auto& [file, header] : good)
     EXPECT_TRUE(check_text(file, "#include " + header).empty()) << file << " includes " << header;
@@ -243,24 +260,25 @@ TEST(Layering, CheckerLetsGoodIncludesPass) {
 TEST(Layering, CheckerRefusesBadIncludes) {
   const std::vector<Include> bad = {
       {"include/manycontact/model/scene.hpp", "\"manycontact/contact/reference.hpp\""},  // up
-      {"src/model/scene.cpp", "\"../kkt/assemble.hpp\""},
+      {"src/core/model/scene.cpp", "\"../kkt/assemble.hpp\""},
       {"sparse/src/ldl.cpp", "\"manycontact/spatial/scalar.hpp\""},
-      {"src/action/action.cpp", "\"manycontact/simulation/integrate.hpp\""},  // sideways
-      {"src/simulation/step.cpp", "\"manycontact/manycontact.hpp\""},         // up to an umbrella
-      {"src/io/scene_file.cpp", "\"manycontact/kkt/assemble.hpp\""},
-      {"src/io/scene_file.cpp", "\"manycontact/dynamics/quasi_static.hpp\""},  // io uses no solver
-      {"src/model/scene.cpp", "\"manycontact/nowhere/scene.hpp\""},            // nowhere
+      {"src/optimal_control/action/action.cpp", "\"manycontact/simulation/integrate.hpp\""},  // sideways
+      {"src/tools/simulation/step.cpp", "\"manycontact/manycontact.hpp\""},                   // up to an umbrella
+      {"src/tools/io/scene_file.cpp", "\"manycontact/kkt/assemble.hpp\""},
+      {"src/core/kkt/assemble.cpp", "\"manycontact/io/scene_file.hpp\""},            // the folder above
+      {"src/tools/io/scene_file.cpp", "\"manycontact/dynamics/quasi_static.hpp\""},  // io uses no solver
+      {"src/core/model/scene.cpp", "\"manycontact/nowhere/scene.hpp\""},             // nowhere
       {"src/nowhere/scene.cpp", "<vector>"},
-      {"src/kkt/assemble.cpp", "<suitesparse/ldl.h>"},  // headers private to one layer
-      {"src/kkt/assemble.cpp", "<Eigen/CholmodSupport>"},
+      {"src/core/kkt/assemble.cpp", "<suitesparse/ldl.h>"},  // headers private to one layer
+      {"src/core/kkt/assemble.cpp", "<Eigen/CholmodSupport>"},
       {"sparse/private/manycontact/sparse/ldl.hpp", "<cholmod.h>"},
-      {"src/cli/main.cpp", "<urdf_model/model.h>"},
+      {"src/program/main.cpp", "<urdf_model/model.h>"},
       {"include/manycontact/io/scene_file.hpp", "<tinyxml2.h>"},
-      {"src/io/scene_file.cpp", "<nlohmann/json.hpp>"},
-      {"src/dynamics/solve.cpp", "<boost/multiprecision/float128.hpp>"},
-      {"src/dynamics/batch.cpp", "<omp.h>"},
-      {"src/cli/batch/batch.cpp", "<mpi.h>"},
-      {"src/cli/view/mesh.cpp", "<assimp/scene.h>"},
+      {"src/tools/io/scene_file.cpp", "<nlohmann/json.hpp>"},
+      {"src/core/dynamics/solve.cpp", "<boost/multiprecision/float128.hpp>"},
+      {"src/core/dynamics/batch.cpp", "<omp.h>"},
+      {"src/program/batch/batch.cpp", "<mpi.h>"},
+      {"src/program/view/mesh.cpp", "<assimp/scene.h>"},
   };
   for (const auto& [file, header] : bad)
     EXPECT_EQ(check_text(file, "#include " + header).size(), 1u) << file << " includes " << header;

@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-#include "../../src/cli/files/gnuplot.hpp"
+#include "../../src/program/files/gnuplot.hpp"
 #include "report.hpp"
 
 namespace manycontact::bench {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <iostream>
 
-#include "../../src/cli/files/gnuplot.hpp"
+#include "../../src/program/files/gnuplot.hpp"
 #include "report.hpp"
 
 int main(int argc, char** argv) try {

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "../../src/cli/text/table.hpp"
+#include "../../src/program/text/table.hpp"
 #include "report.hpp"
 
 namespace manycontact::bench {

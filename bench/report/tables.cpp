@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "../../src/cli/text/table.hpp"
+#include "../../src/program/text/table.hpp"
 #include "../fit.hpp"
 #include "report.hpp"
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "../../src/cli/text/choice.hpp"
+#include "../../src/program/text/choice.hpp"
 #include "../scenes.hpp"
 #include "../settings.hpp"
 #include "counts.hpp"

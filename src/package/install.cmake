@@ -4,18 +4,18 @@ set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME dev)
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # packages need not wait for tests
 configure_file(src/package/version.hpp.in ${PROJECT_BINARY_DIR}/include/manycontact/version.hpp @ONLY)
 
-# ---- the library: static, a target per floor (manycontact::manycontact), and shared as one (manycontact::shared) ------
-get_target_property(floors manycontact INTERFACE_LINK_LIBRARIES)
-install(TARGETS ${floors} manycontact EXPORT manycontactTargets COMPONENT dev)
+# ---- the library: static, a target per module (manycontact::manycontact), and shared as one (manycontact::shared) ------
+get_target_property(modules manycontact INTERFACE_LINK_LIBRARIES)
+install(TARGETS ${modules} manycontact EXPORT manycontactTargets COMPONENT dev)
 if(MANYCONTACT_SHARED)
-  file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/shared.cpp CONTENT "// The library's code comes from its floors.\n")
+  file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/shared.cpp CONTENT "// The library's code comes from its modules.\n")
   add_library(manycontact_shared SHARED ${PROJECT_BINARY_DIR}/shared.cpp)
   add_library(manycontact::shared ALIAS manycontact_shared)
   set_target_properties(manycontact_shared PROPERTIES OUTPUT_NAME manycontact EXPORT_NAME shared UNITY_BUILD OFF
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
     LINK_DEPENDS ${PROJECT_SOURCE_DIR}/src/package/exports.map)
   set(exports ${PROJECT_SOURCE_DIR}/src/package/exports.map)
-  target_link_libraries(manycontact_shared PRIVATE -Wl,--whole-archive ${floors} -Wl,--no-whole-archive
+  target_link_libraries(manycontact_shared PRIVATE -Wl,--whole-archive ${modules} -Wl,--no-whole-archive
                                            INTERFACE Eigen3::Eigen)
   target_link_options(manycontact_shared PRIVATE -Wl,--version-script=${exports} -Wl,--no-undefined)
   target_include_directories(manycontact_shared INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)

@@ -5,7 +5,7 @@ foreach(kind IN ITEMS scene task)
   file(READ ${PROJECT}/models/${kind}.xsd schema)
   string(APPEND schema "${scene_schema}")  # a task's includes it
   file(READ ${PROJECT}/src/doc/${kind}_file.md page)
-  file(GLOB sources ${PROJECT}/src/io/${kind}_*.cpp)
+  file(GLOB sources ${PROJECT}/src/tools/io/${kind}_*.cpp)
   set(count 0)
   foreach(source IN LISTS sources)
     file(READ ${source} text)

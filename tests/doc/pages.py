@@ -43,7 +43,7 @@ class Block:
 
 def pages():
     """Every page for users and contributors, from the top."""
-    found = [TOP / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md", "models/README.md", "sparse/README.md", "src/lq/README.md")]
+    found = [TOP / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md", "models/README.md", "sparse/README.md", "src/optimal_control/lq/README.md")]
     return [p for p in found if p.exists()] + sorted((TOP / "src" / "doc").rglob("*.md"))
 
 

@@ -1,5 +1,5 @@
 // The kernels on panels of one level of instructions. Compiled once per level with that level's flags and
-// MANYCONTACT_LEVEL (its name); nothing of it but the PanelKernels is seen by the linker (src/simd/levels.cmake).
+// MANYCONTACT_LEVEL (its name); nothing of it but the PanelKernels is seen by the linker (src/core/simd/levels.cmake).
 
 #include <algorithm>
 #include <cstddef>

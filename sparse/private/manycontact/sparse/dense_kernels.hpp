@@ -1,0 +1,39 @@
+#pragma once
+// Products and factors of dense blocks by columns, compiled once per level of instructions (blocks/level.cpp). Plain memory
+// passes between levels, nothing of Eigen's.
+
+#include <cstddef>
+
+namespace manycontact::sparse {
+
+struct ConstPanel {
+  const double* entries;
+  std::ptrdiff_t rows, cols, stride;
+};
+struct Panel {
+  double* entries;
+  std::ptrdiff_t rows, cols, stride;
+};
+
+struct DenseKernels {
+  void (*add_AB)(Panel C, double a, ConstPanel A, ConstPanel B);
+  void (*add_AtB)(Panel C, double a, ConstPanel A, ConstPanel B);
+  void (*add_ABt)(Panel C, double a, ConstPanel A, ConstPanel B);
+  void (*add_lower_AB)(Panel C, double a, ConstPanel A, ConstPanel B);
+  void (*add_lower_AtB)(Panel C, double a, ConstPanel A, ConstPanel B);
+  void (*add_lower_ABt)(Panel C, double a, ConstPanel A, ConstPanel B);
+  bool (*cholesky)(Panel A);  // whether all pivots are positive
+  void (*solve_L)(ConstPanel L, Panel X);
+  void (*solve_Lt)(ConstPanel L, Panel X);
+  void (*solve_Lt_right)(ConstPanel L, Panel X);
+  void (*add_Ax)(double* y, double a, ConstPanel A, const double* x);
+  void (*add_Atx)(double* y, double a, ConstPanel A, const double* x);
+  void (*add_Az)(ConstPanel A, const double* z, double* sum, double* scale);
+  void (*add_Az_Atw)(ConstPanel A, const double* z, double* sum, double* scale, const double* w, double* sum_t,
+                     double* scale_t);
+};
+
+/// The kernels of the widest level that this processor has.
+const DenseKernels& dense_kernels();
+
+}  // namespace manycontact::sparse

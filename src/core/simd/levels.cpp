@@ -1,0 +1,55 @@
+#include "simd/levels.hpp"
+
+#include <stdexcept>
+#include <string>
+
+#if defined(MANYCONTACT_LEVEL_avx2) || defined(MANYCONTACT_LEVEL_avx512)
+#include "simd/runs_avx2.hpp"
+#include "simd/runs_avx512.hpp"
+#endif
+
+namespace manycontact {
+
+namespace sparse {
+extern const PanelKernels level_baseline, level_avx2, level_avx512;
+extern const DenseKernels blocks_level_baseline, blocks_level_avx2;
+}
+namespace lanes {
+extern const Level level_baseline, level_avx2, level_avx512;
+}
+
+namespace simd {
+
+namespace {
+
+// Each level runs wherever the next one does. AVX-512 gains nothing over AVX2 in Eigen's products of dense blocks.
+constexpr Level kLevels[] = {
+#ifdef MANYCONTACT_LEVEL_avx512
+    {"avx512", sparse::level_avx512, sparse::blocks_level_avx2, lanes::level_avx512, runs_avx512},
+#endif
+#ifdef MANYCONTACT_LEVEL_avx2
+    {"avx2", sparse::level_avx2, sparse::blocks_level_avx2, lanes::level_avx2, runs_avx2},
+#endif
+#ifdef MANYCONTACT_LEVEL_baseline
+    {"baseline", sparse::level_baseline, sparse::blocks_level_baseline, lanes::level_baseline, [] { return true; }},
+#endif
+};
+
+std::span<const Level> levels_here() {
+  std::span<const Level> all(kLevels);
+  while (!all.empty() && !all.front().runs()) all = all.subspan(1);
+  if (all.empty())
+    throw std::runtime_error(std::string("manycontact was compiled for processors with ") + kLevels[0].name +
+                             ", which this one is not: compile it here, or with MANYCONTACT_PORTABLE=ON for every one");
+  return all;
+}
+
+}  // namespace
+
+std::span<const Level> levels() {
+  static const std::span<const Level> here = levels_here();
+  return here;
+}
+
+}  // namespace simd
+}  // namespace manycontact

@@ -1,0 +1,42 @@
+#pragma once
+// The kernels of all modules, compiled once per level of instructions (src/core/simd/levels.cmake) and chosen here when the
+// program runs.
+
+#include <span>
+
+/// The name that a level's kernels have: MANYCONTACT_OF_LEVEL(level_) is level_avx2 in the source compiled for avx2.
+#define MANYCONTACT_PASTE(prefix, level) prefix##level
+#define MANYCONTACT_PASTE_VALUES(prefix, level) MANYCONTACT_PASTE(prefix, level)
+#define MANYCONTACT_OF_LEVEL(prefix) MANYCONTACT_PASTE_VALUES(prefix, MANYCONTACT_LEVEL)
+
+/// The level as a string.
+#define MANYCONTACT_QUOTE(level) #level
+#define MANYCONTACT_QUOTE_VALUE(level) MANYCONTACT_QUOTE(level)
+#define MANYCONTACT_LEVEL_NAME MANYCONTACT_QUOTE_VALUE(MANYCONTACT_LEVEL)
+
+namespace manycontact {
+
+namespace sparse {
+struct PanelKernels;  // manycontact/sparse/panel_kernels.hpp
+struct DenseKernels;  // manycontact/sparse/dense_kernels.hpp
+}
+namespace lanes {
+struct Level;  // src/core/dynamics/lanes/lanes.hpp
+}
+
+namespace simd {
+
+struct Level {
+  const char* name;
+  const sparse::PanelKernels& panels;
+  const sparse::DenseKernels& blocks;
+  const lanes::Level& robots;
+  bool (*runs)();  // whether this processor has the instructions
+};
+
+/// All levels of this build that this processor has the instructions of, the widest first.
+/// @throws std::runtime_error where there are none: the build was for another machine alone
+std::span<const Level> levels();
+
+}  // namespace simd
+}  // namespace manycontact

@@ -1,0 +1,57 @@
+// The share of each cost, and parts of the plan that deserve attention.
+
+#include <algorithm>
+#include <map>
+
+#include "program/text/table.hpp"
+#include "optimize.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+constexpr std::size_t kMostCosts = 12, kMostFindings = 6;  // of a kind
+
+// "closes: LF ...; LH ...; and 3 more"
+void print_kind(std::ostream& out, const std::string& title, const std::vector<const PlanFinding*>& findings) {
+  std::string text;
+  const std::size_t shown = findings.size() <= kMostFindings + 1 ? findings.size() : kMostFindings;
+  for (std::size_t k = 0; k < shown; ++k)
+    text += (k ? "; " : "") + printable(findings[k]->name) + " " + findings[k]->text;
+  if (shown < findings.size()) text += "; and " + std::to_string(findings.size() - shown) + " more";
+  wrap(out, text, 2, title + ": ");
+}
+
+}  // namespace
+
+void print_costs(std::ostream& out, const OptimizedTask& motion) {
+  Table table({{"costs", Table::kLeft, 40}, {"type", Table::kLeft}, {"cost"}, {"of all"}, {"missed by"}, {"at node"}});
+  for (std::size_t k = 0; k < std::min(kMostCosts, motion.costs.size()); ++k) {
+    const PlanCost& cost = motion.costs[k];
+    table.add({printable(cost.name), to_string(cost.residual), number(cost.cost, 4),
+               motion.solution.cost > 0 ? number(100 * cost.cost / motion.solution.cost) + " %" : "",
+               cost.is_goal ? number(cost.missed) : "", cost.is_goal ? std::to_string(cost.node) : ""});
+  }
+  if (table.empty()) return;
+  table.print(out);
+  if (motion.costs.size() > kMostCosts) out << "  and " << motion.costs.size() - kMostCosts << " cheaper ones\n";
+}
+
+void print_plan_findings(std::ostream& out, const OptimizedTask& motion) {
+  if (motion.findings.empty()) return;
+  out << "\nWarnings\n";
+  const std::pair<const char*, const char*> titles[] = {{"closes", "out of place"},
+                                                        {"position", "beyond position limits"},
+                                                        {"velocity", "beyond velocity limits"},
+                                                        {"effort", "beyond efforts"},
+                                                        {"goal", "goals missed"}};
+  for (const auto& [kind, title] : titles) {
+    std::vector<const PlanFinding*> alike;
+    for (const PlanFinding& f : motion.findings)
+      if (f.kind == kind) alike.push_back(&f);
+    if (!alike.empty()) print_kind(out, title, alike);
+  }
+  out << "\n";
+}
+
+}  // namespace manycontact::cli

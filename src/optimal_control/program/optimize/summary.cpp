@@ -1,0 +1,72 @@
+// The readable summary of `optimize`: how it ended, what moved where, torques, forces, times.
+
+#include <algorithm>
+
+#include "program/text/table.hpp"
+#include "optimize.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+constexpr const char* kIntegrators[] = {"euler", "rk2", "rk3", "rk4", "symplectic"};
+
+void print_constraints(std::ostream& out, const TaskSolution& s) {
+  if (s.violations.empty()) return;
+  out << "constraints are missed by " << scientific(s.constraint_violation) << " at most, after "
+      << count(static_cast<long>(s.outer_iterations), "outer iteration") << "\n";
+  Table table({{"constraints", Table::kLeft, 40}, {"missed by"}, {"at node"}});
+  for (const TaskViolation& v : s.violations)
+    table.add({printable(v.constraint), scientific(v.by), std::to_string(v.node)});
+  table.print(out);
+}
+
+void print_simulation(std::ostream& out, const SimulatedMotion& s) {
+  out << "in simulation" << (s.stopped == StepStatus::kOk ? "" : ", which stopped early,") << " contacts drift by "
+      << scientific(s.position_drift) << " m or rad at most, and the state is " << number(s.distance)
+      << " from the plan's";
+  if (s.energy_lost > 0) out << "; impacts take " << number(s.energy_lost) << " J";
+  out << "\n";
+}
+
+void print_times(std::ostream& out, const TaskSolution& s) {
+  const TaskTimes& t = s.times;
+  out << "time: " << number(t.total / 1e3) << " ms; of a node in an iteration " << number(t.calc)
+      << " us forward pass, " << number(t.calc_diff) << " us derivatives, " << number(t.direction)
+      << " us backward pass\n";
+}
+
+}  // namespace
+
+void print_summary(std::ostream& out, const OptimizedTask& motion) {
+  const TaskFile& task = motion.task;
+  const TaskSolution& s = motion.solution;
+  const Scene& scene = task.scene.scene;
+  const std::vector<TaskNode> nodes = timeline(task);
+  const long impacts = std::count_if(nodes.begin(), nodes.end(), [](const TaskNode& node) { return node.impact; });
+  out << printable(task.name) << ": " << s.solver << (s.converged ? " converged" : " did not converge") << " after "
+      << count(static_cast<long>(s.iterations.size()), "iteration")
+      << (s.polishing_iterations > 0 ? " and " + std::to_string(s.polishing_iterations) + " more" : "") << " ("
+      << printable(s.reason) << "), cost " << number(s.cost, 6) << ", KKT residual " << scientific(s.kkt_residual)
+      << "\n"
+      << count(static_cast<long>(s.us.size()) - impacts, "node") << " of " << number(task.step) << " s"
+      << (impacts > 0 ? " and " + count(impacts, "impact") : "") << ", "
+      << kIntegrators[static_cast<int>(task.integrator)] << "; " << count(scene.nrobots(), "robot") << ", nv "
+      << scene.nv << ", " << count(scene.nu, "torque") << "; " << count(static_cast<long>(task.phases.size()), "phase")
+      << ", " << count(static_cast<long>(scene.contacts.size()), "contact") << "\n";
+  if (s.solver == to_string(TaskSolver::kSparse) || motion.problem.parts.size() > 1)
+    out << "directions: " << s.direction << ", " << count(static_cast<long>(motion.problem.parts.size()), "part")
+        << ", " << count(static_cast<long>(motion.problem.blocks.size()), "block") << "\n";
+  if (!s.iterations.empty() && !s.iterations.back().feasible)
+    out << "the states have gaps: they are not what the torques lead to\n";
+  print_constraints(out, s);
+  print_motion(out, motion);
+  print_torques(out, motion);
+  print_forces(out, motion);
+  print_costs(out, motion);
+  print_plan_findings(out, motion);
+  if (motion.simulation) print_simulation(out, *motion.simulation);
+  print_times(out, s);
+}
+
+}  // namespace manycontact::cli

@@ -1,0 +1,93 @@
+#include "chart.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <set>
+
+#include "../files/gnuplot.hpp"
+#include "../command/command.hpp"
+#include "../text/table.hpp"
+#include "manycontact/analysis/load_scene.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// The scene's name as a file name, unlike those given before.
+std::string file_name(const std::string& scene, std::set<std::string>& taken) {
+  std::string name;
+  for (char c : scene) name += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' ? c : '_';
+  if (name.empty()) name = "scene";
+  std::string unique = name;
+  for (int k = 2; !taken.insert(unique).second; ++k) unique = name + "_" + std::to_string(k);
+  return unique;
+}
+
+std::vector<std::string> picture_names(const std::vector<SceneFile>& files) {
+  if (files.size() == 1) return {"chart"};
+  std::vector<std::string> names;
+  std::set<std::string> taken;
+  for (const SceneFile& file : files) names.push_back(file_name(file.scene.name, taken));
+  return names;
+}
+
+std::vector<std::string> files_written(const std::vector<std::string>& pictures) {
+  std::vector<std::string> files{"chart.csv"};
+  if (pictures.size() > 1) files.push_back("README.md");
+  for (const std::string& picture : pictures)
+    for (const char* kind : {".svg", ".png"}) files.push_back(picture + kind);
+  return files;
+}
+
+// The scene's name, with its path where several have that name.
+std::string label_of(const SceneFile& file, const std::vector<SceneFile>& all) {
+  const auto namesakes = std::count_if(all.begin(), all.end(),
+                                       [&](const SceneFile& other) { return other.scene.name == file.scene.name; });
+  return file.scene.name + (namesakes > 1 ? " (" + file.path + ")" : "");
+}
+
+void say(const Chart& chart, std::ostream& out) {
+  out << chart.scene << ": " << chart.title << "\n";
+  for (const std::string& sentence : describe(chart)) wrap(out, sentence, 2);
+}
+
+}  // namespace
+
+int run_chart(const Arguments& arguments) {
+  if (arguments.rest().empty()) throw UsageError("SCENE is missing");
+  const auto out = arguments.value("--out");
+  if (!out) throw UsageError("--out DIR is missing");
+  const ChartLimits limits{double(arguments.integer("--seconds", 0, 100000, 16)),
+                           double(arguments.integer("--longest", 0, 100000, 20))};
+  std::vector<SceneFile> files;
+  for (const std::string& path : arguments.rest()) files.push_back(load_scene(path));
+  const std::vector<std::string> names = picture_names(files);
+  for (const SceneFile& file : files) check_folder("--out", *out, files_written(names), file.files);
+  std::error_code error;
+  fs::create_directories(*out, error);
+  if (!fs::is_directory(*out)) throw InputError(*out, 1, "is not a folder and cannot be made one");
+
+  const bool draws = gnuplot_available();
+  std::vector<Chart> charts;
+  std::vector<std::string> images;
+  for (const SceneFile& file : files) {
+    std::cerr << "manycontact: chart of " << printable(file.path) << " (" << charts.size() + 1 << "/" << files.size()
+              << ")" << std::endl;
+    charts.push_back(make_chart(file, limits));
+    charts.back().scene = label_of(file, files);
+    say(charts.back(), std::cout);
+    write_csv(charts, *out + "/chart.csv");
+    images.push_back(draws ? names[images.size()] : "");
+    if (draws) draw(charts.back(), *out + "/" + images.back());
+  }
+  if (files.size() > 1) write_page(charts, images, *out + "/README.md");
+  if (!draws) std::cerr << "manycontact: gnuplot is not installed: chart.csv is written, no picture\n";
+  return kExitOk;
+}
+
+}  // namespace manycontact::cli

@@ -1,0 +1,62 @@
+#pragma once
+// Files that have their names when they are whole.
+
+#include <cstdint>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "../command/interrupt.hpp"
+
+namespace manycontact::cli {
+
+/// "-", /dev/stdout and the other names of descriptor 1.
+bool is_standard_output(const std::string& path);
+/// Standard output, and what is there and is no regular file: a device, a pipe, a folder (which then cannot be opened).
+bool is_written_straight(const std::string& path);
+
+/// The file of an option. It is written under a temporary name in the same folder, and renamed when it is complete. An
+/// older file of its name remains until then, and also if the run fails or a signal ends it. All methods throw
+/// InputError if the file cannot be written.
+class OutputFile : private std::streambuf {
+ public:
+  /// option: for the message; "" where there is none.
+  explicit OutputFile(std::string path, std::string option = "");
+  /// In another process: the file that one has begun under that temporary name, and will publish.
+  OutputFile(std::string path, std::string option, std::string temporary);
+  /// Removes what was not published.
+  ~OutputFile() override;
+  OutputFile(const OutputFile&) = delete;
+
+  const std::string& path() const { return path_; }
+  /// Its name until it is published; empty where it is written straight.
+  const std::string& temporary() const { return temporary_; }
+
+  /// Written one after the other, or at a place of its own. Errors come out of the stream's operators, too.
+  std::ostream& stream() { return stream_; }
+  void write(const char* bytes, std::size_t size);
+  void write_at(std::int64_t at, const char* bytes, std::size_t size);
+  void resize(std::int64_t bytes);
+
+  /// All that this process wrote is with the file system.
+  void finish();
+  /// It has its name, once all processes have finished: by the one that has begun it.
+  void publish();
+  void close() { finish(), publish(); }
+
+ private:
+  int_type overflow(int_type c) override;
+  int sync() override;
+  void begin();
+  [[noreturn]] void refuse(int error) const;
+
+  std::string path_, option_, target_, temporary_;
+  std::unique_ptr<RemovedBySignals> until_whole_;
+  bool joined_ = false;
+  int file_ = -1;
+  std::vector<char> buffer_ = std::vector<char>(1 << 16);
+  std::ostream stream_{this};
+};
+
+}  // namespace manycontact::cli

@@ -1,0 +1,56 @@
+// The sparse solution compared with that of the dense reference solver.
+
+#include <algorithm>
+#include <cmath>
+
+#include "../command/rough_time.hpp"
+#include "../text/table.hpp"
+#include "manycontact/analysis/errors.hpp"
+#include "solve.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+constexpr double kPatience = 2.5e5;  // us of dense solves, roughly
+
+// The worst over robots for which both methods have a solution.
+Deviation worst_known(std::vector<Deviation> deviations) {
+  std::erase_if(deviations, [](const Deviation& d) { return std::isnan(d.absolute); });
+  return worst(deviations);
+}
+
+bool dense_answered(const Report& report) {
+  return std::all_of(report.islands.begin(), report.islands.end(),
+                     [](const IslandReport& r) { return r.method == Method::kDense || r.status == Status::kFailed; });
+}
+
+}  // namespace
+
+void print_against_dense(std::ostream& out, const SolvedScene& s) {
+  if (dense_answered(s.data.report)) return;
+  const Scene& scene = s.file.scene;
+  const double rough = rough_time_of_dense(scene, s.data);
+  out << "\nAgainst the dense rank-revealing method\n";
+  if (rough > kPatience && !s.compare) {
+    wrap(out, "left out: one solve would take some " + number(1e-6 * rough, 1) + " s (--compare does it)", 2);
+    return;
+  }
+  const int repeat = static_cast<int>(std::clamp(kPatience / rough, 1.0, double(s.repeat)));
+  const SolvedScene dense = solve_scene(s.file, {Method::kDense, {}}, repeat);
+  // Accelerations of a scene at rest are rounding: gravity's is their scale then.
+  const Eigen::VectorXd gravity = Eigen::VectorXd::Constant(scene.nv, scene.gravity.norm());
+  const Deviation a = worst_known(acceleration_deviations(scene, s.data.a, dense.data.a, gravity));
+  const Deviation f = worst_known(force_deviations(scene, s.data.f_offset, s.data.f, dense.data.f));
+  Table table({{"largest difference", Table::kLeft}, {"absolute"}, {"relative"}, {"", Table::kLeft}});
+  table.add({"accelerations", scientific(a.absolute), scientific(a.relative), "to the robot's largest, or gravity"});
+  if (s.data.f.size() > 0)
+    table.add({"forces", scientific(f.absolute), scientific(f.relative), "to the largest on the robot"});
+  table.print(out);
+  wrap(out,
+       "one solve " + number(s.time.solve) + " us, dense " + number(dense.time.solve) +
+           " us: " + number(dense.time.solve / s.time.solve, 2) + " times as long",
+       2);
+}
+
+}  // namespace manycontact::cli

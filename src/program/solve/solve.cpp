@@ -1,0 +1,157 @@
+#include "solve.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <iostream>
+
+#include "../command/command.hpp"
+#include "../text/table.hpp"
+#include "manycontact/analysis/load_scene.hpp"
+#include "manycontact/analysis/unique_forces.hpp"
+#include "manycontact/dynamics/quasi_static.hpp"
+#include "manycontact/dynamics/shapes.hpp"
+#include "manycontact/kkt/choose.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double microseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+}
+
+// Median time of `repeat` calls, us. Before each, `before`, which is not timed.
+template <class Before, class Call>
+double median_time(int repeat, Before&& before, Call&& call) {
+  std::vector<double> times;
+  for (int k = 0; k < repeat; ++k) {
+    before();
+    const Clock::time_point start = Clock::now();
+    call();
+    times.push_back(microseconds_since(start));
+  }
+  std::sort(times.begin(), times.end());
+  return 0.5 * (times[(times.size() - 1) / 2] + times[times.size() / 2]);
+}
+template <class Call>
+double median_time(int repeat, Call&& call) {
+  return median_time(
+      repeat, [] {}, call);
+}
+
+// Everything that setting up and the first solve analyse: the patterns that the choice compares, CHOLMOD's symbolic
+// factorization where it is the choice. Islands of a shape met before cost their look-up.
+void analyse(const Scene& scene, const std::vector<Island>& islands, const Options& options, ShapeCache& shapes) {
+  for (const Island& island : islands) {
+    const std::size_t known = shapes.size();
+    IslandShape& shape = *shapes.find(scene, island);
+    if (shapes.size() == known) continue;
+    const Choice choice = choose(shape, options);
+    if (choice.method == Method::kSparseBodies)
+      (void)shape.bodies();
+    else
+      (void)shape.pattern(choice.order);
+    if (choice.method == Method::kSparseCholmod) (void)shape.cholmod(choice.order);
+    if (choice.method == Method::kSparseSupernodal) (void)shape.cholmod_schur();
+  }
+}
+
+double time_of_analysis(const Scene& scene, const SceneData& data, int repeat) {
+  const Scene& solved = scene_solved(scene, data);
+  std::vector<Island> islands;
+  for (std::size_t i = 0; i < island_count(data); ++i) islands.push_back(island_of(data_solved(data), i));
+  std::optional<ShapeCache> shapes;
+  return median_time(
+      repeat, [&] { shapes.emplace(); }, [&] { analyse(solved, islands, data.options, *shapes); });
+}
+
+// A SceneData, and how long it took to make one.
+SceneData set_up(const Scene& scene, const Options& options, int repeat, double& time) {
+  std::optional<SceneData> data;
+  time = median_time(
+      repeat, [&] { data.reset(); }, [&] { data.emplace(scene, options); });
+  return std::move(*data);
+}
+
+/// JSON's matrices are dense. Throws UsageError where they would fill memory and disk.
+void check_size_of_json(const Scene& scene) {
+  constexpr double kMost = 1e8;
+  double rows = scene.nv;
+  for (const Contact& contact : scene.contacts) rows += contact.active ? contact.rows() : 0;
+  const double numbers = rows * (2.0 * scene.nv + scene.nu);
+  if (numbers > kMost)
+    throw UsageError("--derivatives --json: the scene's dense matrices have " + number(numbers) + " numbers, at most " +
+                     number(kMost) + " are written; the library has them by islands (differentiate)");
+}
+
+int run_solve(const Arguments& arguments) {
+  const std::string path = scene_operand(arguments);
+  Options options = solver_options(arguments);
+  options.threads = arguments.integer("--threads", 1, kMostThreads, 1);
+  const int repeat = arguments.integer("--repeat", 1, 1000000, 1);
+
+  check_files(arguments, {path}, {"--json"});
+  const SceneFile file = load_scene(path);
+  check_files(arguments, file.files, {"--json"});
+  if (arguments.has("--derivatives") && arguments.value("--json")) check_size_of_json(file.scene);
+  SolvedScene solved = solve_scene(file, options, repeat, arguments.has("--derivatives"));
+  solved.findings = find(file, solved.data);
+  solved.unique = unique_forces(file.scene, file.q, solved.data);
+  if (arguments.has("--quality")) solved.quality = system_quality(file.scene, solved.data);
+  solved.compare = arguments.has("--compare");
+  if (arguments.has("--quasi-static")) solved.quasi_static_u = quasi_static(file.scene, file.q);
+  if (const auto json = arguments.value("--json"))
+    write_json(solved, *json);
+  else
+    print_summary(std::cout, solved);
+  return solved.data.report.status <= Status::kInconsistent ? kExitOk : kExitUnsound;
+}
+
+}  // namespace
+
+SolvedScene solve_scene(const SceneFile& file, const Options& options, int repeat, bool derivatives) {
+  const Scene& scene = file.scene;
+  Times time;
+  SolvedScene s{file, set_up(scene, options, repeat, time.setup), {}, repeat, {}, derivatives};
+  time.symbolic = time_of_analysis(scene, s.data, repeat);
+  const auto once = [&] { (void)solve(scene, file.q, file.v, file.u, s.data); };
+  once();
+  time.solve = median_time(repeat, once);
+  if (derivatives) {
+    DerivativeRequest request;
+    request.pushes = !scene.pushes.empty();
+    const auto again = [&] { (void)differentiate(scene, s.data, request); };
+    again();
+    time.derivatives = median_time(repeat, again);
+    s.derivative_errors = estimate_derivative_errors(scene, s.data);
+  }
+  s.time = time;
+  estimate_condition(scene, s.data);
+  estimate_errors(scene, s.data);
+  return s;
+}
+
+const Command& solve_command() {
+  static const Command command{
+      "solve",
+      "SCENE",
+      "Accelerations and contact forces of the scene, with status and accuracy.",
+      {method_option(),
+       order_option(),
+       precision_option(),
+       {"--derivatives", "", "also those of accelerations and forces with respect to q, v and u"},
+       {"--quasi-static", "", "also the torques that keep the scene at rest"},
+       {"--quality", "", "also backward errors, growth, signature and scaling of each island's equations"},
+       {"--repeat", "N", "times are medians over N solves, after one to warm up"},
+       {"--threads", "N", "inside a solve, for large scenes; default 1. Results do not depend on it"},
+       {"--compare", "",
+        "compares with the dense method however long that takes; else up to about a quarter of a second"},
+       {"--json", "FILE", "write JSON instead of the summary; - is standard output"}},
+      "Exit status: 0 ok, redundant, inconsistent; 1 regularised, failed; 2 bad usage, bad input or output.\n",
+      run_solve};
+  return command;
+}
+
+}  // namespace manycontact::cli

@@ -1,0 +1,55 @@
+#include "mesh.hpp"
+
+#include <sys/wait.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include "../command/execute.hpp"
+#include "manycontact/io/input_error.hpp"
+
+namespace manycontact::cli {
+
+namespace {
+
+std::string shell_quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? "'\\''" : std::string(1, c);
+  return out + "'";
+}
+
+}  // namespace
+
+Mesh load_mesh(const std::string& path) {
+  constexpr std::uintmax_t kLargest = std::uintmax_t(1) << 28;
+  std::error_code error;
+  if (const std::uintmax_t size = std::filesystem::file_size(path, error); !error && size > kLargest)
+    throw InputError(path, 1, "is larger than 256 MB, expected a mesh of moderate size");
+  const std::string reader = shell_quoted(program_beside("manycontact-mesh"));
+  std::FILE* pipe = popen(("exec " + reader + " " + shell_quoted(path) + " 2>/dev/null").c_str(), "r");
+  std::string out;
+  std::array<char, 1 << 16> block;
+  for (std::size_t n = 1; pipe && n > 0; out.append(block.data(), n))
+    n = std::fread(block.data(), 1, block.size(), pipe);
+  const int status = pipe ? pclose(pipe) : -1;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 3) throw InputError(path, 1, out);
+  if (WIFEXITED(status) && WEXITSTATUS(status) >= 126)
+    throw InputError(path, 1,
+                     "is not read, meshes need manycontact-mesh in the folder of this program: install libassimp-dev "
+                     "(Debian's name), configure and build it again");
+  if (status != 0) throw InputError(path, 1, "cannot be read, assimp failed at it, expected a mesh of moderate size");
+
+  Mesh mesh;
+  mesh.vertices.resize(out.size() / sizeof mesh.vertices[0]);
+  std::memcpy(mesh.vertices.data(), out.data(), mesh.vertices.size() * sizeof mesh.vertices[0]);
+  for (std::uint32_t k = 0; k + 2 < mesh.vertices.size(); k += 3) mesh.triangles.push_back({k, k + 1, k + 2});
+  if (mesh.triangles.empty()) throw InputError(path, 1, "has no triangles, expected some");
+  for (const auto& vertex : mesh.vertices)
+    for (const float x : vertex)
+      if (!std::isfinite(x)) throw InputError(path, 1, "has a vertex that is not finite, expected numbers");
+  return mesh;
+}
+
+}  // namespace manycontact::cli
