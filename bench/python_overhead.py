@@ -1,4 +1,4 @@
-"""What a call from Python costs beside the same in C++, us: `./run build`, then
+"""What a call from Python costs beside the same in C++, us: `./run build --python`, then
 
     python_overhead.py [SCENE...]
 

@@ -43,7 +43,10 @@ int run(const Command& command, const std::vector<std::string>& words) {
     std::cout << help(command);
     return kExitOk;
   }
-  if (!command.run) return execute_program(command.beside, command.name, words, "`./run build` makes it");
+  if (!command.run) {
+    const bool chart = std::string_view(command.beside) == "manycontact-chart";
+    return execute_program(command.beside, command.name, words, chart ? "`./run build --chart` makes it" : "`./run build` makes it");
+  }
   if (command.by_processes && command.by_processes())
     return execute_program("manycontact-mpi", command.name, words,
                            "under mpirun that one is needed, `./run build --mpi` makes it");

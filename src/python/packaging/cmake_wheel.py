@@ -1,6 +1,7 @@
 """A build backend (PEP 517, PEP 660) of the standard library alone: CMake builds the package, zipfile writes the wheel.
 
     pip wheel --no-deps . --config-settings build-dir=build/release      # build-dir: else build/wheel
+    pip wheel --no-deps . --config-settings portable=ON                  # for every processor, not this one alone
     cmake_wheel.py FOLDER [build-dir=build/release]                      # the wheel and the source archive, without pip
 """
 
@@ -36,8 +37,11 @@ def _built(settings):
     folder = folder if folder.is_absolute() else TOP / folder
     # pip hides the interpreter's own packages from what it runs; the stubs are written with numpy at hand.
     environment = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "PYTHONNOUSERSITE")}
-    python = getattr(sys, "_base_executable", sys.executable)
+    pythons = (sys.executable, getattr(sys, "_base_executable", sys.executable))
+    tests = (subprocess.run([p, "-c", "import numpy"], capture_output=True, env=environment) for p in pythons)
+    python = next((p for p, test in zip(pythons, tests) if test.returncode == 0), pythons[1])
     options = [f"-DMANYCONTACT_{name}=OFF" for name in ("TESTS", "CHART", "BENCH")]
+    options.append(f"-DMANYCONTACT_PORTABLE={(settings or {}).get('portable', 'OFF')}")
     if not (folder / "CMakeCache.txt").exists():
         options += ["-DCMAKE_BUILD_TYPE=Release", "-DMANYCONTACT_PYTHON=ON", f"-DPython3_EXECUTABLE={python}"]
         subprocess.run(["cmake", "-S", TOP, "-B", folder, *options], check=True, env=environment)
@@ -65,31 +69,50 @@ def _metadata():
     ])  # fmt: skip
 
 
+def _tag():
+    cpython = f"cp{sys.version_info.major}{sys.version_info.minor}"
+    return f"{cpython}-{cpython}-{re.sub('[-.]', '_', sysconfig.get_platform())}"
+
+
+def _info():
+    """The files of the wheel's dist-info folder but RECORD."""
+    wheel = f"Wheel-Version: 1.0\nGenerator: cmake_wheel\nRoot-Is-Purelib: false\nTag: {_tag()}\n"
+    return {
+        "METADATA": _metadata().encode(),
+        "WHEEL": wheel.encode(),
+        "LICENSE": (TOP / "LICENSE").read_bytes(),
+        "LICENCES.txt": LICENCES.encode(),
+    }
+
+
 def _write(folder, files):
     """The wheel of {name: contents}; returns its name."""
-    cpython = f"cp{sys.version_info.major}{sys.version_info.minor}"
-    tag = f"{cpython}-{cpython}-{re.sub('[-.]', '_', sysconfig.get_platform())}"
     info = f"manycontact-{_version()}.dist-info/"
-    wheel = f"Wheel-Version: 1.0\nGenerator: cmake_wheel\nRoot-Is-Purelib: false\nTag: {tag}\n"
-    files = {
-        **files,
-        info + "METADATA": _metadata().encode(),
-        info + "WHEEL": wheel.encode(),
-        info + "LICENSE": (TOP / "LICENSE").read_bytes(),
-        info + "LICENCES.txt": LICENCES.encode(),
-    }
+    files = {**files, **{info + name: contents for name, contents in _info().items()}}
     record = [
         f"{name},sha256={base64.urlsafe_b64encode(hashlib.sha256(x).digest()).rstrip(b'=').decode()},{len(x)}"
         for name, x in files.items()
     ]
     files[info + "RECORD"] = "\n".join([*record, info + "RECORD,,", ""]).encode()
-    name = f"manycontact-{_version()}-{tag}.whl"
+    name = f"manycontact-{_version()}-{_tag()}.whl"
     with zipfile.ZipFile(pathlib.Path(folder) / name, "w", zipfile.ZIP_DEFLATED) as out:
         for path, contents in files.items():
             entry = zipfile.ZipInfo(path)  # of 1980, so that the same files make the same wheel
             entry.external_attr, entry.compress_type = 0o644 << 16, zipfile.ZIP_DEFLATED
             out.writestr(entry, contents)
     return name
+
+
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    """Without it, pip would build the package to learn its name."""
+    folder = pathlib.Path(metadata_directory) / f"manycontact-{_version()}.dist-info"
+    folder.mkdir()
+    for name, contents in _info().items():
+        (folder / name).write_bytes(contents)
+    return folder.name
+
+
+prepare_metadata_for_build_editable = prepare_metadata_for_build_wheel
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
