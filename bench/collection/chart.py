@@ -179,7 +179,7 @@ Written by `bench/collection/chart.py`, which `./run chart` calls; the numbers a
 Each point is one solver: left is faster, low is more accurate. The error is the largest of accelerations and forces, relative to
 the largest of each, against the solution of the scene as given in quadruple precision. Where K is singular, J^T f is compared.
 
-* **manycontact, whole solve**: kinematics, K, its factor, refinement and residuals, in single, mixed, double and extended precision where
+* **manycontact, whole solve**: kinematics, K, its factor, refinement and residuals, in single, double and extended precision where
   the scene can be solved in that (`Options::precision`). **damping**: in double, with a damping of the scene.
 * **our LDL of K**: the sparse factor of manycontact on the numbers of K, and steps of refinement on the residual of K. **damped**: the
   factor is that of a damped K; steps of refinement lead to the solution of K itself.

@@ -33,7 +33,7 @@ TOP = HERE.parents[1]
 SHOWN = ("humanoid", "two_humanoids")  # before others of their kind
 KINDS = ("small", "hostile", "large")
 OURS = ("manycontact", "manycontact:dense")
-PRECISIONS = ("single", "mixed", "double", "extended")
+PRECISIONS = ("single", "double", "extended")
 DENSE = 2500  # number of unknowns above which dense methods are not run
 AT_REST = 1e-4  # accelerations below this part of those without contacts are zero
 

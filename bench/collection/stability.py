@@ -22,7 +22,6 @@ LEAST_ERROR, LEAST_RATIO = 1e-18, 1e-10  # smaller values are drawn here
 # precision: (colour, unit roundoff of its errors, whether they grow with the condition)
 PRECISIONS = {
     "single": ("#D55E00", 2.0**-24, True),
-    "mixed": ("#009E73", 2.0**-53, True),
     "double": ("#0072B2", 2.0**-53, True),
     "extended": ("black", 2.0**-53, False),
 }

@@ -34,7 +34,6 @@ void add_enumerations(py::module_& m) {
                           {"AVX512", Lanes::kAvx512}});
   add_enumeration<Precision>(m, "Precision", "precision", "The arithmetic of a solve.",
                              {{"SINGLE", Precision::kSingle},
-                              {"MIXED", Precision::kMixed},
                               {"DOUBLE", Precision::kDouble},
                               {"EXTENDED", Precision::kExtended}});
   add_enumeration<Reason>(m, "Reason", "reason",
@@ -75,7 +74,7 @@ void add_how_to_solve(py::module_& m) {
   handle_field(c, "reduce_pairs", &Options::reduce_pairs,
                "Whether rows of several contacts between the same two bodies are reduced to at most six.");
   handle_field(c, "precision", &Options::precision,
-               "The arithmetic: 'single', 'mixed', 'double' or 'extended', or a member of `Precision`.");
+               "The arithmetic: 'single', 'double' or 'extended', or a member of `Precision`.");
   add_value(c).def("__repr__", [](const Held& h) {
     const Options& o = h.get();
     return "Options('" + to_string(o.method) + "'" + (o.order ? ", '" + to_string(*o.order) + "'" : "") +

@@ -636,7 +636,7 @@ Judgement judge_as(const Case& c, const Case& given, const std::string& folder, 
     }
   };
   for (Method method : methods) judge_by(method, Precision::kDouble);
-  for (Precision precision : {Precision::kSingle, Precision::kMixed, Precision::kExtended})
+  for (Precision precision : {Precision::kSingle, Precision::kExtended})
     judge_by(Method::kAuto, precision);
   judge_quasi_static(trial, file, out);
   return out;

@@ -74,7 +74,7 @@ TEST_F(Usage, BadUsageIsOneLineAndAHint) {
       {{"solve", scene, "--method", "magic"}, "unknown method 'magic', expected one of dense, "},
       {{"solve", scene, "--order", "random"}, "unknown order 'random', expected one of leaf-to-root, "},
       {{"solve", scene, "--method", "dense", "--order", "camd"}, "method dense has no order"},
-      {{"solve", scene, "--precision", "half"}, "unknown precision 'half', expected one of single, mixed, double, "},
+      {{"solve", scene, "--precision", "half"}, "unknown precision 'half', expected one of single, double, "},
       {{"solve", scene, "--repeat", "0"}, "option --repeat is '0', expected a whole number"},
       {{"solve", scene, "--repeat", "3x"}, "option --repeat is '3x'"},
       {{"solve", scene, "--threads", "4097"}, "option --threads is '4097', expected a whole number from 1 to 4096"},

@@ -1,4 +1,4 @@
-// Options::precision, single and mixed: errors agree with the condition, refused islands are reported, bits are the
+// Options::precision, single: errors agree with the condition, refused islands are reported, bits are the
 // same in any SIMD batch, and earlier solves do not affect a solution.
 
 #include <gtest/gtest.h>
@@ -80,34 +80,6 @@ void expect_told(const Report& report, Precision asked) {
 
 double largest_difference(const VectorXd& x, const VectorXd& y) {
   return x.size() == 0 ? 0 : (x - y).cwiseAbs().maxCoeff() / std::max(1e-300, y.cwiseAbs().maxCoeff());
-}
-
-// A point is constrained along an axis of the world and, once more, in all directions. Floats leave pivots of such rows
-// that refinement in double would not show to be zero.
-TEST(Precision, MixedFindsDependentRows) {
-  for (int seed = 0; seed < 400; ++seed) {
-    SCOPED_TRACE(seed);
-    std::mt19937 rng(seed);
-    RandomScene s;
-    ModelOptions options;
-    options.njoints = 5;
-    add_robot(s.scene, "r", std::make_shared<const Model>(random_model(rng, options)), random_placement(rng));
-    for (const ContactType type : {ContactType::k1D, ContactType::k3D}) {
-      Contact c;
-      c.name = to_string(type);
-      c.type = type;
-      c.reference_frame = type == ContactType::k1D ? ReferenceFrame::kLocalWorldAligned : ReferenceFrame::kLocal;
-      c.A = {0, 4, SE3<double>::Identity()};
-      c.B.placement = random_placement(rng);
-      add_contact(s.scene, c);
-    }
-    s.q = random_configuration(*s.scene.robots[0].model, rng);
-    s.v = VectorXd::Zero(s.scene.nv);
-    s.u = random_vector(s.scene.nu, rng, 5);
-    SceneData exact(s.scene), data(s.scene, in_precision(Precision::kMixed));
-    (void)solve(s.scene, s.q, s.v, s.u, exact);
-    EXPECT_EQ(solve(s.scene, s.q, s.v, s.u, data).rank, exact.report.rank);
-  }
 }
 
 TEST(Precision, SingleErrsAsTheConditionPredicts) {
@@ -338,7 +310,7 @@ TEST_P(EveryPrecision, BatchesHaveTheBitsOfASolve) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, EveryPrecision, testing::Values(Precision::kSingle, Precision::kMixed),
+INSTANTIATE_TEST_SUITE_P(Of, EveryPrecision, testing::Values(Precision::kSingle),
                          [](const auto& info) { return to_string(info.param); });
 
 }  // namespace

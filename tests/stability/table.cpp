@@ -38,7 +38,7 @@ The way to a solution is counted, but not compared: it may differ from machine t
 may not differ. *exact* is the requested method and order with at most one step of refinement, *refined* the same with
 more steps. *reordered* is leaf-to-root order because the requested order was not accurate, *fallback* another method.
 
-The last columns are `auto` in single, mixed and extended precision. In single precision a number is right if its error is at
+The last columns are `auto` in single and extended precision. In single precision a number is right if its error is at
 most 1e-2 of the largest one, where single precision is refused, and at most the bound that the report states.
 [errors.csv](errors.csv) contains the numbers of both charts, which `bench/collection/stability.py` draws.
 

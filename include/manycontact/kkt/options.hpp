@@ -70,14 +70,12 @@ std::optional<Lanes> lanes_from_string(const std::string& name);  // the level w
 /// iterative refinement. Derivatives and products at the solution are always computed in double.
 enum class Precision {
   kSingle,    // float, float, float, not refined: errors of about 1e-7 times the condition of K
-  kMixed,     // double, float, double: as accurate as kDouble
   kDouble,    // double throughout
   kExtended,  // double-double, double, double-double: errors of a and f of at most 4 eps of their largest entries, up
               // to a condition of 1e15; derivatives and products are those of kDouble at this solution
 };
-inline constexpr Precision kPrecisions[] = {Precision::kSingle, Precision::kMixed, Precision::kDouble,
-                                            Precision::kExtended};
-std::string to_string(Precision precision);  // "single", "mixed", "double", "extended"
+inline constexpr Precision kPrecisions[] = {Precision::kSingle, Precision::kDouble, Precision::kExtended};
+std::string to_string(Precision precision);  // "single", "double", "extended"
 /// The precision with the given name, as to_string writes it; none if there is no such precision.
 std::optional<Precision> precision_from_string(const std::string& name);
 
@@ -102,10 +100,9 @@ struct Options {  // How to solve.
   /// Islands that cannot be solved in this precision are solved in kDouble. IslandReport::precision shows which was
   /// used, and IslandReport::reason is kLowPrecision unless the island has another reason.
   ///
-  /// kSingle and kMixed are for islands that sparse-ldl solves in SIMD batches without dependent rows. kSingle takes
-  /// islands of one robot, of whose contacts no two are between the same bodies. It is refused where rounding may
-  /// change the largest acceleration or force by more than a hundredth. kMixed also takes robots that few contact rows
-  /// join. Derivatives, products and bounds of errors are computed in double at the solution; those of kSingle are
+  /// kSingle is for islands of one robot that sparse-ldl solves in SIMD batches without dependent rows, and of whose
+  /// contacts no two are between the same bodies. It is refused where rounding may change the largest acceleration or
+  /// force by more than a hundredth. Derivatives, products and bounds of errors are computed in double at the solution; those of kSingle are
   /// therefore as accurate as its accelerations and forces.
   Precision precision = Precision::kDouble;
   bool operator==(const Options&) const = default;

@@ -96,8 +96,7 @@ void solve_joined(const Scene& scene, SceneData& data, Dropped dropped) {
 
 // Which islands were solved in double, though the options ask for less.
 void tell_precision(SceneData& data) {
-  const Precision wanted = data.workspace->options.precision;
-  if (wanted != Precision::kSingle && wanted != Precision::kMixed) return;
+  if (data.workspace->options.precision != Precision::kSingle) return;
   for (IslandReport& report : data.report.islands)
     if (report.status != Status::kFailed && report.precision == Precision::kDouble && report.reason == Reason::kNone)
       report.reason = Reason::kLowPrecision;
@@ -174,7 +173,7 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   begin_state(scene, q, v, tau, data, prescribed);
   const OneBlasOfThreads one_blas_thread(w);
   for (const Dropped dropped : {Dropped::kAsBefore, Dropped::kNone, Dropped::kAsFound}) {
-    if (dropped == Dropped::kNone) solve_alone_in_low(scene, data);
+    if (dropped == Dropped::kNone) solve_alone_in_single(scene, data);
     solve_alone(scene, data, dropped);
     solve_joined(scene, data, dropped);
     solve_left(scene, data, dropped);

@@ -56,8 +56,6 @@ std::string to_string(Precision precision) {
   switch (precision) {
     case Precision::kSingle:
       return "single";
-    case Precision::kMixed:
-      return "mixed";
     case Precision::kDouble:
       return "double";
     case Precision::kExtended:

@@ -245,20 +245,12 @@ inline constexpr int kTruthSteps = 60;
 /// A correction of x by less than this part leaves |K| |x| as it is. Used by: SIMD batches, which then need no sizes.
 inline constexpr double kSameSize = 1e-6;
 
-// ---- single and mixed precision -------------------------------------------------------------------------------------
+// ---- single precision -----------------------------------------------------------------------------------------------
 
 /// By how much more than doubles floats have to leave of a pivot or a row (kPivotLeft, kRank), and of two pivots in
 /// turn (kRowRounding): 1e-5, 100 eps of floats, and 1e-7. Pivots that leave more are judged by their effect.
 /// Used by: SIMD batches of floats.
 inline constexpr double kSingleLeft = 1e6, kSinglePassedOn = 1e3;
-/// The same of two pivots in mixed precision, whose refinement hides what a dependent row does to the forces: 4e-5, as
-/// many eps of floats as kRowRounding has of doubles.
-inline constexpr double kMixedPassedOn = 2e4;
-
-/// Corrections by a factor of floats, in mixed precision: each gains 3 to 6 digits where it is useful.
-/// Used by: SIMD batches and robots that contacts join.
-inline constexpr int kMixedSteps = 10;
-
 /// Largest change by rounding errors, relative to the largest acceleration and force, for a solution in single
 /// precision to be useful: two digits are left. The change is that of rounding errors of all terms with signs without
 /// pattern.

@@ -77,9 +77,9 @@ struct Answer {
   rank::Contradiction<double> contradiction;  // where the plan drops rows
 };
 
-/// Steps of a solve of robots of one plan, in all calls one of them, or after `reserve_batch` as many as fit in a SIMD
+/// Steps of a solve of robots of one plan and of what comes after it, in all calls one of them, or after `reserve_batch` as many as fit in a SIMD
 /// batch, with contacts that are identical except for placements (`alike`).
-class SolvingBlocks {
+class RobotBlocks {
  public:
   struct Robot {
     int number;           // of the scene
@@ -104,7 +104,7 @@ class SolvingBlocks {
     const double* next;
   };
 
-  virtual ~SolvingBlocks() = default;
+  virtual ~RobotBlocks() = default;
   /// Makes memory for a SIMD batch, used from then on: a robot that is solved alone needs none.
   virtual void reserve_batch() = 0;
 
@@ -123,11 +123,7 @@ class SolvingBlocks {
   virtual void correct(std::span<Robot> robots, Memory memory) = 0;
   /// Accelerations, and forces of the contacts on the robots alone.
   virtual void store(const Job& job, std::span<Robot> robots, double* memory) = 0;
-};
 
-/// The same, and what comes after a solve.
-class RobotBlocks : public SolvingBlocks {
- public:
   /// The islands' derivatives, of solutions that were sound and whose panels are safe; or, with their memory, of robots
   /// joined to others the columns of their own part.
   virtual void differentiate(const DerivativeJob& job, std::span<Robot> robots, double* memory,
@@ -191,8 +187,6 @@ struct SingleLevel {
 struct Level {
   int width;  // robots in a SIMD batch
   std::unique_ptr<RobotBlocks> (*make)(std::shared_ptr<const BlockPlan> plan);
-  /// With a factor in single precision; of plans without rows that depend on others.
-  std::unique_ptr<SolvingBlocks> (*make_mixed)(std::shared_ptr<const BlockPlan> plan);
   /// contact: any of the kernel's, in its scene.
   std::unique_ptr<InterfaceContacts> (*make_contacts)(const Scene& scene, const Contact& contact,
                                                       const ContactSupport& support);

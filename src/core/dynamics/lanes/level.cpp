@@ -21,8 +21,6 @@ namespace {
 template <int W, class E>
 using Blocks = RobotBlock<Pack<W, E>>;
 template <int W, class E>
-using MixedBlocks = RobotBlock<Pack<W, E>, Pack<W, float>>;
-template <int W, class E>
 using Contacts = InterfaceContactsOf<Pack<W, E>>;
 
 class LevelBlocks final : public RobotBlocks {
@@ -72,32 +70,6 @@ class LevelBlocks final : public RobotBlocks {
   ScalarOrBatch<Blocks, MANYCONTACT_LANES> work_;
 };
 
-// The steps of a solve; derivatives and products are those of LevelBlocks.
-class LevelMixed final : public SolvingBlocks {
- public:
-  explicit LevelMixed(std::shared_ptr<const BlockPlan> plan) : plan_(std::move(plan)), work_(plan_) {}
-  void reserve_batch() override { work_.reserve_batch(plan_); }
-  void solve(const Job& job, std::span<Robot> robots, std::span<Answer> answers) override {
-    work_.of(robots.size(), [&](auto& work) { work.solve(job, robots, answers); });
-  }
-  void evaluate(const Job& job, std::span<Robot> robots, Memory memory) override {
-    work_.of(robots.size(), [&](auto& work) { work.evaluate(job, robots, memory); });
-  }
-  void factor(std::span<Robot> robots, Memory memory) override {
-    work_.of(robots.size(), [&](auto& work) { work.factor(robots, memory); });
-  }
-  void correct(std::span<Robot> robots, Memory memory) override {
-    work_.of(robots.size(), [&](auto& work) { work.correct(robots, memory); });
-  }
-  void store(const Job& job, std::span<Robot> robots, double* memory) override {
-    work_.of(robots.size(), [&](auto& work) { work.store(job, robots, memory); });
-  }
-
- private:
-  std::shared_ptr<const BlockPlan> plan_;
-  ScalarOrBatch<MixedBlocks, MANYCONTACT_LANES> work_;
-};
-
 class LevelContacts final : public InterfaceContacts {
  public:
   LevelContacts(const Scene& scene, const Contact& contact, const ContactSupport& support)
@@ -127,9 +99,6 @@ class LevelSubtrees final : public SubtreeBatch {
 std::unique_ptr<RobotBlocks> make(std::shared_ptr<const BlockPlan> plan) {
   return std::make_unique<LevelBlocks>(std::move(plan));
 }
-std::unique_ptr<SolvingBlocks> make_mixed(std::shared_ptr<const BlockPlan> plan) {
-  return std::make_unique<LevelMixed>(std::move(plan));
-}
 std::unique_ptr<InterfaceContacts> make_contacts(const Scene& scene, const Contact& contact,
                                                  const ContactSupport& support) {
   return std::make_unique<LevelContacts>(scene, contact, support);
@@ -142,7 +111,7 @@ std::unique_ptr<SubtreeBatch> make_subtrees(std::shared_ptr<const SubtreePlan> p
 
 extern const SingleLevel MANYCONTACT_OF_LEVEL(single_level_);
 extern const Level MANYCONTACT_OF_LEVEL(level_);
-const Level MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LANES, make,          make_mixed,
-                                            make_contacts,     make_subtrees, MANYCONTACT_OF_LEVEL(single_level_)};
+const Level MANYCONTACT_OF_LEVEL(level_) = {MANYCONTACT_LANES, make, make_contacts, make_subtrees,
+                                            MANYCONTACT_OF_LEVEL(single_level_)};
 
 }  // namespace manycontact::lanes

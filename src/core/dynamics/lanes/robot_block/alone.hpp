@@ -6,8 +6,8 @@
 
 namespace manycontact::lanes {
 
-template <class S, class Low>
-void RobotBlock<S, Low>::solve(const Job& job, Robots robots, std::span<Answer> answers) {
+template <class S>
+void RobotBlock<S>::solve(const Job& job, Robots robots, std::span<Answer> answers) {
   if constexpr (kSingle)
     use(own_.data());
   else
@@ -16,67 +16,61 @@ void RobotBlock<S, Low>::solve(const Job& job, Robots robots, std::span<Answer> 
   keep(job.serial, robots);
   factorize();
   usable_ = usable_ & sound_pivots();
-  if (!dependent_) usable_ = usable_ & (smallest_row_ > S(kLeft<Low> * tolerance::kRank) * motion_);
+  if (!dependent_) usable_ = usable_ & (smallest_row_ > S(kLeft<S> * tolerance::kRank) * motion_);
   if constexpr (kSingle)
     solve_unrefined(job.scene, robots);
   else
     refine();
   report(job, robots, answers);
   if (job.start) store_contact_velocities(job, robots);
-  if constexpr (!kLow)
+  if constexpr (!kSingle)
     if (dependent_) report_dependence(robots, answers);
 }
 
 /// L and D, without the rows that depend on others.
-template <class S, class Low>
-void RobotBlock<S, Low>::factorize(Prefetch prefetch) {
-  if constexpr (!kLow)
+template <class S>
+void RobotBlock<S>::factorize(Prefetch prefetch) {
+  if constexpr (!kSingle)
     if (dependent_) dependent_->damp(n_.K);
   sparse::ldl_scheduled_factor(schedule_, as_scalar(n_.K), as_scalar(n_.L), as_scalar(n_.D),
                                as_scalar(pivot_terms_.data()), prefetch);
-  if constexpr (!kLow)
+  if constexpr (!kSingle)
     if (dependent_) dependent_->undamp(n_.K, n_.D, pivot_terms_.data());
 }
 
 /// Whether the pivots are more than rounding; where rows are dropped, whether these are the ones.
-template <class S, class Low>
-typename S::Mask RobotBlock<S, Low>::sound_pivots() {
-  if constexpr (!kLow)
+template <class S>
+typename S::Mask RobotBlock<S>::sound_pivots() {
+  if constexpr (!kSingle)
     if (dependent_)
       return dependent_->hold(n_.K, n_.L, n_.D, pivot_terms_.data(), [this](S* x) { solve_by_factor(x); });
   const auto of_M = [this](std::size_t k) { return pattern_.perm[k] < pattern_.nv; };
-  return mask_of(accept_pivots<Low>(of_M, {n_.D, static_cast<std::size_t>(rows_)}, pivot_terms_.data(), diagonal(),
-                                    kMixed ? tolerance::kMixedPassedOn : kPassedOn<Low>));
+  return accept_pivots<S>(of_M, {n_.D, static_cast<std::size_t>(rows_)}, pivot_terms_.data(), diagonal(),
+                          kPassedOn<S>);
 }
 
 /// x <- K^-1 x by L and D, without the border. The entries of x there, of all the pattern's rows, are lost.
-template <class S, class Low>
-void RobotBlock<S, Low>::solve_by_factor(S* x) const {
-  if constexpr (kMixed) {
-    convert(x, rows_, n_.low);
-    sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(n_.low));
-    convert(n_.low, rows_, x);
-  } else {
-    if (plan_->border == 0)
-      return sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
-    sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(x));
-    std::fill_n(x + rows_, plan_->border, S(0));
-    sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
-  }
+template <class S>
+void RobotBlock<S>::solve_by_factor(S* x) const {
+  if (plan_->border == 0)
+    return sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
+  sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(x));
+  std::fill_n(x + rows_, plan_->border, S(0));
+  sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
 }
 
 /// x <- K^-1 x; where rows depend, (I - P) K_kept^-1 x, of an x without part P x (Factor::correct).
-template <class S, class Low>
-void RobotBlock<S, Low>::apply_inverse(S* x) {
+template <class S>
+void RobotBlock<S>::apply_inverse(S* x) {
   solve_by_factor(x);
-  if constexpr (!kLow)
+  if constexpr (!kSingle)
     if (dependent_) dependent_->project_out(x);
 }
 
 /// x += K^-1 r in the elements that are open. Returns where no entry moves by more than tolerance::kSameSize of itself:
 /// there |K| |x| changes by no more either.
-template <class S, class Low>
-typename S::Mask RobotBlock<S, Low>::correct(Mask open) {
+template <class S>
+typename S::Mask RobotBlock<S>::correct(Mask open) {
   std::copy_n(r_.data(), rows_, n_.w);
   apply_inverse(n_.w);
   Mask same_sizes = all();
@@ -89,17 +83,17 @@ typename S::Mask RobotBlock<S, Low>::correct(Mask open) {
 }
 
 /// r, scale, and the backward error.
-template <class S, class Low>
-S RobotBlock<S, Low>::residual() {
+template <class S>
+S RobotBlock<S>::residual() {
   residual_and_sizes();
   return backward_error();
 }
 
 /// The componentwise backward error of r, NaN where any is (Factor::backward_error).
-template <class S, class Low>
-S RobotBlock<S, Low>::backward_error() {
+template <class S>
+S RobotBlock<S>::backward_error() {
   const std::span<const S> r(r_.data(), static_cast<std::size_t>(rows_));
-  if constexpr (!kLow)
+  if constexpr (!kSingle)
     if (dependent_) {
       dependent_->scale_of_dependent(scale_.data(), n_.w);
       return componentwise_error<S>(r, n_.w);
@@ -108,8 +102,8 @@ S RobotBlock<S, Low>::backward_error() {
 }
 
 /// The same after `correct`, whose mask shows where scale need not be computed again.
-template <class S, class Low>
-S RobotBlock<S, Low>::residual(Mask same_sizes) {
+template <class S>
+S RobotBlock<S>::residual(Mask same_sizes) {
   if (same_sizes.all()) {
     sparse::ldl_scheduled_residual(pattern_.K, as_scalar(n_.K), as_scalar(n_.x), as_scalar(n_.b), as_scalar(r_.data()));
   } else {
@@ -121,30 +115,29 @@ S RobotBlock<S, Low>::residual(Mask same_sizes) {
 }
 
 /// x = K^-1 b, each element refined as if it were solved alone (sparse/refine.hpp).
-template <class S, class Low>
-void RobotBlock<S, Low>::refine() {
-  if constexpr (!kLow)
+template <class S>
+void RobotBlock<S>::refine() {
+  if constexpr (!kSingle)
     if (dependent_) dependent_->project_out(n_.b, true);
   std::copy_n(n_.b, rows_, n_.x);
   apply_inverse(n_.x);
-  constexpr int most = kMixed ? tolerance::kMixedSteps : tolerance::kRefinementSteps;
   const Refinement<S> refined(
-      usable_, residual(), [&](Mask open) { return residual(correct(open)); }, most);
+      usable_, residual(), [&](Mask open) { return residual(correct(open)); }, tolerance::kRefinementSteps);
   steps_ = refined.steps, backward_error_ = refined.error, first_error_ = refined.first;
   usable_ = usable_ & (backward_error_ <= S(tolerance::kConverged));
-  if constexpr (!kLow)
+  if constexpr (!kSingle)
     if (dependent_) restore_contradiction();
 }
 
-template <class S, class Low>
-void RobotBlock<S, Low>::report(const Job& job, Robots robots, std::span<Answer> answers) const {
+template <class S>
+void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answers) const {
   // Residuals relative to the terms they are left of; those of the contacts at least to gravity.
   const std::span<const int> rows(pattern_.iperm);
   const Largest<S> dynamics(0, rows.first(pattern_.nv), r_.data(), scale_.data());
   Largest<S> contact(S(0), rows.subspan(pattern_.nv), r_.data(), scale_.data());
   const S contact_terms = contact.scale;
   contact.scale = larger(contact.scale, S(job.scene.gravity.norm()));
-  const Growth<Low> growth(static_cast<std::size_t>(rows_), pivot_terms_.data(), diagonal());
+  const Growth<S> growth(static_cast<std::size_t>(rows_), pivot_terms_.data(), diagonal());
   const S terms(growth.terms), entries(growth.diagonal);
   const Mask safe = terms * S(std::numeric_limits<double>::epsilon()) <= S(tolerance::kConverged) * entries;
   const S factor = select(entries > S(0), terms / entries, S(1));
@@ -168,8 +161,8 @@ void RobotBlock<S, Low>::report(const Job& job, Robots robots, std::span<Answer>
 
 /// Whether rounding errors of a damped row's terms are small relative to the forces (kInDoubt), or to a thousandth of
 /// the loads' terms.
-template <class S, class Low>
-typename S::Mask RobotBlock<S, Low>::plainly_damped(double damping) const {
+template <class S>
+typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
   if (!(damping > 0)) return all();
   S scale(0), force(0);
   for (int i = 0; i < pattern_.size() - plan_->border; ++i) {
@@ -183,8 +176,8 @@ typename S::Mask RobotBlock<S, Low>::plainly_damped(double damping) const {
 // ---- rows that depend on each other (systems/matrix/fallbacks.cpp) ------------------------------------------------
 
 /// Computes the sizes that rows of J and their inconsistency are judged relative to.
-template <class S, class Low>
-void RobotBlock<S, Low>::size_rows(const Scene& scene, Robots robots) {
+template <class S>
+void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& c = scene.contacts[robots.front().contacts[k]];
     const S moved = row_size<S>(c, contacts_[k], 0), turned = c.rows() > 3 ? row_size<S>(c, contacts_[k], 3) : moved;
@@ -200,8 +193,8 @@ void RobotBlock<S, Low>::size_rows(const Scene& scene, Robots robots) {
 }
 
 /// Adds the inconsistency of dependent rows, which was taken out of them, to b and r.
-template <class S, class Low>
-void RobotBlock<S, Low>::restore_contradiction() {
+template <class S>
+void RobotBlock<S>::restore_contradiction() {
   for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) {
     const int k = pattern_.iperm[i];
     const S of_null = dependent_->null_component(k);
@@ -213,8 +206,8 @@ void RobotBlock<S, Low>::restore_contradiction() {
   backward_error_ = componentwise_error<S>(r_, scale_.data());
 }
 
-template <class S, class Low>
-rank::Contradiction<S> RobotBlock<S, Low>::contradicted() const {
+template <class S>
+rank::Contradiction<S> RobotBlock<S>::contradicted() const {
   rank::Contradiction<S> out;
   const auto each_row = [this](auto&& use) {
     for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) use(pattern_.iperm[i]);
@@ -227,8 +220,8 @@ rank::Contradiction<S> RobotBlock<S, Low>::contradicted() const {
   return out;
 }
 
-template <class S, class Low>
-void RobotBlock<S, Low>::report_dependence(Robots robots, std::span<Answer> answers) {
+template <class S>
+void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) {
   const rank::Contradiction<S> of = contradicted();
   for (std::size_t l = 0; l < robots.size(); ++l) {
     answers[l].contradiction = of.of_lane(static_cast<int>(l));
@@ -239,8 +232,8 @@ void RobotBlock<S, Low>::report_dependence(Robots robots, std::span<Answer> answ
 }
 
 /// Writes one robot's x = [a; -f] into the scene's a and f.
-template <class S, class Low>
-void RobotBlock<S, Low>::scatter(const Scene& scene, const std::vector<int>& f_offset, const Robot& robot, int lane,
+template <class S>
+void RobotBlock<S>::scatter(const Scene& scene, const std::vector<int>& f_offset, const Robot& robot, int lane,
                                  double* a, double* f) const {
   const int* iperm = pattern_.iperm.data();
   a += scene.robots[robot.number].idx_v;

@@ -12,8 +12,8 @@
 
 namespace manycontact::lanes {
 
-template <class S, class Low>
-void RobotBlock<S, Low>::differentiate(const DerivativeJob& job, Robots robots, double* memory,
+template <class S>
+void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, double* memory,
                                        std::span<const Panel> panels) {
   linearise(job, robots, memory);
   derivative_terms(job.scene, robots);
@@ -39,8 +39,8 @@ void RobotBlock<S, Low>::differentiate(const DerivativeJob& job, Robots robots, 
 }
 
 /// MovingEnd of each contact that joins the robots.
-template <class S, class Low>
-void RobotBlock<S, Low>::move_ends(const DerivativeJob& job, Robots robots) {
+template <class S>
+void RobotBlock<S>::move_ends(const DerivativeJob& job, Robots robots) {
   linearise(job, robots, nullptr);
   rnea_derivatives<S>(*model_, robot_.kin, robot_.Yc, {}, rnea_);  // of it Psid, Psidd and Sv
   collect_ends({&robot_.kin.J, &rnea_.Psid, &rnea_.Psidd, &rnea_.Sv});
@@ -50,8 +50,8 @@ void RobotBlock<S, Low>::move_ends(const DerivativeJob& job, Robots robots) {
 }
 
 /// Contact forces on the bodies, and the terms of -dr.
-template <class S, class Low>
-void RobotBlock<S, Low>::derivative_terms(const Scene& scene, Robots robots) {
+template <class S>
+void RobotBlock<S>::derivative_terms(const Scene& scene, Robots robots) {
   add_forces(scene, robots, fext_);
   const double* from[kMostInBatch];
   std::size_t next = 0;
@@ -72,8 +72,8 @@ void RobotBlock<S, Low>::derivative_terms(const Scene& scene, Robots robots) {
 }
 
 /// Rows of a coordinate's columns of -dr: its ancestors and descendants, and the rows of contacts on any of these.
-template <class S, class Low>
-void RobotBlock<S, Low>::find_places() {
+template <class S>
+void RobotBlock<S>::find_places() {
   const int nv = model_->nv;
   Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> places;
   places.setZero(rows_, nv);
@@ -96,8 +96,8 @@ void RobotBlock<S, Low>::find_places() {
 }
 
 /// Finds the constant entries of right-hand sides, and the chunks of columns in which they are solved.
-template <class S, class Low>
-void RobotBlock<S, Low>::find_reach(const DerivativeJob& job) {
+template <class S>
+void RobotBlock<S>::find_reach(const DerivativeJob& job) {
   const int size = rows_, ld = job.columns;
   if (request_ == job.request && !chunks_.empty() && place_.size() == static_cast<std::size_t>(size) * ld) return;
   chunks_.clear();  // so that they are not taken for found, should memory run out
@@ -132,8 +132,8 @@ void RobotBlock<S, Low>::find_reach(const DerivativeJob& job) {
 
 /// Bands of columns whose solutions stay in the second cache; in each, chunks of parts that reach much the same rows.
 /// reach: of each part, in the pattern's order. Makes memory, and places of right-hand sides and solutions in it.
-template <class S, class Low>
-auto RobotBlock<S, Low>::form_chunks(std::span<const std::vector<char>> reach, int ld) -> std::vector<Chunk> {
+template <class S>
+auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld) -> std::vector<Chunk> {
   constexpr std::size_t kBand = 1 << 19;  // bytes
   constexpr int kWhole = std::lcm(8, kColumns);
   const std::size_t size = static_cast<std::size_t>(rows_);
@@ -181,8 +181,8 @@ auto RobotBlock<S, Low>::form_chunks(std::span<const std::vector<char>> reach, i
 }
 
 /// B = [E -dr/dq -dr/dv S], S selecting the torques, which is there already.
-template <class S, class Low>
-void RobotBlock<S, Low>::right_sides(const DerivativeJob& job, Robots robots) {
+template <class S>
+void RobotBlock<S>::right_sides(const DerivativeJob& job, Robots robots) {
   const Indexed B{B_.data(), place_.data(), job.columns};
   for (int k : unset_) B_[k] = S(0);
   const double* from[kMostInBatch];
@@ -232,8 +232,8 @@ void RobotBlock<S, Low>::right_sides(const DerivativeJob& job, Robots robots) {
 
 /// Elements in which every column of every panel has a backward error of no more than kRefinePanel as it comes from the
 /// factor: |dK|_1 / |K|_1 of sparse::ldl_rounding.
-template <class S, class Low>
-typename S::Mask RobotBlock<S, Low>::accurate_unrefined(const S* L) {
+template <class S>
+typename S::Mask RobotBlock<S>::accurate_unrefined(const S* L) {
   sparse::ldl_row_sums(inner_.K, as_scalar(n_.K), inner_.ldl, as_scalar(L), as_scalar(n_.D), as_scalar(r_.data()),
                        as_scalar(scale_.data()));
   S of_factor(0), of_K(0);
@@ -245,8 +245,8 @@ typename S::Mask RobotBlock<S, Low>::accurate_unrefined(const S* L) {
 }
 
 /// L of K_r: without the border's rows, which are the last of each column.
-template <class S, class Low>
-const S* RobotBlock<S, Low>::inner_L() {
+template <class S>
+const S* RobotBlock<S>::inner_L() {
   if (plan_->border == 0) return n_.L;
   for (int j = 0; j < rows_; ++j)
     std::copy_n(n_.L + pattern_.ldl.Lp[j], inner_.ldl.Lp[j + 1] - inner_.ldl.Lp[j], inner_L_.data() + inner_.ldl.Lp[j]);
@@ -254,8 +254,8 @@ const S* RobotBlock<S, Low>::inner_L() {
 }
 
 /// [da; df] = K^-1 B, into the panels of the elements that are plain.
-template <class S, class Low>
-void RobotBlock<S, Low>::solve_panels(const S* L, std::span<const Panel> panels, Mask plain, bool non_temporal) {
+template <class S>
+void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask plain, bool non_temporal) {
   for (int k = 0; k < rows_; ++k) inverse_[k] = S(1) / n_.D[k];
   sparse::ldl_pack(inner_schedule_, L, packed_.data());
   for (const Band& band : bands_) {
@@ -271,9 +271,9 @@ void RobotBlock<S, Low>::solve_panels(const S* L, std::span<const Panel> panels,
 
 /// Copies the solutions of a band's chunks from work_ to the panels, which start at a cache line and whose rows are
 /// multiples of it.
-template <class S, class Low>
+template <class S>
 template <class Put>
-void RobotBlock<S, Low>::write(const Band& band, std::span<const Panel> panels, Mask plain, Put&& put) {
+void RobotBlock<S>::write(const Band& band, std::span<const Panel> panels, Mask plain, Put&& put) {
   using Row = sparse::kernel::Tile<double, W == 1 ? kPart : W>;  // of one panel
   const Number* x = answer();
   double* to[W] = {};
@@ -302,18 +302,18 @@ void RobotBlock<S, Low>::write(const Band& band, std::span<const Panel> panels, 
   }
 }
 
-template <class S, class Low>
+template <class S>
 template <int N>
-void RobotBlock<S, Low>::solve_chunk(const S* L, std::size_t chunk) {
+void RobotBlock<S>::solve_chunk(const S* L, std::size_t chunk) {
   if (chunks_[chunk].columns() == N)
     solve_columns<N>(L, chunk);
   else if constexpr (W == 1 && N > kPart)
     solve_chunk<N - kPart>(L, chunk);
 }
 
-template <class S, class Low>
+template <class S>
 template <int N>
-void RobotBlock<S, Low>::solve_columns(const S* L, std::size_t chunk) {
+void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk) {
   using Row = sparse::kernel::Tile<Number, N>;
   constexpr int kInRegisters = W == 1 ? N : kOfPanel.in_registers;
   const std::size_t size = static_cast<std::size_t>(rows_);
@@ -348,9 +348,9 @@ void RobotBlock<S, Low>::solve_columns(const S* L, std::size_t chunk) {
 }
 
 /// A chunk's right-hand sides; rows of blocks that none reaches are left as they are.
-template <class S, class Low>
+template <class S>
 template <int N>
-void RobotBlock<S, Low>::load_chunk(std::size_t chunk, Number* x) const {
+void RobotBlock<S>::load_chunk(std::size_t chunk, Number* x) const {
   using Row = sparse::kernel::Tile<Number, N>;
   const char *reach = reach_.data() + chunk * rows_, *reached = reached_.data() + chunk * rows_;
   const Number* b = as_scalar(B_.data()) + chunks_[chunk].at;
@@ -368,9 +368,9 @@ void RobotBlock<S, Low>::load_chunk(std::size_t chunk, Number* x) const {
 }
 
 /// R -= K X, N columns of each.
-template <class S, class Low>
+template <class S>
 template <int N>
-void RobotBlock<S, Low>::subtract_product(const Number* X, Number* R) const {
+void RobotBlock<S>::subtract_product(const Number* X, Number* R) const {
   using Row = sparse::kernel::Tile<Number, N>;
   const sparse::UpperCsc& K = pattern_.K;
   const Number* values = as_scalar(n_.K);
@@ -393,8 +393,8 @@ void RobotBlock<S, Low>::subtract_product(const Number* X, Number* R) const {
 }
 
 /// D = d(J y)/dq, J y = f (products.hpp).
-template <class S, class Low>
-void RobotBlock<S, Low>::least_norm_columns(const DerivativeJob& job, Robots robots) {
+template <class S>
+void RobotBlock<S>::least_norm_columns(const DerivativeJob& job, Robots robots) {
   if (!job.request.q) return;
   motion_of_forces();
   std::fill(rate_.begin(), rate_.end(), S(0));
@@ -406,9 +406,9 @@ void RobotBlock<S, Low>::least_norm_columns(const DerivativeJob& job, Robots rob
 }
 
 /// X = [da; -df]: df += P D, of a chunk's columns.
-template <class S, class Low>
+template <class S>
 template <int N>
-void RobotBlock<S, Low>::subtract_least_norm_columns(std::size_t chunk, Number* X) {
+void RobotBlock<S>::subtract_least_norm_columns(std::size_t chunk, Number* X) {
   const int nv = model_->nv;
   const Chunk& of = chunks_[chunk];
   if (!request_.q) return;
@@ -425,8 +425,8 @@ void RobotBlock<S, Low>::subtract_least_norm_columns(std::size_t chunk, Number* 
 }
 
 /// X + K^-1 (B - K X) of one robot, X = K^-1 B.
-template <class S, class Low>
-void RobotBlock<S, Low>::solve_refined(const S* L, int lane, const Panel& panel, int columns) {
+template <class S>
+void RobotBlock<S>::solve_refined(const S* L, int lane, const Panel& panel, int columns) {
   const auto take = [lane](const S* from, std::vector<double>& to) {
     for (std::size_t k = 0; k < to.size(); ++k) to[k] = from[k][lane];
   };

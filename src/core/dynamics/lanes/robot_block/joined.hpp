@@ -6,14 +6,14 @@
 namespace manycontact::lanes {
 
 /// Asks for what those whose turn is next will write: K, b and the joins.
-template <class S, class Low>
-void RobotBlock<S, Low>::prefetch_cached(Prefetch prefetch) const {
+template <class S>
+void RobotBlock<S>::prefetch_cached(Prefetch prefetch) const {
   constexpr std::size_t kLine = 64 / sizeof(S);
   for (std::size_t k = 0; k < plan_->kept_size() + plan_->joins_size(); k += kLine) prefetch.fetch_to_write(n_.K + k);
 }
 
-template <class S, class Low>
-void RobotBlock<S, Low>::evaluate(const Job& job, Robots robots, Memory memory) {
+template <class S>
+void RobotBlock<S>::evaluate(const Job& job, Robots robots, Memory memory) {
   use(memory.at);
   prefetch_cached(prefetch_of(memory));
   set_up(job, robots);
@@ -27,8 +27,8 @@ void RobotBlock<S, Low>::evaluate(const Job& job, Robots robots, Memory memory) 
 }
 
 /// Into joins_, of each contact that joins the robots: how its end's body moves, and its coordinates' columns of these.
-template <class S, class Low>
-void RobotBlock<S, Low>::collect_ends(std::initializer_list<const Mat6X<S>*> columns) {
+template <class S>
+void RobotBlock<S>::collect_ends(std::initializer_list<const Mat6X<S>*> columns) {
   S* to = joins_.data();
   const auto add = [&to](const S* from, std::size_t count) { to = std::copy_n(from, count, to); };
   for (std::size_t k = contacts_.size(); k < plan_->supports.size(); ++k) {
@@ -43,16 +43,16 @@ void RobotBlock<S, Low>::collect_ends(std::initializer_list<const Mat6X<S>*> col
 }
 
 /// JoinedEnd of each contact that joins the robots.
-template <class S, class Low>
-void RobotBlock<S, Low>::store_ends(Robots robots) {
+template <class S>
+void RobotBlock<S>::store_ends(Robots robots) {
   collect_ends({&robot_.kin.J});
   double* memory[kMostInBatch];
   store_arrays(joins_.data(), static_cast<int>(plan_->joins_size()),
                side_by_side(robots, memory, [](const Robot& r) { return r.joins; }));
 }
 
-template <class S, class Low>
-void RobotBlock<S, Low>::factor(Robots robots, Memory memory) {
+template <class S>
+void RobotBlock<S>::factor(Robots robots, Memory memory) {
   use(memory.at);
   const int* slot = pattern_.J_slot.data();
   for (const ContactData<S>& rows : contacts_) slot += rows.J.size();
@@ -66,7 +66,7 @@ void RobotBlock<S, Low>::factor(Robots robots, Memory memory) {
   }
   factorize(prefetch_of(memory));
   const Mask good = sound_pivots();
-  const Growth<Low> growth(static_cast<std::size_t>(rows_), pivot_terms_.data(), diagonal());
+  const Growth<S> growth(static_cast<std::size_t>(rows_), pivot_terms_.data(), diagonal());
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
     robots[l].sound = robots[l].sound && good[lane];
@@ -78,21 +78,21 @@ void RobotBlock<S, Low>::factor(Robots robots, Memory memory) {
 }
 
 /// Stores the Schur complement that the elimination leaves in the border, and its terms.
-template <class S, class Low>
-void RobotBlock<S, Low>::store_schur_complement(Robots robots) {
+template <class S>
+void RobotBlock<S>::store_schur_complement(Robots robots) {
   S* to = border_.data();
   const int* below = triangle_.data();
   for (int j = rows_; j < pattern_.size(); ++j) {
-    for (int i = rows_; i < j; ++i, ++below) *to++ = *below < 0 ? S(0) : static_cast<S>(n_.L[*below]);
-    *to++ = static_cast<S>(n_.D[j]);
+    for (int i = rows_; i < j; ++i, ++below) *to++ = *below < 0 ? S(0) : n_.L[*below];
+    *to++ = n_.D[j];
   }
-  convert(pivot_terms_.data() + rows_, plan_->border, to);
+  std::copy_n(pivot_terms_.data() + rows_, plan_->border, to);
   store_border(border_.data(), static_cast<int>(to - border_.data()) + plan_->border, robots,
                [](const Border& b) { return b.S; });
 }
 
-template <class S, class Low>
-void RobotBlock<S, Low>::load(const Job& job, Robots robots, double* memory) {
+template <class S>
+void RobotBlock<S>::load(const Job& job, Robots robots, double* memory) {
   use(memory);
   load_each(job.scene, robots, model_->nv, a_.data(), [&](const auto& r, auto&) { return job.a + r.idx_v; });
   for (int i = 0; i < model_->nv; ++i) n_.b[pattern_.iperm[i]] = a_[i];
@@ -107,45 +107,42 @@ void RobotBlock<S, Low>::load(const Job& job, Robots robots, double* memory) {
 }
 
 /// x = 0, r = b.
-template <class S, class Low>
-void RobotBlock<S, Low>::begin(Robots robots) {
+template <class S>
+void RobotBlock<S>::begin(Robots robots) {
   std::fill_n(n_.x, pattern_.size(), S(0));
-  if constexpr (!kLow)
+  if constexpr (!kSingle)
     if (dependent_) dependent_->project_out(n_.b, true);
   std::copy_n(n_.b, pattern_.size(), r_.data());
   forward(robots, all());
 }
 
 /// w = L^-1 r, and what that leaves to the border; zero for robots that are not open: they have nothing to gain.
-template <class S, class Low>
-void RobotBlock<S, Low>::forward(Robots robots, Mask open) {
-  for (int k = 0; k < rows_; ++k) n_.low[k] = static_cast<Low>(select(open, r_[k], S(0)));
-  std::fill_n(n_.low + rows_, plan_->border, Low(0));
-  if (open.any()) sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(n_.low));
-  if constexpr (kMixed) convert(n_.low + rows_, plan_->border, n_.w + rows_);
+template <class S>
+void RobotBlock<S>::forward(Robots robots, Mask open) {
+  for (int k = 0; k < rows_; ++k) n_.w[k] = select(open, r_[k], S(0));
+  std::fill_n(n_.w + rows_, plan_->border, S(0));
+  if (open.any()) sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(n_.w));
   store_border(n_.w + rows_, plan_->border, robots, [](const Border& b) { return b.b(); });
 }
 
-template <class S, class Low>
-void RobotBlock<S, Low>::correct(Robots robots, Memory memory) {
+template <class S>
+void RobotBlock<S>::correct(Robots robots, Memory memory) {
   use(memory.at);
   const Prefetch prefetch = prefetch_of(memory);
   const double* from[kMostInBatch];
   load_arrays(side_by_side(robots, from, [](const Robot& r) { return r.border.y(); }), plan_->border, n_.w + rows_);
-  if constexpr (kMixed) convert(n_.w + rows_, plan_->border, n_.low + rows_);
-  sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(n_.low), prefetch);
-  if constexpr (!kLow)
+  sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(n_.w), prefetch);
+  if constexpr (!kSingle)
     if (dependent_) dependent_->project_out(n_.w);
   for (int k = 0; k < pattern_.size(); ++k) {
-    for (const S* x : {n_.x, n_.b}) prefetch.fetch(x + k);
-    for (const Low* x : {n_.low, n_.D}) prefetch.fetch(x + k);
-    n_.x[k] += static_cast<S>(n_.low[k]);
+    for (const S* x : {n_.x, n_.b, n_.w, n_.D}) prefetch.fetch(x + k);
+    n_.x[k] += n_.w[k];
   }
   forward(robots, check_residual(robots, prefetch) > S(tolerance::kRefined));
 }
 
-template <class S, class Low>
-void RobotBlock<S, Low>::check(Robots robots, Memory memory) {
+template <class S>
+void RobotBlock<S>::check(Robots robots, Memory memory) {
   use(memory.at);
   const double* from[kMostInBatch];
   const auto spread = [&](auto&& at, S* to) {  // rows as the island has them, in K's order
@@ -161,8 +158,8 @@ void RobotBlock<S, Low>::check(Robots robots, Memory memory) {
 }
 
 /// r = b - K x, scale = |b| + |K| |x|, and what is reported of them; returns the robots' backward error.
-template <class S, class Low>
-S RobotBlock<S, Low>::check_residual(Robots robots, Prefetch prefetch) {
+template <class S>
+S RobotBlock<S>::check_residual(Robots robots, Prefetch prefetch) {
   sparse::ldl_scheduled_residual(pattern_.K, as_scalar(n_.K), as_scalar(n_.x), as_scalar(n_.b), as_scalar(r_.data()),
                                  as_scalar(scale_.data()), prefetch);
   store_border(r_.data() + rows_, plan_->border, robots, [](const Border& b) { return b.r(); });
@@ -182,8 +179,8 @@ S RobotBlock<S, Low>::check_residual(Robots robots, Prefetch prefetch) {
   return error;
 }
 
-template <class S, class Low>
-void RobotBlock<S, Low>::finish(Robots robots, Memory memory) {
+template <class S>
+void RobotBlock<S>::finish(Robots robots, Memory memory) {
   use(memory.at);
   for (int k = pattern_.nv; dependent_ && k < rows_; ++k) n_.b[k] += dependent_->null_component(k);
   (void)check_residual(robots, prefetch_of(memory));
@@ -195,8 +192,8 @@ void RobotBlock<S, Low>::finish(Robots robots, Memory memory) {
   }
 }
 
-template <class S, class Low>
-void RobotBlock<S, Low>::store(const Job& job, Robots robots, double* memory) {
+template <class S>
+void RobotBlock<S>::store(const Job& job, Robots robots, double* memory) {
   use(memory);
   for (std::size_t l = 0; l < robots.size(); ++l)
     scatter(job.scene, job.f_offset, robots[l], static_cast<int>(l), job.a, job.f);

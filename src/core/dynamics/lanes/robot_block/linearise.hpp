@@ -5,14 +5,14 @@
 
 namespace manycontact::lanes {
 
-template <class S, class Low>
-bool RobotBlock<S, Low>::keeps(std::uint64_t serial, Robots robots) const {
+template <class S>
+bool RobotBlock<S>::keeps(std::uint64_t serial, Robots robots) const {
   return serial_ == serial && kept_count_ == robots.size() &&
          std::equal(robots.begin(), robots.end(), kept_.begin(),
                     [](const Robot& r, int number) { return r.number == number; });
 }
-template <class S, class Low>
-void RobotBlock<S, Low>::keep(std::uint64_t serial, Robots robots) {
+template <class S>
+void RobotBlock<S>::keep(std::uint64_t serial, Robots robots) {
   serial_ = serial;
   kept_count_ = robots.size();
   std::transform(robots.begin(), robots.end(), kept_.begin(), [](const Robot& r) { return r.number; });
@@ -20,9 +20,9 @@ void RobotBlock<S, Low>::keep(std::uint64_t serial, Robots robots) {
 
 /// Motions and contact rows at the solution, K and its factor. memory: of robots joined to others, which has the
 /// latter; nullptr where only motions are wanted of them.
-template <class S, class Low>
+template <class S>
 template <class Job>
-void RobotBlock<S, Low>::linearise(const Job& job, Robots robots, double* memory) {
+void RobotBlock<S>::linearise(const Job& job, Robots robots, double* memory) {
   const bool alone = plan_->border == 0, kept = alone && keeps(job.serial, robots);
   if (alone) memory = reinterpret_cast<double*>(own_.data());
   if (memory) use(memory);
@@ -58,8 +58,8 @@ void add_force(const Contact& contact, const ContactData<S>& rows, const Vec6<S>
 }
 
 /// fext = those of the contacts at the solution.
-template <class S, class Low>
-void RobotBlock<S, Low>::add_forces(const Scene& scene, Robots robots, std::vector<Vec6<S>>& fext) {
+template <class S>
+void RobotBlock<S>::add_forces(const Scene& scene, Robots robots, std::vector<Vec6<S>>& fext) {
   std::fill(fext.begin(), fext.end(), Vec6<S>(Vec6<S>::Zero()));
   for (std::size_t k = 0; k < contacts_.size(); ++k)
     add_force<S>(scene.contacts[robots.front().contacts[k]], contacts_[k], contacts_[k].W.transpose() * contact_f_[k],

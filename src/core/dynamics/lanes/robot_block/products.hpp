@@ -7,8 +7,8 @@
 namespace manycontact::lanes {
 
 /// x = K^-1 b, refined once as solve_refined with one step does.
-template <class S, class Low>
-void RobotBlock<S, Low>::solve_once_refined() {
+template <class S>
+void RobotBlock<S>::solve_once_refined() {
   if (dependent_) dependent_->project_out(n_.b);
   std::copy_n(n_.b, rows_, n_.x);
   apply_inverse(n_.x);
@@ -16,8 +16,8 @@ void RobotBlock<S, Low>::solve_once_refined() {
   if (open.any()) (void)correct(open);
 }
 
-template <class S, class Low>
-BodyVariationOf<S> RobotBlock<S, Low>::body(const Attachment& at) const {
+template <class S>
+BodyVariationOf<S> RobotBlock<S>::body(const Attachment& at) const {
   const Vec6<S> zero = Vec6<S>::Zero();
   return moves(at) ? body_[at.joint] : BodyVariationOf<S>{zero, zero, zero, zero};
 }
@@ -25,8 +25,8 @@ BodyVariationOf<S> RobotBlock<S, Low>::body(const Attachment& at) const {
 // ---- forces of least norm, where rows depend (systems/matrix/least_norm_forces.cpp): P df = P D dq, D = d(J y)/dq
 // ----
 
-template <class S, class Low>
-internal::JacobianRate<S> RobotBlock<S, Low>::jacobian_rate(const Scene& scene, Robots robots, std::size_t k) const {
+template <class S>
+internal::JacobianRate<S> RobotBlock<S>::jacobian_rate(const Scene& scene, Robots robots, std::size_t k) const {
   const ContactSupport& support = plan_->supports[k];
   const std::vector<int>& joint = model_->dof_joint;
   return {scene.contacts[robots.front().contacts[k]],
@@ -40,8 +40,8 @@ internal::JacobianRate<S> RobotBlock<S, Low>::jacobian_rate(const Scene& scene, 
 }
 
 /// y with J y = f.
-template <class S, class Low>
-void RobotBlock<S, Low>::motion_of_forces() {
+template <class S>
+void RobotBlock<S>::motion_of_forces() {
   for (int i = 0; i < model_->nv; ++i) n_.b[pattern_.iperm[i]] = S(0);
   for (std::size_t k = 0; k < contacts_.size(); ++k)
     for (Eigen::Index i = 0; i < contact_f_[k].size(); ++i) n_.b[rows_of(k)[i]] = contact_f_[k][i];
@@ -50,8 +50,8 @@ void RobotBlock<S, Low>::motion_of_forces() {
 }
 
 /// x = [da; -df]: df += P D dq.
-template <class S, class Low>
-void RobotBlock<S, Low>::add_least_norm_tangent(const Scene& scene, Robots robots, const std::vector<S>& dq) {
+template <class S>
+void RobotBlock<S>::add_least_norm_tangent(const Scene& scene, Robots robots, const std::vector<S>& dq) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     Vec6<S> dnu = Vec6<S>::Zero();
     jacobian_rate(scene, robots, k).of_motion(y_, [&](int i, const Vec6<S>& column) { dnu += column * dq[i]; });
@@ -64,15 +64,15 @@ void RobotBlock<S, Low>::add_least_norm_tangent(const Scene& scene, Robots robot
 }
 
 /// P of b = [wa; -wf], before it is solved for.
-template <class S, class Low>
-void RobotBlock<S, Low>::project_forces() {
+template <class S>
+void RobotBlock<S>::project_forces() {
   std::copy_n(n_.b, rows_, n_.w);
   dependent_->project_out(n_.w, true);
 }
 
 /// wq += D^T P wf.
-template <class S, class Low>
-void RobotBlock<S, Low>::add_least_norm_adjoint(const Scene& scene, Robots robots, std::vector<S>& wq) {
+template <class S>
+void RobotBlock<S>::add_least_norm_adjoint(const Scene& scene, Robots robots, std::vector<S>& wq) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     VecX<S>& rows = contact_scratch_[k];
     for (Eigen::Index i = 0; i < rows.size(); ++i) rows[i] = -dependent_->null_component(rows_of(k)[i]);
@@ -81,8 +81,8 @@ void RobotBlock<S, Low>::add_least_norm_adjoint(const Scene& scene, Robots robot
   }
 }
 
-template <class S, class Low>
-void RobotBlock<S, Low>::jvp(const ProductJob& job, Robots robots) {
+template <class S>
+void RobotBlock<S>::jvp(const ProductJob& job, Robots robots) {
   const Scene& scene = job.scene;
   const int nv = model_->nv;
   linearise(job, robots, nullptr);
@@ -110,8 +110,8 @@ void RobotBlock<S, Low>::jvp(const ProductJob& job, Robots robots) {
     scatter(scene, job.f_offset, robots[l], static_cast<int>(l), job.out[0], job.out[1]);
 }
 
-template <class S, class Low>
-void RobotBlock<S, Low>::vjp(const ProductJob& job, Robots robots) {
+template <class S>
+void RobotBlock<S>::vjp(const ProductJob& job, Robots robots) {
   const Scene& scene = job.scene;
   const int nv = model_->nv;
   linearise(job, robots, nullptr);

@@ -32,16 +32,12 @@ struct Without {
   explicit Without(const Model&) {}
 };
 
-/// Low: scalar of the factor, S or, for mixed precision, floats of as many robots.
-template <class S, class Low = S>
+template <class S>
 class RobotBlock {
  public:
   static constexpr int W = S::width;
   /// Whether all numbers are floats: these solve only robots alone, without redundant rows (single.hpp).
   static constexpr bool kSingle = std::is_same_v<typename S::Element, float>;
-  /// Whether the factor alone is in floats: for solves of robots alone and joined, without redundant rows.
-  static constexpr bool kMixed = !std::is_same_v<S, Low>;
-  static constexpr bool kLow = kSingle || kMixed;
   using Mask = typename S::Mask;
   using Robot = RobotBlocks::Robot;
   using Robots = std::span<Robot>;
@@ -65,12 +61,9 @@ class RobotBlock {
  private:
   /// The sparse kernels' value.
   using Number = std::conditional_t<W == 1, typename S::Element, S>;
-  /// In the memory of a batch: K, L, D as KktMatrix, LdlSymbolic have them; w = L^-1 r, in mixed precision `low`.
+  /// In the memory of a batch: K, L, D as KktMatrix, LdlSymbolic have them; w = L^-1 r.
   struct Numbers {
-    S *K, *b;
-    Low *L, *D;
-    S *x, *w;
-    Low* low;
+    S *K, *b, *L, *D, *x, *w;
   };
   /// Robots joined to others: a batch meets its numbers again after all others have met theirs.
   using Prefetch = std::conditional_t<W == 1, sparse::kernel::NoPrefetch, sparse::kernel::PrefetchNext>;
@@ -88,24 +81,10 @@ class RobotBlock {
     Numbers& n = n_;
     n.K = numbers;
     n.b = n.K + pattern_.K.nonzeros();
-    S* const behind = n.b + pattern_.size();
-    if constexpr (kMixed) {
-      n.x = behind;
-      n.L = reinterpret_cast<Low*>(n.x + pattern_.size());
-      n.D = n.L + pattern_.ldl.nonzeros();
-      n.low = n.D + pattern_.size();
-      n.w = w_.data();
-    } else {
-      n.L = behind;
-      n.D = n.L + pattern_.ldl.nonzeros();
-      n.x = n.D + pattern_.size();
-      n.w = n.low = n.x + pattern_.size();
-    }
-  }
-  /// Numbers of one of the two precisions in the other.
-  template <class To, class From>
-  static void convert(const From* from, int count, To* to) {
-    for (int k = 0; k < count; ++k) to[k] = static_cast<To>(from[k]);
+    n.L = n.b + pattern_.size();
+    n.D = n.L + pattern_.ldl.nonzeros();
+    n.x = n.D + pattern_.size();
+    n.w = n.x + pattern_.size();
   }
 
   /// Columns of a panel: those worked at a time; of these those in registers, four rows of each; and those of a part,
@@ -119,7 +98,7 @@ class RobotBlock {
   }
   static constexpr Columns kOfPanel = columns_of(sparse::kernel::kRegister);
   static constexpr int kColumns = kOfPanel.at_a_time, kPart = kOfPanel.of_part, kParts = kColumns / kPart;
-  static_assert(kLow || (8 % kPart == 0 && 8 % W == 0));
+  static_assert(kSingle || (8 % kPart == 0 && 8 % W == 0));
   struct Chunk {
     int first[kParts], parts;
     std::size_t at;      // in B_: rows that it reaches, its columns adjacent
@@ -245,17 +224,9 @@ class RobotBlock {
   /// Places of the rows of a contact in K.
   const int* rows_of(std::size_t k) const { return pattern_.iperm.data() + model_->nv + plan_->island.row_offset[k]; }
   auto diagonal() const {
-    return [this](std::size_t k) { return static_cast<Low>(n_.K[pattern_.K.p[k + 1] - 1]); };
+    return [this](std::size_t k) { return n_.K[pattern_.K.p[k + 1] - 1]; };
   }
   static Mask all() { return S(0) <= S(0); }
-  static Mask mask_of(typename Low::Mask of) {
-    if constexpr (!kMixed)
-      return of;
-    else if constexpr (W == 1)
-      return {of.bits};
-    else
-      return {__builtin_convertvector(of.bits, typename S::Int)};
-  }
   /// Elements without a robot of their own repeat the last one.
   static const Robot& in_lane(Robots robots, int lane) {
     return robots[std::min<std::size_t>(static_cast<std::size_t>(lane), robots.size() - 1)];
@@ -301,8 +272,7 @@ class RobotBlock {
 
   Numbers n_;           // those at work
   std::vector<S> own_;  // of robots alone
-  std::vector<Low> pivot_terms_;
-  std::vector<S> r_, scale_, w_;               // w_: in mixed precision
+  std::vector<S> pivot_terms_, r_, scale_;
   std::optional<DependentRows<S>> dependent_;  // where the plan drops rows
   S steps_, backward_error_, first_error_;
   std::uint64_t serial_ = 0;  // the solution and the robots that kinematics, M, K, L, D are of
@@ -316,7 +286,7 @@ class RobotBlock {
   VecX<S> a_;
   std::vector<VecX<S>> contact_f_, contact_scratch_;  // rows of each contact
   std::vector<Vec6<S>> fext_;
-  std::conditional_t<kLow, Without, RneaDerivativesOf<S>> rnea_;
+  std::conditional_t<kSingle, Without, RneaDerivativesOf<S>> rnea_;
   std::vector<ContactDerivativesOf<S>> contact_terms_;
   std::vector<std::vector<int>> columns_;  // per contact: its coordinates
   std::vector<Slot> places_;               // of -dr/dq, -dr/dv: where they are not zero
@@ -346,8 +316,8 @@ class RobotBlock {
   std::vector<S> slope_;  // nv, where joints have friction: -d tau_f / dv
 };
 
-template <class S, class Low>
-RobotBlock<S, Low>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
+template <class S>
+RobotBlock<S>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
     : plan_(std::move(plan)),
       model_(plan_->model()),
       pattern_(*plan_->pattern),
@@ -373,12 +343,12 @@ RobotBlock<S, Low>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
       rnea_(*model_),
       nonzero_(rows_),
       inner_L_(plan_->border > 0 ? inner_.ldl.nonzeros() : 0),
-      packed_(kLow ? 0 : inner_schedule_.packed.size()),
+      packed_(kSingle ? 0 : inner_schedule_.packed.size()),
       inverse_(rows_),
-      Lx_(kLow ? 0 : inner_.ldl.nonzeros()),
+      Lx_(kSingle ? 0 : inner_.ldl.nonzeros()),
       Dx_(rows_),
-      Kx_(kLow ? 0 : inner_.K.nonzeros()),
-      work_(kLow ? 0 : sparse::panel_kernels().work_size(inner_schedule_)),
+      Kx_(kSingle ? 0 : inner_.K.nonzeros()),
+      work_(kSingle ? 0 : sparse::panel_kernels().work_size(inner_schedule_)),
       rounding_(sparse::ldl_rounding(inner_.ldl)),
       body_(model_->njoints()),
       u_(model_->njoints()),
@@ -394,15 +364,14 @@ RobotBlock<S, Low>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
     const ContactSupport& support = plan_->supports[k];
     contacts_.emplace_back(contact(k), support);
     common_pair_.push_back(nullptr);
-    if constexpr (!kLow) contact_terms_.emplace_back(plan_->scene, contact(k), support);
+    if constexpr (!kSingle) contact_terms_.emplace_back(plan_->scene, contact(k), support);
     contact_f_.emplace_back(contact(k).rows());
     contact_scratch_.emplace_back(contact(k).rows());
     columns_.push_back(support.a);
     columns_.back().insert(columns_.back().end(), support.b.begin(), support.b.end());
   }
   if constexpr (kSingle) make_single();
-  if constexpr (kMixed) w_.resize(pattern_.size());
-  if constexpr (!kLow)
+  if constexpr (!kSingle)
     if (!plan_->dropped.empty()) dependent_.emplace(*plan_);
   const sparse::LdlSymbolic& ldl = pattern_.ldl;
   for (int j = rows_; j < ldl.n; ++j)
@@ -411,7 +380,7 @@ RobotBlock<S, Low>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
       const auto at = std::lower_bound(first, last, j);
       triangle_.push_back(at != last && *at == j ? static_cast<int>(at - ldl.Li.begin()) : -1);
     }
-  if constexpr (!kLow) find_places();
+  if constexpr (!kSingle) find_places();
 }
 
 }  // namespace manycontact::lanes

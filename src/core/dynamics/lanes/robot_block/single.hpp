@@ -20,8 +20,8 @@ inline double without_turns(double q, double per_turn) {
 }
 
 /// Memory.
-template <class S, class Low>
-void RobotBlock<S, Low>::make_single() {
+template <class S>
+void RobotBlock<S>::make_single() {
   near_q_.resize(static_cast<std::size_t>(W * model_->nq));
   per_turn_.assign(static_cast<std::size_t>(model_->nq), 0.0);
   for (const Joint& joint : model_->joints) {
@@ -37,9 +37,9 @@ void RobotBlock<S, Low>::make_single() {
 
 /// q, of which floats would lose digits: without whole turns, and seen from the robot's base, as are places in the
 /// world then.
-template <class S, class Low>
+template <class S>
 template <class Job>
-void RobotBlock<S, Low>::load_near(const Job& job, Robots robots) {
+void RobotBlock<S>::load_near(const Job& job, Robots robots) {
   const double* from[kMostInBatch];
   const std::size_t nq = static_cast<std::size_t>(model_->nq);
   for (std::size_t l = 0; l < robots.size(); ++l) {
@@ -61,8 +61,8 @@ S size_of(const X& x) {
 }
 
 /// Into sizes, for coordinates in K's order: the terms of M a + h - J^T f.
-template <class S, class Low>
-void RobotBlock<S, Low>::size_torques(const Scene& scene, Robots robots, S* sizes) {
+template <class S>
+void RobotBlock<S>::size_torques(const Scene& scene, Robots robots, S* sizes) {
   const Kinematics<S>& kin = robot_.kin;
   const int n = model_->njoints();
   for (int i = 0; i < n; ++i) {
@@ -108,8 +108,8 @@ void RobotBlock<S, Low>::size_torques(const Scene& scene, Robots robots, S* size
 }
 
 /// Into sizes, for rows of J in K's order: the terms of J a + a0. a: the largest acceleration.
-template <class S, class Low>
-void RobotBlock<S, Low>::size_drifts(const Scene& scene, Robots robots, const S& a, S* sizes) const {
+template <class S>
+void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots, const S& a, S* sizes) const {
   const Kinematics<S>& kin = robot_.kin;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& c = scene.contacts[robots.front().contacts[k]];
@@ -127,8 +127,8 @@ void RobotBlock<S, Low>::size_drifts(const Scene& scene, Robots robots, const S&
 }
 
 /// The largest size of x's accelerations, or of its forces.
-template <class S, class Low>
-S RobotBlock<S, Low>::largest(const S* x, bool forces) const {
+template <class S>
+S RobotBlock<S>::largest(const S* x, bool forces) const {
   FourLargest<S> of;
   const int first = forces ? pattern_.nv : 0, end = forces ? rows_ : pattern_.nv;
   for (int i = first; i < end; ++i) of.take(i % 4, abs(x[pattern_.iperm[i]]));
@@ -136,8 +136,8 @@ S RobotBlock<S, Low>::largest(const S* x, bool forces) const {
 }
 
 /// Whether no contact's orientation is off by half a turn, where it is not known which way.
-template <class S, class Low>
-typename S::Mask RobotBlock<S, Low>::knows_turns(const Scene& scene, Robots robots) const {
+template <class S>
+typename S::Mask RobotBlock<S>::knows_turns(const Scene& scene, Robots robots) const {
   Mask out = all();
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& c = scene.contacts[robots.front().contacts[k]];
@@ -150,8 +150,8 @@ typename S::Mask RobotBlock<S, Low>::knows_turns(const Scene& scene, Robots robo
 
 /// x = K^-1 b. Usable where rounding changes no acceleration by more than tolerance::kWorthless of the largest or of
 /// gravity, and no force by more than that of the largest.
-template <class S, class Low>
-void RobotBlock<S, Low>::solve_unrefined(const Scene& scene, Robots robots) {
+template <class S>
+void RobotBlock<S>::solve_unrefined(const Scene& scene, Robots robots) {
   std::copy_n(n_.b, rows_, n_.x);
   solve_by_factor(n_.x);
   steps_ = S(0);

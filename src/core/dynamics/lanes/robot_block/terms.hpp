@@ -6,9 +6,9 @@
 
 namespace manycontact::lanes {
 
-template <class S, class Low>
+template <class S>
 template <class Job>
-void RobotBlock<S, Low>::load_state(const Job& job, Robots robots) {
+void RobotBlock<S>::load_state(const Job& job, Robots robots) {
   serial_ = 0;  // nothing is kept: robots that springs alone join have no border, and come to kernels of robots alone
   if constexpr (kSingle)
     load_near(job, robots);
@@ -23,8 +23,8 @@ void RobotBlock<S, Low>::load_state(const Job& job, Robots robots) {
 }
 
 /// The robots' own placements, inertias and armatures, unless they are the model's.
-template <class S, class Low>
-void RobotBlock<S, Low>::load_model(const Scene& scene, Robots robots) {
+template <class S>
+void RobotBlock<S>::load_model(const Scene& scene, Robots robots) {
   static_assert(sizeof(Inertia<double>) == 13 * sizeof(double) && sizeof(Inertia<S>) == 13 * sizeof(S));
   const auto of = [&scene](const Robot& r) -> const std::shared_ptr<const Model>& {
     return scene.robots[r.number].model;
@@ -44,8 +44,8 @@ void RobotBlock<S, Low>::load_model(const Scene& scene, Robots robots) {
 }
 
 /// Loads the placements of contacts' ends: on their bodies, or where they do not move.
-template <class S, class Low>
-void RobotBlock<S, Low>::load_ends(const Scene& scene, Robots robots) {
+template <class S>
+void RobotBlock<S>::load_ends(const Scene& scene, Robots robots) {
   static_assert(sizeof(StandingEnd<double>) == 15 * sizeof(double) && sizeof(StandingEnd<S>) == 15 * sizeof(S));
   StandingEnd<double> ends[W];
   const double* from[kMostInBatch];
@@ -75,8 +75,8 @@ void RobotBlock<S, Low>::load_ends(const Scene& scene, Robots robots) {
 }
 
 /// The robots' own part of K x = b, and which robots' input can be used.
-template <class S, class Low>
-void RobotBlock<S, Low>::set_up(const Job& job, Robots robots) {
+template <class S>
+void RobotBlock<S>::set_up(const Job& job, Robots robots) {
   load_state(job, robots);
   load_each(job.scene, robots, model_->nv, tau_.data(), [&](const auto& r, auto&) { return job.tau + r.idx_v; });
   if (job.start) load_start(job, robots);
@@ -89,20 +89,20 @@ void RobotBlock<S, Low>::set_up(const Job& job, Robots robots) {
   evaluate_rows(job.scene, robots);
   store_left(job, robots);
   check_rows(job.scene, robots);
-  if constexpr (!kLow)
+  if constexpr (!kSingle)
     if (dependent_) size_rows(job.scene, robots);
   assemble_rows(job.scene.damping);
   assemble_right_side(job, robots);
 }
 
-template <class S, class Low>
-void RobotBlock<S, Low>::load_start(const Job& job, Robots robots) {
+template <class S>
+void RobotBlock<S>::load_start(const Job& job, Robots robots) {
   load_each(job.scene, robots, model_->nv, v_.data(), [&](const auto& r, auto&) { return job.start->v + r.idx_v; });
 }
 
 /// h ID(q, v, -v / h) in the place of the bias, and then the robots at rest.
-template <class S, class Low>
-void RobotBlock<S, Low>::evaluate_start(const StartOfStep& start) {
+template <class S>
+void RobotBlock<S>::evaluate_start(const StartOfStep& start) {
   Kinematics<S>& kin = robot_.kin;
   a_ = v_ * S(-1 / start.h);
   forward_kinematics<S>(*model_, base_, q_, kin);
@@ -114,8 +114,8 @@ void RobotBlock<S, Low>::evaluate_start(const StartOfStep& start) {
 }
 
 /// J x of the contacts on the robots.
-template <class S, class Low>
-void RobotBlock<S, Low>::store_contact_velocities(const Job& job, Robots robots) {
+template <class S>
+void RobotBlock<S>::store_contact_velocities(const Job& job, Robots robots) {
   double* to[kMostInBatch];
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const MatX<S>& J = contacts_[k].J;
@@ -131,8 +131,8 @@ void RobotBlock<S, Low>::store_contact_velocities(const Job& job, Robots robots)
   }
 }
 
-template <class S, class Low>
-void RobotBlock<S, Low>::evaluate_rows(const Scene& scene, Robots robots) {
+template <class S>
+void RobotBlock<S>::evaluate_rows(const Scene& scene, Robots robots) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& c = scene.contacts[robots.front().contacts[k]];
     const auto& [on_A, on_B] = on_body_[k];
@@ -145,8 +145,8 @@ void RobotBlock<S, Low>::evaluate_rows(const Scene& scene, Robots robots) {
 }
 
 /// Stores the inconsistency of the contacts of pairs.
-template <class S, class Low>
-void RobotBlock<S, Low>::store_left(const Job& job, Robots robots) const {
+template <class S>
+void RobotBlock<S>::store_left(const Job& job, Robots robots) const {
   double* to[kMostInBatch];
   for (std::size_t k = 0; k < contacts_.size(); ++k)
     if (contacts_[k].pair)
@@ -158,8 +158,8 @@ void RobotBlock<S, Low>::store_left(const Job& job, Robots robots) const {
 
 /// Finds the smallest row of J, and the largest motion that rows are picked from: no pivot shows rows that are only
 /// rounding error relative to it.
-template <class S, class Low>
-void RobotBlock<S, Low>::check_rows(const Scene& scene, Robots robots) {
+template <class S>
+void RobotBlock<S>::check_rows(const Scene& scene, Robots robots) {
   smallest_row_ = S(std::numeric_limits<double>::infinity()), motion_ = S(0);
   if (scene.damping > 0) return;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
@@ -169,8 +169,8 @@ void RobotBlock<S, Low>::check_rows(const Scene& scene, Robots robots) {
 }
 
 /// J and -delta I in K; of the border J comes later, and no damping.
-template <class S, class Low>
-void RobotBlock<S, Low>::assemble_rows(double damping) {
+template <class S>
+void RobotBlock<S>::assemble_rows(double damping) {
   const int* slot = pattern_.J_slot.data();
   for (const ContactData<S>& rows : contacts_)
     for (Eigen::Index k = 0; k < rows.J.size(); ++k) n_.K[*slot++] = rows.J.data()[k];
@@ -179,8 +179,8 @@ void RobotBlock<S, Low>::assemble_rows(double damping) {
 }
 
 /// b = [tau - h; wanted - a0; 0]
-template <class S, class Low>
-void RobotBlock<S, Low>::assemble_right_side(const Job& job, Robots robots) {
+template <class S>
+void RobotBlock<S>::assemble_right_side(const Job& job, Robots robots) {
   for (int i = 0; i < model_->nv; ++i) n_.b[pattern_.iperm[i]] = tau_[i] - robot_.h[i];
   for (std::size_t k = 0; k < contacts_.size(); ++k)
     for (Eigen::Index i = 0; i < contacts_[k].a0.size(); ++i) {
@@ -193,8 +193,8 @@ void RobotBlock<S, Low>::assemble_right_side(const Job& job, Robots robots) {
 }
 
 /// r = b - K x, scale = |b| + |K| |x|.
-template <class S, class Low>
-void RobotBlock<S, Low>::residual_and_sizes() {
+template <class S>
+void RobotBlock<S>::residual_and_sizes() {
   sparse::ldl_scheduled_residual(pattern_.K, as_scalar(n_.K), as_scalar(n_.x), as_scalar(n_.b), as_scalar(r_.data()),
                                  as_scalar(scale_.data()));
 }

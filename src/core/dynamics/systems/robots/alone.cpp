@@ -137,25 +137,20 @@ BlockGroup* group_of_answer(const IslandWork& d) { return d.served_in_lanes() ? 
 
 }  // namespace
 
-void solve_alone_in_low(const Scene& scene, SceneData& data) {
+void solve_alone_in_single(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
-  const Precision precision = w.options.precision;
-  const bool single = precision == Precision::kSingle;
-  if (!(single || precision == Precision::kMixed) || !w.lanes.level || !usable_numbers(scene)) return;
+  if (w.options.precision != Precision::kSingle || !w.lanes.level || !usable_numbers(scene)) return;
   const lanes::Job job = job_at_state(scene, data);
   const auto group_of = [&](IslandWork& d) -> BlockGroup* {
     BlockGroup* group = group_of_solve(scene, w, d, Dropped::kNone);
-    return group && (single ? !group->single.empty() : !group->mixed.empty()) ? group : nullptr;
+    return group && !group->single.empty() ? group : nullptr;
   };
   const auto solve = [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
     const std::span<lanes::Answer> answers(thread.answers.data(), robots.size());
-    if (single)
-      group.single[thread.number]->solve(job, robots, answers);
-    else
-      group.mixed[thread.number]->solve(job, robots, answers);
+    group.single[thread.number]->solve(job, robots, answers);
     for (std::size_t k = 0; k < robots.size(); ++k)
       if (answers[k].sound)
-        take_answer(group, precision, answers[k], *w.islands[numbers[k]], data.report.islands[numbers[k]]);
+        take_answer(group, Precision::kSingle, answers[k], *w.islands[numbers[k]], data.report.islands[numbers[k]]);
   };
   each_batch_of(batch_width(w), scene, w, 1, group_of, solve);
 }

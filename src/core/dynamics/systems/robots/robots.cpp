@@ -23,7 +23,6 @@ namespace {
 
 using Member = RobotsSystem::Robot;
 using Kernel = lanes::RobotBlocks;
-using Solver = lanes::SolvingBlocks;
 using Memory = lanes::RobotBlocks::Memory;
 
 // Forms batches of robots of one group, each as large as a SIMD batch can be.
@@ -239,7 +238,7 @@ bool report_dependence(const SceneData& data, RobotsSystem& s, IslandReport& rep
 
 // Stores the solution, in the scene's coordinates.
 void store_answer(const lanes::Job& job, Workspace& w, RobotsSystem& s) {
-  each_batch(w, s, [&](Solver& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
+  each_batch(w, s, [&](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
     kernel.store(job, robots, memory.at);
   });
   for (const RobotsSystem::Coupling& coupling : s.contacts)
@@ -263,7 +262,7 @@ sparse::Refinement solve_refined(Workspace& w, double damping, int max_steps, Ro
   s.r = s.b;
   const auto correct = [&] {  // x += K^-1 r
     solve_interface(s);
-    each_batch(w, s, [](Solver& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
+    each_batch(w, s, [](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
       kernel.correct(robots, memory);
     });
     interface_residual(damping, s);
@@ -323,25 +322,19 @@ bool RobotsSystem::factorize(const Scene& scene, SceneData& data) {
   ++owner.factorizations;
   form_robot_batches(scene, w, *this);
   form_contact_batches(scene, w, *this);
-  each_batch(w, *this, [&](internal::Solver& kernel, std::span<Robot> robots, internal::Memory memory, ThreadWork&) {
+  each_batch(w, *this, [&](internal::Kernel& kernel, std::span<Robot> robots, internal::Memory memory, ThreadWork&) {
     kernel.evaluate(job, robots, memory);
   });
   if (!all_sound(*this)) return false;
   evaluate_interface(scene, w, *this);
   if (!accept_rows(scene, *this)) return false;
-  each_batch(w, *this, [&](internal::Solver& kernel, std::span<Robot> robots, internal::Memory memory, ThreadWork&) {
+  each_batch(w, *this, [&](internal::Kernel& kernel, std::span<Robot> robots, internal::Memory memory, ThreadWork&) {
     kernel.factor(robots, memory);
   });
   if (!all_sound(*this) || !factor_interface(scene.damping, *this) || !std::isfinite(growth())) return false;
   interface_right_side(data, *this);
   state = w.state;
   return true;
-}
-
-bool RobotsSystem::factorize_in_double(const Scene& scene, SceneData& data) {
-  if (!mixed) return true;
-  mixed = false;
-  return factorize(scene, data);
 }
 
 double RobotsSystem::growth() const {
@@ -386,9 +379,6 @@ bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Dropp
   if (!internal::may_solve(scene, *data.workspace, *this, rows)) return false;
   const bool on = rows != Dropped::kNone;
   if (drops != on || rows == Dropped::kAsFound) drop_rows(on);  // rows found may be others than before
-  mixed = data.workspace->options.precision == Precision::kMixed && !on;
-  if (mixed && solve_in_use(scene, data, report)) return true;
-  mixed = false;
   if (solve_in_use(scene, data, report)) return true;
   owner.refused = owner.refused || on;
   drop_rows(false);
@@ -398,8 +388,8 @@ bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Dropp
 bool RobotsSystem::solve_in_use(const Scene& scene, SceneData& data, IslandReport& report) {
   Workspace& w = *data.workspace;
   if (!factorize(scene, data)) return false;
-  const int steps = mixed ? tolerance::kMixedSteps : tolerance::kRefinementSteps;
-  const sparse::Refinement refinement = internal::solve_refined(w, scene.damping, steps, *this);
+  const sparse::Refinement refinement =
+      internal::solve_refined(w, scene.damping, tolerance::kRefinementSteps, *this);
   state = 0;  // until the solution is judged
   if (!(refinement.backward_error <= tolerance::kConverged)) return false;
   first_error = refinement.first;
@@ -411,7 +401,6 @@ bool RobotsSystem::solve_in_use(const Scene& scene, SceneData& data, IslandRepor
           kernel.finish(of_batch, memory_of);
         });
   internal::report_answer(scene, *this, refinement, report);
-  if (mixed) report.precision = Precision::kMixed;
   if (drops && !internal::report_dependence(data, *this, report)) return false;
   state = w.state;
   return true;
@@ -419,7 +408,6 @@ bool RobotsSystem::solve_in_use(const Scene& scene, SceneData& data, IslandRepor
 
 bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const TangentProduct& p) {
   if (drops) return false;  // the whole K has what the forces of least norm add
-  if (!factorize_in_double(scene, data)) return false;
   internal::place_at_state(scene, data, owner.island);
   internal::tangent_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });
@@ -428,7 +416,6 @@ bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const T
 
 bool RobotsSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const AdjointProduct& p) {
   if (drops) return false;  // the whole K has what the forces of least norm add
-  if (!factorize_in_double(scene, data)) return false;
   internal::place_at_state(scene, data, owner.island);
   internal::adjoint_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });
