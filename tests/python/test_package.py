@@ -76,6 +76,30 @@ print(mc.__version__, mc.solve(file.scene, file.q, file.v, file.u, mc.SceneData(
     run(str(environment), "-m", "pip", "uninstall", "--yes", "--quiet", "manycontact", cwd=tmp_path)
 
 
+BACKEND = "import sys; sys.path[0:0] = [sys.argv[1]]; import cmake_wheel; "
+
+
+def test_metadata_need_no_build(tmp_path):
+    """pip learns name, version and requirements at once."""
+    ask = BACKEND + "print(cmake_wheel.prepare_metadata_for_build_wheel(sys.argv[2]))"
+    name = run(sys.executable, "-B", "-c", ask, str(ROOT / "src/python/packaging"), str(tmp_path)).strip()
+    assert name == f"manycontact-{mc.__version__}.dist-info"
+    metadata = (tmp_path / name / "METADATA").read_text()
+    assert "\nName: manycontact\n" in metadata and "\nRequires-Dist: numpy\n" in metadata
+    assert {p.name for p in (tmp_path / name).iterdir()} == {"METADATA", "WHEEL", "LICENSE", "LICENCES.txt"}
+
+
+@pytest.mark.parametrize("numpy", [True, False])
+def test_stubs_are_left_out_without_numpy(tmp_path, numpy):
+    """An interpreter without numpy cannot import the module, from which stubs are written."""
+    if not numpy:
+        (tmp_path / "numpy.py").write_text("raise ImportError")
+    off = [f"-DMANYCONTACT_{part}=OFF" for part in ("TESTS", "CHART", "BENCH")]
+    configure = ["cmake", "-S", str(ROOT), "-B", str(tmp_path / "build"), "-DMANYCONTACT_PYTHON=ON", *off]
+    done = subprocess.run(configure, env={**os.environ, "PYTHONPATH": str(tmp_path)}, capture_output=True, text=True, check=True)
+    assert ("no type stubs" in done.stdout) != numpy
+
+
 # ---- the source archive ------------------------------------------------------------------------------------------------
 
 
@@ -83,7 +107,7 @@ print(mc.__version__, mc.solve(file.scene, file.q, file.v, file.u, mc.SceneData(
 def unpacked(tmp_path_factory):
     """Returns the top folder of the unpacked source archive of cmake_wheel.py."""
     folder = tmp_path_factory.mktemp("archive")
-    backend = "import sys; sys.path[0:0] = [sys.argv[1]]; import cmake_wheel; print(cmake_wheel.build_sdist(sys.argv[2]))"
+    backend = BACKEND + "print(cmake_wheel.build_sdist(sys.argv[2]))"
     name = run(sys.executable, "-B", "-c", backend, str(ROOT / "src/python/packaging"), str(folder)).strip()
     assert name == f"manycontact-{mc.__version__}.tar.gz"
     with tarfile.open(folder / name) as archive:
@@ -106,7 +130,7 @@ def test_the_archive_configures_and_packs_itself(unpacked, tmp_path):
     """CMake finds all that it needs in the archive; an archive of it is the same, without git."""
     off = [f"-DMANYCONTACT_{part}=OFF" for part in ("TESTS", "CHART", "BENCH")]
     run("cmake", "-S", str(unpacked), "-B", str(tmp_path / "build"), "-DCMAKE_BUILD_TYPE=Release", *off)
-    backend = "import sys; sys.path[0:0] = [sys.argv[1]]; import cmake_wheel; print(cmake_wheel.build_sdist(sys.argv[2]))"
+    backend = BACKEND + "print(cmake_wheel.build_sdist(sys.argv[2]))"
     name = run(sys.executable, "-B", "-c", backend, str(unpacked / "src/python/packaging"), str(tmp_path)).strip()
     with tarfile.open(tmp_path / name) as again, tarfile.open(unpacked.parent / name) as first:
         assert set(again.getnames()) == set(first.getnames())
