@@ -120,7 +120,7 @@ StopReason SolverDDP::descend(std::size_t maxiter) {
       cost_ = cost_try_;
     }
     callCallbacks();
-    if (stop_ < th_stop_ * scale_) return reason_ = StopReason::kConverged;
+    if (stop_ < th_stop_ * scale_) return reason_ = stopsUnregularised() ? StopReason::kConverged : StopReason::kNoStep;
     if (interrupted_) return reason_ = StopReason::kInterrupted;
     short_steps = stepped_ && steplength_ >= kShort ? 0 : short_steps + 1;
     if (!stepped_ || steplength_ < kVeryShort || short_steps == 2) return reason_ = StopReason::kNoStep;
