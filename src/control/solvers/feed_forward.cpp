@@ -98,6 +98,7 @@ StopReason SolverDDP::descend(std::size_t maxiter) {
   require(is_feasible_, "SolverDDP::descend", "a candidate without gaps is expected");
   interrupted_ = false;
   iter_ = 0;
+  if (judges_) preg_ = dreg_ = reg_min_ * scale_;  // a larger one makes `stop` small
   if (!findDirection(true)) return reason_ = StopReason::kNoDirection;
   for (std::size_t t = 0; t < xs_.size(); ++t) xs_try_[t] = xs_[t];
   for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_[t];
@@ -120,7 +121,7 @@ StopReason SolverDDP::descend(std::size_t maxiter) {
       cost_ = cost_try_;
     }
     callCallbacks();
-    if (stop_ < th_stop_ * scale_) return reason_ = stopsUnregularised() ? StopReason::kConverged : StopReason::kNoStep;
+    if (stop_ < th_stop_ * scale_) return reason_ = StopReason::kConverged;
     if (interrupted_) return reason_ = StopReason::kInterrupted;
     short_steps = stepped_ && steplength_ >= kShort ? 0 : short_steps + 1;
     if (!stepped_ || steplength_ < kVeryShort || short_steps == 2) return reason_ = StopReason::kNoStep;
