@@ -141,12 +141,19 @@ class Bounded : public ActionModelAbstract {
   Eigen::VectorXd none_;
 };
 
+class Count : public CallbackAbstract {
+ public:
+  void operator()(SolverAbstract&) override { ++iterations; }
+  std::size_t iterations = 0;
+};
+
 struct Reached {
   bool converged = false;
   StopReason reason = StopReason::kNone;
   double cost = 0, violation = 0;
+  std::size_t iterations = 0;
 };
-Reached reach(int T, double h, double weight, double limit, double goal = 0.5) {
+Reached reach(int T, double h, double weight, double limit, double goal = 0.5, std::size_t most = 500) {
   const NodePtr node = std::make_shared<Bounded>(cart(INFINITY, h * weight, 0, h), goal, limit);
   const Eigen::Vector2d x0 = Eigen::Vector2d::Zero();
   const auto problem =
@@ -154,9 +161,12 @@ Reached reach(int T, double h, double weight, double limit, double goal = 0.5) {
   SolverAugmentedLagrangian solver(problem);
   solver.set_penalty_init(h);
   solver.set_measures_scale(true);
+  const auto count = std::make_shared<Count>();
+  solver.setCallbacks({count});
   Reached out;
   out.converged = solver.solve(Vectors(static_cast<std::size_t>(T) + 1, x0),
-                               Vectors(static_cast<std::size_t>(T), Eigen::VectorXd::Zero(1)), 500);
+                               Vectors(static_cast<std::size_t>(T), Eigen::VectorXd::Zero(1)), most);
+  out.iterations = count->iterations;
   out.reason = solver.reason();
   out.cost = solver.get_cost();
   out.violation = solver.get_violation();
@@ -198,6 +208,22 @@ TEST(Infeasible, IsSaidOfWhatCannotAndOfNothingElse) {
   }
 }
 
+// Those of searches for the least violation, and of quasi-Newton steps within limits, count.
+TEST(Iterations, AreAtMostThoseAskedFor) {
+  constexpr int T = 20;
+  const Eigen::Vector2d x0 = Eigen::Vector2d::Zero();
+  for (const std::size_t most : {5, 20, 40, 80}) {
+    for (const double goal : {0.3, 0.6, 3.0}) EXPECT_LE(reach(T, 0.05, 1e-3, 2, goal, most).iterations, most) << goal;
+    const NodePtr running = cart(0.5, 1e-2, 0), last = cart(0.5, 1, 100);
+    SolverBoxFDDP solver(std::make_shared<ShootingProblem>(x0, std::vector<NodePtr>(T, running), last));
+    const auto count = std::make_shared<Count>();
+    solver.setCallbacks({count});
+    solver.set_th_kkt(1e-15);
+    (void)solver.solve(Vectors(T + 1, x0), Vectors(T, Eigen::VectorXd::Constant(1, 0.2)), most);
+    EXPECT_LE(count->iterations, most);
+  }
+}
+
 TEST(Scale, TheSameProblemTimesAPowerOfTwoGivesTheSameBits) {
   constexpr int T = 20;
   Vectors first;
@@ -233,6 +259,49 @@ TEST(Scale, OfOrdinaryProblemsIsOne) {
   solver.solve(guess.xs, guess.us, 3);
   EXPECT_EQ(solver.get_scale(), 1);
   EXPECT_THROW(solver.set_scale(0), std::invalid_argument);
+}
+
+// The slopes of its costs are twice too large, so that directions end where the cost still falls.
+class SteepUnicycle : public ActionModelUnicycle {
+ public:
+  void calcDiff(const NodeDataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    ActionModelUnicycle::calcDiff(data, x, u);
+    data->Lx *= 2;
+  }
+  void calcDiff(const NodeDataPtr& data, const ConstVectorRef& x) override {
+    ActionModelUnicycle::calcDiff(data, x);
+    data->Lx *= 2;
+  }
+};
+
+// No step falls there, and the regularisation grows until every direction is short.
+TEST(Regularisation, AloneIsNoConvergence) {
+  const NodePtr node = std::make_shared<SteepUnicycle>();
+  const auto problem =
+      std::make_shared<ShootingProblem>(Eigen::Vector3d(-1, -1, 1), std::vector<NodePtr>(20, node), node);
+  SolverDDP ddp(problem);
+  SolverFDDP fddp(problem);
+  SolverSparse sparse(problem);
+  SolverBoxDDP box_ddp(problem);
+  SolverBoxFDDP box_fddp(problem);
+  SolverAugmentedLagrangian constrained(problem);
+  for (SolverAbstract* solver : std::vector<SolverAbstract*>{&ddp, &fddp, &sparse, &box_ddp, &box_fddp, &constrained})
+    EXPECT_FALSE(solver->solve({}, {}, 300));
+  EXPECT_EQ(ddp.reason(), StopReason::kNoStep);
+  ddp.set_judges(false);  // leaves the rule of Crocoddyl
+  EXPECT_TRUE(ddp.solve({}, {}, 300));
+  EXPECT_GT(ddp.get_preg(), 1);
+  const auto right = std::make_shared<ShootingProblem>(
+      Eigen::Vector3d(-1, -1, 1), std::vector<NodePtr>(20, std::make_shared<ActionModelUnicycle>()),
+      std::make_shared<ActionModelUnicycle>());
+  SolverDDP descent(right);
+  const Vectors us(20, Eigen::VectorXd::Zero(2));
+  descent.setCandidate(right->rollout_us(us), us, true);
+  descent.set_preg(1e9);
+  EXPECT_EQ(descent.descend(200), StopReason::kConverged) << to_string(descent.reason());
+  SolverDDP best(right);
+  EXPECT_TRUE(best.solve({}, {}, 100));
+  EXPECT_NEAR(descent.get_cost(), best.get_cost(), 1e-7);
 }
 
 // The cost is semidefinite by construction, of any size: eigenvalues of rounding size are not concave.

@@ -105,6 +105,30 @@ struct RandomProblem {
   }
 };
 
+// A guess with gaps that is marked as feasible is solved as one that is not.
+TEST(RandomProblems, AMarkAgainstTheGapsIsIgnored) {
+  for (int seed = 0; seed < 50; ++seed) {
+    SCOPED_TRACE(seed);
+    std::vector<std::vector<Vectors>> results;
+    for (const bool marked : {false, true}) {
+      const RandomProblem p(seed, 1, seed % 2 ? kInfinity : 0.5);
+      SolverDDP ddp(p.problem);
+      SolverFDDP fddp(p.problem);
+      SolverBoxDDP box_ddp(p.problem);
+      SolverBoxFDDP box_fddp(p.problem);
+      SolverSparse sparse(p.problem);
+      SolverAugmentedLagrangian constrained(p.problem);
+      results.emplace_back();
+      for (SolverAbstract* solver :
+           std::vector<SolverAbstract*>{&ddp, &fddp, &box_ddp, &box_fddp, &sparse, &constrained}) {
+        (void)solver->solve(p.xs, p.us, 50, marked);
+        results.back().push_back(solver->get_us());
+      }
+    }
+    EXPECT_EQ(results[0], results[1]);
+  }
+}
+
 TEST(RandomProblems, EverySolverEndsAtTheOptimum) {
   for (int seed = 0; seed < 200; ++seed) {
     SCOPED_TRACE(seed);

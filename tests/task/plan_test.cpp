@@ -265,7 +265,7 @@ TEST(Plans, TellContactsThatCloseInTheAir) {
   EXPECT_EQ(all[0].node, 10u);
   EXPECT_NEAR(all[0].above, 0.5 - 9.81 * 0.02 * 0.02 * 55, 1e-9);
   EXPECT_NEAR(all[0].speed, 9.81 * 0.2, 1e-9);
-  const auto findings = plan_findings(task, s.xs, s.us, {});
+  const auto findings = plan_findings(task, s, {});
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].kind, "closes");
   EXPECT_EQ(findings[0].name, "foot");
@@ -308,7 +308,7 @@ TEST(Plans, TellLimitsThatArePassedAndGoalsThatAreMissed) {
   problem.problem->calc(s.xs, s.us);
   const std::vector<PlanCost> costs = cost_by_term(task, problem);
   std::map<std::string, PlanFinding> by_kind;
-  for (const PlanFinding& f : plan_findings(task, s.xs, s.us, costs)) by_kind[f.kind] = f;
+  for (const PlanFinding& f : plan_findings(task, s, costs)) by_kind[f.kind] = f;
   ASSERT_TRUE(by_kind.count("position") && by_kind.count("velocity") && by_kind.count("effort") &&
               by_kind.count("goal"));
   EXPECT_EQ(by_kind["position"].name, "p/swing");
@@ -371,6 +371,40 @@ TEST(Multipliers, AreTakenAlongToAWarmStart) {
   EXPECT_TRUE(warm.converged) << warm.reason;
   EXPECT_LT(warm.iterations.size(), 1 + cold.iterations.size() / 2);
   EXPECT_NEAR(warm.cost, cold.cost, 1e-8 * cold.cost);
+}
+
+// The root has no inertia, and its only body turns on a hinge: nothing resists turns of the root about the hinge. A
+// contact can fix the root.
+TEST(Plans, NameTheJointsThatMakeDynamicsFail) {
+  const std::map<std::string, std::string> files = {
+      {"body.urdf",
+       "<robot name='r'><link name='w'/><link name='b'><inertial><origin xyz='0.3 0 0'/><mass value='1'/><inertia "
+       "ixx='0.1' iyy='0.2' izz='0.3' ixy='0' ixz='0' iyz='0'/></inertial></link><joint name='j' type='continuous'>"
+       "<parent link='w'/><child link='b'/><axis xyz='0 1 0'/></joint></robot>"},
+      {"scene.xml",
+       "<scene><robot name='q' urdf='body.urdf' base='floating'/><contact name='c' type='6d' frame='q/w'/></scene>"}};
+  const std::string costs = "><cost name='u' type='control' weight='1e-2'/></phase>";
+  const std::string phases[] = {"<phase nodes='8' contacts=''" + costs,
+                                "<phase nodes='4' contacts='c'" + costs + "<phase nodes='4' contacts=''" + costs};
+  for (const std::string solver : {"fddp", "box-fddp", "sparse", "auto"})
+    for (const std::string integrator : {"euler", "rk4", "symplectic"})
+      for (const bool constrained : {false, true})
+        for (const std::size_t k : {0, 1}) {
+          const std::string constraint =
+              "<constraint name='b' type='frame_translation' frame='q/b' xyz='0 0 0' lower='-9 -9 -9' upper='9 9 9'/>";
+          const TaskFile task = task_with(files, "<task scene='scene.xml' step='0.01' integrator='" + integrator +
+                                                     "'>" + phases[k] + "<terminal>" + (constrained ? constraint : "") +
+                                                     "</terminal><solver type='" + solver + "'/></task>");
+          const TaskSolution s = solved(task);
+          ASSERT_FALSE(s.converged);
+          ASSERT_EQ(s.failures.size(), 1u) << solver << " " << integrator << " " << s.reason;
+          EXPECT_EQ(s.failures[0].node, 4 * k);
+          EXPECT_EQ(s.failures[0].name, "q/root");
+          EXPECT_NE(s.reason.find("q/root: its bodies lack mass"), std::string::npos) << s.reason;
+          const auto findings = plan_findings(task, s, {});
+          ASSERT_FALSE(findings.empty());
+          EXPECT_EQ(findings[0].kind, "no_inertia");
+        }
 }
 
 // ---- rows of ../shared, where present

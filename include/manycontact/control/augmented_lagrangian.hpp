@@ -25,8 +25,10 @@
 // kInfeasible. (A nonconvex problem may have a smaller minimum elsewhere.)
 //
 // Let r be the violations and C their Jacobian. A point is stationary if C^T r is below a millionth of |C| |r|, or if a
-// step of the linearised problem reduces |r|^2 by less than a millionth. If the searches end at another point, the
-// result is inconclusive: the solve ends as kNoStep, at the point with the smallest violation.
+// step of the linearised problem reduces |r|^2 by less than a millionth. With limits on controls kInfeasible is also
+// given if no search halved |r|, and controls moved as far as their limits allow would reduce |r|^2 by less than a
+// tenth, to first order. If the searches end at another point, the result is inconclusive: the solve ends as kNoStep,
+// at the point with the smallest violation.
 //
 // In each iteration's report, cost is the problem's, merit the augmented Lagrangian, and gfeas and hfeas are the
 // violations after the step. A constraint at node 0 that depends only on the fixed initial state x0 cannot be
@@ -57,8 +59,8 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   SolverAugmentedLagrangian& operator=(const SolverAugmentedLagrangian&) = delete;
 
   /// Starts from the current multipliers and penalty: those of the last solve, or as set. maxiter: number of iterations
-  /// of all minimisations together. Returns true if converged: violation <= get_th_constraint(), KKT residual <=
-  /// get_th_kkt() and stopping value < get_th_stop().
+  /// of all minimisations and searches together. Returns true if converged: violation <= get_th_constraint(), KKT
+  /// residual <= get_th_kkt() and stopping value < get_th_stop().
   bool solve(const std::vector<Eigen::VectorXd>& init_xs = DEFAULT_VECTOR,
              const std::vector<Eigen::VectorXd>& init_us = DEFAULT_VECTOR, std::size_t maxiter = 100,
              bool is_feasible = false, double init_reg = NAN) override;
@@ -135,11 +137,12 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
                      const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
                      std::vector<Augmented>& out) const;
   struct Restoration;
-  Restoration violationAlone(double met);
+  Restoration violationAlone(double met, std::size_t maxiter);
   void evaluate(Restoration& own);
   void leastViolation(Restoration& own);
   void level(Restoration& own);
   void take(Restoration& own);
+  bool isBeyondLimits(Restoration& own);
   enum class Beside { kFalls, kComesBack, kUnclear };
   Beside lookBeside(Restoration& own, double by);
   double jacobianSize(Restoration& own);
@@ -191,7 +194,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   bool moved_ = false;                    // the minimisation accepted a step
   int stuck_ = 0;                         // consecutive minimisations without progress
   int flat_ = 0;                          // those without progress of the constraints, although these outweigh the cost
-  std::size_t outer_ = 0, total_ = 0, restorations_ = 0;
+  std::size_t outer_ = 0, restorations_ = 0;
   double scale_ = 1, kkt_scale_ = 1;
   bool measures_scale_ = false;
 };

@@ -35,7 +35,8 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
              bool is_feasible = false, double init_reg = NAN) override;
   void computeDirection(bool recalc = true) override;
   double tryStep(double steplength = 1) override;
-  /// The expected reduction of a full step, |d0 + d1 / 2|.
+  /// The expected reduction of a full step, |d0 + d1 / 2|. A larger regularisation makes it smaller; a solve has
+  /// converged only if it is small at the least one, too.
   double stoppingCriteria() override;
   const Eigen::Vector2d& expectedImprovement() override;
   void resizeData() override;
@@ -77,7 +78,8 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   StopReason descend(std::size_t maxiter);
   /// Allocates the memory of `descend`, which otherwise allocates it at its first call.
   void allocateDescent();
-  /// Whether a solve with control limits checks its own result (box_solvers.hpp). False if another solver does so.
+  /// Whether a solve checks its own result: with control limits as in box_solvers.hpp, else by the stopping value at
+  /// the least regularisation. False if another solver does so.
   void set_judges(bool judges) { judges_ = judges; }
   /// Whether controls stay within the models' limits.
   bool keeps_limits() const { return limits_; }
@@ -170,7 +172,8 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   StopReason polish(std::size_t maxiter);               // continues until the KKT residual is below th_kkt
   StopReason descendWithinLimits(std::size_t maxiter);  // continues with `descend`, within control limits
   bool isOptimalWithinLimits();                         // whether the projected gradient promises no gain
-  StopReason judgeWithoutStep();                        // decides the result after no step was accepted
+  bool stopsUnregularised();      // whether the stopping rule is met at the least regularisation, too
+  StopReason judgeWithoutStep();  // decides the result after no step was accepted
   /// Calls work(direction) for every subproblem, in parallel.
   template <class Work>
   void each_direction(Work&& work);

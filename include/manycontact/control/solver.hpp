@@ -42,9 +42,9 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
 
   /// Solves the problem from the candidate init_xs (T + 1 states; empty: the states' zeros), init_us (T controls;
   /// empty: zeros), with at most maxiter iterations. If `is_feasible` is true, init_xs is the result of simulating
-  /// init_us, so that there are no gaps. `init_reg` is the initial regularisation, NaN for the smallest. Returns true
-  /// if converged; otherwise see reason(). Throws std::invalid_argument for wrong sizes. The results get_xs() and
-  /// get_us() remain valid until the next solve.
+  /// init_us, so that there are no gaps; it is ignored if there are some. `init_reg` is the initial regularisation, NaN
+  /// for the smallest. Returns true if converged; otherwise see reason(). Throws std::invalid_argument for wrong sizes.
+  /// The results get_xs() and get_us() remain valid until the next solve.
   virtual bool solve(const std::vector<Eigen::VectorXd>& init_xs = DEFAULT_VECTOR,
                      const std::vector<Eigen::VectorXd>& init_us = DEFAULT_VECTOR, std::size_t maxiter = 100,
                      bool is_feasible = false, double init_reg = NAN) = 0;
@@ -134,7 +134,7 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   double preg_ = 0, dreg_ = 0;  // regularisation of the primal and dual variables
   double steplength_ = 1, th_acceptstep_ = 0.1, th_stop_ = 1e-9, th_gaptol_ = 1e-16;
   FeasibilityNorm feasnorm_ = LInf;
-  std::size_t iter_ = 0;
+  std::size_t iter_ = 0, reported_ = 0;  // reported_: iterations of the solve that callbacks were called after
   bool interrupted_ = false;
   StopReason reason_ = StopReason::kNone;
 

@@ -36,10 +36,11 @@ struct TaskGains {
 struct TaskSolution {  // The result of optimize, and how it was found.
   bool converged = false;
   double cost = 0;
-  std::string reason;                // why it stopped; names violated constraints and by how much; contains the remarks
-  std::vector<std::string> remarks;  // what was done where a solver's own rule failed
-  bool interrupted = false;          // whether TaskOptions::each ended the solve
-  std::vector<TaskIteration> iterations;  // up to the task's tolerance
+  std::string reason;                     // why it stopped; names violated constraints and by how much, and failures;
+                                          // contains the remarks
+  std::vector<std::string> remarks;       // what was done where a solver's own rule failed
+  bool interrupted = false;               // whether TaskOptions::each ended the solve
+  std::vector<TaskIteration> iterations;  // up to the task's tolerance; of all solvers that were tried
   std::size_t polishing_iterations = 0;   // further iterations, up to the KKT residual
   std::vector<Eigen::VectorXd> xs, us;    // nodes + 1 states, nodes controls
   std::vector<TaskGains> gains;           // per decoupled subproblem or cluster; none if no direction was found
@@ -49,6 +50,7 @@ struct TaskSolution {  // The result of optimize, and how it was found.
   double kkt_residual = 0;          // with gradients in units of the cost's Hessians (SolverDDP::get_kkt_scale)
   double constraint_violation = 0;  // largest over all nodes and rows
   std::vector<TaskViolation> violations;
+  std::vector<TaskFailure> failures;         // dynamics that failed at the result, or in the last steps that were tried
   std::vector<Eigen::VectorXd> multipliers;  // of the constraints [g; h] of each node; assign them to
                                              // TaskProblem::multipliers to continue
   std::size_t outer_iterations = 0;          // of the augmented Lagrangian, each a minimisation; 0 without constraints

@@ -1,5 +1,5 @@
 #pragma once
-// The violation of a motion's constraints.
+// The violation of a motion's constraints, and states whose dynamics fail.
 
 #include "manycontact/task/problem.hpp"
 
@@ -13,5 +13,14 @@ struct TaskViolation {  // The violation of one constraint.
 
 /// Lists the violation of every constraint, by name, at the problem's last calc.
 std::vector<TaskViolation> violations(const TaskProblem& problem);
+
+struct TaskFailure {  // Part of a scene whose dynamics fail.
+  std::size_t node = 0;
+  std::string kind, name, text;  // "no_inertia", "q/root" and why, as massless_joints has them; else "failed", the
+                                 // robots and the solver's reason
+};
+
+/// Lists what fails at the first such node of the problem's last calc; empty where none does.
+std::vector<TaskFailure> failed_dynamics(const TaskProblem& problem);
 
 }  // namespace manycontact

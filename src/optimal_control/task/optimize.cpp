@@ -27,12 +27,14 @@ double median(std::vector<double> x) {
   return x[x.size() / 2];
 }
 
-// Times of whole passes [us].
+// Times of whole passes [us], and what failed in the steps along the last direction.
 struct Passes {
   std::vector<double> forward, derivatives, backward;
+  const TaskProblem& problem;
+  std::vector<TaskFailure> failures = {};
 };
 
-// A solver that measures the times of its passes.
+// A solver that records its passes.
 template <class Base>
 class Timed : public Base {
  public:
@@ -48,6 +50,7 @@ class Timed : public Base {
   }
   void backwardPass() override {
     const Timer timer;
+    passes_.failures.clear();
     Base::backwardPass();
     passes_.backward.push_back(timer.get_us_duration());
   }
@@ -55,6 +58,7 @@ class Timed : public Base {
     const Timer timer;
     Base::forwardPass(steplength);
     passes_.forward.push_back(timer.get_us_duration());
+    if (std::isnan(this->cost_try_)) passes_.failures = failed_dynamics(passes_.problem);
   }
 
  private:
@@ -140,8 +144,9 @@ struct Run {
   TaskProblem& problem;
   const TaskOptions& options;
   TaskSolver type;
-  Passes passes;
-  TaskSolution out;
+  TaskSolution out = {};
+  std::size_t most = static_cast<std::size_t>(task.iterations);  // iterations
+  Passes passes = {{}, {}, {}, problem};
 
   std::shared_ptr<SolverDDP> make(const std::shared_ptr<ShootingProblem>& shooting) {
     return make_solver(type, problem.parts.size() > 1, shooting, passes);
@@ -159,7 +164,7 @@ void Run::solve(SolverAbstract& solver, const SolverDDP& inner) {
   solver.set_th_stop(task.tolerance);
   solver.setCallbacks({std::make_shared<Record>(options, out.iterations)});
   const Timer timer;
-  out.converged = solver.solve(problem.xs, problem.us, static_cast<std::size_t>(task.iterations), false);
+  out.converged = solver.solve(problem.xs, problem.us, most - std::min(most, out.iterations.size()), false);
   out.times = times_of(passes, problem.problem->get_T());
   out.times.total = timer.get_us_duration();
   out.reason = to_string(solver.reason());
@@ -258,7 +263,7 @@ void take_limits(Run& run) {
   task::limit_torques(free, bounds, limited);
   limited.problem->set_nthreads(run.options.threads);
   limited.xs = limited.problem->rollout_us(limited.us);
-  Run box{free, limited, run.options, TaskSolver::kBoxFddp, {}, {}};
+  Run box{free, limited, run.options, TaskSolver::kBoxFddp};
   box.out.solver = to_string(box.type);
   box.out.direction = "Riccati";
   box.out.blocks = run.out.blocks;
@@ -289,13 +294,26 @@ void take_dense_recursion(Run& run) {
   run.problem = std::move(dense);
   run.out.remarks.push_back("block-wise search directions ended with \"" + run.out.reason +
                             "\": continued with the dense recursion");
+  run.most += static_cast<std::size_t>(run.task.iterations);
   go_on(run);
+}
+
+// Names what fails at the result or, if the solver found no step, in the last ones that it tried.
+void tell_failures(Run& run) {
+  TaskSolution& s = run.out;
+  run.problem.problem->calc(s.xs, s.us);
+  s.failures = failed_dynamics(run.problem);
+  if (s.failures.empty() && s.reason.rfind("no ", 0) == 0) s.failures = run.passes.failures;
+  constexpr std::size_t kMost = 3;
+  for (std::size_t k = 0; k < std::min(kMost, s.failures.size()); ++k)
+    s.reason += (k == 0 ? "; the dynamics fail at node " + std::to_string(s.failures[k].node) + ": " : "; ") +
+                s.failures[k].name + ": " + s.failures[k].text;
 }
 
 }  // namespace
 
 TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOptions& options) {
-  Run run{task, problem, options, chosen(options.solver.value_or(task.solver), problem.blocks.size()), {}, {}};
+  Run run{task, problem, options, chosen(options.solver.value_or(task.solver), problem.blocks.size())};
   run.out.solver = to_string(run.type);
   run.out.direction = "Riccati";
   run.out.blocks = {static_cast<int>(problem.actuation->get_nu())};
@@ -306,6 +324,7 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
   if (!run.out.converged && has_constraints(task) && !run.out.interrupted) take_limits(run);
   if (!has_constraints(task) && stayed_at_guess(run.out)) leave_stationary_guess(run);
   for (const std::string& remark : run.out.remarks) run.out.reason += "; " + remark;
+  if (!run.out.converged) tell_failures(run);
   return std::move(run.out);
 }
 

@@ -200,15 +200,17 @@ PlanFinding in_words(const TaskFile& task, const PlanClosing& c) {
 
 }  // namespace
 
-std::vector<PlanFinding> plan_findings(const TaskFile& task, const Vectors& xs, const Vectors& us,
+std::vector<PlanFinding> plan_findings(const TaskFile& task, const TaskSolution& s,
                                        const std::vector<PlanCost>& costs) {
   const Scene& scene = task.scene.scene;
+  const std::vector<TaskNode> nodes = timeline(task);
   std::vector<PlanFinding> out;
-  for (const PlanClosing& c : closings(task, xs))
+  for (const TaskFailure& f : s.failures)
+    out.push_back({f.kind, f.name, "at " + show(nodes[f.node].time) + " s: " + f.text, f.node});
+  for (const PlanClosing& c : closings(task, s.xs))
     if (std::abs(c.above) >= kOutOfPlace || (!c.holds_there && c.aside >= kOutOfPlace))
       out.push_back(in_words(task, c));
-  const std::vector<TaskNode> nodes = timeline(task);
-  for (const PlanLimit& own : limits_passed(task, xs, us)) {
+  for (const PlanLimit& own : limits_passed(task, s.xs, s.us)) {
     const LimitPassed& l = own.limit;
     const Robot& robot = scene.robots[static_cast<std::size_t>(l.robot)];
     out.push_back({to_string(l.quantity), robot.name + "/" + dof_name(*robot.model, l.dof),

@@ -90,8 +90,10 @@ bool SolverAugmentedLagrangian::solve(const Vectors& init_xs, const Vectors& ini
     ++outer_;
     assess();
     reason_ = judge(maxiter);
-    if (reason_ == StopReason::kInfeasible) {
+    if (const StopReason judged = reason_;
+        judged == StopReason::kInfeasible || (judged == StopReason::kNoDirection && violation_ > th_constraint_)) {
       reason_ = restore(maxiter);
+      if (reason_ == StopReason::kNoStep && judged == StopReason::kNoDirection) reason_ = judged;
       if (reason_ == StopReason::kNone) startAgain();
       continue;
     }
@@ -107,7 +109,7 @@ void SolverAugmentedLagrangian::start(const Vectors& init_xs, const Vectors& ini
   augmented_->set_nthreads(static_cast<int>(problem_->get_nthreads()));
   setCandidate(init_xs, init_us, is_feasible);
   interrupted_ = false;
-  outer_ = total_ = iter_ = 0;
+  outer_ = reported_ = iter_ = 0;
   stuck_ = flat_ = 0;
   restorations_ = 0;
   curved_ = false;
@@ -132,31 +134,31 @@ void SolverAugmentedLagrangian::minimise(std::size_t maxiter, double init_reg) {
   const double rounding = 100 * kEps * std::abs(outer_ == 0 ? cost_ : inner_->get_cost());
   inner_->set_th_grad(std::isfinite(rounding) ? std::max(1e-12, rounding / scale_) : 1e-12);
   inner_->set_th_stop(tolerance_ / scale_);
-  std::size_t most = maxiter - std::min(maxiter, total_);
+  std::size_t most = maxiter - std::min(maxiter, reported_);
   if (outer_ > 0 && tolerance_ < rounding) most = std::min(most, kPolishing);
   moved_ = crawls_ = false;
   window_ = 0;
   window_merit_ = NAN;
-  descend(total_ + most, init_reg);
+  descend(reported_ + most, init_reg);
 }
 
 // By the unconstrained solver, and from where it is slow by its quasi-Newton steps, unless these fail there.
 void SolverAugmentedLagrangian::descend(std::size_t last, double init_reg) {
   for (;; init_reg = NAN) {
     if (curved_) {
-      ended_ = inner_->descend(last - total_);
+      ended_ = inner_->descend(last - reported_);
       takeCandidate();
-      if (ended_ != StopReason::kNoStep || total_ == last) return;
+      if (ended_ != StopReason::kNoStep || reported_ == last) return;
       curved_ = false;
       failed_stop_ = stop_;
     }
     last_stops_.fill(std::numeric_limits<double>::infinity());
-    inner_->solve(xs_, us_, last - total_, is_feasible_, init_reg);
+    inner_->solve(xs_, us_, last - reported_, is_feasible_, init_reg);
     takeCandidate();
     ended_ = inner_->reason();
     if (!slow_ || interrupted_ || crawls_) return;
     ended_ = StopReason::kIterations;
-    if (total_ == last) return;
+    if (reported_ == last) return;
     curved_ = true;
   }
 }
@@ -186,7 +188,7 @@ void SolverAugmentedLagrangian::reportIteration() {
   dreg_ = inner_->get_dreg();
   steplength_ = inner_->get_steplength();
   ffeas_ = inner_->get_ffeas();
-  iter_ = total_++;
+  iter_ = reported_;
   callCallbacks();
   if (interrupted_ || crawls() || isSlow()) inner_->interrupt();
 }
@@ -260,7 +262,7 @@ StopReason SolverAugmentedLagrangian::judge(std::size_t maxiter) {
   if (inner == StopReason::kNoDirection) return inner;
   if (!std::isfinite(measure_)) return StopReason::kNoStep;
   if (comesNoCloser(inner)) return StopReason::kInfeasible;
-  if (total_ >= maxiter) return flat_ > 0 ? StopReason::kInfeasible : StopReason::kIterations;
+  if (reported_ >= maxiter) return flat_ > 0 ? StopReason::kInfeasible : StopReason::kIterations;
   const bool progress = (last_measure_ > th_constraint_ && measure_ <= 0.5 * last_measure_) || kkt_ <= 0.5 * best_kkt_;
   if (met && !moved_ && !progress && inner == StopReason::kNoStep) return inner;
   const bool grows = measure_ > th_constraint_ && rho_ < rho_max_ * std::max(scale_, kkt_scale_);

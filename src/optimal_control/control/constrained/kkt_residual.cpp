@@ -170,13 +170,13 @@ double kkt_residual_of_nodes(const ShootingProblem& problem, const Vectors& xs, 
 
 namespace {
 
-// l_T = lx_T, l_t = lx + fx^T l_(t+1), g_t = lu + fu^T l_(t+1)
-double squared_gradient_of_part(const ShootingProblem& problem, const Vectors& us, bool limits) {
+// l_T = lx_T, l_t = lx + fx^T l_(t+1), g_t = lu + fu^T l_(t+1). Calls use(g_t[i], u_t[i], its limits).
+template <class Use>
+void each_slope_of_part(const ShootingProblem& problem, const Vectors& us, bool limits, Use&& use) {
   const std::size_t T = problem.get_T();
   const bool coupled = CoupledDirection::applies_to(problem);
   const Eigen::VectorXd none;
   Eigen::VectorXd l = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.get_ndx())), gx = l, gu;
-  double sum = 0;
   for (std::size_t t = T + 1; t-- > 0;) {
     const ActionModelAbstract& model = *problem.model(t);
     ActionDataAbstract& d = *problem.data(t);
@@ -191,27 +191,41 @@ double squared_gradient_of_part(const ShootingProblem& problem, const Vectors& u
       gx += d.Lx;
       gu += d.Lu;
     }
-    for (Eigen::Index i = 0; t < T && i < gu.size(); ++i) {
-      const bool outwards = stands_at_limit(model, us[t], i, limits) &&
-                            (gu[i] > 0 ? us[t][i] <= model.get_u_lb()[i] : us[t][i] >= model.get_u_ub()[i]);
-      if (!outwards) sum += gu[i] * gu[i];
-    }
+    const bool limited = limits && model.get_has_control_limits();
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    for (Eigen::Index i = 0; t < T && i < gu.size(); ++i)
+      use(gu[i], us[t][i], limited ? model.get_u_lb()[i] : -kNone, limited ? model.get_u_ub()[i] : kNone);
     l = gx;
   }
-  return sum;
+}
+
+template <class Use>
+void each_slope(const ShootingProblem& problem, const Vectors& us, bool limits, Use&& use) {
+  if (!is_of_parts(problem)) return each_slope_of_part(problem, us, limits, use);
+  for (const ShootingPart& part : separate(problem)) {
+    Vectors own(us.size());
+    for (std::size_t t = 0; t < us.size(); ++t) gather(us[t], part.u[t], own[t]);
+    each_slope_of_part(*part.problem, own, limits, use);
+  }
 }
 
 }  // namespace
 
 double control_gradient_of_nodes(const ShootingProblem& problem, const Vectors& us, bool limits) {
-  if (!is_of_parts(problem)) return std::sqrt(squared_gradient_of_part(problem, us, limits));
   double sum = 0;
-  for (const ShootingPart& part : separate(problem)) {
-    Vectors own(us.size());
-    for (std::size_t t = 0; t < us.size(); ++t) gather(us[t], part.u[t], own[t]);
-    sum += squared_gradient_of_part(*part.problem, own, limits);
-  }
+  each_slope(problem, us, limits, [&](double g, double u, double lower, double upper) {
+    const bool outwards = g > 0 ? u <= lower : u >= upper;
+    if (!outwards) sum += g * g;
+  });
   return std::sqrt(sum);
+}
+
+double largest_fall_within_limits(const ShootingProblem& problem, const Vectors& us) {
+  double sum = 0;
+  each_slope(problem, us, true, [&](double g, double u, double lower, double upper) {
+    if (g != 0) sum += g * (u - (g > 0 ? lower : upper));
+  });
+  return sum;
 }
 
 }  // namespace internal

@@ -19,6 +19,10 @@ std::vector<Eigen::VectorXd> least_squares_multipliers_of_nodes(const ShootingPr
 /// are left out.
 double control_gradient_of_nodes(const ShootingProblem& problem, const std::vector<Eigen::VectorXd>& us, bool limits);
 
+/// The largest fall of the cost within the limits of the controls, to first order: sum_i max over u_i of -g_i du_i,
+/// with the gradient g of control_gradient_of_nodes. Infinite if a control without limits matters.
+double largest_fall_within_limits(const ShootingProblem& problem, const std::vector<Eigen::VectorXd>& us);
+
 /// Whether control i of u is at a limit that is used.
 bool stands_at_limit(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits);
 

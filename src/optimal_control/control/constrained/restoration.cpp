@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "../solvers/fit.hpp"
 #include "kkt_residual.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
 #include "manycontact/sparse/largest.hpp"
@@ -14,6 +15,7 @@ namespace manycontact {
 
 using AL = SolverAugmentedLagrangian;
 using Index = Eigen::Index;
+using internal::largest_number;
 
 namespace {
 
@@ -51,16 +53,10 @@ constexpr double kLongest = 10;
 // violation.
 constexpr double kBack = 1e-3;
 constexpr std::size_t kRestorations = 5;
+// Constraints are beyond the limits if these allow at most this share of the squared violation to be avoided.
+constexpr double kBeyond = 0.1;
 // The number of candidates that may turn out not to be minima.
 constexpr int kSaddles = 4;
-
-// The largest magnitude in states or controls, at least 1.
-double largest_number(const std::vector<Eigen::VectorXd>& xs) {
-  double out = 1;
-  for (const Eigen::VectorXd& x : xs)
-    if (x.size() > 0) out = std::max(out, x.lpNorm<Eigen::Infinity>());
-  return out;
-}
 
 }  // namespace
 
@@ -96,6 +92,7 @@ class AL::Watch : public CallbackAbstract {
 bool AL::reportRestoration(const SolverAbstract& solver) {
   merit_ = solver.get_cost();
   stop_ = solver.get_stop();
+  iter_ = reported_;
   preg_ = solver.get_preg();
   steplength_ = solver.get_steplength();
   ffeas_ = solver.get_ffeas();
@@ -111,11 +108,13 @@ struct AL::Restoration {
   std::shared_ptr<SolverDDP> solver;
   std::shared_ptr<Watch> watch;
   bool rests = false;  // quasi-Newton steps found the candidate stationary
+  std::size_t last;    // the number of iterations at which the search ends
 };
 
 // `met` is half the squared violation below which the constraints are met.
-AL::Restoration AL::violationAlone(double met) {
+AL::Restoration AL::violationAlone(double met, std::size_t maxiter) {
   Restoration out;
+  out.last = maxiter;
   ShootingProblem::Models models;
   ShootingProblem::Datas datas;
   augments_all_ = true;
@@ -153,7 +152,7 @@ AL::Restoration AL::violationAlone(double met) {
 void AL::leastViolation(Restoration& own) {
   own.rests = false;
   own.watch->begin(true);
-  (void)own.solver->solve(xs_, us_, kMostIterations, is_feasible_);
+  (void)own.solver->solve(xs_, us_, std::min(kMostIterations, own.last - reported_), is_feasible_);
   take(own);
   if (interrupted_ || !is_feasible_ || violation_ <= th_constraint_ || isStationary(own)) return;
   level(own);
@@ -173,7 +172,7 @@ void AL::level(Restoration& own) {
     own.solver->setCandidate(xs_, us_, true);
     own.solver->set_preg(regularisation);
     const double before = merit_;
-    const StopReason reason = own.solver->descend(kMostLevelling);
+    const StopReason reason = own.solver->descend(std::min(kMostLevelling, own.last - reported_));
     take(own);
     if (interrupted_ || violation_ <= th_constraint_) return;
     if (reason == StopReason::kNoDirection || !std::isfinite(merit_)) return;
@@ -287,6 +286,33 @@ bool AL::isStationary(Restoration& own) {
   return solver.expectedReduction() <= kWorthless * merit_ || own.rests;
 }
 
+// Whether the controls, moved as far as their limits allow, would avoid only a small share of the squared violation, to
+// first order around the candidate or around the motion without controls. For linear motions this is a bound of the
+// least violation (the gap of Frank and Wolfe).
+bool AL::isBeyondLimits(Restoration& own) {
+  if (!own.solver->keeps_limits()) return false;
+  const std::vector<Eigen::VectorXd> xs = xs_, us = us_;
+  const auto is_beyond = [&] {
+    own.problem->rollout(us_, xs_);
+    evaluate(own);
+    (void)own.problem->calcDiff(xs_, us_);
+    return internal::largest_fall_within_limits(*own.problem, us_) < kBeyond * merit_;
+  };
+  bool out = is_beyond();
+  if (!out) {
+    for (std::size_t t = 0; t < us_.size(); ++t) {
+      const ActionModelAbstract& model = *problem_->model(t);
+      us_[t].setZero();
+      if (model.get_has_control_limits()) us_[t] = us_[t].cwiseMax(model.get_u_lb()).cwiseMin(model.get_u_ub());
+    }
+    out = is_beyond();
+  }
+  xs_ = xs;
+  us_ = us;
+  evaluate(own);
+  return out;
+}
+
 // Whether the motion is an affine function of the controls between the previous controls and those of the candidate,
 // tested at the midpoint. Then large numbers are accepted.
 bool AL::movesInLineFrom(const std::vector<Eigen::VectorXd>& us_before) {
@@ -309,12 +335,12 @@ bool AL::movesInLineFrom(const std::vector<Eigen::VectorXd>& us_before) {
 }
 
 // Returns kInfeasible if the violation is not zero and was shown to be a minimum, by C^T r and by searches that start
-// near it. Returns kNone if a solve may continue, from a candidate that meets the constraints or is much nearer to
-// them. Returns kNoStep if neither was shown.
+// near it, or to be beyond what the limits of controls allow. Returns kNone if a solve may continue, from a candidate
+// that meets the constraints or is much nearer to them. Returns kNoStep if neither was shown.
 StopReason AL::restore(std::size_t maxiter) {
   if (++restorations_ > kRestorations) return StopReason::kNoStep;
   const double met = 0.5 * th_constraint_ * th_constraint_;
-  Restoration own = violationAlone(met);
+  Restoration own = violationAlone(met, std::max(maxiter, reported_));
   const auto take_back = [&](const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us,
                              bool feasible) {
     xs_ = xs;
@@ -327,30 +353,32 @@ StopReason AL::restore(std::size_t maxiter) {
   const bool feasible_before = is_feasible_;
   const auto is_large = [&] { return !(cost_ <= kAbsurd * (std::abs(cost_before) + scale_)); };
   const auto is_absurd = [&] { return is_large() && !(std::isfinite(cost_) && movesInLineFrom(us_before)); };
-  const auto goes_on = [&] { return violation_ > th_constraint_ && !interrupted_; };
+  const auto goes_on = [&] { return violation_ > th_constraint_ && !interrupted_ && reported_ < maxiter; };
+  const bool beyond = isBeyondLimits(own);
   leastViolation(own);
   if (is_absurd() && feasible_before && goes_on()) {  // then with steps of moderate size
     take_back(xs_before, us_before, true);
     level(own);
   }
-  bool stationary = isStationary(own);
+  bool shown = false;
   // Maxima, saddles and other minima are stationary too, and in a curved valley no search may come to its end.
-  for (int k = 0; goes_on(); ++k) {
+  for (int k = 0; goes_on() && k <= kSaddles; ++k) {
+    if (k > 0) leastViolation(own);
+    const bool stationary = isStationary(own);
     Beside beside = Beside::kUnclear;
     for (const double by : kBeside)
       if (stationary && beside == Beside::kUnclear && goes_on()) beside = lookBeside(own, by);
     bool falls = beside == Beside::kFalls;
-    for (const double by : kElsewhere) falls = falls || (goes_on() && lookBeside(own, by) == Beside::kFalls);
-    stationary = stationary && !falls && beside == Beside::kComesBack;
-    if (!falls || k == kSaddles) break;
-    leastViolation(own);
-    stationary = isStationary(own);
+    for (const double by : kElsewhere)
+      falls = falls || (k < kSaddles && goes_on() && lookBeside(own, by) == Beside::kFalls);
+    shown = !falls && beside == Beside::kComesBack;
+    if (!falls) break;
   }
   if (interrupted_) return StopReason::kInterrupted;
   // A smaller violation shows nothing: its square is the rounding error of the squares that it is computed from.
-  const double shown = std::sqrt(std::numeric_limits<double>::epsilon()) * largest_number(xs_);
-  if (violation_ > std::max(th_constraint_, shown) &&
-      stationary) {  // the candidate's motion is better if it was as near
+  const double shows = std::sqrt(std::numeric_limits<double>::epsilon()) * largest_number(xs_);
+  shown = shown || (beyond && violation_ > kMuchNearer * violation_before);
+  if (shown && violation_ > std::max(th_constraint_, shows)) {  // the candidate's motion is better if it was as near
     if (feasible_before && violation_before <= kAsNear * violation_) take_back(xs_before, us_before, true);
     return StopReason::kInfeasible;
   }
@@ -359,9 +387,9 @@ StopReason AL::restore(std::size_t maxiter) {
   const bool absurd = is_absurd();
   const bool nearer = violation_ <= std::max(th_constraint_, kMuchNearer * violation_before);
   if (absurd || violation_ > violation_before) take_back(xs_before, us_before, false);
-  if (absurd || !nearer) return StopReason::kNoStep;
+  if (absurd || !nearer) return reported_ >= maxiter ? StopReason::kIterations : StopReason::kNoStep;
   if (is_large()) takeCostOf(violation_before);
-  return total_ >= maxiter ? StopReason::kIterations : StopReason::kNone;
+  return reported_ >= maxiter ? StopReason::kIterations : StopReason::kNone;
 }
 
 // Sets the size of the cost, and of the penalty that outweighs it, from the candidate, whose cost is larger than that

@@ -142,6 +142,7 @@ void SolverDDP::start(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
   preg_ = dreg_ = std::isnan(init_reg) ? reg_min_ * scale_ : init_reg;
   was_feasible_ = false;
   interrupted_ = false;
+  reported_ = 0;
   kkt_ = NAN;
   polishing_ = 0;
   reason_ = StopReason::kNone;
@@ -169,7 +170,7 @@ bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
     if (reason_ != StopReason::kNoStep || round == kRounds || !(judges_ || by_kkt) || !(cost_ < before)) break;
     problem_->calc(xs_, us_);
     preg_ = dreg_ = reg_min_ * scale_;
-    reason_ = iterate(1, maxiter);
+    reason_ = iterate(std::max<std::size_t>(reported_, 1), maxiter);
   }
   return reason_ == StopReason::kConverged;
 }
@@ -188,10 +189,12 @@ StopReason SolverDDP::iterate(std::size_t first, std::size_t maxiter) {
     stop_ = stoppingCriteria();
     callCallbacks();
     if (was_feasible_ && stop_ < th_stop_ * scale_) {
-      if (!std::isfinite(th_kkt_)) return StopReason::kConverged;
-      const StopReason polished = polish(maxiter);
-      // Polishing by the box rule may go round between limits for ever.
-      return keeps_limits() && polished == StopReason::kIterations ? StopReason::kNoStep : polished;
+      if (std::isfinite(th_kkt_)) {
+        const StopReason polished = polish(maxiter);
+        // Polishing by the box rule may go round between limits for ever.
+        return keeps_limits() && polished == StopReason::kIterations ? StopReason::kNoStep : polished;
+      }
+      if (keeps_limits() || stopsUnregularised()) return StopReason::kConverged;
     }
     if (interrupted_) return StopReason::kInterrupted;
     short_steps = stepped_ && is_feasible_ && steplength_ <= kShort ? short_steps + 1 : 0;
@@ -229,6 +232,21 @@ double optimality_gap(double th_stop, double rounding) { return std::max(std::mi
 
 }  // namespace
 
+// Whether the direction of the least regularisation promises next to nothing, too: a large one makes every direction
+// short. The regularisation is not changed.
+bool SolverDDP::stopsUnregularised() {
+  if (!judges_ || preg_ <= reg_min_ * scale_) return true;
+  const double preg = preg_, dreg = dreg_;
+  preg_ = dreg_ = reg_min_ * scale_;
+  if (!stepped_) problem_->calc(xs_, us_);  // the data are of the last try
+  const bool stops =
+      findDirection(true) &&
+      expectedReduction() < std::max(th_stop_ * scale_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_));
+  preg_ = preg;
+  dreg_ = dreg;
+  return stops;
+}
+
 // Whether half g^T Quu^-1 g is small, where g is the projected gradient with respect to the feed-forward terms. At a
 // regularised direction this is not conclusive, because Quu is too large.
 bool SolverDDP::isOptimalWithinLimits() {
@@ -260,7 +278,7 @@ StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
     if (by_kkt) th_stop_ = std::max(1e-6 * restore.value * std::min(1.0, kkt_scale_ / scale_), rounding);
     if (by_gap) th_stop_ = optimality_gap(restore.value, rounding);
     preg_ = dreg_ = reg_min_ * scale_;
-    const StopReason reason = descend(maxiter);
+    const StopReason reason = descend(maxiter - std::min(maxiter, reported_));
     if (reason == StopReason::kInterrupted || reason == StopReason::kNoDirection) return reason;
     if (!by_kkt && (!by_gap || reason == StopReason::kConverged)) return reason;
     if (by_kkt) {
@@ -269,6 +287,7 @@ StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
       kkt_ = kkt_residual_of(*problem_, xs_, us_, true, kkt_scale_);
       if (kkt_ <= th_kkt_) return StopReason::kConverged;
     }
+    if (reason == StopReason::kIterations) return reason;
     const double left = by_gap ? stop_ : kkt_;
     idle = left < 0.5 * least ? 0 : idle + 1;
     least = std::min(least, left);
@@ -407,6 +426,9 @@ double SolverDDP::calcDiff() {
   if (iter_ == 0 && measures_scale_) measureScale();
   ffeas_ = computeDynamicFeasibility();
   if (keeps_limits() && ffeas_ <= th_gaptol_) is_feasible_ = true;  // else limits would wait for gaps to close
+  constexpr double kRounded = 1e-12;  // of the states: gaps of a simulation by another program
+  if (iter_ == 0 && is_feasible_)     // a guess with gaps may be marked as feasible
+    is_feasible_ = ffeas_ <= std::max(th_gaptol_, kRounded * internal::largest_number(xs_));
   gfeas_ = computeInequalityFeasibility();
   hfeas_ = computeEqualityFeasibility();
   return cost_;

@@ -98,6 +98,7 @@ StopReason SolverDDP::descend(std::size_t maxiter) {
   require(is_feasible_, "SolverDDP::descend", "a candidate without gaps is expected");
   interrupted_ = false;
   iter_ = 0;
+  if (judges_) preg_ = dreg_ = reg_min_ * scale_;  // a larger one makes `stop` small
   if (!findDirection(true)) return reason_ = StopReason::kNoDirection;
   for (std::size_t t = 0; t < xs_.size(); ++t) xs_try_[t] = xs_[t];
   for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_[t];

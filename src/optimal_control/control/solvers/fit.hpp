@@ -1,7 +1,8 @@
 #pragma once
 // Vectors and matrices by node that fit a problem's nodes: zeros where they did not, and no memory where they did; and
-// whether their numbers are sound.
+// whether their numbers are sound, and how large.
 
+#include <algorithm>
 #include <cmath>
 
 #include "manycontact/control/shooting.hpp"
@@ -33,6 +34,14 @@ inline bool is_sound(const Eigen::VectorXd& x) {
   for (const double number : x)
     if (!(std::abs(number) < 1e30)) return false;
   return true;
+}
+
+/// The largest magnitude in states or controls, at least 1.
+inline double largest_number(const std::vector<Eigen::VectorXd>& xs) {
+  double out = 1;
+  for (const Eigen::VectorXd& x : xs)
+    if (x.size() > 0) out = std::max(out, x.lpNorm<Eigen::Infinity>());
+  return out;
 }
 
 }  // namespace manycontact::internal

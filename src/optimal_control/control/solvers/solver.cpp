@@ -122,6 +122,7 @@ void SolverAbstract::setCallbacks(const Callbacks& callbacks) {
 }
 
 void SolverAbstract::callCallbacks() {
+  ++reported_;
   const auto callbacks = callbacks_;
   for (const auto& callback : *callbacks) (*callback)(*this);
 }

@@ -95,7 +95,7 @@ int run_optimize(const Arguments& arguments) {
                                                          }});
   problem.problem->calc(solution.xs, solution.us);
   OptimizedTask motion{task, problem, solution, simulated(arguments, task, solution), cost_by_term(task, problem)};
-  motion.findings = plan_findings(task, solution.xs, solution.us, motion.costs);
+  motion.findings = plan_findings(task, solution, motion.costs);
   write_trajectory(motion, *out);
   if (const auto file = arguments.value("--torques")) write_torques(motion, *file);
   if (const auto file = arguments.value("--forces")) write_forces(motion, *file);

@@ -40,7 +40,9 @@ void print_costs(std::ostream& out, const OptimizedTask& motion) {
 void print_plan_findings(std::ostream& out, const OptimizedTask& motion) {
   if (motion.findings.empty()) return;
   out << "\nWarnings\n";
-  const std::pair<const char*, const char*> titles[] = {{"closes", "out of place"},
+  const std::pair<const char*, const char*> titles[] = {{"no_inertia", "joints without inertia"},
+                                                        {"failed", "the dynamics fail"},
+                                                        {"closes", "out of place"},
                                                         {"position", "beyond position limits"},
                                                         {"velocity", "beyond velocity limits"},
                                                         {"effort", "beyond efforts"},

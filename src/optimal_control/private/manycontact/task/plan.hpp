@@ -3,7 +3,7 @@
 // missed, and the share of each cost.
 
 #include "manycontact/analysis/findings.hpp"
-#include "manycontact/task/problem.hpp"
+#include "manycontact/task/optimize.hpp"
 
 namespace manycontact {
 
@@ -40,15 +40,15 @@ struct PlanCost {  // A <cost> of the task, by its name in all phases, its copie
 /// At the problem's last calc, dearest first. They add up to the cost.
 std::vector<PlanCost> cost_by_term(const TaskFile& task, const TaskProblem& problem);
 
-/// One line for each part of the plan that deserves attention. `kind` is "closes" (out of place by a millimetre or
-/// more), "position", "velocity", "effort", or "goal" (missed by a millimetre or milliradian, or more). `name` is that
-/// of the contact, joint or cost.
+/// One line for each part of the plan that deserves attention. `kind` is that of a failure, "closes" (out of place by a
+/// millimetre or more), "position", "velocity", "effort", or "goal" (missed by a millimetre or milliradian, or more).
+/// `name` is that of the contact, joint or cost.
 struct PlanFinding {
   std::string kind, name, text;
   std::size_t node = 0;
 };
-/// Checks the motion xs, us: a state and the torques of each node; `costs` is the result of cost_by_term.
-std::vector<PlanFinding> plan_findings(const TaskFile& task, const std::vector<Eigen::VectorXd>& xs,
-                                       const std::vector<Eigen::VectorXd>& us, const std::vector<PlanCost>& costs);
+/// Checks the motion of the solution; `costs` is the result of cost_by_term.
+std::vector<PlanFinding> plan_findings(const TaskFile& task, const TaskSolution& solution,
+                                       const std::vector<PlanCost>& costs);
 
 }  // namespace manycontact
