@@ -144,6 +144,9 @@ active : sequence of bool
     One flag per contact.
 data : SimulationData
     Changed.
+here : bool
+    Whether a contact that closes does so where its frame A is now: B of scene.contacts moves there.
+    Without it, frame A has to be near B, or gains pull it there.
 
 Returns
 -------
