@@ -33,8 +33,8 @@ SceneFile completed(SceneFile file) {
   }
   for (const Unbalanced& x : unbalanced)
     if (std::binary_search(file.gravity_robots.begin(), file.gravity_robots.end(), x.robot))
-      file.findings.push_back({"rest", name_of(file.scene, x), in_words(x), file.path,
-                               file.robot_groups[file.robot_group[x.robot]].line});
+      file.findings.push_back(
+          {"rest", name_of(file.scene, x), in_words(x), file.path, file.robot_groups[file.robot_group[x.robot]].line});
   return file;
 }
 

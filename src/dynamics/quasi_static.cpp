@@ -20,17 +20,22 @@ bool is_angular(const Joint& joint, int k) {
   return joint.type == JointType::kRevolute || (joint.type == JointType::kPlanar && k == 2);
 }
 
-// The sizes of the loads on a robot's coordinates. Those of gravity g on a mass m are at most |g| sqrt(m M_ii), by the
-// inequality of Cauchy and Schwarz. applied: those of wrenches and springs, per coordinate of the scene.
+// The sizes of the loads on a robot's coordinates. Those of gravity g on a mass m that a joint moves are at most
+// |g| sqrt(m M_ii), by the inequality of Cauchy and Schwarz. applied: those of wrenches and springs, per coordinate of
+// the scene.
 Eigen::VectorXd load_sizes(const Scene& scene, const Robot& robot, const std::vector<double>& M,
                            const std::vector<double>& applied) {
   const Model& model = *robot.model;
-  double mass = 0;
-  for (const Joint& joint : model.joints) mass += joint.inertia.m;
-  Eigen::VectorXd out(model.nv);
-  for (int i = 0; i < model.nv; ++i)
-    out[i] = scene.gravity.norm() * std::sqrt(std::max(0.0, mass * M[static_cast<std::size_t>(model.M_begin[i])])) +
-             (applied.empty() ? 0 : applied[static_cast<std::size_t>(robot.idx_v + i)]);
+  Eigen::VectorXd mass = Eigen::VectorXd::Zero(model.njoints()), out(model.nv);
+  for (int j = model.njoints() - 1; j >= 0; --j) {
+    const Joint& joint = model.joints[j];
+    mass[j] += joint.inertia.m;
+    if (joint.parent >= 0) mass[joint.parent] += mass[j];
+    for (int i = joint.idx_v; i < joint.idx_v + joint.nv(); ++i)
+      out[i] =
+          scene.gravity.norm() * std::sqrt(std::max(0.0, mass[j] * M[static_cast<std::size_t>(model.M_begin[i])])) +
+          (applied.empty() ? 0 : applied[static_cast<std::size_t>(robot.idx_v + i)]);
+  }
   return out;
 }
 

@@ -436,8 +436,7 @@ TEST(Place, SearchesWhileTheErrorFalls) {
   EXPECT_NO_THROW((void)load_scene(path));
   const SceneFile file = read_scene(path);
   std::vector<Goal> goals;
-  for (const ScenePose& p : file.poses)
-    goals.push_back(pose_goal(p.frame, {p.x, p.y, p.z}, {p.roll, p.pitch, p.yaw}));
+  for (const ScenePose& p : file.poses) goals.push_back(pose_goal(p.frame, {p.x, p.y, p.z}, {p.roll, p.pitch, p.yaw}));
   const PlacedScene found = place(file.scene, file.q, goals);
   EXPECT_TRUE(found.met());
   EXPECT_FALSE(found.out_of_steps);
@@ -452,8 +451,8 @@ TEST(Place, SearchesWhileTheErrorFalls) {
 TEST(Place, EndsWhereTheErrorStays) {
   const SceneFile file = two_robots();
   const Attachment tool = frame_called(file.scene, "a/tool");
-  const PlacedScene found = place(file.scene, file.q, {pose_goal(tool, Partial{9, kOpen, kOpen}),
-                                                       pose_goal(tool, Partial{-9, kOpen, kOpen})});
+  const PlacedScene found = place(
+      file.scene, file.q, {pose_goal(tool, Partial{9, kOpen, kOpen}), pose_goal(tool, Partial{-9, kOpen, kOpen})});
   EXPECT_FALSE(found.met());
   EXPECT_FALSE(found.out_of_steps);
 }

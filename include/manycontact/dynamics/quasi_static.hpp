@@ -24,8 +24,8 @@ Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q, SceneD
 Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& tau0,
                              const Eigen::SparseMatrix<double>& B, SceneData& data);
 
-/// A robot that no torques keep at rest, and the coordinate with the largest part of its load that remains: the
-/// residual of the equation above, relative to the size of gravity and applied forces on that coordinate.
+/// A robot that no torques keep at rest, and its coordinate with the largest residual of the equation above. The
+/// residual is compared with the size of gravity and applied forces on each coordinate.
 struct Unbalanced {
   int robot = 0;
   int dof = -1;          // one of that robot's velocity coordinates
@@ -36,6 +36,7 @@ struct Unbalanced {
 /// Computes the torques with the active flags and wrenches of the scene. It makes data of its own, and so allocates.
 /// unbalanced: set to the robots that these torques and the contacts do not keep at rest, unless it is nullptr. A part
 /// of a load up to 1e-6 is attributed to rounded numbers in files.
-Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q, std::vector<Unbalanced>* unbalanced = nullptr);
+Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q,
+                             std::vector<Unbalanced>* unbalanced = nullptr);
 
 }  // namespace manycontact

@@ -13,7 +13,7 @@
 namespace manycontact::cli {
 
 struct Findings {
-  std::vector<Finding> files;  // of the robots' files
+  std::vector<Finding> files;          // of the robots' files
   std::vector<Unbalanced> unbalanced;  // robots, by the quasi-static torques that were asked for
   std::vector<PlacementError> misplaced;
   std::vector<VelocityError> moving;
@@ -30,7 +30,8 @@ struct Findings {
 
   bool empty() const {
     return files.empty() && unbalanced.empty() && misplaced.empty() && moving.empty() && violations.empty() &&
-           limits.empty() && contradictions.empty() && massless.empty() && near_dependent.empty() && close_rows.empty() &&
+           limits.empty() && contradictions.empty() && massless.empty() && near_dependent.empty() &&
+           close_rows.empty() &&
            std::none_of(rank_changes.begin(), rank_changes.end(), [](const RankChange& c) { return c.singular; });
   }
 };
