@@ -140,11 +140,11 @@ void add_derivative_classes(py::module_& m) {
       .def_property_readonly("dforces_du", block_property(&IslandDerivatives::dforces_du),
                              "Derivative of the contact forces with respect to u (nc, nu).")
       .def_property_readonly(
-          "da_dw", [](const IslandBlocks& b) { return copy(b.get().da_dw()); },
+          "da_dw", [](const IslandBlocks& b) { return read_only(copy(b.get().da_dw())); },
           "Derivative of the accelerations with respect to the wrenches of `pushes` (nv, 6 per push), if requested;\n"
           "a copy.")
       .def_property_readonly(
-          "dforces_dw", [](const IslandBlocks& b) { return copy(b.get().dforces_dw()); },
+          "dforces_dw", [](const IslandBlocks& b) { return read_only(copy(b.get().dforces_dw())); },
           "Derivative of the contact forces with respect to the wrenches of `pushes` (nc, 6 per push), if requested;\n"
           "a copy.")
       .def_property_readonly(

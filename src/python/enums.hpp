@@ -13,6 +13,7 @@
 
 #include "manycontact/action/residuals/contact_residuals.hpp"
 #include "manycontact/action/state.hpp"
+#include "manycontact/action/thrusters.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/control/callbacks.hpp"
 #include "manycontact/control/rk.hpp"
@@ -55,10 +56,25 @@ E value_called(const std::string& name) {
   throw py::value_error("unknown " + Names<E>::what + " '" + name + "', expected one of " + expected);
 }
 
+/// Takes strings too.
+template <class E>
+struct EnumCaster : py::detail::type_caster_base<E> {
+  bool load(py::handle source, bool convert) {
+    if (!py::isinstance<py::str>(source)) return py::detail::type_caster_base<E>::load(source, convert);
+    named_ = value_called<E>(source.cast<std::string>());
+    this->value = &named_;
+    return true;
+  }
+
+ private:
+  E named_{};
+};
+
 /// what: "method", for errors. Members that have no word of C++'s (to_string) are called by their Python names.
 template <class E>
 void add_enumeration(py::module_& m, const char* name, const char* what, const std::string& doc,
                      const std::vector<std::pair<const char*, E>>& members) {
+  static_assert(std::is_base_of_v<EnumCaster<E>, py::detail::type_caster<E>>, "it has no MANYCONTACT_ENUMERATION");
   constexpr bool has_words = requires(E x) {
     { to_string(x) } -> std::convertible_to<std::string>;
   };
@@ -68,6 +84,7 @@ void add_enumeration(py::module_& m, const char* name, const char* what, const s
     std::string word = python;
     if constexpr (has_words) word = to_string(value);
     if (!has_words || word.find(' ') != std::string::npos) word = plain(python);
+    if (word.starts_with('-')) word.erase(0, 1);  // "0" of _0
     Names<E>::members.push_back({value, word, python});
   }
   const std::string text = doc + "\n\nFunctions also accept names, such as '" + Names<E>::members.front().word + "'.";
@@ -82,20 +99,6 @@ void add_enumeration(py::module_& m, const char* name, const char* what, const s
   e.def("__str__", text_of_member, py::prepend());
   e.attr("value").attr("__doc__") = "Number of the member.";
 }
-
-/// Takes strings too.
-template <class E>
-struct EnumCaster : py::detail::type_caster_base<E> {
-  bool load(py::handle source, bool convert) {
-    if (!py::isinstance<py::str>(source)) return py::detail::type_caster_base<E>::load(source, convert);
-    named_ = value_called<E>(source.cast<std::string>());
-    this->value = &named_;
-    return true;
-  }
-
- private:
-  E named_{};
-};
 
 }  // namespace manycontact::python
 
@@ -124,4 +127,5 @@ MANYCONTACT_ENUMERATION(manycontact::ConeAxes)
 MANYCONTACT_ENUMERATION(manycontact::TaskSolver)
 MANYCONTACT_ENUMERATION(manycontact::ViolationKind)
 MANYCONTACT_ENUMERATION(manycontact::LimitKind)
+MANYCONTACT_ENUMERATION(manycontact::ThrusterType)
 #undef MANYCONTACT_ENUMERATION

@@ -12,10 +12,13 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <type_traits>
 
 #include "arrays.hpp"
+#include "manycontact/action/thrusters.hpp"
 #include "manycontact/kkt/options.hpp"
 #include "manycontact/model/scene.hpp"
+#include "manycontact/simulation/step.hpp"
 
 namespace manycontact::python {
 
@@ -47,14 +50,6 @@ class Handle {
   Set set_;
 };
 
-/// A member as a property.
-template <class T, class M, class... Extra>
-void handle_field(py::class_<Handle<T>, Extra...>& c, const char* name, M T::*member, const char* doc = "") {
-  c.def_property(
-      name, [member](const Handle<T>& h) -> M { return h.get().*member; },
-      [member](const Handle<T>& h, const M& x) { h.change([&](T& object) { object.*member = x; }); }, doc);
-}
-
 /// A T where C++ takes or gives one: a Handle's.
 template <class T>
 struct HandleCaster {
@@ -69,6 +64,23 @@ struct HandleCaster {
     return py::detail::make_caster<Handle<T>>::cast(Handle<T>(x), py::return_value_policy::move, parent);
   }
 };
+
+template <class M>
+inline constexpr bool is_handled = std::is_base_of_v<HandleCaster<M>, py::detail::type_caster<M>>;
+
+/// A member as a property; one that has attributes itself as a Handle.
+template <class T, class M, class... Extra>
+void handle_field(py::class_<Handle<T>, Extra...>& c, const char* name, M T::*member, const char* doc = "") {
+  const auto get = [member](const Handle<T>& h) {
+    if constexpr (is_handled<M>)
+      return Handle<M>([h, member]() -> const M& { return h.get().*member; },
+                       [h, member](M x) { h.change([&](T& object) { object.*member = std::move(x); }); });
+    else
+      return M(h.get().*member);
+  };
+  c.def_property(
+      name, get, [member](const Handle<T>& h, const M& x) { h.change([&](T& object) { object.*member = x; }); }, doc);
+}
 
 /// A list of an object's items without copies: items are looked up when they are requested.
 template <class Item>
@@ -134,4 +146,6 @@ MANYCONTACT_HANDLE(manycontact::Push)
 MANYCONTACT_HANDLE(manycontact::Robot)
 MANYCONTACT_HANDLE(manycontact::Spring)
 MANYCONTACT_HANDLE(manycontact::Options)
+MANYCONTACT_HANDLE(manycontact::PdLaws)
+MANYCONTACT_HANDLE(manycontact::Thruster)
 #undef MANYCONTACT_HANDLE

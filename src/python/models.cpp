@@ -42,7 +42,7 @@ void add_placements(py::module_& m) {
       .def_static("Identity", &Placement::Identity)
       .def_property_readonly(
           "R", [](const Placement& M) { return copy(M.R); },
-          "Rotation matrix (3, 3); a copy of its own, as scipy's Rotation.from_matrix requires.")
+          "Rotation matrix (3, 3); an array that cannot be written into.")
       .def_property_readonly(
           "p", [](const Placement& M) -> Eigen::Vector3d { return M.p; }, "Translation (3) [m].")
       .def_property_readonly(
@@ -124,7 +124,8 @@ void add_findings(py::module_& m) {
   py::class_<Finding> finding(m, "Finding", "Questionable but usable input, and how it is interpreted.");
   add_value(finding)
       .def_readonly("kind", &Finding::kind,
-                    "'inertia', 'limits', 'unread', 'mimic', 'dynamics', 'passive', 'base', 'consistent' or 'pose'.")
+                    "'inertia', 'limits', 'unread', 'mimic', 'dynamics', 'passive', 'base', 'consistent', 'pose' or\n"
+                    "'rest'.")
       .def_readonly("name", &Finding::name, "Name of the joint, link or other element.")
       .def_readonly("text", &Finding::text, "The content of the file, and how it is interpreted.")
       .def_readonly("file", &Finding::file, "Path of the file.")

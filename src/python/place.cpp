@@ -62,6 +62,8 @@ void add_place(py::module_& m) {
       .def_property_readonly(
           "q", [](const PlacedScene& x) { return x.q; }, "Configuration (nq), within the limits; a copy.")
       .def_readonly("iterations", &PlacedScene::iterations, "Number of steps from all starts.")
+      .def_readonly("out_of_steps", &PlacedScene::out_of_steps,
+                    "Whether the search for q ended at the largest number of steps, while the error still decreased.")
       .def_readonly("left", &PlacedScene::left, "List of GoalLeft, one per goal.")
       .def("met", &PlacedScene::met, py::arg("error") = 1e-9,
            "Return whether the remaining errors of all goals are at most `error` [m, rad].");
@@ -72,7 +74,7 @@ void add_place(py::module_& m) {
         const py::gil_scoped_release unlocked;
         return place(scene, q, goals, {iterations, tolerance, restarts, seed});
       },
-      py::arg("scene"), py::arg("q"), py::arg("goals"), py::arg("iterations") = 100, py::arg("tolerance") = 1e-12,
+      py::arg("scene"), py::arg("q"), py::arg("goals"), py::arg("iterations") = 1000, py::arg("tolerance") = 1e-12,
       py::arg("restarts") = 0, py::arg("seed") = 0, doc::place);
 }
 

@@ -54,17 +54,6 @@ Items<Handle<Contact>> contacts_of(const std::shared_ptr<Scene>& scene) {
           [scene](const std::string& name) { return no_contact(*scene, name); }};
 }
 
-// A's or B's, of a contact.
-void end_of_contact(py::class_<Handle<Contact>>& c, const char* name, Attachment Contact::*end, const char* doc) {
-  c.def_property(
-      name,
-      [end](const Handle<Contact>& h) {
-        return Handle<Attachment>([h, end]() -> const Attachment& { return h.get().*end; },
-                                  [h, end](Attachment x) { h.change([&](Contact& c) { c.*end = std::move(x); }); });
-      },
-      [end](const Handle<Contact>& h, const Attachment& x) { h.change([&](Contact& c) { c.*end = x; }); }, doc);
-}
-
 void add_attachments(py::module_& m) {
   py::class_<Handle<Attachment>> c(m, "Attachment",
                                    "A frame on a joint's body of a robot, or in the world; see attach().\n"
@@ -130,8 +119,8 @@ void add_contacts(py::module_& m) {
   handle_field(c, "type", &Contact::type, "ContactType. After a change make new SceneData.");
   handle_field(c, "reference_frame", &Contact::reference_frame,
                "ReferenceFrame of the force and, for 1D and 2D contacts, of the constraint rows.");
-  end_of_contact(c, "A", &Contact::A, "Attachment of frame A. After a change make new SceneData.");
-  end_of_contact(c, "B", &Contact::B, "Attachment of frame B'; its placement may change while data are in use.");
+  handle_field(c, "A", &Contact::A, "Attachment of frame A. After a change make new SceneData.");
+  handle_field(c, "B", &Contact::B, "Attachment of frame B'; its placement may change while data are in use.");
   handle_field(c, "axis", &Contact::axis, "Unit vector (3). After a change make new SceneData.");
   handle_field(c, "alpha", &Contact::alpha, "Stabilisation gain of position errors [1/s^2].");
   handle_field(c, "beta", &Contact::beta, "Stabilisation gain of velocities [1/s].");

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "data.hpp"
+#include "manycontact/contact/reference.hpp"
 #include "manycontact/model/expect_state.hpp"
 #include "manycontact/simulation/gains.hpp"
 #include "manycontact/simulation/invariants.hpp"
@@ -114,17 +115,16 @@ void add_steps(py::module_& m) {
                                {"NOT_FINITE", StepStatus::kNotFinite},
                                {"TOO_FAST", StepStatus::kTooFast}});
 
-  py::class_<PdLaws> pd(m, "PdLaws",
-                        "kp (q_ref - q) + kd (v_ref - v) on velocity coordinates, all (nv,), or all empty: none.");
-  add_value(pd)
-      .def(py::init([](const Vector& kp, const Vector& kd, const Vector& q_ref, const Vector& v_ref) {
-             return PdLaws{kp, kd, q_ref, v_ref};
-           }),
-           py::arg("kp"), py::arg("kd"), py::arg("q_ref"), py::arg("v_ref"))
-      .def_readwrite("kp", &PdLaws::kp, "Stiffness [N m / rad], none negative, 0 for joints of several coordinates.")
-      .def_readwrite("kd", &PdLaws::kd, "Damping [N m s / rad], none negative.")
-      .def_readwrite("q_ref", &PdLaws::q_ref, "Reference at the end of the next step [rad, m].")
-      .def_readwrite("v_ref", &PdLaws::v_ref, "Reference at the end of the next step [rad/s, m/s].");
+  py::class_<Handle<PdLaws>> pd(
+      m, "PdLaws", "kp (q_ref - q) + kd (v_ref - v) on velocity coordinates, all (nv,), or all empty: none.");
+  add_value(pd).def(py::init([](const Vector& kp, const Vector& kd, const Vector& q_ref, const Vector& v_ref) {
+                      return Handle<PdLaws>(PdLaws{kp, kd, q_ref, v_ref});
+                    }),
+                    py::arg("kp"), py::arg("kd"), py::arg("q_ref"), py::arg("v_ref"));
+  handle_field(pd, "kp", &PdLaws::kp, "Stiffness [N m / rad], none negative, 0 for joints of several coordinates.");
+  handle_field(pd, "kd", &PdLaws::kd, "Damping [N m s / rad], none negative.");
+  handle_field(pd, "q_ref", &PdLaws::q_ref, "Reference at the end of the next step [rad, m].");
+  handle_field(pd, "v_ref", &PdLaws::v_ref, "Reference at the end of the next step [rad/s, m/s].");
   py::class_<StepWork> work(m, "StepWork", "Work of forces in a step [J].");
   add_value(work)
       .def_readonly("pd", &StepWork::pd, "Work of PD laws.")
@@ -165,9 +165,13 @@ void add_steps(py::module_& m) {
           [](const Simulation& s, double limit) { s.changeable().velocity_limit = limit; },
           "Largest velocity [m/s, rad/s]; a faster step is StepStatus.TOO_FAST.")
       .def_property(
-          "pd", [](const Simulation& s) { return s.at_rest().pd; },
+          "pd",
+          [](const Simulation& s) {
+            return Handle<PdLaws>([s]() -> const PdLaws& { return s.at_rest().pd; },
+                                  [s](PdLaws laws) { s.changeable().pd = std::move(laws); });
+          },
           [](const Simulation& s, const PdLaws& laws) { s.changeable().pd = laws; },
-          "PD laws of joints, evaluated at the end of a step. Assign a whole PdLaws between steps.")
+          "PD laws of joints, evaluated at the end of a step. Assign them, or their attributes, between steps.")
       .def_property_readonly(
           "pd_torque", [](const Simulation& s) { return s.at_rest().pd_torque; },
           "Mean torque of the PD laws in the last step (nv) [N m, N].")
@@ -218,12 +222,17 @@ void add_step_functions(py::module_& m) {
       .def_readonly("impulse", &VelocityJump::impulse, "Impulses on A (rows of the active contacts) [N s, N m s].");
   m.def(
       "switch_contacts",
-      [](const Scene& scene, py::handle active, const Simulation& simulation) {
+      [](Scene& scene, py::handle active, const Simulation& simulation, bool here) {
         std::vector<char> flags(scene.contacts.size());
         set_flags("active", active, flags);
-        return simulation.dynamics->use([&](SceneData&) { return switch_contacts(scene, flags, *simulation.data); });
+        return simulation.dynamics->use([&](SceneData& dynamics) {
+          for (std::size_t c = 0; here && c < flags.size() && c < dynamics.active.size(); ++c)
+            if (flags[c] && !dynamics.active[c])
+              resolve_reference(scene, simulation.data->q, true, true, scene.contacts[c]);
+          return switch_contacts(scene, flags, *simulation.data);
+        });
       },
-      py::arg("scene"), py::arg("active"), py::arg("data"), doc::switch_contacts);
+      py::arg("scene"), py::arg("active"), py::arg("data"), py::arg("here") = false, doc::switch_contacts);
   m.def(
       "failure",
       [](const Scene& scene, const Simulation& simulation, StepStatus status) {

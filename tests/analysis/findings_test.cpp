@@ -232,6 +232,29 @@ TEST(Limits, OfZeroAreNotPassedByRounding) {
   EXPECT_EQ(passed(2 + 1e-6), 1u);
 }
 
+// Equal limits are limits, 0 as well; crossed ones and a velocity limit of 0 are none.
+TEST(Limits, EqualOnesArePassed) {
+  SceneFile file = load_text("<scene><robot name=\"a\" urdf=\"arm.urdf\" base=\"fixed\"/></scene>");
+  const auto passed = [&](double lower, double upper, double q) {
+    auto model = std::make_shared<Model>(*file.scene.robots[0].model);
+    model->joints[1].lower[0] = lower, model->joints[1].upper[0] = upper, model->joints[1].velocity_limit[0] = 0;
+    file.scene.robots[0].model = model;
+    file.q[model->joints[1].idx_q] = q;
+    return limits_passed(file.scene, file.q, file.v, file.u);
+  };
+  for (const double limit : {0.0, 0.3, -0.3}) {
+    EXPECT_TRUE(passed(limit, limit, limit).empty());
+    EXPECT_TRUE(passed(limit, limit, limit * (1 + 1e-12)).empty());
+    for (const double off : {0.1, -0.1}) {
+      const auto found = passed(limit, limit, limit + off);
+      ASSERT_EQ(found.size(), 1u) << limit << " " << off;
+      EXPECT_EQ(found[0].limit, limit);
+      EXPECT_EQ(found[0].quantity, LimitKind::kPosition);
+    }
+  }
+  EXPECT_TRUE(passed(0.4, -0.4, 0.1).empty());
+}
+
 TEST(Contradictions, TellTheirSize) {
   // at one point of the world the gains of two contacts request different changes of velocity
   SceneFile file = load_text(

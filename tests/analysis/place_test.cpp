@@ -7,12 +7,14 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/contact/reference.hpp"
+#include "manycontact/io/urdf.hpp"
 #include "support/folder.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
@@ -393,6 +395,66 @@ TEST(Poses, ThatLeaveContactsOpenAreRefused) {
     EXPECT_EQ(e.line, 2);
     EXPECT_NE(e.message.find("contact 'pin' remains out of place by 2 m"), std::string::npos) << e.message;
   }
+}
+
+// A joint without lower and upper limits in its file is free; equal limits of a file fix a joint.
+TEST(Place, MissingLimitsAreNone) {
+  const auto two_links = [](const std::string& limits) {
+    return "<robot name='two'><link name='base'/>"
+           "<link name='a'><inertial><origin xyz='0 0 -0.15'/><mass value='1'/><inertia ixx='0.01' ixy='0' ixz='0' "
+           "iyy='0.01' iyz='0' izz='0.01'/></inertial></link>"
+           "<link name='b'><inertial><origin xyz='0 0 -0.15'/><mass value='1'/><inertia ixx='0.01' ixy='0' ixz='0' "
+           "iyy='0.01' iyz='0' izz='0.01'/></inertial></link>"
+           "<joint name='hip' type='revolute'><parent link='base'/><child link='a'/><axis xyz='0 1 0'/>"
+           "<limit lower='-2' upper='2' velocity='9' effort='9'/></joint>"
+           "<joint name='knee' type='revolute'><parent link='a'/><child link='b'/><origin xyz='0 0 -0.3'/>"
+           "<axis xyz='0 1 0'/><limit velocity='9' effort='9' " +
+           limits + "/></joint></robot>";
+  };
+  const TemporaryFolder folder;
+  const auto placed = [&](const std::string& limits) {
+    const std::string path = (folder.path() / "two.urdf").string();
+    std::ofstream(path) << two_links(limits);
+    Scene scene;
+    add_robot(scene, "two", std::make_shared<const Model>(load_urdf(path)));
+    const VectorXd q = Eigen::Vector2d(0.9, -1.8);
+    const Goal goal = pose_goal(frame_called(scene, "two/b"), Partial{0.3 * std::sin(-0.5), kOpen, kOpen});
+    const PlacedScene out = place(scene, q, {goal});
+    EXPECT_TRUE(out.met());
+    return out.q[1];
+  };
+  EXPECT_EQ(placed(""), -1.8);
+  EXPECT_EQ(placed("lower='-3' upper='3'"), -1.8);
+  EXPECT_EQ(placed("lower='0' upper='0'"), 0);
+  EXPECT_EQ(placed("lower='0.2' upper='0.2'"), 0.2);
+}
+
+// Poses that need more than a hundred steps are met. A search that ends before it does reports that.
+TEST(Place, SearchesWhileTheErrorFalls) {
+  const std::string path = MANYCONTACT_SHARED_DIR "/reports/third-motions/03-pose-needs-more-steps/scene.xml";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "skipped: no " << path;
+  EXPECT_NO_THROW((void)load_scene(path));
+  const SceneFile file = read_scene(path);
+  std::vector<Goal> goals;
+  for (const ScenePose& p : file.poses) goals.push_back(pose_goal(p.frame, {p.x, p.y, p.z}, {p.roll, p.pitch, p.yaw}));
+  const PlacedScene found = place(file.scene, file.q, goals);
+  EXPECT_TRUE(found.met());
+  EXPECT_FALSE(found.out_of_steps);
+  EXPECT_GT(found.iterations, 100);
+  const PlacedScene ended = place(file.scene, file.q, goals, {.iterations = 100});
+  EXPECT_FALSE(ended.met());
+  EXPECT_TRUE(ended.out_of_steps);
+  EXPECT_EQ(ended.iterations, 100);
+}
+
+// Goals that contradict each other end the search at a minimum, not for lack of steps.
+TEST(Place, EndsWhereTheErrorStays) {
+  const SceneFile file = two_robots();
+  const Attachment tool = frame_called(file.scene, "a/tool");
+  const PlacedScene found = place(
+      file.scene, file.q, {pose_goal(tool, Partial{9, kOpen, kOpen}), pose_goal(tool, Partial{-9, kOpen, kOpen})});
+  EXPECT_FALSE(found.met());
+  EXPECT_FALSE(found.out_of_steps);
 }
 
 }  // namespace

@@ -328,5 +328,45 @@ TEST_F(FindingsOfTheProgram, TorquesAndReferences) {
   refused("t,u:" + joint + "\n1,0\n1,0\n", "bad.csv:3: the time does not grow");
 }
 
+constexpr char kCart[] =
+    "<robot name='cart'><link name='rail'/><link name='cart'><inertial><mass value='1'/><inertia ixx='1' ixy='0' "
+    "ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link><link name='rod'><inertial><origin xyz='0 0 0.5'/>"
+    "<mass value='1'/><inertia ixx='0.01' ixy='0' ixz='0' iyy='0.01' iyz='0' izz='0.01'/></inertial></link>"
+    "<joint name='x' type='prismatic'><parent link='rail'/><child link='cart'/><axis xyz='1 0 0'/>"
+    "<limit lower='-9' upper='9' velocity='99' effort='99'/></joint>"
+    "<joint name='pole' type='continuous'><parent link='cart'/><child link='rod'/><axis xyz='0 1 0'/></joint></robot>";
+
+// A cart cannot keep its leaning pole at rest: all programs report the torque that remains.
+TEST_F(FindingsOfTheProgram, TorquesThatDoNotKeepAtRest) {
+  std::ofstream(path("cart.urdf")) << kCart;
+  const auto cart = [&](const std::string& name, const std::string& u, double q) {
+    std::ofstream(path(name)) << "<scene><robot name='r' urdf='cart.urdf'" + u + "><joint name='pole' q='" +
+                                     std::to_string(q) + "' actuated='false'/></robot></scene>";
+    return path(name);
+  };
+  const std::string text = "no torques keep it at rest in this configuration: 1.91 N m of its load remain";
+  const std::string gravity = cart("gravity.xml", " u='gravity'", 0.4), none = cart("none.xml", "", 0.4),
+                    upright = cart("upright.xml", " u='gravity'", 0);
+  expect_contains(run({"solve", gravity}).out, "rest: r/pole (gravity.xml:1): " + text);
+  expect_contains(run({"inspect", gravity}).out, "rest: r/pole (gravity.xml:1): " + text);
+  const json simulated = simulate(gravity, {});
+  expect_contains(said_, "rest: r/pole (gravity.xml:1): " + text);
+  EXPECT_EQ(simulated.at("findings")[0].at("kind"), "rest");
+  const std::string both = run({"solve", gravity, "--quasi-static"}).out;
+  expect_contains(both, "Quasi-static torques, which do not keep the scene at rest");
+  EXPECT_EQ(both.find("rest: r/pole"), both.rfind("rest: r/pole"));  // once
+  EXPECT_EQ(run({"solve", none}).out.find("rest: "), std::string::npos);
+  expect_contains(run({"solve", none, "--quasi-static"}).out, "rest: r/pole: " + text);
+  const json j = solve({none, "--quasi-static"});
+  ASSERT_EQ(j.at("unbalanced").size(), 1u);
+  EXPECT_EQ(j.at("unbalanced")[0].at("joint"), "r/pole");
+  EXPECT_NEAR(j.at("unbalanced")[0].at("force").get<double>(), 9.81 * 0.5 * std::sin(0.4), 1e-9);
+  EXPECT_EQ(j.at("findings").back().at("kind"), "rest");
+  const std::string rests = run({"solve", upright, "--quasi-static"}).out;
+  expect_contains(rests, "Quasi-static torques, which keep the scene at rest");
+  EXPECT_EQ(rests.find("rest: "), std::string::npos) << rests;
+  EXPECT_TRUE(solve({upright, "--quasi-static"}).at("unbalanced").empty());
+}
+
 }  // namespace
 }  // namespace manycontact::cli

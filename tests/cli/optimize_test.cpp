@@ -245,5 +245,25 @@ TEST_F(Optimize, SaysWhatIsWrong) {
     EXPECT_EQ(run(wrong).status, 2);
 }
 
+// The guess of a humanoid on its soles is at rest; in the air, it is not.
+TEST_F(Optimize, ReportsAGuessThatIsNotAtRest) {
+  std::ofstream(path("scene.xml"))
+      << "<scene><robot name='h' urdf='" + model("humanoid.urdf") +
+             "' base='floating'/><contact name='left' type='6d' frame='h/left_sole'/></scene>";
+  for (const bool stands : {true, false}) {
+    std::ofstream(path("task.xml")) << "<task scene='scene.xml' step='0.01'><solver iterations='2'/><phase nodes='2' "
+                                       "contacts='"
+                                    << (stands ? "left" : "")
+                                    << "'><cost name='u' type='control' weight='1e-2'/></phase><terminal>"
+                                       "<cost name='x' type='state' weight='1'/></terminal></task>";
+    const std::string out = run(words(path("task.xml"))).out;
+    int guesses = 0;
+    for (const nlohmann::json& finding : json().at("findings")) guesses += finding.at("kind") == "guess";
+    EXPECT_EQ(guesses, stands ? 0 : 1) << out;
+    if (!stands)
+      expect_contains(out, "guess not at rest: h/root[2] in phase 1: no torques keep it at rest in this configuration");
+  }
+}
+
 }  // namespace
 }  // namespace manycontact::cli

@@ -1,6 +1,7 @@
 """Scenes are read from files and text, and built in code; bad ones are refused."""
 
 import copy
+import pickle
 
 import manycontact as mc
 import numpy as np
@@ -81,8 +82,11 @@ def test_rotations_are_taken_by_scipy():
     for R in M.R, M.rotation:
         turned = spatial.Rotation.from_matrix(R)  # scipy 1.10 accepts no read-only array
         np.testing.assert_allclose(turned.as_rotvec(), [0, 0, 0.6], atol=1e-15)
-    M.R[0, 0] = 7
-    assert M.R[0, 0] == pytest.approx(np.cos(0.6))
+        with pytest.raises(TypeError, match="a copy"):
+            R[0, 0] = 7
+        own = R.copy()
+        own[0, 0], (R @ R)[0, 0], (R[0] + 1)[0] = 7, 7, 7
+        assert type(R.sum()) is np.float64 and pickle.loads(pickle.dumps(R))[0, 0] == R[0, 0] == pytest.approx(np.cos(0.6))
 
 
 def test_views_are_of_files(humanoid):

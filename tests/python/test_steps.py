@@ -71,3 +71,25 @@ def test_a_batch_has_pd_laws_and_refuses_what_does_not_fit(standing):
         mc.set_state(scene, 3, q[0], v[0], batch)
     with pytest.raises(ValueError):
         mc.SimulationBatch(scene, q[:2], v, "rk4", H)
+
+
+def test_contacts_close_where_their_frames_are():
+    """With here=True a foot that moved closes where it is now, and feet that remain closed keep their places."""
+    file = mc.load_scene(str(MODELS / "tasks/quadruped_scene.xml"))
+    scene = file.scene
+    for contact in scene.contacts:
+        contact.alpha, contact.beta = mc.recommended_gains("semi-implicit-euler", 1e-3)
+    motion = mc.SimulationData(scene, file.q, file.v, "semi-implicit-euler", 1e-3)
+    mc.switch_contacts(scene, [contact.name != "LF" for contact in scene.contacts], motion)
+    for _ in range(100):
+        assert mc.step(scene, 1.1 * file.u, motion) == mc.StepStatus.OK
+    places = [contact.B.placement for contact in scene.contacts]
+    assert max(error.position for error in mc.placement_errors(scene, motion.q)) > 0.01
+    mc.switch_contacts(scene, [True] * 4, motion, here=True)
+    moved = [contact.name for contact, place in zip(scene.contacts, places) if contact.B.placement != place]
+    assert moved == ["LF"]
+    assert all(error.position < 1e-4 for error in mc.placement_errors(scene, motion.q))
+    for _ in range(20):
+        assert mc.step(scene, file.u, motion) == mc.StepStatus.OK
+    assert abs(motion.v).max() < 5 and abs(mc.contact_force(scene, motion, "LF")).max() < 1000
+    assert all(error.position < 1e-3 for error in mc.placement_errors(scene, motion.q))

@@ -352,7 +352,15 @@ def test_names_of_members_wherever_one_is_taken(file):
     assert len(state.Jdiff(x, x, "both")) == 2 and len(state.Jdiff(x, x, "first")) == 1
     model = mc.ContactModel3D(state, 1, [0, 0, 0], "local_world_aligned", 32)
     assert model.type == mc.LOCAL_WORLD_ALIGNED
-    assert mc.CallbackVerbose("_1").level == mc.VerboseLevel._1
+    assert mc.CallbackVerbose("_1").level == mc.CallbackVerbose("1").level == mc.VerboseLevel._1
+    assert [str(level) for level in mc.VerboseLevel.__members__.values()] == list("01234")
+    for name, kind in ("cw", mc.ThrusterType.CW), ("ccw", mc.ThrusterType.CCW):
+        thruster = mc.Thruster(mc.SE3(), 0.02, name)
+        assert thruster.type == kind
+        thruster.type = name
+        assert thruster.type == kind
+    with pytest.raises(ValueError, match="rktype three or four is expected"):
+        mc.ControlParametrizationModelPolyTwoRK(2, "two")
     assert mc.recommended_gains("rk4", H) == mc.recommended_gains(mc.Integrator.RK4, H)
     for call, says in [
         (lambda: mc.Options("sparse"), "unknown method 'sparse', expected one of 'dense', "),
@@ -366,6 +374,22 @@ def test_names_of_members_wherever_one_is_taken(file):
             call()
     with pytest.raises(TypeError):
         mc.Options(3)
+
+
+def test_gains_of_a_contact_with_any_axis(file):
+    scene = file.scene
+    for k in range(200):
+        axis = np.random.default_rng(k).normal(size=3)
+        mc.add_contact(scene, mc.Contact(name=f"c{k}", type="1d", reference_frame="world", axis=axis,
+                                         A=mc.attach(scene, "humanoid", "left_sole"), active=False))
+    mc.resolve_references(scene, file.q)
+    data = mc.SceneData(scene)
+    mc.solve(scene, file.q, file.v, file.u, data)
+    before = [contact.axis for contact in scene.contacts]
+    for contact in scene.contacts:
+        contact.alpha, contact.beta = 9, 6
+    assert all((contact.axis == axis).all() for contact, axis in zip(scene.contacts, before))
+    mc.solve(scene, file.q, file.v, file.u, data)
 
 
 # ---- copy, pickle, repr --------------------------------------------------------------------------------------------

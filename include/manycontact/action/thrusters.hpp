@@ -16,7 +16,7 @@ struct Thruster {
            double max = std::numeric_limits<double>::infinity())
       : pose(at), ctorque(torque), type(turning), min_thrust(min), max_thrust(max) {}
   /// torque: per thrust [m]; min, max: bounds of the thrust [N].
-  explicit Thruster(double torque, ThrusterType turning = CW, double min = 0,
+  explicit Thruster(double torque = 0, ThrusterType turning = CW, double min = 0,
                     double max = std::numeric_limits<double>::infinity())
       : Thruster(SE3<double>{}, torque, turning, min, max) {}
 

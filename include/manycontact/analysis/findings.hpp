@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "manycontact/dynamics/data.hpp"
+#include "manycontact/dynamics/quasi_static.hpp"
 
 namespace manycontact {
 
@@ -44,6 +45,11 @@ std::vector<VelocityError> velocity_errors(const Scene& scene, const std::vector
 
 /// Describes an error: "0.5 m/s and 0.1 rad/s", without negligible parts.
 std::string in_words(const VelocityError& error);
+
+/// The coordinate of a robot that no torques keep at rest: "r0/pole".
+std::string name_of(const Scene& scene, const Unbalanced& unbalanced);
+/// Describes it: "no torques keep it at rest in this configuration: 1.9 N m of its load remain".
+std::string in_words(const Unbalanced& unbalanced);
 
 /// The ways in which a contact force can violate the conditions of a unilateral contact with friction.
 enum class ViolationKind { kPulls, kSlips, kTips, kTurns };
@@ -88,8 +94,9 @@ struct LimitPassed {
   double value = 0, limit = 0;
 };
 
-/// Lists exceeded limits at q (nq), v (nv), u (nu). A velocity or effort limit of 0, or an empty range, means no limit,
-/// since files contain them if the limit is unknown. Throws std::invalid_argument for wrong sizes. Thread-safe.
+/// Lists exceeded limits at q (nq), v (nv), u (nu). A velocity or effort limit of 0 means no limit, since files contain
+/// it if the limit is unknown. Equal lower and upper limits are limits, as everywhere. Throws std::invalid_argument for
+/// wrong sizes. Thread-safe.
 std::vector<LimitPassed> limits_passed(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                                        const ConstVectorRef& u);
 

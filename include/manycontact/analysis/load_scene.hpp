@@ -6,8 +6,8 @@ namespace manycontact {
 struct TaskFile;  // io/task_file.hpp
 
 /// Reads a scene file with read_scene, computes q and v with fit_state, and computes the torques of robots with
-/// u="gravity" with quasi_static (dynamics/quasi_static.hpp) at that q. The result is independent of the file. Throws
-/// InputError. Thread-safe.
+/// u="gravity" with quasi_static (dynamics/quasi_static.hpp) at that q. If no torques keep such a robot at rest, it
+/// adds a finding of kind "rest". The result is independent of the file. Throws InputError. Thread-safe.
 SceneFile load_scene(const std::string& path);
 /// Does the same for XML text, as read_scene_text does.
 SceneFile load_scene_text(const std::string& text, const std::string& path);

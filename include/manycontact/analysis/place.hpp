@@ -73,7 +73,7 @@ struct GoalLeft {       // The remaining error of a goal.
 };
 
 struct PlaceOptions {        // When the search ends, and from how many configurations it starts.
-  int iterations = 100;      // largest number of steps from each start
+  int iterations = 1000;     // largest number of steps from each start; the search ends before if the error stays
   double tolerance = 1e-12;  // a goal is met if every row of e, times the root of its weight, is below this or below
                              // the rounding errors
   int restarts = 0;          // further starts while goals are not met: random joints within limits, bases as in q
@@ -83,6 +83,7 @@ struct PlaceOptions {        // When the search ends, and from how many configur
 struct PlacedScene {           // The configuration found, and its remaining errors.
   Eigen::VectorXd q;           // nq, within the limits
   int iterations = 0;          // steps from all starts
+  bool out_of_steps = false;   // whether the search for q ended at PlaceOptions::iterations: the error still decreased
   std::vector<GoalLeft> left;  // per goal
 
   /// Whether the remaining errors of all goals are at most `error` [m, rad].

@@ -1,5 +1,7 @@
 #include "manycontact/dynamics/quasi_static.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "internal.hpp"
@@ -9,9 +11,77 @@
 
 namespace manycontact {
 
-Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
-                             const Eigen::Ref<const Eigen::VectorXd>& tau0, const Eigen::SparseMatrix<double>& B,
-                             SceneData& data) {
+namespace {
+
+using Entries = std::vector<Eigen::Triplet<double>>;
+
+bool is_angular(const Joint& joint, int k) {
+  if (joint.type == JointType::kFloating) return k >= 3;
+  return joint.type == JointType::kRevolute || (joint.type == JointType::kPlanar && k == 2);
+}
+
+// The sizes of the loads on a robot's coordinates. Those of gravity g on a mass m that a joint moves are at most
+// |g| sqrt(m M_ii), by the inequality of Cauchy and Schwarz. applied: those of wrenches and springs, per coordinate of
+// the scene.
+Eigen::VectorXd load_sizes(const Scene& scene, const Robot& robot, const std::vector<double>& M,
+                           const std::vector<double>& applied) {
+  const Model& model = *robot.model;
+  Eigen::VectorXd mass = Eigen::VectorXd::Zero(model.njoints()), out(model.nv);
+  for (int j = model.njoints() - 1; j >= 0; --j) {
+    const Joint& joint = model.joints[j];
+    mass[j] += joint.inertia.m;
+    if (joint.parent >= 0) mass[joint.parent] += mass[j];
+    for (int i = joint.idx_v; i < joint.idx_v + joint.nv(); ++i)
+      out[i] =
+          scene.gravity.norm() * std::sqrt(std::max(0.0, mass[j] * M[static_cast<std::size_t>(model.M_begin[i])])) +
+          (applied.empty() ? 0 : applied[static_cast<std::size_t>(robot.idx_v + i)]);
+  }
+  return out;
+}
+
+// left: the loads minus the torques and contact forces found, nv. A coordinate counts where more of it is left than
+// rounded numbers of a file explain, relative to the sizes of its loads.
+std::vector<Unbalanced> unbalanced_robots(const Scene& scene, const Eigen::VectorXd& q, const SceneData& data,
+                                          const Eigen::VectorXd& left) {
+  constexpr double kRounded = 1e-6;
+  const Workspace& w = *data.workspace;
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(scene.nv);
+  std::vector<Unbalanced> out;
+  for (const auto& d : w.islands) {
+    std::vector<double> applied;
+    if (internal::forces_are_applied(w))
+      applied = applied_sizes(scene, q.data(), rest.data(), w.applied->forces, d->island.robots).tau;
+    for (const int r : d->island.robots) {
+      const Robot& robot = scene.robots[r];
+      const Eigen::VectorXd sizes = load_sizes(scene, robot, w.robots[r].M, applied);
+      Unbalanced worst{r};
+      double part = kRounded;
+      for (const Joint& joint : robot.model->joints)
+        for (int k = 0; k < joint.nv(); ++k) {
+          const int i = joint.idx_v + k;
+          const double force = std::abs(left[robot.idx_v + i]);
+          if (!(force > part * sizes[i])) continue;
+          part = force / sizes[i];
+          worst = {r, i, force, is_angular(joint, k)};
+        }
+      if (worst.dof >= 0) out.push_back(worst);
+    }
+  }
+  std::sort(out.begin(), out.end(), [](const Unbalanced& a, const Unbalanced& b) { return a.robot < b.robot; });
+  return out;
+}
+
+Eigen::SparseMatrix<double> selection(const Scene& scene) {
+  Eigen::SparseMatrix<double> S(scene.nv, scene.nu);
+  for (const Robot& robot : scene.robots)
+    for (int k = 0; k < robot.model->nu(); ++k) S.insert(robot.idx_v + robot.model->actuated[k], robot.idx_u + k) = 1;
+  return S;
+}
+
+// unbalanced: also set, unless it is nullptr.
+Eigen::VectorXd least_norm_torques(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& tau0,
+                                   const Eigen::SparseMatrix<double>& B, SceneData& data,
+                                   std::vector<Unbalanced>* unbalanced) {
   internal::check_scene(scene, data, "quasi_static");
   expect_configuration("quasi_static", "q", q, scene);
   internal::check_size("quasi_static", "tau0", tau0.size(), scene.nv);
@@ -23,7 +93,7 @@ Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::V
   const int nu = static_cast<int>(B.cols());
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(scene.nv);
   Eigen::VectorXd h = -tau0;
-  std::vector<Eigen::Triplet<double>> A;  // [B J^T]
+  Entries A;  // [B J^T]
   for (int u = 0; u < nu; ++u)
     for (Eigen::SparseMatrix<double>::InnerIterator it(B, u); it; ++it) A.emplace_back(it.row(), u, it.value());
   Eigen::VectorXd applied = Eigen::VectorXd::Zero(scene.nv);
@@ -55,19 +125,30 @@ Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::V
       for (int i : w.supports[c].b) add(contact.B.robot, i);
     }
   }
-  return rank::least_norm_solution(scene.nv, nu + static_cast<int>(data.f.size()), A, h).head(nu);
+  const Eigen::VectorXd x = rank::least_norm_solution(scene.nv, nu + static_cast<int>(data.f.size()), A, h);
+  if (unbalanced) {
+    for (const auto& a : A) h[a.row()] -= a.value() * x[a.col()];
+    *unbalanced = unbalanced_robots(scene, q, data, h);
+  }
+  return x.head(nu);
+}
+
+}  // namespace
+
+Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
+                             const Eigen::Ref<const Eigen::VectorXd>& tau0, const Eigen::SparseMatrix<double>& B,
+                             SceneData& data) {
+  return least_norm_torques(scene, q, tau0, B, data, nullptr);
 }
 
 Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, SceneData& data) {
-  Eigen::SparseMatrix<double> S(scene.nv, scene.nu);
-  for (const Robot& robot : scene.robots)
-    for (int k = 0; k < robot.model->nu(); ++k) S.insert(robot.idx_v + robot.model->actuated[k], robot.idx_u + k) = 1;
-  return quasi_static(scene, q, Eigen::VectorXd::Zero(scene.nv), S, data);
+  return quasi_static(scene, q, Eigen::VectorXd::Zero(scene.nv), selection(scene), data);
 }
 
-Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q) {
+Eigen::VectorXd quasi_static(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
+                             std::vector<Unbalanced>* unbalanced) {
   SceneData data(scene);
-  return quasi_static(scene, q, data);
+  return least_norm_torques(scene, q, Eigen::VectorXd::Zero(scene.nv), selection(scene), data, unbalanced);
 }
 
 }  // namespace manycontact

@@ -1,6 +1,7 @@
 #include "manycontact/model/scene.hpp"
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "attachment.hpp"
@@ -102,7 +103,7 @@ int add_contact(Scene& scene, Contact contact) {
     const double norm = direction.stableNorm();
     if (!std::isfinite(norm)) refuse_if("has " + name + " that is not finite, expected a direction");
     if (norm < kZeroDirection) refuse_if("has a zero " + name.substr(name.find(' ') + 1) + ", expected a direction");
-    direction /= norm;
+    if (std::abs(norm - 1) > 4 * std::numeric_limits<double>::epsilon()) direction /= norm;  // else its bits remain
   };
   make_unit("an axis", contact.axis);
   if (contact.normal) {

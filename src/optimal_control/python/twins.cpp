@@ -20,31 +20,46 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
+Items<Handle<Thruster>> thrusters_of(const std::shared_ptr<ActuationModelFloatingBaseThrusters>& model) {
+  const auto at = [model](std::size_t k) {
+    return Handle<Thruster>([model, k]() -> const Thruster& { return model->get_thrusters().at(k); },
+                            [model, k](const Thruster& thruster) {
+                              std::vector<Thruster> all = model->get_thrusters();
+                              all.at(k) = thruster;
+                              model->set_thrusters(all);
+                            });
+  };
+  return {[model] { return model->get_thrusters().size(); }, at};
+}
+
 void add_thrusters(py::module_& m) {
   add_enumeration<ThrusterType>(
       m, "ThrusterType", "type",
       "Direction of rotation of a propeller: CW gives a torque along its thrust, CCW one against it.",
       {{"CW", CW}, {"CCW", CCW}});
-  py::class_<Thruster, std::shared_ptr<Thruster>>(m, "Thruster",
-                                                  "A propeller on the base. Its thrust acts along its z axis.")
-      .def(py::init([](const SE3<double>& pose, double ctorque, ThrusterType type, double min, double max) {
-             return Thruster(pose, ctorque, type, min, max);
-           }),
-           py::arg("pose"), py::arg("ctorque"), py::arg_v("type", CW, "ThrusterType.CW"), py::arg("min_thrust") = 0.0,
-           py::arg_v("max_thrust", std::numeric_limits<double>::infinity(), "float('inf')"))
-      .def_readwrite("pose", &Thruster::pose, "In the base's frame.")
-      .def_readwrite("ctorque", &Thruster::ctorque, "Torque about the axis per thrust [m].")
-      .def_readwrite("type", &Thruster::type, "Direction of rotation, a ThrusterType.")
-      .def_readwrite("min_thrust", &Thruster::min_thrust, "[N]")
-      .def_readwrite("max_thrust", &Thruster::max_thrust, "[N]")
-      .def("__repr__", &text_of<Thruster>);
+  using Held = Handle<Thruster>;
+  py::class_<Held> c(m, "Thruster",
+                     "A propeller on the base. Its thrust acts along its z axis.\n"
+                     "\n"
+                     "Assigning to the attributes of actuation.thrusters[0] changes the actuation.");
+  c.def(py::init([](const SE3<double>& pose, double ctorque, ThrusterType type, double min, double max) {
+          return Held(Thruster(pose, ctorque, type, min, max));
+        }),
+        py::arg("pose"), py::arg("ctorque"), py::arg_v("type", CW, "ThrusterType.CW"), py::arg("min_thrust") = 0.0,
+        py::arg_v("max_thrust", std::numeric_limits<double>::infinity(), "float('inf')"))
+      .def("__repr__", [](const Held& x) { return text_of(x.get()); });
+  handle_field(c, "pose", &Thruster::pose, "In the base's frame.");
+  handle_field(c, "ctorque", &Thruster::ctorque, "Torque about the axis per thrust [m].");
+  handle_field(c, "type", &Thruster::type, "Direction of rotation, a ThrusterType.");
+  handle_field(c, "min_thrust", &Thruster::min_thrust, "[N]");
+  handle_field(c, "max_thrust", &Thruster::max_thrust, "[N]");
+  add_items<Held>(m, "ThrusterList", "The thrusters of an actuation. Assigning to their attributes changes it.", false);
   using Model = ActuationModelFloatingBaseThrusters;
   py::class_<Model, ActuationModelAbstract, std::shared_ptr<Model>>(
       m, "ActuationModelFloatingBaseThrusters", "u = [thrusts; torques of the actuated joints] of one robot.")
       .def(py::init<std::shared_ptr<StateMultibody>, const std::vector<Thruster>&>(), py::arg("state").none(false),
            py::arg("thrusters"))
-      .def_property("thrusters", &Model::get_thrusters, &Model::set_thrusters,
-                    "The thrusters, a list; their number is fixed.")
+      .def_property("thrusters", &thrusters_of, &Model::set_thrusters, "The thrusters; their number is fixed.")
       .def_property_readonly("nthrusters", &Model::get_nthrusters, "Number of thrusters.")
       .def_property_readonly(
           "Wthrust", [](const Model& x) { return x.get_Wthrust(); }, "(nv, nu): tau = W u.")

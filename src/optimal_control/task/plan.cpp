@@ -12,6 +12,7 @@
 #include "manycontact/control/parts.hpp"
 #include "manycontact/control/rk.hpp"
 #include "manycontact/control/symplectic.hpp"
+#include "nodes.hpp"
 
 namespace manycontact {
 
@@ -226,6 +227,22 @@ std::vector<PlanFinding> plan_findings(const TaskFile& task, const TaskSolution&
                          (cost.residual == TaskResidual::kFramePlacement ? " and rad" : "") + " at " +
                          show(nodes[cost.node].time) + " s",
                      cost.node});
+  return out;
+}
+
+std::vector<PlanFinding> guess_findings(const TaskFile& task) {
+  std::vector<PlanFinding> out;
+  if (task.guess != TaskGuess::kQuasiStatic || task.scene.scene.nu == 0) return out;
+  std::size_t node = 0;
+  for (std::size_t k = 0; k < task.phases.size(); ++k) {
+    const TaskPhase& phase = task.phases[k];
+    const Scene scene = task::scene_in(task, phase);
+    std::vector<Unbalanced> unbalanced;
+    (void)quasi_static(scene, task.scene.q, &unbalanced);
+    for (const Unbalanced& x : unbalanced)
+      out.push_back({"guess", name_of(scene, x), "in phase " + std::to_string(k + 1) + ": " + in_words(x), node});
+    node += static_cast<std::size_t>(phase.nodes) + (phase.impact ? 1 : 0);
+  }
   return out;
 }
 

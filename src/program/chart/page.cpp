@@ -126,7 +126,12 @@ void write_page(const std::vector<Chart>& charts, const std::vector<std::string>
          "Written by `manycontact chart`; the numbers are in [chart.csv](chart.csv). A point is one method, order and\n"
          "damping. Right is slower than the fastest one, up is a larger error, relative to a solution of the scene in\n"
          "quadruple precision. A point is on the front if no other one is at least as fast and as accurate, and\n"
-         "better in one of the two; `chart.csv` marks the front of solve time and accelerations.\n\n"
+         "better in one of the two; `chart.csv` marks the front of solve time and accelerations.\n"
+         "Times depend on the machine and its load: compare those of this page with each other alone. `./run chart` "
+         "also\n"
+         "draws `overview.png` here. Its open marks only factor and solve a given K, without kinematics and assembly, "
+         "and\n"
+         "Pinocchio's `constraintDynamics` does one proximal iteration in it.\n\n"
          "| Scene | fastest accurate | us | auto | us | auto / fastest | auto on the front |\n"
          "|---|---|--:|---|--:|--:|---|\n";
   for (const Chart& chart : charts) {

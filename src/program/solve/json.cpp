@@ -142,7 +142,12 @@ Json document(const SolvedScene& s) {
       json["dforces_dw"] = matrix(d.dforces_dw);
     }
   }
-  if (s.quasi_static_u) json["quasi_static_u"] = json_of(*s.quasi_static_u);
+  if (s.quasi_static_u) {
+    json["quasi_static_u"] = json_of(*s.quasi_static_u);
+    json["unbalanced"] = Json::array();
+    for (const Unbalanced& x : s.unbalanced)
+      json["unbalanced"].push_back({{"joint", name_of(s.file.scene, x)}, {"force", x.force}});
+  }
   add_findings(s.file.scene, s.findings, json);
   json["report"] = report(s);
   return json;

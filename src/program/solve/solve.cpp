@@ -101,7 +101,12 @@ int run_solve(const Arguments& arguments) {
   solved.unique = unique_forces(file.scene, file.q, solved.data);
   if (arguments.has("--quality")) solved.quality = system_quality(file.scene, solved.data);
   solved.compare = arguments.has("--compare");
-  if (arguments.has("--quasi-static")) solved.quasi_static_u = quasi_static(file.scene, file.q);
+  if (arguments.has("--quasi-static")) {
+    solved.quasi_static_u = quasi_static(file.scene, file.q, &solved.unbalanced);
+    for (const Unbalanced& x : solved.unbalanced)  // those with u="gravity" are in the findings of the file
+      if (!std::binary_search(file.gravity_robots.begin(), file.gravity_robots.end(), x.robot))
+        solved.findings.unbalanced.push_back(x);
+  }
   if (const auto json = arguments.value("--json"))
     write_json(solved, *json);
   else

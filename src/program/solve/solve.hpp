@@ -28,8 +28,9 @@ struct SolvedScene {
   std::vector<DerivativeBounds> derivative_errors = {};  // ... and of each island, or empty
   std::vector<SystemQuality> quality = {};               // of each island, or empty
   Findings findings = {};
-  std::vector<char> unique = {};  // per row of data.f: unique_forces; empty: not asked for
-  bool compare = false;           // compare with the dense reference solver, however long it takes
+  std::vector<Unbalanced> unbalanced = {};  // robots that quasi_static_u does not keep at rest
+  std::vector<char> unique = {};            // per row of data.f: unique_forces; empty: not asked for
+  bool compare = false;                     // compare with the dense reference solver, however long it takes
 };
 
 /// Sets the scene up, analyses, solves and, when asked to, differentiates it, each `repeat` times; solve and

@@ -185,7 +185,8 @@ void print_quasi_static(std::ostream& out, const SolvedScene& s) {
       add_line(lines, 0, robot.name + "/" + dof_name(*robot.model, robot.model->actuated[k]), {decimal(torque, 3)},
                std::abs(torque));
     }
-  out << "\nQuasi-static torques, which keep the scene at rest [N m, N]\n";
+  out << "\nQuasi-static torques, which " << (s.unbalanced.empty() ? "keep" : "do not keep")
+      << " the scene at rest [N m, N]\n";
   if (lines.empty()) out << "  no joint is actuated\n";
   print_lines(out, Table({{"joint", Table::kLeft, 60}, {"torque"}}), lines, kMostTorques);
 }

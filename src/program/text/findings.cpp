@@ -109,11 +109,12 @@ void print_massless(std::ostream& out, const std::vector<MasslessJoint>& list) {
     wrap(out, join(names, kMostWeightless) + ": " + why, 2, "joints without inertia: ");
 }
 
-// The first of a list that has an item an island.
-void print_some(std::ostream& out, const std::vector<std::string>& list, const std::string& title) {
+// The first of a list that has an item an island, or a robot.
+void print_some(std::ostream& out, const std::vector<std::string>& list, const std::string& title,
+                const std::string& items = "islands") {
   const std::size_t shown = list.size() <= kMostIslands + 1 ? list.size() : kMostIslands;
   for (std::size_t k = 0; k < shown; ++k) wrap(out, list[k], 2, title);
-  if (shown < list.size()) wrap(out, "and in " + std::to_string(list.size() - shown) + " more islands", 2, title);
+  if (shown < list.size()) wrap(out, "and in " + std::to_string(list.size() - shown) + " more " + items, 2, title);
 }
 
 // "loop[3], loop[4]: ..."
@@ -196,6 +197,9 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
   if (f.empty()) return;
   out << "\nWarnings\n";
   print_files(out, f.files);
+  std::vector<std::string> unbalanced;
+  for (const Unbalanced& x : f.unbalanced) unbalanced.push_back(name_of(scene, x) + ": " + in_words(x));
+  print_some(out, unbalanced, "rest: ", "robots");
   print_contacts(
       out, scene, f.misplaced, "out of place", [](const PlacementError& e) { return std::max(e.position, e.angle); },
       [&](const PlacementError& e) {
@@ -261,6 +265,7 @@ Json all_in_words(const Scene& scene, const Findings& f) {
     list.back()["file"] = x.file;
     list.back()["line"] = x.line;
   }
+  for (const Unbalanced& x : f.unbalanced) say("rest", name_of(scene, x), in_words(x));
   for (const PlacementError& e : f.misplaced)
     say("place", scene.contacts[e.contact].name, "out of place by " + in_words(e));
   for (const VelocityError& e : f.moving)

@@ -13,7 +13,8 @@
 namespace manycontact::cli {
 
 struct Findings {
-  std::vector<Finding> files;  // of the robots' files
+  std::vector<Finding> files;          // of the robots' files
+  std::vector<Unbalanced> unbalanced;  // robots, by the quasi-static torques that were asked for
   std::vector<PlacementError> misplaced;
   std::vector<VelocityError> moving;
   std::vector<Violation> violations;
@@ -28,8 +29,9 @@ struct Findings {
   double rank_gap = std::numeric_limits<double>::infinity();  // the islands' least; infinite where none is known
 
   bool empty() const {
-    return files.empty() && misplaced.empty() && moving.empty() && violations.empty() && limits.empty() &&
-           contradictions.empty() && massless.empty() && near_dependent.empty() && close_rows.empty() &&
+    return files.empty() && unbalanced.empty() && misplaced.empty() && moving.empty() && violations.empty() &&
+           limits.empty() && contradictions.empty() && massless.empty() && near_dependent.empty() &&
+           close_rows.empty() &&
            std::none_of(rank_changes.begin(), rank_changes.end(), [](const RankChange& c) { return c.singular; });
   }
 };

@@ -6,6 +6,8 @@ import functools
 import re
 from typing import Any
 
+import numpy
+
 
 def _refuse(self, *_, **__):
     raise TypeError("a copy, which does not change its origin: assign the attribute, or change a list or dict of it")
@@ -33,12 +35,41 @@ class ReadOnlyDict(dict):
         return dict, (dict(self),)
 
 
+class CopiedArray(numpy.ndarray):
+    """An array that is a copy: writing into it raises, although its memory is writeable as scipy's Rotation requires.
+    What is computed from it are arrays as usual."""
+
+    __setitem__ = fill = itemset = put = partition = sort = _refuse
+
+    def __array_wrap__(self, x, *_):
+        return x.view(numpy.ndarray)[()]
+
+    def copy(self, order="C"):
+        return numpy.array(self, order=order)
+
+    def __repr__(self):
+        return repr(numpy.asarray(self))
+
+    def __reduce__(self):
+        return numpy.asarray(self).__reduce__()
+
+
 def _frozen(x):
     if type(x) is list:
         return ReadOnlyList(map(_frozen, x) if x and type(x[0]) is list else x)
     if type(x) is dict:
         return ReadOnlyDict(x)
     return frozenset(x) if type(x) is set else x
+
+
+def _freeze_rotations(cls):
+    for name in ("R", "rotation"):
+        member = vars(cls)[name]
+
+        def getter(self, get=member.fget):
+            return get(self).view(CopiedArray)
+
+        setattr(cls, name, property(functools.wraps(member.fget)(getter), None, None, member.__doc__))
 
 
 def _result(function):
@@ -186,6 +217,7 @@ def complete(module):
         _freeze_lists(cls)
         if cls.__repr__ is object.__repr__:
             cls.__repr__ = _describe_list if cls.__name__.endswith("List") else _describe
+    _freeze_rotations(module.SE3)
     global _module
     _module = module
     for name, expected in _EXPECTED.items():

@@ -31,7 +31,7 @@ void look_at(const Joint& joint, int k, LimitKind quantity, double x, LimitPasse
   found.quantity = quantity;
   found.value = x;
   if (quantity == LimitKind::kPosition) {
-    if (joint.lower.size() != joint.nv() || joint.upper.size() != joint.nv() || !(joint.lower[k] < joint.upper[k]))
+    if (joint.lower.size() != joint.nv() || joint.upper.size() != joint.nv() || !(joint.lower[k] <= joint.upper[k]))
       return;
     found.limit =
         x > 0.5 * (joint.lower[k] + joint.upper[k]) || !std::isfinite(joint.lower[k]) ? joint.upper[k] : joint.lower[k];

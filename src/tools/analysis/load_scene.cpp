@@ -1,6 +1,9 @@
 #include "manycontact/analysis/load_scene.hpp"
 
+#include <algorithm>
+
 #include "manycontact/analysis/consistent.hpp"
+#include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/place.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
 #include "manycontact/io/task_file.hpp"
@@ -22,11 +25,16 @@ namespace {
 SceneFile completed(SceneFile file) {
   fit_state(file);
   if (file.gravity_robots.empty()) return file;
-  const Eigen::VectorXd u = quasi_static(file.scene, file.q);
+  std::vector<Unbalanced> unbalanced;
+  const Eigen::VectorXd u = quasi_static(file.scene, file.q, &unbalanced);
   for (const int r : file.gravity_robots) {
     const Robot& robot = file.scene.robots[r];
     file.u.segment(robot.idx_u, robot.model->nu()) = u.segment(robot.idx_u, robot.model->nu());
   }
+  for (const Unbalanced& x : unbalanced)
+    if (std::binary_search(file.gravity_robots.begin(), file.gravity_robots.end(), x.robot))
+      file.findings.push_back(
+          {"rest", name_of(file.scene, x), in_words(x), file.path, file.robot_groups[file.robot_group[x.robot]].line});
   return file;
 }
 

@@ -131,6 +131,7 @@ PlacedScene place(const Scene& scene, const ConstVectorRef& q, const std::vector
     if (start > 0 && !(left < least)) continue;
     least = left;
     out.q = found;
+    out.out_of_steps = search.out_of_steps();
   }
   out.iterations = search.tries();
   out.left = search.left(out.q);

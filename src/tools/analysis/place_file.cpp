@@ -32,15 +32,19 @@ std::string owner(const ScenePose& pose) {
 }
 
 // line: where the contacts are asked for.
-[[noreturn]] void refuse(const std::vector<ScenePose>& poses, const std::vector<Goal>& goals,
-                         const std::vector<GoalLeft>& left, const std::string& file, int line) {
+[[noreturn]] void refuse(const std::vector<ScenePose>& poses, const std::vector<Goal>& goals, const PlacedScene& found,
+                         const std::string& file, int line) {
+  const std::vector<GoalLeft>& left = found.left;
   const auto size = [](const GoalLeft& x) { return std::max(x.position, x.angle); };
   const auto worst = std::max_element(left.begin(), left.end(),
                                       [&](const GoalLeft& x, const GoalLeft& y) { return size(x) < size(y); });
   const auto g = static_cast<std::size_t>(worst - left.begin());
-  const std::string by = in_words(PlacementError{0, worst->position, worst->angle}) +
-                         ", expected poses that can be met together, within the joints' limits, from this q"
-                         " (restarts of <scene> searches from others)";
+  const std::string by =
+      in_words(PlacementError{0, worst->position, worst->angle}) +
+      (found.out_of_steps ? " after " + text::count(found.iterations, "step") + " of a search that still came nearer"
+                          : "") +
+      ", expected poses that can be met together, within the joints' limits, from this q"
+      " (restarts of <scene> searches from others)";
   if (g >= poses.size())
     throw InputError(file, line, "with these poses contact " + quote(goals[g].name) + " remains out of place by " + by);
   throw InputError(poses[g].file, poses[g].line, owner(poses[g]) + " is missed by " + by);
@@ -80,7 +84,7 @@ Eigen::VectorXd placed(const Scene& scene, const Eigen::VectorXd& q, const std::
                        const std::string& file, int line) {
   const std::vector<Goal> goals = goals_of(scene, poses, closed);
   const PlacedScene found = place(scene, q, goals, {.restarts = restarts});
-  if (!found.met(kPlacementError)) refuse(poses, goals, found.left, file, line);
+  if (!found.met(kPlacementError)) refuse(poses, goals, found, file, line);
   const std::vector<internal::Leaning> lean = leaning(scene, found.q, poses, standing);
   return lean.empty() ? found.q : upright(scene, q, goals, lean).value_or(found.q);
 }

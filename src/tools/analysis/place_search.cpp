@@ -66,7 +66,9 @@ double PlaceSearch::run(Eigen::VectorXd& q) {
         return exact(x, e) ? 0 : e.norm();
       });
   const Eigen::VectorXd e = rows_.errors(q);
-  return exact(q, e) ? 0 : e.norm();
+  const bool met = exact(q, e);
+  out_of_steps_ = !met && tries_ >= most;
+  return met ? 0 : e.norm();
 }
 
 void PlaceSearch::descend(Eigen::VectorXd& q, int most_tries) {

@@ -33,6 +33,8 @@ class PlaceSearch {
   bool met(double left) const { return left == 0; }
   /// Steps tried, in all.
   int tries() const { return tries_; }
+  /// Whether the last run ended for lack of steps.
+  bool out_of_steps() const { return out_of_steps_; }
   /// Whether a goal depends on a robot's coordinates. After a run.
   bool moves(int robot) const;
   std::vector<GoalLeft> left(const Eigen::VectorXd& q);
@@ -51,6 +53,7 @@ class PlaceSearch {
   CoordinateLimits limits_;
   GoalRows rows_;
   int tries_ = 0;
+  bool out_of_steps_ = false;
   double reach_ = std::numeric_limits<double>::infinity();  // of a step of Gauss and Newton's
   Eigen::SparseMatrix<double> J_;
   Eigen::VectorXd of_, low_, high_;  // the q that J_ and the bounds of a step are of

@@ -56,4 +56,14 @@ std::string in_words(const VelocityError& e) {
   return text::two_sizes(e.linear, "m/s", e.angular, "rad/s", kVelocityError);
 }
 
+std::string name_of(const Scene& scene, const Unbalanced& x) {
+  const Robot& robot = scene.robots[x.robot];
+  return robot.name + "/" + dof_name(*robot.model, x.dof);
+}
+
+std::string in_words(const Unbalanced& x) {
+  return "no torques keep it at rest in this configuration: " + text::number(x.force) + (x.angular ? " N m" : " N") +
+         " of its load remain";
+}
+
 }  // namespace manycontact

@@ -85,8 +85,8 @@ double sound_limit(const Element& limit, const char* attribute, bool is_sound(do
   return none;
 }
 
-// Limits that are infinite, negative, crossed or missing bound nothing. By the definition of URDF, a missing lower or
-// upper limit is 0.
+// Limits that are infinite, negative, crossed or missing bound nothing. If one of lower and upper is missing, it is 0,
+// as URDF defines it.
 void check_limit(const Element& joint, bool has_range, UrdfJoint& out, std::vector<Finding>& findings) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const std::string name = joint.required("name");
@@ -101,10 +101,14 @@ void check_limit(const Element& joint, bool has_range, UrdfJoint& out, std::vect
   out.effort = sound_limit(*limit, "effort", is_size, kInfinity, none);
   out.velocity = sound_limit(*limit, "velocity", is_size, kInfinity, none);
   if (has_range) {
+    const bool any = limit->has("lower") || limit->has("upper");
     for (const char* a : {"lower", "upper"})
-      if (!limit->has(a)) add_to(zero, a);
-    out.lower = limit->has("lower") ? sound_limit(*limit, "lower", is_finite, -kInfinity, none) : 0;
-    out.upper = limit->has("upper") ? sound_limit(*limit, "upper", is_finite, kInfinity, none) : 0;
+      if (any && !limit->has(a)) add_to(zero, a);
+    const auto of = [&](const char* a, double unlimited) {
+      return any && !limit->has(a) ? 0 : sound_limit(*limit, a, is_finite, unlimited, none);
+    };
+    out.lower = of("lower", -kInfinity);
+    out.upper = of("upper", kInfinity);
     if (out.lower > out.upper) {
       add_to(none, "lower " + show(out.lower) + " above upper " + show(out.upper));
       out.lower = -kInfinity, out.upper = kInfinity, zero.clear();

@@ -103,7 +103,7 @@ void Poly::multiplyJacobianTransposeBy(const Data& data, const ConstMatrixRef& A
 ControlParametrizationModelPolyTwoRK::ControlParametrizationModelPolyTwoRK(std::size_t nw, RKType rktype)
     : ControlParametrizationModelPoly(nw, 3), rktype_(rktype) {
   require(rktype == three || rktype == four, "ControlParametrizationModelPolyTwoRK",
-          "rktype is two, three or four is expected");
+          "the two stages of rktype two do not determine a quadratic, rktype three or four is expected");
 }
 
 // Lagrange's polynomials of the times 0, 1/3, 2/3 and 0, 1/2, 1.

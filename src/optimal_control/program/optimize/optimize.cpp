@@ -96,6 +96,7 @@ int run_optimize(const Arguments& arguments) {
   problem.problem->calc(solution.xs, solution.us);
   OptimizedTask motion{task, problem, solution, simulated(arguments, task, solution), cost_by_term(task, problem)};
   motion.findings = plan_findings(task, solution, motion.costs);
+  for (PlanFinding& finding : guess_findings(task)) motion.findings.push_back(std::move(finding));
   write_trajectory(motion, *out);
   if (const auto file = arguments.value("--torques")) write_torques(motion, *file);
   if (const auto file = arguments.value("--forces")) write_forces(motion, *file);

@@ -51,4 +51,8 @@ struct PlanFinding {
 std::vector<PlanFinding> plan_findings(const TaskFile& task, const TaskSolution& solution,
                                        const std::vector<PlanCost>& costs);
 
+/// Lists robots that the quasi-static torques of the guess do not keep at rest, phase by phase: findings of kind
+/// "guess", at the first node of the phase. None if the guess is zero.
+std::vector<PlanFinding> guess_findings(const TaskFile& task);
+
 }  // namespace manycontact
