@@ -9,6 +9,9 @@ namespace manycontact {
 
 class ResidualModelAbstract;
 
+/// Selects the default number of controls of a residual: that of the actuation if there is one, otherwise nv.
+inline constexpr std::size_t kDefaultNu = static_cast<std::size_t>(-1);
+
 /// Rows of a residual and all coordinates they depend on. The blocks of a residual have disjoint rows.
 struct ResidualBlock {
   ResidualBlock(std::vector<int> rows, std::vector<int> xcols, std::vector<int> ucols);  // allocates Rx and Ru
@@ -45,13 +48,12 @@ struct Dependence {
 
 class ResidualModelAbstract {  // A function r(x, u).
  public:
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
+  /// nu: number of controls, or kDefaultNu: nv. Throws std::invalid_argument for a null pointer.
   ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu, Dependence on);
-  /// Crocoddyl's constructor, for a user-defined residual whose calcDiff writes data->Rx and data->Ru. nu: by default
-  /// nv.
+  /// Crocoddyl's constructor, for a user-defined residual whose calcDiff writes data->Rx and data->Ru.
   ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu, bool q_dependent = true,
                         bool v_dependent = true, bool u_dependent = true);
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
+  /// Crocoddyl's constructor, with nu = nv.
   ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, bool q_dependent = true,
                         bool v_dependent = true, bool u_dependent = true);
   virtual ~ResidualModelAbstract() = default;
@@ -103,5 +105,65 @@ class ResidualModelAbstract {  // A function r(x, u).
   bool whole_ = false;  // constructed by Crocoddyl's constructor
 };
 std::ostream& operator<<(std::ostream& os, const ResidualModelAbstract& model);  // prints it as `print` does
+
+/// The common base of the residuals of this library: its name, and functions of the data.
+class NamedResidual : public ResidualModelAbstract {
+ public:
+  using ResidualModelAbstract::calc;
+  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+            const ConstVectorRef& u) override {
+    evaluate(*data, x, u);
+  }
+  using ResidualModelAbstract::differentiate;
+  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
+                     const ConstVectorRef& u) override {
+    if (!data->blocks.empty()) fill_blocks(*data, x, u);
+  }
+  void print(std::ostream& os) const override;  // prints the name
+
+ protected:
+  /// name: that of the class. nu: number of controls, or kDefaultNu.
+  NamedResidual(const char* name, std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu, Dependence on)
+      : ResidualModelAbstract(std::move(state), nr, nu, on), name_(name) {}
+  /// Computes data.r.
+  virtual void evaluate(ResidualDataAbstract&, const ConstVectorRef&, const ConstVectorRef&) const {}
+  /// Computes Rx and Ru of the blocks, except those of constant ones.
+  virtual void fill_blocks(ResidualDataAbstract&, const ConstVectorRef&, const ConstVectorRef&) const {}
+  const char* name_;
+};
+
+namespace internal {
+
+/// Throws std::invalid_argument unless the new reference has the size, or the number of facets, of the old one.
+template <class Reference>
+void check_reference(const char* who, const Reference& now, const Reference& next) {
+  if constexpr (std::is_same_v<Reference, Eigen::VectorXd>)
+    check_size(who, "the reference", next.size(), static_cast<std::size_t>(now.size()));
+  else if constexpr (requires { now.get_nf(); })
+    require(next.get_nf() == now.get_nf(), who,
+            "the reference has nf = " + std::to_string(next.get_nf()) + ", " + std::to_string(now.get_nf()) +
+                " as before is expected");
+}
+
+}  // namespace internal
+
+/// A residual with a reference.
+template <class Base, class Reference>
+class ResidualWithReference : public Base {
+ public:
+  const Reference& get_reference() const { return reference_; }  // the reference of the residual
+  /// Sets the reference. Throws std::invalid_argument for another size, or another number of facets of a cone.
+  void set_reference(const Reference& reference) {
+    internal::check_reference(this->name_, reference_, reference);
+    reference_ = reference;
+  }
+
+ protected:
+  /// of_base: the arguments of the base class.
+  template <class... Arguments>
+  explicit ResidualWithReference(const Reference& reference, Arguments&&... of_base)
+      : Base(std::forward<Arguments>(of_base)...), reference_(reference) {}
+  Reference reference_;
+};
 
 }  // namespace manycontact

@@ -3,6 +3,8 @@
 #include <numeric>
 #include <ostream>
 
+#include "residual_parts.hpp"
+
 namespace manycontact {
 
 ResidualBlock::ResidualBlock(std::vector<int> r, std::vector<int> x, std::vector<int> u)
@@ -46,9 +48,11 @@ Eigen::MatrixXd ResidualDataAbstract::whole_Ru() const {
 
 ResidualModelAbstract::ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu,
                                              Dependence on)
-    : state_(std::move(state)), nr_(nr), nu_(nu), on_(on), unone_(Eigen::VectorXd::Zero(nu)) {
-  require(state_ != nullptr, "ResidualModel", "a state is expected, not a null pointer");
-}
+    : state_(std::move(state)),
+      nr_(nr),
+      nu_(internal::nu_or_default(state_, nu)),
+      on_(on),
+      unone_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(nu_))) {}
 
 ResidualModelAbstract::ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu,
                                              bool q_dependent, bool v_dependent, bool u_dependent)
@@ -118,5 +122,7 @@ std::ostream& operator<<(std::ostream& os, const ResidualModelAbstract& model) {
   model.print(os);
   return os;
 }
+
+void NamedResidual::print(std::ostream& os) const { os << name_; }
 
 }  // namespace manycontact
