@@ -30,23 +30,13 @@ Differences differences(const StateAbstract& state, Eigen::Index rows, const Eig
   return by;
 }
 
-template <class Part>
-const Part& modelled(const char* who, const std::shared_ptr<Part>& part) {
-  return *internal::given(who, part);
-}
-
 }  // namespace
-
-void internal::Step::set_disturbance(double disturbance) {
-  require(disturbance > 0 && std::isfinite(disturbance), "set_disturbance",
-          std::to_string(disturbance) + " was given, a positive number is expected");
-  step_ = disturbance;
-}
 
 // ---- state
 
 StateNumDiff::StateNumDiff(std::shared_ptr<StateAbstract> state)
-    : StateAbstract(modelled("StateNumDiff", state).get_nx(), state->get_ndx()), state_model_(std::move(state)) {
+    : StateAbstract(internal::given("StateNumDiff", state)->get_nx(), state->get_ndx()),
+      state_model_(std::move(state)) {
   nq_ = state_model_->get_nq();
   nv_ = state_model_->get_nv();
   set_lb(state_model_->get_lb());
@@ -98,7 +88,8 @@ ActivationDataNumDiff::ActivationDataNumDiff(const ActivationModelNumDiff* model
 }
 
 ActivationModelNumDiff::ActivationModelNumDiff(std::shared_ptr<ActivationModelAbstract> model)
-    : ActivationModelAbstract(modelled("ActivationModelNumDiff", model).get_nr()), model_(std::move(model)) {}
+    : ActivationModelAbstract(internal::given("ActivationModelNumDiff", model)->get_nr()),
+      NumDiffOf("ActivationModelNumDiff", model) {}
 
 std::shared_ptr<ActivationDataAbstract> ActivationModelNumDiff::createData() {
   return std::make_shared<ActivationDataNumDiff>(this);
@@ -135,8 +126,8 @@ ActuationDataNumDiff::ActuationDataNumDiff(const ActuationModelNumDiff* model)
 }
 
 ActuationModelNumDiff::ActuationModelNumDiff(std::shared_ptr<ActuationModelAbstract> model)
-    : ActuationModelAbstract(modelled("ActuationModelNumDiff", model).get_state(), model->get_nu()),
-      model_(std::move(model)) {}
+    : ActuationModelAbstract(internal::given("ActuationModelNumDiff", model)->get_state(), model->get_nu()),
+      NumDiffOf("ActuationModelNumDiff", model) {}
 
 std::shared_ptr<ActuationDataAbstract> ActuationModelNumDiff::createData() {
   return std::make_shared<ActuationDataNumDiff>(this);
@@ -159,23 +150,23 @@ void ActuationModelNumDiff::calcDiff(const std::shared_ptr<ActuationDataAbstract
                                      const ConstVectorRef& u) {
   auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::calcDiff", data);
   check("ActuationModelNumDiff::calcDiff", x, u);
-  const auto tau = [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) {
-    model_->calc(d.data_0, at_x, at_u);
-    return d.data_0->tau;
-  };
-  const Eigen::Index nv = size(state_->get_nv()), ndx = size(state_->get_ndx());
-  d.dtau_dx = jacobian(nv, ndx, step_, [&](const Eigen::VectorXd& dx) { return tau(state_->integrate_x(x, dx), u); });
-  d.dtau_du = jacobian_by_u(nv, u, step_, [&](const Eigen::VectorXd& at_u) { return tau(x, at_u); });
-  calc(data, x, u);
+  const Differences by =
+      differences(*state_, size(state_->get_nv()), x, u, false, step_, [&](const auto& at_x, const auto& at_u) {
+        model_->calc(d.data_0, at_x, at_u);
+        return d.data_0->tau;
+      });
+  d.dtau_dx = by.x;
+  d.dtau_du = by.u;
+  d.tau = d.data_0->tau;
 }
 
 void ActuationModelNumDiff::calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x) {
   auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::calcDiff", data);
-  d.dtau_dx = jacobian(size(state_->get_nv()), size(state_->get_ndx()), step_, [&](const Eigen::VectorXd& dx) {
-    model_->calc(d.data_0, state_->integrate_x(x, dx));
-    return d.data_0->tau;
-  });
-  calc(data, x);
+  d.dtau_dx = differences(*state_, size(state_->get_nv()), x, {}, true, step_, [&](const auto& at_x, const auto&) {
+                model_->calc(d.data_0, at_x);
+                return d.data_0->tau;
+              }).x;
+  d.tau = d.data_0->tau;
 }
 
 void ActuationModelNumDiff::commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
@@ -200,9 +191,10 @@ ResidualDataNumDiff::ResidualDataNumDiff(const ResidualModelNumDiff* model, Data
     : ResidualDataAbstract(model, shared), data_0(model->get_model()->createData(shared)) {}
 
 ResidualModelNumDiff::ResidualModelNumDiff(const std::shared_ptr<ResidualModelAbstract>& model)
-    : ResidualModelAbstract(modelled("ResidualModelNumDiff", model).get_state(), model->get_nr(), model->get_nu(),
-                            model->get_q_dependent(), model->get_v_dependent(), model->get_u_dependent()),
-      model_(model) {}
+    : ResidualModelAbstract(internal::given("ResidualModelNumDiff", model)->get_state(), model->get_nr(),
+                            model->get_nu(), model->get_q_dependent(), model->get_v_dependent(),
+                            model->get_u_dependent()),
+      NumDiffOf("ResidualModelNumDiff", model) {}
 
 std::shared_ptr<ResidualDataAbstract> ResidualModelNumDiff::createData(DataCollector* shared) {
   auto data = std::make_shared<ResidualDataNumDiff>(this, shared);
@@ -246,113 +238,103 @@ void ResidualModelNumDiff::calcDiff(const std::shared_ptr<ResidualDataAbstract>&
   d.r = d.data_0->r;
 }
 
-// ---- cost
+// ---- cost and constraint
+
+template <class Model, class Data>
+void PartNumDiff<Model, Data>::calc(const std::shared_ptr<Data>& data, const ConstVectorRef& x,
+                                    const ConstVectorRef& u) {
+  model_->calc(data, x, u);
+}
+
+template <class Model, class Data>
+void PartNumDiff<Model, Data>::calc(const std::shared_ptr<Data>& data, const ConstVectorRef& x) {
+  model_->calc(data, x);
+}
+
+template <class Model, class Data>
+template <class Calc>
+void PartNumDiff<Model, Data>::differentiate(Data& d, const Eigen::VectorXd& x, const Eigen::VectorXd& u, bool terminal,
+                                             Calc&& calc) const {
+  const Differences by =
+      differences(*get_state(), values(d).size(), x, u, terminal, this->step_, [&](const auto& at_x, const auto& at_u) {
+        reevaluate(at_x, at_u);
+        calc(at_x, at_u);
+        return values(d);
+      });
+  store(by.x, terminal ? nullptr : &by.u, d);
+}
+
+template <class Model, class Data>
+void PartNumDiff<Model, Data>::calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x,
+                                        const ConstVectorRef& u) {
+  differentiate(check_data((std::string(name_) + "::calcDiff").c_str(), data), x, u, false,
+                [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) { model_->calc(data, at_x, at_u); });
+}
+
+template <class Model, class Data>
+void PartNumDiff<Model, Data>::calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x) {
+  differentiate(check_data((std::string(name_) + "::calcDiff").c_str(), data), x, Eigen::VectorXd::Zero(size(get_nu())),
+                true, [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd&) { model_->calc(data, at_x); });
+}
+
+template class PartNumDiff<CostModelAbstract, CostDataAbstract>;
+template class PartNumDiff<ConstraintModelAbstract, ConstraintDataAbstract>;
 
 CostModelNumDiff::CostModelNumDiff(const std::shared_ptr<CostModelAbstract>& model)
-    : model_(internal::given("CostModelNumDiff", model)) {}
+    : PartNumDiff("CostModelNumDiff", model) {}
 
 std::shared_ptr<CostDataAbstract> CostModelNumDiff::createData(DataCollector* shared) {
   require(shared && shared->whole, "CostModelNumDiff::createData", "a collector without an action model is expected");
   return model_->createData(shared);
 }
 
-void CostModelNumDiff::calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
-                            const ConstVectorRef& u) {
-  model_->calc(data, x, u);
+Eigen::VectorXd CostModelNumDiff::values(const CostDataAbstract& d) const {
+  Eigen::VectorXd out(1 + d.residual->r.size());
+  out << d.cost, d.residual->r;
+  return out;
 }
 
-void CostModelNumDiff::calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
-  model_->calc(data, x);
-}
-
-// [cost; r] by x and u, then the cost's derivatives with the activation's at the point.
-template <class Calc>
-void CostModelNumDiff::differentiate(CostDataAbstract& d, const Eigen::VectorXd& x, const Eigen::VectorXd& u,
-                                     bool terminal, Calc&& calc) {
+// The cost's derivatives with the activation's at the point.
+void CostModelNumDiff::store(const Eigen::MatrixXd& by_x, const Eigen::MatrixXd* by_u, CostDataAbstract& d) const {
   const Eigen::Index nr = d.residual->r.size();
-  const Differences by =
-      differences(*get_state(), 1 + nr, x, u, terminal, step_, [&](const auto& at_x, const auto& at_u) {
-        reevaluate(at_x, at_u);
-        calc(at_x, at_u);
-        Eigen::VectorXd out(1 + nr);
-        out << d.cost, d.residual->r;
-        return out;
-      });
   model_->get_activation()->calcDiff(d.activation, d.residual->r);
   const auto& Arr = d.activation->Arr;
-  d.Lx = by.x.row(0);
-  d.residual->Rx = by.x.bottomRows(nr);
+  d.Lx = by_x.row(0);
+  d.residual->Rx = by_x.bottomRows(nr);
   d.Lxx = d.residual->Rx.transpose() * Arr * d.residual->Rx;
-  if (terminal) return;
-  d.Lu = by.u.row(0);
-  d.residual->Ru = by.u.bottomRows(nr);
+  if (!by_u) return;
+  d.Lu = by_u->row(0);
+  d.residual->Ru = by_u->bottomRows(nr);
   d.Lxu = d.residual->Rx.transpose() * Arr * d.residual->Ru;
   d.Luu = d.residual->Ru.transpose() * Arr * d.residual->Ru;
 }
 
-void CostModelNumDiff::calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
-                                const ConstVectorRef& u) {
-  differentiate(check_data("CostModelNumDiff::calcDiff", data), x, u, false,
-                [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) { model_->calc(data, at_x, at_u); });
-}
-
-void CostModelNumDiff::calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
-  differentiate(check_data("CostModelNumDiff::calcDiff", data), x, Eigen::VectorXd::Zero(size(get_nu())), true,
-                [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd&) { model_->calc(data, at_x); });
-}
-
-// ---- constraint
-
 ConstraintModelNumDiff::ConstraintModelNumDiff(const std::shared_ptr<ConstraintModelAbstract>& model)
-    : model_(internal::given("ConstraintModelNumDiff", model)) {}
+    : PartNumDiff("ConstraintModelNumDiff", model) {}
 
 std::shared_ptr<ConstraintDataAbstract> ConstraintModelNumDiff::createData(DataCollector* shared) {
   return model_->createData(shared);
 }
 
-void ConstraintModelNumDiff::calc(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x,
-                                  const ConstVectorRef& u) {
-  model_->calc(data, x, u);
+Eigen::VectorXd ConstraintModelNumDiff::values(const ConstraintDataAbstract& d) const {
+  Eigen::VectorXd out(d.g.size() + d.h.size());
+  out << d.g, d.h;
+  return out;
 }
 
-void ConstraintModelNumDiff::calc(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x) {
-  model_->calc(data, x);
-}
-
-template <class Calc>
-void ConstraintModelNumDiff::differentiate(ConstraintDataAbstract& d, const Eigen::VectorXd& x,
-                                           const Eigen::VectorXd& u, bool terminal, Calc&& calc) {
-  const Eigen::Index ng = d.g.size(), nh = d.h.size();
-  const Differences by =
-      differences(*get_state(), ng + nh, x, u, terminal, step_, [&](const auto& at_x, const auto& at_u) {
-        reevaluate(at_x, at_u);
-        calc(at_x, at_u);
-        Eigen::VectorXd out(ng + nh);
-        out << d.g, d.h;
-        return out;
-      });
-  d.Gx = by.x.topRows(ng);
-  d.Hx = by.x.bottomRows(nh);
-  if (terminal) return;
-  d.Gu = by.u.topRows(ng);
-  d.Hu = by.u.bottomRows(nh);
-}
-
-void ConstraintModelNumDiff::calcDiff(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x,
-                                      const ConstVectorRef& u) {
-  differentiate(check_data("ConstraintModelNumDiff::calcDiff", data), x, u, false,
-                [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) { model_->calc(data, at_x, at_u); });
-}
-
-void ConstraintModelNumDiff::calcDiff(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x) {
-  differentiate(check_data("ConstraintModelNumDiff::calcDiff", data), x, Eigen::VectorXd::Zero(size(get_nu())), true,
-                [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd&) { model_->calc(data, at_x); });
+void ConstraintModelNumDiff::store(const Eigen::MatrixXd& by_x, const Eigen::MatrixXd* by_u,
+                                   ConstraintDataAbstract& d) const {
+  d.Gx = by_x.topRows(d.g.size());
+  d.Hx = by_x.bottomRows(d.h.size());
+  if (!by_u) return;
+  d.Gu = by_u->topRows(d.g.size());
+  d.Hu = by_u->bottomRows(d.h.size());
 }
 
 // ---- contact
 
 ContactModelNumDiff::ContactModelNumDiff(const std::shared_ptr<ContactModelAbstract>& model)
-    : model_(internal::given("ContactModelNumDiff", model)) {}
+    : NumDiffOf("ContactModelNumDiff", model) {}
 
 std::shared_ptr<ContactDataAbstract> ContactModelNumDiff::createData(MultibodyData* data) {
   return model_->createData(data);

@@ -22,7 +22,7 @@ ControlParametrizationDataNumDiff::ControlParametrizationDataNumDiff(const NumDi
 
 NumDiff::ControlParametrizationModelNumDiff(std::shared_ptr<ControlParametrizationModelAbstract> model)
     : ControlParametrizationModelAbstract(internal::given(kControlNumDiff, model)->get_nw(), model->get_nu()),
-      model_(std::move(model)) {}
+      NumDiffOf(kControlNumDiff, model) {}
 
 NumDiff::Data NumDiff::createData() { return std::make_shared<ControlParametrizationDataNumDiff>(this); }
 
