@@ -35,11 +35,6 @@ void ActuationModelAbstract::torqueTransform(const std::shared_ptr<ActuationData
 
 void ActuationModelAbstract::print(std::ostream& os) const { os << "ActuationModelAbstract {nu=" << nu_ << "}"; }
 
-std::ostream& operator<<(std::ostream& os, const ActuationModelAbstract& model) {
-  model.print(os);
-  return os;
-}
-
 ActuationModelSelection::ActuationModelSelection(std::shared_ptr<StateAbstract> state, std::vector<int> selection,
                                                  std::string name)
     : ActuationModelAbstract(std::move(state), selection.size()), name_(std::move(name)) {

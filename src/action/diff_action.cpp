@@ -47,11 +47,6 @@ void NodeAbstract::print(std::ostream& os) const {
   os << kind_ << " {nx=" << state_->get_nx() << ", nu=" << nu_ << "}";
 }
 
-std::ostream& operator<<(std::ostream& os, const NodeAbstract& model) {
-  model.print(os);
-  return os;
-}
-
 void NodeAbstract::set_g_lb(const Eigen::VectorXd& g_lb) {
   check_size("set_g_lb", "g_lb", g_lb.size(), std::max(get_ng(), get_ng_T()));
   g_lb_ = g_lb;

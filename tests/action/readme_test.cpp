@@ -161,6 +161,8 @@ TEST(ActionReadme, EveryClassHasItsTplName) {
                                      "NodeDataNumDiff",
                                      "NodeNumDiff",
                                      "PartNumDiff",
+                                     "NamedParts",
+                                     "Printable",
                                      "FrameResidual",
                                      "ControlResidual",
                                      "ContactResidual",

@@ -19,23 +19,21 @@ struct ActivationDataAbstract {  // The value a(r), its gradient and its Hessian
   Eigen::DiagonalMatrix<double, Eigen::Dynamic> Arr;  // nr: set by calcDiff
 };
 
-class ActivationModelAbstract {  // A cost as a function a(r) of the residual.
+class ActivationModelAbstract : public Printable {  // A cost as a function a(r) of the residual.
  public:
   explicit ActivationModelAbstract(std::size_t nr) : nr_(nr) {}  // nr: number of rows
-  virtual ~ActivationModelAbstract() = default;
   /// Computes data->a_value from the residual r (nr).
   virtual void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) = 0;
   /// Computes data->Ar and data->Arr at the last calc.
   virtual void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) = 0;
   /// Creates data of this model; one per thread.
   virtual std::shared_ptr<ActivationDataAbstract> createData() { return std::make_shared<ActivationDataAbstract>(nr_); }
-  std::size_t get_nr() const { return nr_; }   // number of rows of the residual
-  virtual void print(std::ostream& os) const;  // prints type and sizes
+  std::size_t get_nr() const { return nr_; }    // number of rows of the residual
+  void print(std::ostream& os) const override;  // prints type and sizes
 
  protected:
   std::size_t nr_;
 };
-std::ostream& operator<<(std::ostream& os, const ActivationModelAbstract& model);  // prints it as `print` does
 
 /// The activation 1/2 |r|^2.
 class ActivationModelQuad : public ActivationModelAbstract {

@@ -49,11 +49,10 @@ struct ActuationDataAbstract {                                          // The t
   std::vector<bool> tau_set;  // nv: actuated coordinates
 };
 
-class ActuationModelAbstract {  // A function tau(x, u): the torques on all velocity coordinates.
+class ActuationModelAbstract : public Printable {  // A function tau(x, u): the torques on all velocity coordinates.
  public:
   /// Throws std::invalid_argument for a state of another kind.
   ActuationModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu);
-  virtual ~ActuationModelAbstract() = default;
 
   /// Computes data->tau (nv) from x (nx) and u (nu).
   virtual void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
@@ -79,7 +78,7 @@ class ActuationModelAbstract {  // A function tau(x, u): the torques on all velo
 
   std::size_t get_nu() const { return nu_; }                                  // number of controls
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
-  virtual void print(std::ostream& os) const;                                 // prints type and sizes
+  void print(std::ostream& os) const override;                                // prints type and sizes
 
  protected:
   /// Throws std::invalid_argument for wrong sizes of x and u.
@@ -88,7 +87,6 @@ class ActuationModelAbstract {  // A function tau(x, u): the torques on all velo
   std::shared_ptr<StateAbstract> state_;
   std::vector<int> selection_;
 };
-std::ostream& operator<<(std::ostream& os, const ActuationModelAbstract& model);  // prints it as `print` does
 
 /// An actuation whose u are the torques of selected coordinates. A derived class with its own calc or calcDiff is
 /// treated as a general actuation: its selection() is empty.

@@ -3,10 +3,7 @@
 // contacts. The equations are those of contact/rows.hpp, which the action model evaluates; classes here define
 // contacts.
 
-#include <map>
-#include <set>
-
-#include "manycontact/action/state.hpp"
+#include "manycontact/action/named_parts.hpp"
 #include "manycontact/contact/rows.hpp"
 
 namespace manycontact {
@@ -70,10 +67,8 @@ using ForceDataAbstract = ContactDataAbstract;
 
 /// A contact. The action model evaluates all contacts at once and calls no function of this class. Therefore only the
 /// classes below derive from it.
-class ContactModelAbstract {
+class ContactModelAbstract : public Printable {
  public:
-  virtual ~ContactModelAbstract() = default;
-
   /// Standalone, at the motion in `data->pinocchio` (x is ignored): compute Jc, and a0 including J times the
   /// accelerations; and then da0_dx.
   void calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) const;
@@ -99,7 +94,7 @@ class ContactModelAbstract {
   void set_type(ReferenceFrame type) { contact_.reference_frame = type; }  // selects another reference frame
   /// The contact in the form of a scene.
   const Contact& get_contact() const { return contact_; }
-  virtual void print(std::ostream& os) const;  // prints type and sizes
+  void print(std::ostream& os) const override;  // prints type and sizes
 
  private:
   friend class ContactModel1D;
@@ -119,7 +114,6 @@ class ContactModelAbstract {
   FrameIndex id_;
   std::size_t nu_;
 };
-std::ostream& operator<<(std::ostream& os, const ContactModelAbstract& model);  // prints it as `print` does
 
 /// An axis of the reference frame.
 enum class Vector3MaskType { x = 0, y = 1, z = 2 };
@@ -268,9 +262,9 @@ struct ContactDataMultiple {  // The data of a stack's contacts, by name.
 };
 
 /// The contacts of an action model, by name. Their rows are stacked in the order of names.
-class ContactModelMultiple {
+class ContactModelMultiple : public NamedParts<StateMultibody, ContactItem> {
  public:
-  using ContactModelContainer = std::map<std::string, std::shared_ptr<ContactItem>>;
+  using ContactModelContainer = Container;
   using ContactDataContainer = std::map<std::string, std::shared_ptr<ContactDataAbstract>>;
 
   /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
@@ -282,7 +276,7 @@ class ContactModelMultiple {
   void addContact(const std::string& name, std::shared_ptr<ContactModelAbstract> contact, bool active = true);
   void removeContact(const std::string& name);
   void changeContactStatus(const std::string& name, bool active);
-  bool getContactStatus(const std::string& name) const;
+  bool getContactStatus(const std::string& name) const { return part(name).active; }  // whether it is active
 
   /// Standalone: evaluate the active contacts as ContactModelAbstract does, and stack the results.
   void calc(const std::shared_ptr<ContactDataMultiple>& data, const ConstVectorRef& x) const;
@@ -295,24 +289,14 @@ class ContactModelMultiple {
   void updateAccelerationDiff(const std::shared_ptr<ContactDataMultiple>& data, const Eigen::MatrixXd& ddv_dx) const;
   std::shared_ptr<ContactDataMultiple> createData(MultibodyData* data) const;
 
-  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }      // the state that it was made for
-  const ContactModelContainer& get_contacts() const { return contacts_; }          // the contacts
-  std::size_t get_nc() const { return nc_; }                                       // rows of the active contacts
-  std::size_t get_nc_total() const { return nc_total_; }                           // rows of all contacts
-  std::size_t get_nu() const { return nu_; }                                       // number of controls
-  const std::set<std::string>& get_active_set() const { return active_set_; }      // names of the active ones
-  const std::set<std::string>& get_inactive_set() const { return inactive_set_; }  // names of the inactive ones
-  std::size_t get_version() const { return version_; }  // changes with the set of contacts, not with their status
-  void print(std::ostream& os) const;                   // prints type and sizes
+  const ContactModelContainer& get_contacts() const { return parts_; }  // the contacts
+  std::size_t get_nc() const { return nc_; }                            // rows of the active contacts
+  std::size_t get_nc_total() const { return nc_total_; }                // rows of all contacts
 
  private:
   void count();
-  std::shared_ptr<StateMultibody> state_;
-  ContactModelContainer contacts_;
-  std::size_t nc_ = 0, nc_total_ = 0, nu_, version_ = 0;
-  std::set<std::string> active_set_, inactive_set_;
+  std::size_t nc_ = 0, nc_total_ = 0;
 };
-std::ostream& operator<<(std::ostream& os, const ContactModelMultiple& model);  // prints it as `print` does
 
 /// Makes a stack of all contacts of a scene, for example of a scene file, with their names.
 std::shared_ptr<ContactModelMultiple> contacts_of_scene(std::shared_ptr<StateMultibody> state, const Scene& scene,

@@ -4,6 +4,7 @@
 #include "manycontact/action/activation.hpp"
 #include "manycontact/action/cost_derivatives.hpp"
 #include "manycontact/action/cost_groups.hpp"
+#include "manycontact/action/named_parts.hpp"
 #include "manycontact/action/residual.hpp"
 
 namespace manycontact {
@@ -34,7 +35,7 @@ using CostDataResidual = CostDataAbstract;
 /// A cost l(x, u), the base of all costs. A sum calls a user-defined class derived from it, or from CostModelResidual,
 /// as Crocoddyl does: calc sets data->cost, and calcDiff sets data->Lx, Lu, Lxx, Lxu and Luu, which are initially zero.
 /// Its Hessians are dense. A user-defined residual (residual.hpp), whose rows depend on few coordinates, costs less.
-class CostModelAbstract {
+class CostModelAbstract : public Printable {
  public:
   /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
@@ -51,7 +52,6 @@ class CostModelAbstract {
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu);
   /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   explicit CostModelAbstract(std::shared_ptr<StateAbstract> state);
-  virtual ~CostModelAbstract() = default;
 
   /// Computes data->cost.
   virtual void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
@@ -69,7 +69,7 @@ class CostModelAbstract {
   const std::shared_ptr<ActivationModelAbstract>& get_activation() const { return activation_; }  // the activation
   const std::shared_ptr<ResidualModelAbstract>& get_residual() const { return residual_; }        // the residual
   std::size_t get_nu() const { return residual_->get_nu(); }                                      // number of controls
-  virtual void print(std::ostream& os) const;  // prints type and sizes
+  void print(std::ostream& os) const override;  // prints type and sizes
 
  protected:
   std::shared_ptr<StateAbstract> state_;
@@ -77,7 +77,6 @@ class CostModelAbstract {
   std::shared_ptr<ResidualModelAbstract> residual_;
   Eigen::VectorXd unone_;  // nu zeros
 };
-std::ostream& operator<<(std::ostream& os, const CostModelAbstract& model);  // prints it as `print` does
 
 class CostModelResidual : public CostModelAbstract {  // The cost a(r(x, u)) of a residual.
  public:
@@ -136,9 +135,10 @@ struct CostDataSum {                    // The sum's value and derivatives.
   CostDataSum(const CostDataSum&) = delete;  // derivatives may point to own
 };
 
-class CostModelSum {  // A weighted sum of costs with names.
+/// A weighted sum of costs with names.
+class CostModelSum : public NamedParts<StateAbstract, CostItem> {
  public:
-  using CostModelContainer = std::map<std::string, std::shared_ptr<CostItem>>;
+  using CostModelContainer = Container;
 
   /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu);
@@ -149,7 +149,7 @@ class CostModelSum {  // A weighted sum of costs with names.
   void addCost(const std::string& name, std::shared_ptr<CostModelAbstract> cost, double weight, bool active = true);
   void removeCost(const std::string& name);
   void changeCostStatus(const std::string& name, bool active);
-  bool getCostStatus(const std::string& name) const;
+  bool getCostStatus(const std::string& name) const { return part(name).active; }  // whether it is active
 
   /// Compute data->cost and, with weights, data->derivatives of the active costs.
   void calc(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x, const ConstVectorRef& u);
@@ -162,26 +162,15 @@ class CostModelSum {  // A weighted sum of costs with names.
   /// Sets up the residuals' blocks again after the islands changed, and the patterns of data->derivatives.
   void lay_out(CostDataSum& data) const;
 
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }       // the state that it was made for
-  const CostModelContainer& get_costs() const { return costs_; }                   // the costs
-  std::size_t get_nu() const { return nu_; }                                       // number of controls
-  std::size_t get_nr() const { return nr_; }                                       // of the active costs
-  std::size_t get_nr_total() const { return nr_total_; }                           // of all costs
-  const std::set<std::string>& get_active_set() const { return active_set_; }      // names of the active ones
-  const std::set<std::string>& get_inactive_set() const { return inactive_set_; }  // names of the inactive ones
-  std::size_t get_version() const { return version_; }                             // changes with the set of costs
-  void print(std::ostream& os) const;                                              // prints type and sizes
+  const CostModelContainer& get_costs() const { return parts_; }  // the costs
+  std::size_t get_nr() const { return nr_; }                      // of the active costs
+  std::size_t get_nr_total() const { return nr_total_; }          // of all costs
 
  private:
-  void count(const CostItem& item);
   void check(const char* where, const CostDataSum& data, const ConstVectorRef& x) const;
   void add_up(CostDataSum& data, bool terminal) const;
   void add_up_by_hand(CostDataSum& data, bool terminal) const;
-  std::shared_ptr<StateAbstract> state_;
-  CostModelContainer costs_;
-  std::size_t nu_, nr_ = 0, nr_total_ = 0, version_ = 0;
-  std::set<std::string> active_set_, inactive_set_;
+  std::size_t nr_ = 0, nr_total_ = 0;
 };
-std::ostream& operator<<(std::ostream& os, const CostModelSum& model);  // prints it as `print` does
 
 }  // namespace manycontact

@@ -41,7 +41,7 @@ struct DifferentialActionDataAbstract : CostDerivatives {
 };
 
 /// The sizes and bounds of a node, in continuous or in discrete time.
-class NodeAbstract {
+class NodeAbstract : public Printable {
  public:
   using Scalar = double;
   using MathBase = manycontact::MathBase;
@@ -49,8 +49,7 @@ class NodeAbstract {
   using MatrixXs = MathBase::MatrixXs;
   using StateAbstract = manycontact::StateAbstract;
 
-  virtual ~NodeAbstract() = default;
-  virtual void print(std::ostream& os) const;  // prints type and sizes
+  void print(std::ostream& os) const override;  // prints type and sizes
 
   std::size_t get_nu() const { return nu_; }              // number of controls
   virtual std::size_t get_nr() const { return nr_; }      // number of rows of the residual
@@ -85,7 +84,6 @@ class NodeAbstract {
   Eigen::VectorXd g_lb_, g_ub_, u_lb_, u_ub_, unone_;
   bool has_control_limits_ = false;
 };
-std::ostream& operator<<(std::ostream& os, const NodeAbstract& model);  // prints it as `print` does
 
 class DifferentialActionModelAbstract : public NodeAbstract {  // A node in continuous time.
  public:

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <ostream>
 #include <stdexcept>
 #include <string>
 
@@ -36,6 +37,18 @@ struct MathBase {
   using MatrixXs = Eigen::MatrixXd;
   using Quaternions = Eigen::Quaterniond;
 };
+
+/// The common base of classes that are printed with <<.
+class Printable {
+ public:
+  virtual ~Printable() = default;
+  virtual void print(std::ostream& os) const = 0;  // prints type and sizes
+};
+/// Prints it as `print` does.
+inline std::ostream& operator<<(std::ostream& os, const Printable& x) {
+  x.print(os);
+  return os;
+}
 
 using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

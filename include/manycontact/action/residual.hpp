@@ -46,7 +46,7 @@ struct Dependence {
   bool forces = false;        // on contact forces, and therefore on all of q, v, u: their derivatives are computed
 };
 
-class ResidualModelAbstract {  // A function r(x, u).
+class ResidualModelAbstract : public Printable {  // A function r(x, u).
  public:
   /// nu: number of controls, or kDefaultNu: nv. Throws std::invalid_argument for a null pointer.
   ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu, Dependence on);
@@ -56,7 +56,6 @@ class ResidualModelAbstract {  // A function r(x, u).
   /// Crocoddyl's constructor, with nu = nv.
   ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, bool q_dependent = true,
                         bool v_dependent = true, bool u_dependent = true);
-  virtual ~ResidualModelAbstract() = default;
 
   /// Computes data->r.
   virtual void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
@@ -87,7 +86,7 @@ class ResidualModelAbstract {  // A function r(x, u).
   bool get_v_dependent() const { return on_.v || on_.acceleration || on_.forces; }  // whether it depends on v
   bool get_u_dependent() const { return on_.u || on_.acceleration || on_.forces; }  // whether it depends on u
   const Dependence& depends_on() const { return on_; }                              // the variables that it depends on
-  virtual void print(std::ostream& os) const;                                       // prints type and sizes
+  void print(std::ostream& os) const override;                                      // prints type and sizes
 
  protected:
   /// Computes Rx and Ru of data->blocks. Throws std::logic_error unless a residual overrides it, or calcDiff.
@@ -104,7 +103,6 @@ class ResidualModelAbstract {  // A function r(x, u).
   friend struct ResidualDataAbstract;
   bool whole_ = false;  // constructed by Crocoddyl's constructor
 };
-std::ostream& operator<<(std::ostream& os, const ResidualModelAbstract& model);  // prints it as `print` does
 
 /// The common base of the residuals of this library: its name, and functions of the data.
 class NamedResidual : public ResidualModelAbstract {

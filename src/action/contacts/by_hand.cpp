@@ -215,13 +215,13 @@ void ContactModelAbstract::setZeroForceDiff(const std::shared_ptr<ContactDataAbs
 
 std::shared_ptr<ContactDataMultiple> ContactModelMultiple::createData(MultibodyData* motion) const {
   auto data = std::make_shared<ContactDataMultiple>();
-  for (const auto& [name, item] : contacts_) data->contacts[name] = item->contact->createData(motion);
+  for (const auto& [name, item] : parts_) data->contacts[name] = item->contact->createData(motion);
   make_room_for_all(nc_total_, state_->get_nv(), *motion, *data);
   return data;
 }
 
 void ContactModelMultiple::calc(const std::shared_ptr<ContactDataMultiple>& data, const ConstVectorRef& x) const {
-  each_active("ContactModelMultiple::calc", contacts_, check_data("ContactModelMultiple::calc", data).contacts,
+  each_active("ContactModelMultiple::calc", parts_, check_data("ContactModelMultiple::calc", data).contacts,
               [&](const ContactItem& item, const auto& d, Eigen::Index row) {
                 item.contact->calc(d, x);
                 data->Jc.middleRows(row, d->Jc.rows()) = d->Jc;
@@ -230,7 +230,7 @@ void ContactModelMultiple::calc(const std::shared_ptr<ContactDataMultiple>& data
 }
 
 void ContactModelMultiple::calcDiff(const std::shared_ptr<ContactDataMultiple>& data, const ConstVectorRef& x) const {
-  each_active("ContactModelMultiple::calcDiff", contacts_, check_data("ContactModelMultiple::calcDiff", data).contacts,
+  each_active("ContactModelMultiple::calcDiff", parts_, check_data("ContactModelMultiple::calcDiff", data).contacts,
               [&](const ContactItem& item, const auto& d, Eigen::Index row) {
                 item.contact->calcDiff(d, x);
                 data->da0_dx.middleRows(row, d->Jc.rows()) = d->da0_dx;
@@ -241,11 +241,11 @@ void ContactModelMultiple::updateForce(const std::shared_ptr<ContactDataMultiple
                                        const Eigen::VectorXd& force) const {
   constexpr const char* kWhere = "ContactModelMultiple::updateForce";
   check_size(kWhere, "force", force.size(), nc_);
-  each_active(kWhere, contacts_, check_data(kWhere, data).contacts,
+  each_active(kWhere, parts_, check_data(kWhere, data).contacts,
               [&](const ContactItem& item, const auto& d, Eigen::Index row) {
                 item.contact->updateForce(d, force.segment(row, d->Jc.rows()));
               });
-  set_zero_of_inactive(contacts_, data->contacts);
+  set_zero_of_inactive(parts_, data->contacts);
   sum_forces(*data);
 }
 
@@ -254,12 +254,12 @@ void ContactModelMultiple::updateForceDiff(const std::shared_ptr<ContactDataMult
   constexpr const char* kWhere = "ContactModelMultiple::updateForceDiff";
   check_size(kWhere, "df_dx's rows", df_dx.rows(), nc_);
   check_size(kWhere, "df_du's rows", df_du.rows(), nc_);
-  each_active(kWhere, contacts_, check_data(kWhere, data).contacts,
+  each_active(kWhere, parts_, check_data(kWhere, data).contacts,
               [&](const ContactItem& item, const auto& d, Eigen::Index row) {
                 const Eigen::Index nc = d->Jc.rows();
                 item.contact->updateForceDiff(d, df_dx.middleRows(row, nc), df_du.middleRows(row, nc));
               });
-  set_zero_of_inactive(contacts_, data->contacts);
+  set_zero_of_inactive(parts_, data->contacts);
 }
 
 void ContactModelMultiple::updateAcceleration(const std::shared_ptr<ContactDataMultiple>& data,
@@ -327,7 +327,7 @@ void ImpulseModelAbstract::setZeroForceDiff(const std::shared_ptr<ImpulseDataAbs
 
 std::shared_ptr<ImpulseDataMultiple> ImpulseModelMultiple::createData(MultibodyData* motion) const {
   auto data = std::make_shared<ImpulseDataMultiple>();
-  for (const auto& [name, item] : impulses_) data->contacts[name] = item->impulse->createData(motion);
+  for (const auto& [name, item] : parts_) data->contacts[name] = item->impulse->createData(motion);
   const std::size_t nv = get_state()->get_nv();
   make_room_for_all(get_nc_total(), nv, *motion, *data);
   const auto n = static_cast<Eigen::Index>(nv);
@@ -338,7 +338,7 @@ std::shared_ptr<ImpulseDataMultiple> ImpulseModelMultiple::createData(MultibodyD
 }
 
 void ImpulseModelMultiple::calc(const std::shared_ptr<ImpulseDataMultiple>& data, const ConstVectorRef& x) const {
-  each_active("ImpulseModelMultiple::calc", impulses_, check_data("ImpulseModelMultiple::calc", data).contacts,
+  each_active("ImpulseModelMultiple::calc", parts_, check_data("ImpulseModelMultiple::calc", data).contacts,
               [&](const ImpulseItem& item, const auto& d, Eigen::Index row) {
                 item.impulse->calc(d, x);
                 data->Jc.middleRows(row, d->Jc.rows()) = d->Jc;
@@ -346,7 +346,7 @@ void ImpulseModelMultiple::calc(const std::shared_ptr<ImpulseDataMultiple>& data
 }
 
 void ImpulseModelMultiple::calcDiff(const std::shared_ptr<ImpulseDataMultiple>& data, const ConstVectorRef& x) const {
-  each_active("ImpulseModelMultiple::calcDiff", impulses_, check_data("ImpulseModelMultiple::calcDiff", data).contacts,
+  each_active("ImpulseModelMultiple::calcDiff", parts_, check_data("ImpulseModelMultiple::calcDiff", data).contacts,
               [&](const ImpulseItem& item, const auto& d, Eigen::Index row) {
                 item.impulse->calcDiff(d, x);
                 data->dv0_dq.middleRows(row, d->Jc.rows()) = d->dv0_dq;
@@ -357,11 +357,11 @@ void ImpulseModelMultiple::updateForce(const std::shared_ptr<ImpulseDataMultiple
                                        const Eigen::VectorXd& impulse) const {
   constexpr const char* kWhere = "ImpulseModelMultiple::updateForce";
   check_size(kWhere, "impulse", impulse.size(), get_nc());
-  each_active(kWhere, impulses_, check_data(kWhere, data).contacts,
+  each_active(kWhere, parts_, check_data(kWhere, data).contacts,
               [&](const ImpulseItem& item, const auto& d, Eigen::Index row) {
                 item.impulse->updateForce(d, impulse.segment(row, d->Jc.rows()));
               });
-  set_zero_of_inactive(impulses_, data->contacts);
+  set_zero_of_inactive(parts_, data->contacts);
   sum_forces(*data);
 }
 
@@ -369,11 +369,11 @@ void ImpulseModelMultiple::updateForceDiff(const std::shared_ptr<ImpulseDataMult
                                            const Eigen::MatrixXd& df_dx) const {
   constexpr const char* kWhere = "ImpulseModelMultiple::updateForceDiff";
   check_size(kWhere, "df_dx's rows", df_dx.rows(), get_nc());
-  each_active(kWhere, impulses_, check_data(kWhere, data).contacts,
+  each_active(kWhere, parts_, check_data(kWhere, data).contacts,
               [&](const ImpulseItem& item, const auto& d, Eigen::Index row) {
                 item.impulse->updateForceDiff(d, df_dx.middleRows(row, d->Jc.rows()));
               });
-  set_zero_of_inactive(impulses_, data->contacts);
+  set_zero_of_inactive(parts_, data->contacts);
 }
 
 void ImpulseModelMultiple::updateVelocity(const std::shared_ptr<ImpulseDataMultiple>& data,

@@ -65,11 +65,6 @@ void ContactModelAbstract::print(std::ostream& os) const {
   os << ", gains=[" << gains_[0] << ", " << gains_[1] << "]}";
 }
 
-std::ostream& operator<<(std::ostream& os, const ContactModelAbstract& model) {
-  model.print(os);
-  return os;
-}
-
 // ---- 1D
 
 namespace {

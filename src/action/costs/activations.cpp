@@ -9,11 +9,6 @@ namespace manycontact {
 
 void ActivationModelAbstract::print(std::ostream& os) const { os << "ActivationModel {nr=" << nr_ << "}"; }
 
-std::ostream& operator<<(std::ostream& os, const ActivationModelAbstract& model) {
-  model.print(os);
-  return os;
-}
-
 void ActivationModelQuad::calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) {
   check_size("ActivationModelQuad::calc", "r", r.size(), nr_);
   data->a_value = r.squaredNorm() / 2;

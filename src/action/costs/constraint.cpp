@@ -83,9 +83,4 @@ void ConstraintModelResidual::print(std::ostream& os) const {
   os << "ConstraintModelResidual {" << *residual_ << ", ng=" << get_ng() << ", nh=" << get_nh() << "}";
 }
 
-std::ostream& operator<<(std::ostream& os, const ConstraintModelResidual& model) {
-  model.print(os);
-  return os;
-}
-
 }  // namespace manycontact

@@ -136,11 +136,6 @@ void CostModelResidual::print(std::ostream& os) const {
   os << "CostModelResidual {" << *residual_ << ", " << *activation_ << "}";
 }
 
-std::ostream& operator<<(std::ostream& os, const CostModelAbstract& model) {
-  model.print(os);
-  return os;
-}
-
 void CostModelResidual::check(const char* where, const std::shared_ptr<CostDataAbstract>& data) const {
   const CostDataAbstract& d = check_data(where, data);
   require(d.of_residual == residual_ && d.of_activation == activation_, where,

@@ -118,11 +118,6 @@ void ResidualModelAbstract::lay_out(ResidualDataAbstract& data) const {
 
 void ResidualModelAbstract::print(std::ostream& os) const { os << "ResidualModel {nr=" << nr_ << "}"; }
 
-std::ostream& operator<<(std::ostream& os, const ResidualModelAbstract& model) {
-  model.print(os);
-  return os;
-}
-
 void NamedResidual::print(std::ostream& os) const { os << name_; }
 
 }  // namespace manycontact
