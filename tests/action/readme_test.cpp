@@ -163,6 +163,8 @@ TEST(ActionReadme, EveryClassHasItsTplName) {
                                      "PartNumDiff",
                                      "NamedParts",
                                      "Printable",
+                                     "NamedActivation",
+                                     "ActivationWithAlpha",
                                      "FrameResidual",
                                      "ControlResidual",
                                      "ContactResidual",
