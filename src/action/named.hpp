@@ -42,7 +42,10 @@ namespace manycontact {
 
 template <class State, class Item>
 NamedParts<State, Item>::NamedParts(const char* name, const char* what, std::shared_ptr<State> state, std::size_t nu)
-    : name_(name), what_(what), state_(internal::given(name, state, "a state")), nu_(nu) {}
+    : name_(name),
+      what_(what),
+      state_(internal::given(name, state, "a state")),
+      nu_(nu == kDefaultNu ? state->get_nv() : nu) {}
 
 template <class State, class Item>
 Item& NamedParts<State, Item>::part(const std::string& name) const {

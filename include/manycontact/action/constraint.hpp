@@ -127,8 +127,7 @@ class ConstraintModelManager : public NamedParts<StateAbstract, ConstraintItem> 
   using ConstraintModelContainer = Container;
 
   /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
-  ConstraintModelManager(std::shared_ptr<StateAbstract> state, std::size_t nu);
-  explicit ConstraintModelManager(std::shared_ptr<StateAbstract> state);  // nu = nv
+  explicit ConstraintModelManager(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);
 
   /// They throw std::invalid_argument for a name that exists already (or does not exist), and for a constraint with
   /// another state or nu.

@@ -121,23 +121,24 @@ enum class Vector3MaskType { x = 0, y = 1, z = 2 };
 /// Constrains one component of a point's position, along an axis of the reference frame.
 class ContactModel1D final : public ContactModelAbstract {
  public:
-  /// The component along rotation^T e_z has the value xref [m]. nu: that of the action, by default the state's nv.
+  /// The component along rotation^T e_z has the value xref [m]. nu: that of the action, by default the state's nv. They
+  /// throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
                  const Eigen::Matrix3d& rotation, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
-                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
+      : ContactModel1D(std::move(state), id, xref, type, Eigen::Matrix3d::Identity(), kDefaultNu, gains) {}
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, std::size_t nu,
-                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
+      : ContactModel1D(std::move(state), id, xref, LOCAL, Eigen::Matrix3d::Identity(), nu, gains) {}
   /// As in sobec: a point xref [m] in the world, and one axis of the reference frame.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), Vector3MaskType mask = Vector3MaskType::z,
                  ReferenceFrame ref = ReferenceFrame::kLocal);
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
-                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame ref = ReferenceFrame::kLocal);
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame ref = ReferenceFrame::kLocal)
+      : ContactModel1D(std::move(state), id, xref, kDefaultNu, gains, Vector3MaskType::z, ref) {}
 
   /// The reference of the residual or contact.
   double get_reference() const { return contact_.axis.dot(contact_.B.placement.p); }
@@ -148,18 +149,19 @@ class ContactModel1D final : public ContactModelAbstract {
   /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Eigen::Vector3d& point) { contact_.B.placement.p = point; }
   const Eigen::Vector3d& get_axis() const { return contact_.axis; }  // unit vector
-  void set_axis(const Eigen::Vector3d& axis);  // throws std::invalid_argument for an axis without direction
+  /// Throws std::invalid_argument for an axis without direction.
+  void set_axis(const Eigen::Vector3d& axis) { keep_axis("ContactModel1D::set_axis", axis); }
 };
 
 /// Constrains the x and z components of a point's position. xref: (x, z) in the world [m]; y = 0.
 class ContactModel2D final : public ContactModelAbstract {
  public:
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+  /// They throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal);
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref,
-                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
+      : ContactModel2D(std::move(state), id, xref, kDefaultNu, gains) {}
   Eigen::Vector2d get_reference() const;  // the reference of the residual or contact
   /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Eigen::Vector2d& reference);
@@ -168,18 +170,19 @@ class ContactModel2D final : public ContactModelAbstract {
 /// Constrains a point's position. xref: in the world [m].
 class ContactModel3D final : public ContactModelAbstract {
  public:
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+  /// They throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, ReferenceFrame type,
                  std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, ReferenceFrame type,
-                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
+      : ContactModel3D(std::move(state), id, xref, type, kDefaultNu, gains) {}
   /// As in sobec.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, std::size_t nu,
-                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal);
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal)
+      : ContactModel3D(std::move(state), id, xref, type, nu, gains) {}
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
-                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal);
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal)
+      : ContactModel3D(std::move(state), id, xref, type, kDefaultNu, gains) {}
   /// The reference of the residual or contact.
   const Eigen::Vector3d& get_reference() const { return contact_.B.placement.p; }
   /// Sets the reference; a wrong size throws std::invalid_argument.
@@ -189,15 +192,15 @@ class ContactModel3D final : public ContactModelAbstract {
 /// Constrains a frame's placement. pref: in the world.
 class ContactModel6D final : public ContactModelAbstract {
  public:
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+  /// They throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, ReferenceFrame type,
                  std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, ReferenceFrame type,
-                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
+      : ContactModel6D(std::move(state), id, pref, type, kDefaultNu, gains) {}
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, std::size_t nu,
-                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
+      : ContactModel6D(std::move(state), id, pref, LOCAL, nu, gains) {}
   const SE3<double>& get_reference() const { return contact_.B.placement; }  // the reference of the residual or contact
   /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }
@@ -207,12 +210,12 @@ class ContactModel6D final : public ContactModelAbstract {
 /// has no such contact. pref: in the world; axis: in both frames.
 class ContactModel5D final : public ContactModelAbstract {
  public:
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+  /// They throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
                  const Eigen::Vector3d& axis, std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
-                 const Eigen::Vector3d& axis, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+                 const Eigen::Vector3d& axis, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
+      : ContactModel5D(std::move(state), id, pref, axis, kDefaultNu, gains) {}
   const SE3<double>& get_reference() const { return contact_.B.placement; }  // the reference of the residual or contact
   /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }
@@ -268,8 +271,7 @@ class ContactModelMultiple : public NamedParts<StateMultibody, ContactItem> {
   using ContactDataContainer = std::map<std::string, std::shared_ptr<ContactDataAbstract>>;
 
   /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
-  ContactModelMultiple(std::shared_ptr<StateMultibody> state, std::size_t nu);
-  explicit ContactModelMultiple(std::shared_ptr<StateMultibody> state);  // nu = nv
+  explicit ContactModelMultiple(std::shared_ptr<StateMultibody> state, std::size_t nu = kDefaultNu);
 
   /// They throw std::invalid_argument for a name that exists already (or does not exist), and for a contact with
   /// another state or nu.

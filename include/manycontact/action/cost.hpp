@@ -37,7 +37,7 @@ using CostDataResidual = CostDataAbstract;
 /// Its Hessians are dense. A user-defined residual (residual.hpp), whose rows depend on few coordinates, costs less.
 class CostModelAbstract : public Printable {
  public:
-  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
+  /// Throws std::invalid_argument for null pointers, and parts that do not belong together.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::shared_ptr<ResidualModelAbstract> residual);
   /// Uses the activation 1/2 |r|^2.
@@ -45,13 +45,8 @@ class CostModelAbstract : public Printable {
   /// Without a residual: calc may write data->residual->r, with the activation's nr numbers (none without an
   /// activation). nu: by default nv.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
-                    std::size_t nu);
-  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
-  CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation);
-  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
-  CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu);
-  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
-  explicit CostModelAbstract(std::shared_ptr<StateAbstract> state);
+                    std::size_t nu = kDefaultNu);
+  explicit CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);
 
   /// Computes data->cost.
   virtual void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
@@ -80,11 +75,11 @@ class CostModelAbstract : public Printable {
 
 class CostModelResidual : public CostModelAbstract {  // The cost a(r(x, u)) of a residual.
  public:
-  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
+  /// Throws std::invalid_argument for null pointers, and parts that do not belong together.
   CostModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::shared_ptr<ResidualModelAbstract> residual)
       : CostModelAbstract(std::move(state), std::move(activation), std::move(residual)) {}
-  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
+  /// Uses the activation 1/2 |r|^2.
   CostModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual)
       : CostModelAbstract(std::move(state), std::move(residual)) {}
 
@@ -141,8 +136,7 @@ class CostModelSum : public NamedParts<StateAbstract, CostItem> {
   using CostModelContainer = Container;
 
   /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
-  CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu);
-  explicit CostModelSum(std::shared_ptr<StateAbstract> state);  // nu = nv
+  explicit CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);
 
   /// They throw std::invalid_argument for a name that exists already (or does not exist), and for a cost with another
   /// state or nu.

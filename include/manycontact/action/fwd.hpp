@@ -22,6 +22,9 @@ inline constexpr ContactType Contact2D = ContactType::k2D;
 inline constexpr ContactType Contact3D = ContactType::k3D;
 inline constexpr ContactType Contact6D = ContactType::k6D;
 
+/// Selects the default number of controls: that of the actuation if there is one, otherwise nv.
+inline constexpr std::size_t kDefaultNu = static_cast<std::size_t>(-1);
+
 using Motion = Vec6<double>;  // [linear; angular]
 using Force = Vec6<double>;
 

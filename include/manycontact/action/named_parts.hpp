@@ -22,11 +22,12 @@ class NamedParts : public Printable {
 
  protected:
   using Container = std::map<std::string, std::shared_ptr<Item>>;
-  /// name: that of the class. what: that of a part. Throws std::invalid_argument for a null pointer.
+  /// name: that of the class. what: that of a part. nu: number of controls, or kDefaultNu. Throws
+  /// std::invalid_argument for a null pointer.
   NamedParts(const char* name, const char* what, std::shared_ptr<State> state, std::size_t nu);
   Item& part(const std::string& name) const;  // the part with this name
   void add(const Item& item);
-  void remove(std::string name);  // a copy, since the name may be that of the part itself
+  void remove(std::string name);                             // a copy, since the name may be that of the part itself
   bool change_status(const std::string& name, bool active);  // whether the status has changed
   const char *name_, *what_;
   std::shared_ptr<State> state_;

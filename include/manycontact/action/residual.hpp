@@ -9,9 +9,6 @@ namespace manycontact {
 
 class ResidualModelAbstract;
 
-/// Selects the default number of controls of a residual: that of the actuation if there is one, otherwise nv.
-inline constexpr std::size_t kDefaultNu = static_cast<std::size_t>(-1);
-
 /// Rows of a residual and all coordinates they depend on. The blocks of a residual have disjoint rows.
 struct ResidualBlock {
   ResidualBlock(std::vector<int> rows, std::vector<int> xcols, std::vector<int> ucols);  // allocates Rx and Ru

@@ -10,9 +10,6 @@ template class NamedParts<StateMultibody, ContactItem>;
 ContactModelMultiple::ContactModelMultiple(std::shared_ptr<StateMultibody> state, std::size_t nu)
     : NamedParts("ContactModelMultiple", "contact", std::move(state), nu) {}
 
-ContactModelMultiple::ContactModelMultiple(std::shared_ptr<StateMultibody> state)
-    : ContactModelMultiple(state, state ? state->get_nv() : 0) {}
-
 void ContactModelMultiple::addContact(const std::string& name, std::shared_ptr<ContactModelAbstract> contact,
                                       bool active) {
   internal::check_part(name_, name, contact, state_, nu_);

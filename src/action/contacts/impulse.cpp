@@ -27,14 +27,14 @@ ImpulseModel6D::ImpulseModel6D(std::shared_ptr<StateMultibody> state, FrameIndex
 ImpulseModelBetweenBodies::ImpulseModelBetweenBodies(std::shared_ptr<StateMultibody> state, ContactType contact_type,
                                                      FrameIndex id, FrameIndex to, const SE3<double>& offset,
                                                      ReferenceFrame type, const Eigen::Vector3d& axis)
-    : ImpulseModelAbstract("ImpulseModelBetweenBodies",
-                           std::make_shared<ContactModelBetweenBodies>(
-                               state, contact_type, id, to, offset, type, state ? state->get_nv() : 0,
-                               Eigen::Vector2d(Eigen::Vector2d::Zero()), axis)) {}
+    : ImpulseModelAbstract(
+          "ImpulseModelBetweenBodies",
+          std::make_shared<ContactModelBetweenBodies>(std::move(state), contact_type, id, to, offset, type, kDefaultNu,
+                                                      Eigen::Vector2d(Eigen::Vector2d::Zero()), axis)) {}
 
 ImpulseModelOfScene::ImpulseModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact)
     : ImpulseModelAbstract("ImpulseModelOfScene",
-                           std::make_shared<ContactModelOfScene>(state, contact, state ? state->get_nv() : 0)) {}
+                           std::make_shared<ContactModelOfScene>(std::move(state), contact, kDefaultNu)) {}
 
 static std::ostream& operator<<(std::ostream& os, const ImpulseItem& item) { return os << *item.impulse; }
 

@@ -15,9 +15,6 @@ template class NamedParts<StateAbstract, ConstraintItem>;
 ConstraintModelManager::ConstraintModelManager(std::shared_ptr<StateAbstract> state, std::size_t nu)
     : NamedParts(kConstraintModelManager, "constraint", std::move(state), nu) {}
 
-ConstraintModelManager::ConstraintModelManager(std::shared_ptr<StateAbstract> state)
-    : ConstraintModelManager(state, state ? state->get_nv() : 0) {}
-
 void ConstraintModelManager::addConstraint(const std::string& name, std::shared_ptr<ConstraintModelAbstract> constraint,
                                            bool active) {
   internal::check_part(name_, name, constraint, state_, nu_);

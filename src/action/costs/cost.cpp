@@ -21,15 +21,12 @@ class OwnResidual final : public ResidualModelAbstract {
 
 std::shared_ptr<ResidualModelAbstract> own_residual(const std::shared_ptr<StateAbstract>& state, std::size_t nr,
                                                     std::size_t nu) {
-  return std::make_shared<OwnResidual>(internal::given("CostModelAbstract", state, "a state"), nr, nu);
+  const std::size_t nv = internal::given("CostModelAbstract", state, "a state")->get_nv();
+  return std::make_shared<OwnResidual>(state, nr, nu == kDefaultNu ? nv : nu);
 }
 
 std::size_t nr_of(const std::shared_ptr<ActivationModelAbstract>& activation) {
   return internal::given("CostModelAbstract", activation, "an activation")->get_nr();
-}
-
-std::size_t nv_of(const std::shared_ptr<StateAbstract>& state) {
-  return internal::given("CostModelAbstract", state, "a state")->get_nv();
 }
 
 }  // namespace
@@ -102,14 +99,8 @@ CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state,
                                      std::shared_ptr<ActivationModelAbstract> activation, std::size_t nu)
     : CostModelAbstract(state, activation, own_residual(state, nr_of(activation), nu)) {}
 
-CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state,
-                                     std::shared_ptr<ActivationModelAbstract> activation)
-    : CostModelAbstract(state, activation, nv_of(state)) {}
-
 CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu)
     : CostModelAbstract(state, std::make_shared<ActivationModelQuad>(0), nu) {}
-
-CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state) : CostModelAbstract(state, nv_of(state)) {}
 
 void CostModelAbstract::calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
   calc(data, x, unone_);

@@ -17,8 +17,6 @@ template class NamedParts<StateAbstract, CostItem>;
 CostModelSum::CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu)
     : NamedParts("CostModelSum", "cost", std::move(state), nu) {}
 
-CostModelSum::CostModelSum(std::shared_ptr<StateAbstract> state) : CostModelSum(state, state ? state->get_nv() : 0) {}
-
 // Numbers of rows change one by one, since sums may have many costs.
 void CostModelSum::addCost(const std::string& name, std::shared_ptr<CostModelAbstract> cost, double weight,
                            bool active) {
