@@ -25,8 +25,7 @@ void ActuationModelAbstract::check(const char* where, const ConstVectorRef& x, c
   check_size(where, "u", u.size(), nu_);
 }
 
-void ActuationModelAbstract::torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data,
-                                             const ConstVectorRef& x, const ConstVectorRef& u) {
+void ActuationModelAbstract::torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("ActuationModel::torqueTransform", x, u);
   calc(data, x, u);
   calcDiff(data, x, u);
@@ -53,29 +52,25 @@ std::shared_ptr<ActuationDataAbstract> ActuationModelSelection::createData() {
   return data;
 }
 
-void ActuationModelSelection::calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                                   const ConstVectorRef& u) {
+void ActuationModelSelection::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("ActuationModel::calc", x, u);
   check_data("ActuationModel::calc", data);
   data->tau.setZero();
   for (std::size_t k = 0; k < nu_; ++k) data->tau[selection_[k]] = u[k];
 }
 
-void ActuationModelSelection::calcDiff(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef& x,
-                                       const ConstVectorRef& u) {
+void ActuationModelSelection::calcDiff(const DataPtr&, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("ActuationModel::calcDiff", x, u);  // constant, set in createData
 }
 
-void ActuationModelSelection::commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                                       const ConstVectorRef& tau) {
+void ActuationModelSelection::commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) {
   check_data("ActuationModel::commands", data);
   check_size("ActuationModel::commands", "x", x.size(), state_->get_nx());
   check_size("ActuationModel::commands", "tau", tau.size(), state_->get_nv());
   for (std::size_t k = 0; k < nu_; ++k) data->u[k] = tau[selection_[k]];
 }
 
-void ActuationModelSelection::torqueTransform(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef& x,
-                                              const ConstVectorRef& u) {
+void ActuationModelSelection::torqueTransform(const DataPtr&, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("ActuationModel::torqueTransform", x, u);  // constant, set in createData
 }
 

@@ -74,13 +74,9 @@ DifferentialActionModelAbstract::DifferentialActionModelAbstract(std::shared_ptr
                                                                  std::size_t nr, std::size_t ng, std::size_t nh)
     : NodeAbstract("DifferentialActionModel", std::move(state), nu, nr, ng, nh, ng, nh) {}
 
-void DifferentialActionModelAbstract::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data,
-                                           const ConstVectorRef& x) {
-  calc(data, x, unone_);
-}
+void DifferentialActionModelAbstract::calc(const DataPtr& data, const ConstVectorRef& x) { calc(data, x, unone_); }
 
-void DifferentialActionModelAbstract::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data,
-                                               const ConstVectorRef& x) {
+void DifferentialActionModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   calcDiff(data, x, unone_);
 }
 
@@ -88,13 +84,10 @@ std::shared_ptr<DifferentialActionDataAbstract> DifferentialActionModelAbstract:
   return std::make_shared<DifferentialActionDataAbstract>(this);
 }
 
-bool DifferentialActionModelAbstract::checkData(const std::shared_ptr<DifferentialActionDataAbstract>& data) {
-  return data != nullptr;
-}
+bool DifferentialActionModelAbstract::checkData(const DataPtr& data) { return data != nullptr; }
 
-void DifferentialActionModelAbstract::quasiStatic(const std::shared_ptr<DifferentialActionDataAbstract>& data,
-                                                  VectorRef u, const ConstVectorRef& x, std::size_t maxiter,
-                                                  double tol) {
+void DifferentialActionModelAbstract::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x,
+                                                  std::size_t maxiter, double tol) {
   check_size("quasiStatic", "u", u.size(), nu_);
   check_size("quasiStatic", "x", x.size(), state_->get_nx());
   require(x.tail(state_->get_nv()).isZero(0), "quasiStatic", "the velocity is not zero, a state at rest is expected");
@@ -108,9 +101,8 @@ void DifferentialActionModelAbstract::quasiStatic(const std::shared_ptr<Differen
   }
 }
 
-Eigen::VectorXd DifferentialActionModelAbstract::quasiStatic_x(
-    const std::shared_ptr<DifferentialActionDataAbstract>& data, const Eigen::VectorXd& x, std::size_t maxiter,
-    double tol) {
+Eigen::VectorXd DifferentialActionModelAbstract::quasiStatic_x(const DataPtr& data, const Eigen::VectorXd& x,
+                                                               std::size_t maxiter, double tol) {
   Eigen::VectorXd u = Eigen::VectorXd::Zero(nu_);
   quasiStatic(data, u, x, maxiter, tol);
   return u;

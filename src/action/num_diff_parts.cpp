@@ -95,13 +95,13 @@ std::shared_ptr<ActivationDataAbstract> ActivationModelNumDiff::createData() {
   return std::make_shared<ActivationDataNumDiff>(this);
 }
 
-void ActivationModelNumDiff::calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) {
+void ActivationModelNumDiff::calc(const DataPtr& data, const ConstVectorRef& r) {
   auto& d = internal::own_data<ActivationDataNumDiff>("ActivationModelNumDiff::calc", data);
   model_->calc(d.data_0, r);
   d.a_value = d.data_0->a_value;
 }
 
-void ActivationModelNumDiff::calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) {
+void ActivationModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& r) {
   auto& d = internal::own_data<ActivationDataNumDiff>("ActivationModelNumDiff::calcDiff", data);
   const auto value = [&](const Eigen::VectorXd& at) {
     model_->calc(d.data_0, at);
@@ -133,21 +133,19 @@ std::shared_ptr<ActuationDataAbstract> ActuationModelNumDiff::createData() {
   return std::make_shared<ActuationDataNumDiff>(this);
 }
 
-void ActuationModelNumDiff::calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                                 const ConstVectorRef& u) {
+void ActuationModelNumDiff::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::calc", data);
   model_->calc(d.data_0, x, u);
   d.tau = d.data_0->tau;
 }
 
-void ActuationModelNumDiff::calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x) {
+void ActuationModelNumDiff::calc(const DataPtr& data, const ConstVectorRef& x) {
   auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::calc", data);
   model_->calc(d.data_0, x);
   d.tau = d.data_0->tau;
 }
 
-void ActuationModelNumDiff::calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                                     const ConstVectorRef& u) {
+void ActuationModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::calcDiff", data);
   check("ActuationModelNumDiff::calcDiff", x, u);
   const Differences by =
@@ -160,7 +158,7 @@ void ActuationModelNumDiff::calcDiff(const std::shared_ptr<ActuationDataAbstract
   d.tau = d.data_0->tau;
 }
 
-void ActuationModelNumDiff::calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x) {
+void ActuationModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::calcDiff", data);
   d.dtau_dx = differences(*state_, size(state_->get_nv()), x, {}, true, step_, [&](const auto& at_x, const auto&) {
                 model_->calc(d.data_0, at_x);
@@ -169,15 +167,13 @@ void ActuationModelNumDiff::calcDiff(const std::shared_ptr<ActuationDataAbstract
   d.tau = d.data_0->tau;
 }
 
-void ActuationModelNumDiff::commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                                     const ConstVectorRef& tau) {
+void ActuationModelNumDiff::commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) {
   auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::commands", data);
   model_->commands(d.data_0, x, tau);
   d.u = d.data_0->u;
 }
 
-void ActuationModelNumDiff::torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                                            const ConstVectorRef& u) {
+void ActuationModelNumDiff::torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   calcDiff(data, x, u);
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> inverse;
   inverse.setThreshold(step_);  // larger than the differences' errors, the step's square
@@ -202,21 +198,19 @@ std::shared_ptr<ResidualDataAbstract> ResidualModelNumDiff::createData(DataColle
   return data;
 }
 
-void ResidualModelNumDiff::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                                const ConstVectorRef& u) {
+void ResidualModelNumDiff::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   auto& d = internal::own_data<ResidualDataNumDiff>("ResidualModelNumDiff::calc", data);
   model_->calc(d.data_0, x, u);
   d.r = d.data_0->r;
 }
 
-void ResidualModelNumDiff::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
+void ResidualModelNumDiff::calc(const DataPtr& data, const ConstVectorRef& x) {
   auto& d = internal::own_data<ResidualDataNumDiff>("ResidualModelNumDiff::calc", data);
   model_->calc(d.data_0, x);
   d.r = d.data_0->r;
 }
 
-void ResidualModelNumDiff::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                                    const ConstVectorRef& u) {
+void ResidualModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   auto& d = internal::own_data<ResidualDataNumDiff>("ResidualModelNumDiff::calcDiff", data);
   const Differences by = differences(*state_, size(nr_), x, u, false, step_, [&](const auto& at_x, const auto& at_u) {
     reevaluate(at_x, at_u);
@@ -228,7 +222,7 @@ void ResidualModelNumDiff::calcDiff(const std::shared_ptr<ResidualDataAbstract>&
   d.r = d.data_0->r;
 }
 
-void ResidualModelNumDiff::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
+void ResidualModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   auto& d = internal::own_data<ResidualDataNumDiff>("ResidualModelNumDiff::calcDiff", data);
   d.Rx = differences(*state_, size(nr_), x, unone_, true, step_, [&](const auto& at_x, const auto& at_u) {
            reevaluate(at_x, at_u);

@@ -21,11 +21,13 @@ struct ActivationDataAbstract {  // The value a(r), its gradient and its Hessian
 
 class ActivationModelAbstract : public Printable {  // A cost as a function a(r) of the residual.
  public:
+  using DataPtr = std::shared_ptr<ActivationDataAbstract>;
+
   explicit ActivationModelAbstract(std::size_t nr) : nr_(nr) {}  // nr: number of rows
   /// Computes data->a_value from the residual r (nr).
-  virtual void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) = 0;
+  virtual void calc(const DataPtr& data, const ConstVectorRef& r) = 0;
   /// Computes data->Ar and data->Arr at the last calc.
-  virtual void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) = 0;
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& r) = 0;
   /// Creates data of this model; one per thread.
   virtual std::shared_ptr<ActivationDataAbstract> createData() { return std::make_shared<ActivationDataAbstract>(nr_); }
   std::size_t get_nr() const { return nr_; }    // number of rows of the residual
@@ -38,8 +40,8 @@ class ActivationModelAbstract : public Printable {  // A cost as a function a(r)
 /// The common base of the activations of this library: their names, and checks of sizes.
 class NamedActivation : public ActivationModelAbstract {
  public:
-  void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
+  void calc(const DataPtr& data, const ConstVectorRef& r) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& r) override;
   void print(std::ostream& os) const override;  // prints name, size and parameters
 
  protected:

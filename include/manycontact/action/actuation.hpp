@@ -51,25 +51,23 @@ struct ActuationDataAbstract {                                          // The t
 
 class ActuationModelAbstract : public Printable {  // A function tau(x, u): the torques on all velocity coordinates.
  public:
+  using DataPtr = std::shared_ptr<ActuationDataAbstract>;
+
   /// Throws std::invalid_argument for a state of another kind.
   ActuationModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu);
 
   /// Computes data->tau (nv) from x (nx) and u (nu).
-  virtual void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                    const ConstVectorRef& u) = 0;
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
   /// Does nothing without controls.
-  virtual void calc(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&) {}
+  virtual void calc(const DataPtr&, const ConstVectorRef&) {}
   /// Computes data->dtau_dx and data->dtau_du.
-  virtual void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                        const ConstVectorRef& u) = 0;
-  virtual void calcDiff(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&) {}
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
+  virtual void calcDiff(const DataPtr&, const ConstVectorRef&) {}
   /// Computes data->u: the controls that give the torques tau (nv), as far as the actuation allows.
-  virtual void commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                        const ConstVectorRef& tau) = 0;
+  virtual void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) = 0;
   /// Computes data->Mtau with u = Mtau tau. By default it is the pseudoinverse of dtau_du at (x, u), which is computed
   /// first.
-  virtual void torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                               const ConstVectorRef& u);
+  virtual void torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
   virtual std::shared_ptr<ActuationDataAbstract> createData() { return std::make_shared<ActuationDataAbstract>(this); }
 
   /// If each control is the torque of one coordinate: these coordinates, one for each of the nu; otherwise empty.
@@ -92,16 +90,12 @@ class ActuationModelAbstract : public Printable {  // A function tau(x, u): the 
 /// treated as a general actuation: its selection() is empty.
 class ActuationModelSelection : public ActuationModelAbstract {
  public:
-  void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   using ActuationModelAbstract::calc;
-  void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   using ActuationModelAbstract::calcDiff;
-  void commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& tau) override;
-  void torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                       const ConstVectorRef& u) override;
+  void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) override;
+  void torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
   const std::vector<int>& selection() const override;
   void print(std::ostream& os) const override;

@@ -24,6 +24,8 @@ using ConstraintDataAbstract = ConstraintDataResidual;
 /// constraint of your own, write a residual: stacks evaluate residuals, so that this class is final.
 class ConstraintModelResidual final : public Printable {
  public:
+  using DataPtr = std::shared_ptr<ConstraintDataResidual>;
+
   /// The constraint also applies to terminal nodes, unless `T_act` is false or the residual needs controls,
   /// accelerations or forces. Throws std::invalid_argument for bounds of a wrong size.
   ConstraintModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual,
@@ -33,10 +35,10 @@ class ConstraintModelResidual final : public Printable {
                           bool T_act = true);
 
   /// Standalone: compute data->g and data->h, and then their Jacobians.
-  void calc(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calc(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x);
-  void calcDiff(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calcDiff(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x);
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calc(const DataPtr& data, const ConstVectorRef& x);
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x);
   std::shared_ptr<ConstraintDataResidual> createData(DataCollector* shared);
 
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
@@ -124,6 +126,8 @@ struct ConstraintDataManager {
 /// A stack of constraints with names.
 class ConstraintModelManager : public NamedParts<StateAbstract, ConstraintItem> {
  public:
+  using DataPtr = std::shared_ptr<ConstraintDataManager>;
+
   using ConstraintModelContainer = Container;
 
   /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
@@ -138,10 +142,10 @@ class ConstraintModelManager : public NamedParts<StateAbstract, ConstraintItem> 
 
   /// Compute out->g and out->h (without u: of a terminal node), and then their Jacobians. These are resized if the
   /// active set, or the kind of node, has changed.
-  void calc(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calc(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x);
-  void calcDiff(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calcDiff(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x);
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calc(const DataPtr& data, const ConstVectorRef& x);
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x);
   std::shared_ptr<ConstraintDataManager> createData(DataCollector* shared, DifferentialActionDataAbstract* out);
   std::shared_ptr<ConstraintDataManager> createData(DataCollector* shared);  // standalone
   /// Sets up the residuals' blocks again after the islands changed, and resizes the vectors and matrices in out.

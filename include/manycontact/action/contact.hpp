@@ -69,17 +69,18 @@ using ForceDataAbstract = ContactDataAbstract;
 /// classes below derive from it.
 class ContactModelAbstract : public Printable {
  public:
+  using DataPtr = std::shared_ptr<ContactDataAbstract>;
+
   /// Standalone, at the motion in `data->pinocchio` (x is ignored): compute Jc, and a0 including J times the
   /// accelerations; and then da0_dx.
-  void calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) const;
-  void calcDiff(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) const;
+  void calc(const DataPtr& data, const ConstVectorRef& x) const;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
   /// Standalone: set f = force (nc) and fext; set df_dx (nc x ndx) and df_du (nc x nu). They throw
   /// std::invalid_argument for a wrong size.
-  void updateForce(const std::shared_ptr<ContactDataAbstract>& data, const Eigen::VectorXd& force) const;
-  void updateForceDiff(const std::shared_ptr<ContactDataAbstract>& data, const Eigen::MatrixXd& df_dx,
-                       const Eigen::MatrixXd& df_du) const;
-  void setZeroForce(const std::shared_ptr<ContactDataAbstract>& data) const;
-  void setZeroForceDiff(const std::shared_ptr<ContactDataAbstract>& data) const;
+  void updateForce(const DataPtr& data, const Eigen::VectorXd& force) const;
+  void updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx, const Eigen::MatrixXd& df_du) const;
+  void setZeroForce(const DataPtr& data) const;
+  void setZeroForceDiff(const DataPtr& data) const;
   std::shared_ptr<ContactDataAbstract> createData(MultibodyData* data) const;
 
   const std::shared_ptr<StateMultibody>& get_state() const { return state_; }       // the state that it was made for
@@ -267,6 +268,8 @@ struct ContactDataMultiple {  // The data of a stack's contacts, by name.
 /// The contacts of an action model, by name. Their rows are stacked in the order of names.
 class ContactModelMultiple : public NamedParts<StateMultibody, ContactItem> {
  public:
+  using DataPtr = std::shared_ptr<ContactDataMultiple>;
+
   using ContactModelContainer = Container;
   using ContactDataContainer = std::map<std::string, std::shared_ptr<ContactDataAbstract>>;
 
@@ -281,14 +284,13 @@ class ContactModelMultiple : public NamedParts<StateMultibody, ContactItem> {
   bool getContactStatus(const std::string& name) const { return part(name).active; }  // whether it is active
 
   /// Standalone: evaluate the active contacts as ContactModelAbstract does, and stack the results.
-  void calc(const std::shared_ptr<ContactDataMultiple>& data, const ConstVectorRef& x) const;
-  void calcDiff(const std::shared_ptr<ContactDataMultiple>& data, const ConstVectorRef& x) const;
+  void calc(const DataPtr& data, const ConstVectorRef& x) const;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
   /// Set the forces (nc) and their derivatives (nc x ndx, nc x nu). Inactive contacts are set to zero.
-  void updateForce(const std::shared_ptr<ContactDataMultiple>& data, const Eigen::VectorXd& force) const;
-  void updateForceDiff(const std::shared_ptr<ContactDataMultiple>& data, const Eigen::MatrixXd& df_dx,
-                       const Eigen::MatrixXd& df_du) const;
-  void updateAcceleration(const std::shared_ptr<ContactDataMultiple>& data, const Eigen::VectorXd& dv) const;
-  void updateAccelerationDiff(const std::shared_ptr<ContactDataMultiple>& data, const Eigen::MatrixXd& ddv_dx) const;
+  void updateForce(const DataPtr& data, const Eigen::VectorXd& force) const;
+  void updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx, const Eigen::MatrixXd& df_du) const;
+  void updateAcceleration(const DataPtr& data, const Eigen::VectorXd& dv) const;
+  void updateAccelerationDiff(const DataPtr& data, const Eigen::MatrixXd& ddv_dx) const;
   std::shared_ptr<ContactDataMultiple> createData(MultibodyData* data) const;
 
   const ContactModelContainer& get_contacts() const { return parts_; }  // the contacts

@@ -37,6 +37,8 @@ using CostDataResidual = CostDataAbstract;
 /// Its Hessians are dense. A user-defined residual (residual.hpp), whose rows depend on few coordinates, costs less.
 class CostModelAbstract : public Printable {
  public:
+  using DataPtr = std::shared_ptr<CostDataAbstract>;
+
   /// Throws std::invalid_argument for null pointers, and parts that do not belong together.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::shared_ptr<ResidualModelAbstract> residual);
@@ -49,15 +51,13 @@ class CostModelAbstract : public Printable {
   explicit CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);
 
   /// Computes data->cost.
-  virtual void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
-                    const ConstVectorRef& u) = 0;
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
   /// Computes the cost of a terminal node: by default that at u = 0.
-  virtual void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x);
   /// Computes the derivatives after calc. Throws std::logic_error unless a class overrides it.
-  virtual void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
-                        const ConstVectorRef& u);
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
   /// Computes Lx and Lxx for a terminal node.
-  virtual void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x);
   virtual std::shared_ptr<CostDataAbstract> createData(DataCollector* shared);
 
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
@@ -83,16 +83,15 @@ class CostModelResidual : public CostModelAbstract {  // The cost a(r(x, u)) of 
   CostModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual)
       : CostModelAbstract(std::move(state), std::move(residual)) {}
 
-  void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x) override;
   /// Computes the Jacobians of the residual and the derivatives of the activation.
-  void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
   void print(std::ostream& os) const override;
 
  private:
-  void check(const char* where, const std::shared_ptr<CostDataAbstract>& data) const;
+  void check(const char* where, const DataPtr& data) const;
   void finish_derivatives(CostDataAbstract& data, bool terminal) const;
 };
 
@@ -133,6 +132,8 @@ struct CostDataSum {                    // The sum's value and derivatives.
 /// A weighted sum of costs with names.
 class CostModelSum : public NamedParts<StateAbstract, CostItem> {
  public:
+  using DataPtr = std::shared_ptr<CostDataSum>;
+
   using CostModelContainer = Container;
 
   /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
@@ -146,10 +147,10 @@ class CostModelSum : public NamedParts<StateAbstract, CostItem> {
   bool getCostStatus(const std::string& name) const { return part(name).active; }  // whether it is active
 
   /// Compute data->cost and, with weights, data->derivatives of the active costs.
-  void calc(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calc(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x);
-  void calcDiff(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calcDiff(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x);
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calc(const DataPtr& data, const ConstVectorRef& x);
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x);
   /// The derivatives are stored in `out`, if given, which must have the right sizes; otherwise the sum is evaluated
   /// standalone.
   std::shared_ptr<CostDataSum> createData(DataCollector* shared, CostDerivatives* out = nullptr);

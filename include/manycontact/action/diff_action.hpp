@@ -88,29 +88,28 @@ class NodeAbstract : public Printable {
 class DifferentialActionModelAbstract : public NodeAbstract {  // A node in continuous time.
  public:
   using DifferentialActionDataAbstract = manycontact::DifferentialActionDataAbstract;
+  using DataPtr = std::shared_ptr<DifferentialActionDataAbstract>;
 
   /// Throws std::invalid_argument for null pointers and numbers out of range.
   DifferentialActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr = 0,
                                   std::size_t ng = 0, std::size_t nh = 0);
 
   /// Computes accelerations, cost and constraints. x: nx, u: nu. Throws std::invalid_argument for wrong sizes.
-  virtual void calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
-                    const ConstVectorRef& u) = 0;
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
   /// Computes cost and constraints of a terminal node, which depend on the state alone.
-  virtual void calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x);
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x);
   /// Computes the derivatives at the last calc.
-  virtual void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
-                        const ConstVectorRef& u) = 0;
-  virtual void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x);
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x);
   virtual std::shared_ptr<DifferentialActionDataAbstract> createData();
-  virtual bool checkData(const std::shared_ptr<DifferentialActionDataAbstract>& data);
+  virtual bool checkData(const DataPtr& data);
 
   /// Computes controls u (nu) that keep x at rest, with v = 0. By default it makes Gauss-Newton steps on xout: at most
   /// maxiter, until |xout| <= tol.
-  virtual void quasiStatic(const std::shared_ptr<DifferentialActionDataAbstract>& data, VectorRef u,
-                           const ConstVectorRef& x, std::size_t maxiter = 100, double tol = 1e-9);
-  Eigen::VectorXd quasiStatic_x(const std::shared_ptr<DifferentialActionDataAbstract>& data, const Eigen::VectorXd& x,
-                                std::size_t maxiter = 100, double tol = 1e-9);
+  virtual void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
+                           double tol = 1e-9);
+  Eigen::VectorXd quasiStatic_x(const DataPtr& data, const Eigen::VectorXd& x, std::size_t maxiter = 100,
+                                double tol = 1e-9);
 
   std::size_t get_ng_T() const override { return get_ng(); }
   std::size_t get_nh_T() const override { return get_nh(); }

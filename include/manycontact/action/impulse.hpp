@@ -21,14 +21,16 @@ struct ImpulseDataMultiple : ContactDataMultiple {
 /// An impulse. As for contacts, only the classes below derive from it.
 class ImpulseModelAbstract : public Printable {
  public:
+  using DataPtr = std::shared_ptr<ImpulseDataAbstract>;
+
   /// Standalone, at the motion in `data->pinocchio` (x is ignored): compute Jc, and then dv0_dq.
-  void calc(const std::shared_ptr<ImpulseDataAbstract>& data, const ConstVectorRef& x) const;
-  void calcDiff(const std::shared_ptr<ImpulseDataAbstract>& data, const ConstVectorRef& x) const;
+  void calc(const DataPtr& data, const ConstVectorRef& x) const;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
   /// Standalone: set f = impulse (nc) and fext; set df_dx (nc x ndx).
-  void updateForce(const std::shared_ptr<ImpulseDataAbstract>& data, const Eigen::VectorXd& impulse) const;
-  void updateForceDiff(const std::shared_ptr<ImpulseDataAbstract>& data, const Eigen::MatrixXd& df_dx) const;
-  void setZeroForce(const std::shared_ptr<ImpulseDataAbstract>& data) const;
-  void setZeroForceDiff(const std::shared_ptr<ImpulseDataAbstract>& data) const;
+  void updateForce(const DataPtr& data, const Eigen::VectorXd& impulse) const;
+  void updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx) const;
+  void setZeroForce(const DataPtr& data) const;
+  void setZeroForceDiff(const DataPtr& data) const;
   std::shared_ptr<ImpulseDataAbstract> createData(MultibodyData* data) const;
 
   /// The state that it was made for.
@@ -92,6 +94,8 @@ struct ImpulseItem {  // An impulse, its name, and whether it is active.
 /// The impulses of an action model, by name. Their rows are stacked in the order of names.
 class ImpulseModelMultiple : public NamedParts<StateMultibody, ImpulseItem> {
  public:
+  using DataPtr = std::shared_ptr<ImpulseDataMultiple>;
+
   using ImpulseModelContainer = Container;
   using ImpulseDataContainer = std::map<std::string, std::shared_ptr<ImpulseDataAbstract>>;
 
@@ -106,13 +110,13 @@ class ImpulseModelMultiple : public NamedParts<StateMultibody, ImpulseItem> {
   bool getImpulseStatus(const std::string& name) const { return part(name).active; }  // whether it is active
 
   /// Standalone: evaluate the active impulses as ImpulseModelAbstract does, and stack the results.
-  void calc(const std::shared_ptr<ImpulseDataMultiple>& data, const ConstVectorRef& x) const;
-  void calcDiff(const std::shared_ptr<ImpulseDataMultiple>& data, const ConstVectorRef& x) const;
+  void calc(const DataPtr& data, const ConstVectorRef& x) const;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
   /// Set the impulses (nc) and their derivatives (nc x ndx). Inactive ones are set to zero.
-  void updateForce(const std::shared_ptr<ImpulseDataMultiple>& data, const Eigen::VectorXd& impulse) const;
-  void updateForceDiff(const std::shared_ptr<ImpulseDataMultiple>& data, const Eigen::MatrixXd& df_dx) const;
-  void updateVelocity(const std::shared_ptr<ImpulseDataMultiple>& data, const Eigen::VectorXd& vnext) const;
-  void updateVelocityDiff(const std::shared_ptr<ImpulseDataMultiple>& data, const Eigen::MatrixXd& dvnext_dx) const;
+  void updateForce(const DataPtr& data, const Eigen::VectorXd& impulse) const;
+  void updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx) const;
+  void updateVelocity(const DataPtr& data, const Eigen::VectorXd& vnext) const;
+  void updateVelocityDiff(const DataPtr& data, const Eigen::MatrixXd& dvnext_dx) const;
   std::shared_ptr<ImpulseDataMultiple> createData(MultibodyData* data) const;
 
   const ImpulseModelContainer& get_impulses() const { return parts_; }    // the impulses

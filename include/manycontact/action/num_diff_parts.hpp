@@ -34,8 +34,8 @@ class ActivationModelNumDiff : public ActivationModelAbstract, public NumDiffOf<
  public:
   /// model: the one that is differentiated.
   explicit ActivationModelNumDiff(std::shared_ptr<ActivationModelAbstract> model);
-  void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
+  void calc(const DataPtr& data, const ConstVectorRef& r) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& r) override;
   std::shared_ptr<ActivationDataAbstract> createData() override;
 };
 
@@ -52,16 +52,12 @@ class ActuationModelNumDiff : public ActuationModelAbstract, public NumDiffOf<Ac
  public:
   /// model: the one that is differentiated.
   explicit ActuationModelNumDiff(std::shared_ptr<ActuationModelAbstract> model);
-  void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
-  void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x) override;
-  void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x) override;
-  void commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& tau) override;
-  void torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                       const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
+  void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) override;
+  void torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
 };
 
@@ -78,12 +74,10 @@ class ResidualModelNumDiff : public ResidualModelAbstract,
  public:
   /// model: the one that is differentiated.
   explicit ResidualModelNumDiff(const std::shared_ptr<ResidualModelAbstract>& model);
-  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
-  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) override;
-  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
 };
 

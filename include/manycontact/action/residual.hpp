@@ -45,6 +45,8 @@ struct Dependence {
 
 class ResidualModelAbstract : public Printable {  // A function r(x, u).
  public:
+  using DataPtr = std::shared_ptr<ResidualDataAbstract>;
+
   /// nu: number of controls, or kDefaultNu: nv. Throws std::invalid_argument for a null pointer.
   ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu, Dependence on);
   /// Crocoddyl's constructor, for a user-defined residual whose calcDiff writes data->Rx and data->Ru.
@@ -55,16 +57,14 @@ class ResidualModelAbstract : public Printable {  // A function r(x, u).
                         bool v_dependent = true, bool u_dependent = true);
 
   /// Computes data->r.
-  virtual void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                    const ConstVectorRef& u) = 0;
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
   /// Computes the residual in a terminal node. By default it is r(x) if r depends on x alone, and otherwise zero, since
   /// there are no accelerations, forces or controls.
-  virtual void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x);
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x);
   /// Computes Rx and Ru of data->blocks with `differentiate`, and if the data contain them the whole matrices; call it
   /// after calc.
-  virtual void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                        const ConstVectorRef& u);
-  virtual void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x);
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x);
   virtual std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared);
 
   /// Sets up data.blocks. createData calls it, and it is called again if the islands change because a contact was
@@ -87,10 +87,9 @@ class ResidualModelAbstract : public Printable {  // A function r(x, u).
 
  protected:
   /// Computes Rx and Ru of data->blocks. Throws std::logic_error unless a residual overrides it, or calcDiff.
-  virtual void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                             const ConstVectorRef& u);
+  virtual void differentiate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
   /// Computes Rx for a terminal node.
-  virtual void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x);
+  virtual void differentiate(const DataPtr& data, const ConstVectorRef& x);
   std::shared_ptr<StateAbstract> state_;
   std::size_t nr_, nu_;
   Dependence on_;
@@ -105,13 +104,9 @@ class ResidualModelAbstract : public Printable {  // A function r(x, u).
 class NamedResidual : public ResidualModelAbstract {
  public:
   using ResidualModelAbstract::calc;
-  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override {
-    evaluate(*data, x, u);
-  }
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override { evaluate(*data, x, u); }
   using ResidualModelAbstract::differentiate;
-  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                     const ConstVectorRef& u) override {
+  void differentiate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
     if (!data->blocks.empty()) fill_blocks(*data, x, u);
   }
   void print(std::ostream& os) const override;  // prints the name

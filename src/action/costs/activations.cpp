@@ -13,12 +13,12 @@ void NamedActivation::check(const char* function, const ConstVectorRef& r) const
   check_size((std::string(name_) + "::" + function).c_str(), "r", r.size(), nr_);
 }
 
-void NamedActivation::calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) {
+void NamedActivation::calc(const DataPtr& data, const ConstVectorRef& r) {
   check("calc", r);
   data->a_value = value(r);
 }
 
-void NamedActivation::calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) {
+void NamedActivation::calcDiff(const DataPtr& data, const ConstVectorRef& r) {
   check("calcDiff", r);
   differentiate(r, *data);
 }

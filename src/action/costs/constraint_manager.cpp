@@ -225,8 +225,7 @@ void ConstraintModelManager::stack_jacobians(ConstraintDataManager& data, bool t
   hand_on(out.Hu, data.Hu);
 }
 
-void ConstraintModelManager::calc(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x,
-                                  const ConstVectorRef& u) {
+void ConstraintModelManager::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   prepare("ConstraintModelManager::calc", check_data("ConstraintModelManager::calc", data), x, false);
   check_size("ConstraintModelManager::calc", "u", u.size(), nu_);
   for_each_holding(*data, false, [&](const ConstraintItem& item, const auto& residual) {
@@ -235,7 +234,7 @@ void ConstraintModelManager::calc(const std::shared_ptr<ConstraintDataManager>& 
   stack_values(*data, false);
 }
 
-void ConstraintModelManager::calc(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x) {
+void ConstraintModelManager::calc(const DataPtr& data, const ConstVectorRef& x) {
   prepare("ConstraintModelManager::calc", check_data("ConstraintModelManager::calc", data), x, true);
   for_each_holding(*data, true, [&](const ConstraintItem& item, const auto& residual) {
     item.constraint->get_residual()->calc(residual, x);
@@ -243,8 +242,7 @@ void ConstraintModelManager::calc(const std::shared_ptr<ConstraintDataManager>& 
   stack_values(*data, true);
 }
 
-void ConstraintModelManager::calcDiff(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x,
-                                      const ConstVectorRef& u) {
+void ConstraintModelManager::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   prepare("ConstraintModelManager::calcDiff", check_data("ConstraintModelManager::calcDiff", data), x, false);
   check_size("ConstraintModelManager::calcDiff", "u", u.size(), nu_);
   for_each_holding(*data, false, [&](const ConstraintItem& item, const auto& residual) {
@@ -254,7 +252,7 @@ void ConstraintModelManager::calcDiff(const std::shared_ptr<ConstraintDataManage
   stack_jacobians(*data, false);
 }
 
-void ConstraintModelManager::calcDiff(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x) {
+void ConstraintModelManager::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   prepare("ConstraintModelManager::calcDiff", check_data("ConstraintModelManager::calcDiff", data), x, true);
   for_each_holding(*data, true, [&](const ConstraintItem& item, const auto& residual) {
     item.constraint->get_residual()->calcDiff(residual, x);

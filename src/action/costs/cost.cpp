@@ -102,18 +102,13 @@ CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state,
 CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu)
     : CostModelAbstract(state, std::make_shared<ActivationModelQuad>(0), nu) {}
 
-void CostModelAbstract::calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
-  calc(data, x, unone_);
-}
+void CostModelAbstract::calc(const DataPtr& data, const ConstVectorRef& x) { calc(data, x, unone_); }
 
-void CostModelAbstract::calcDiff(const std::shared_ptr<CostDataAbstract>&, const ConstVectorRef&,
-                                 const ConstVectorRef&) {
+void CostModelAbstract::calcDiff(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) {
   throw std::logic_error("CostModelAbstract::calcDiff: the cost has no derivatives, a calcDiff is expected");
 }
 
-void CostModelAbstract::calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
-  calcDiff(data, x, unone_);
-}
+void CostModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef& x) { calcDiff(data, x, unone_); }
 
 std::shared_ptr<CostDataAbstract> CostModelAbstract::createData(DataCollector* shared) {
   return std::make_shared<CostDataAbstract>(this, shared);
@@ -127,35 +122,33 @@ void CostModelResidual::print(std::ostream& os) const {
   os << "CostModelResidual {" << *residual_ << ", " << *activation_ << "}";
 }
 
-void CostModelResidual::check(const char* where, const std::shared_ptr<CostDataAbstract>& data) const {
+void CostModelResidual::check(const char* where, const DataPtr& data) const {
   const CostDataAbstract& d = check_data(where, data);
   require(d.of_residual == residual_ && d.of_activation == activation_, where,
           "the data were created by another cost, data of this one's createData() are expected");
 }
 
-void CostModelResidual::calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
-                             const ConstVectorRef& u) {
+void CostModelResidual::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("CostModelResidual::calc", data);
   residual_->calc(data->residual, x, u);
   activation_->calc(data->activation, data->residual->r);
   data->cost = data->activation->a_value;
 }
 
-void CostModelResidual::calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
+void CostModelResidual::calc(const DataPtr& data, const ConstVectorRef& x) {
   check("CostModelResidual::calc", data);
   residual_->calc(data->residual, x);
   activation_->calc(data->activation, data->residual->r);
   data->cost = data->activation->a_value;
 }
 
-void CostModelResidual::calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
-                                 const ConstVectorRef& u) {
+void CostModelResidual::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("CostModelResidual::calcDiff", data);
   residual_->calcDiff(data->residual, x, u);
   finish_derivatives(*data, false);
 }
 
-void CostModelResidual::calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
+void CostModelResidual::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   check("CostModelResidual::calcDiff", data);
   residual_->calcDiff(data->residual, x);
   finish_derivatives(*data, true);

@@ -46,7 +46,7 @@ void CostModelSum::check(const char* where, const CostDataSum& data, const Const
           "costs were added or removed since the data were created, new data are expected");
 }
 
-void CostModelSum::calc(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+void CostModelSum::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("CostModelSum::calc", check_data("CostModelSum::calc", data), x);
   check_size("CostModelSum::calc", "u", u.size(), nu_);
   data->cost = 0;
@@ -56,7 +56,7 @@ void CostModelSum::calc(const std::shared_ptr<CostDataSum>& data, const ConstVec
   });
 }
 
-void CostModelSum::calc(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x) {
+void CostModelSum::calc(const DataPtr& data, const ConstVectorRef& x) {
   check("CostModelSum::calc", check_data("CostModelSum::calc", data), x);
   data->cost = 0;
   internal::for_each_part(parts_, data->costs, is_active, [&](const CostItem& item, const auto& d) {
@@ -65,8 +65,7 @@ void CostModelSum::calc(const std::shared_ptr<CostDataSum>& data, const ConstVec
   });
 }
 
-void CostModelSum::calcDiff(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x,
-                            const ConstVectorRef& u) {
+void CostModelSum::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("CostModelSum::calcDiff", check_data("CostModelSum::calcDiff", data), x);
   check_size("CostModelSum::calcDiff", "u", u.size(), nu_);
   internal::for_each_part(parts_, data->costs, is_active,
@@ -74,7 +73,7 @@ void CostModelSum::calcDiff(const std::shared_ptr<CostDataSum>& data, const Cons
   add_up(*data, false);
 }
 
-void CostModelSum::calcDiff(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x) {
+void CostModelSum::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   check("CostModelSum::calcDiff", check_data("CostModelSum::calcDiff", data), x);
   internal::for_each_part(parts_, data->costs, is_active,
                           [&](const CostItem& item, const auto& d) { item.cost->calcDiff(d, x); });

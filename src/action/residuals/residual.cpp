@@ -64,22 +64,21 @@ ResidualModelAbstract::ResidualModelAbstract(std::shared_ptr<StateAbstract> stat
                                              bool v_dependent, bool u_dependent)
     : ResidualModelAbstract(state, nr, state ? state->get_nv() : 0, q_dependent, v_dependent, u_dependent) {}
 
-void ResidualModelAbstract::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
+void ResidualModelAbstract::calc(const DataPtr& data, const ConstVectorRef& x) {
   if (get_u_dependent())
     data->r.setZero();
   else
     calc(data, x, unone_);
 }
 
-void ResidualModelAbstract::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                                     const ConstVectorRef& u) {
+void ResidualModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   differentiate(data, x, u);
   if (data->Rx.size() == 0 && data->Ru.size() == 0) return;
   data->Rx = data->whole_Rx();
   data->Ru = data->whole_Ru();
 }
 
-void ResidualModelAbstract::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
+void ResidualModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   if (!get_u_dependent()) return calcDiff(data, x, unone_);
   if (whole_) {
     data->Rx.setZero();
@@ -89,12 +88,11 @@ void ResidualModelAbstract::calcDiff(const std::shared_ptr<ResidualDataAbstract>
   if (data->Rx.size() > 0) data->Rx = data->whole_Rx();
 }
 
-void ResidualModelAbstract::differentiate(const std::shared_ptr<ResidualDataAbstract>&, const ConstVectorRef&,
-                                          const ConstVectorRef&) {
+void ResidualModelAbstract::differentiate(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) {
   throw std::logic_error("ResidualModelAbstract::calcDiff: the residual has no derivatives, a calcDiff is expected");
 }
 
-void ResidualModelAbstract::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
+void ResidualModelAbstract::differentiate(const DataPtr& data, const ConstVectorRef& x) {
   if (!get_u_dependent()) return differentiate(data, x, unone_);
   for (ResidualBlock& block : data->blocks) block.Rx.setZero();
 }

@@ -108,7 +108,7 @@ void GravityResidual::evaluate(ResidualDataAbstract& data, const ConstVectorRef&
   d.r = d.shared->actuation->tau - d.statics.tau;
 }
 
-void GravityResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
+void GravityResidual::calc(const DataPtr& data, const ConstVectorRef& x) {
   auto& d = internal::own<GravityData>(*data);
   static_torque(d.shared->scene, d.shared->solution, x.data(), false, d.statics);
   d.r = -d.statics.tau;
@@ -125,7 +125,7 @@ void GravityResidual::fill_blocks(ResidualDataAbstract& data, const ConstVectorR
   }
 }
 
-void GravityResidual::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&) {
+void GravityResidual::differentiate(const DataPtr& data, const ConstVectorRef&) {
   set_static_part(internal::own<GravityData>(*data), false);
 }
 

@@ -14,9 +14,9 @@ class GravityResidual : public NamedResidual {
   void lay_out(ResidualDataAbstract& data) const override;
   using NamedResidual::calc;
   /// In a terminal node: tau_s(q) - g(q).
-  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x) override;
   using NamedResidual::differentiate;
-  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) override;
+  void differentiate(const DataPtr& data, const ConstVectorRef& x) override;
 
  protected:
   /// contacts: whether contact forces contribute.
