@@ -32,8 +32,6 @@ void ActuationModelAbstract::torqueTransform(const DataPtr& data, const ConstVec
   data->Mtau = Eigen::MatrixXd(data->dtau_du).completeOrthogonalDecomposition().pseudoInverse();
 }
 
-void ActuationModelAbstract::print(std::ostream& os) const { os << "ActuationModelAbstract {nu=" << nu_ << "}"; }
-
 ActuationModelSelection::ActuationModelSelection(std::shared_ptr<StateAbstract> state, std::vector<int> selection,
                                                  std::string name)
     : ActuationModelAbstract(std::move(state), selection.size()), name_(std::move(name)) {
@@ -80,8 +78,6 @@ const std::vector<int>& ActuationModelSelection::selection() const {
   const auto& type = typeid(*this);
   return type == typeid(ActuationModelFull) || type == typeid(ActuationModelFloatingBase) ? selection_ : none;
 }
-
-void ActuationModelSelection::print(std::ostream& os) const { os << name_ << " {nu=" << nu_ << "}"; }
 
 namespace {
 

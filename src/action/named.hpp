@@ -65,6 +65,7 @@ void NamedParts<State, Item>::add(const Item& item) {
   parts_[item.name] = std::make_shared<Item>(item);
   (item.active ? active_set_ : inactive_set_).insert(item.name);
   ++version_;
+  count();
 }
 
 template <class State, class Item>
@@ -73,6 +74,7 @@ void NamedParts<State, Item>::remove(std::string name) {
   for (auto* names : {&active_set_, &inactive_set_}) names->erase(name);
   parts_.erase(name);
   ++version_;
+  count();
 }
 
 template <class State, class Item>
@@ -82,6 +84,7 @@ bool NamedParts<State, Item>::change_status(const std::string& name, bool active
   item.active = active;
   (active ? inactive_set_ : active_set_).erase(name);
   (active ? active_set_ : inactive_set_).insert(name);
+  count();
   return true;
 }
 

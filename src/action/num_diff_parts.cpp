@@ -18,15 +18,26 @@ struct Differences {
   Eigen::MatrixXd x, u;  // by these; a terminal node has none by u
 };
 
-// Differentiates values(x, u), which has `rows` numbers. In the end the values are those of the point again.
-template <class Values>
-Differences differences(const StateAbstract& state, Eigen::Index rows, const Eigen::VectorXd& x,
-                        const Eigen::VectorXd& u, bool terminal, double h, Values&& values) {
+// Differentiates value(data) of a part of an action model. before(x, u) is called before each calc. In the end the data
+// are those of the point again.
+template <class Model, class Data, class Before, class Value>
+Differences differences(Model& model, const std::shared_ptr<Data>& data, const Eigen::VectorXd& x,
+                        const Eigen::VectorXd& u, bool terminal, double h, Before&& before, Value&& value) {
+  const StateAbstract& state = *model.get_state();
+  const auto at = [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) -> Eigen::VectorXd {
+    before(at_x, at_u);
+    if (terminal)
+      model.calc(data, at_x);
+    else
+      model.calc(data, at_x, at_u);
+    return value(*data);
+  };
+  const Eigen::Index rows = value(*data).size();
   Differences by;
   by.x = jacobian(rows, size(state.get_ndx()), h,
-                  [&](const Eigen::VectorXd& dx) { return values(state.integrate_x(x, dx), u); });
-  if (!terminal) by.u = jacobian_by_u(rows, u, h, [&](const Eigen::VectorXd& at) { return values(x, at); });
-  (void)values(x, u);
+                  [&](const Eigen::VectorXd& dx) { return at(state.integrate_x(x, dx), u); });
+  if (!terminal) by.u = jacobian_by_u(rows, u, h, [&](const Eigen::VectorXd& at_u) { return at(x, at_u); });
+  (void)at(x, u);
   return by;
 }
 
@@ -41,14 +52,6 @@ StateNumDiff::StateNumDiff(std::shared_ptr<StateAbstract> state)
   nv_ = state_model_->get_nv();
   set_lb(state_model_->get_lb());
   set_ub(state_model_->get_ub());
-}
-
-void StateNumDiff::diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const {
-  state_model_->diff(x0, x1, dxout);
-}
-
-void StateNumDiff::integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const {
-  state_model_->integrate(x, dx, xout);
 }
 
 void StateNumDiff::Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, MatrixRef Jfirst, MatrixRef Jsecond,
@@ -145,27 +148,23 @@ void ActuationModelNumDiff::calc(const DataPtr& data, const ConstVectorRef& x) {
   d.tau = d.data_0->tau;
 }
 
-void ActuationModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+void ActuationModelNumDiff::differentiate(const DataPtr& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u,
+                                          bool terminal) {
   auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::calcDiff", data);
-  check("ActuationModelNumDiff::calcDiff", x, u);
-  const Differences by =
-      differences(*state_, size(state_->get_nv()), x, u, false, step_, [&](const auto& at_x, const auto& at_u) {
-        model_->calc(d.data_0, at_x, at_u);
-        return d.data_0->tau;
-      });
+  if (!terminal) check("ActuationModelNumDiff::calcDiff", x, u);
+  const Differences by = differences(
+      *model_, d.data_0, x, u, terminal, step_, [](const auto&, const auto&) {},
+      [](const ActuationDataAbstract& at) { return at.tau; });
   d.dtau_dx = by.x;
-  d.dtau_du = by.u;
+  if (!terminal) d.dtau_du = by.u;
   d.tau = d.data_0->tau;
 }
 
-void ActuationModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
-  auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::calcDiff", data);
-  d.dtau_dx = differences(*state_, size(state_->get_nv()), x, {}, true, step_, [&](const auto& at_x, const auto&) {
-                model_->calc(d.data_0, at_x);
-                return d.data_0->tau;
-              }).x;
-  d.tau = d.data_0->tau;
+void ActuationModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+  differentiate(data, x, u, false);
 }
+
+void ActuationModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x) { differentiate(data, x, {}, true); }
 
 void ActuationModelNumDiff::commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) {
   auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::commands", data);
@@ -210,65 +209,46 @@ void ResidualModelNumDiff::calc(const DataPtr& data, const ConstVectorRef& x) {
   d.r = d.data_0->r;
 }
 
-void ResidualModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+void ResidualModelNumDiff::differences_of(const DataPtr& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u,
+                                          bool terminal) {
   auto& d = internal::own_data<ResidualDataNumDiff>("ResidualModelNumDiff::calcDiff", data);
-  const Differences by = differences(*state_, size(nr_), x, u, false, step_, [&](const auto& at_x, const auto& at_u) {
-    reevaluate(at_x, at_u);
-    model_->calc(d.data_0, at_x, at_u);
-    return d.data_0->r;
-  });
+  const Differences by = differences(
+      *model_, d.data_0, x, u, terminal, step_, [&](const auto& at_x, const auto& at_u) { reevaluate(at_x, at_u); },
+      [](const ResidualDataAbstract& at) { return at.r; });
   d.Rx = by.x;
-  d.Ru = by.u;
+  if (!terminal) d.Ru = by.u;
   d.r = d.data_0->r;
 }
 
+void ResidualModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+  differences_of(data, x, u, false);
+}
+
 void ResidualModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
-  auto& d = internal::own_data<ResidualDataNumDiff>("ResidualModelNumDiff::calcDiff", data);
-  d.Rx = differences(*state_, size(nr_), x, unone_, true, step_, [&](const auto& at_x, const auto& at_u) {
-           reevaluate(at_x, at_u);
-           model_->calc(d.data_0, at_x);
-           return d.data_0->r;
-         }).x;
-  d.r = d.data_0->r;
+  differences_of(data, x, unone_, true);
 }
 
 // ---- cost and constraint
 
 template <class Model, class Data>
-void PartNumDiff<Model, Data>::calc(const std::shared_ptr<Data>& data, const ConstVectorRef& x,
-                                    const ConstVectorRef& u) {
-  model_->calc(data, x, u);
-}
-
-template <class Model, class Data>
-void PartNumDiff<Model, Data>::calc(const std::shared_ptr<Data>& data, const ConstVectorRef& x) {
-  model_->calc(data, x);
-}
-
-template <class Model, class Data>
-template <class Calc>
-void PartNumDiff<Model, Data>::differentiate(Data& d, const Eigen::VectorXd& x, const Eigen::VectorXd& u, bool terminal,
-                                             Calc&& calc) const {
-  const Differences by =
-      differences(*get_state(), values(d).size(), x, u, terminal, this->step_, [&](const auto& at_x, const auto& at_u) {
-        reevaluate(at_x, at_u);
-        calc(at_x, at_u);
-        return values(d);
-      });
-  store(by.x, terminal ? nullptr : &by.u, d);
+void PartNumDiff<Model, Data>::differentiate(const std::shared_ptr<Data>& data, const Eigen::VectorXd& x,
+                                             const Eigen::VectorXd& u, bool terminal) const {
+  check_data((std::string(name_) + "::calcDiff").c_str(), data);
+  const Differences by = differences(
+      *model_, data, x, u, terminal, this->step_, [&](const auto& at_x, const auto& at_u) { reevaluate(at_x, at_u); },
+      [&](const Data& at) { return values(at); });
+  store(by.x, terminal ? nullptr : &by.u, *data);
 }
 
 template <class Model, class Data>
 void PartNumDiff<Model, Data>::calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x,
                                         const ConstVectorRef& u) {
-  differentiate(check_data((std::string(name_) + "::calcDiff").c_str(), data), x, u, false,
-                [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) { model_->calc(data, at_x, at_u); });
+  differentiate(data, x, u, false);
 }
 
 template <class Model, class Data>
 void PartNumDiff<Model, Data>::calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x) {
-  differentiate(check_data((std::string(name_) + "::calcDiff").c_str(), data), x, Eigen::VectorXd::Zero(size(get_nu())),
-                true, [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd&) { model_->calc(data, at_x); });
+  differentiate(data, x, Eigen::VectorXd::Zero(size(get_nu())), true);
 }
 
 template class PartNumDiff<CostModelAbstract, CostDataAbstract>;
@@ -306,10 +286,6 @@ void CostModelNumDiff::store(const Eigen::MatrixXd& by_x, const Eigen::MatrixXd*
 ConstraintModelNumDiff::ConstraintModelNumDiff(const std::shared_ptr<ConstraintModelAbstract>& model)
     : PartNumDiff("ConstraintModelNumDiff", model) {}
 
-std::shared_ptr<ConstraintDataAbstract> ConstraintModelNumDiff::createData(DataCollector* shared) {
-  return model_->createData(shared);
-}
-
 Eigen::VectorXd ConstraintModelNumDiff::values(const ConstraintDataAbstract& d) const {
   Eigen::VectorXd out(d.g.size() + d.h.size());
   out << d.g, d.h;
@@ -330,22 +306,17 @@ void ConstraintModelNumDiff::store(const Eigen::MatrixXd& by_x, const Eigen::Mat
 ContactModelNumDiff::ContactModelNumDiff(const std::shared_ptr<ContactModelAbstract>& model)
     : NumDiffOf("ContactModelNumDiff", model) {}
 
-std::shared_ptr<ContactDataAbstract> ContactModelNumDiff::createData(MultibodyData* data) {
-  return model_->createData(data);
-}
-
-void ContactModelNumDiff::calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) {
-  model_->calc(data, x);
-}
-
 void ContactModelNumDiff::calcDiff(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) {
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(size(model_->get_nu()));
-  const auto a0 = [&](const auto& at_x, const auto& at_u) {
-    reevaluate(at_x, at_u);
+  const StateMultibody& state = *model_->get_state();
+  const Eigen::VectorXd no_controls = Eigen::VectorXd::Zero(size(model_->get_nu()));
+  const auto a0 = [&](const Eigen::VectorXd& at_x) {
+    reevaluate(at_x, no_controls);
     model_->calc(data, at_x);
     return data->a0;
   };
-  data->da0_dx = differences(*model_->get_state(), size(model_->get_nc()), x, none, true, step_, a0).x;
+  data->da0_dx = jacobian(size(model_->get_nc()), size(state.get_ndx()), step_,
+                          [&](const Eigen::VectorXd& dx) { return a0(state.integrate_x(x, dx)); });
+  (void)a0(x);
 }
 
 }  // namespace manycontact

@@ -30,8 +30,8 @@ class ActivationModelAbstract : public Printable {  // A cost as a function a(r)
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& r) = 0;
   /// Creates data of this model; one per thread.
   virtual std::shared_ptr<ActivationDataAbstract> createData() { return std::make_shared<ActivationDataAbstract>(nr_); }
-  std::size_t get_nr() const { return nr_; }    // number of rows of the residual
-  void print(std::ostream& os) const override;  // prints type and sizes
+  std::size_t get_nr() const { return nr_; }  // number of rows of the residual
+  void print(std::ostream& os) const override { os << "ActivationModel {nr=" << nr_ << "}"; }
 
  protected:
   std::size_t nr_;

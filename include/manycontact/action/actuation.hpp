@@ -76,7 +76,7 @@ class ActuationModelAbstract : public Printable {  // A function tau(x, u): the 
 
   std::size_t get_nu() const { return nu_; }                                  // number of controls
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
-  void print(std::ostream& os) const override;                                // prints type and sizes
+  void print(std::ostream& os) const override { os << "ActuationModelAbstract {nu=" << nu_ << "}"; }
 
  protected:
   /// Throws std::invalid_argument for wrong sizes of x and u.
@@ -98,7 +98,7 @@ class ActuationModelSelection : public ActuationModelAbstract {
   void torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
   const std::vector<int>& selection() const override;
-  void print(std::ostream& os) const override;
+  void print(std::ostream& os) const override { os << name_ << " {nu=" << nu_ << "}"; }
 
  protected:
   /// selection: the actuated coordinates.

@@ -136,8 +136,8 @@ class ConstraintModelManager : public NamedParts<StateAbstract, ConstraintItem> 
   /// They throw std::invalid_argument for a name that exists already (or does not exist), and for a constraint with
   /// another state or nu.
   void addConstraint(const std::string& name, std::shared_ptr<ConstraintModelAbstract> constraint, bool active = true);
-  void removeConstraint(const std::string& name);
-  void changeConstraintStatus(const std::string& name, bool active);
+  void removeConstraint(const std::string& name) { remove(name); }
+  void changeConstraintStatus(const std::string& name, bool active) { change_status(name, active); }
   bool getConstraintStatus(const std::string& name) const { return part(name).active; }  // whether it is active
 
   /// Compute out->g and out->h (without u: of a terminal node), and then their Jacobians. These are resized if the
@@ -163,7 +163,7 @@ class ConstraintModelManager : public NamedParts<StateAbstract, ConstraintItem> 
   std::size_t get_status() const { return status_; }         // counts switches of constraints
 
  private:
-  void count();
+  void count() override;
   bool holds(const ConstraintItem& item, bool terminal) const;
   template <class F>
   void for_each_holding(ConstraintDataManager& data, bool terminal, F&& f) const;

@@ -279,8 +279,8 @@ class ContactModelMultiple : public NamedParts<StateMultibody, ContactItem> {
   /// They throw std::invalid_argument for a name that exists already (or does not exist), and for a contact with
   /// another state or nu.
   void addContact(const std::string& name, std::shared_ptr<ContactModelAbstract> contact, bool active = true);
-  void removeContact(const std::string& name);
-  void changeContactStatus(const std::string& name, bool active);
+  void removeContact(const std::string& name) { remove(name); }
+  void changeContactStatus(const std::string& name, bool active) { change_status(name, active); }
   bool getContactStatus(const std::string& name) const { return part(name).active; }  // whether it is active
 
   /// Standalone: evaluate the active contacts as ContactModelAbstract does, and stack the results.
@@ -298,7 +298,7 @@ class ContactModelMultiple : public NamedParts<StateMultibody, ContactItem> {
   std::size_t get_nc_total() const { return nc_total_; }                // rows of all contacts
 
  private:
-  void count();
+  void count() override;
   std::size_t nc_ = 0, nc_total_ = 0;
 };
 

@@ -27,10 +27,10 @@ class ImpulseModelAbstract : public Printable {
   void calc(const DataPtr& data, const ConstVectorRef& x) const;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
   /// Standalone: set f = impulse (nc) and fext; set df_dx (nc x ndx).
-  void updateForce(const DataPtr& data, const Eigen::VectorXd& impulse) const;
+  void updateForce(const DataPtr& data, const Eigen::VectorXd& impulse) const { contact_->updateForce(data, impulse); }
   void updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx) const;
-  void setZeroForce(const DataPtr& data) const;
-  void setZeroForceDiff(const DataPtr& data) const;
+  void setZeroForce(const DataPtr& data) const { contact_->setZeroForce(data); }
+  void setZeroForceDiff(const DataPtr& data) const { contact_->setZeroForceDiff(data); }
   std::shared_ptr<ImpulseDataAbstract> createData(MultibodyData* data) const;
 
   /// The state that it was made for.

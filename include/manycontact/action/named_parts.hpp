@@ -26,6 +26,8 @@ class NamedParts : public Printable {
   /// std::invalid_argument for a null pointer.
   NamedParts(const char* name, const char* what, std::shared_ptr<State> state, std::size_t nu);
   Item& part(const std::string& name) const;  // the part with this name
+  /// Called after each change of the parts or their status.
+  virtual void count() {}
   void add(const Item& item);
   void remove(std::string name);                             // a copy, since the name may be that of the part itself
   bool change_status(const std::string& name, bool active);  // whether the status has changed

@@ -16,8 +16,12 @@ class StateNumDiff : public StateAbstract, public internal::Step {
   explicit StateNumDiff(std::shared_ptr<StateAbstract> state);  // state: the one that is differentiated
   Eigen::VectorXd zero() const override { return state_model_->zero(); }
   Eigen::VectorXd rand() const override { return state_model_->rand(); }
-  void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const override;
-  void integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const override;
+  void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const override {
+    state_model_->diff(x0, x1, dxout);
+  }
+  void integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const override {
+    state_model_->integrate(x, dx, xout);
+  }
   void Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, MatrixRef Jfirst, MatrixRef Jsecond,
              Jcomponent firstsecond = both) const override;
   void Jintegrate(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jfirst, MatrixRef Jsecond,
@@ -59,6 +63,9 @@ class ActuationModelNumDiff : public ActuationModelAbstract, public NumDiffOf<Ac
   void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) override;
   void torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
+
+ private:
+  void differentiate(const DataPtr& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u, bool terminal);
 };
 
 /// Data of ActuationModelNumDiff.
@@ -79,6 +86,9 @@ class ResidualModelNumDiff : public ResidualModelAbstract,
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
+
+ private:
+  void differences_of(const DataPtr& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u, bool terminal);
 };
 
 /// Data of ResidualModelNumDiff.
@@ -92,8 +102,10 @@ template <class Model, class Data>
 class PartNumDiff : public NumDiffOf<Model>, public internal::Reevaluation {
  public:
   /// Evaluates the model.
-  void calc(const std::shared_ptr<Data>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calc(const std::shared_ptr<Data>& data, const ConstVectorRef& x);  // evaluates the model
+  void calc(const std::shared_ptr<Data>& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+    model_->calc(data, x, u);
+  }
+  void calc(const std::shared_ptr<Data>& data, const ConstVectorRef& x) { model_->calc(data, x); }
   /// Computes the derivatives by central differences.
   void calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x, const ConstVectorRef& u);
   void calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x);  // as above, in a terminal node
@@ -110,8 +122,8 @@ class PartNumDiff : public NumDiffOf<Model>, public internal::Reevaluation {
   virtual Eigen::VectorXd values(const Data& data) const = 0;  // the numbers that are differentiated
   /// Stores their derivatives. by_u is null in a terminal node.
   virtual void store(const Eigen::MatrixXd& by_x, const Eigen::MatrixXd* by_u, Data& data) const = 0;
-  template <class Calc>
-  void differentiate(Data& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u, bool terminal, Calc&& calc) const;
+  void differentiate(const std::shared_ptr<Data>& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u,
+                     bool terminal) const;
   const char* name_;
 };
 
@@ -134,7 +146,7 @@ class ConstraintModelNumDiff : public PartNumDiff<ConstraintModelAbstract, Const
   /// model: the one that is differentiated.
   explicit ConstraintModelNumDiff(const std::shared_ptr<ConstraintModelAbstract>& model);
   /// Creates data of this model; one per thread.
-  std::shared_ptr<ConstraintDataAbstract> createData(DataCollector* shared);
+  std::shared_ptr<ConstraintDataAbstract> createData(DataCollector* shared) { return model_->createData(shared); }
 
  private:
   Eigen::VectorXd values(const ConstraintDataAbstract& data) const override;
@@ -146,10 +158,12 @@ class ContactModelNumDiff : public NumDiffOf<ContactModelAbstract>, public inter
  public:
   /// model: the one that is differentiated.
   explicit ContactModelNumDiff(const std::shared_ptr<ContactModelAbstract>& model);
-  void calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x);  // evaluates the model
+  /// Evaluates the model.
+  void calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) { model_->calc(data, x); }
   /// Computes the derivatives by central differences.
   void calcDiff(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x);
-  std::shared_ptr<ContactDataAbstract> createData(MultibodyData* data);  // creates data of this model; one per thread
+  /// Creates data of this model; one per thread.
+  std::shared_ptr<ContactDataAbstract> createData(MultibodyData* data) { return model_->createData(data); }
 };
 
 }  // namespace manycontact

@@ -83,7 +83,7 @@ class ResidualModelAbstract : public Printable {  // A function r(x, u).
   bool get_v_dependent() const { return on_.v || on_.acceleration || on_.forces; }  // whether it depends on v
   bool get_u_dependent() const { return on_.u || on_.acceleration || on_.forces; }  // whether it depends on u
   const Dependence& depends_on() const { return on_; }                              // the variables that it depends on
-  void print(std::ostream& os) const override;                                      // prints type and sizes
+  void print(std::ostream& os) const override { os << "ResidualModel {nr=" << nr_ << "}"; }
 
  protected:
   /// Computes Rx and Ru of data->blocks. Throws std::logic_error unless a residual overrides it, or calcDiff.
@@ -109,7 +109,7 @@ class NamedResidual : public ResidualModelAbstract {
   void differentiate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
     if (!data->blocks.empty()) fill_blocks(*data, x, u);
   }
-  void print(std::ostream& os) const override;  // prints the name
+  void print(std::ostream& os) const override { os << name_; }
 
  protected:
   /// name: that of the class. nu: number of controls, or kDefaultNu.

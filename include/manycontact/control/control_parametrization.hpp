@@ -134,7 +134,9 @@ class ControlParametrizationModelNumDiff : public ControlParametrizationModelAbs
   Data createData() override;
   void params(const Data& data, double t, const ConstVectorRef& w) const override;
   void convertBounds(const ConstVectorRef& w_lb, const ConstVectorRef& w_ub, VectorRef u_lb,
-                     VectorRef u_ub) const override;
+                     VectorRef u_ub) const override {
+    model_->convertBounds(w_lb, w_ub, u_lb, u_ub);
+  }
   void multiplyByJacobian(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A, MatrixRef out,
                           AssignmentOp op = setto) const override;
   void multiplyJacobianTransposeBy(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A, MatrixRef out,

@@ -303,17 +303,9 @@ void ImpulseModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef&) 
   data->dv0_dq = by_x.leftCols(data->dv0_dq.cols());
 }
 
-void ImpulseModelAbstract::updateForce(const DataPtr& data, const Eigen::VectorXd& impulse) const {
-  contact_->updateForce(data, impulse);
-}
-
 void ImpulseModelAbstract::updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx) const {
   contact_->updateForceDiff(data, df_dx, Eigen::MatrixXd(data->own_df_du));
 }
-
-void ImpulseModelAbstract::setZeroForce(const DataPtr& data) const { contact_->setZeroForce(data); }
-
-void ImpulseModelAbstract::setZeroForceDiff(const DataPtr& data) const { contact_->setZeroForceDiff(data); }
 
 std::shared_ptr<ImpulseDataMultiple> ImpulseModelMultiple::createData(MultibodyData* motion) const {
   auto data = std::make_shared<ImpulseDataMultiple>();

@@ -14,16 +14,6 @@ void ContactModelMultiple::addContact(const std::string& name, std::shared_ptr<C
                                       bool active) {
   internal::check_part(name_, name, contact, state_, nu_);
   add({name, contact, active});
-  count();
-}
-
-void ContactModelMultiple::removeContact(const std::string& name) {
-  remove(name);
-  count();
-}
-
-void ContactModelMultiple::changeContactStatus(const std::string& name, bool active) {
-  if (change_status(name, active)) count();
 }
 
 void ContactModelMultiple::count() {

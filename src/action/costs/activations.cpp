@@ -6,8 +6,6 @@
 
 namespace manycontact {
 
-void ActivationModelAbstract::print(std::ostream& os) const { os << "ActivationModel {nr=" << nr_ << "}"; }
-
 void NamedActivation::check(const char* function, const ConstVectorRef& r) const {
   if (r.size() == static_cast<Eigen::Index>(nr_)) return;
   check_size((std::string(name_) + "::" + function).c_str(), "r", r.size(), nr_);

@@ -19,16 +19,6 @@ void ConstraintModelManager::addConstraint(const std::string& name, std::shared_
                                            bool active) {
   internal::check_part(name_, name, constraint, state_, nu_);
   add({name, constraint, active});
-  count();
-}
-
-void ConstraintModelManager::removeConstraint(const std::string& name) {
-  remove(name);
-  count();
-}
-
-void ConstraintModelManager::changeConstraintStatus(const std::string& name, bool active) {
-  if (change_status(name, active)) count();
 }
 
 bool ConstraintModelManager::holds(const ConstraintItem& item, bool terminal) const {

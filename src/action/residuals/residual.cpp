@@ -114,8 +114,4 @@ void ResidualModelAbstract::lay_out(ResidualDataAbstract& data) const {
   data.blocks.emplace_back(all(nr_), all(state_->get_ndx()), all(get_u_dependent() ? nu_ : 0));
 }
 
-void ResidualModelAbstract::print(std::ostream& os) const { os << "ResidualModel {nr=" << nr_ << "}"; }
-
-void NamedResidual::print(std::ostream& os) const { os << name_; }
-
 }  // namespace manycontact

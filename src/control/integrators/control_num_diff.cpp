@@ -47,11 +47,6 @@ void NumDiff::params(const Data& data, double t, const ConstVectorRef& w) const 
   d.u = d.data_0->u;
 }
 
-void NumDiff::convertBounds(const ConstVectorRef& w_lb, const ConstVectorRef& w_ub, VectorRef u_lb,
-                            VectorRef u_ub) const {
-  model_->convertBounds(w_lb, w_ub, u_lb, u_ub);
-}
-
 void NumDiff::multiplyByJacobian(const Data& data, const ConstMatrixRef& A, MatrixRef out, AssignmentOp op) const {
   internal::assign(out, A * own(data).dw_du, op);
 }
