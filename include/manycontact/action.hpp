@@ -17,6 +17,7 @@
 #include "manycontact/action/fwd.hpp"
 #include "manycontact/action/impulse.hpp"
 #include "manycontact/action/multibody.hpp"
+#include "manycontact/action/named_parts.hpp"
 #include "manycontact/action/num_diff.hpp"
 #include "manycontact/action/num_diff_parts.hpp"
 #include "manycontact/action/residual.hpp"

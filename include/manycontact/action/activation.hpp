@@ -19,45 +19,63 @@ struct ActivationDataAbstract {  // The value a(r), its gradient and its Hessian
   Eigen::DiagonalMatrix<double, Eigen::Dynamic> Arr;  // nr: set by calcDiff
 };
 
-class ActivationModelAbstract {  // A cost as a function a(r) of the residual.
+class ActivationModelAbstract : public Printable {  // A cost as a function a(r) of the residual.
  public:
+  using DataPtr = std::shared_ptr<ActivationDataAbstract>;
+
   explicit ActivationModelAbstract(std::size_t nr) : nr_(nr) {}  // nr: number of rows
-  virtual ~ActivationModelAbstract() = default;
   /// Computes data->a_value from the residual r (nr).
-  virtual void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) = 0;
+  virtual void calc(const DataPtr& data, const ConstVectorRef& r) = 0;
   /// Computes data->Ar and data->Arr at the last calc.
-  virtual void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) = 0;
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& r) = 0;
   /// Creates data of this model; one per thread.
   virtual std::shared_ptr<ActivationDataAbstract> createData() { return std::make_shared<ActivationDataAbstract>(nr_); }
-  std::size_t get_nr() const { return nr_; }   // number of rows of the residual
-  virtual void print(std::ostream& os) const;  // prints type and sizes
+  std::size_t get_nr() const { return nr_; }  // number of rows of the residual
+  void print(std::ostream& os) const override { os << "ActivationModel {nr=" << nr_ << "}"; }
 
  protected:
   std::size_t nr_;
 };
-std::ostream& operator<<(std::ostream& os, const ActivationModelAbstract& model);  // prints it as `print` does
+
+/// The common base of the activations of this library: their names, and checks of sizes.
+class NamedActivation : public ActivationModelAbstract {
+ public:
+  void calc(const DataPtr& data, const ConstVectorRef& r) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& r) override;
+  void print(std::ostream& os) const override;  // prints name, size and parameters
+
+ protected:
+  NamedActivation(const char* name, std::size_t nr) : ActivationModelAbstract(nr), name_(name) {}  // nr: number of rows
+  const char* name_;
+
+ private:
+  virtual double value(const ConstVectorRef& r) const = 0;                                      // a(r)
+  virtual void differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const = 0;  // sets Ar and Arr
+  virtual void print_parameters(std::ostream&) const {}                                         // ", eps=1"
+  void check(const char* function, const ConstVectorRef& r) const;
+};
 
 /// The activation 1/2 |r|^2.
-class ActivationModelQuad : public ActivationModelAbstract {
+class ActivationModelQuad : public NamedActivation {
  public:
-  explicit ActivationModelQuad(std::size_t nr) : ActivationModelAbstract(nr) {}  // nr: number of rows
-  void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  void print(std::ostream& os) const override;
+  explicit ActivationModelQuad(std::size_t nr) : NamedActivation("ActivationModelQuad", nr) {}  // nr: number of rows
+
+ private:
+  double value(const ConstVectorRef& r) const override;
+  void differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const override;
 };
 
 /// The activation 1/2 sum w_i r_i^2.
-class ActivationModelWeightedQuad : public ActivationModelAbstract {
+class ActivationModelWeightedQuad : public NamedActivation {
  public:
-  /// Throws std::invalid_argument for numbers out of range.
+  /// weights: one per row.
   explicit ActivationModelWeightedQuad(const Eigen::VectorXd& weights);
-  void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
   const Eigen::VectorXd& get_weights() const { return weights_; }  // one weight per row
   void set_weights(const Eigen::VectorXd& weights);                // throws std::invalid_argument for a wrong size
-  void print(std::ostream& os) const override;
 
  private:
+  double value(const ConstVectorRef& r) const override;
+  void differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const override;
   Eigen::VectorXd weights_;
 };
 
@@ -70,47 +88,47 @@ struct ActivationBounds {
 };
 
 /// The activation 1/2 |min(r - lb, 0)|^2 + 1/2 |max(r - ub, 0)|^2.
-class ActivationModelQuadraticBarrier : public ActivationModelAbstract {
+class ActivationModelQuadraticBarrier : public NamedActivation {
  public:
-  /// Throws std::invalid_argument for numbers out of range.
+  /// bounds: one pair per row.
   explicit ActivationModelQuadraticBarrier(const ActivationBounds& bounds)
-      : ActivationModelAbstract(static_cast<std::size_t>(bounds.lb.size())), bounds_(bounds) {}
-  void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
+      : ActivationModelQuadraticBarrier("ActivationModelQuadraticBarrier", bounds) {}
   const ActivationBounds& get_bounds() const { return bounds_; }  // the bounds
   void set_bounds(const ActivationBounds& bounds);                // throws std::invalid_argument for a wrong size
-  void print(std::ostream& os) const override;
 
  protected:
+  /// name: that of a class with weights.
+  ActivationModelQuadraticBarrier(const char* name, const ActivationBounds& bounds)
+      : NamedActivation(name, static_cast<std::size_t>(bounds.lb.size())), bounds_(bounds) {}
   ActivationBounds bounds_;
+  Eigen::VectorXd weights_;  // empty: all are 1
+
+ private:
+  double weight(Eigen::Index i) const { return weights_.size() == 0 ? 1 : weights_[i]; }
+  double value(const ConstVectorRef& r) const override;
+  void differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const override;
 };
 
 /// The activation 1/2 |w min(r - lb, 0)|^2 + 1/2 |w max(r - ub, 0)|^2. (Its Hessian is w^2; in Crocoddyl 3.0 it is w.)
 class ActivationModelWeightedQuadraticBarrier : public ActivationModelQuadraticBarrier {
  public:
-  /// Throws std::invalid_argument for numbers out of range.
+  /// Throws std::invalid_argument unless there is one weight per row.
   ActivationModelWeightedQuadraticBarrier(const ActivationBounds& bounds, const Eigen::VectorXd& weights);
-  void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
   const Eigen::VectorXd& get_weights() const { return weights_; }  // one weight per row
   void set_weights(const Eigen::VectorXd& weights);                // throws std::invalid_argument for a wrong size
-  void print(std::ostream& os) const override;
-
- private:
-  Eigen::VectorXd weights_;
 };
 
 /// The activation sum sqrt(eps + r_i^2), eps > 0. (Its Hessian is eps / sqrt(eps + r^2)^3; Crocoddyl 3.0 lacks eps
 /// there.)
-class ActivationModelSmooth1Norm : public ActivationModelAbstract {
+class ActivationModelSmooth1Norm : public NamedActivation {
  public:
-  /// Throws std::invalid_argument for numbers out of range.
+  /// Throws std::invalid_argument unless eps is positive.
   explicit ActivationModelSmooth1Norm(std::size_t nr, double eps = 1);
-  void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  void print(std::ostream& os) const override;
 
  private:
+  double value(const ConstVectorRef& r) const override;
+  void differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const override;
+  void print_parameters(std::ostream& os) const override { os << ", eps=" << eps_; }
   double eps_;
 };
 using ActivationModelSmoothNorm1 = ActivationModelSmooth1Norm;
@@ -118,63 +136,68 @@ using ActivationModelSmoothAbs = ActivationModelSmooth1Norm;
 
 /// The activation sqrt(eps + |r|^2), eps > 0. The diagonal of its Hessian is the smallest eigenvalue of the true
 /// Hessian, eps / sqrt(eps + |r|^2)^3. (Crocoddyl 3.0 lacks eps there.)
-class ActivationModelSmooth2Norm : public ActivationModelAbstract {
+class ActivationModelSmooth2Norm : public NamedActivation {
  public:
-  /// Throws std::invalid_argument for numbers out of range.
+  /// Throws std::invalid_argument unless eps is positive.
   explicit ActivationModelSmooth2Norm(std::size_t nr, double eps = 1);
-  void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  void print(std::ostream& os) const override;
 
  private:
+  double value(const ConstVectorRef& r) const override;
+  void differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const override;
+  void print_parameters(std::ostream& os) const override { os << ", eps=" << eps_; }
   double eps_;
+};
+
+/// The common base of activations with a parameter alpha.
+class ActivationWithAlpha : public NamedActivation {
+ public:
+  double get_alpha() const { return alpha_; }  // the parameter alpha
+  void set_alpha(double alpha);                // throws std::invalid_argument for values out of range
+
+ protected:
+  /// may_be_zero: whether alpha may be zero. Throws std::invalid_argument for values out of range.
+  ActivationWithAlpha(const char* name, std::size_t nr, double alpha, bool may_be_zero);
+  void print_parameters(std::ostream& os) const override { os << ", alpha=" << alpha_; }
+  double alpha_;
+
+ private:
+  bool may_be_zero_;
 };
 
 /// The activation 1/2 (|r| - alpha)^2 if |r| < alpha, otherwise zero; alpha >= 0. Its Hessian is the diagonal of the
 /// true one, or that of Gauss-Newton, r_i^2 / |r|^2. At the kink r = 0 both derivatives are zero (Crocoddyl: NaN).
-class ActivationModel2NormBarrier : public ActivationModelAbstract {
+class ActivationModel2NormBarrier : public ActivationWithAlpha {
  public:
-  /// Throws std::invalid_argument for numbers out of range.
+  /// Throws std::invalid_argument for a negative alpha.
   explicit ActivationModel2NormBarrier(std::size_t nr, double alpha = 0.1, bool true_hessian = false);
-  void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  double get_alpha() const { return alpha_; }  // the parameter alpha
-  void set_alpha(double alpha);                // throws std::invalid_argument for values out of range
-  void print(std::ostream& os) const override;
 
  private:
-  double alpha_;
+  double value(const ConstVectorRef& r) const override;
+  void differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const override;
+  void print_parameters(std::ostream& os) const override;
   bool true_hessian_;
 };
 
 /// The activation 1 - exp(-|r|^2 / alpha), alpha > 0. Its Hessian is the diagonal of the true one.
-class ActivationModelQuadFlatExp : public ActivationModelAbstract {
+class ActivationModelQuadFlatExp : public ActivationWithAlpha {
  public:
-  /// Throws std::invalid_argument for numbers out of range.
+  /// Throws std::invalid_argument unless alpha is positive.
   explicit ActivationModelQuadFlatExp(std::size_t nr, double alpha = 1);
-  void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  double get_alpha() const { return alpha_; }  // the parameter alpha
-  void set_alpha(double alpha);                // throws std::invalid_argument for values out of range
-  void print(std::ostream& os) const override;
 
  private:
-  double alpha_;
+  double value(const ConstVectorRef& r) const override;
+  void differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const override;
 };
 
 /// The activation log(1 + |r|^2 / alpha), alpha > 0. Its Hessian is the diagonal of the true one.
-class ActivationModelQuadFlatLog : public ActivationModelAbstract {
+class ActivationModelQuadFlatLog : public ActivationWithAlpha {
  public:
-  /// Throws std::invalid_argument for numbers out of range.
+  /// Throws std::invalid_argument unless alpha is positive.
   explicit ActivationModelQuadFlatLog(std::size_t nr, double alpha = 1);
-  void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  double get_alpha() const { return alpha_; }  // the parameter alpha
-  void set_alpha(double alpha);                // throws std::invalid_argument for values out of range
-  void print(std::ostream& os) const override;
 
  private:
-  double alpha_;
+  double value(const ConstVectorRef& r) const override;
+  void differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const override;
 };
 
 }  // namespace manycontact

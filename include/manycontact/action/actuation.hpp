@@ -49,28 +49,25 @@ struct ActuationDataAbstract {                                          // The t
   std::vector<bool> tau_set;  // nv: actuated coordinates
 };
 
-class ActuationModelAbstract {  // A function tau(x, u): the torques on all velocity coordinates.
+class ActuationModelAbstract : public Printable {  // A function tau(x, u): the torques on all velocity coordinates.
  public:
+  using DataPtr = std::shared_ptr<ActuationDataAbstract>;
+
   /// Throws std::invalid_argument for a state of another kind.
   ActuationModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu);
-  virtual ~ActuationModelAbstract() = default;
 
   /// Computes data->tau (nv) from x (nx) and u (nu).
-  virtual void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                    const ConstVectorRef& u) = 0;
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
   /// Does nothing without controls.
-  virtual void calc(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&) {}
+  virtual void calc(const DataPtr&, const ConstVectorRef&) {}
   /// Computes data->dtau_dx and data->dtau_du.
-  virtual void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                        const ConstVectorRef& u) = 0;
-  virtual void calcDiff(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&) {}
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
+  virtual void calcDiff(const DataPtr&, const ConstVectorRef&) {}
   /// Computes data->u: the controls that give the torques tau (nv), as far as the actuation allows.
-  virtual void commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                        const ConstVectorRef& tau) = 0;
+  virtual void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) = 0;
   /// Computes data->Mtau with u = Mtau tau. By default it is the pseudoinverse of dtau_du at (x, u), which is computed
   /// first.
-  virtual void torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                               const ConstVectorRef& u);
+  virtual void torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
   virtual std::shared_ptr<ActuationDataAbstract> createData() { return std::make_shared<ActuationDataAbstract>(this); }
 
   /// If each control is the torque of one coordinate: these coordinates, one for each of the nu; otherwise empty.
@@ -79,7 +76,7 @@ class ActuationModelAbstract {  // A function tau(x, u): the torques on all velo
 
   std::size_t get_nu() const { return nu_; }                                  // number of controls
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
-  virtual void print(std::ostream& os) const;                                 // prints type and sizes
+  void print(std::ostream& os) const override { os << "ActuationModelAbstract {nu=" << nu_ << "}"; }
 
  protected:
   /// Throws std::invalid_argument for wrong sizes of x and u.
@@ -88,25 +85,20 @@ class ActuationModelAbstract {  // A function tau(x, u): the torques on all velo
   std::shared_ptr<StateAbstract> state_;
   std::vector<int> selection_;
 };
-std::ostream& operator<<(std::ostream& os, const ActuationModelAbstract& model);  // prints it as `print` does
 
 /// An actuation whose u are the torques of selected coordinates. A derived class with its own calc or calcDiff is
 /// treated as a general actuation: its selection() is empty.
 class ActuationModelSelection : public ActuationModelAbstract {
  public:
-  void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   using ActuationModelAbstract::calc;
-  void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   using ActuationModelAbstract::calcDiff;
-  void commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& tau) override;
-  void torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                       const ConstVectorRef& u) override;
+  void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) override;
+  void torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
   const std::vector<int>& selection() const override;
-  void print(std::ostream& os) const override;
+  void print(std::ostream& os) const override { os << name_ << " {nu=" << nu_ << "}"; }
 
  protected:
   /// selection: the actuated coordinates.

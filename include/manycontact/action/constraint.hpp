@@ -2,6 +2,7 @@
 // Constraints on residuals, and stacks of them. Names and interface are Crocoddyl's.
 
 #include "manycontact/action/diff_action.hpp"
+#include "manycontact/action/named_parts.hpp"
 #include "manycontact/action/residual.hpp"
 
 namespace manycontact {
@@ -21,8 +22,10 @@ using ConstraintDataAbstract = ConstraintDataResidual;
 
 /// A constraint lower <= r(x, u) <= upper. Components with equal bounds are equality constraints h = r - lower. For a
 /// constraint of your own, write a residual: stacks evaluate residuals, so that this class is final.
-class ConstraintModelResidual final {
+class ConstraintModelResidual final : public Printable {
  public:
+  using DataPtr = std::shared_ptr<ConstraintDataResidual>;
+
   /// The constraint also applies to terminal nodes, unless `T_act` is false or the residual needs controls,
   /// accelerations or forces. Throws std::invalid_argument for bounds of a wrong size.
   ConstraintModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual,
@@ -32,10 +35,10 @@ class ConstraintModelResidual final {
                           bool T_act = true);
 
   /// Standalone: compute data->g and data->h, and then their Jacobians.
-  void calc(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calc(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x);
-  void calcDiff(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calcDiff(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x);
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calc(const DataPtr& data, const ConstVectorRef& x);
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x);
   std::shared_ptr<ConstraintDataResidual> createData(DataCollector* shared);
 
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
@@ -49,7 +52,7 @@ class ConstraintModelResidual final {
   /// The components of r that are inequalities, and equalities; ascending.
   const std::vector<int>& get_inequalities() const { return inequalities_; }
   const std::vector<int>& get_equalities() const { return equalities_; }  // indices of equalities
-  void print(std::ostream& os) const;                                     // prints type and sizes
+  void print(std::ostream& os) const override;                            // prints type and sizes
 
  private:
   void pick_values(ConstraintDataResidual& data) const;
@@ -60,7 +63,6 @@ class ConstraintModelResidual final {
   std::vector<int> inequalities_, equalities_;
   bool T_;
 };
-std::ostream& operator<<(std::ostream& os, const ConstraintModelResidual& model);  // prints it as `print` does
 
 using ConstraintModelAbstract = ConstraintModelResidual;
 
@@ -121,51 +123,47 @@ struct ConstraintDataManager {
   std::map<std::string, std::vector<Part>> g_parts, h_parts;
 };
 
-class ConstraintModelManager {  // A stack of constraints with names.
+/// A stack of constraints with names.
+class ConstraintModelManager : public NamedParts<StateAbstract, ConstraintItem> {
  public:
-  using ConstraintModelContainer = std::map<std::string, std::shared_ptr<ConstraintItem>>;
+  using DataPtr = std::shared_ptr<ConstraintDataManager>;
+
+  using ConstraintModelContainer = Container;
 
   /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
-  ConstraintModelManager(std::shared_ptr<StateAbstract> state, std::size_t nu);
-  explicit ConstraintModelManager(std::shared_ptr<StateAbstract> state);  // nu = nv
+  explicit ConstraintModelManager(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);
 
   /// They throw std::invalid_argument for a name that exists already (or does not exist), and for a constraint with
   /// another state or nu.
   void addConstraint(const std::string& name, std::shared_ptr<ConstraintModelAbstract> constraint, bool active = true);
-  void removeConstraint(const std::string& name);
-  void changeConstraintStatus(const std::string& name, bool active);
-  bool getConstraintStatus(const std::string& name) const;
+  void removeConstraint(const std::string& name) { remove(name); }
+  void changeConstraintStatus(const std::string& name, bool active) { change_status(name, active); }
+  bool getConstraintStatus(const std::string& name) const { return part(name).active; }  // whether it is active
 
   /// Compute out->g and out->h (without u: of a terminal node), and then their Jacobians. These are resized if the
   /// active set, or the kind of node, has changed.
-  void calc(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calc(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x);
-  void calcDiff(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calcDiff(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x);
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calc(const DataPtr& data, const ConstVectorRef& x);
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x);
   std::shared_ptr<ConstraintDataManager> createData(DataCollector* shared, DifferentialActionDataAbstract* out);
   std::shared_ptr<ConstraintDataManager> createData(DataCollector* shared);  // standalone
   /// Sets up the residuals' blocks again after the islands changed, and resizes the vectors and matrices in out.
   void lay_out(ConstraintDataManager& data, bool terminal) const;
 
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }        // the state that it was made for
-  const ConstraintModelContainer& get_constraints() const { return constraints_; }  // the constraints
-  std::size_t get_nu() const { return nu_; }                                        // number of controls
-  std::size_t get_ng() const { return ng_; }                                        // of the active constraints
-  std::size_t get_nh() const { return nh_; }                                        // number of equality constraints
-  std::size_t get_ng_T() const { return ng_T_; }             // of those that apply to a terminal node
+  const ConstraintModelContainer& get_constraints() const { return parts_; }  // the constraints
+  std::size_t get_ng() const { return ng_; }                                  // of the active constraints
+  std::size_t get_nh() const { return nh_; }                                  // number of equality constraints
+  std::size_t get_ng_T() const { return ng_T_; }                              // of those that apply to a terminal node
   std::size_t get_nh_T() const { return nh_T_; }             // number of equality constraints in a terminal node
   const Eigen::VectorXd& get_lb() const { return lb_; }      // ng
   const Eigen::VectorXd& get_ub() const { return ub_; }      // upper bounds
   const Eigen::VectorXd& get_lb_T() const { return lb_T_; }  // ng_T: bounds of a terminal node's g
   const Eigen::VectorXd& get_ub_T() const { return ub_T_; }  // upper bounds of a terminal node's g
-  const std::set<std::string>& get_active_set() const { return active_set_; }      // names of the active ones
-  const std::set<std::string>& get_inactive_set() const { return inactive_set_; }  // names of the inactive ones
-  std::size_t get_version() const { return version_; }  // changes with the set of constraints
-  std::size_t get_status() const { return status_; }    // counts switches of constraints
-  void print(std::ostream& os) const;                   // prints type and sizes
+  std::size_t get_status() const { return status_; }         // counts switches of constraints
 
  private:
-  void count();
+  void count() override;
   bool holds(const ConstraintItem& item, bool terminal) const;
   template <class F>
   void for_each_holding(ConstraintDataManager& data, bool terminal, F&& f) const;
@@ -174,12 +172,8 @@ class ConstraintModelManager {  // A stack of constraints with names.
   void prepare(const char* where, ConstraintDataManager& data, const ConstVectorRef& x, bool terminal) const;
   void stack_values(ConstraintDataManager& data, bool terminal) const;
   void stack_jacobians(ConstraintDataManager& data, bool terminal) const;
-  std::shared_ptr<StateAbstract> state_;
-  ConstraintModelContainer constraints_;
-  std::size_t nu_, ng_ = 0, nh_ = 0, ng_T_ = 0, nh_T_ = 0, version_ = 0, status_ = 0;
+  std::size_t ng_ = 0, nh_ = 0, ng_T_ = 0, nh_T_ = 0, status_ = 0;
   Eigen::VectorXd lb_, ub_, lb_T_, ub_T_;
-  std::set<std::string> active_set_, inactive_set_;
 };
-std::ostream& operator<<(std::ostream& os, const ConstraintModelManager& model);  // prints it as `print` does
 
 }  // namespace manycontact

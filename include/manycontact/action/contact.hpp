@@ -3,10 +3,7 @@
 // contacts. The equations are those of contact/rows.hpp, which the action model evaluates; classes here define
 // contacts.
 
-#include <map>
-#include <set>
-
-#include "manycontact/action/state.hpp"
+#include "manycontact/action/named_parts.hpp"
 #include "manycontact/contact/rows.hpp"
 
 namespace manycontact {
@@ -70,21 +67,20 @@ using ForceDataAbstract = ContactDataAbstract;
 
 /// A contact. The action model evaluates all contacts at once and calls no function of this class. Therefore only the
 /// classes below derive from it.
-class ContactModelAbstract {
+class ContactModelAbstract : public Printable {
  public:
-  virtual ~ContactModelAbstract() = default;
+  using DataPtr = std::shared_ptr<ContactDataAbstract>;
 
   /// Standalone, at the motion in `data->pinocchio` (x is ignored): compute Jc, and a0 including J times the
   /// accelerations; and then da0_dx.
-  void calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) const;
-  void calcDiff(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) const;
+  void calc(const DataPtr& data, const ConstVectorRef& x) const;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
   /// Standalone: set f = force (nc) and fext; set df_dx (nc x ndx) and df_du (nc x nu). They throw
   /// std::invalid_argument for a wrong size.
-  void updateForce(const std::shared_ptr<ContactDataAbstract>& data, const Eigen::VectorXd& force) const;
-  void updateForceDiff(const std::shared_ptr<ContactDataAbstract>& data, const Eigen::MatrixXd& df_dx,
-                       const Eigen::MatrixXd& df_du) const;
-  void setZeroForce(const std::shared_ptr<ContactDataAbstract>& data) const;
-  void setZeroForceDiff(const std::shared_ptr<ContactDataAbstract>& data) const;
+  void updateForce(const DataPtr& data, const Eigen::VectorXd& force) const;
+  void updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx, const Eigen::MatrixXd& df_du) const;
+  void setZeroForce(const DataPtr& data) const;
+  void setZeroForceDiff(const DataPtr& data) const;
   std::shared_ptr<ContactDataAbstract> createData(MultibodyData* data) const;
 
   const std::shared_ptr<StateMultibody>& get_state() const { return state_; }       // the state that it was made for
@@ -99,7 +95,7 @@ class ContactModelAbstract {
   void set_type(ReferenceFrame type) { contact_.reference_frame = type; }  // selects another reference frame
   /// The contact in the form of a scene.
   const Contact& get_contact() const { return contact_; }
-  virtual void print(std::ostream& os) const;  // prints type and sizes
+  void print(std::ostream& os) const override;  // prints type and sizes
 
  private:
   friend class ContactModel1D;
@@ -119,7 +115,6 @@ class ContactModelAbstract {
   FrameIndex id_;
   std::size_t nu_;
 };
-std::ostream& operator<<(std::ostream& os, const ContactModelAbstract& model);  // prints it as `print` does
 
 /// An axis of the reference frame.
 enum class Vector3MaskType { x = 0, y = 1, z = 2 };
@@ -127,23 +122,24 @@ enum class Vector3MaskType { x = 0, y = 1, z = 2 };
 /// Constrains one component of a point's position, along an axis of the reference frame.
 class ContactModel1D final : public ContactModelAbstract {
  public:
-  /// The component along rotation^T e_z has the value xref [m]. nu: that of the action, by default the state's nv.
+  /// The component along rotation^T e_z has the value xref [m]. nu: that of the action, by default the state's nv. They
+  /// throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
                  const Eigen::Matrix3d& rotation, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
-                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
+      : ContactModel1D(std::move(state), id, xref, type, Eigen::Matrix3d::Identity(), kDefaultNu, gains) {}
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, std::size_t nu,
-                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
+      : ContactModel1D(std::move(state), id, xref, LOCAL, Eigen::Matrix3d::Identity(), nu, gains) {}
   /// As in sobec: a point xref [m] in the world, and one axis of the reference frame.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), Vector3MaskType mask = Vector3MaskType::z,
                  ReferenceFrame ref = ReferenceFrame::kLocal);
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
-                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame ref = ReferenceFrame::kLocal);
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame ref = ReferenceFrame::kLocal)
+      : ContactModel1D(std::move(state), id, xref, kDefaultNu, gains, Vector3MaskType::z, ref) {}
 
   /// The reference of the residual or contact.
   double get_reference() const { return contact_.axis.dot(contact_.B.placement.p); }
@@ -154,18 +150,19 @@ class ContactModel1D final : public ContactModelAbstract {
   /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Eigen::Vector3d& point) { contact_.B.placement.p = point; }
   const Eigen::Vector3d& get_axis() const { return contact_.axis; }  // unit vector
-  void set_axis(const Eigen::Vector3d& axis);  // throws std::invalid_argument for an axis without direction
+  /// Throws std::invalid_argument for an axis without direction.
+  void set_axis(const Eigen::Vector3d& axis) { keep_axis("ContactModel1D::set_axis", axis); }
 };
 
 /// Constrains the x and z components of a point's position. xref: (x, z) in the world [m]; y = 0.
 class ContactModel2D final : public ContactModelAbstract {
  public:
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+  /// They throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal);
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref,
-                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
+      : ContactModel2D(std::move(state), id, xref, kDefaultNu, gains) {}
   Eigen::Vector2d get_reference() const;  // the reference of the residual or contact
   /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Eigen::Vector2d& reference);
@@ -174,18 +171,19 @@ class ContactModel2D final : public ContactModelAbstract {
 /// Constrains a point's position. xref: in the world [m].
 class ContactModel3D final : public ContactModelAbstract {
  public:
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+  /// They throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, ReferenceFrame type,
                  std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, ReferenceFrame type,
-                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
+      : ContactModel3D(std::move(state), id, xref, type, kDefaultNu, gains) {}
   /// As in sobec.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, std::size_t nu,
-                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal);
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal)
+      : ContactModel3D(std::move(state), id, xref, type, nu, gains) {}
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
-                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal);
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal)
+      : ContactModel3D(std::move(state), id, xref, type, kDefaultNu, gains) {}
   /// The reference of the residual or contact.
   const Eigen::Vector3d& get_reference() const { return contact_.B.placement.p; }
   /// Sets the reference; a wrong size throws std::invalid_argument.
@@ -195,15 +193,15 @@ class ContactModel3D final : public ContactModelAbstract {
 /// Constrains a frame's placement. pref: in the world.
 class ContactModel6D final : public ContactModelAbstract {
  public:
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+  /// They throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, ReferenceFrame type,
                  std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, ReferenceFrame type,
-                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
+      : ContactModel6D(std::move(state), id, pref, type, kDefaultNu, gains) {}
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, std::size_t nu,
-                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+                 const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
+      : ContactModel6D(std::move(state), id, pref, LOCAL, nu, gains) {}
   const SE3<double>& get_reference() const { return contact_.B.placement; }  // the reference of the residual or contact
   /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }
@@ -213,12 +211,12 @@ class ContactModel6D final : public ContactModelAbstract {
 /// has no such contact. pref: in the world; axis: in both frames.
 class ContactModel5D final : public ContactModelAbstract {
  public:
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+  /// They throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
                  const Eigen::Vector3d& axis, std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
-                 const Eigen::Vector3d& axis, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+                 const Eigen::Vector3d& axis, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
+      : ContactModel5D(std::move(state), id, pref, axis, kDefaultNu, gains) {}
   const SE3<double>& get_reference() const { return contact_.B.placement; }  // the reference of the residual or contact
   /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }
@@ -268,51 +266,41 @@ struct ContactDataMultiple {  // The data of a stack's contacts, by name.
 };
 
 /// The contacts of an action model, by name. Their rows are stacked in the order of names.
-class ContactModelMultiple {
+class ContactModelMultiple : public NamedParts<StateMultibody, ContactItem> {
  public:
-  using ContactModelContainer = std::map<std::string, std::shared_ptr<ContactItem>>;
+  using DataPtr = std::shared_ptr<ContactDataMultiple>;
+
+  using ContactModelContainer = Container;
   using ContactDataContainer = std::map<std::string, std::shared_ptr<ContactDataAbstract>>;
 
   /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
-  ContactModelMultiple(std::shared_ptr<StateMultibody> state, std::size_t nu);
-  explicit ContactModelMultiple(std::shared_ptr<StateMultibody> state);  // nu = nv
+  explicit ContactModelMultiple(std::shared_ptr<StateMultibody> state, std::size_t nu = kDefaultNu);
 
   /// They throw std::invalid_argument for a name that exists already (or does not exist), and for a contact with
   /// another state or nu.
   void addContact(const std::string& name, std::shared_ptr<ContactModelAbstract> contact, bool active = true);
-  void removeContact(const std::string& name);
-  void changeContactStatus(const std::string& name, bool active);
-  bool getContactStatus(const std::string& name) const;
+  void removeContact(const std::string& name) { remove(name); }
+  void changeContactStatus(const std::string& name, bool active) { change_status(name, active); }
+  bool getContactStatus(const std::string& name) const { return part(name).active; }  // whether it is active
 
   /// Standalone: evaluate the active contacts as ContactModelAbstract does, and stack the results.
-  void calc(const std::shared_ptr<ContactDataMultiple>& data, const ConstVectorRef& x) const;
-  void calcDiff(const std::shared_ptr<ContactDataMultiple>& data, const ConstVectorRef& x) const;
+  void calc(const DataPtr& data, const ConstVectorRef& x) const;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
   /// Set the forces (nc) and their derivatives (nc x ndx, nc x nu). Inactive contacts are set to zero.
-  void updateForce(const std::shared_ptr<ContactDataMultiple>& data, const Eigen::VectorXd& force) const;
-  void updateForceDiff(const std::shared_ptr<ContactDataMultiple>& data, const Eigen::MatrixXd& df_dx,
-                       const Eigen::MatrixXd& df_du) const;
-  void updateAcceleration(const std::shared_ptr<ContactDataMultiple>& data, const Eigen::VectorXd& dv) const;
-  void updateAccelerationDiff(const std::shared_ptr<ContactDataMultiple>& data, const Eigen::MatrixXd& ddv_dx) const;
+  void updateForce(const DataPtr& data, const Eigen::VectorXd& force) const;
+  void updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx, const Eigen::MatrixXd& df_du) const;
+  void updateAcceleration(const DataPtr& data, const Eigen::VectorXd& dv) const;
+  void updateAccelerationDiff(const DataPtr& data, const Eigen::MatrixXd& ddv_dx) const;
   std::shared_ptr<ContactDataMultiple> createData(MultibodyData* data) const;
 
-  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }      // the state that it was made for
-  const ContactModelContainer& get_contacts() const { return contacts_; }          // the contacts
-  std::size_t get_nc() const { return nc_; }                                       // rows of the active contacts
-  std::size_t get_nc_total() const { return nc_total_; }                           // rows of all contacts
-  std::size_t get_nu() const { return nu_; }                                       // number of controls
-  const std::set<std::string>& get_active_set() const { return active_set_; }      // names of the active ones
-  const std::set<std::string>& get_inactive_set() const { return inactive_set_; }  // names of the inactive ones
-  std::size_t get_version() const { return version_; }  // changes with the set of contacts, not with their status
-  void print(std::ostream& os) const;                   // prints type and sizes
+  const ContactModelContainer& get_contacts() const { return parts_; }  // the contacts
+  std::size_t get_nc() const { return nc_; }                            // rows of the active contacts
+  std::size_t get_nc_total() const { return nc_total_; }                // rows of all contacts
 
  private:
-  void count();
-  std::shared_ptr<StateMultibody> state_;
-  ContactModelContainer contacts_;
-  std::size_t nc_ = 0, nc_total_ = 0, nu_, version_ = 0;
-  std::set<std::string> active_set_, inactive_set_;
+  void count() override;
+  std::size_t nc_ = 0, nc_total_ = 0;
 };
-std::ostream& operator<<(std::ostream& os, const ContactModelMultiple& model);  // prints it as `print` does
 
 /// Makes a stack of all contacts of a scene, for example of a scene file, with their names.
 std::shared_ptr<ContactModelMultiple> contacts_of_scene(std::shared_ptr<StateMultibody> state, const Scene& scene,

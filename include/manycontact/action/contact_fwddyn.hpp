@@ -48,21 +48,19 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
 
   /// Computes accelerations, forces, costs and constraints. The data's report() contains status and accuracy; a failed
   /// solve gives NaN.
-  void calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   /// Computes costs and constraints of a terminal node. Accelerations and forces remain unchanged.
-  void calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x) override;
   /// Computes the derivatives at the x, u of the last calc, for any x, u given. Throw std::logic_error unless that calc
   /// was of the same kind, with the same active costs and constraints.
-  void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
   std::shared_ptr<DifferentialActionDataAbstract> createData() override;
-  bool checkData(const std::shared_ptr<DifferentialActionDataAbstract>& data) override;
+  bool checkData(const DataPtr& data) override;
   /// Computes the u part of the minimum-norm least-squares solution of [dtau/du  J^T] [u; f] = h(q, 0). maxiter and tol
   /// are ignored. The velocity in x must be zero.
-  void quasiStatic(const std::shared_ptr<DifferentialActionDataAbstract>& data, VectorRef u, const ConstVectorRef& x,
-                   std::size_t maxiter = 100, double tol = 1e-9) override;
+  void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
+                   double tol = 1e-9) override;
   void print(std::ostream& os) const override;
 
   const std::shared_ptr<ActuationModelAbstract>& get_actuation() const { return actuation_; }      // the actuation
@@ -108,9 +106,8 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
 
  private:
   friend Data;
-  Data& own(const char* where, const std::shared_ptr<DifferentialActionDataAbstract>& data) const;
-  Data& refresh(const char* where, const std::shared_ptr<DifferentialActionDataAbstract>& data,
-                const ConstVectorRef& x) const;
+  Data& own(const char* where, const DataPtr& data) const;
+  Data& refresh(const char* where, const DataPtr& data, const ConstVectorRef& x) const;
   bool needs_forces() const;
   void check_stage(const Data& data, internal::Stage stage) const;
   // Identifies the model: data of a deleted model must not be accepted by another model at the same address. A copy,

@@ -4,6 +4,7 @@
 #include "manycontact/action/activation.hpp"
 #include "manycontact/action/cost_derivatives.hpp"
 #include "manycontact/action/cost_groups.hpp"
+#include "manycontact/action/named_parts.hpp"
 #include "manycontact/action/residual.hpp"
 
 namespace manycontact {
@@ -34,9 +35,11 @@ using CostDataResidual = CostDataAbstract;
 /// A cost l(x, u), the base of all costs. A sum calls a user-defined class derived from it, or from CostModelResidual,
 /// as Crocoddyl does: calc sets data->cost, and calcDiff sets data->Lx, Lu, Lxx, Lxu and Luu, which are initially zero.
 /// Its Hessians are dense. A user-defined residual (residual.hpp), whose rows depend on few coordinates, costs less.
-class CostModelAbstract {
+class CostModelAbstract : public Printable {
  public:
-  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
+  using DataPtr = std::shared_ptr<CostDataAbstract>;
+
+  /// Throws std::invalid_argument for null pointers, and parts that do not belong together.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::shared_ptr<ResidualModelAbstract> residual);
   /// Uses the activation 1/2 |r|^2.
@@ -44,32 +47,24 @@ class CostModelAbstract {
   /// Without a residual: calc may write data->residual->r, with the activation's nr numbers (none without an
   /// activation). nu: by default nv.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
-                    std::size_t nu);
-  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
-  CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation);
-  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
-  CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu);
-  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
-  explicit CostModelAbstract(std::shared_ptr<StateAbstract> state);
-  virtual ~CostModelAbstract() = default;
+                    std::size_t nu = kDefaultNu);
+  explicit CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);
 
   /// Computes data->cost.
-  virtual void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
-                    const ConstVectorRef& u) = 0;
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
   /// Computes the cost of a terminal node: by default that at u = 0.
-  virtual void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x);
   /// Computes the derivatives after calc. Throws std::logic_error unless a class overrides it.
-  virtual void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
-                        const ConstVectorRef& u);
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
   /// Computes Lx and Lxx for a terminal node.
-  virtual void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x);
   virtual std::shared_ptr<CostDataAbstract> createData(DataCollector* shared);
 
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
   const std::shared_ptr<ActivationModelAbstract>& get_activation() const { return activation_; }  // the activation
   const std::shared_ptr<ResidualModelAbstract>& get_residual() const { return residual_; }        // the residual
   std::size_t get_nu() const { return residual_->get_nu(); }                                      // number of controls
-  virtual void print(std::ostream& os) const;  // prints type and sizes
+  void print(std::ostream& os) const override;  // prints type and sizes
 
  protected:
   std::shared_ptr<StateAbstract> state_;
@@ -77,28 +72,26 @@ class CostModelAbstract {
   std::shared_ptr<ResidualModelAbstract> residual_;
   Eigen::VectorXd unone_;  // nu zeros
 };
-std::ostream& operator<<(std::ostream& os, const CostModelAbstract& model);  // prints it as `print` does
 
 class CostModelResidual : public CostModelAbstract {  // The cost a(r(x, u)) of a residual.
  public:
-  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
+  /// Throws std::invalid_argument for null pointers, and parts that do not belong together.
   CostModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::shared_ptr<ResidualModelAbstract> residual)
       : CostModelAbstract(std::move(state), std::move(activation), std::move(residual)) {}
-  /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
+  /// Uses the activation 1/2 |r|^2.
   CostModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual)
       : CostModelAbstract(std::move(state), std::move(residual)) {}
 
-  void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x) override;
   /// Computes the Jacobians of the residual and the derivatives of the activation.
-  void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
   void print(std::ostream& os) const override;
 
  private:
-  void check(const char* where, const std::shared_ptr<CostDataAbstract>& data) const;
+  void check(const char* where, const DataPtr& data) const;
   void finish_derivatives(CostDataAbstract& data, bool terminal) const;
 };
 
@@ -136,52 +129,43 @@ struct CostDataSum {                    // The sum's value and derivatives.
   CostDataSum(const CostDataSum&) = delete;  // derivatives may point to own
 };
 
-class CostModelSum {  // A weighted sum of costs with names.
+/// A weighted sum of costs with names.
+class CostModelSum : public NamedParts<StateAbstract, CostItem> {
  public:
-  using CostModelContainer = std::map<std::string, std::shared_ptr<CostItem>>;
+  using DataPtr = std::shared_ptr<CostDataSum>;
+
+  using CostModelContainer = Container;
 
   /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
-  CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu);
-  explicit CostModelSum(std::shared_ptr<StateAbstract> state);  // nu = nv
+  explicit CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);
 
   /// They throw std::invalid_argument for a name that exists already (or does not exist), and for a cost with another
   /// state or nu.
   void addCost(const std::string& name, std::shared_ptr<CostModelAbstract> cost, double weight, bool active = true);
   void removeCost(const std::string& name);
   void changeCostStatus(const std::string& name, bool active);
-  bool getCostStatus(const std::string& name) const;
+  bool getCostStatus(const std::string& name) const { return part(name).active; }  // whether it is active
 
   /// Compute data->cost and, with weights, data->derivatives of the active costs.
-  void calc(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calc(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x);
-  void calcDiff(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calcDiff(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x);
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calc(const DataPtr& data, const ConstVectorRef& x);
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x);
   /// The derivatives are stored in `out`, if given, which must have the right sizes; otherwise the sum is evaluated
   /// standalone.
   std::shared_ptr<CostDataSum> createData(DataCollector* shared, CostDerivatives* out = nullptr);
   /// Sets up the residuals' blocks again after the islands changed, and the patterns of data->derivatives.
   void lay_out(CostDataSum& data) const;
 
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }       // the state that it was made for
-  const CostModelContainer& get_costs() const { return costs_; }                   // the costs
-  std::size_t get_nu() const { return nu_; }                                       // number of controls
-  std::size_t get_nr() const { return nr_; }                                       // of the active costs
-  std::size_t get_nr_total() const { return nr_total_; }                           // of all costs
-  const std::set<std::string>& get_active_set() const { return active_set_; }      // names of the active ones
-  const std::set<std::string>& get_inactive_set() const { return inactive_set_; }  // names of the inactive ones
-  std::size_t get_version() const { return version_; }                             // changes with the set of costs
-  void print(std::ostream& os) const;                                              // prints type and sizes
+  const CostModelContainer& get_costs() const { return parts_; }  // the costs
+  std::size_t get_nr() const { return nr_; }                      // of the active costs
+  std::size_t get_nr_total() const { return nr_total_; }          // of all costs
 
  private:
-  void count(const CostItem& item);
   void check(const char* where, const CostDataSum& data, const ConstVectorRef& x) const;
   void add_up(CostDataSum& data, bool terminal) const;
   void add_up_by_hand(CostDataSum& data, bool terminal) const;
-  std::shared_ptr<StateAbstract> state_;
-  CostModelContainer costs_;
-  std::size_t nu_, nr_ = 0, nr_total_ = 0, version_ = 0;
-  std::set<std::string> active_set_, inactive_set_;
+  std::size_t nr_ = 0, nr_total_ = 0;
 };
-std::ostream& operator<<(std::ostream& os, const CostModelSum& model);  // prints it as `print` does
 
 }  // namespace manycontact

@@ -40,46 +40,23 @@ struct DifferentialActionDataAbstract : CostDerivatives {
   const Eigen::SparseMatrix<double>& Hu_sparse() const { return Hu_blocks.matrix; }    // the sparse counterpart
 };
 
-class DifferentialActionModelAbstract {  // A node in continuous time.
+/// The sizes and bounds of a node, in continuous or in discrete time.
+class NodeAbstract : public Printable {
  public:
   using Scalar = double;
   using MathBase = manycontact::MathBase;
   using VectorXs = MathBase::VectorXs;
   using MatrixXs = MathBase::MatrixXs;
   using StateAbstract = manycontact::StateAbstract;
-  using DifferentialActionDataAbstract = manycontact::DifferentialActionDataAbstract;
 
-  /// Throws std::invalid_argument for null pointers and numbers out of range.
-  DifferentialActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr = 0,
-                                  std::size_t ng = 0, std::size_t nh = 0);
-  virtual ~DifferentialActionModelAbstract() = default;
+  void print(std::ostream& os) const override;  // prints type and sizes
 
-  /// Computes accelerations, cost and constraints. x: nx, u: nu. Throws std::invalid_argument for wrong sizes.
-  virtual void calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
-                    const ConstVectorRef& u) = 0;
-  /// Computes cost and constraints of a terminal node, which depend on the state alone.
-  virtual void calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x);
-  /// Computes the derivatives at the last calc.
-  virtual void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
-                        const ConstVectorRef& u) = 0;
-  virtual void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x);
-  virtual std::shared_ptr<DifferentialActionDataAbstract> createData();
-  virtual bool checkData(const std::shared_ptr<DifferentialActionDataAbstract>& data);
-
-  /// Computes controls u (nu) that keep x at rest, with v = 0. By default it makes Gauss-Newton steps on xout: at most
-  /// maxiter, until |xout| <= tol.
-  virtual void quasiStatic(const std::shared_ptr<DifferentialActionDataAbstract>& data, VectorRef u,
-                           const ConstVectorRef& x, std::size_t maxiter = 100, double tol = 1e-9);
-  Eigen::VectorXd quasiStatic_x(const std::shared_ptr<DifferentialActionDataAbstract>& data, const Eigen::VectorXd& x,
-                                std::size_t maxiter = 100, double tol = 1e-9);
-  virtual void print(std::ostream& os) const;
-
-  std::size_t get_nu() const { return nu_; }                 // number of controls
-  virtual std::size_t get_nr() const { return nr_; }         // number of rows of the residual
-  virtual std::size_t get_ng() const { return ng_; }         // number of inequality constraints
-  virtual std::size_t get_nh() const { return nh_; }         // number of equality constraints
-  virtual std::size_t get_ng_T() const { return get_ng(); }  // number of inequality constraints in a terminal node
-  virtual std::size_t get_nh_T() const { return get_nh(); }  // number of equality constraints in a terminal node
+  std::size_t get_nu() const { return nu_; }              // number of controls
+  virtual std::size_t get_nr() const { return nr_; }      // number of rows of the residual
+  virtual std::size_t get_ng() const { return ng_; }      // number of inequality constraints
+  virtual std::size_t get_nh() const { return nh_; }      // number of equality constraints
+  virtual std::size_t get_ng_T() const { return ng_T_; }  // number of inequality constraints in a terminal node
+  virtual std::size_t get_nh_T() const { return nh_T_; }  // number of equality constraints in a terminal node
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
   virtual const Eigen::VectorXd& get_g_lb() const { return g_lb_; }           // lower bounds of g
   virtual const Eigen::VectorXd& get_g_ub() const { return g_ub_; }           // upper bounds of g
@@ -89,24 +66,59 @@ class DifferentialActionModelAbstract {  // A node in continuous time.
   const Eigen::VectorXd& get_u_lb() const { return u_lb_; }                 // lower limits of controls; infinite: none
   const Eigen::VectorXd& get_u_ub() const { return u_ub_; }                 // upper limits of controls; infinite: none
   bool get_has_control_limits() const { return has_control_limits_; }       // whether any limit of controls is finite
-  /// They throw std::invalid_argument for a wrong size.
+  /// They throw std::invalid_argument for a wrong size: max(ng, ng_T), or nu.
   virtual void set_g_lb(const Eigen::VectorXd& g_lb);
   virtual void set_g_ub(const Eigen::VectorXd& g_ub);  // throws std::invalid_argument for a wrong size
   void set_u_lb(const Eigen::VectorXd& u_lb);          // throws std::invalid_argument for a wrong size
   void set_u_ub(const Eigen::VectorXd& u_ub);          // throws std::invalid_argument for a wrong size
+
+ protected:
+  /// kind: the name that is printed. Throws std::invalid_argument for a null pointer.
+  NodeAbstract(const char* kind, std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr, std::size_t ng,
+               std::size_t nh, std::size_t ng_T, std::size_t nh_T);
+  void update_has_control_limits();  // called after the bounds have changed
+  const char* kind_;
+  std::size_t nu_, nr_, ng_, nh_, ng_T_, nh_T_;  // with stacks of costs or constraints: values at construction; getters
+                                                 // return current ones
+  std::shared_ptr<StateAbstract> state_;
+  Eigen::VectorXd g_lb_, g_ub_, u_lb_, u_ub_, unone_;
+  bool has_control_limits_ = false;
+};
+
+class DifferentialActionModelAbstract : public NodeAbstract {  // A node in continuous time.
+ public:
+  using DifferentialActionDataAbstract = manycontact::DifferentialActionDataAbstract;
+  using DataPtr = std::shared_ptr<DifferentialActionDataAbstract>;
+
+  /// Throws std::invalid_argument for null pointers and numbers out of range.
+  DifferentialActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr = 0,
+                                  std::size_t ng = 0, std::size_t nh = 0);
+
+  /// Computes accelerations, cost and constraints. x: nx, u: nu. Throws std::invalid_argument for wrong sizes.
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
+  /// Computes cost and constraints of a terminal node, which depend on the state alone.
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x);
+  /// Computes the derivatives at the last calc.
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x);
+  virtual std::shared_ptr<DifferentialActionDataAbstract> createData();
+  virtual bool checkData(const DataPtr& data);
+
+  /// Computes controls u (nu) that keep x at rest, with v = 0. By default it makes Gauss-Newton steps on xout: at most
+  /// maxiter, until |xout| <= tol.
+  virtual void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
+                           double tol = 1e-9);
+  Eigen::VectorXd quasiStatic_x(const DataPtr& data, const Eigen::VectorXd& x, std::size_t maxiter = 100,
+                                double tol = 1e-9);
+
+  std::size_t get_ng_T() const override { return get_ng(); }
+  std::size_t get_nh_T() const override { return get_nh(); }
   /// Which matrices data created afterwards contain.
   MatrixStorage get_storage() const { return storage_; }
   void set_storage(MatrixStorage storage) { storage_ = storage; }  // for data created afterwards
 
  protected:
-  void update_has_control_limits();  // called after the bounds have changed
-  std::size_t nu_, nr_, ng_, nh_;    // with stacks of costs or constraints: values at construction; getters return
-                                     // current ones
-  std::shared_ptr<StateAbstract> state_;
-  Eigen::VectorXd g_lb_, g_ub_, u_lb_, u_ub_, unone_;
-  bool has_control_limits_ = false;
   MatrixStorage storage_ = MatrixStorage::kBoth;
 };
-std::ostream& operator<<(std::ostream& os, const DifferentialActionModelAbstract& model);  // prints it as `print` does
 
 }  // namespace manycontact

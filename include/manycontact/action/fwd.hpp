@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <ostream>
 #include <stdexcept>
 #include <string>
 
@@ -21,6 +22,9 @@ inline constexpr ContactType Contact2D = ContactType::k2D;
 inline constexpr ContactType Contact3D = ContactType::k3D;
 inline constexpr ContactType Contact6D = ContactType::k6D;
 
+/// Selects the default number of controls: that of the actuation if there is one, otherwise nv.
+inline constexpr std::size_t kDefaultNu = static_cast<std::size_t>(-1);
+
 using Motion = Vec6<double>;  // [linear; angular]
 using Force = Vec6<double>;
 
@@ -36,6 +40,18 @@ struct MathBase {
   using MatrixXs = Eigen::MatrixXd;
   using Quaternions = Eigen::Quaterniond;
 };
+
+/// The common base of classes that are printed with <<.
+class Printable {
+ public:
+  virtual ~Printable() = default;
+  virtual void print(std::ostream& os) const = 0;  // prints type and sizes
+};
+/// Prints it as `print` does.
+inline std::ostream& operator<<(std::ostream& os, const Printable& x) {
+  x.print(os);
+  return os;
+}
 
 using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

@@ -19,18 +19,18 @@ struct ImpulseDataMultiple : ContactDataMultiple {
 };
 
 /// An impulse. As for contacts, only the classes below derive from it.
-class ImpulseModelAbstract {
+class ImpulseModelAbstract : public Printable {
  public:
-  virtual ~ImpulseModelAbstract() = default;
+  using DataPtr = std::shared_ptr<ImpulseDataAbstract>;
 
   /// Standalone, at the motion in `data->pinocchio` (x is ignored): compute Jc, and then dv0_dq.
-  void calc(const std::shared_ptr<ImpulseDataAbstract>& data, const ConstVectorRef& x) const;
-  void calcDiff(const std::shared_ptr<ImpulseDataAbstract>& data, const ConstVectorRef& x) const;
+  void calc(const DataPtr& data, const ConstVectorRef& x) const;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
   /// Standalone: set f = impulse (nc) and fext; set df_dx (nc x ndx).
-  void updateForce(const std::shared_ptr<ImpulseDataAbstract>& data, const Eigen::VectorXd& impulse) const;
-  void updateForceDiff(const std::shared_ptr<ImpulseDataAbstract>& data, const Eigen::MatrixXd& df_dx) const;
-  void setZeroForce(const std::shared_ptr<ImpulseDataAbstract>& data) const;
-  void setZeroForceDiff(const std::shared_ptr<ImpulseDataAbstract>& data) const;
+  void updateForce(const DataPtr& data, const Eigen::VectorXd& impulse) const { contact_->updateForce(data, impulse); }
+  void updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx) const;
+  void setZeroForce(const DataPtr& data) const { contact_->setZeroForce(data); }
+  void setZeroForceDiff(const DataPtr& data) const { contact_->setZeroForceDiff(data); }
   std::shared_ptr<ImpulseDataAbstract> createData(MultibodyData* data) const;
 
   /// The state that it was made for.
@@ -43,7 +43,7 @@ class ImpulseModelAbstract {
   void set_type(ReferenceFrame type) { contact_->set_type(type); }  // selects another reference frame
   /// The contact with the same rows.
   const std::shared_ptr<ContactModelAbstract>& get_contact() const { return contact_; }
-  virtual void print(std::ostream& os) const;  // prints type and sizes
+  void print(std::ostream& os) const override;  // prints type and sizes
 
  private:
   friend class ImpulseModel3D;
@@ -54,7 +54,6 @@ class ImpulseModelAbstract {
   const char* name_;
   std::shared_ptr<ContactModelAbstract> contact_;
 };
-std::ostream& operator<<(std::ostream& os, const ImpulseModelAbstract& model);  // prints it as `print` does
 
 /// Stops the velocity of a point.
 class ImpulseModel3D final : public ImpulseModelAbstract {
@@ -93,9 +92,11 @@ struct ImpulseItem {  // An impulse, its name, and whether it is active.
 };
 
 /// The impulses of an action model, by name. Their rows are stacked in the order of names.
-class ImpulseModelMultiple {
+class ImpulseModelMultiple : public NamedParts<StateMultibody, ImpulseItem> {
  public:
-  using ImpulseModelContainer = std::map<std::string, std::shared_ptr<ImpulseItem>>;
+  using DataPtr = std::shared_ptr<ImpulseDataMultiple>;
+
+  using ImpulseModelContainer = Container;
   using ImpulseDataContainer = std::map<std::string, std::shared_ptr<ImpulseDataAbstract>>;
 
   /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
@@ -106,35 +107,26 @@ class ImpulseModelMultiple {
   void addImpulse(const std::string& name, std::shared_ptr<ImpulseModelAbstract> impulse, bool active = true);
   void removeImpulse(const std::string& name);
   void changeImpulseStatus(const std::string& name, bool active);
-  bool getImpulseStatus(const std::string& name) const;
+  bool getImpulseStatus(const std::string& name) const { return part(name).active; }  // whether it is active
 
   /// Standalone: evaluate the active impulses as ImpulseModelAbstract does, and stack the results.
-  void calc(const std::shared_ptr<ImpulseDataMultiple>& data, const ConstVectorRef& x) const;
-  void calcDiff(const std::shared_ptr<ImpulseDataMultiple>& data, const ConstVectorRef& x) const;
+  void calc(const DataPtr& data, const ConstVectorRef& x) const;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
   /// Set the impulses (nc) and their derivatives (nc x ndx). Inactive ones are set to zero.
-  void updateForce(const std::shared_ptr<ImpulseDataMultiple>& data, const Eigen::VectorXd& impulse) const;
-  void updateForceDiff(const std::shared_ptr<ImpulseDataMultiple>& data, const Eigen::MatrixXd& df_dx) const;
-  void updateVelocity(const std::shared_ptr<ImpulseDataMultiple>& data, const Eigen::VectorXd& vnext) const;
-  void updateVelocityDiff(const std::shared_ptr<ImpulseDataMultiple>& data, const Eigen::MatrixXd& dvnext_dx) const;
+  void updateForce(const DataPtr& data, const Eigen::VectorXd& impulse) const;
+  void updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx) const;
+  void updateVelocity(const DataPtr& data, const Eigen::VectorXd& vnext) const;
+  void updateVelocityDiff(const DataPtr& data, const Eigen::MatrixXd& dvnext_dx) const;
   std::shared_ptr<ImpulseDataMultiple> createData(MultibodyData* data) const;
 
-  /// The state that it was made for.
-  const std::shared_ptr<StateMultibody>& get_state() const { return contacts_->get_state(); }
-  const ImpulseModelContainer& get_impulses() const { return impulses_; }  // the impulses
-  std::size_t get_nc() const { return contacts_->get_nc(); }               // rows of the active impulses
-  std::size_t get_nc_total() const { return contacts_->get_nc_total(); }   // rows of all impulses
-  /// Names of the active ones.
-  const std::set<std::string>& get_active_set() const { return contacts_->get_active_set(); }
-  /// Names of the inactive ones.
-  const std::set<std::string>& get_inactive_set() const { return contacts_->get_inactive_set(); }
+  const ImpulseModelContainer& get_impulses() const { return parts_; }    // the impulses
+  std::size_t get_nc() const { return contacts_->get_nc(); }              // rows of the active impulses
+  std::size_t get_nc_total() const { return contacts_->get_nc_total(); }  // rows of all impulses
   /// The stack of contacts with the same rows.
   const std::shared_ptr<ContactModelMultiple>& get_contacts() const { return contacts_; }
-  void print(std::ostream& os) const;  // prints type and sizes
 
  private:
-  ImpulseModelContainer impulses_;
   std::shared_ptr<ContactModelMultiple> contacts_;
 };
-std::ostream& operator<<(std::ostream& os, const ImpulseModelMultiple& model);  // prints it as `print` does
 
 }  // namespace manycontact

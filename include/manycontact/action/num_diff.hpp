@@ -1,35 +1,83 @@
 #pragma once
-// A differential action model whose derivatives are central differences of another model. It is meant for user-defined
-// models, and for tests.
+// Action models whose derivatives are central differences of another model. They are meant for user-defined models, and
+// for tests. The step is absolute in x's tangent space, relative to max(1, |u_i|) in u.
+
+#include <cmath>
+#include <functional>
+#include <limits>
 
 #include "manycontact/action/diff_action.hpp"
 
 namespace manycontact {
 
-/// A node with derivatives by central differences.
-class DifferentialActionModelNumDiff : public DifferentialActionModelAbstract {
+namespace internal {
+
+/// The step of the differences.
+class Step {
  public:
-  /// with_gauss_approx: Hessians are Rx^T Rx, ... of the stacked residuals, which is right for costs 1/2 |r|^2 of
-  /// weight 1. Otherwise they are second differences of the cost.
-  explicit DifferentialActionModelNumDiff(std::shared_ptr<DifferentialActionModelAbstract> model,
-                                          bool with_gauss_approx = false);
-
-  void calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
-  void calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) override;
-  /// Computes Fx, Fu, Lx, Lu, Gx, Gu, Hx, Hu and the Hessians, as dense matrices only.
-  void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) override;
-  std::shared_ptr<DifferentialActionDataAbstract> createData() override;
-  void quasiStatic(const std::shared_ptr<DifferentialActionDataAbstract>& data, VectorRef u, const ConstVectorRef& x,
-                   std::size_t maxiter = 100, double tol = 1e-9) override;
-
-  /// The model that is differentiated.
-  const std::shared_ptr<DifferentialActionModelAbstract>& get_model() const { return model_; }
-  /// The step of the differences: absolute in x's tangent space, relative to max(1, |u_i|) in u.
   double get_disturbance() const { return step_; }
-  void set_disturbance(double disturbance);              // throws std::invalid_argument unless it is positive
+  /// Throws std::invalid_argument unless it is positive.
+  void set_disturbance(double disturbance);
+
+ protected:
+  explicit Step(const char* where = "set_disturbance") : where_(where) {}  // where: the beginning of messages
+  double step_ = std::cbrt(std::numeric_limits<double>::epsilon());
+
+ private:
+  const char* where_;
+};
+
+/// The functions that are called before a standalone part is evaluated.
+class Reevaluation {
+ public:
+  using ReevaluationFunction = std::function<void(const Eigen::VectorXd& x, const Eigen::VectorXd& u)>;
+  void set_reevals(const std::vector<ReevaluationFunction>& reevals) { reevals_ = reevals; }
+
+ protected:
+  void reevaluate(const Eigen::VectorXd& x, const Eigen::VectorXd& u) const {
+    for (const ReevaluationFunction& reevaluate : reevals_) reevaluate(x, u);
+  }
+  std::vector<ReevaluationFunction> reevals_;
+};
+
+}  // namespace internal
+
+/// The model that is differentiated, and the step of the differences.
+template <class Model>
+class NumDiffOf : public internal::Step {
+ public:
+  const std::shared_ptr<Model>& get_model() const { return model_; }  // the model that is differentiated
+
+ protected:
+  /// Throws std::invalid_argument for a null pointer. who, where: the beginnings of messages.
+  NumDiffOf(const char* who, std::shared_ptr<Model> model, const char* where = "set_disturbance")
+      : Step(where), model_(internal::given(who, model)) {}
+  std::shared_ptr<Model> model_;
+};
+
+/// Data of a node with derivatives by central differences.
+template <class NodeData>
+struct NodeDataNumDiff : NodeData {
+  /// Allocates the data of the model.
+  template <class NodeNumDiff>
+  explicit NodeDataNumDiff(const NodeNumDiff* model)
+      : NodeData(model), data_0(model->get_model()->createData()), data_step(model->get_model()->createData()) {}
+  std::shared_ptr<NodeData> data_0, data_step;  // of the model, at the point and at a displaced point
+  Eigen::MatrixXd Rx, Ru;                       // nr x ndx, nr x nu
+};
+
+/// The common base of nodes with derivatives by central differences, in continuous and in discrete time.
+template <class Node, class NodeData>
+class NodeNumDiff : public Node, public NumDiffOf<Node> {
+ public:
+  using Data = std::shared_ptr<NodeData>;
+  void calc(const Data& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const Data& data, const ConstVectorRef& x) override;
+  /// Computes Fx, Fu, Lx, Lu, Gx, Gu, Hx, Hu and the Hessians, as dense matrices only.
+  void calcDiff(const Data& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calcDiff(const Data& data, const ConstVectorRef& x) override;
+  void quasiStatic(const Data& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
+                   double tol = 1e-9) override;
   bool get_with_gauss_approx() const { return gauss_; }  // whether Hessians are Gauss-Newton's
 
   std::size_t get_nr() const override { return model_->get_nr(); }
@@ -41,24 +89,53 @@ class DifferentialActionModelNumDiff : public DifferentialActionModelAbstract {
   const Eigen::VectorXd& get_g_ub() const override { return model_->get_g_ub(); }
   const Eigen::VectorXd& get_g_lb_T() const override { return model_->get_g_lb_T(); }
   const Eigen::VectorXd& get_g_ub_T() const override { return model_->get_g_ub_T(); }
+  void print(std::ostream& os) const override;
+
+ protected:
+  /// name: that of the class. next: what calc computes, the acceleration or the next state. where: the beginning of the
+  /// message for a wrong step.
+  NodeNumDiff(const char* name, std::shared_ptr<Node> model, bool with_gauss_approx, Eigen::VectorXd NodeData::*next,
+              const char* where);
+  using NumDiffOf<Node>::model_;
+
+ private:
+  using Own = NodeDataNumDiff<NodeData>;
+  /// Computes the change of `next` between two displaced points.
+  virtual Eigen::VectorXd change(const NodeData& at, const Eigen::VectorXd& plus, const Eigen::VectorXd& minus,
+                                 bool terminal) const = 0;
+  /// The beginning of the message for data of another model.
+  virtual std::string where(const char* function) const { return std::string(name_) + "::" + function; }
+  Own& own(const char* function, const Data& data) const;
+  void copy_values(Own& data) const;
+  void differentiate(Own& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u, bool terminal) const;
+  const char* name_;
+  bool gauss_;
+  Eigen::VectorXd NodeData::*next_;
+};
+
+/// A node in continuous time with derivatives by central differences.
+class DifferentialActionModelNumDiff
+    : public NodeNumDiff<DifferentialActionModelAbstract, DifferentialActionDataAbstract> {
+ public:
+  /// with_gauss_approx: Hessians are Rx^T Rx, ... of the stacked residuals, which is right for costs 1/2 |r|^2 of
+  /// weight 1. Otherwise they are second differences of the cost.
+  explicit DifferentialActionModelNumDiff(std::shared_ptr<DifferentialActionModelAbstract> model,
+                                          bool with_gauss_approx = false);
+  std::shared_ptr<DifferentialActionDataAbstract> createData() override;
   /// Set the bounds of the model.
   void set_g_lb(const Eigen::VectorXd& g_lb) override { model_->set_g_lb(g_lb); }
   void set_g_ub(const Eigen::VectorXd& g_ub) override { model_->set_g_ub(g_ub); }
-  void print(std::ostream& os) const override;
 
  private:
-  void differentiate(const std::shared_ptr<DifferentialActionDataAbstract>& data, const Eigen::VectorXd& x,
-                     const Eigen::VectorXd& u, bool terminal);
-  std::shared_ptr<DifferentialActionModelAbstract> model_;
-  bool gauss_;
-  double step_;
+  Eigen::VectorXd change(const DifferentialActionDataAbstract& at, const Eigen::VectorXd& plus,
+                         const Eigen::VectorXd& minus, bool terminal) const override;
+  std::string where(const char* function) const override;
 };
 
-struct DifferentialActionDataNumDiff : DifferentialActionDataAbstract {  // Data of DifferentialActionModelNumDiff.
-  explicit DifferentialActionDataNumDiff(DifferentialActionModelNumDiff* model);  // allocates the data of the model
-  std::shared_ptr<DifferentialActionDataAbstract> data_0;                         // of the model, at the point
-  std::shared_ptr<DifferentialActionDataAbstract> data_step;                      // of the model, at a displaced point
-  Eigen::MatrixXd Rx, Ru;                                                         // nr x ndx, nr x nu
+/// Data of DifferentialActionModelNumDiff.
+struct DifferentialActionDataNumDiff : NodeDataNumDiff<DifferentialActionDataAbstract> {
+  /// Allocates the data of the model.
+  explicit DifferentialActionDataNumDiff(DifferentialActionModelNumDiff* model) : NodeDataNumDiff(model) {}
 };
 
 }  // namespace manycontact

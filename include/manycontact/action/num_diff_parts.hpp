@@ -4,42 +4,11 @@
 // u. Standalone parts depend on more than x and u: set_reevals takes functions that update these data. They are called
 // with each x, u before the part's calc, and finally at the point itself.
 
-#include <cmath>
-#include <functional>
-#include <limits>
-
 #include "manycontact/action/constraint.hpp"
 #include "manycontact/action/cost.hpp"
+#include "manycontact/action/num_diff.hpp"
 
 namespace manycontact {
-
-namespace internal {
-
-/// The step of the differences.
-class Step {
- public:
-  double get_disturbance() const { return step_; }
-  /// Throws std::invalid_argument unless it is positive.
-  void set_disturbance(double disturbance);
-
- protected:
-  double step_ = std::cbrt(std::numeric_limits<double>::epsilon());
-};
-
-/// The functions that are called before a standalone part is evaluated.
-class Reevaluation {
- public:
-  using ReevaluationFunction = std::function<void(const Eigen::VectorXd& x, const Eigen::VectorXd& u)>;
-  void set_reevals(const std::vector<ReevaluationFunction>& reevals) { reevals_ = reevals; }
-
- protected:
-  void reevaluate(const Eigen::VectorXd& x, const Eigen::VectorXd& u) const {
-    for (const ReevaluationFunction& reevaluate : reevals_) reevaluate(x, u);
-  }
-  std::vector<ReevaluationFunction> reevals_;
-};
-
-}  // namespace internal
 
 /// Differentiates Jdiff, Jintegrate and JintegrateTransport of any state; everything else is the state's own.
 class StateNumDiff : public StateAbstract, public internal::Step {
@@ -47,8 +16,12 @@ class StateNumDiff : public StateAbstract, public internal::Step {
   explicit StateNumDiff(std::shared_ptr<StateAbstract> state);  // state: the one that is differentiated
   Eigen::VectorXd zero() const override { return state_model_->zero(); }
   Eigen::VectorXd rand() const override { return state_model_->rand(); }
-  void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const override;
-  void integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const override;
+  void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const override {
+    state_model_->diff(x0, x1, dxout);
+  }
+  void integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const override {
+    state_model_->integrate(x, dx, xout);
+  }
   void Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, MatrixRef Jfirst, MatrixRef Jsecond,
              Jcomponent firstsecond = both) const override;
   void Jintegrate(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jfirst, MatrixRef Jsecond,
@@ -61,18 +34,13 @@ class StateNumDiff : public StateAbstract, public internal::Step {
 };
 
 /// Differentiates an activation: Ar, and the diagonal of the Hessian.
-class ActivationModelNumDiff : public ActivationModelAbstract, public internal::Step {
+class ActivationModelNumDiff : public ActivationModelAbstract, public NumDiffOf<ActivationModelAbstract> {
  public:
   /// model: the one that is differentiated.
   explicit ActivationModelNumDiff(std::shared_ptr<ActivationModelAbstract> model);
-  void calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
-  void calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) override;
+  void calc(const DataPtr& data, const ConstVectorRef& r) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& r) override;
   std::shared_ptr<ActivationDataAbstract> createData() override;
-  /// The model that is differentiated.
-  const std::shared_ptr<ActivationModelAbstract>& get_model() const { return model_; }
-
- private:
-  std::shared_ptr<ActivationModelAbstract> model_;
 };
 
 /// Data of ActivationModelNumDiff.
@@ -84,26 +52,20 @@ struct ActivationDataNumDiff : ActivationDataAbstract {
 
 /// Differentiates an actuation: dtau_dx, dtau_du. Mtau is the pseudoinverse of dtau_du; singular values within the
 /// accuracy of the differences are zero.
-class ActuationModelNumDiff : public ActuationModelAbstract, public internal::Step {
+class ActuationModelNumDiff : public ActuationModelAbstract, public NumDiffOf<ActuationModelAbstract> {
  public:
   /// model: the one that is differentiated.
   explicit ActuationModelNumDiff(std::shared_ptr<ActuationModelAbstract> model);
-  void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
-  void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x) override;
-  void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x) override;
-  void commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& tau) override;
-  void torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                       const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
+  void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) override;
+  void torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
-  /// The model that is differentiated.
-  const std::shared_ptr<ActuationModelAbstract>& get_model() const { return model_; }
 
  private:
-  std::shared_ptr<ActuationModelAbstract> model_;
+  void differentiate(const DataPtr& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u, bool terminal);
 };
 
 /// Data of ActuationModelNumDiff.
@@ -113,22 +75,20 @@ struct ActuationDataNumDiff : ActuationDataAbstract {
 };
 
 /// Differentiates a residual: Rx, Ru.
-class ResidualModelNumDiff : public ResidualModelAbstract, public internal::Step, public internal::Reevaluation {
+class ResidualModelNumDiff : public ResidualModelAbstract,
+                             public NumDiffOf<ResidualModelAbstract>,
+                             public internal::Reevaluation {
  public:
   /// model: the one that is differentiated.
   explicit ResidualModelNumDiff(const std::shared_ptr<ResidualModelAbstract>& model);
-  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
-  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) override;
-  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
-  /// The model that is differentiated.
-  const std::shared_ptr<ResidualModelAbstract>& get_model() const { return model_; }
 
  private:
-  std::shared_ptr<ResidualModelAbstract> model_;
+  void differences_of(const DataPtr& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u, bool terminal);
 };
 
 /// Data of ResidualModelNumDiff.
@@ -137,72 +97,73 @@ struct ResidualDataNumDiff : ResidualDataAbstract {
   std::shared_ptr<ResidualDataAbstract> data_0;
 };
 
-/// Differentiates a cost: Lx, Lu. Hessians are Gauss-Newton's, with differences of the residual.
-class CostModelNumDiff : public internal::Step, public internal::Reevaluation {
+/// The common base of parts that are differentiated standalone.
+template <class Model, class Data>
+class PartNumDiff : public NumDiffOf<Model>, public internal::Reevaluation {
  public:
-  explicit CostModelNumDiff(const std::shared_ptr<CostModelAbstract>& model);  // model: the one that is differentiated
   /// Evaluates the model.
-  void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);  // evaluates the model
+  void calc(const std::shared_ptr<Data>& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+    model_->calc(data, x, u);
+  }
+  void calc(const std::shared_ptr<Data>& data, const ConstVectorRef& x) { model_->calc(data, x); }
   /// Computes the derivatives by central differences.
-  void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  /// Computes the derivatives by central differences.
-  void calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x);
-  /// Creates standalone data.
-  std::shared_ptr<CostDataAbstract> createData(DataCollector* shared);
-  const std::shared_ptr<CostModelAbstract>& get_model() const { return model_; }  // the model that is differentiated
+  void calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  void calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x);  // as above, in a terminal node
   /// The state that it was made for.
   const std::shared_ptr<StateAbstract>& get_state() const { return model_->get_state(); }
   std::size_t get_nu() const { return model_->get_nu(); }  // number of controls
-  bool get_with_gauss_approx() const { return true; }      // whether Hessians are Gauss-Newton's
+
+ protected:
+  /// name: that of the class.
+  PartNumDiff(const char* name, const std::shared_ptr<Model>& model) : NumDiffOf<Model>(name, model), name_(name) {}
+  using NumDiffOf<Model>::model_;
 
  private:
-  template <class Calc>
-  void differentiate(CostDataAbstract& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u, bool terminal,
-                     Calc&& calc);
-  std::shared_ptr<CostModelAbstract> model_;
+  virtual Eigen::VectorXd values(const Data& data) const = 0;  // the numbers that are differentiated
+  /// Stores their derivatives. by_u is null in a terminal node.
+  virtual void store(const Eigen::MatrixXd& by_x, const Eigen::MatrixXd* by_u, Data& data) const = 0;
+  void differentiate(const std::shared_ptr<Data>& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u,
+                     bool terminal) const;
+  const char* name_;
+};
+
+/// Differentiates a cost: Lx, Lu. Hessians are Gauss-Newton's, with differences of the residual.
+class CostModelNumDiff : public PartNumDiff<CostModelAbstract, CostDataAbstract> {
+ public:
+  explicit CostModelNumDiff(const std::shared_ptr<CostModelAbstract>& model);  // model: the one that is differentiated
+  /// Creates standalone data.
+  std::shared_ptr<CostDataAbstract> createData(DataCollector* shared);
+  bool get_with_gauss_approx() const { return true; }  // whether Hessians are Gauss-Newton's
+
+ private:
+  Eigen::VectorXd values(const CostDataAbstract& data) const override;
+  void store(const Eigen::MatrixXd& by_x, const Eigen::MatrixXd* by_u, CostDataAbstract& data) const override;
 };
 
 /// Differentiates a constraint: Gx, Gu, Hx, Hu.
-class ConstraintModelNumDiff : public internal::Step, public internal::Reevaluation {
+class ConstraintModelNumDiff : public PartNumDiff<ConstraintModelAbstract, ConstraintDataAbstract> {
  public:
   /// model: the one that is differentiated.
   explicit ConstraintModelNumDiff(const std::shared_ptr<ConstraintModelAbstract>& model);
-  /// Evaluates the model.
-  void calc(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calc(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x);  // evaluates the model
-  /// Computes the derivatives by central differences.
-  void calcDiff(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  /// Computes the derivatives by central differences.
-  void calcDiff(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x);
   /// Creates data of this model; one per thread.
-  std::shared_ptr<ConstraintDataAbstract> createData(DataCollector* shared);
-  /// The model that is differentiated.
-  const std::shared_ptr<ConstraintModelAbstract>& get_model() const { return model_; }
-  /// The state that it was made for.
-  const std::shared_ptr<StateAbstract>& get_state() const { return model_->get_state(); }
-  std::size_t get_nu() const { return model_->get_nu(); }  // number of controls
+  std::shared_ptr<ConstraintDataAbstract> createData(DataCollector* shared) { return model_->createData(shared); }
 
  private:
-  template <class Calc>
-  void differentiate(ConstraintDataAbstract& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u, bool terminal,
-                     Calc&& calc);
-  std::shared_ptr<ConstraintModelAbstract> model_;
+  Eigen::VectorXd values(const ConstraintDataAbstract& data) const override;
+  void store(const Eigen::MatrixXd& by_x, const Eigen::MatrixXd* by_u, ConstraintDataAbstract& data) const override;
 };
 
 /// Differentiates a contact: da0_dx, at the motion that the reevaluations compute.
-class ContactModelNumDiff : public internal::Step, public internal::Reevaluation {
+class ContactModelNumDiff : public NumDiffOf<ContactModelAbstract>, public internal::Reevaluation {
  public:
   /// model: the one that is differentiated.
   explicit ContactModelNumDiff(const std::shared_ptr<ContactModelAbstract>& model);
-  void calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x);  // evaluates the model
+  /// Evaluates the model.
+  void calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) { model_->calc(data, x); }
   /// Computes the derivatives by central differences.
   void calcDiff(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x);
-  std::shared_ptr<ContactDataAbstract> createData(MultibodyData* data);  // creates data of this model; one per thread
-  const std::shared_ptr<ContactModelAbstract>& get_model() const { return model_; }  // the model that is differentiated
-
- private:
-  std::shared_ptr<ContactModelAbstract> model_;
+  /// Creates data of this model; one per thread.
+  std::shared_ptr<ContactDataAbstract> createData(MultibodyData* data) { return model_->createData(data); }
 };
 
 }  // namespace manycontact

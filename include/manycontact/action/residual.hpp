@@ -43,30 +43,28 @@ struct Dependence {
   bool forces = false;        // on contact forces, and therefore on all of q, v, u: their derivatives are computed
 };
 
-class ResidualModelAbstract {  // A function r(x, u).
+class ResidualModelAbstract : public Printable {  // A function r(x, u).
  public:
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
+  using DataPtr = std::shared_ptr<ResidualDataAbstract>;
+
+  /// nu: number of controls, or kDefaultNu: nv. Throws std::invalid_argument for a null pointer.
   ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu, Dependence on);
-  /// Crocoddyl's constructor, for a user-defined residual whose calcDiff writes data->Rx and data->Ru. nu: by default
-  /// nv.
+  /// Crocoddyl's constructor, for a user-defined residual whose calcDiff writes data->Rx and data->Ru.
   ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu, bool q_dependent = true,
                         bool v_dependent = true, bool u_dependent = true);
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
+  /// Crocoddyl's constructor, with nu = nv.
   ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, bool q_dependent = true,
                         bool v_dependent = true, bool u_dependent = true);
-  virtual ~ResidualModelAbstract() = default;
 
   /// Computes data->r.
-  virtual void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                    const ConstVectorRef& u) = 0;
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
   /// Computes the residual in a terminal node. By default it is r(x) if r depends on x alone, and otherwise zero, since
   /// there are no accelerations, forces or controls.
-  virtual void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x);
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x);
   /// Computes Rx and Ru of data->blocks with `differentiate`, and if the data contain them the whole matrices; call it
   /// after calc.
-  virtual void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                        const ConstVectorRef& u);
-  virtual void calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x);
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x);
   virtual std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared);
 
   /// Sets up data.blocks. createData calls it, and it is called again if the islands change because a contact was
@@ -85,14 +83,13 @@ class ResidualModelAbstract {  // A function r(x, u).
   bool get_v_dependent() const { return on_.v || on_.acceleration || on_.forces; }  // whether it depends on v
   bool get_u_dependent() const { return on_.u || on_.acceleration || on_.forces; }  // whether it depends on u
   const Dependence& depends_on() const { return on_; }                              // the variables that it depends on
-  virtual void print(std::ostream& os) const;                                       // prints type and sizes
+  void print(std::ostream& os) const override { os << "ResidualModel {nr=" << nr_ << "}"; }
 
  protected:
   /// Computes Rx and Ru of data->blocks. Throws std::logic_error unless a residual overrides it, or calcDiff.
-  virtual void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                             const ConstVectorRef& u);
+  virtual void differentiate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
   /// Computes Rx for a terminal node.
-  virtual void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x);
+  virtual void differentiate(const DataPtr& data, const ConstVectorRef& x);
   std::shared_ptr<StateAbstract> state_;
   std::size_t nr_, nu_;
   Dependence on_;
@@ -102,6 +99,61 @@ class ResidualModelAbstract {  // A function r(x, u).
   friend struct ResidualDataAbstract;
   bool whole_ = false;  // constructed by Crocoddyl's constructor
 };
-std::ostream& operator<<(std::ostream& os, const ResidualModelAbstract& model);  // prints it as `print` does
+
+/// The common base of the residuals of this library: its name, and functions of the data.
+class NamedResidual : public ResidualModelAbstract {
+ public:
+  using ResidualModelAbstract::calc;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override { evaluate(*data, x, u); }
+  using ResidualModelAbstract::differentiate;
+  void differentiate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    if (!data->blocks.empty()) fill_blocks(*data, x, u);
+  }
+  void print(std::ostream& os) const override { os << name_; }
+
+ protected:
+  /// name: that of the class. nu: number of controls, or kDefaultNu.
+  NamedResidual(const char* name, std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu, Dependence on)
+      : ResidualModelAbstract(std::move(state), nr, nu, on), name_(name) {}
+  /// Computes data.r.
+  virtual void evaluate(ResidualDataAbstract&, const ConstVectorRef&, const ConstVectorRef&) const {}
+  /// Computes Rx and Ru of the blocks, except those of constant ones.
+  virtual void fill_blocks(ResidualDataAbstract&, const ConstVectorRef&, const ConstVectorRef&) const {}
+  const char* name_;
+};
+
+namespace internal {
+
+/// Throws std::invalid_argument unless the new reference has the size, or the number of facets, of the old one.
+template <class Reference>
+void check_reference(const char* who, const Reference& now, const Reference& next) {
+  if constexpr (std::is_same_v<Reference, Eigen::VectorXd>)
+    check_size(who, "the reference", next.size(), static_cast<std::size_t>(now.size()));
+  else if constexpr (requires { now.get_nf(); })
+    require(next.get_nf() == now.get_nf(), who,
+            "the reference has nf = " + std::to_string(next.get_nf()) + ", " + std::to_string(now.get_nf()) +
+                " as before is expected");
+}
+
+}  // namespace internal
+
+/// A residual with a reference.
+template <class Base, class Reference>
+class ResidualWithReference : public Base {
+ public:
+  const Reference& get_reference() const { return reference_; }  // the reference of the residual
+  /// Sets the reference. Throws std::invalid_argument for another size, or another number of facets of a cone.
+  void set_reference(const Reference& reference) {
+    internal::check_reference(this->name_, reference_, reference);
+    reference_ = reference;
+  }
+
+ protected:
+  /// of_base: the arguments of the base class.
+  template <class... Arguments>
+  explicit ResidualWithReference(const Reference& reference, Arguments&&... of_base)
+      : Base(std::forward<Arguments>(of_base)...), reference_(reference) {}
+  Reference reference_;
+};
 
 }  // namespace manycontact

@@ -18,13 +18,15 @@ struct SquashingDataAbstract {
 
 class SquashingModelAbstract {  // A function u(s).
  public:
+  using DataPtr = std::shared_ptr<SquashingDataAbstract>;
+
   /// Throws std::invalid_argument for ns = 0.
   explicit SquashingModelAbstract(std::size_t ns);
   virtual ~SquashingModelAbstract() = default;
   /// Computes data->u from s (ns).
-  virtual void calc(const std::shared_ptr<SquashingDataAbstract>& data, const ConstVectorRef& s) = 0;
+  virtual void calc(const DataPtr& data, const ConstVectorRef& s) = 0;
   /// Computes data->du_ds.
-  virtual void calcDiff(const std::shared_ptr<SquashingDataAbstract>& data, const ConstVectorRef& s) = 0;
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& s) = 0;
   /// Creates data of this model; one per thread.
   virtual std::shared_ptr<SquashingDataAbstract> createData() { return std::make_shared<SquashingDataAbstract>(this); }
 
@@ -45,8 +47,8 @@ class SquashingModelSmoothSat : public SquashingModelAbstract {
  public:
   /// Bounds must be finite, with lb < ub and ns numbers; otherwise std::invalid_argument is thrown.
   SquashingModelSmoothSat(const ConstVectorRef& u_lb, const ConstVectorRef& u_ub, std::size_t ns);
-  void calc(const std::shared_ptr<SquashingDataAbstract>& data, const ConstVectorRef& s) override;
-  void calcDiff(const std::shared_ptr<SquashingDataAbstract>& data, const ConstVectorRef& s) override;
+  void calc(const DataPtr& data, const ConstVectorRef& s) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& s) override;
   double get_smooth() const { return smooth_; }        // initially 0.1
   void set_smooth(double smooth);                      // not negative
   const Eigen::VectorXd& get_d() const { return d_; }  // d, one number per control
@@ -62,15 +64,12 @@ class ActuationSquashingModel : public ActuationModelAbstract {
   /// Nu must be the number of squashed controls.
   ActuationSquashingModel(std::shared_ptr<ActuationModelAbstract> actuation,
                           std::shared_ptr<SquashingModelAbstract> squashing, std::size_t nu);
-  void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   using ActuationModelAbstract::calc;
-  void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   using ActuationModelAbstract::calcDiff;
   /// Computes u = Mtau tau, with Mtau at the controls that the actuation alone would use.
-  void commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& tau) override;
+  void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
   void print(std::ostream& os) const override;
   const std::shared_ptr<SquashingModelAbstract>& get_squashing() const { return squashing_; }  // the function u(s)

@@ -32,17 +32,13 @@ class ActuationModelFloatingBaseThrusters : public ActuationModelAbstract {
  public:
   /// Throws std::invalid_argument unless the state has one robot with a floating base.
   ActuationModelFloatingBaseThrusters(std::shared_ptr<StateMultibody> state, const std::vector<Thruster>& thrusters);
-  void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   using ActuationModelAbstract::calc;
-  void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   using ActuationModelAbstract::calcDiff;
   /// Computes the least-squares u of least norm.
-  void commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& tau) override;
-  void torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                       const ConstVectorRef& u) override;
+  void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) override;
+  void torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
   void print(std::ostream& os) const override;
 

@@ -43,72 +43,37 @@ struct ActionDataAbstract {
   void allocate_matrices(const ActionModelAbstract* model);  // allocates the derivatives
 };
 
-class ActionModelAbstract {  // A node in discrete time.
+class ActionModelAbstract : public NodeAbstract {  // A node in discrete time.
  public:
-  using Scalar = double;
-  using MathBase = manycontact::MathBase;
-  using VectorXs = MathBase::VectorXs;
-  using MatrixXs = MathBase::MatrixXs;
-  using StateAbstract = manycontact::StateAbstract;
   using ActionDataAbstract = manycontact::ActionDataAbstract;
+  using DataPtr = std::shared_ptr<ActionDataAbstract>;
 
   /// Throws std::invalid_argument for null pointers and numbers out of range.
   ActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr = 0, std::size_t ng = 0,
                       std::size_t nh = 0, std::size_t ng_T = 0, std::size_t nh_T = 0);
-  virtual ~ActionModelAbstract() = default;
 
   /// Computes the next state, cost and constraints. x: nx, u: nu. Throws std::invalid_argument for wrong sizes.
-  virtual void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x,
-                    const ConstVectorRef& u) = 0;
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
   /// Computes cost and constraints of a terminal node, with xnext = x.
-  virtual void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x);
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x);
   /// Computes the derivatives at the last calc. x, u: as in calc.
-  virtual void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x,
-                        const ConstVectorRef& u) = 0;
-  virtual void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x);
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x);
   virtual std::shared_ptr<ActionDataAbstract> createData();
-  virtual bool checkData(const std::shared_ptr<ActionDataAbstract>& data);
+  virtual bool checkData(const DataPtr& data);
 
   /// Computes controls u (nu) that keep x at rest. By default it makes Gauss-Newton steps on xnext (-) x: at most
   /// maxiter, until one is shorter than tol.
-  virtual void quasiStatic(const std::shared_ptr<ActionDataAbstract>& data, VectorRef u, const ConstVectorRef& x,
-                           std::size_t maxiter = 100, double tol = 1e-9);
-  Eigen::VectorXd quasiStatic_x(const std::shared_ptr<ActionDataAbstract>& data, const Eigen::VectorXd& x,
-                                std::size_t maxiter = 100, double tol = 1e-9);
-  virtual void print(std::ostream& os) const;
-
-  std::size_t get_nu() const { return nu_; }              // number of controls
-  virtual std::size_t get_nr() const { return nr_; }      // number of rows of the residual
-  virtual std::size_t get_ng() const { return ng_; }      // number of inequality constraints
-  virtual std::size_t get_nh() const { return nh_; }      // number of equality constraints
-  virtual std::size_t get_ng_T() const { return ng_T_; }  // number of inequality constraints in a terminal node
-  virtual std::size_t get_nh_T() const { return nh_T_; }  // number of equality constraints in a terminal node
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
-  virtual const Eigen::VectorXd& get_g_lb() const { return g_lb_; }           // lower bounds of g
-  virtual const Eigen::VectorXd& get_g_ub() const { return g_ub_; }           // upper bounds of g
-  /// Bounds of g in a terminal node.
-  virtual const Eigen::VectorXd& get_g_lb_T() const { return get_g_lb(); }
-  virtual const Eigen::VectorXd& get_g_ub_T() const { return get_g_ub(); }  // upper bounds of g in a terminal node
-  const Eigen::VectorXd& get_u_lb() const { return u_lb_; }                 // lower limits of controls; infinite: none
-  const Eigen::VectorXd& get_u_ub() const { return u_ub_; }                 // upper limits of controls; infinite: none
-  bool get_has_control_limits() const { return has_control_limits_; }       // whether any limit of controls is finite
-  /// They throw std::invalid_argument for a wrong size: max(ng, ng_T), or nu.
-  virtual void set_g_lb(const Eigen::VectorXd& g_lb);
-  virtual void set_g_ub(const Eigen::VectorXd& g_ub);  // throws std::invalid_argument for a wrong size
-  void set_u_lb(const Eigen::VectorXd& u_lb);          // throws std::invalid_argument for a wrong size
-  void set_u_ub(const Eigen::VectorXd& u_ub);          // throws std::invalid_argument for a wrong size
+  virtual void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
+                           double tol = 1e-9);
+  Eigen::VectorXd quasiStatic_x(const DataPtr& data, const Eigen::VectorXd& x, std::size_t maxiter = 100,
+                                double tol = 1e-9);
 
  protected:
   /// Throw std::invalid_argument "where: x has 3 numbers, 7 expected".
   void check(const char* where, const ConstVectorRef& x) const;
   /// Throws std::invalid_argument for wrong sizes of x and u.
   void check(const char* where, const ConstVectorRef& x, const ConstVectorRef& u) const;
-  void update_has_control_limits();  // called after the bounds have changed
-  std::size_t nu_, nr_, ng_, nh_, ng_T_, nh_T_;
-  std::shared_ptr<StateAbstract> state_;
-  Eigen::VectorXd unone_, g_lb_, g_ub_, u_lb_, u_ub_;
-  bool has_control_limits_ = false;
 };
-std::ostream& operator<<(std::ostream& os, const ActionModelAbstract& model);  // prints it as `print` does
 
 }  // namespace manycontact

@@ -21,17 +21,16 @@ class ActionModelAugmentedLagrangian : public ActionModelAbstract {  // A node w
   /// Throws std::invalid_argument for null pointers and numbers out of range.
   explicit ActionModelAugmentedLagrangian(std::shared_ptr<ActionModelAbstract> model);
 
-  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
-  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
   std::shared_ptr<ActionDataAbstract> createData() override;
   /// Creates data that contain given data of the original model, which are evaluated with them.
   std::shared_ptr<ActionDataAbstract> createData(std::shared_ptr<ActionDataAbstract> inner);
-  bool checkData(const std::shared_ptr<ActionDataAbstract>& data) override;
-  void quasiStatic(const std::shared_ptr<ActionDataAbstract>& data, VectorRef u, const ConstVectorRef& x,
-                   std::size_t maxiter = 100, double tol = 1e-9) override;
+  bool checkData(const DataPtr& data) override;
+  void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
+                   double tol = 1e-9) override;
   void print(std::ostream& os) const override;
 
   const std::shared_ptr<ActionModelAbstract>& get_model() const { return model_; }  // the original model

@@ -8,7 +8,7 @@
 
 #include <array>
 
-#include "manycontact/action/num_diff_parts.hpp"
+#include "manycontact/action/num_diff.hpp"
 
 namespace manycontact {
 
@@ -124,7 +124,8 @@ class ControlParametrizationModelPolyTwoRK : public ControlParametrizationModelP
 
 /// Computes dw_du of another model by central differences, with steps relative to max(1, |u_i|). It is meant for
 /// user-defined controls, and for tests.
-class ControlParametrizationModelNumDiff : public ControlParametrizationModelAbstract, public internal::Step {
+class ControlParametrizationModelNumDiff : public ControlParametrizationModelAbstract,
+                                           public NumDiffOf<ControlParametrizationModelAbstract> {
  public:
   /// model: the one that is differentiated.
   explicit ControlParametrizationModelNumDiff(std::shared_ptr<ControlParametrizationModelAbstract> model);
@@ -133,16 +134,13 @@ class ControlParametrizationModelNumDiff : public ControlParametrizationModelAbs
   Data createData() override;
   void params(const Data& data, double t, const ConstVectorRef& w) const override;
   void convertBounds(const ConstVectorRef& w_lb, const ConstVectorRef& w_ub, VectorRef u_lb,
-                     VectorRef u_ub) const override;
+                     VectorRef u_ub) const override {
+    model_->convertBounds(w_lb, w_ub, u_lb, u_ub);
+  }
   void multiplyByJacobian(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A, MatrixRef out,
                           AssignmentOp op = setto) const override;
   void multiplyJacobianTransposeBy(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A, MatrixRef out,
                                    AssignmentOp op = setto) const override;
-  /// The model that is differentiated.
-  const std::shared_ptr<ControlParametrizationModelAbstract>& get_model() const { return model_; }
-
- private:
-  std::shared_ptr<ControlParametrizationModelAbstract> model_;
 };
 
 /// Data of ControlParametrizationModelNumDiff.

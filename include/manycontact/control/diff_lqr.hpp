@@ -27,12 +27,10 @@ class DifferentialActionModelLQR : public DifferentialActionModelAbstract {
   /// Makes a random model with entries within +-1 and a convex cost; the same sequence in every run.
   static DifferentialActionModelLQR Random(std::size_t nq, std::size_t nu, std::size_t ng = 0, std::size_t nh = 0);
 
-  void calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
-  void calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) override;
-  void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  void calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
   void print(std::ostream& os) const override;
 
   const MatrixXs& get_Aq() const { return Aq_; }  // matrix of q

@@ -45,20 +45,19 @@ class ActionModelImpulseFwdDynamics : public ActionModelAbstract {  // A node wi
 
   /// Computes v+, impulses, costs and constraints. The data's report() contains status and accuracy; a failed solve
   /// gives NaN.
-  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   /// The velocity jumps in a terminal node, too, as in Crocoddyl; residuals of impulses are zero.
-  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x) override;
   /// Computes the derivatives at the x of the last calc. Throw std::logic_error unless that calc was of the same kind,
   /// with the same active costs and constraints.
-  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
   /// Throws std::invalid_argument for residuals of controls or accelerations, which an impact does not have.
   std::shared_ptr<ActionDataAbstract> createData() override;
-  bool checkData(const std::shared_ptr<ActionDataAbstract>& data) override;
+  bool checkData(const DataPtr& data) override;
   /// Does nothing, since there are no controls.
-  void quasiStatic(const std::shared_ptr<ActionDataAbstract>& data, VectorRef u, const ConstVectorRef& x,
-                   std::size_t maxiter = 100, double tol = 1e-9) override;
+  void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
+                   double tol = 1e-9) override;
   void print(std::ostream& os) const override;
 
   const std::shared_ptr<ImpulseModelMultiple>& get_impulses() const { return impulses_; }          // the impulses

@@ -29,11 +29,10 @@ class ActionModelLQR : public ActionModelAbstract {  // Linear dynamics in discr
   /// Makes a random model with entries within +-1 and a convex cost; the same sequence in every run.
   static ActionModelLQR Random(std::size_t nx, std::size_t nu, std::size_t ng = 0, std::size_t nh = 0);
 
-  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
-  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
   void print(std::ostream& os) const override;
 
   const MatrixXs& get_A() const { return A_; }  // matrix of the state

@@ -44,22 +44,21 @@ class ActionModelParts : public ActionModelAbstract {  // Subproblems of a scene
 
   using ActionModelAbstract::calc;
   using ActionModelAbstract::calcDiff;
-  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x) override;
   /// Collects derivatives from the subproblems' data as they are, which may have been evaluated separately.
-  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
   std::shared_ptr<ActionDataAbstract> createData() override;
   /// Creates data that contain given data of the subproblems' models, which are evaluated with them.
   std::shared_ptr<ActionDataAbstract> createData(std::vector<std::shared_ptr<ActionDataAbstract>> parts);
-  bool checkData(const std::shared_ptr<ActionDataAbstract>& data) override;
+  bool checkData(const DataPtr& data) override;
   /// Collects cost, xnext, g and h from the subproblems' data as they are. Forces of couplings remain those of the last
   /// calc.
-  void collect(const std::shared_ptr<ActionDataAbstract>& data) const;
+  void collect(const DataPtr& data) const;
   /// Uses each subproblem's quasiStatic; with couplings, the node's own derivatives.
-  void quasiStatic(const std::shared_ptr<ActionDataAbstract>& data, VectorRef u, const ConstVectorRef& x,
-                   std::size_t maxiter = 100, double tol = 1e-9) override;
+  void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
+                   double tol = 1e-9) override;
   void print(std::ostream& os) const override;
 
   const Eigen::VectorXd& get_g_lb_T() const override { return g_lb_T_; }

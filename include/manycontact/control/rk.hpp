@@ -26,15 +26,14 @@ class IntegratedActionModelRK : public IntegratedActionModelAbstract {
   IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model, RKType rktype,
                           double time_step = 1e-3, bool with_cost_residual = true);
 
-  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
-  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
   std::shared_ptr<ActionDataAbstract> createData() override;
-  bool checkData(const std::shared_ptr<ActionDataAbstract>& data) override;
-  void quasiStatic(const std::shared_ptr<ActionDataAbstract>& data, VectorRef u, const ConstVectorRef& x,
-                   std::size_t maxiter = 100, double tol = 1e-9) override;
+  bool checkData(const DataPtr& data) override;
+  void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
+                   double tol = 1e-9) override;
   void print(std::ostream& os) const override;
 
   std::size_t get_ni() const { return c_.size(); }               // number of stages

@@ -14,11 +14,10 @@ class ActionModelUnicycle : public ActionModelAbstract {  // A unicycle controll
  public:
   ActionModelUnicycle();
 
-  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
-  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
   void print(std::ostream& os) const override;
 
   /// The weights wx, wu; initially 10, 1.

@@ -33,17 +33,14 @@ class ActuationModelWrenches : public ActuationModelAbstract {  // Torques of co
   ActuationModelWrenches(std::shared_ptr<StateMultibody> state, std::shared_ptr<ActuationModelAbstract> own,
                          std::vector<WrenchEnd> ends);
 
-  void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   using ActuationModelAbstract::calc;
   /// At the last calc.
-  void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   using ActuationModelAbstract::calcDiff;
   /// Not available: throw std::logic_error.
-  void commands(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&, const ConstVectorRef&) override;
-  void torqueTransform(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&,
-                       const ConstVectorRef&) override;
+  void commands(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) override;
+  void torqueTransform(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
   void print(std::ostream& os) const override;
 

@@ -25,19 +25,11 @@ void ActuationModelAbstract::check(const char* where, const ConstVectorRef& x, c
   check_size(where, "u", u.size(), nu_);
 }
 
-void ActuationModelAbstract::torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data,
-                                             const ConstVectorRef& x, const ConstVectorRef& u) {
+void ActuationModelAbstract::torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("ActuationModel::torqueTransform", x, u);
   calc(data, x, u);
   calcDiff(data, x, u);
   data->Mtau = Eigen::MatrixXd(data->dtau_du).completeOrthogonalDecomposition().pseudoInverse();
-}
-
-void ActuationModelAbstract::print(std::ostream& os) const { os << "ActuationModelAbstract {nu=" << nu_ << "}"; }
-
-std::ostream& operator<<(std::ostream& os, const ActuationModelAbstract& model) {
-  model.print(os);
-  return os;
 }
 
 ActuationModelSelection::ActuationModelSelection(std::shared_ptr<StateAbstract> state, std::vector<int> selection,
@@ -58,29 +50,25 @@ std::shared_ptr<ActuationDataAbstract> ActuationModelSelection::createData() {
   return data;
 }
 
-void ActuationModelSelection::calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                                   const ConstVectorRef& u) {
+void ActuationModelSelection::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("ActuationModel::calc", x, u);
   check_data("ActuationModel::calc", data);
   data->tau.setZero();
   for (std::size_t k = 0; k < nu_; ++k) data->tau[selection_[k]] = u[k];
 }
 
-void ActuationModelSelection::calcDiff(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef& x,
-                                       const ConstVectorRef& u) {
+void ActuationModelSelection::calcDiff(const DataPtr&, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("ActuationModel::calcDiff", x, u);  // constant, set in createData
 }
 
-void ActuationModelSelection::commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                                       const ConstVectorRef& tau) {
+void ActuationModelSelection::commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) {
   check_data("ActuationModel::commands", data);
   check_size("ActuationModel::commands", "x", x.size(), state_->get_nx());
   check_size("ActuationModel::commands", "tau", tau.size(), state_->get_nv());
   for (std::size_t k = 0; k < nu_; ++k) data->u[k] = tau[selection_[k]];
 }
 
-void ActuationModelSelection::torqueTransform(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef& x,
-                                              const ConstVectorRef& u) {
+void ActuationModelSelection::torqueTransform(const DataPtr&, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("ActuationModel::torqueTransform", x, u);  // constant, set in createData
 }
 
@@ -90,8 +78,6 @@ const std::vector<int>& ActuationModelSelection::selection() const {
   const auto& type = typeid(*this);
   return type == typeid(ActuationModelFull) || type == typeid(ActuationModelFloatingBase) ? selection_ : none;
 }
-
-void ActuationModelSelection::print(std::ostream& os) const { os << name_ << " {nu=" << nu_ << "}"; }
 
 namespace {
 

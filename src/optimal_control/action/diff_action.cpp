@@ -1,5 +1,6 @@
 #include "manycontact/action/diff_action.hpp"
 
+#include <algorithm>
 #include <ostream>
 
 #include "manycontact/rank/least_norm.hpp"
@@ -23,24 +24,59 @@ DifferentialActionDataAbstract::DifferentialActionDataAbstract(const Differentia
   Hu.setZero(dense ? nh : 0, dense ? nu : 0);
 }
 
-DifferentialActionModelAbstract::DifferentialActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu,
-                                                                 std::size_t nr, std::size_t ng, std::size_t nh)
-    : nu_(nu), nr_(nr), ng_(ng), nh_(nh), state_(std::move(state)), unone_(Eigen::VectorXd::Zero(nu)) {
-  require(state_ != nullptr, "DifferentialActionModel", "a state is expected, not a null pointer");
+NodeAbstract::NodeAbstract(const char* kind, std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr,
+                           std::size_t ng, std::size_t nh, std::size_t ng_T, std::size_t nh_T)
+    : kind_(kind),
+      nu_(nu),
+      nr_(nr),
+      ng_(ng),
+      nh_(nh),
+      ng_T_(ng_T),
+      nh_T_(nh_T),
+      state_(std::move(state)),
+      unone_(Eigen::VectorXd::Zero(nu)) {
+  require(state_ != nullptr, kind, "a state is expected, not a null pointer");
   const double infinity = std::numeric_limits<double>::infinity();
-  g_lb_.setConstant(ng, -infinity);
-  g_ub_.setConstant(ng, infinity);
+  g_lb_.setConstant(std::max(ng, ng_T), -infinity);
+  g_ub_.setConstant(std::max(ng, ng_T), infinity);
   u_lb_.setConstant(nu, -infinity);
   u_ub_.setConstant(nu, infinity);
 }
 
-void DifferentialActionModelAbstract::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data,
-                                           const ConstVectorRef& x) {
-  calc(data, x, unone_);
+void NodeAbstract::print(std::ostream& os) const {
+  os << kind_ << " {nx=" << state_->get_nx() << ", nu=" << nu_ << "}";
 }
 
-void DifferentialActionModelAbstract::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data,
-                                               const ConstVectorRef& x) {
+void NodeAbstract::set_g_lb(const Eigen::VectorXd& g_lb) {
+  check_size("set_g_lb", "g_lb", g_lb.size(), std::max(get_ng(), get_ng_T()));
+  g_lb_ = g_lb;
+}
+void NodeAbstract::set_g_ub(const Eigen::VectorXd& g_ub) {
+  check_size("set_g_ub", "g_ub", g_ub.size(), std::max(get_ng(), get_ng_T()));
+  g_ub_ = g_ub;
+}
+void NodeAbstract::set_u_lb(const Eigen::VectorXd& u_lb) {
+  check_size("set_u_lb", "u_lb", u_lb.size(), nu_);
+  u_lb_ = u_lb;
+  update_has_control_limits();
+}
+void NodeAbstract::set_u_ub(const Eigen::VectorXd& u_ub) {
+  check_size("set_u_ub", "u_ub", u_ub.size(), nu_);
+  u_ub_ = u_ub;
+  update_has_control_limits();
+}
+
+void NodeAbstract::update_has_control_limits() {
+  has_control_limits_ = u_lb_.array().isFinite().any() && u_ub_.array().isFinite().any();
+}
+
+DifferentialActionModelAbstract::DifferentialActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu,
+                                                                 std::size_t nr, std::size_t ng, std::size_t nh)
+    : NodeAbstract("DifferentialActionModel", std::move(state), nu, nr, ng, nh, ng, nh) {}
+
+void DifferentialActionModelAbstract::calc(const DataPtr& data, const ConstVectorRef& x) { calc(data, x, unone_); }
+
+void DifferentialActionModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   calcDiff(data, x, unone_);
 }
 
@@ -48,13 +84,10 @@ std::shared_ptr<DifferentialActionDataAbstract> DifferentialActionModelAbstract:
   return std::make_shared<DifferentialActionDataAbstract>(this);
 }
 
-bool DifferentialActionModelAbstract::checkData(const std::shared_ptr<DifferentialActionDataAbstract>& data) {
-  return data != nullptr;
-}
+bool DifferentialActionModelAbstract::checkData(const DataPtr& data) { return data != nullptr; }
 
-void DifferentialActionModelAbstract::quasiStatic(const std::shared_ptr<DifferentialActionDataAbstract>& data,
-                                                  VectorRef u, const ConstVectorRef& x, std::size_t maxiter,
-                                                  double tol) {
+void DifferentialActionModelAbstract::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x,
+                                                  std::size_t maxiter, double tol) {
   check_size("quasiStatic", "u", u.size(), nu_);
   check_size("quasiStatic", "x", x.size(), state_->get_nx());
   require(x.tail(state_->get_nv()).isZero(0), "quasiStatic", "the velocity is not zero, a state at rest is expected");
@@ -68,44 +101,11 @@ void DifferentialActionModelAbstract::quasiStatic(const std::shared_ptr<Differen
   }
 }
 
-Eigen::VectorXd DifferentialActionModelAbstract::quasiStatic_x(
-    const std::shared_ptr<DifferentialActionDataAbstract>& data, const Eigen::VectorXd& x, std::size_t maxiter,
-    double tol) {
+Eigen::VectorXd DifferentialActionModelAbstract::quasiStatic_x(const DataPtr& data, const Eigen::VectorXd& x,
+                                                               std::size_t maxiter, double tol) {
   Eigen::VectorXd u = Eigen::VectorXd::Zero(nu_);
   quasiStatic(data, u, x, maxiter, tol);
   return u;
-}
-
-void DifferentialActionModelAbstract::print(std::ostream& os) const {
-  os << "DifferentialActionModel {nx=" << state_->get_nx() << ", nu=" << nu_ << "}";
-}
-
-std::ostream& operator<<(std::ostream& os, const DifferentialActionModelAbstract& model) {
-  model.print(os);
-  return os;
-}
-
-void DifferentialActionModelAbstract::set_g_lb(const Eigen::VectorXd& g_lb) {
-  check_size("set_g_lb", "g_lb", g_lb.size(), get_ng());
-  g_lb_ = g_lb;
-}
-void DifferentialActionModelAbstract::set_g_ub(const Eigen::VectorXd& g_ub) {
-  check_size("set_g_ub", "g_ub", g_ub.size(), get_ng());
-  g_ub_ = g_ub;
-}
-void DifferentialActionModelAbstract::set_u_lb(const Eigen::VectorXd& u_lb) {
-  check_size("set_u_lb", "u_lb", u_lb.size(), nu_);
-  u_lb_ = u_lb;
-  update_has_control_limits();
-}
-void DifferentialActionModelAbstract::set_u_ub(const Eigen::VectorXd& u_ub) {
-  check_size("set_u_ub", "u_ub", u_ub.size(), nu_);
-  u_ub_ = u_ub;
-  update_has_control_limits();
-}
-
-void DifferentialActionModelAbstract::update_has_control_limits() {
-  has_control_limits_ = u_lb_.array().isFinite().any() && u_ub_.array().isFinite().any();
 }
 
 }  // namespace manycontact

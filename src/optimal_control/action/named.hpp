@@ -1,30 +1,11 @@
 #pragma once
-// The common part of the stacks of contacts, costs and constraints: parts by name.
+// The common part of the stacks of contacts, costs and constraints.
 
 #include <ostream>
-#include <set>
 
-#include "manycontact/action/state.hpp"
+#include "manycontact/action/named_parts.hpp"
 
 namespace manycontact::internal {
-
-/// The part called `name`; throws when there is none.
-template <class Map>
-auto find_named(const char* who, const char* what, Map& parts, const std::string& name) {
-  const auto it = parts.find(name);
-  if (it != parts.end()) return it;
-  std::string known;
-  for (const auto& part : parts) known += (known.empty() ? "" : ", ") + part.first;
-  throw std::invalid_argument(std::string(who) + ": no " + what + " is called \"" + name +
-                              "\"; there are: " + (known.empty() ? "none" : known));
-}
-
-template <class Map>
-void check_new(const char* who, const char* what, const Map& parts, const std::string& name) {
-  require(!parts.contains(name), who,
-          std::string(what[0] == 'i' ? "an " : "a ") + what + " called \"" + name +
-              "\" is there already, a new name is expected");
-}
 
 /// A part fits a stack: it exists, and has the same state and number of controls.
 template <class Part, class State>
@@ -35,13 +16,6 @@ void check_part(const char* who, const std::string& name, const std::shared_ptr<
           "\"" + name + "\" belongs to another state, this one's is expected");
   require(part->get_nu() == nu, who,
           "\"" + name + "\" has nu = " + std::to_string(part->get_nu()) + ", " + std::to_string(nu) + " is expected");
-}
-
-/// The names of the active parts, and of the others, after this part was added or switched.
-inline void sort_name(const std::string& name, bool is_active, std::set<std::string>& active,
-                      std::set<std::string>& inactive) {
-  (is_active ? inactive : active).erase(name);
-  (is_active ? active : inactive).insert(name);
 }
 
 /// f(item, data of the part) for each part that keep(item): data are by name too.
@@ -62,19 +36,66 @@ inline void print_frame(std::ostream& os, const Multibody& model, FrameIndex id,
                          : "LOCAL_WORLD_ALIGNED");
 }
 
-/// "who:", then the active and the inactive parts: their names, and what text(os, item) writes.
-template <class Map, class Text>
-void print_parts(std::ostream& os, const char* who, const Map& parts, Text&& text) {
-  os << who << ":\n";
+}  // namespace manycontact::internal
+
+namespace manycontact {
+
+template <class State, class Item>
+NamedParts<State, Item>::NamedParts(const char* name, const char* what, std::shared_ptr<State> state, std::size_t nu)
+    : name_(name),
+      what_(what),
+      state_(internal::given(name, state, "a state")),
+      nu_(nu == kDefaultNu ? state->get_nv() : nu) {}
+
+template <class State, class Item>
+Item& NamedParts<State, Item>::part(const std::string& name) const {
+  const auto it = parts_.find(name);
+  if (it != parts_.end()) return *it->second;
+  std::string known;
+  for (const auto& part : parts_) known += (known.empty() ? "" : ", ") + part.first;
+  throw std::invalid_argument(std::string(name_) + ": no " + what_ + " is called \"" + name +
+                              "\"; there are: " + (known.empty() ? "none" : known));
+}
+
+template <class State, class Item>
+void NamedParts<State, Item>::add(const Item& item) {
+  require(!parts_.contains(item.name), name_,
+          std::string(what_[0] == 'i' ? "an " : "a ") + what_ + " called \"" + item.name +
+              "\" is there already, a new name is expected");
+  parts_[item.name] = std::make_shared<Item>(item);
+  (item.active ? active_set_ : inactive_set_).insert(item.name);
+  ++version_;
+  count();
+}
+
+template <class State, class Item>
+void NamedParts<State, Item>::remove(std::string name) {
+  (void)part(name);
+  for (auto* names : {&active_set_, &inactive_set_}) names->erase(name);
+  parts_.erase(name);
+  ++version_;
+  count();
+}
+
+template <class State, class Item>
+bool NamedParts<State, Item>::change_status(const std::string& name, bool active) {
+  Item& item = part(name);
+  if (item.active == active) return false;
+  item.active = active;
+  (active ? inactive_set_ : active_set_).erase(name);
+  (active ? active_set_ : inactive_set_).insert(name);
+  count();
+  return true;
+}
+
+template <class State, class Item>
+void NamedParts<State, Item>::print(std::ostream& os) const {
+  os << name_ << ":\n";
   for (const bool active : {true, false}) {
     os << (active ? "  Active:\n" : "  Inactive:\n");
-    for (const auto& [name, item] : parts) {
-      if (item->active != active) continue;
-      os << "    " << name << ": ";
-      text(os, *item);
-      os << "\n";
-    }
+    for (const auto& [name, item] : parts_)
+      if (item->active == active) os << "    " << name << ": " << *item << "\n";
   }
 }
 
-}  // namespace manycontact::internal
+}  // namespace manycontact

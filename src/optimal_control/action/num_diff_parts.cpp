@@ -18,47 +18,40 @@ struct Differences {
   Eigen::MatrixXd x, u;  // by these; a terminal node has none by u
 };
 
-// Differentiates values(x, u), which has `rows` numbers. In the end the values are those of the point again.
-template <class Values>
-Differences differences(const StateAbstract& state, Eigen::Index rows, const Eigen::VectorXd& x,
-                        const Eigen::VectorXd& u, bool terminal, double h, Values&& values) {
+// Differentiates value(data) of a part of an action model. before(x, u) is called before each calc. In the end the data
+// are those of the point again.
+template <class Model, class Data, class Before, class Value>
+Differences differences(Model& model, const std::shared_ptr<Data>& data, const Eigen::VectorXd& x,
+                        const Eigen::VectorXd& u, bool terminal, double h, Before&& before, Value&& value) {
+  const StateAbstract& state = *model.get_state();
+  const auto at = [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) -> Eigen::VectorXd {
+    before(at_x, at_u);
+    if (terminal)
+      model.calc(data, at_x);
+    else
+      model.calc(data, at_x, at_u);
+    return value(*data);
+  };
+  const Eigen::Index rows = value(*data).size();
   Differences by;
   by.x = jacobian(rows, size(state.get_ndx()), h,
-                  [&](const Eigen::VectorXd& dx) { return values(state.integrate_x(x, dx), u); });
-  if (!terminal) by.u = jacobian_by_u(rows, u, h, [&](const Eigen::VectorXd& at) { return values(x, at); });
-  (void)values(x, u);
+                  [&](const Eigen::VectorXd& dx) { return at(state.integrate_x(x, dx), u); });
+  if (!terminal) by.u = jacobian_by_u(rows, u, h, [&](const Eigen::VectorXd& at_u) { return at(x, at_u); });
+  (void)at(x, u);
   return by;
-}
-
-template <class Part>
-const Part& modelled(const char* who, const std::shared_ptr<Part>& part) {
-  return *internal::given(who, part);
 }
 
 }  // namespace
 
-void internal::Step::set_disturbance(double disturbance) {
-  require(disturbance > 0 && std::isfinite(disturbance), "set_disturbance",
-          std::to_string(disturbance) + " was given, a positive number is expected");
-  step_ = disturbance;
-}
-
 // ---- state
 
 StateNumDiff::StateNumDiff(std::shared_ptr<StateAbstract> state)
-    : StateAbstract(modelled("StateNumDiff", state).get_nx(), state->get_ndx()), state_model_(std::move(state)) {
+    : StateAbstract(internal::given("StateNumDiff", state)->get_nx(), state->get_ndx()),
+      state_model_(std::move(state)) {
   nq_ = state_model_->get_nq();
   nv_ = state_model_->get_nv();
   set_lb(state_model_->get_lb());
   set_ub(state_model_->get_ub());
-}
-
-void StateNumDiff::diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const {
-  state_model_->diff(x0, x1, dxout);
-}
-
-void StateNumDiff::integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const {
-  state_model_->integrate(x, dx, xout);
 }
 
 void StateNumDiff::Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, MatrixRef Jfirst, MatrixRef Jsecond,
@@ -98,19 +91,20 @@ ActivationDataNumDiff::ActivationDataNumDiff(const ActivationModelNumDiff* model
 }
 
 ActivationModelNumDiff::ActivationModelNumDiff(std::shared_ptr<ActivationModelAbstract> model)
-    : ActivationModelAbstract(modelled("ActivationModelNumDiff", model).get_nr()), model_(std::move(model)) {}
+    : ActivationModelAbstract(internal::given("ActivationModelNumDiff", model)->get_nr()),
+      NumDiffOf("ActivationModelNumDiff", model) {}
 
 std::shared_ptr<ActivationDataAbstract> ActivationModelNumDiff::createData() {
   return std::make_shared<ActivationDataNumDiff>(this);
 }
 
-void ActivationModelNumDiff::calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) {
+void ActivationModelNumDiff::calc(const DataPtr& data, const ConstVectorRef& r) {
   auto& d = internal::own_data<ActivationDataNumDiff>("ActivationModelNumDiff::calc", data);
   model_->calc(d.data_0, r);
   d.a_value = d.data_0->a_value;
 }
 
-void ActivationModelNumDiff::calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) {
+void ActivationModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& r) {
   auto& d = internal::own_data<ActivationDataNumDiff>("ActivationModelNumDiff::calcDiff", data);
   const auto value = [&](const Eigen::VectorXd& at) {
     model_->calc(d.data_0, at);
@@ -135,58 +129,50 @@ ActuationDataNumDiff::ActuationDataNumDiff(const ActuationModelNumDiff* model)
 }
 
 ActuationModelNumDiff::ActuationModelNumDiff(std::shared_ptr<ActuationModelAbstract> model)
-    : ActuationModelAbstract(modelled("ActuationModelNumDiff", model).get_state(), model->get_nu()),
-      model_(std::move(model)) {}
+    : ActuationModelAbstract(internal::given("ActuationModelNumDiff", model)->get_state(), model->get_nu()),
+      NumDiffOf("ActuationModelNumDiff", model) {}
 
 std::shared_ptr<ActuationDataAbstract> ActuationModelNumDiff::createData() {
   return std::make_shared<ActuationDataNumDiff>(this);
 }
 
-void ActuationModelNumDiff::calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                                 const ConstVectorRef& u) {
+void ActuationModelNumDiff::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::calc", data);
   model_->calc(d.data_0, x, u);
   d.tau = d.data_0->tau;
 }
 
-void ActuationModelNumDiff::calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x) {
+void ActuationModelNumDiff::calc(const DataPtr& data, const ConstVectorRef& x) {
   auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::calc", data);
   model_->calc(d.data_0, x);
   d.tau = d.data_0->tau;
 }
 
-void ActuationModelNumDiff::calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                                     const ConstVectorRef& u) {
+void ActuationModelNumDiff::differentiate(const DataPtr& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u,
+                                          bool terminal) {
   auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::calcDiff", data);
-  check("ActuationModelNumDiff::calcDiff", x, u);
-  const auto tau = [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) {
-    model_->calc(d.data_0, at_x, at_u);
-    return d.data_0->tau;
-  };
-  const Eigen::Index nv = size(state_->get_nv()), ndx = size(state_->get_ndx());
-  d.dtau_dx = jacobian(nv, ndx, step_, [&](const Eigen::VectorXd& dx) { return tau(state_->integrate_x(x, dx), u); });
-  d.dtau_du = jacobian_by_u(nv, u, step_, [&](const Eigen::VectorXd& at_u) { return tau(x, at_u); });
-  calc(data, x, u);
+  if (!terminal) check("ActuationModelNumDiff::calcDiff", x, u);
+  const Differences by = differences(
+      *model_, d.data_0, x, u, terminal, step_, [](const auto&, const auto&) {},
+      [](const ActuationDataAbstract& at) { return at.tau; });
+  d.dtau_dx = by.x;
+  if (!terminal) d.dtau_du = by.u;
+  d.tau = d.data_0->tau;
 }
 
-void ActuationModelNumDiff::calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x) {
-  auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::calcDiff", data);
-  d.dtau_dx = jacobian(size(state_->get_nv()), size(state_->get_ndx()), step_, [&](const Eigen::VectorXd& dx) {
-    model_->calc(d.data_0, state_->integrate_x(x, dx));
-    return d.data_0->tau;
-  });
-  calc(data, x);
+void ActuationModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+  differentiate(data, x, u, false);
 }
 
-void ActuationModelNumDiff::commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                                     const ConstVectorRef& tau) {
+void ActuationModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x) { differentiate(data, x, {}, true); }
+
+void ActuationModelNumDiff::commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) {
   auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::commands", data);
   model_->commands(d.data_0, x, tau);
   d.u = d.data_0->u;
 }
 
-void ActuationModelNumDiff::torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                                            const ConstVectorRef& u) {
+void ActuationModelNumDiff::torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   calcDiff(data, x, u);
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> inverse;
   inverse.setThreshold(step_);  // larger than the differences' errors, the step's square
@@ -200,9 +186,10 @@ ResidualDataNumDiff::ResidualDataNumDiff(const ResidualModelNumDiff* model, Data
     : ResidualDataAbstract(model, shared), data_0(model->get_model()->createData(shared)) {}
 
 ResidualModelNumDiff::ResidualModelNumDiff(const std::shared_ptr<ResidualModelAbstract>& model)
-    : ResidualModelAbstract(modelled("ResidualModelNumDiff", model).get_state(), model->get_nr(), model->get_nu(),
-                            model->get_q_dependent(), model->get_v_dependent(), model->get_u_dependent()),
-      model_(model) {}
+    : ResidualModelAbstract(internal::given("ResidualModelNumDiff", model)->get_state(), model->get_nr(),
+                            model->get_nu(), model->get_q_dependent(), model->get_v_dependent(),
+                            model->get_u_dependent()),
+      NumDiffOf("ResidualModelNumDiff", model) {}
 
 std::shared_ptr<ResidualDataAbstract> ResidualModelNumDiff::createData(DataCollector* shared) {
   auto data = std::make_shared<ResidualDataNumDiff>(this, shared);
@@ -210,166 +197,126 @@ std::shared_ptr<ResidualDataAbstract> ResidualModelNumDiff::createData(DataColle
   return data;
 }
 
-void ResidualModelNumDiff::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                                const ConstVectorRef& u) {
+void ResidualModelNumDiff::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   auto& d = internal::own_data<ResidualDataNumDiff>("ResidualModelNumDiff::calc", data);
   model_->calc(d.data_0, x, u);
   d.r = d.data_0->r;
 }
 
-void ResidualModelNumDiff::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
+void ResidualModelNumDiff::calc(const DataPtr& data, const ConstVectorRef& x) {
   auto& d = internal::own_data<ResidualDataNumDiff>("ResidualModelNumDiff::calc", data);
   model_->calc(d.data_0, x);
   d.r = d.data_0->r;
 }
 
-void ResidualModelNumDiff::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                                    const ConstVectorRef& u) {
+void ResidualModelNumDiff::differences_of(const DataPtr& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u,
+                                          bool terminal) {
   auto& d = internal::own_data<ResidualDataNumDiff>("ResidualModelNumDiff::calcDiff", data);
-  const Differences by = differences(*state_, size(nr_), x, u, false, step_, [&](const auto& at_x, const auto& at_u) {
-    reevaluate(at_x, at_u);
-    model_->calc(d.data_0, at_x, at_u);
-    return d.data_0->r;
-  });
+  const Differences by = differences(
+      *model_, d.data_0, x, u, terminal, step_, [&](const auto& at_x, const auto& at_u) { reevaluate(at_x, at_u); },
+      [](const ResidualDataAbstract& at) { return at.r; });
   d.Rx = by.x;
-  d.Ru = by.u;
+  if (!terminal) d.Ru = by.u;
   d.r = d.data_0->r;
 }
 
-void ResidualModelNumDiff::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
-  auto& d = internal::own_data<ResidualDataNumDiff>("ResidualModelNumDiff::calcDiff", data);
-  d.Rx = differences(*state_, size(nr_), x, unone_, true, step_, [&](const auto& at_x, const auto& at_u) {
-           reevaluate(at_x, at_u);
-           model_->calc(d.data_0, at_x);
-           return d.data_0->r;
-         }).x;
-  d.r = d.data_0->r;
+void ResidualModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+  differences_of(data, x, u, false);
 }
 
-// ---- cost
+void ResidualModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
+  differences_of(data, x, unone_, true);
+}
+
+// ---- cost and constraint
+
+template <class Model, class Data>
+void PartNumDiff<Model, Data>::differentiate(const std::shared_ptr<Data>& data, const Eigen::VectorXd& x,
+                                             const Eigen::VectorXd& u, bool terminal) const {
+  check_data((std::string(name_) + "::calcDiff").c_str(), data);
+  const Differences by = differences(
+      *model_, data, x, u, terminal, this->step_, [&](const auto& at_x, const auto& at_u) { reevaluate(at_x, at_u); },
+      [&](const Data& at) { return values(at); });
+  store(by.x, terminal ? nullptr : &by.u, *data);
+}
+
+template <class Model, class Data>
+void PartNumDiff<Model, Data>::calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x,
+                                        const ConstVectorRef& u) {
+  differentiate(data, x, u, false);
+}
+
+template <class Model, class Data>
+void PartNumDiff<Model, Data>::calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x) {
+  differentiate(data, x, Eigen::VectorXd::Zero(size(get_nu())), true);
+}
+
+template class PartNumDiff<CostModelAbstract, CostDataAbstract>;
+template class PartNumDiff<ConstraintModelAbstract, ConstraintDataAbstract>;
 
 CostModelNumDiff::CostModelNumDiff(const std::shared_ptr<CostModelAbstract>& model)
-    : model_(internal::given("CostModelNumDiff", model)) {}
+    : PartNumDiff("CostModelNumDiff", model) {}
 
 std::shared_ptr<CostDataAbstract> CostModelNumDiff::createData(DataCollector* shared) {
   require(shared && shared->whole, "CostModelNumDiff::createData", "a collector without an action model is expected");
   return model_->createData(shared);
 }
 
-void CostModelNumDiff::calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
-                            const ConstVectorRef& u) {
-  model_->calc(data, x, u);
+Eigen::VectorXd CostModelNumDiff::values(const CostDataAbstract& d) const {
+  Eigen::VectorXd out(1 + d.residual->r.size());
+  out << d.cost, d.residual->r;
+  return out;
 }
 
-void CostModelNumDiff::calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
-  model_->calc(data, x);
-}
-
-// [cost; r] by x and u, then the cost's derivatives with the activation's at the point.
-template <class Calc>
-void CostModelNumDiff::differentiate(CostDataAbstract& d, const Eigen::VectorXd& x, const Eigen::VectorXd& u,
-                                     bool terminal, Calc&& calc) {
+// The cost's derivatives with the activation's at the point.
+void CostModelNumDiff::store(const Eigen::MatrixXd& by_x, const Eigen::MatrixXd* by_u, CostDataAbstract& d) const {
   const Eigen::Index nr = d.residual->r.size();
-  const Differences by =
-      differences(*get_state(), 1 + nr, x, u, terminal, step_, [&](const auto& at_x, const auto& at_u) {
-        reevaluate(at_x, at_u);
-        calc(at_x, at_u);
-        Eigen::VectorXd out(1 + nr);
-        out << d.cost, d.residual->r;
-        return out;
-      });
   model_->get_activation()->calcDiff(d.activation, d.residual->r);
   const auto& Arr = d.activation->Arr;
-  d.Lx = by.x.row(0);
-  d.residual->Rx = by.x.bottomRows(nr);
+  d.Lx = by_x.row(0);
+  d.residual->Rx = by_x.bottomRows(nr);
   d.Lxx = d.residual->Rx.transpose() * Arr * d.residual->Rx;
-  if (terminal) return;
-  d.Lu = by.u.row(0);
-  d.residual->Ru = by.u.bottomRows(nr);
+  if (!by_u) return;
+  d.Lu = by_u->row(0);
+  d.residual->Ru = by_u->bottomRows(nr);
   d.Lxu = d.residual->Rx.transpose() * Arr * d.residual->Ru;
   d.Luu = d.residual->Ru.transpose() * Arr * d.residual->Ru;
 }
 
-void CostModelNumDiff::calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
-                                const ConstVectorRef& u) {
-  differentiate(check_data("CostModelNumDiff::calcDiff", data), x, u, false,
-                [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) { model_->calc(data, at_x, at_u); });
-}
-
-void CostModelNumDiff::calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
-  differentiate(check_data("CostModelNumDiff::calcDiff", data), x, Eigen::VectorXd::Zero(size(get_nu())), true,
-                [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd&) { model_->calc(data, at_x); });
-}
-
-// ---- constraint
-
 ConstraintModelNumDiff::ConstraintModelNumDiff(const std::shared_ptr<ConstraintModelAbstract>& model)
-    : model_(internal::given("ConstraintModelNumDiff", model)) {}
+    : PartNumDiff("ConstraintModelNumDiff", model) {}
 
-std::shared_ptr<ConstraintDataAbstract> ConstraintModelNumDiff::createData(DataCollector* shared) {
-  return model_->createData(shared);
+Eigen::VectorXd ConstraintModelNumDiff::values(const ConstraintDataAbstract& d) const {
+  Eigen::VectorXd out(d.g.size() + d.h.size());
+  out << d.g, d.h;
+  return out;
 }
 
-void ConstraintModelNumDiff::calc(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x,
-                                  const ConstVectorRef& u) {
-  model_->calc(data, x, u);
-}
-
-void ConstraintModelNumDiff::calc(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x) {
-  model_->calc(data, x);
-}
-
-template <class Calc>
-void ConstraintModelNumDiff::differentiate(ConstraintDataAbstract& d, const Eigen::VectorXd& x,
-                                           const Eigen::VectorXd& u, bool terminal, Calc&& calc) {
-  const Eigen::Index ng = d.g.size(), nh = d.h.size();
-  const Differences by =
-      differences(*get_state(), ng + nh, x, u, terminal, step_, [&](const auto& at_x, const auto& at_u) {
-        reevaluate(at_x, at_u);
-        calc(at_x, at_u);
-        Eigen::VectorXd out(ng + nh);
-        out << d.g, d.h;
-        return out;
-      });
-  d.Gx = by.x.topRows(ng);
-  d.Hx = by.x.bottomRows(nh);
-  if (terminal) return;
-  d.Gu = by.u.topRows(ng);
-  d.Hu = by.u.bottomRows(nh);
-}
-
-void ConstraintModelNumDiff::calcDiff(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x,
-                                      const ConstVectorRef& u) {
-  differentiate(check_data("ConstraintModelNumDiff::calcDiff", data), x, u, false,
-                [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_u) { model_->calc(data, at_x, at_u); });
-}
-
-void ConstraintModelNumDiff::calcDiff(const std::shared_ptr<ConstraintDataAbstract>& data, const ConstVectorRef& x) {
-  differentiate(check_data("ConstraintModelNumDiff::calcDiff", data), x, Eigen::VectorXd::Zero(size(get_nu())), true,
-                [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd&) { model_->calc(data, at_x); });
+void ConstraintModelNumDiff::store(const Eigen::MatrixXd& by_x, const Eigen::MatrixXd* by_u,
+                                   ConstraintDataAbstract& d) const {
+  d.Gx = by_x.topRows(d.g.size());
+  d.Hx = by_x.bottomRows(d.h.size());
+  if (!by_u) return;
+  d.Gu = by_u->topRows(d.g.size());
+  d.Hu = by_u->bottomRows(d.h.size());
 }
 
 // ---- contact
 
 ContactModelNumDiff::ContactModelNumDiff(const std::shared_ptr<ContactModelAbstract>& model)
-    : model_(internal::given("ContactModelNumDiff", model)) {}
-
-std::shared_ptr<ContactDataAbstract> ContactModelNumDiff::createData(MultibodyData* data) {
-  return model_->createData(data);
-}
-
-void ContactModelNumDiff::calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) {
-  model_->calc(data, x);
-}
+    : NumDiffOf("ContactModelNumDiff", model) {}
 
 void ContactModelNumDiff::calcDiff(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) {
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(size(model_->get_nu()));
-  const auto a0 = [&](const auto& at_x, const auto& at_u) {
-    reevaluate(at_x, at_u);
+  const StateMultibody& state = *model_->get_state();
+  const Eigen::VectorXd no_controls = Eigen::VectorXd::Zero(size(model_->get_nu()));
+  const auto a0 = [&](const Eigen::VectorXd& at_x) {
+    reevaluate(at_x, no_controls);
     model_->calc(data, at_x);
     return data->a0;
   };
-  data->da0_dx = differences(*model_->get_state(), size(model_->get_nc()), x, none, true, step_, a0).x;
+  data->da0_dx = jacobian(size(model_->get_nc()), size(state.get_ndx()), step_,
+                          [&](const Eigen::VectorXd& dx) { return a0(state.integrate_x(x, dx)); });
+  (void)a0(x);
 }
 
 }  // namespace manycontact

@@ -33,14 +33,14 @@ void SquashingModelSmoothSat::set_smooth(double smooth) {
   d_ = smooth * (u_ub_ - u_lb_);
 }
 
-void SquashingModelSmoothSat::calc(const std::shared_ptr<SquashingDataAbstract>& data, const ConstVectorRef& s) {
+void SquashingModelSmoothSat::calc(const DataPtr& data, const ConstVectorRef& s) {
   check_size("SquashingModelSmoothSat::calc", "s", s.size(), ns_);
   SquashingDataAbstract& d = check_data("SquashingModelSmoothSat::calc", data);
   for (Eigen::Index i = 0; i < s.size(); ++i)
     d.u[i] = 0.5 * (u_lb_[i] + u_ub_[i] + std::hypot(s[i] - u_lb_[i], d_[i]) - std::hypot(s[i] - u_ub_[i], d_[i]));
 }
 
-void SquashingModelSmoothSat::calcDiff(const std::shared_ptr<SquashingDataAbstract>& data, const ConstVectorRef& s) {
+void SquashingModelSmoothSat::calcDiff(const DataPtr& data, const ConstVectorRef& s) {
   check_size("SquashingModelSmoothSat::calcDiff", "s", s.size(), ns_);
   SquashingDataAbstract& d = check_data("SquashingModelSmoothSat::calcDiff", data);
   const auto slope = [](double distance, double smooth) {
@@ -74,8 +74,7 @@ ActuationSquashingModel::ActuationSquashingModel(std::shared_ptr<ActuationModelA
               ", the squashing's " + std::to_string(squashing_->get_ns()) + ", the same are expected");
 }
 
-void ActuationSquashingModel::calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                                   const ConstVectorRef& u) {
+void ActuationSquashingModel::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   auto& d = internal::own_data<ActuationSquashingData>("ActuationSquashingModel::calc", data);
   squashing_->calc(d.squashing, u);
   actuation_->calc(d.actuation, x, d.squashing->u);
@@ -83,8 +82,7 @@ void ActuationSquashingModel::calc(const std::shared_ptr<ActuationDataAbstract>&
 }
 
 // dtau/du = dtau/du_squashed du/ds.
-void ActuationSquashingModel::calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                                       const ConstVectorRef& u) {
+void ActuationSquashingModel::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   auto& d = internal::own_data<ActuationSquashingData>("ActuationSquashingModel::calcDiff", data);
   squashing_->calc(d.squashing, u);
   squashing_->calcDiff(d.squashing, u);
@@ -93,8 +91,7 @@ void ActuationSquashingModel::calcDiff(const std::shared_ptr<ActuationDataAbstra
   d.dtau_du = (d.actuation->dtau_du * d.squashing->du_ds).eval();
 }
 
-void ActuationSquashingModel::commands(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                                       const ConstVectorRef& tau) {
+void ActuationSquashingModel::commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) {
   check_size("ActuationSquashingModel::commands", "x", x.size(), state_->get_nx());
   check_size("ActuationSquashingModel::commands", "tau", tau.size(), state_->get_nv());
   auto& d = internal::own_data<ActuationSquashingData>("ActuationSquashingModel::commands", data);

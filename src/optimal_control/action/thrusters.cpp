@@ -62,27 +62,26 @@ std::shared_ptr<ActuationDataAbstract> ActuationModelFloatingBaseThrusters::crea
   return data;
 }
 
-void ActuationModelFloatingBaseThrusters::calc(const std::shared_ptr<ActuationDataAbstract>& data,
-                                               const ConstVectorRef& x, const ConstVectorRef& u) {
+void ActuationModelFloatingBaseThrusters::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("ActuationModelFloatingBaseThrusters::calc", x, u);
   check_data("ActuationModelFloatingBaseThrusters::calc", data).tau.noalias() = W_ * u;
 }
 
-void ActuationModelFloatingBaseThrusters::calcDiff(const std::shared_ptr<ActuationDataAbstract>& data,
-                                                   const ConstVectorRef& x, const ConstVectorRef& u) {
+void ActuationModelFloatingBaseThrusters::calcDiff(const DataPtr& data, const ConstVectorRef& x,
+                                                   const ConstVectorRef& u) {
   check("ActuationModelFloatingBaseThrusters::calcDiff", x, u);
   update(check_data("ActuationModelFloatingBaseThrusters::calcDiff", data));
 }
 
-void ActuationModelFloatingBaseThrusters::commands(const std::shared_ptr<ActuationDataAbstract>& data,
-                                                   const ConstVectorRef& x, const ConstVectorRef& tau) {
+void ActuationModelFloatingBaseThrusters::commands(const DataPtr& data, const ConstVectorRef& x,
+                                                   const ConstVectorRef& tau) {
   check_size("ActuationModelFloatingBaseThrusters::commands", "x", x.size(), state_->get_nx());
   check_size("ActuationModelFloatingBaseThrusters::commands", "tau", tau.size(), state_->get_nv());
   check_data("ActuationModelFloatingBaseThrusters::commands", data).u.noalias() = Mtau_ * tau;
 }
 
-void ActuationModelFloatingBaseThrusters::torqueTransform(const std::shared_ptr<ActuationDataAbstract>& data,
-                                                          const ConstVectorRef& x, const ConstVectorRef& u) {
+void ActuationModelFloatingBaseThrusters::torqueTransform(const DataPtr& data, const ConstVectorRef& x,
+                                                          const ConstVectorRef& u) {
   check("ActuationModelFloatingBaseThrusters::torqueTransform", x, u);
   update(check_data("ActuationModelFloatingBaseThrusters::torqueTransform", data));
 }

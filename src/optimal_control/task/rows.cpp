@@ -4,46 +4,37 @@
 
 namespace manycontact {
 
-namespace {
+ResidualOfInner::ResidualOfInner(const char* name, const std::shared_ptr<ResidualModelAbstract>& inner, std::size_t nr)
+    : ResidualModelAbstract(internal::given(name, inner, "a residual")->get_state(), nr, inner->get_nu(),
+                            inner->depends_on()),
+      name_(name),
+      inner_(inner) {}
 
-struct RowsData : ResidualDataAbstract {
-  using ResidualDataAbstract::ResidualDataAbstract;
-  std::shared_ptr<ResidualDataAbstract> inner;
-  std::vector<std::size_t> block;       // per block of ours: inner's
-  std::vector<std::vector<int>> taken;  // per block of ours: rows of inner's block
-};
-
-RowsData& own(ResidualDataAbstract& data) { return static_cast<RowsData&>(data); }
-
-const ResidualModelAbstract& given(const std::shared_ptr<ResidualModelAbstract>& inner) {
-  require(inner != nullptr, "ResidualModelRows", "a residual is expected, not a null pointer");
-  return *inner;
-}
-
-}  // namespace
-
-ResidualModelRows::ResidualModelRows(std::shared_ptr<ResidualModelAbstract> inner, std::vector<int> rows)
-    : ResidualModelAbstract(given(inner).get_state(), rows.size(), inner->get_nu(), inner->depends_on()),
-      inner_(std::move(inner)),
-      rows_(std::move(rows)),
-      row_of_(inner_->get_nr(), -1) {
-  int next = 0;
-  for (const int row : rows_) {
-    require(row >= 0 && row < static_cast<int>(row_of_.size()) && row_of_[static_cast<std::size_t>(row)] < 0,
-            "ResidualModelRows", "rows of the residual, each at most once, are expected");
-    row_of_[static_cast<std::size_t>(row)] = next++;
-  }
-}
-
-std::shared_ptr<ResidualDataAbstract> ResidualModelRows::createData(DataCollector* shared) {
-  auto data = std::make_shared<RowsData>(this, shared);
+std::shared_ptr<ResidualDataAbstract> ResidualOfInner::createData(DataCollector* shared) {
+  auto data = std::make_shared<Data>(this, shared);
   data->inner = inner_->createData(shared);
   lay_out(*data);
   return data;
 }
 
+bool ResidualOfInner::fits(const ResidualDataAbstract& data) const {
+  const auto* d = dynamic_cast<const Data*>(&data);
+  require(d, name_, "the data were created by another residual, data of this one's createData() are expected");
+  return inner_->fits(*d->inner);
+}
+
+ResidualModelRows::ResidualModelRows(std::shared_ptr<ResidualModelAbstract> inner, std::vector<int> rows)
+    : ResidualOfInner("ResidualModelRows", inner, rows.size()), rows_(std::move(rows)), row_of_(inner_->get_nr(), -1) {
+  int next = 0;
+  for (const int row : rows_) {
+    require(row >= 0 && row < static_cast<int>(row_of_.size()) && row_of_[static_cast<std::size_t>(row)] < 0, name_,
+            "rows of the residual, each at most once, are expected");
+    row_of_[static_cast<std::size_t>(row)] = next++;
+  }
+}
+
 void ResidualModelRows::lay_out(ResidualDataAbstract& data) const {
-  RowsData& d = own(data);
+  Data& d = own(data);
   inner_->lay_out(*d.inner);
   d.blocks.clear();
   d.block.clear();
@@ -64,23 +55,14 @@ void ResidualModelRows::lay_out(ResidualDataAbstract& data) const {
   }
 }
 
-bool ResidualModelRows::fits(const ResidualDataAbstract& data) const {
-  const auto* d = dynamic_cast<const RowsData*>(&data);
-  require(d, "ResidualModelRows",
-          "the data were created by another residual, data of this one's createData() are expected");
-  return inner_->fits(*d->inner);
-}
-
-void ResidualModelRows::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                             const ConstVectorRef& u) {
-  RowsData& d = own(*data);
+void ResidualModelRows::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+  Data& d = own(*data);
   inner_->calc(d.inner, x, u);
   for (std::size_t i = 0; i < rows_.size(); ++i) d.r[static_cast<Eigen::Index>(i)] = d.inner->r[rows_[i]];
 }
 
-void ResidualModelRows::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                                 const ConstVectorRef& u) {
-  RowsData& d = own(*data);
+void ResidualModelRows::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+  Data& d = own(*data);
   inner_->calcDiff(d.inner, x, u);
   for (std::size_t b = 0; b < d.blocks.size(); ++b) {
     const ResidualBlock& from = d.inner->blocks[d.block[b]];

@@ -1,13 +1,14 @@
 #pragma once
 // Residuals of centre of mass and momentum, of the whole scene or of one robot. Names and constructors are Crocoddyl's,
-// with the robot as an additional argument; nu is nv by default.
+// with the robot as an additional argument; nu is nv by default. Constructors throw std::invalid_argument for a robot
+// that does not exist, or robots without mass.
 
 #include "manycontact/action/residual.hpp"
 
 namespace manycontact {
 
 /// The common base: robots and their mass.
-class CentroidalResidual : public ResidualModelAbstract {
+class CentroidalResidual : public NamedResidual {
  public:
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
   void lay_out(ResidualDataAbstract& data) const override;
@@ -25,54 +26,30 @@ class CentroidalResidual : public ResidualModelAbstract {
 };
 
 /// The position of the centre of mass minus cref (3) [m], in the world.
-class ResidualModelCoMPosition : public CentroidalResidual {
+class ResidualModelCoMPosition : public ResidualWithReference<CentroidalResidual, Eigen::Vector3d> {
  public:
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
-  ResidualModelCoMPosition(std::shared_ptr<StateMultibody> state, const Eigen::Vector3d& cref, std::size_t nu,
-                           int robot = -1);
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
-  ResidualModelCoMPosition(std::shared_ptr<StateMultibody> state, const Eigen::Vector3d& cref);
-
-  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calc;
-  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                     const ConstVectorRef& u) override;
-  using ResidualModelAbstract::differentiate;
+  /// robot: its number; -1: the whole scene.
+  ResidualModelCoMPosition(std::shared_ptr<StateMultibody> state, const Eigen::Vector3d& cref,
+                           std::size_t nu = kDefaultNu, int robot = -1);
   void print(std::ostream& os) const override;
 
-  const Eigen::Vector3d& get_reference() const { return cref_; }  // the reference of the residual or contact
-  /// Sets the reference; a wrong size throws std::invalid_argument.
-  void set_reference(const Eigen::Vector3d& reference) { cref_ = reference; }
-
  private:
-  Eigen::Vector3d cref_;
+  void evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
+  void fill_blocks(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
 };
 
 /// The momentum [linear; angular about the centre of mass] minus href (6) [N s, N m s], in world axes. Rotors
 /// (armature) do not contribute.
-class ResidualModelCentroidalMomentum : public CentroidalResidual {
+class ResidualModelCentroidalMomentum : public ResidualWithReference<CentroidalResidual, Vec6<double>> {
  public:
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
-  ResidualModelCentroidalMomentum(std::shared_ptr<StateMultibody> state, const Vec6<double>& href, std::size_t nu,
-                                  int robot = -1);
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
-  ResidualModelCentroidalMomentum(std::shared_ptr<StateMultibody> state, const Vec6<double>& href);
-
-  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calc;
-  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                     const ConstVectorRef& u) override;
-  using ResidualModelAbstract::differentiate;
+  /// robot: its number; -1: the whole scene.
+  ResidualModelCentroidalMomentum(std::shared_ptr<StateMultibody> state, const Vec6<double>& href,
+                                  std::size_t nu = kDefaultNu, int robot = -1);
   void print(std::ostream& os) const override;
 
-  const Vec6<double>& get_reference() const { return href_; }  // the reference of the residual or contact
-  /// Sets the reference; a wrong size throws std::invalid_argument.
-  void set_reference(const Vec6<double>& reference) { href_ = reference; }
-
  private:
-  Vec6<double> href_;
+  void evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
+  void fill_blocks(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
 };
 
 }  // namespace manycontact

@@ -1,10 +1,11 @@
 #pragma once
 // Residuals of the force of one contact, in its own reference frame. The contact is that of the contact model on a
 // frame. Names and constructors are Crocoddyl's; nu is nv by default. A residual is zero while the contact is inactive.
-// `fwddyn` exists for Crocoddyl's signatures and must be true, since forces are results in this library.
+// `fwddyn` exists for Crocoddyl's signatures and must be true, since forces are results in this library. Constructors
+// throw std::invalid_argument for a frame that does not exist.
 
 #include "manycontact/action/cones.hpp"
-#include "manycontact/action/residual.hpp"
+#include "manycontact/action/residuals/frame_residuals.hpp"
 
 namespace manycontact {
 
@@ -14,23 +15,13 @@ enum class ConeAxes { kContact, kFoot, kWorld, kOther };
 
 /// The common base: r = B f - b, with B and b constant until the reference changes; they rotate in other axes than the
 /// contact's.
-class ContactResidual : public ResidualModelAbstract {
+class ContactResidual : public FrameResidual {
  public:
   /// Throws std::invalid_argument if there is no contact on the frame, or its type does not fit.
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
   void lay_out(ResidualDataAbstract& data) const override;
   bool fits(const ResidualDataAbstract& data) const override;
-  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calc;
-  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                     const ConstVectorRef& u) override;
-  using ResidualModelAbstract::differentiate;
-  void print(std::ostream& os) const override;
 
-  FrameIndex get_id() const { return id_; }  // number of the frame
-  /// Takes effect at the action's next calc. Throws std::invalid_argument for a frame that does not exist.
-  void set_id(FrameIndex id);
   /// Selects one of several contacts on that frame, by its name in ContactModelMultiple. Initially empty: the only one.
   const std::string& get_contact() const { return contact_; }
   void set_contact(const std::string& name) { contact_ = name; }  // selects the contact by its name
@@ -44,92 +35,67 @@ class ContactResidual : public ResidualModelAbstract {
   /// Columns: unit wrenches of the contact's rows.
   using Wrenches = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
 
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
+  /// Throws std::invalid_argument for a frame that does not exist, or unless fwddyn is true.
   ContactResidual(const char* name, std::shared_ptr<StateMultibody> state, FrameIndex id, std::size_t nr,
                   std::size_t nu, bool fwddyn);
-  /// The reason why a contact of this type does not fit; empty if it fits.
-  virtual std::string misfit(ContactType type) const = 0;
+  /// The reason why a contact of this type does not fit; empty if it fits. By default only 6D contacts do.
+  virtual std::string misfit(ContactType type) const;
   virtual bool is_cone() const { return true; }  // whether it has axes of its own
   /// Computes B (nr x nc) and b (nr) for the contact's unit wrenches P. Both have the right sizes.
   virtual void form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const = 0;
-  const char* name_;
-  FrameIndex id_;
   ConeAxes axes_ = ConeAxes::kContact;
   std::string contact_;
+
+ private:
+  void evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
+  void fill_blocks(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
 };
 
 /// The contact force minus fref (nc), of which the components are used that the contact has.
-class ResidualModelContactForce : public ContactResidual {
+class ResidualModelContactForce : public ResidualWithReference<ContactResidual, Vec6<double>> {
  public:
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
+  /// nc: number of rows of the contact.
   ResidualModelContactForce(std::shared_ptr<StateMultibody> state, FrameIndex id, const Vec6<double>& fref,
-                            std::size_t nc, std::size_t nu, bool fwddyn = true);
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
-  ResidualModelContactForce(std::shared_ptr<StateMultibody> state, FrameIndex id, const Vec6<double>& fref,
-                            std::size_t nc);
-  const Vec6<double>& get_reference() const { return fref_; }  // the reference of the residual or contact
-  /// Sets the reference; a wrong size throws std::invalid_argument.
-  void set_reference(const Vec6<double>& reference) { fref_ = reference; }
+                            std::size_t nc, std::size_t nu = kDefaultNu, bool fwddyn = true);
 
  private:
   bool is_cone() const override { return false; }
   std::string misfit(ContactType type) const override;
   void form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const override;
-  Vec6<double> fref_;
 };
 
 /// A f of a friction cone, with f the linear force (nf + 1 rows).
-class ResidualModelContactFrictionCone : public ContactResidual {
+class ResidualModelContactFrictionCone : public ResidualWithReference<ContactResidual, FrictionCone> {
  public:
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
+  /// fref: the cone, whose number of facets remains.
   ResidualModelContactFrictionCone(std::shared_ptr<StateMultibody> state, FrameIndex id, const FrictionCone& fref,
-                                   std::size_t nu, bool fwddyn = true);
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
-  ResidualModelContactFrictionCone(std::shared_ptr<StateMultibody> state, FrameIndex id, const FrictionCone& fref);
-  const FrictionCone& get_reference() const { return fref_; }  // the reference of the residual or contact
-  /// The number of facets must not change.
-  void set_reference(const FrictionCone& reference);
+                                   std::size_t nu = kDefaultNu, bool fwddyn = true);
 
  private:
-  std::string misfit(ContactType type) const override;
+  std::string misfit(ContactType) const override { return ""; }
   void form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const override;
-  FrictionCone fref_;
 };
 
 /// A f of a wrench cone, with f the wrench of a 6D contact (nf + 13 rows).
-class ResidualModelContactWrenchCone : public ContactResidual {
+class ResidualModelContactWrenchCone : public ResidualWithReference<ContactResidual, WrenchCone> {
  public:
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
+  /// fref: the cone, whose number of facets remains.
   ResidualModelContactWrenchCone(std::shared_ptr<StateMultibody> state, FrameIndex id, const WrenchCone& fref,
-                                 std::size_t nu, bool fwddyn = true);
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
-  ResidualModelContactWrenchCone(std::shared_ptr<StateMultibody> state, FrameIndex id, const WrenchCone& fref);
-  const WrenchCone& get_reference() const { return fref_; }  // the reference of the residual or contact
-  /// The number of facets must not change.
-  void set_reference(const WrenchCone& reference);
+                                 std::size_t nu = kDefaultNu, bool fwddyn = true);
 
  private:
-  std::string misfit(ContactType type) const override;
   void form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const override;
-  WrenchCone fref_;
 };
 
 /// A f of a support polygon, with f the wrench of a 6D contact (4 rows).
-class ResidualModelContactCoPPosition : public ContactResidual {
+class ResidualModelContactCoPPosition : public ResidualWithReference<ContactResidual, CoPSupport> {
  public:
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
+  /// cref: the support polygon.
   ResidualModelContactCoPPosition(std::shared_ptr<StateMultibody> state, FrameIndex id, const CoPSupport& cref,
-                                  std::size_t nu, bool fwddyn = true);
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
-  ResidualModelContactCoPPosition(std::shared_ptr<StateMultibody> state, FrameIndex id, const CoPSupport& cref);
-  const CoPSupport& get_reference() const { return cref_; }  // the reference of the residual or contact
-  /// Sets the reference; a wrong size throws std::invalid_argument.
-  void set_reference(const CoPSupport& reference) { cref_ = reference; }
+                                  std::size_t nu = kDefaultNu, bool fwddyn = true);
 
  private:
-  std::string misfit(ContactType type) const override;
   void form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const override;
-  CoPSupport cref_;
 };
 
 }  // namespace manycontact

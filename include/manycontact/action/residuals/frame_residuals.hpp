@@ -6,7 +6,7 @@
 namespace manycontact {
 
 /// The common base: a frame.
-class FrameResidual : public ResidualModelAbstract {
+class FrameResidual : public NamedResidual {
  public:
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
   void lay_out(ResidualDataAbstract& data) const override;
@@ -18,110 +18,60 @@ class FrameResidual : public ResidualModelAbstract {
   void set_id(FrameIndex id);
 
  protected:
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
+  /// Throws std::invalid_argument for a frame that does not exist.
   FrameResidual(const char* name, std::shared_ptr<StateMultibody> state, FrameIndex id, std::size_t nr, std::size_t nu,
                 Dependence on);
-  const char* name_;
   FrameIndex id_;
 };
 
 /// The placement error log6(pref^-1 oMf) (6), in the reference's axes.
-class ResidualModelFramePlacement : public FrameResidual {
+class ResidualModelFramePlacement : public ResidualWithReference<FrameResidual, SE3<double>> {
  public:
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
+  /// Throws std::invalid_argument for a frame that does not exist.
   ResidualModelFramePlacement(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
-                              std::size_t nu);
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
-  ResidualModelFramePlacement(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref);
-
-  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calc;
-  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                     const ConstVectorRef& u) override;
-  using ResidualModelAbstract::differentiate;
-
-  const SE3<double>& get_reference() const { return pref_; }  // the reference of the residual or contact
-  /// Sets the reference; a wrong size throws std::invalid_argument.
-  void set_reference(const SE3<double>& reference) { pref_ = reference; }
+                              std::size_t nu = kDefaultNu);
 
  private:
-  SE3<double> pref_;
+  void evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
+  void fill_blocks(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
 };
 
 /// The position of the frame minus xref (3) [m], in the world.
-class ResidualModelFrameTranslation : public FrameResidual {
+class ResidualModelFrameTranslation : public ResidualWithReference<FrameResidual, Eigen::Vector3d> {
  public:
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
+  /// Throws std::invalid_argument for a frame that does not exist.
   ResidualModelFrameTranslation(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
-                                std::size_t nu);
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
-  ResidualModelFrameTranslation(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref);
-
-  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calc;
-  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                     const ConstVectorRef& u) override;
-  using ResidualModelAbstract::differentiate;
-
-  const Eigen::Vector3d& get_reference() const { return xref_; }  // the reference of the residual or contact
-  /// Sets the reference; a wrong size throws std::invalid_argument.
-  void set_reference(const Eigen::Vector3d& reference) { xref_ = reference; }
+                                std::size_t nu = kDefaultNu);
 
  private:
-  Eigen::Vector3d xref_;
+  void evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
+  void fill_blocks(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
 };
 
 /// The rotation error log3(Rref^T R) (3) [rad].
-class ResidualModelFrameRotation : public FrameResidual {
+class ResidualModelFrameRotation : public ResidualWithReference<FrameResidual, Eigen::Matrix3d> {
  public:
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
+  /// Throws std::invalid_argument for a frame that does not exist.
   ResidualModelFrameRotation(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Matrix3d& Rref,
-                             std::size_t nu);
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
-  ResidualModelFrameRotation(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Matrix3d& Rref);
-
-  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calc;
-  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                     const ConstVectorRef& u) override;
-  using ResidualModelAbstract::differentiate;
-
-  const Eigen::Matrix3d& get_reference() const { return Rref_; }  // the reference of the residual or contact
-  /// Sets the reference; a wrong size throws std::invalid_argument.
-  void set_reference(const Eigen::Matrix3d& reference) { Rref_ = reference; }
+                             std::size_t nu = kDefaultNu);
 
  private:
-  Eigen::Matrix3d Rref_;
+  void evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
+  void fill_blocks(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
 };
 
 /// The frame's spatial velocity [linear; angular] minus vref (6), both in the axes of `type` (algorithm/frames.hpp).
-class ResidualModelFrameVelocity : public FrameResidual {
+class ResidualModelFrameVelocity : public ResidualWithReference<FrameResidual, Vec6<double>> {
  public:
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
+  /// Throws std::invalid_argument for a frame that does not exist.
   ResidualModelFrameVelocity(std::shared_ptr<StateMultibody> state, FrameIndex id, const Vec6<double>& vref,
-                             ReferenceFrame type, std::size_t nu);
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
-  ResidualModelFrameVelocity(std::shared_ptr<StateMultibody> state, FrameIndex id, const Vec6<double>& vref,
-                             ReferenceFrame type);
-
-  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calc;
-  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                     const ConstVectorRef& u) override;
-  using ResidualModelAbstract::differentiate;
-
-  const Vec6<double>& get_reference() const { return vref_; }  // the reference of the residual or contact
-  /// Sets the reference; a wrong size throws std::invalid_argument.
-  void set_reference(const Vec6<double>& reference) { vref_ = reference; }
+                             ReferenceFrame type, std::size_t nu = kDefaultNu);
   ReferenceFrame get_type() const { return type_; }     // the reference frame
   void set_type(ReferenceFrame type) { type_ = type; }  // selects another reference frame
 
  private:
-  Vec6<double> vref_;
+  void evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
+  void fill_blocks(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
   ReferenceFrame type_;
 };
 

@@ -1,50 +1,46 @@
 #pragma once
 // Torques minus those that keep the scene at rest under gravity, external wrenches and springs. g(q) are the torques
 // that compensate gravity, and tau_s(q) those of the external wrenches and springs at rest. Names and constructors are
-// Crocoddyl's, which has no tau_s; nu is nv by default.
+// Crocoddyl's, which has no tau_s; nu is nv by default, and zero throws std::invalid_argument.
 
 #include "manycontact/action/residual.hpp"
 
 namespace manycontact {
 
 /// The common base.
-class GravityResidual : public ResidualModelAbstract {
+class GravityResidual : public NamedResidual {
  public:
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
   void lay_out(ResidualDataAbstract& data) const override;
-  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
+  using NamedResidual::calc;
   /// In a terminal node: tau_s(q) - g(q).
-  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) override;
-  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                     const ConstVectorRef& u) override;
-  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) override;
-  void print(std::ostream& os) const override;
+  void calc(const DataPtr& data, const ConstVectorRef& x) override;
+  using NamedResidual::differentiate;
+  void differentiate(const DataPtr& data, const ConstVectorRef& x) override;
 
  protected:
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
+  /// contacts: whether contact forces contribute.
   GravityResidual(const char* name, std::shared_ptr<StateMultibody> state, std::size_t nu, bool contacts);
-  const char* name_;
   bool contacts_;
+
+ private:
+  void evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
+  void fill_blocks(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
 };
 
 /// The residual tau(x, u) - (g(q) - tau_s(q)) (nv) [N m, N].
 class ResidualModelControlGrav : public GravityResidual {
  public:
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
-  ResidualModelControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu);
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
-  explicit ResidualModelControlGrav(std::shared_ptr<StateMultibody> state);
+  /// nu: number of controls.
+  explicit ResidualModelControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu = kDefaultNu);
 };
 
 /// The residual tau(x, u) - (g(q) - tau_s(q) - J^T f(x, u)) (nv) [N m, N]. The Jacobians contain all derivatives of f
 /// (Crocoddyl 3.0 lacks J^T df).
 class ResidualModelContactControlGrav : public GravityResidual {
  public:
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
-  ResidualModelContactControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu);
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
-  explicit ResidualModelContactControlGrav(std::shared_ptr<StateMultibody> state);
+  /// nu: number of controls.
+  explicit ResidualModelContactControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu = kDefaultNu);
 };
 
 }  // namespace manycontact

@@ -9,18 +9,14 @@ namespace manycontact {
 /// The jump of the velocity of the whole scene's centre of mass: J_com (v+ - v) (3) [m/s], in the world.
 class ResidualModelImpulseCoM : public CentroidalResidual {
  public:
-  /// Throws std::invalid_argument for a reference of a wrong size, or a frame that does not exist. nu: by default nv.
+  /// Throws std::invalid_argument for robots without mass.
   explicit ResidualModelImpulseCoM(std::shared_ptr<StateMultibody> state);
-
-  void calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
-  using ResidualModelAbstract::calc;
-  void differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                     const ConstVectorRef& u) override;
-  using ResidualModelAbstract::differentiate;
   /// Throws std::invalid_argument unless the data are those of an impulse.
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
-  void print(std::ostream& os) const override;
+
+ private:
+  void evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
+  void fill_blocks(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
 };
 
 }  // namespace manycontact

@@ -166,18 +166,17 @@ std::shared_ptr<ContactDataAbstract> ContactModelAbstract::createData(MultibodyD
   return create(*this, nu_, data);
 }
 
-void ContactModelAbstract::calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef&) const {
+void ContactModelAbstract::calc(const DataPtr& data, const ConstVectorRef&) const {
   const MultibodyData& m = motion_of("ContactModel::calc", check_data("ContactModel::calc", data));
   data->a0 = take_rows(m, contact_, *data).at.a0;
 }
 
-void ContactModelAbstract::calcDiff(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef&) const {
+void ContactModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef&) const {
   const MultibodyData& m = motion_of("ContactModel::calcDiff", check_data("ContactModel::calcDiff", data));
   differentiate_rows(m.scene, contact_, m.motion, m.terms, data->da0_dx);
 }
 
-void ContactModelAbstract::updateForce(const std::shared_ptr<ContactDataAbstract>& data,
-                                       const Eigen::VectorXd& force) const {
+void ContactModelAbstract::updateForce(const DataPtr& data, const Eigen::VectorXd& force) const {
   const MultibodyData& m = motion_of("ContactModel::updateForce", check_data("ContactModel::updateForce", data));
   check_size("ContactModel::updateForce", "force", force.size(), get_nc());
   data->own_contact = contact_;
@@ -193,20 +192,20 @@ void ContactModelAbstract::updateForce(const std::shared_ptr<ContactDataAbstract
   data->fext = contact_.A.placement.act_force(on_A);
 }
 
-void ContactModelAbstract::updateForceDiff(const std::shared_ptr<ContactDataAbstract>& data,
-                                           const Eigen::MatrixXd& df_dx, const Eigen::MatrixXd& df_du) const {
+void ContactModelAbstract::updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx,
+                                           const Eigen::MatrixXd& df_du) const {
   constexpr const char* kWhere = "ContactModel::updateForceDiff";
   (void)motion_of(kWhere, check_data(kWhere, data));
   copy_matrix(kWhere, df_dx, data->own_df_dx);
   copy_matrix(kWhere, df_du, data->own_df_du);
 }
 
-void ContactModelAbstract::setZeroForce(const std::shared_ptr<ContactDataAbstract>& data) const {
+void ContactModelAbstract::setZeroForce(const DataPtr& data) const {
   check_data("ContactModel::setZeroForce", data).f.setZero();
   data->fext.setZero();
 }
 
-void ContactModelAbstract::setZeroForceDiff(const std::shared_ptr<ContactDataAbstract>& data) const {
+void ContactModelAbstract::setZeroForceDiff(const DataPtr& data) const {
   check_data("ContactModel::setZeroForceDiff", data).own_df_dx.setZero();
   data->own_df_du.setZero();
 }
@@ -215,13 +214,13 @@ void ContactModelAbstract::setZeroForceDiff(const std::shared_ptr<ContactDataAbs
 
 std::shared_ptr<ContactDataMultiple> ContactModelMultiple::createData(MultibodyData* motion) const {
   auto data = std::make_shared<ContactDataMultiple>();
-  for (const auto& [name, item] : contacts_) data->contacts[name] = item->contact->createData(motion);
+  for (const auto& [name, item] : parts_) data->contacts[name] = item->contact->createData(motion);
   make_room_for_all(nc_total_, state_->get_nv(), *motion, *data);
   return data;
 }
 
-void ContactModelMultiple::calc(const std::shared_ptr<ContactDataMultiple>& data, const ConstVectorRef& x) const {
-  each_active("ContactModelMultiple::calc", contacts_, check_data("ContactModelMultiple::calc", data).contacts,
+void ContactModelMultiple::calc(const DataPtr& data, const ConstVectorRef& x) const {
+  each_active("ContactModelMultiple::calc", parts_, check_data("ContactModelMultiple::calc", data).contacts,
               [&](const ContactItem& item, const auto& d, Eigen::Index row) {
                 item.contact->calc(d, x);
                 data->Jc.middleRows(row, d->Jc.rows()) = d->Jc;
@@ -229,47 +228,44 @@ void ContactModelMultiple::calc(const std::shared_ptr<ContactDataMultiple>& data
               });
 }
 
-void ContactModelMultiple::calcDiff(const std::shared_ptr<ContactDataMultiple>& data, const ConstVectorRef& x) const {
-  each_active("ContactModelMultiple::calcDiff", contacts_, check_data("ContactModelMultiple::calcDiff", data).contacts,
+void ContactModelMultiple::calcDiff(const DataPtr& data, const ConstVectorRef& x) const {
+  each_active("ContactModelMultiple::calcDiff", parts_, check_data("ContactModelMultiple::calcDiff", data).contacts,
               [&](const ContactItem& item, const auto& d, Eigen::Index row) {
                 item.contact->calcDiff(d, x);
                 data->da0_dx.middleRows(row, d->Jc.rows()) = d->da0_dx;
               });
 }
 
-void ContactModelMultiple::updateForce(const std::shared_ptr<ContactDataMultiple>& data,
-                                       const Eigen::VectorXd& force) const {
+void ContactModelMultiple::updateForce(const DataPtr& data, const Eigen::VectorXd& force) const {
   constexpr const char* kWhere = "ContactModelMultiple::updateForce";
   check_size(kWhere, "force", force.size(), nc_);
-  each_active(kWhere, contacts_, check_data(kWhere, data).contacts,
+  each_active(kWhere, parts_, check_data(kWhere, data).contacts,
               [&](const ContactItem& item, const auto& d, Eigen::Index row) {
                 item.contact->updateForce(d, force.segment(row, d->Jc.rows()));
               });
-  set_zero_of_inactive(contacts_, data->contacts);
+  set_zero_of_inactive(parts_, data->contacts);
   sum_forces(*data);
 }
 
-void ContactModelMultiple::updateForceDiff(const std::shared_ptr<ContactDataMultiple>& data,
-                                           const Eigen::MatrixXd& df_dx, const Eigen::MatrixXd& df_du) const {
+void ContactModelMultiple::updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx,
+                                           const Eigen::MatrixXd& df_du) const {
   constexpr const char* kWhere = "ContactModelMultiple::updateForceDiff";
   check_size(kWhere, "df_dx's rows", df_dx.rows(), nc_);
   check_size(kWhere, "df_du's rows", df_du.rows(), nc_);
-  each_active(kWhere, contacts_, check_data(kWhere, data).contacts,
+  each_active(kWhere, parts_, check_data(kWhere, data).contacts,
               [&](const ContactItem& item, const auto& d, Eigen::Index row) {
                 const Eigen::Index nc = d->Jc.rows();
                 item.contact->updateForceDiff(d, df_dx.middleRows(row, nc), df_du.middleRows(row, nc));
               });
-  set_zero_of_inactive(contacts_, data->contacts);
+  set_zero_of_inactive(parts_, data->contacts);
 }
 
-void ContactModelMultiple::updateAcceleration(const std::shared_ptr<ContactDataMultiple>& data,
-                                              const Eigen::VectorXd& dv) const {
+void ContactModelMultiple::updateAcceleration(const DataPtr& data, const Eigen::VectorXd& dv) const {
   check_size("ContactModelMultiple::updateAcceleration", "dv", dv.size(), state_->get_nv());
   check_data("ContactModelMultiple::updateAcceleration", data).dv = dv;
 }
 
-void ContactModelMultiple::updateAccelerationDiff(const std::shared_ptr<ContactDataMultiple>& data,
-                                                  const Eigen::MatrixXd& ddv_dx) const {
+void ContactModelMultiple::updateAccelerationDiff(const DataPtr& data, const Eigen::MatrixXd& ddv_dx) const {
   constexpr const char* kWhere = "ContactModelMultiple::updateAccelerationDiff";
   check_size(kWhere, "ddv_dx's rows", ddv_dx.rows(), state_->get_nv());
   check_size(kWhere, "ddv_dx's columns", ddv_dx.cols(), state_->get_ndx());
@@ -282,13 +278,13 @@ std::shared_ptr<ImpulseDataAbstract> ImpulseModelAbstract::createData(MultibodyD
   return create(*contact_, 0, data);
 }
 
-void ImpulseModelAbstract::calc(const std::shared_ptr<ImpulseDataAbstract>& data, const ConstVectorRef&) const {
+void ImpulseModelAbstract::calc(const DataPtr& data, const ConstVectorRef&) const {
   const MultibodyData& m = motion_of("ImpulseModel::calc", check_data("ImpulseModel::calc", data));
   (void)take_rows(m, contact_->get_contact(), *data);
 }
 
 // d(J v)/dq is how the rows of a contact change with q at rest, accelerated by v.
-void ImpulseModelAbstract::calcDiff(const std::shared_ptr<ImpulseDataAbstract>& data, const ConstVectorRef&) const {
+void ImpulseModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef&) const {
   const MultibodyData& m = motion_of("ImpulseModel::calcDiff", check_data("ImpulseModel::calcDiff", data));
   std::vector<Kinematics<double>> motion = m.motion;
   std::vector<RneaDerivatives> terms = m.terms;
@@ -307,27 +303,13 @@ void ImpulseModelAbstract::calcDiff(const std::shared_ptr<ImpulseDataAbstract>& 
   data->dv0_dq = by_x.leftCols(data->dv0_dq.cols());
 }
 
-void ImpulseModelAbstract::updateForce(const std::shared_ptr<ImpulseDataAbstract>& data,
-                                       const Eigen::VectorXd& impulse) const {
-  contact_->updateForce(data, impulse);
-}
-
-void ImpulseModelAbstract::updateForceDiff(const std::shared_ptr<ImpulseDataAbstract>& data,
-                                           const Eigen::MatrixXd& df_dx) const {
+void ImpulseModelAbstract::updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx) const {
   contact_->updateForceDiff(data, df_dx, Eigen::MatrixXd(data->own_df_du));
-}
-
-void ImpulseModelAbstract::setZeroForce(const std::shared_ptr<ImpulseDataAbstract>& data) const {
-  contact_->setZeroForce(data);
-}
-
-void ImpulseModelAbstract::setZeroForceDiff(const std::shared_ptr<ImpulseDataAbstract>& data) const {
-  contact_->setZeroForceDiff(data);
 }
 
 std::shared_ptr<ImpulseDataMultiple> ImpulseModelMultiple::createData(MultibodyData* motion) const {
   auto data = std::make_shared<ImpulseDataMultiple>();
-  for (const auto& [name, item] : impulses_) data->contacts[name] = item->impulse->createData(motion);
+  for (const auto& [name, item] : parts_) data->contacts[name] = item->impulse->createData(motion);
   const std::size_t nv = get_state()->get_nv();
   make_room_for_all(get_nc_total(), nv, *motion, *data);
   const auto n = static_cast<Eigen::Index>(nv);
@@ -337,53 +319,49 @@ std::shared_ptr<ImpulseDataMultiple> ImpulseModelMultiple::createData(MultibodyD
   return data;
 }
 
-void ImpulseModelMultiple::calc(const std::shared_ptr<ImpulseDataMultiple>& data, const ConstVectorRef& x) const {
-  each_active("ImpulseModelMultiple::calc", impulses_, check_data("ImpulseModelMultiple::calc", data).contacts,
+void ImpulseModelMultiple::calc(const DataPtr& data, const ConstVectorRef& x) const {
+  each_active("ImpulseModelMultiple::calc", parts_, check_data("ImpulseModelMultiple::calc", data).contacts,
               [&](const ImpulseItem& item, const auto& d, Eigen::Index row) {
                 item.impulse->calc(d, x);
                 data->Jc.middleRows(row, d->Jc.rows()) = d->Jc;
               });
 }
 
-void ImpulseModelMultiple::calcDiff(const std::shared_ptr<ImpulseDataMultiple>& data, const ConstVectorRef& x) const {
-  each_active("ImpulseModelMultiple::calcDiff", impulses_, check_data("ImpulseModelMultiple::calcDiff", data).contacts,
+void ImpulseModelMultiple::calcDiff(const DataPtr& data, const ConstVectorRef& x) const {
+  each_active("ImpulseModelMultiple::calcDiff", parts_, check_data("ImpulseModelMultiple::calcDiff", data).contacts,
               [&](const ImpulseItem& item, const auto& d, Eigen::Index row) {
                 item.impulse->calcDiff(d, x);
                 data->dv0_dq.middleRows(row, d->Jc.rows()) = d->dv0_dq;
               });
 }
 
-void ImpulseModelMultiple::updateForce(const std::shared_ptr<ImpulseDataMultiple>& data,
-                                       const Eigen::VectorXd& impulse) const {
+void ImpulseModelMultiple::updateForce(const DataPtr& data, const Eigen::VectorXd& impulse) const {
   constexpr const char* kWhere = "ImpulseModelMultiple::updateForce";
   check_size(kWhere, "impulse", impulse.size(), get_nc());
-  each_active(kWhere, impulses_, check_data(kWhere, data).contacts,
+  each_active(kWhere, parts_, check_data(kWhere, data).contacts,
               [&](const ImpulseItem& item, const auto& d, Eigen::Index row) {
                 item.impulse->updateForce(d, impulse.segment(row, d->Jc.rows()));
               });
-  set_zero_of_inactive(impulses_, data->contacts);
+  set_zero_of_inactive(parts_, data->contacts);
   sum_forces(*data);
 }
 
-void ImpulseModelMultiple::updateForceDiff(const std::shared_ptr<ImpulseDataMultiple>& data,
-                                           const Eigen::MatrixXd& df_dx) const {
+void ImpulseModelMultiple::updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx) const {
   constexpr const char* kWhere = "ImpulseModelMultiple::updateForceDiff";
   check_size(kWhere, "df_dx's rows", df_dx.rows(), get_nc());
-  each_active(kWhere, impulses_, check_data(kWhere, data).contacts,
+  each_active(kWhere, parts_, check_data(kWhere, data).contacts,
               [&](const ImpulseItem& item, const auto& d, Eigen::Index row) {
                 item.impulse->updateForceDiff(d, df_dx.middleRows(row, d->Jc.rows()));
               });
-  set_zero_of_inactive(impulses_, data->contacts);
+  set_zero_of_inactive(parts_, data->contacts);
 }
 
-void ImpulseModelMultiple::updateVelocity(const std::shared_ptr<ImpulseDataMultiple>& data,
-                                          const Eigen::VectorXd& vnext) const {
+void ImpulseModelMultiple::updateVelocity(const DataPtr& data, const Eigen::VectorXd& vnext) const {
   check_size("ImpulseModelMultiple::updateVelocity", "vnext", vnext.size(), get_state()->get_nv());
   check_data("ImpulseModelMultiple::updateVelocity", data).vnext = vnext;
 }
 
-void ImpulseModelMultiple::updateVelocityDiff(const std::shared_ptr<ImpulseDataMultiple>& data,
-                                              const Eigen::MatrixXd& dvnext_dx) const {
+void ImpulseModelMultiple::updateVelocityDiff(const DataPtr& data, const Eigen::MatrixXd& dvnext_dx) const {
   constexpr const char* kWhere = "ImpulseModelMultiple::updateVelocityDiff";
   check_size(kWhere, "dvnext_dx's rows", dvnext_dx.rows(), get_state()->get_nv());
   check_size(kWhere, "dvnext_dx's columns", dvnext_dx.cols(), get_state()->get_ndx());

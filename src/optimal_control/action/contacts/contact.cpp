@@ -25,8 +25,9 @@ const char* class_name(ContactType type) {
 
 ContactModelAbstract::ContactModelAbstract(std::shared_ptr<StateMultibody> state, ContactType type, FrameIndex id,
                                            ReferenceFrame frame, std::size_t nu, const Eigen::Vector2d& gains)
-    : state_(std::move(state)), id_(id), nu_(nu) {
-  require(state_ != nullptr, class_name(type), "a state is expected, not a null pointer");
+    : state_(internal::given(class_name(type), state, "a state")),
+      id_(id),
+      nu_(nu == kDefaultNu ? state_->get_nv() : nu) {
   contact_.type = type;
   contact_.reference_frame = frame;
   contact_.A = attachment(*state_, id);
@@ -35,9 +36,11 @@ ContactModelAbstract::ContactModelAbstract(std::shared_ptr<StateMultibody> state
 
 ContactModelAbstract::ContactModelAbstract(std::shared_ptr<StateMultibody> state, const Contact& contact,
                                            std::size_t nu)
-    : state_(std::move(state)), contact_(contact), gains_(contact.alpha, contact.beta), id_(0), nu_(nu) {
-  require(state_ != nullptr, class_name(contact.type), "a state is expected, not a null pointer");
-}
+    : state_(internal::given(class_name(contact.type), state, "a state")),
+      contact_(contact),
+      gains_(contact.alpha, contact.beta),
+      id_(0),
+      nu_(nu == kDefaultNu ? state_->get_nv() : nu) {}
 
 void ContactModelAbstract::set_gains(const Eigen::Vector2d& gains) {
   require(gains.allFinite(), "ContactModel::set_gains",
@@ -65,16 +68,7 @@ void ContactModelAbstract::print(std::ostream& os) const {
   os << ", gains=[" << gains_[0] << ", " << gains_[1] << "]}";
 }
 
-std::ostream& operator<<(std::ostream& os, const ContactModelAbstract& model) {
-  model.print(os);
-  return os;
-}
-
 // ---- 1D
-
-namespace {
-std::size_t default_nu(const std::shared_ptr<StateMultibody>& state) { return state ? state->get_nv() : 0; }
-}  // namespace
 
 ContactModel1D::ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
                                const Eigen::Matrix3d& rotation, std::size_t nu, const Eigen::Vector2d& gains)
@@ -83,29 +77,11 @@ ContactModel1D::ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex
   set_reference(xref);
 }
 
-ContactModel1D::ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
-                               const Eigen::Vector2d& gains)
-    : ContactModel1D(state, id, xref, type, Eigen::Matrix3d::Identity(), default_nu(state), gains) {}
-
-ContactModel1D::ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, std::size_t nu,
-                               const Eigen::Vector2d& gains)
-    : ContactModel1D(std::move(state), id, xref, LOCAL, Eigen::Matrix3d::Identity(), nu, gains) {}
-
 ContactModel1D::ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
                                std::size_t nu, const Eigen::Vector2d& gains, Vector3MaskType mask, ReferenceFrame ref)
     : ContactModelAbstract(std::move(state), ContactType::k1D, id, ref, nu, gains) {
   set_axis(Eigen::Vector3d::Unit(static_cast<int>(mask)));
   set_reference(xref);
-}
-
-ContactModel1D::ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
-                               const Eigen::Vector2d& gains, ReferenceFrame ref)
-    : ContactModel1D(state, id, xref, default_nu(state), gains, Vector3MaskType::z, ref) {}
-
-void ContactModel1D::set_axis(const Eigen::Vector3d& axis) {
-  require(axis.allFinite() && axis.stableNorm() >= kZeroDirection, "ContactModel1D::set_axis",
-          "an axis that is finite and not zero is expected");
-  contact_.axis = axis.stableNormalized();
 }
 
 // ---- 2D
@@ -115,10 +91,6 @@ ContactModel2D::ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex
     : ContactModelAbstract(std::move(state), ContactType::k2D, id, type, nu, gains) {
   set_reference(xref);
 }
-
-ContactModel2D::ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref,
-                               const Eigen::Vector2d& gains)
-    : ContactModel2D(state, id, xref, default_nu(state), gains) {}
 
 Eigen::Vector2d ContactModel2D::get_reference() const {
   return {contact_.B.placement.p.x(), contact_.B.placement.p.z()};
@@ -135,18 +107,6 @@ ContactModel3D::ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex
   set_reference(xref);
 }
 
-ContactModel3D::ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
-                               ReferenceFrame type, const Eigen::Vector2d& gains)
-    : ContactModel3D(state, id, xref, type, default_nu(state), gains) {}
-
-ContactModel3D::ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
-                               std::size_t nu, const Eigen::Vector2d& gains, ReferenceFrame type)
-    : ContactModel3D(std::move(state), id, xref, type, nu, gains) {}
-
-ContactModel3D::ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
-                               const Eigen::Vector2d& gains, ReferenceFrame type)
-    : ContactModel3D(state, id, xref, type, default_nu(state), gains) {}
-
 // ---- 6D
 
 ContactModel6D::ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
@@ -154,14 +114,6 @@ ContactModel6D::ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex
     : ContactModelAbstract(std::move(state), ContactType::k6D, id, type, nu, gains) {
   set_reference(pref);
 }
-
-ContactModel6D::ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
-                               ReferenceFrame type, const Eigen::Vector2d& gains)
-    : ContactModel6D(state, id, pref, type, default_nu(state), gains) {}
-
-ContactModel6D::ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
-                               std::size_t nu, const Eigen::Vector2d& gains)
-    : ContactModel6D(std::move(state), id, pref, LOCAL, nu, gains) {}
 
 // ---- 5D
 
@@ -171,10 +123,6 @@ ContactModel5D::ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex
   keep_axis("ContactModel5D", axis);
   set_reference(pref);
 }
-
-ContactModel5D::ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
-                               const Eigen::Vector3d& axis, const Eigen::Vector2d& gains)
-    : ContactModel5D(state, id, pref, axis, default_nu(state), gains) {}
 
 // ---- between bodies, and of a scene
 

@@ -100,12 +100,12 @@ void Model_::set_armature(const Eigen::VectorXd& armature) {
 
 std::shared_ptr<DifferentialActionDataAbstract> Model_::createData() { return std::make_shared<Data>(this); }
 
-bool Model_::checkData(const std::shared_ptr<DifferentialActionDataAbstract>& data) {
+bool Model_::checkData(const DataPtr& data) {
   const auto own = std::dynamic_pointer_cast<Data>(data);
   return own && own->owner == identity_;
 }
 
-Model_::Data& Model_::own(const char* where, const std::shared_ptr<DifferentialActionDataAbstract>& data) const {
+Model_::Data& Model_::own(const char* where, const DataPtr& data) const {
   Data* d = dynamic_cast<Data*>(&check_data(where, data));
   require(d && d->owner == identity_, where,
           "the data were created by another model, data of this one's createData() are expected");
@@ -113,8 +113,7 @@ Model_::Data& Model_::own(const char* where, const std::shared_ptr<DifferentialA
 }
 
 // Brings the data's scene up to date with the model's contacts, damping and armature, before a calc at x.
-Model_::Data& Model_::refresh(const char* where, const std::shared_ptr<DifferentialActionDataAbstract>& data,
-                              const ConstVectorRef& x) const {
+Model_::Data& Model_::refresh(const char* where, const DataPtr& data, const ConstVectorRef& x) const {
   Data& d = own(where, data);
   check_size(where, "x", x.size(), state_->get_nx());
   require(d.contacts_version == contacts_->get_version(), where,
@@ -155,8 +154,7 @@ Model_::Data& Model_::refresh(const char* where, const std::shared_ptr<Different
   return d;
 }
 
-void Model_::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
-                  const ConstVectorRef& u) {
+void Model_::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check_size("DifferentialActionModelContactFwdDynamics::calc", "u", u.size(), nu_);
   Data& d = refresh("DifferentialActionModelContactFwdDynamics::calc", data, x);
   DataCollector& m = *d.multibody;
@@ -172,7 +170,7 @@ void Model_::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, c
   d.stage = Stage::kRunning;
 }
 
-void Model_::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) {
+void Model_::calc(const DataPtr& data, const ConstVectorRef& x) {
   Data& d = refresh("DifferentialActionModelContactFwdDynamics::calc", data, x);
   follow_kinematics(d.multibody->scene, x.head(state_->get_nq()), x.tail(state_->get_nv()), d.multibody->solution);
   costs_->calc(d.costs, x);
@@ -190,8 +188,7 @@ void Model_::check_stage(const Data& d, Stage stage) const {
                         stage);
 }
 
-void Model_::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x,
-                      const ConstVectorRef& u) {
+void Model_::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   Data& d = own("DifferentialActionModelContactFwdDynamics::calcDiff", data);
   check_size("DifferentialActionModelContactFwdDynamics::calcDiff", "x", x.size(), state_->get_nx());
   check_size("DifferentialActionModelContactFwdDynamics::calcDiff", "u", u.size(), nu_);
@@ -207,7 +204,7 @@ void Model_::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& dat
   if (constraints_) constraints_->calcDiff(d.constraints, d.x, d.u);
 }
 
-void Model_::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data, const ConstVectorRef& x) {
+void Model_::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   Data& d = own("DifferentialActionModelContactFwdDynamics::calcDiff", data);
   check_size("DifferentialActionModelContactFwdDynamics::calcDiff", "x", x.size(), state_->get_nx());
   check_stage(d, Stage::kTerminal);
@@ -223,8 +220,7 @@ bool Model_::needs_forces() const {
   return needed;
 }
 
-void Model_::quasiStatic(const std::shared_ptr<DifferentialActionDataAbstract>& data, VectorRef u,
-                         const ConstVectorRef& x, std::size_t, double) {
+void Model_::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t, double) {
   constexpr const char* kWhere = "DifferentialActionModelContactFwdDynamics::quasiStatic";
   check_size(kWhere, "u", u.size(), nu_);
   check_size(kWhere, "x", x.size(), state_->get_nx());

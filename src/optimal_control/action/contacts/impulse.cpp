@@ -4,10 +4,6 @@
 
 namespace manycontact {
 
-namespace {
-constexpr const char* kImpulseModelMultiple = "ImpulseModelMultiple";
-}
-
 ImpulseModelAbstract::ImpulseModelAbstract(const char* name, std::shared_ptr<ContactModelAbstract> contact)
     : name_(name), contact_(std::move(contact)) {
   contact_->set_gains(Eigen::Vector2d::Zero());  // an impact has no error to correct
@@ -17,11 +13,6 @@ void ImpulseModelAbstract::print(std::ostream& os) const {
   os << name_ << " {";
   internal::print_frame(os, *get_state()->get_model(), get_id(), get_type());
   os << "}";
-}
-
-std::ostream& operator<<(std::ostream& os, const ImpulseModelAbstract& model) {
-  model.print(os);
-  return os;
 }
 
 ImpulseModel3D::ImpulseModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, ReferenceFrame type)
@@ -36,50 +27,38 @@ ImpulseModel6D::ImpulseModel6D(std::shared_ptr<StateMultibody> state, FrameIndex
 ImpulseModelBetweenBodies::ImpulseModelBetweenBodies(std::shared_ptr<StateMultibody> state, ContactType contact_type,
                                                      FrameIndex id, FrameIndex to, const SE3<double>& offset,
                                                      ReferenceFrame type, const Eigen::Vector3d& axis)
-    : ImpulseModelAbstract("ImpulseModelBetweenBodies",
-                           std::make_shared<ContactModelBetweenBodies>(
-                               state, contact_type, id, to, offset, type, state ? state->get_nv() : 0,
-                               Eigen::Vector2d(Eigen::Vector2d::Zero()), axis)) {}
+    : ImpulseModelAbstract(
+          "ImpulseModelBetweenBodies",
+          std::make_shared<ContactModelBetweenBodies>(std::move(state), contact_type, id, to, offset, type, kDefaultNu,
+                                                      Eigen::Vector2d(Eigen::Vector2d::Zero()), axis)) {}
 
 ImpulseModelOfScene::ImpulseModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact)
     : ImpulseModelAbstract("ImpulseModelOfScene",
-                           std::make_shared<ContactModelOfScene>(state, contact, state ? state->get_nv() : 0)) {}
+                           std::make_shared<ContactModelOfScene>(std::move(state), contact, kDefaultNu)) {}
 
-ImpulseModelMultiple::ImpulseModelMultiple(std::shared_ptr<StateMultibody> state) {
-  require(state != nullptr, kImpulseModelMultiple, "a state is expected, not a null pointer");
-  contacts_ = std::make_shared<ContactModelMultiple>(std::move(state));
-}
+static std::ostream& operator<<(std::ostream& os, const ImpulseItem& item) { return os << *item.impulse; }
+
+template class NamedParts<StateMultibody, ImpulseItem>;
+
+ImpulseModelMultiple::ImpulseModelMultiple(std::shared_ptr<StateMultibody> state)
+    : NamedParts("ImpulseModelMultiple", "impulse", state, 0),
+      contacts_(std::make_shared<ContactModelMultiple>(state)) {}
 
 void ImpulseModelMultiple::addImpulse(const std::string& name, std::shared_ptr<ImpulseModelAbstract> impulse,
                                       bool active) {
-  internal::check_part(kImpulseModelMultiple, name, impulse, get_state(), 0);
-  internal::check_new(kImpulseModelMultiple, "impulse", impulses_, name);
+  internal::check_part(name_, name, impulse, state_, nu_);
+  add({name, impulse, active});
   contacts_->addContact(name, impulse->get_contact(), active);
-  impulses_[name] = std::make_shared<ImpulseItem>(ImpulseItem{name, impulse, active});
 }
 
 void ImpulseModelMultiple::removeImpulse(const std::string& name) {
-  impulses_.erase(internal::find_named(kImpulseModelMultiple, "impulse", impulses_, name));
+  remove(name);
   contacts_->removeContact(name);
 }
 
 void ImpulseModelMultiple::changeImpulseStatus(const std::string& name, bool active) {
-  internal::find_named(kImpulseModelMultiple, "impulse", impulses_, name)->second->active = active;
+  change_status(name, active);
   contacts_->changeContactStatus(name, active);
-}
-
-bool ImpulseModelMultiple::getImpulseStatus(const std::string& name) const {
-  return internal::find_named(kImpulseModelMultiple, "impulse", impulses_, name)->second->active;
-}
-
-void ImpulseModelMultiple::print(std::ostream& os) const {
-  internal::print_parts(os, kImpulseModelMultiple, impulses_,
-                        [](std::ostream& out, const ImpulseItem& item) { out << *item.impulse; });
-}
-
-std::ostream& operator<<(std::ostream& os, const ImpulseModelMultiple& model) {
-  model.print(os);
-  return os;
 }
 
 }  // namespace manycontact

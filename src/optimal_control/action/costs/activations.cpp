@@ -1,54 +1,52 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <ostream>
 
 #include "manycontact/action/activation.hpp"
 
 namespace manycontact {
 
-void ActivationModelAbstract::print(std::ostream& os) const { os << "ActivationModel {nr=" << nr_ << "}"; }
-
-std::ostream& operator<<(std::ostream& os, const ActivationModelAbstract& model) {
-  model.print(os);
-  return os;
+void NamedActivation::check(const char* function, const ConstVectorRef& r) const {
+  if (r.size() == static_cast<Eigen::Index>(nr_)) return;
+  check_size((std::string(name_) + "::" + function).c_str(), "r", r.size(), nr_);
 }
 
-void ActivationModelQuad::calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) {
-  check_size("ActivationModelQuad::calc", "r", r.size(), nr_);
-  data->a_value = r.squaredNorm() / 2;
+void NamedActivation::calc(const DataPtr& data, const ConstVectorRef& r) {
+  check("calc", r);
+  data->a_value = value(r);
 }
 
-void ActivationModelQuad::calcDiff(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) {
-  check_size("ActivationModelQuad::calcDiff", "r", r.size(), nr_);
-  data->Ar = r;
-  data->Arr.diagonal().setOnes();
+void NamedActivation::calcDiff(const DataPtr& data, const ConstVectorRef& r) {
+  check("calcDiff", r);
+  differentiate(r, *data);
 }
 
-void ActivationModelQuad::print(std::ostream& os) const { os << "ActivationModelQuad {nr=" << nr_ << "}"; }
+void NamedActivation::print(std::ostream& os) const {
+  os << name_ << " {nr=" << nr_;
+  print_parameters(os);
+  os << "}";
+}
+
+double ActivationModelQuad::value(const ConstVectorRef& r) const { return r.squaredNorm() / 2; }
+
+void ActivationModelQuad::differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const {
+  data.Ar = r;
+  data.Arr.diagonal().setOnes();
+}
 
 ActivationModelWeightedQuad::ActivationModelWeightedQuad(const Eigen::VectorXd& weights)
-    : ActivationModelAbstract(weights.size()), weights_(weights) {}
+    : NamedActivation("ActivationModelWeightedQuad", static_cast<std::size_t>(weights.size())), weights_(weights) {}
 
-void ActivationModelWeightedQuad::calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) {
-  check_size("ActivationModelWeightedQuad::calc", "r", r.size(), nr_);
-  data->a_value = r.cwiseAbs2().dot(weights_) / 2;
-}
+double ActivationModelWeightedQuad::value(const ConstVectorRef& r) const { return r.cwiseAbs2().dot(weights_) / 2; }
 
-void ActivationModelWeightedQuad::calcDiff(const std::shared_ptr<ActivationDataAbstract>& data,
-                                           const ConstVectorRef& r) {
-  check_size("ActivationModelWeightedQuad::calcDiff", "r", r.size(), nr_);
-  data->Ar = weights_.cwiseProduct(r);
-  data->Arr.diagonal() = weights_;
+void ActivationModelWeightedQuad::differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const {
+  data.Ar = weights_.cwiseProduct(r);
+  data.Arr.diagonal() = weights_;
 }
 
 void ActivationModelWeightedQuad::set_weights(const Eigen::VectorXd& weights) {
   check_size("ActivationModelWeightedQuad::set_weights", "weights", weights.size(), nr_);
   weights_ = weights;
-}
-
-void ActivationModelWeightedQuad::print(std::ostream& os) const {
-  os << "ActivationModelWeightedQuad {nr=" << nr_ << "}";
 }
 
 ActivationBounds::ActivationBounds(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, double b)
@@ -81,22 +79,20 @@ bool is_outside(const ActivationBounds& b, const ConstVectorRef& r, Eigen::Index
 
 }  // namespace
 
-void ActivationModelQuadraticBarrier::calc(const std::shared_ptr<ActivationDataAbstract>& data,
-                                           const ConstVectorRef& r) {
-  check_size("ActivationModelQuadraticBarrier::calc", "r", r.size(), nr_);
-  data->a_value = 0;
+double ActivationModelQuadraticBarrier::value(const ConstVectorRef& r) const {
+  double sum = 0;
   for (Eigen::Index i = 0; i < r.size(); ++i) {
-    const double e = outside(bounds_, r, i);
-    data->a_value += e * e / 2;
+    const double e = weight(i) * outside(bounds_, r, i);
+    sum += e * e / 2;
   }
+  return sum;
 }
 
-void ActivationModelQuadraticBarrier::calcDiff(const std::shared_ptr<ActivationDataAbstract>& data,
-                                               const ConstVectorRef& r) {
-  check_size("ActivationModelQuadraticBarrier::calcDiff", "r", r.size(), nr_);
+void ActivationModelQuadraticBarrier::differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const {
   for (Eigen::Index i = 0; i < r.size(); ++i) {
-    data->Ar[i] = outside(bounds_, r, i);
-    data->Arr.diagonal()[i] = is_outside(bounds_, r, i) ? 1 : 0;
+    const double w2 = weight(i) * weight(i);
+    data.Ar[i] = w2 * outside(bounds_, r, i);
+    data.Arr.diagonal()[i] = is_outside(bounds_, r, i) ? w2 : 0;
   }
 }
 
@@ -105,69 +101,16 @@ void ActivationModelQuadraticBarrier::set_bounds(const ActivationBounds& bounds)
   bounds_ = bounds;
 }
 
-void ActivationModelQuadraticBarrier::print(std::ostream& os) const {
-  os << "ActivationModelQuadraticBarrier {nr=" << nr_ << "}";
-}
-
 ActivationModelWeightedQuadraticBarrier::ActivationModelWeightedQuadraticBarrier(const ActivationBounds& bounds,
                                                                                  const Eigen::VectorXd& weights)
-    : ActivationModelQuadraticBarrier(bounds) {
-  check_size("ActivationModelWeightedQuadraticBarrier", "weights", weights.size(), nr_);
+    : ActivationModelQuadraticBarrier("ActivationModelWeightedQuadraticBarrier", bounds) {
+  check_size(name_, "weights", weights.size(), nr_);
   weights_ = weights;
-}
-
-void ActivationModelWeightedQuadraticBarrier::calc(const std::shared_ptr<ActivationDataAbstract>& data,
-                                                   const ConstVectorRef& r) {
-  check_size("ActivationModelWeightedQuadraticBarrier::calc", "r", r.size(), nr_);
-  data->a_value = 0;
-  for (Eigen::Index i = 0; i < r.size(); ++i) {
-    const double e = weights_[i] * outside(bounds_, r, i);
-    data->a_value += e * e / 2;
-  }
-}
-
-void ActivationModelWeightedQuadraticBarrier::calcDiff(const std::shared_ptr<ActivationDataAbstract>& data,
-                                                       const ConstVectorRef& r) {
-  check_size("ActivationModelWeightedQuadraticBarrier::calcDiff", "r", r.size(), nr_);
-  for (Eigen::Index i = 0; i < r.size(); ++i) {
-    const double w2 = weights_[i] * weights_[i];
-    data->Ar[i] = w2 * outside(bounds_, r, i);
-    data->Arr.diagonal()[i] = is_outside(bounds_, r, i) ? w2 : 0;
-  }
 }
 
 void ActivationModelWeightedQuadraticBarrier::set_weights(const Eigen::VectorXd& weights) {
   check_size("ActivationModelWeightedQuadraticBarrier::set_weights", "weights", weights.size(), nr_);
   weights_ = weights;
-}
-
-void ActivationModelWeightedQuadraticBarrier::print(std::ostream& os) const {
-  os << "ActivationModelWeightedQuadraticBarrier {nr=" << nr_ << "}";
-}
-
-ActivationModelSmooth1Norm::ActivationModelSmooth1Norm(std::size_t nr, double eps)
-    : ActivationModelAbstract(nr), eps_(eps) {
-  require(eps > 0 && std::isfinite(eps), "ActivationModelSmooth1Norm",
-          "eps is " + std::to_string(eps) + ", a positive number expected");
-}
-
-void ActivationModelSmooth1Norm::calc(const std::shared_ptr<ActivationDataAbstract>& data, const ConstVectorRef& r) {
-  check_size("ActivationModelSmooth1Norm::calc", "r", r.size(), nr_);
-  data->a_value = (eps_ + r.array().square()).sqrt().sum();
-}
-
-void ActivationModelSmooth1Norm::calcDiff(const std::shared_ptr<ActivationDataAbstract>& data,
-                                          const ConstVectorRef& r) {
-  check_size("ActivationModelSmooth1Norm::calcDiff", "r", r.size(), nr_);
-  for (Eigen::Index i = 0; i < r.size(); ++i) {
-    const double a = std::sqrt(eps_ + r[i] * r[i]);
-    data->Ar[i] = r[i] / a;
-    data->Arr.diagonal()[i] = eps_ / (a * a * a);
-  }
-}
-
-void ActivationModelSmooth1Norm::print(std::ostream& os) const {
-  os << "ActivationModelSmooth1Norm {nr=" << nr_ << ", eps=" << eps_ << "}";
 }
 
 }  // namespace manycontact

@@ -57,35 +57,28 @@ void ConstraintModelResidual::pick_jacobians(ConstraintDataResidual& data) const
   data.Hu = Ru(equalities_, Eigen::all);
 }
 
-void ConstraintModelResidual::calc(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x,
-                                   const ConstVectorRef& u) {
+void ConstraintModelResidual::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   residual_->calc(check_data("ConstraintModelResidual::calc", data).residual, x, u);
   pick_values(*data);
 }
 
-void ConstraintModelResidual::calc(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x) {
+void ConstraintModelResidual::calc(const DataPtr& data, const ConstVectorRef& x) {
   residual_->calc(check_data("ConstraintModelResidual::calc", data).residual, x);
   pick_values(*data);
 }
 
-void ConstraintModelResidual::calcDiff(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x,
-                                       const ConstVectorRef& u) {
+void ConstraintModelResidual::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   residual_->calcDiff(check_data("ConstraintModelResidual::calcDiff", data).residual, x, u);
   pick_jacobians(*data);
 }
 
-void ConstraintModelResidual::calcDiff(const std::shared_ptr<ConstraintDataResidual>& data, const ConstVectorRef& x) {
+void ConstraintModelResidual::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   residual_->calcDiff(check_data("ConstraintModelResidual::calcDiff", data).residual, x);
   pick_jacobians(*data);
 }
 
 void ConstraintModelResidual::print(std::ostream& os) const {
   os << "ConstraintModelResidual {" << *residual_ << ", ng=" << get_ng() << ", nh=" << get_nh() << "}";
-}
-
-std::ostream& operator<<(std::ostream& os, const ConstraintModelResidual& model) {
-  model.print(os);
-  return os;
 }
 
 }  // namespace manycontact

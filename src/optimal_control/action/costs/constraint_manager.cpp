@@ -8,41 +8,17 @@ constexpr const char* kConstraintModelManager = "ConstraintModelManager";
 using Part = ConstraintDataManager::Part;
 }  // namespace
 
-ConstraintModelManager::ConstraintModelManager(std::shared_ptr<StateAbstract> state, std::size_t nu)
-    : state_(std::move(state)), nu_(nu) {
-  require(state_ != nullptr, kConstraintModelManager, "a state is expected, not a null pointer");
-}
+static std::ostream& operator<<(std::ostream& os, const ConstraintItem& item) { return os << *item.constraint; }
 
-ConstraintModelManager::ConstraintModelManager(std::shared_ptr<StateAbstract> state)
-    : ConstraintModelManager(state, state ? state->get_nv() : 0) {}
+template class NamedParts<StateAbstract, ConstraintItem>;
+
+ConstraintModelManager::ConstraintModelManager(std::shared_ptr<StateAbstract> state, std::size_t nu)
+    : NamedParts(kConstraintModelManager, "constraint", std::move(state), nu) {}
 
 void ConstraintModelManager::addConstraint(const std::string& name, std::shared_ptr<ConstraintModelAbstract> constraint,
                                            bool active) {
-  internal::check_part(kConstraintModelManager, name, constraint, state_, nu_);
-  internal::check_new(kConstraintModelManager, "constraint", constraints_, name);
-  constraints_[name] = std::make_shared<ConstraintItem>(ConstraintItem{name, constraint, active});
-  ++version_;
-  internal::sort_name(name, active, active_set_, inactive_set_);
-  count();
-}
-
-void ConstraintModelManager::removeConstraint(const std::string& name) {
-  constraints_.erase(internal::find_named(kConstraintModelManager, "constraint", constraints_, name));
-  ++version_;
-  for (auto* names : {&active_set_, &inactive_set_}) names->erase(name);
-  count();
-}
-
-void ConstraintModelManager::changeConstraintStatus(const std::string& name, bool active) {
-  ConstraintItem& item = *internal::find_named(kConstraintModelManager, "constraint", constraints_, name)->second;
-  if (item.active == active) return;
-  item.active = active;
-  internal::sort_name(name, active, active_set_, inactive_set_);
-  count();
-}
-
-bool ConstraintModelManager::getConstraintStatus(const std::string& name) const {
-  return internal::find_named(kConstraintModelManager, "constraint", constraints_, name)->second->active;
+  internal::check_part(name_, name, constraint, state_, nu_);
+  add({name, constraint, active});
 }
 
 bool ConstraintModelManager::holds(const ConstraintItem& item, bool terminal) const {
@@ -53,7 +29,7 @@ void ConstraintModelManager::count() {
   ++status_;
   ng_ = nh_ = ng_T_ = nh_T_ = 0;
   std::vector<double> lower, upper, lower_T, upper_T;
-  for (const auto& [name, item] : constraints_) {
+  for (const auto& [name, item] : parts_) {
     if (!item->active) continue;
     const ConstraintModelAbstract& c = *item->constraint;
     ng_ += c.get_ng();
@@ -99,7 +75,7 @@ std::vector<Part> split(const ResidualDataAbstract& residual, const std::vector<
 
 void ConstraintModelManager::check_residuals(const char* where, const ConstraintDataManager& data) const {
   auto of = data.of.begin();
-  for (const auto& [name, item] : constraints_)
+  for (const auto& [name, item] : parts_)
     if (*of++ != item->constraint->get_residual())
       require(false, where, "the data of \"" + name + "\" are of another constraint, new data are expected");
 }
@@ -120,7 +96,7 @@ void ConstraintModelManager::lay_out(ConstraintDataManager& data, bool terminal)
   data.g_parts.clear();
   data.h_parts.clear();
   int g = 0, h = 0;
-  for (const auto& [name, item] : constraints_) {
+  for (const auto& [name, item] : parts_) {
     ResidualDataAbstract& residual = *data.constraints.at(name);
     const ConstraintModelAbstract& c = *item->constraint;
     c.get_residual()->lay_out(residual);
@@ -145,7 +121,7 @@ std::shared_ptr<ConstraintDataManager> ConstraintModelManager::createData(DataCo
   data->shared = shared;
   data->out = out;
   data->version = version_;
-  for (const auto& [name, item] : constraints_) {
+  for (const auto& [name, item] : parts_) {
     data->constraints[name] = item->constraint->get_residual()->createData(shared);
     data->of.push_back(item->constraint->get_residual());
   }
@@ -177,7 +153,7 @@ void hand_on(const From& from, To& to) {
 void ConstraintModelManager::prepare(const char* where, ConstraintDataManager& data, const ConstVectorRef& x,
                                      bool terminal) const {
   check_size(where, "x", x.size(), state_->get_nx());
-  require(data.version == version_ && data.constraints.size() == constraints_.size(), where,
+  require(data.version == version_ && data.constraints.size() == parts_.size(), where,
           "constraints were added or removed since the data were created, new data are expected");
   check_residuals(where, data);
   if (data.terminal != terminal || data.status != status_) lay_out(data, terminal);
@@ -186,7 +162,7 @@ void ConstraintModelManager::prepare(const char* where, ConstraintDataManager& d
 template <class F>
 void ConstraintModelManager::for_each_holding(ConstraintDataManager& data, bool terminal, F&& f) const {
   internal::for_each_part(
-      constraints_, data.constraints, [&](const ConstraintItem& item) { return holds(item, terminal); }, f);
+      parts_, data.constraints, [&](const ConstraintItem& item) { return holds(item, terminal); }, f);
 }
 
 // g = r and h = r - lb of the active constraints.
@@ -239,8 +215,7 @@ void ConstraintModelManager::stack_jacobians(ConstraintDataManager& data, bool t
   hand_on(out.Hu, data.Hu);
 }
 
-void ConstraintModelManager::calc(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x,
-                                  const ConstVectorRef& u) {
+void ConstraintModelManager::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   prepare("ConstraintModelManager::calc", check_data("ConstraintModelManager::calc", data), x, false);
   check_size("ConstraintModelManager::calc", "u", u.size(), nu_);
   for_each_holding(*data, false, [&](const ConstraintItem& item, const auto& residual) {
@@ -249,7 +224,7 @@ void ConstraintModelManager::calc(const std::shared_ptr<ConstraintDataManager>& 
   stack_values(*data, false);
 }
 
-void ConstraintModelManager::calc(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x) {
+void ConstraintModelManager::calc(const DataPtr& data, const ConstVectorRef& x) {
   prepare("ConstraintModelManager::calc", check_data("ConstraintModelManager::calc", data), x, true);
   for_each_holding(*data, true, [&](const ConstraintItem& item, const auto& residual) {
     item.constraint->get_residual()->calc(residual, x);
@@ -257,8 +232,7 @@ void ConstraintModelManager::calc(const std::shared_ptr<ConstraintDataManager>& 
   stack_values(*data, true);
 }
 
-void ConstraintModelManager::calcDiff(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x,
-                                      const ConstVectorRef& u) {
+void ConstraintModelManager::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   prepare("ConstraintModelManager::calcDiff", check_data("ConstraintModelManager::calcDiff", data), x, false);
   check_size("ConstraintModelManager::calcDiff", "u", u.size(), nu_);
   for_each_holding(*data, false, [&](const ConstraintItem& item, const auto& residual) {
@@ -268,23 +242,13 @@ void ConstraintModelManager::calcDiff(const std::shared_ptr<ConstraintDataManage
   stack_jacobians(*data, false);
 }
 
-void ConstraintModelManager::calcDiff(const std::shared_ptr<ConstraintDataManager>& data, const ConstVectorRef& x) {
+void ConstraintModelManager::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   prepare("ConstraintModelManager::calcDiff", check_data("ConstraintModelManager::calcDiff", data), x, true);
   for_each_holding(*data, true, [&](const ConstraintItem& item, const auto& residual) {
     item.constraint->get_residual()->calcDiff(residual, x);
     item.constraint->get_residual()->take_whole(*residual);
   });
   stack_jacobians(*data, true);
-}
-
-void ConstraintModelManager::print(std::ostream& os) const {
-  internal::print_parts(os, kConstraintModelManager, constraints_,
-                        [](std::ostream& out, const ConstraintItem& item) { out << *item.constraint; });
-}
-
-std::ostream& operator<<(std::ostream& os, const ConstraintModelManager& model) {
-  model.print(os);
-  return os;
 }
 
 }  // namespace manycontact

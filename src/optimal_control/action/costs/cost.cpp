@@ -21,15 +21,12 @@ class OwnResidual final : public ResidualModelAbstract {
 
 std::shared_ptr<ResidualModelAbstract> own_residual(const std::shared_ptr<StateAbstract>& state, std::size_t nr,
                                                     std::size_t nu) {
-  return std::make_shared<OwnResidual>(internal::given("CostModelAbstract", state, "a state"), nr, nu);
+  const std::size_t nv = internal::given("CostModelAbstract", state, "a state")->get_nv();
+  return std::make_shared<OwnResidual>(state, nr, nu == kDefaultNu ? nv : nu);
 }
 
 std::size_t nr_of(const std::shared_ptr<ActivationModelAbstract>& activation) {
   return internal::given("CostModelAbstract", activation, "an activation")->get_nr();
-}
-
-std::size_t nv_of(const std::shared_ptr<StateAbstract>& state) {
-  return internal::given("CostModelAbstract", state, "a state")->get_nv();
 }
 
 }  // namespace
@@ -102,27 +99,16 @@ CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state,
                                      std::shared_ptr<ActivationModelAbstract> activation, std::size_t nu)
     : CostModelAbstract(state, activation, own_residual(state, nr_of(activation), nu)) {}
 
-CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state,
-                                     std::shared_ptr<ActivationModelAbstract> activation)
-    : CostModelAbstract(state, activation, nv_of(state)) {}
-
 CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu)
     : CostModelAbstract(state, std::make_shared<ActivationModelQuad>(0), nu) {}
 
-CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state) : CostModelAbstract(state, nv_of(state)) {}
+void CostModelAbstract::calc(const DataPtr& data, const ConstVectorRef& x) { calc(data, x, unone_); }
 
-void CostModelAbstract::calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
-  calc(data, x, unone_);
-}
-
-void CostModelAbstract::calcDiff(const std::shared_ptr<CostDataAbstract>&, const ConstVectorRef&,
-                                 const ConstVectorRef&) {
+void CostModelAbstract::calcDiff(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) {
   throw std::logic_error("CostModelAbstract::calcDiff: the cost has no derivatives, a calcDiff is expected");
 }
 
-void CostModelAbstract::calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
-  calcDiff(data, x, unone_);
-}
+void CostModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef& x) { calcDiff(data, x, unone_); }
 
 std::shared_ptr<CostDataAbstract> CostModelAbstract::createData(DataCollector* shared) {
   return std::make_shared<CostDataAbstract>(this, shared);
@@ -136,40 +122,33 @@ void CostModelResidual::print(std::ostream& os) const {
   os << "CostModelResidual {" << *residual_ << ", " << *activation_ << "}";
 }
 
-std::ostream& operator<<(std::ostream& os, const CostModelAbstract& model) {
-  model.print(os);
-  return os;
-}
-
-void CostModelResidual::check(const char* where, const std::shared_ptr<CostDataAbstract>& data) const {
+void CostModelResidual::check(const char* where, const DataPtr& data) const {
   const CostDataAbstract& d = check_data(where, data);
   require(d.of_residual == residual_ && d.of_activation == activation_, where,
           "the data were created by another cost, data of this one's createData() are expected");
 }
 
-void CostModelResidual::calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
-                             const ConstVectorRef& u) {
+void CostModelResidual::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("CostModelResidual::calc", data);
   residual_->calc(data->residual, x, u);
   activation_->calc(data->activation, data->residual->r);
   data->cost = data->activation->a_value;
 }
 
-void CostModelResidual::calc(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
+void CostModelResidual::calc(const DataPtr& data, const ConstVectorRef& x) {
   check("CostModelResidual::calc", data);
   residual_->calc(data->residual, x);
   activation_->calc(data->activation, data->residual->r);
   data->cost = data->activation->a_value;
 }
 
-void CostModelResidual::calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x,
-                                 const ConstVectorRef& u) {
+void CostModelResidual::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("CostModelResidual::calcDiff", data);
   residual_->calcDiff(data->residual, x, u);
   finish_derivatives(*data, false);
 }
 
-void CostModelResidual::calcDiff(const std::shared_ptr<CostDataAbstract>& data, const ConstVectorRef& x) {
+void CostModelResidual::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   check("CostModelResidual::calcDiff", data);
   residual_->calcDiff(data->residual, x);
   finish_derivatives(*data, true);

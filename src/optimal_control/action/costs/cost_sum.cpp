@@ -4,94 +4,78 @@
 namespace manycontact {
 
 namespace {
-constexpr const char* kCostModelSum = "CostModelSum";
 bool is_active(const CostItem& item) { return item.active; }
+std::size_t nr_of(const CostItem& item) { return item.cost->get_residual()->get_nr(); }
 }  // namespace
 
-CostModelSum::CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu) : state_(std::move(state)), nu_(nu) {
-  require(state_ != nullptr, kCostModelSum, "a state is expected, not a null pointer");
+static std::ostream& operator<<(std::ostream& os, const CostItem& item) {
+  return os << "{w=" << item.weight << ", " << *item.cost << "}";
 }
 
-CostModelSum::CostModelSum(std::shared_ptr<StateAbstract> state) : CostModelSum(state, state ? state->get_nv() : 0) {}
+template class NamedParts<StateAbstract, CostItem>;
 
+CostModelSum::CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu)
+    : NamedParts("CostModelSum", "cost", std::move(state), nu) {}
+
+// Numbers of rows change one by one, since sums may have many costs.
 void CostModelSum::addCost(const std::string& name, std::shared_ptr<CostModelAbstract> cost, double weight,
                            bool active) {
-  internal::check_part(kCostModelSum, name, cost, state_, nu_);
-  internal::check_new(kCostModelSum, "cost", costs_, name);
-  const auto item = std::make_shared<CostItem>(CostItem{name, cost, weight, active});
-  costs_[name] = item;
-  ++version_;
-  nr_total_ += cost->get_residual()->get_nr();
-  count(*item);
+  internal::check_part(name_, name, cost, state_, nu_);
+  const CostItem item{name, cost, weight, active};
+  add(item);
+  nr_total_ += nr_of(item);
+  if (active) nr_ += nr_of(item);
 }
 
 void CostModelSum::removeCost(const std::string& name) {
-  const auto at = internal::find_named(kCostModelSum, "cost", costs_, name);
-  const std::size_t nr = at->second->cost->get_residual()->get_nr();
+  const std::size_t nr = nr_of(part(name));
   nr_total_ -= nr;
-  if (active_set_.erase(name) > 0) nr_ -= nr;
-  inactive_set_.erase(name);
-  costs_.erase(at);
-  ++version_;
+  if (active_set_.contains(name)) nr_ -= nr;
+  remove(name);
 }
 
 void CostModelSum::changeCostStatus(const std::string& name, bool active) {
-  CostItem& item = *internal::find_named(kCostModelSum, "cost", costs_, name)->second;
-  if (item.active == active) return;
-  item.active = active;
-  count(item);
-}
-
-// One that was added or switched: sums of many costs are made one by one.
-void CostModelSum::count(const CostItem& item) {
-  const std::size_t nr = item.cost->get_residual()->get_nr();
-  const bool counted = active_set_.contains(item.name);
-  internal::sort_name(item.name, item.active, active_set_, inactive_set_);
-  if (item.active && !counted) nr_ += nr;
-  if (!item.active && counted) nr_ -= nr;
-}
-
-bool CostModelSum::getCostStatus(const std::string& name) const {
-  return internal::find_named(kCostModelSum, "cost", costs_, name)->second->active;
+  const bool counted = active_set_.contains(name);
+  if (!change_status(name, active) || counted == active) return;
+  active ? nr_ += nr_of(part(name)) : nr_ -= nr_of(part(name));
 }
 
 void CostModelSum::check(const char* where, const CostDataSum& data, const ConstVectorRef& x) const {
   check_size(where, "x", x.size(), state_->get_nx());
-  require(data.version == version_ && data.costs.size() == costs_.size(), where,
+  require(data.version == version_ && data.costs.size() == parts_.size(), where,
           "costs were added or removed since the data were created, new data are expected");
 }
 
-void CostModelSum::calc(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+void CostModelSum::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("CostModelSum::calc", check_data("CostModelSum::calc", data), x);
   check_size("CostModelSum::calc", "u", u.size(), nu_);
   data->cost = 0;
-  internal::for_each_part(costs_, data->costs, is_active, [&](const CostItem& item, const auto& d) {
+  internal::for_each_part(parts_, data->costs, is_active, [&](const CostItem& item, const auto& d) {
     item.cost->calc(d, x, u);
     data->cost += item.weight * d->cost;
   });
 }
 
-void CostModelSum::calc(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x) {
+void CostModelSum::calc(const DataPtr& data, const ConstVectorRef& x) {
   check("CostModelSum::calc", check_data("CostModelSum::calc", data), x);
   data->cost = 0;
-  internal::for_each_part(costs_, data->costs, is_active, [&](const CostItem& item, const auto& d) {
+  internal::for_each_part(parts_, data->costs, is_active, [&](const CostItem& item, const auto& d) {
     item.cost->calc(d, x);
     data->cost += item.weight * d->cost;
   });
 }
 
-void CostModelSum::calcDiff(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x,
-                            const ConstVectorRef& u) {
+void CostModelSum::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("CostModelSum::calcDiff", check_data("CostModelSum::calcDiff", data), x);
   check_size("CostModelSum::calcDiff", "u", u.size(), nu_);
-  internal::for_each_part(costs_, data->costs, is_active,
+  internal::for_each_part(parts_, data->costs, is_active,
                           [&](const CostItem& item, const auto& d) { item.cost->calcDiff(d, x, u); });
   add_up(*data, false);
 }
 
-void CostModelSum::calcDiff(const std::shared_ptr<CostDataSum>& data, const ConstVectorRef& x) {
+void CostModelSum::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   check("CostModelSum::calcDiff", check_data("CostModelSum::calcDiff", data), x);
-  internal::for_each_part(costs_, data->costs, is_active,
+  internal::for_each_part(parts_, data->costs, is_active,
                           [&](const CostItem& item, const auto& d) { item.cost->calcDiff(d, x); });
   add_up(*data, true);
 }
@@ -105,7 +89,7 @@ void CostModelSum::add_up_by_hand(CostDataSum& data, bool terminal) const {
     data.Lxu.setZero();
     data.Luu.setZero();
   }
-  internal::for_each_part(costs_, data.costs, is_active, [&](const CostItem& item, const auto& d) {
+  internal::for_each_part(parts_, data.costs, is_active, [&](const CostItem& item, const auto& d) {
     data.Lx += item.weight * d->Lx;
     data.Lxx += item.weight * d->Lxx;
     if (terminal) return;
@@ -129,7 +113,7 @@ void CostModelSum::add_up(CostDataSum& data, bool terminal) const {
     out.Luu_blocks.set_zero();
   }
   std::size_t k = 0;
-  for (const auto& [name, item] : costs_) data.weights[k++] = item->active ? item->weight : 0;
+  for (const auto& [name, item] : parts_) data.weights[k++] = item->active ? item->weight : 0;
   data.groups.add(data.weights, terminal, out);
 }
 
@@ -137,7 +121,7 @@ std::shared_ptr<CostDataSum> CostModelSum::createData(DataCollector* shared, Cos
   auto data = std::make_shared<CostDataSum>();
   data->shared = shared;
   data->version = version_;
-  for (const auto& [name, item] : costs_) {
+  for (const auto& [name, item] : parts_) {
     data->costs[name] = item->cost->createData(shared);
     check_data("CostModelSum::createData", data->costs[name]);
   }
@@ -154,22 +138,11 @@ void CostModelSum::lay_out(CostDataSum& data) const {
   CostDerivatives& out = *data.derivatives;
   std::vector<const CostDataAbstract*> parts;
   for (const auto& [name, d] : data.costs) {
-    costs_.at(name)->cost->get_residual()->lay_out(*d->residual);
+    parts_.at(name)->cost->get_residual()->lay_out(*d->residual);
     parts.push_back(d.get());
   }
   data.weights.assign(parts.size(), 0);
   data.groups.lay_out(parts, static_cast<int>(state_->get_ndx()), static_cast<int>(nu_), out);
-}
-
-void CostModelSum::print(std::ostream& os) const {
-  internal::print_parts(os, kCostModelSum, costs_, [](std::ostream& out, const CostItem& item) {
-    out << "{w=" << item.weight << ", " << *item.cost << "}";
-  });
-}
-
-std::ostream& operator<<(std::ostream& os, const CostModelSum& model) {
-  model.print(os);
-  return os;
 }
 
 }  // namespace manycontact

@@ -3,6 +3,8 @@
 #include <numeric>
 #include <ostream>
 
+#include "residual_parts.hpp"
+
 namespace manycontact {
 
 ResidualBlock::ResidualBlock(std::vector<int> r, std::vector<int> x, std::vector<int> u)
@@ -46,9 +48,11 @@ Eigen::MatrixXd ResidualDataAbstract::whole_Ru() const {
 
 ResidualModelAbstract::ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu,
                                              Dependence on)
-    : state_(std::move(state)), nr_(nr), nu_(nu), on_(on), unone_(Eigen::VectorXd::Zero(nu)) {
-  require(state_ != nullptr, "ResidualModel", "a state is expected, not a null pointer");
-}
+    : state_(std::move(state)),
+      nr_(nr),
+      nu_(internal::nu_or_default(state_, nu)),
+      on_(on),
+      unone_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(nu_))) {}
 
 ResidualModelAbstract::ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu,
                                              bool q_dependent, bool v_dependent, bool u_dependent)
@@ -60,22 +64,21 @@ ResidualModelAbstract::ResidualModelAbstract(std::shared_ptr<StateAbstract> stat
                                              bool v_dependent, bool u_dependent)
     : ResidualModelAbstract(state, nr, state ? state->get_nv() : 0, q_dependent, v_dependent, u_dependent) {}
 
-void ResidualModelAbstract::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
+void ResidualModelAbstract::calc(const DataPtr& data, const ConstVectorRef& x) {
   if (get_u_dependent())
     data->r.setZero();
   else
     calc(data, x, unone_);
 }
 
-void ResidualModelAbstract::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                                     const ConstVectorRef& u) {
+void ResidualModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   differentiate(data, x, u);
   if (data->Rx.size() == 0 && data->Ru.size() == 0) return;
   data->Rx = data->whole_Rx();
   data->Ru = data->whole_Ru();
 }
 
-void ResidualModelAbstract::calcDiff(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
+void ResidualModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   if (!get_u_dependent()) return calcDiff(data, x, unone_);
   if (whole_) {
     data->Rx.setZero();
@@ -85,12 +88,11 @@ void ResidualModelAbstract::calcDiff(const std::shared_ptr<ResidualDataAbstract>
   if (data->Rx.size() > 0) data->Rx = data->whole_Rx();
 }
 
-void ResidualModelAbstract::differentiate(const std::shared_ptr<ResidualDataAbstract>&, const ConstVectorRef&,
-                                          const ConstVectorRef&) {
+void ResidualModelAbstract::differentiate(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) {
   throw std::logic_error("ResidualModelAbstract::calcDiff: the residual has no derivatives, a calcDiff is expected");
 }
 
-void ResidualModelAbstract::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
+void ResidualModelAbstract::differentiate(const DataPtr& data, const ConstVectorRef& x) {
   if (!get_u_dependent()) return differentiate(data, x, unone_);
   for (ResidualBlock& block : data->blocks) block.Rx.setZero();
 }
@@ -110,13 +112,6 @@ std::shared_ptr<ResidualDataAbstract> ResidualModelAbstract::createData(DataColl
 void ResidualModelAbstract::lay_out(ResidualDataAbstract& data) const {
   data.blocks.clear();
   data.blocks.emplace_back(all(nr_), all(state_->get_ndx()), all(get_u_dependent() ? nu_ : 0));
-}
-
-void ResidualModelAbstract::print(std::ostream& os) const { os << "ResidualModel {nr=" << nr_ << "}"; }
-
-std::ostream& operator<<(std::ostream& os, const ResidualModelAbstract& model) {
-  model.print(os);
-  return os;
 }
 
 }  // namespace manycontact

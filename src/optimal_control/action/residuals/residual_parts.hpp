@@ -11,6 +11,12 @@ const State& given(const std::shared_ptr<State>& state) {
   return *state;
 }
 
+/// nu, or nv instead of kDefaultNu.
+inline std::size_t nu_or_default(const std::shared_ptr<StateAbstract>& state, std::size_t nu) {
+  const std::size_t nv = given(state).get_nv();
+  return nu == kDefaultNu ? nv : nu;
+}
+
 /// The state of a residual whose constructor takes a StateMultibody.
 inline const StateMultibody& multibody(const std::shared_ptr<StateAbstract>& state) {
   return static_cast<const StateMultibody&>(*state);
@@ -22,6 +28,12 @@ inline const Multibody::BodyFrame& body_frame(const char* who, const StateMultib
           "frame " + std::to_string(id) + " does not exist, a number below " + std::to_string(frames.size()) +
               " is expected");
   return frames[id];
+}
+
+/// Casts the data of a residual to those that its createData made.
+template <class Data>
+Data& own(ResidualDataAbstract& data) {
+  return static_cast<Data&>(data);
 }
 
 /// Throws std::invalid_argument where there are no robots to look at.
@@ -41,22 +53,6 @@ inline std::vector<int> range(int first, int n) {
   std::vector<int> numbers(n);
   for (int i = 0; i < n; ++i) numbers[i] = first + i;
   return numbers;
-}
-
-/// A row r = x_i + const. or u_i + const.
-inline void add_coordinate(int row, const std::vector<int>& xcols, const std::vector<int>& ucols,
-                           ResidualDataAbstract& data) {
-  ResidualBlock& block = data.blocks.emplace_back(std::vector<int>{row}, xcols, ucols);
-  block.Rx.setOnes();
-  block.Ru.setOnes();
-  block.constant = true;
-}
-
-/// One block per control, 1 x 1: of r = u - uref.
-inline void lay_out_controls(std::size_t nu, ResidualDataAbstract& data) {
-  data.blocks.clear();
-  data.blocks.reserve(nu);
-  for (int i = 0; i < static_cast<int>(nu); ++i) add_coordinate(i, {}, {i}, data);
 }
 
 }  // namespace manycontact::internal

@@ -13,10 +13,6 @@ struct CentroidalData : ResidualDataAbstract {
   Eigen::Vector3d c;                         // by calc: centre of mass in the world
 };
 
-CentroidalData& centroidal_data(const std::shared_ptr<ResidualDataAbstract>& data) {
-  return static_cast<CentroidalData&>(*data);
-}
-
 Eigen::Vector3d center_of_mass(const DataCollector& shared, int first, int last, double mass) {
   Eigen::Vector3d c = Eigen::Vector3d::Zero();
   for (int r = first; r < last; ++r) {
@@ -33,7 +29,7 @@ Eigen::Vector3d moved_mass(const Inertia<double>& Yc, const Vec6<double>& S) { r
 
 CentroidalResidual::CentroidalResidual(const char* name, std::shared_ptr<StateMultibody> state, std::size_t nr,
                                        std::size_t nu, Dependence on, int robot)
-    : ResidualModelAbstract(std::move(state), nr, nu, on), robot_(robot), mass_(0) {
+    : NamedResidual(name, std::move(state), nr, nu, on), robot_(robot), mass_(0) {
   const Scene& scene = internal::multibody(state_).get_model()->scene();
   require(robot >= -1 && robot < scene.nrobots(), name,
           "robot " + std::to_string(robot) + " does not exist, -1 (all) to " + std::to_string(scene.nrobots() - 1) +
@@ -67,47 +63,40 @@ void CentroidalResidual::lay_out(ResidualDataAbstract& data) const {
 
 ResidualModelCoMPosition::ResidualModelCoMPosition(std::shared_ptr<StateMultibody> state, const Eigen::Vector3d& cref,
                                                    std::size_t nu, int robot)
-    : CentroidalResidual("ResidualModelCoMPosition", std::move(state), 3, nu, {.q = true}, robot), cref_(cref) {}
+    : ResidualWithReference(cref, "ResidualModelCoMPosition", std::move(state), 3u, nu, Dependence{.q = true}, robot) {}
 
-ResidualModelCoMPosition::ResidualModelCoMPosition(std::shared_ptr<StateMultibody> state, const Eigen::Vector3d& cref)
-    : ResidualModelCoMPosition(state, cref, internal::given(state).get_nv()) {}
-
-void ResidualModelCoMPosition::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                    const ConstVectorRef&) {
-  data->r = center_of_mass(*data->shared, first_, last_, mass_) - cref_;
+void ResidualModelCoMPosition::evaluate(ResidualDataAbstract& data, const ConstVectorRef&,
+                                        const ConstVectorRef&) const {
+  data.r = center_of_mass(*data.shared, first_, last_, mass_) - reference_;
 }
 
-void ResidualModelCoMPosition::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                             const ConstVectorRef&) {
-  const DataCollector& shared = *data->shared;
+void ResidualModelCoMPosition::fill_blocks(ResidualDataAbstract& data, const ConstVectorRef&,
+                                           const ConstVectorRef&) const {
+  const DataCollector& shared = *data.shared;
   Eigen::Index column = 0;
   for (int r = first_; r < last_; ++r) {
     const Model& model = *shared.scene.robots[r].model;
     const Kinematics<double>& kin = shared.kinematics(r);
     const std::span<const Inertia<double>> Yc = composite_inertias(shared.solution, r);
     for (int i = 0; i < model.nv; ++i)
-      data->blocks[0].Rx.col(column++) = moved_mass(Yc[model.dof_joint[i]], kin.J.col(i)) / mass_;
+      data.blocks[0].Rx.col(column++) = moved_mass(Yc[model.dof_joint[i]], kin.J.col(i)) / mass_;
   }
 }
 
 void ResidualModelCoMPosition::print(std::ostream& os) const {
-  os << "ResidualModelCoMPosition {cref=" << cref_.transpose() << "}";
+  os << "ResidualModelCoMPosition {cref=" << reference_.transpose() << "}";
 }
 
 ResidualModelCentroidalMomentum::ResidualModelCentroidalMomentum(std::shared_ptr<StateMultibody> state,
                                                                  const Vec6<double>& href, std::size_t nu, int robot)
-    : CentroidalResidual("ResidualModelCentroidalMomentum", std::move(state), 6, nu, {.q = true, .v = true}, robot),
-      href_(href) {}
+    : ResidualWithReference(href, "ResidualModelCentroidalMomentum", std::move(state), 6u, nu,
+                            Dependence{.q = true, .v = true}, robot) {}
 
-ResidualModelCentroidalMomentum::ResidualModelCentroidalMomentum(std::shared_ptr<StateMultibody> state,
-                                                                 const Vec6<double>& href)
-    : ResidualModelCentroidalMomentum(state, href, internal::given(state).get_nv()) {}
-
-void ResidualModelCentroidalMomentum::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                           const ConstVectorRef&) {
-  CentroidalData& d = centroidal_data(data);
+void ResidualModelCentroidalMomentum::evaluate(ResidualDataAbstract& data, const ConstVectorRef&,
+                                               const ConstVectorRef&) const {
+  auto& d = internal::own<CentroidalData>(data);
   d.c = center_of_mass(*d.shared, first_, last_, mass_);
-  d.r = -href_;
+  d.r = -reference_;
   for (int r = first_; r < last_; ++r) {
     const Kinematics<double>& kin = d.shared->kinematics(r);
     const std::vector<Joint>& joints = d.shared->scene.robots[r].model->joints;
@@ -126,10 +115,10 @@ void ResidualModelCentroidalMomentum::calc(const std::shared_ptr<ResidualDataAbs
 }
 
 // dh/dq_i = S x* h + Yc (v_p x S), dh/dv_i = Yc S; about the centre of mass dk - dc x l - c x dl, with all robots' l.
-void ResidualModelCentroidalMomentum::differentiate(const std::shared_ptr<ResidualDataAbstract>& data,
-                                                    const ConstVectorRef&, const ConstVectorRef&) {
-  CentroidalData& d = centroidal_data(data);
-  const Eigen::Vector3d l = d.r.head<3>() + href_.head<3>();
+void ResidualModelCentroidalMomentum::fill_blocks(ResidualDataAbstract& data, const ConstVectorRef&,
+                                                  const ConstVectorRef&) const {
+  auto& d = internal::own<CentroidalData>(data);
+  const Eigen::Vector3d l = d.r.head<3>() + reference_.head<3>();
   RowMajorMatrix& Rx = d.blocks[0].Rx;
   const Eigen::Index n = Rx.cols() / 2;
   Eigen::Index column = 0;
@@ -154,7 +143,7 @@ void ResidualModelCentroidalMomentum::differentiate(const std::shared_ptr<Residu
 }
 
 void ResidualModelCentroidalMomentum::print(std::ostream& os) const {
-  os << "ResidualModelCentroidalMomentum {href=" << href_.transpose() << "}";
+  os << "ResidualModelCentroidalMomentum {href=" << reference_.transpose() << "}";
 }
 
 }  // namespace manycontact

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <ostream>
 
 #include "../contacts/contact_columns.hpp"
 #include "manycontact/action/residuals/contact_residuals.hpp"
@@ -25,10 +24,6 @@ struct ContactResidualData : ResidualDataAbstract {
   Eigen::MatrixXd B_turned;                                  // nr x 3
   Mat6X<double> J;                                           // used for one end at a time; its size is enough for both
 };
-
-ContactResidualData& contact_data(const std::shared_ptr<ResidualDataAbstract>& data) {
-  return static_cast<ContactResidualData&>(*data);
-}
 
 // A's axes in the world, or those of B'.
 Mat3<double> axes_of(const DataCollector& shared, const Attachment& at) {
@@ -76,28 +71,16 @@ void multiply(const Eigen::MatrixXd& B, const PanelView& df, RowMajorMatrix& out
 
 std::string dimension(ContactType type) { return std::to_string(contact_rows(type)) + "D"; }
 
-std::string only_6d(ContactType type) {
-  return type == ContactType::k6D ? "" : dimension(type) + ", a 6D contact is expected";
-}
-
-void check_facets(const char* who, std::size_t given, std::size_t expected) {
-  require(
-      given == expected, who,
-      "the reference has nf = " + std::to_string(given) + ", " + std::to_string(expected) + " as before is expected");
-}
-
 }  // namespace
 
 ContactResidual::ContactResidual(const char* name, std::shared_ptr<StateMultibody> state, FrameIndex id, std::size_t nr,
                                  std::size_t nu, bool fwddyn)
-    : ResidualModelAbstract(std::move(state), nr, nu, {.forces = true}), name_(name) {
+    : FrameResidual(name, std::move(state), id, nr, nu, {.forces = true}) {
   require(fwddyn, name, "fwddyn is false, true is expected: contact forces are results of the forward dynamics");
-  set_id(id);
 }
 
-void ContactResidual::set_id(FrameIndex id) {
-  internal::body_frame(name_, internal::multibody(state_), id);
-  id_ = id;
+std::string ContactResidual::misfit(ContactType type) const {
+  return type == ContactType::k6D ? "" : dimension(type) + ", a 6D contact is expected";
 }
 
 void ContactResidual::set_axes(ConeAxes axes) {
@@ -114,7 +97,7 @@ std::shared_ptr<ResidualDataAbstract> ContactResidual::createData(DataCollector*
 }
 
 void ContactResidual::lay_out(ResidualDataAbstract& data) const {
-  auto& d = static_cast<ContactResidualData&>(data);
+  auto& d = internal::own<ContactResidualData>(data);
   d.id = id_;
   d.name = contact_;
   d.contact = &d.shared->contact_on(d.id, name_, contact_);
@@ -143,9 +126,8 @@ bool ContactResidual::fits(const ResidualDataAbstract& data) const {
   return d->id == id_ && d->name == contact_;
 }
 
-void ContactResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                           const ConstVectorRef&) {
-  ContactResidualData& d = contact_data(data);
+void ContactResidual::evaluate(ResidualDataAbstract& data, const ConstVectorRef&, const ConstVectorRef&) const {
+  auto& d = internal::own<ContactResidualData>(data);
   if (!d.contact->active) {
     d.r.setZero();
     return;
@@ -163,10 +145,8 @@ void ContactResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, co
   d.r -= d.b;
 }
 
-void ContactResidual::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                    const ConstVectorRef&) {
-  ContactResidualData& d = contact_data(data);
-  if (d.blocks.empty()) return;
+void ContactResidual::fill_blocks(ResidualDataAbstract& data, const ConstVectorRef&, const ConstVectorRef&) const {
+  auto& d = internal::own<ContactResidualData>(data);
   multiply(d.B, d.contact->df_dx, d.blocks[0].Rx);
   multiply(d.B, d.contact->df_du, d.blocks[0].Ru);
   if (axes_ == ConeAxes::kContact) return;
@@ -185,21 +165,13 @@ void ContactResidual::differentiate(const std::shared_ptr<ResidualDataAbstract>&
     add_turning(contact.B, -1, d.columns.data() + d.shared->scene.robots[contact.A.robot].model->nv, d, d.blocks[0].Rx);
 }
 
-void ContactResidual::print(std::ostream& os) const {
-  os << name_ << " {frame=" << internal::multibody(state_).get_model()->frames[id_].name << "}";
-}
-
 ResidualModelContactForce::ResidualModelContactForce(std::shared_ptr<StateMultibody> state, FrameIndex id,
                                                      const Vec6<double>& fref, std::size_t nc, std::size_t nu,
                                                      bool fwddyn)
-    : ContactResidual("ResidualModelContactForce", std::move(state), id, nc, nu, fwddyn), fref_(fref) {
+    : ResidualWithReference(fref, "ResidualModelContactForce", std::move(state), id, nc, nu, fwddyn) {
   require(nc == 1 || nc == 2 || nc == 3 || nc == 5 || nc == 6, name_,
           "nc is " + std::to_string(nc) + ", 1, 2, 3, 5 or 6 expected");
 }
-
-ResidualModelContactForce::ResidualModelContactForce(std::shared_ptr<StateMultibody> state, FrameIndex id,
-                                                     const Vec6<double>& fref, std::size_t nc)
-    : ResidualModelContactForce(state, id, fref, nc, internal::given(state).get_nv()) {}
 
 std::string ResidualModelContactForce::misfit(ContactType type) const {
   if (contact_rows(type) == static_cast<int>(nr_)) return "";
@@ -208,62 +180,34 @@ std::string ResidualModelContactForce::misfit(ContactType type) const {
 
 void ResidualModelContactForce::form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const {
   B.setIdentity();
-  b.noalias() = P.transpose().lazyProduct(fref_);
+  b.noalias() = P.transpose().lazyProduct(reference_);
 }
 
 ResidualModelContactFrictionCone::ResidualModelContactFrictionCone(std::shared_ptr<StateMultibody> state, FrameIndex id,
                                                                    const FrictionCone& fref, std::size_t nu,
                                                                    bool fwddyn)
-    : ContactResidual("ResidualModelContactFrictionCone", std::move(state), id, fref.get_nf() + 1, nu, fwddyn),
-      fref_(fref) {}
-
-ResidualModelContactFrictionCone::ResidualModelContactFrictionCone(std::shared_ptr<StateMultibody> state, FrameIndex id,
-                                                                   const FrictionCone& fref)
-    : ResidualModelContactFrictionCone(state, id, fref, internal::given(state).get_nv()) {}
-
-void ResidualModelContactFrictionCone::set_reference(const FrictionCone& reference) {
-  check_facets(name_, reference.get_nf(), fref_.get_nf());
-  fref_ = reference;
-}
-
-std::string ResidualModelContactFrictionCone::misfit(ContactType) const { return ""; }
+    : ResidualWithReference(fref, "ResidualModelContactFrictionCone", std::move(state), id, fref.get_nf() + 1, nu,
+                            fwddyn) {}
 
 void ResidualModelContactFrictionCone::form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd&) const {
-  B.noalias() = fref_.get_A().lazyProduct(P.topRows<3>());
+  B.noalias() = reference_.get_A().lazyProduct(P.topRows<3>());
 }
 
 ResidualModelContactWrenchCone::ResidualModelContactWrenchCone(std::shared_ptr<StateMultibody> state, FrameIndex id,
                                                                const WrenchCone& fref, std::size_t nu, bool fwddyn)
-    : ContactResidual("ResidualModelContactWrenchCone", std::move(state), id, fref.get_nf() + 13, nu, fwddyn),
-      fref_(fref) {}
-
-ResidualModelContactWrenchCone::ResidualModelContactWrenchCone(std::shared_ptr<StateMultibody> state, FrameIndex id,
-                                                               const WrenchCone& fref)
-    : ResidualModelContactWrenchCone(state, id, fref, internal::given(state).get_nv()) {}
-
-void ResidualModelContactWrenchCone::set_reference(const WrenchCone& reference) {
-  check_facets(name_, reference.get_nf(), fref_.get_nf());
-  fref_ = reference;
-}
-
-std::string ResidualModelContactWrenchCone::misfit(ContactType type) const { return only_6d(type); }
+    : ResidualWithReference(fref, "ResidualModelContactWrenchCone", std::move(state), id, fref.get_nf() + 13, nu,
+                            fwddyn) {}
 
 void ResidualModelContactWrenchCone::form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd&) const {
-  B.noalias() = fref_.get_A().lazyProduct(P);
+  B.noalias() = reference_.get_A().lazyProduct(P);
 }
 
 ResidualModelContactCoPPosition::ResidualModelContactCoPPosition(std::shared_ptr<StateMultibody> state, FrameIndex id,
                                                                  const CoPSupport& cref, std::size_t nu, bool fwddyn)
-    : ContactResidual("ResidualModelContactCoPPosition", std::move(state), id, 4, nu, fwddyn), cref_(cref) {}
-
-ResidualModelContactCoPPosition::ResidualModelContactCoPPosition(std::shared_ptr<StateMultibody> state, FrameIndex id,
-                                                                 const CoPSupport& cref)
-    : ResidualModelContactCoPPosition(state, id, cref, internal::given(state).get_nv()) {}
-
-std::string ResidualModelContactCoPPosition::misfit(ContactType type) const { return only_6d(type); }
+    : ResidualWithReference(cref, "ResidualModelContactCoPPosition", std::move(state), id, 4u, nu, fwddyn) {}
 
 void ResidualModelContactCoPPosition::form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd&) const {
-  B.noalias() = cref_.get_A().lazyProduct(P);
+  B.noalias() = reference_.get_A().lazyProduct(P);
 }
 
 }  // namespace manycontact

@@ -22,10 +22,6 @@ struct FrameResidualData : ResidualDataAbstract {
   SE3<double> in_tree() const { return kin().oMi[frame->joint] * frame->placement; }
 };
 
-FrameResidualData& frame_data(const std::shared_ptr<ResidualDataAbstract>& data) {
-  return static_cast<FrameResidualData&>(*data);
-}
-
 // [linear; angular] shifted to the point p, axes unchanged.
 Vec6<double> at_point(const Eigen::Vector3d& p, const Vec6<double>& m) {
   Vec6<double> out = m;
@@ -37,7 +33,7 @@ Vec6<double> at_point(const Eigen::Vector3d& p, const Vec6<double>& m) {
 
 FrameResidual::FrameResidual(const char* name, std::shared_ptr<StateMultibody> state, FrameIndex id, std::size_t nr,
                              std::size_t nu, Dependence on)
-    : ResidualModelAbstract(std::move(state), nr, nu, on), name_(name) {
+    : NamedResidual(name, std::move(state), nr, nu, on) {
   set_id(id);
 }
 
@@ -79,21 +75,16 @@ void FrameResidual::print(std::ostream& os) const {
 
 ResidualModelFramePlacement::ResidualModelFramePlacement(std::shared_ptr<StateMultibody> state, FrameIndex id,
                                                          const SE3<double>& pref, std::size_t nu)
-    : FrameResidual("ResidualModelFramePlacement", std::move(state), id, 6, nu, {.q = true}), pref_(pref) {}
+    : ResidualWithReference(pref, "ResidualModelFramePlacement", std::move(state), id, 6u, nu, Dependence{.q = true}) {}
 
-ResidualModelFramePlacement::ResidualModelFramePlacement(std::shared_ptr<StateMultibody> state, FrameIndex id,
-                                                         const SE3<double>& pref)
-    : ResidualModelFramePlacement(state, id, pref, internal::given(state).get_nv()) {}
-
-void ResidualModelFramePlacement::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                       const ConstVectorRef&) {
-  data->r = log6<double>(pref_.inverse() * frame_data(data).oMf());
+void ResidualModelFramePlacement::evaluate(ResidualDataAbstract& data, const ConstVectorRef&,
+                                           const ConstVectorRef&) const {
+  data.r = log6<double>(reference_.inverse() * internal::own<FrameResidualData>(data).oMf());
 }
 
-void ResidualModelFramePlacement::differentiate(const std::shared_ptr<ResidualDataAbstract>& data,
-                                                const ConstVectorRef&, const ConstVectorRef&) {
-  FrameResidualData& d = frame_data(data);
-  if (d.blocks.empty()) return;
+void ResidualModelFramePlacement::fill_blocks(ResidualDataAbstract& data, const ConstVectorRef&,
+                                              const ConstVectorRef&) const {
+  auto& d = internal::own<FrameResidualData>(data);
   const Mat6<double> J = Jlog6<double>(d.r);
   const SE3<double> M = d.in_tree();
   for (std::size_t k = 0; k < d.chain.size(); ++k)
@@ -102,21 +93,17 @@ void ResidualModelFramePlacement::differentiate(const std::shared_ptr<ResidualDa
 
 ResidualModelFrameTranslation::ResidualModelFrameTranslation(std::shared_ptr<StateMultibody> state, FrameIndex id,
                                                              const Eigen::Vector3d& xref, std::size_t nu)
-    : FrameResidual("ResidualModelFrameTranslation", std::move(state), id, 3, nu, {.q = true}), xref_(xref) {}
+    : ResidualWithReference(xref, "ResidualModelFrameTranslation", std::move(state), id, 3u, nu,
+                            Dependence{.q = true}) {}
 
-ResidualModelFrameTranslation::ResidualModelFrameTranslation(std::shared_ptr<StateMultibody> state, FrameIndex id,
-                                                             const Eigen::Vector3d& xref)
-    : ResidualModelFrameTranslation(state, id, xref, internal::given(state).get_nv()) {}
-
-void ResidualModelFrameTranslation::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                         const ConstVectorRef&) {
-  data->r = frame_data(data).oMf().p - xref_;
+void ResidualModelFrameTranslation::evaluate(ResidualDataAbstract& data, const ConstVectorRef&,
+                                             const ConstVectorRef&) const {
+  data.r = internal::own<FrameResidualData>(data).oMf().p - reference_;
 }
 
-void ResidualModelFrameTranslation::differentiate(const std::shared_ptr<ResidualDataAbstract>& data,
-                                                  const ConstVectorRef&, const ConstVectorRef&) {
-  FrameResidualData& d = frame_data(data);
-  if (d.blocks.empty()) return;
+void ResidualModelFrameTranslation::fill_blocks(ResidualDataAbstract& data, const ConstVectorRef&,
+                                                const ConstVectorRef&) const {
+  auto& d = internal::own<FrameResidualData>(data);
   const Eigen::Vector3d p = d.in_tree().p;
   for (std::size_t k = 0; k < d.chain.size(); ++k)
     d.blocks[0].Rx.col(k) = at_point(p, d.kin().J.col(d.chain[k])).head<3>();
@@ -124,21 +111,16 @@ void ResidualModelFrameTranslation::differentiate(const std::shared_ptr<Residual
 
 ResidualModelFrameRotation::ResidualModelFrameRotation(std::shared_ptr<StateMultibody> state, FrameIndex id,
                                                        const Eigen::Matrix3d& Rref, std::size_t nu)
-    : FrameResidual("ResidualModelFrameRotation", std::move(state), id, 3, nu, {.q = true}), Rref_(Rref) {}
+    : ResidualWithReference(Rref, "ResidualModelFrameRotation", std::move(state), id, 3u, nu, Dependence{.q = true}) {}
 
-ResidualModelFrameRotation::ResidualModelFrameRotation(std::shared_ptr<StateMultibody> state, FrameIndex id,
-                                                       const Eigen::Matrix3d& Rref)
-    : ResidualModelFrameRotation(state, id, Rref, internal::given(state).get_nv()) {}
-
-void ResidualModelFrameRotation::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                      const ConstVectorRef&) {
-  data->r = log3<double>(Rref_.transpose() * frame_data(data).oMf().R);
+void ResidualModelFrameRotation::evaluate(ResidualDataAbstract& data, const ConstVectorRef&,
+                                          const ConstVectorRef&) const {
+  data.r = log3<double>(reference_.transpose() * internal::own<FrameResidualData>(data).oMf().R);
 }
 
-void ResidualModelFrameRotation::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                               const ConstVectorRef&) {
-  FrameResidualData& d = frame_data(data);
-  if (d.blocks.empty()) return;
+void ResidualModelFrameRotation::fill_blocks(ResidualDataAbstract& data, const ConstVectorRef&,
+                                             const ConstVectorRef&) const {
+  auto& d = internal::own<FrameResidualData>(data);
   Vec6<double> xi = Vec6<double>::Zero();
   xi.tail<3>() = d.r;
   const Eigen::Matrix3d J = Jlog6<double>(xi).bottomRightCorner<3, 3>() * d.in_tree().R.transpose();
@@ -148,27 +130,22 @@ void ResidualModelFrameRotation::differentiate(const std::shared_ptr<ResidualDat
 
 ResidualModelFrameVelocity::ResidualModelFrameVelocity(std::shared_ptr<StateMultibody> state, FrameIndex id,
                                                        const Vec6<double>& vref, ReferenceFrame type, std::size_t nu)
-    : FrameResidual("ResidualModelFrameVelocity", std::move(state), id, 6, nu, {.q = true, .v = true}),
-      vref_(vref),
+    : ResidualWithReference(vref, "ResidualModelFrameVelocity", std::move(state), id, 6u, nu,
+                            Dependence{.q = true, .v = true}),
       type_(type) {}
 
-ResidualModelFrameVelocity::ResidualModelFrameVelocity(std::shared_ptr<StateMultibody> state, FrameIndex id,
-                                                       const Vec6<double>& vref, ReferenceFrame type)
-    : ResidualModelFrameVelocity(state, id, vref, type, internal::given(state).get_nv()) {}
-
-void ResidualModelFrameVelocity::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                      const ConstVectorRef&) {
-  const FrameResidualData& d = frame_data(data);
+void ResidualModelFrameVelocity::evaluate(ResidualDataAbstract& data, const ConstVectorRef&,
+                                          const ConstVectorRef&) const {
+  const auto& d = internal::own<FrameResidualData>(data);
   const Vec6<double> v = frame_velocity<double>(d.kin(), d.base(), d.frame->joint, d.frame->placement, type_);
-  data->r = v - vref_;
+  data.r = v - reference_;
 }
 
 // In the tree frame, with S = S_i, v the body's velocity and v_p that of the parent of i's joint:
 //   dv/dq_i = v_p x S - v x S = S x v - S x v_p. The frame itself moves with S, which takes S x v away again.
-void ResidualModelFrameVelocity::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                               const ConstVectorRef&) {
-  FrameResidualData& d = frame_data(data);
-  if (d.blocks.empty()) return;
+void ResidualModelFrameVelocity::fill_blocks(ResidualDataAbstract& data, const ConstVectorRef&,
+                                             const ConstVectorRef&) const {
+  auto& d = internal::own<FrameResidualData>(data);
   const Kinematics<double>& kin = d.kin();
   const Model& model = d.model();
   const SE3<double> M = d.in_tree();

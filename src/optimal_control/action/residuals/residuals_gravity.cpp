@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <ostream>
 
 #include "manycontact/action/residuals/gravity_residuals.hpp"
 #include "manycontact/dynamics/shapes.hpp"
@@ -20,10 +19,6 @@ struct GravityData : ResidualDataAbstract {
   std::vector<IslandDerivatives::Panel> dg;  // derivatives of the static torque at constant forces, per island, set by
                                              // calcDiff
 };
-
-GravityData& gravity_data(const std::shared_ptr<ResidualDataAbstract>& data) {
-  return static_cast<GravityData&>(*data);
-}
 
 void set_static_part(GravityData& d, bool contacts) {
   for (std::size_t i = 0; i < d.blocks.size(); ++i) {
@@ -68,11 +63,10 @@ void add_force_part(GravityData& d, std::size_t i) {
 
 // The residual depends on v through forces or torques, if the actuation does. The blocks contain what exists.
 GravityResidual::GravityResidual(const char* name, std::shared_ptr<StateMultibody> state, std::size_t nu, bool contacts)
-    : ResidualModelAbstract(state, internal::given(state).get_nv(), nu,
-                            {.q = true, .v = true, .u = true, .forces = contacts}),
-      name_(name),
+    : NamedResidual(name, state, internal::given(state).get_nv(), nu,
+                    {.q = true, .v = true, .u = true, .forces = contacts}),
       contacts_(contacts) {
-  require(nu > 0, name, "nu is 0, one control or more is expected");
+  require(nu_ > 0, name, "nu is 0, one control or more is expected");
 }
 
 std::shared_ptr<ResidualDataAbstract> GravityResidual::createData(DataCollector* shared) {
@@ -87,7 +81,7 @@ std::shared_ptr<ResidualDataAbstract> GravityResidual::createData(DataCollector*
 }
 
 void GravityResidual::lay_out(ResidualDataAbstract& data) const {
-  auto& d = static_cast<GravityData&>(data);
+  auto& d = internal::own<GravityData>(data);
   const std::vector<IslandColumns>& islands = d.shared->islands;
   d.blocks.clear();
   d.dg.clear();
@@ -108,22 +102,20 @@ void GravityResidual::lay_out(ResidualDataAbstract& data) const {
   }
 }
 
-void GravityResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                           const ConstVectorRef&) {
-  GravityData& d = gravity_data(data);
+void GravityResidual::evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef&) const {
+  auto& d = internal::own<GravityData>(data);
   static_torque(d.shared->scene, d.shared->solution, x.data(), contacts_, d.statics);
   d.r = d.shared->actuation->tau - d.statics.tau;
 }
 
-void GravityResidual::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x) {
-  GravityData& d = gravity_data(data);
+void GravityResidual::calc(const DataPtr& data, const ConstVectorRef& x) {
+  auto& d = internal::own<GravityData>(*data);
   static_torque(d.shared->scene, d.shared->solution, x.data(), false, d.statics);
   d.r = -d.statics.tau;
 }
 
-void GravityResidual::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                    const ConstVectorRef&) {
-  GravityData& d = gravity_data(data);
+void GravityResidual::fill_blocks(ResidualDataAbstract& data, const ConstVectorRef&, const ConstVectorRef&) const {
+  auto& d = internal::own<GravityData>(data);
   set_static_part(d, contacts_);
   for (std::size_t i = 0; i < d.blocks.size(); ++i) {
     ResidualBlock& block = d.blocks[i];
@@ -133,22 +125,14 @@ void GravityResidual::differentiate(const std::shared_ptr<ResidualDataAbstract>&
   }
 }
 
-void GravityResidual::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&) {
-  set_static_part(gravity_data(data), false);
+void GravityResidual::differentiate(const DataPtr& data, const ConstVectorRef&) {
+  set_static_part(internal::own<GravityData>(*data), false);
 }
-
-void GravityResidual::print(std::ostream& os) const { os << name_; }
 
 ResidualModelControlGrav::ResidualModelControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu)
     : GravityResidual("ResidualModelControlGrav", std::move(state), nu, false) {}
 
-ResidualModelControlGrav::ResidualModelControlGrav(std::shared_ptr<StateMultibody> state)
-    : ResidualModelControlGrav(state, internal::given(state).get_nv()) {}
-
 ResidualModelContactControlGrav::ResidualModelContactControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu)
     : GravityResidual("ResidualModelContactControlGrav", std::move(state), nu, true) {}
-
-ResidualModelContactControlGrav::ResidualModelContactControlGrav(std::shared_ptr<StateMultibody> state)
-    : ResidualModelContactControlGrav(state, internal::given(state).get_nv()) {}
 
 }  // namespace manycontact

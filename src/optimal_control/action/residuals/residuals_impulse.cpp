@@ -1,5 +1,3 @@
-#include <ostream>
-
 #include "manycontact/action/residuals/impulse_residuals.hpp"
 #include "residual_parts.hpp"
 
@@ -13,10 +11,6 @@ struct ImpulseCoMData : ResidualDataAbstract {
   Eigen::VectorXd w;                            // nv
   Eigen::MatrixXd Jcom;                         // 3 x nv
 };
-
-ImpulseCoMData& impulse_com_data(const std::shared_ptr<ResidualDataAbstract>& data) {
-  return static_cast<ImpulseCoMData&>(*data);
-}
 
 }  // namespace
 
@@ -36,9 +30,9 @@ std::shared_ptr<ResidualDataAbstract> ResidualModelImpulseCoM::createData(DataCo
   return data;
 }
 
-void ResidualModelImpulseCoM::calc(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef& x,
-                                   const ConstVectorRef&) {
-  ImpulseCoMData& d = impulse_com_data(data);
+void ResidualModelImpulseCoM::evaluate(ResidualDataAbstract& data, const ConstVectorRef& x,
+                                       const ConstVectorRef&) const {
+  auto& d = internal::own<ImpulseCoMData>(data);
   const DataCollector& shared = *d.shared;
   d.w = shared.impact->vnext - x.tail(shared.scene.nv);
   for (int r = first_; r < last_; ++r) {
@@ -52,9 +46,9 @@ void ResidualModelImpulseCoM::calc(const std::shared_ptr<ResidualDataAbstract>& 
 
 // d(J_com w)/dq_i at constant w, times the mass: the linear part of S x* h + Yc (v_p x S), where v and h are those of
 // w.
-void ResidualModelImpulseCoM::differentiate(const std::shared_ptr<ResidualDataAbstract>& data, const ConstVectorRef&,
-                                            const ConstVectorRef&) {
-  ImpulseCoMData& d = impulse_com_data(data);
+void ResidualModelImpulseCoM::fill_blocks(ResidualDataAbstract& data, const ConstVectorRef&,
+                                          const ConstVectorRef&) const {
+  auto& d = internal::own<ImpulseCoMData>(data);
   const DataCollector& shared = *d.shared;
   const Eigen::Index nv = shared.scene.nv;
   RowMajorMatrix& Rx = d.blocks[0].Rx;
@@ -84,7 +78,5 @@ void ResidualModelImpulseCoM::differentiate(const std::shared_ptr<ResidualDataAb
     }
   }
 }
-
-void ResidualModelImpulseCoM::print(std::ostream& os) const { os << "ResidualModelImpulseCoM"; }
 
 }  // namespace manycontact

@@ -22,7 +22,7 @@ ControlParametrizationDataNumDiff::ControlParametrizationDataNumDiff(const NumDi
 
 NumDiff::ControlParametrizationModelNumDiff(std::shared_ptr<ControlParametrizationModelAbstract> model)
     : ControlParametrizationModelAbstract(internal::given(kControlNumDiff, model)->get_nw(), model->get_nu()),
-      model_(std::move(model)) {}
+      NumDiffOf(kControlNumDiff, model) {}
 
 NumDiff::Data NumDiff::createData() { return std::make_shared<ControlParametrizationDataNumDiff>(this); }
 
@@ -45,11 +45,6 @@ void NumDiff::params(const Data& data, double t, const ConstVectorRef& w) const 
   auto& d = own(data);
   model_->params(d.data_0, t, w);
   d.u = d.data_0->u;
-}
-
-void NumDiff::convertBounds(const ConstVectorRef& w_lb, const ConstVectorRef& w_ub, VectorRef u_lb,
-                            VectorRef u_ub) const {
-  model_->convertBounds(w_lb, w_ub, u_lb, u_ub);
 }
 
 void NumDiff::multiplyByJacobian(const Data& data, const ConstMatrixRef& A, MatrixRef out, AssignmentOp op) const {

@@ -71,8 +71,7 @@ std::shared_ptr<ActuationDataAbstract> ActuationModelWrenches::createData() {
   return data;
 }
 
-void ActuationModelWrenches::calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                                  const ConstVectorRef& u) {
+void ActuationModelWrenches::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("ActuationModelWrenches::calc", x, u);
   auto& d = internal::own_data<ActuationDataWrenches>("ActuationModelWrenches::calc", data);
   d.tau.setZero();
@@ -88,8 +87,7 @@ void ActuationModelWrenches::calc(const std::shared_ptr<ActuationDataAbstract>& 
   }
 }
 
-void ActuationModelWrenches::calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                                      const ConstVectorRef& u) {
+void ActuationModelWrenches::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("ActuationModelWrenches::calcDiff", x, u);
   auto& d = internal::own_data<ActuationDataWrenches>("ActuationModelWrenches::calcDiff", data);
   Eigen::Map<Eigen::VectorXd>(d.dtau_dx.valuePtr(), d.dtau_dx.nonZeros()).setZero();
@@ -114,12 +112,10 @@ void ActuationModelWrenches::calcDiff(const std::shared_ptr<ActuationDataAbstrac
   }
 }
 
-void ActuationModelWrenches::commands(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&,
-                                      const ConstVectorRef&) {
+void ActuationModelWrenches::commands(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) {
   throw std::logic_error("ActuationModelWrenches::commands: not offered");
 }
-void ActuationModelWrenches::torqueTransform(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&,
-                                             const ConstVectorRef&) {
+void ActuationModelWrenches::torqueTransform(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) {
   throw std::logic_error("ActuationModelWrenches::torqueTransform: not offered");
 }
 

@@ -1,7 +1,6 @@
 #include "manycontact/control/action_model.hpp"
 
 #include <algorithm>
-#include <ostream>
 #include <stdexcept>
 
 #include "manycontact/rank/least_norm.hpp"
@@ -52,21 +51,7 @@ void ActionDataAbstract::dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) cons
 
 ActionModelAbstract::ActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr,
                                          std::size_t ng, std::size_t nh, std::size_t ng_T, std::size_t nh_T)
-    : nu_(nu),
-      nr_(nr),
-      ng_(ng),
-      nh_(nh),
-      ng_T_(ng_T),
-      nh_T_(nh_T),
-      state_(std::move(state)),
-      unone_(Eigen::VectorXd::Zero(nu)) {
-  require(state_ != nullptr, "ActionModel", "a state is expected, not a null pointer");
-  const double infinity = std::numeric_limits<double>::infinity();
-  g_lb_.setConstant(std::max(ng, ng_T), -infinity);
-  g_ub_.setConstant(std::max(ng, ng_T), infinity);
-  u_lb_.setConstant(nu, -infinity);
-  u_ub_.setConstant(nu, infinity);
-}
+    : NodeAbstract("ActionModel", std::move(state), nu, nr, ng, nh, ng_T, nh_T) {}
 
 void ActionModelAbstract::calc(const DataPtr& data, const ConstVectorRef& x) { calc(data, x, unone_); }
 
@@ -98,44 +83,12 @@ Eigen::VectorXd ActionModelAbstract::quasiStatic_x(const DataPtr& data, const Ei
   return u;
 }
 
-void ActionModelAbstract::print(std::ostream& os) const {
-  os << "ActionModel {nx=" << state_->get_nx() << ", nu=" << nu_ << "}";
-}
-
-std::ostream& operator<<(std::ostream& os, const ActionModelAbstract& model) {
-  model.print(os);
-  return os;
-}
-
-void ActionModelAbstract::set_g_lb(const Eigen::VectorXd& g_lb) {
-  check_size("set_g_lb", "g_lb", g_lb.size(), std::max(get_ng(), get_ng_T()));
-  g_lb_ = g_lb;
-}
-void ActionModelAbstract::set_g_ub(const Eigen::VectorXd& g_ub) {
-  check_size("set_g_ub", "g_ub", g_ub.size(), std::max(get_ng(), get_ng_T()));
-  g_ub_ = g_ub;
-}
-void ActionModelAbstract::set_u_lb(const Eigen::VectorXd& u_lb) {
-  check_size("set_u_lb", "u_lb", u_lb.size(), nu_);
-  u_lb_ = u_lb;
-  update_has_control_limits();
-}
-void ActionModelAbstract::set_u_ub(const Eigen::VectorXd& u_ub) {
-  check_size("set_u_ub", "u_ub", u_ub.size(), nu_);
-  u_ub_ = u_ub;
-  update_has_control_limits();
-}
-
 void ActionModelAbstract::check(const char* where, const ConstVectorRef& x) const {
   check_size(where, "x", x.size(), state_->get_nx());
 }
 void ActionModelAbstract::check(const char* where, const ConstVectorRef& x, const ConstVectorRef& u) const {
   check_size(where, "x", x.size(), state_->get_nx());
   check_size(where, "u", u.size(), nu_);
-}
-
-void ActionModelAbstract::update_has_control_limits() {
-  has_control_limits_ = u_lb_.array().isFinite().any() && u_ub_.array().isFinite().any();
 }
 
 }  // namespace manycontact

@@ -67,8 +67,7 @@ void DifferentialActionModelLQR::set_LQR(const M& Aq, const M& Av, const M& B, c
   f_ = f, q_ = q, r_ = r, g_ = g, h_ = h;
 }
 
-void DifferentialActionModelLQR::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data,
-                                      const ConstVectorRef& x, const ConstVectorRef& u) {
+void DifferentialActionModelLQR::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check_size("DifferentialActionModelLQR::calc", "u", u.size(), nu_);
   calc(data, x);
   data->xout = f_;
@@ -78,14 +77,12 @@ void DifferentialActionModelLQR::calc(const std::shared_ptr<DifferentialActionDa
   internal::add_linear_quadratic_values(*this, x, u, *data);
 }
 
-void DifferentialActionModelLQR::calc(const std::shared_ptr<DifferentialActionDataAbstract>& data,
-                                      const ConstVectorRef& x) {
+void DifferentialActionModelLQR::calc(const DataPtr& data, const ConstVectorRef& x) {
   check_size("DifferentialActionModelLQR::calc", "x", x.size(), state_->get_nx());
   internal::linear_quadratic_values(*this, x, check_data("DifferentialActionModelLQR::calc", data));
 }
 
-void DifferentialActionModelLQR::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data,
-                                          const ConstVectorRef& x, const ConstVectorRef& u) {
+void DifferentialActionModelLQR::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check_size("DifferentialActionModelLQR::calcDiff", "u", u.size(), nu_);
   calcDiff(data, x);
   data->Fx << Aq_, Av_;
@@ -93,8 +90,7 @@ void DifferentialActionModelLQR::calcDiff(const std::shared_ptr<DifferentialActi
   internal::add_linear_quadratic_derivatives(*this, x, u, *data);
 }
 
-void DifferentialActionModelLQR::calcDiff(const std::shared_ptr<DifferentialActionDataAbstract>& data,
-                                          const ConstVectorRef& x) {
+void DifferentialActionModelLQR::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
   check_size("DifferentialActionModelLQR::calcDiff", "x", x.size(), state_->get_nx());
   internal::linear_quadratic_derivatives(*this, x, check_data("DifferentialActionModelLQR::calcDiff", data));
 }

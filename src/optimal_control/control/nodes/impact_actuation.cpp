@@ -83,8 +83,7 @@ std::shared_ptr<ActuationDataAbstract> ImpactActuation::createData() {
 }
 
 // tau = (1 + e) ID(q, 0, u)
-void ImpactActuation::calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                           const ConstVectorRef& u) {
+void ImpactActuation::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("ImpactActuation::calc", x, u);
   ImpactData& d = static_cast<ImpactData&>(*data);
   for (std::size_t r = 0; r < d.robots.size(); ++r) {
@@ -98,8 +97,7 @@ void ImpactActuation::calc(const std::shared_ptr<ActuationDataAbstract>& data, c
 }
 
 // dtau/dq = (1 + e) dID/dq, dtau/du = (1 + e) M; at the last calc
-void ImpactActuation::calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                               const ConstVectorRef& u) {
+void ImpactActuation::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("ImpactActuation::calcDiff", x, u);
   ImpactData& d = static_cast<ImpactData&>(*data);
   const double scale = 1 + restitution;

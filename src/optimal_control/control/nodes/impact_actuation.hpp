@@ -9,15 +9,12 @@ class ImpactActuation : public ActuationModelAbstract {
  public:
   explicit ImpactActuation(std::shared_ptr<StateMultibody> state);
 
-  void calc(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-            const ConstVectorRef& u) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   using ActuationModelAbstract::calc;
-  void calcDiff(const std::shared_ptr<ActuationDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   using ActuationModelAbstract::calcDiff;
-  void commands(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&, const ConstVectorRef&) override {}
-  void torqueTransform(const std::shared_ptr<ActuationDataAbstract>&, const ConstVectorRef&,
-                       const ConstVectorRef&) override {}
+  void commands(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) override {}
+  void torqueTransform(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) override {}
   std::shared_ptr<ActuationDataAbstract> createData() override;
 
   double restitution = 0;    // e
