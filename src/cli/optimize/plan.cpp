@@ -44,7 +44,8 @@ void print_plan_findings(std::ostream& out, const OptimizedTask& motion) {
                                                         {"position", "beyond position limits"},
                                                         {"velocity", "beyond velocity limits"},
                                                         {"effort", "beyond efforts"},
-                                                        {"goal", "goals missed"}};
+                                                        {"goal", "goals missed"},
+                                                        {"near_dependent", "nearly dependent"}};
   for (const auto& [kind, title] : titles) {
     std::vector<const PlanFinding*> alike;
     for (const PlanFinding& f : motion.findings)
