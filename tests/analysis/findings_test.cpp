@@ -188,6 +188,40 @@ TEST(Violations, NoneOfForcesAtTheCorners) {
   }
 }
 
+// In free fall contact forces are zero but for rounding errors of the weights.
+TEST(Violations, NoneOfRoundingErrors) {
+  const SceneFile file = load_text(
+      "<scene><robot name=\"low\" urdf=\"box.urdf\" base=\"floating\"/>"
+      "<robot name=\"high\" urdf=\"box.urdf\" base=\"floating\" xyz=\"0 0 1\"/>"
+      "<contact name=\"on\" type=\"3d\" frame=\"high/crate\" to=\"low/crate\" mu=\"0.5\"/></scene>");
+  Eigen::VectorXd f(3);
+  for (const double size : {1e-10, 1e-3}) {
+    f << size, 0, -size;
+    EXPECT_EQ(violations(file.scene, file.q, f, {0}).size(), size < 1e-9 ? 0u : 1u) << size;
+  }
+  const Eigen::VectorXd loads = Eigen::VectorXd::Constant(2, 1e7);
+  EXPECT_TRUE(violations(file.scene, file.q, f, {0}, loads).empty());
+}
+
+// A point slides on a plane while its body turns. The rows of local axes turn with it, those of the world do not.
+TEST(TurningRows, OfPointsThatSlide) {
+  const auto scene = [](const std::string& contact, const std::string& v) {
+    return load_text("<scene><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"><joint name=\"root\" v=\"" + v +
+                     "\"/></robot><contact name=\"slides\" frame=\"b/crate\" " + contact + "/></scene>");
+  };
+  const auto rate_of = [&](const std::string& contact, const std::string& v) {
+    const SceneFile file = scene(contact, v);
+    const auto found = turning_rows(file.scene, {1}, file.q, file.v);
+    return found.empty() ? 0 : found[0].rate;
+  };
+  EXPECT_DOUBLE_EQ(rate_of("type=\"1d\"", "3 0 0 0 2 0"), 6);
+  EXPECT_DOUBLE_EQ(rate_of("type=\"2d\"", "0 3 0 0 0 2"), 6);
+  EXPECT_EQ(rate_of("type=\"1d\" reference_frame=\"world\"", "3 0 0 0 2 0"), 0);
+  EXPECT_EQ(rate_of("type=\"1d\"", "3 0 0 0 0 2"), 0);  // about the axis
+  EXPECT_EQ(rate_of("type=\"1d\"", "0 0 3 0 2 0"), 0);  // along it: the contact is not satisfied
+  EXPECT_EQ(rate_of("type=\"3d\"", "3 0 0 0 2 0"), 0);
+}
+
 TEST(Limits, PositionVelocityEffort) {
   const auto passed = [](const std::string& inside) {
     const SceneFile file =

@@ -50,6 +50,23 @@ TEST(NearDependent, ATiltedAxisHoldsALoopStill) {
   EXPECT_TRUE(Solved(tilted_four_bar(0)).near().empty());    // a planar loop, whose row is dropped
 }
 
+// From the tilt on at which the solver keeps the row, it is told, and there is one rank.
+TEST(NearDependent, BeginsWhereRowsAreKept) {
+  bool dropped = false, kept = false;
+  for (const std::string type : {"3d", "5d"})
+    for (double tilt = 1e-13; tilt < 1e-5; tilt *= 1.2) {
+      const Solved s(tilted_four_bar(tilt, type));
+      const IslandReport& report = s.data.report.islands[0];
+      SCOPED_TRACE(type + " tilted by " + std::to_string(1e9 * tilt) + "e-9: " + to_string(report.status));
+      const bool all = report.rank == (type == "3d" ? 3 : s.data.report.nv);
+      (all ? kept : dropped) = true;
+      EXPECT_EQ(find_ranks(s.file.scene, s.data, 0).rank, report.rank);
+      if (report.status == Status::kOk || report.status == Status::kRedundant)
+        EXPECT_EQ(s.near().empty(), s.data.f.cwiseAbs().maxCoeff() < 1e3);
+    }
+  EXPECT_TRUE(dropped && kept);
+}
+
 TEST(NearDependent, RowsWithinTheToleranceAreDependent) {
   SceneFile file = tilted_four_bar(1e-6);
   file.scene.tolerance = 1e-4;

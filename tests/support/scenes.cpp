@@ -110,9 +110,12 @@ SceneFile tilted_four_bar(double tilt, const std::string& type) {
            "iyy=\"0.02\" "
            "iyz=\"0\" izz=\"0.03\"/></inertial></link>";
   };
+  std::ostringstream digits;
+  digits.precision(17);
+  digits << tilt;
   const auto joint = [&](const char* name, const char* from, const char* to, const char* x, bool tilts) {
     return "<joint name=\"" + std::string(name) + "\" type=\"continuous\"><origin xyz=\"" + x + " 0 0\" rpy=\"" +
-           (tilts ? std::to_string(tilt) : "0") + " 0 0\"/><parent link=\"" + from + "\"/><child link=\"" + to +
+           (tilts ? digits.str() : "0") + " 0 0\"/><parent link=\"" + from + "\"/><child link=\"" + to +
            "\"/><axis xyz=\"0 0 1\"/></joint>";
   };
   (void)folder.write("bars.urdf", "<robot name=\"b\"><link name=\"base\"/>" + bar("a") + bar("b") + bar("c") +

@@ -14,6 +14,7 @@
 #include "manycontact/task/simulate.hpp"
 #include "support/dense.hpp"
 #include "support/folder.hpp"
+#include "support/scenes.hpp"
 
 namespace manycontact {
 namespace {
@@ -313,6 +314,27 @@ TEST(Plans, TellLimitsThatArePassedAndGoalsThatAreMissed) {
               by_kind.count("goal"));
   EXPECT_EQ(by_kind["position"].name, "p/swing");
   EXPECT_EQ(by_kind["goal"].name, "far");
+}
+
+// A loop whose axes are rounded stands still, and the plan with it.
+TEST(Plans, TellNearlyDependentRows) {
+  for (const double tilt : {1e-5, 0.0}) {
+    TaskFile task;
+    task.scene = test::tilted_four_bar(tilt);
+    task.step = 0.01;
+    TaskPhase phase;
+    phase.active = {true};
+    phase.nodes = 3;
+    task.phases = {phase};
+    Eigen::VectorXd x(task.scene.scene.nq + task.scene.scene.nv);
+    x << task.scene.q, task.scene.v;
+    const auto findings = plan_findings(task, {x, x, x, x}, {task.scene.u, task.scene.u, task.scene.u}, {});
+    ASSERT_EQ(findings.size(), tilt > 0 ? 1u : 0u);
+    if (tilt == 0) continue;
+    EXPECT_EQ(findings[0].kind, "near_dependent");
+    EXPECT_EQ(findings[0].name, "pin[2]");
+    EXPECT_EQ(findings[0].node, 0u);
+  }
 }
 
 // For every integrator and solver the costs of the terms add up to the whole.

@@ -51,6 +51,22 @@ std::string name_of(const Scene& scene, const Unbalanced& unbalanced);
 /// Describes it: "no torques keep it at rest in this configuration: 1.9 N m of its load remain".
 std::string in_words(const Unbalanced& unbalanced);
 
+/// Smaller rates of turning rows are attributed to rounded numbers in files [m/s^2].
+constexpr double kTurningRows = 1e-6;
+
+/// A 1D or 2D contact whose rows rotate while its point moves across them: in local axes with a body A that turns, in
+/// the world's if B' turns. J a + a0 = 0 then differs from a constant J v, for it is the acceleration of A seen from
+/// B'.
+struct TurningRows {
+  int contact = 0;
+  double rate = 0;  // m/s^2: of J v, if solve's J a + a0 = 0 and the gains are zero
+};
+
+/// Lists those contacts flagged `active` where the rate is kTurningRows or more at q (scene.nq), v (scene.nv). `solve`
+/// has that rate; `step` keeps J v constant. Throws std::invalid_argument for wrong sizes. Thread-safe.
+std::vector<TurningRows> turning_rows(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
+                                      const ConstVectorRef& v);
+
 /// The ways in which a contact force can violate the conditions of a unilateral contact with friction.
 enum class ViolationKind { kPulls, kSlips, kTips, kTurns };
 /// "pulls", "slips", "tips", "turns".
@@ -73,11 +89,17 @@ struct Violation {  // A contact force that a unilateral contact cannot exert, a
 ///     pulls: n < 0    slips: |t| > mu n    tips: |c_x| > l / 2 or |c_y| > w / 2
 ///     turns: m_z exceeds the friction at the four corners of the box (friction pyramid |t_x|, |t_y| <= mu n)
 ///
-/// For a contact that pulls, nothing else is tested. Forces below 1e-9 of the largest force on the same robots are
-/// treated as rounding errors. Throws std::invalid_argument for wrong sizes. Thread-safe. Source of the last condition:
-/// Caron, Pham, Nakamura, Stability of surface contacts for humanoid robots, ICRA 2015.
+/// For a contact that pulls, nothing else is tested. Forces below 1e-9 of the largest force on the same robots, or of
+/// their weights, are treated as rounding errors. Throws std::invalid_argument for wrong sizes. Thread-safe. Source of
+/// the last condition: Caron, Pham, Nakamura, Stability of surface contacts for humanoid robots, ICRA 2015.
 std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, const Eigen::VectorXd& f,
                                   const std::vector<int>& f_offset);
+/// The same with other loads than the weights [N], one per robot: what the forces were computed from. In a step of
+/// semi-implicit Euler these are momenta over the step size, too.
+std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, const Eigen::VectorXd& f,
+                                  const std::vector<int>& f_offset, const Eigen::VectorXd& loads);
+/// The weights of the robots [N].
+Eigen::VectorXd robot_weights(const Scene& scene);
 
 /// The normal and the tangential component [N] of the linear force f (its rows) of a contact at q (scene.nq).
 Eigen::Vector2d contact_pressure(const Scene& scene, int contact, const ConstVectorRef& q, const Eigen::VectorXd& f);

@@ -3,6 +3,7 @@
 // rounds pi/2 to 1.5708. A row that is redundant in the plane keeps 4e-6 of its norm, is accepted as independent, and
 // blocks the mechanism with forces of thousands of times the loads.
 
+#include <string>
 #include <vector>
 
 #include "manycontact/dynamics/data.hpp"
@@ -43,5 +44,8 @@ struct NearDependent {  // Nearly dependent rows of an island, and the solution 
 /// Lists the islands with nearly dependent rows after a solve at q (nq). Each takes one solve of the scene at rest.
 /// Throws std::logic_error before a solve.
 std::vector<NearDependent> near_dependent(const Scene& scene, const ConstVectorRef& q, const SceneData& data);
+/// "the other rows leave 4e-06 of it, forces are 1e+05 times the loads; without, r/knee would accelerate by 3 instead
+/// of 0". The rows' names: force_names(scene, data) of `rows`.
+std::string in_words(const Scene& scene, const NearDependent& found);
 
 }  // namespace manycontact

@@ -31,8 +31,14 @@
 // the brackets, floating bases and planar joints have order 2 only.
 //
 // If the motion passes a configuration where J loses rank (a loop of joints in line), nearby stages turn their O(h^2)
-// constraint error into an impulse of arbitrary size. Every solve is correct, but energy jumps. The scene's damping
-// bounds the impulse, at the price of a contact acceleration of damping times force; use 1e-8 to 1e-6 kg^-1.
+// constraint error into an impulse of arbitrary size. Every solve is correct, but energy jumps, less with shorter
+// steps. The scene's damping bounds the impulse, at the price of a contact acceleration of damping times force, which
+// changes the energy, too.
+//
+// Contacts constrain J v, also where the rows of a 1D or 2D contact turn while its point moves across them (local axes
+// of a body that turns). J a + a0 = 0 of solve, Crocoddyl's formula, is not the rate of J v there (turning_rows in
+// analysis/findings.hpp). Both integrators keep J v; gains beta act on it, and alpha on placement errors of rows that
+// do not turn like that. After a step of RK4 with such rows `dynamics` has no derivatives.
 //
 // Source: Munthe-Kaas, High order Runge-Kutta methods on manifolds, Applied Numerical Mathematics 29 (1999).
 

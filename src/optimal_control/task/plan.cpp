@@ -4,10 +4,14 @@
 #include <cmath>
 #include <iomanip>
 #include <map>
+#include <set>
 #include <sstream>
 #include <tuple>
 
 #include "manycontact/algorithm/frames.hpp"
+#include "manycontact/analysis/names.hpp"
+#include "manycontact/analysis/near_dependent.hpp"
+#include "manycontact/analysis/text.hpp"
 #include "manycontact/control/euler.hpp"
 #include "manycontact/control/parts.hpp"
 #include "manycontact/control/rk.hpp"
@@ -199,6 +203,27 @@ PlanFinding in_words(const TaskFile& task, const PlanClosing& c) {
   return {"closes", contact.name, text + ", at " + show(c.speed) + " m/s", c.node};
 }
 
+// Nearly dependent rows at the first node of each set of active contacts.
+void add_near_dependent(const TaskFile& task, const Vectors& xs, const Vectors& us, std::vector<PlanFinding>& out) {
+  const Scene& scene = task.scene.scene;
+  const std::vector<TaskNode> nodes = timeline(task);
+  std::set<std::vector<char>> judged;
+  for (std::size_t t = 0; t < us.size(); ++t) {
+    const std::vector<bool>& of_phase = phase_at(task, nodes[t]).active;
+    const std::vector<char> active(of_phase.begin(), of_phase.end());
+    if (us[t].size() != scene.nu || !xs[t].allFinite() || !judged.insert(active).second) continue;
+    SceneData data(scene);
+    data.active = active;
+    if (solve(scene, xs[t].head(scene.nq), xs[t].tail(scene.nv), us[t], data).status == Status::kFailed) continue;
+    for (const NearDependent& n : near_dependent(scene, xs[t].head(scene.nq), data)) {
+      std::vector<std::string> rows;
+      for (const int row : n.rows) rows.push_back(force_names(scene, data)[static_cast<std::size_t>(row)]);
+      out.push_back(
+          {"near_dependent", text::join(rows, 4), "at " + show(nodes[t].time) + " s: " + in_words(scene, n), t});
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<PlanFinding> plan_findings(const TaskFile& task, const TaskSolution& s,
@@ -227,6 +252,7 @@ std::vector<PlanFinding> plan_findings(const TaskFile& task, const TaskSolution&
                          (cost.residual == TaskResidual::kFramePlacement ? " and rad" : "") + " at " +
                          show(nodes[cost.node].time) + " s",
                      cost.node});
+  add_near_dependent(task, xs, us, out);
   return out;
 }
 

@@ -38,7 +38,8 @@ struct Run {
   Invariants start, end, largest;  // `largest` has the largest constraint errors of the states written
   double seconds = 0;
   SpringStep shortest;  // at the start
-  Findings at_start;    // of files; contacts out of place or moving; joints without inertia, where that ended it
+  Findings at_start;    // of files; contacts out of place or moving; nearly dependent rows; joints without inertia,
+                        // where that ended it
   std::optional<Recording> view;
 };
 
@@ -155,7 +156,9 @@ void simulate(Scene& scene, Around& around, bool progress_always, SimulationData
     q = sim.q, v = sim.v;
     const Eigen::VectorXd& u = around.control.torques_at(t);
     around.act(t, sim);
+    around.watch.judge_rows(scene, u, false, sim, run.at_start);
     run.stopped = step(scene, u, sim);
+    if (run.stopped != StepStatus::kOk) around.watch.judge_rows(scene, u, true, sim, run.at_start);
     if (run.stopped == StepStatus::kOk) {
       around.watch.look(scene, t, q, v, with_pd(scene, sim, u), sim);
       if (around.forces && (sim.steps - 1) % run.every == 0) write_forces_row(t, scene, sim, *around.forces);
@@ -376,7 +379,11 @@ int run_simulate(const Arguments& arguments) {
   std::cerr << "manycontact: " << printable(path) << ": stopped in step " << sim.steps + 1 << " of " << run.steps
             << ", at t = " << number(sim.time(), 6)
             << " s: " << printable(run.interrupted ? kInterrupted : failure(file.scene, sim, run.stopped))
-            << (advice.empty() ? "" : "; " + printable(advice)) << "\n";
+            << (advice.empty() ? "" : "; " + printable(advice))
+            << (around.watch.nearly_dependent().empty()
+                    ? ""
+                    : "; nearly dependent rows: " + printable(around.watch.nearly_dependent()))
+            << "\n";
   return kExitUnsound;
 }
 
@@ -412,7 +419,9 @@ const Command& simulate_command() {
         true},
        {"--integrator", "I", "semi-implicit-euler (the default) or rk4, both on the manifold"},
        {"--gains", "G", "of all contacts: 'alpha beta', or 'recommended' for the step; default the scene's"},
-       {"--damping", "D", "of the contacts instead of the scene's; 1e-8 to 1e-6 passes singular configurations"},
+       {"--damping", "D",
+        "of the contacts instead of the scene's: bounds forces near singular configurations, and changes the energy "
+        "there"},
        {"--every", "N", "writes every Nth state, and the last"},
        {"--passive", "", "without torques"},
        {"--torques", "FILE",

@@ -88,7 +88,14 @@ void Watch::look(const Scene& scene, double t, const Eigen::VectorXd& q, const E
   const ClosestPosture closest = follow_posture(scene, sim.dynamics.active, q, posture_);
   if (closest.share < least_share_) least_share_ = closest.share, share_time_ = t - (1 - closest.at) * sim.h;
   if (closest.share < kPassed && singular_time_ < 0) singular_time_ = t - (1 - closest.at) * sim.h;
-  for (const Violation& x : violations(scene, q, sim.f, sim.f_offset)) {
+  Eigen::VectorXd loads = robot_weights(scene);
+  for (std::size_t r = 0; sim.integrator == Integrator::kSemiImplicitEuler && r < scene.robots.size(); ++r) {
+    const Robot& robot = scene.robots[r];
+    if (robot.model->nv > 0)
+      loads[static_cast<Eigen::Index>(r)] +=
+          robot.model->mass() * v.segment(robot.idx_v, robot.model->nv).cwiseAbs().maxCoeff() / sim.h;
+  }
+  for (const Violation& x : violations(scene, q, sim.f, sim.f_offset, loads)) {
     const auto [at, fresh] = violations_.try_emplace({x.contact, static_cast<int>(x.kind)}, Seen<Violation>{t, x});
     if (!fresh && x.by > at->second.worst.by) at->second.worst = x;
   }
@@ -97,11 +104,27 @@ void Watch::look(const Scene& scene, double t, const Eigen::VectorXd& q, const E
         limits_.try_emplace({x.robot, x.dof, static_cast<int>(x.quantity)}, Seen<LimitPassed>{t, x});
     if (!fresh && share(x) > share(at->second.worst)) at->second.worst = x;
   }
+  for (const TurningRows& x : turning_rows(scene, sim.dynamics.active, q, v)) {
+    const auto [at, fresh] = turning_.try_emplace({x.contact}, Seen<TurningRows>{t, x});
+    if (!fresh && x.rate > at->second.worst.rate) at->second.worst = x;
+  }
   if (first_condition_ == 0 && std::isfinite(sim.condition)) first_condition_ = sim.condition;
   if (sim.condition > largest_condition_) largest_condition_ = sim.condition, condition_time_ = t;
   if (active_ != sim.dynamics.active) active_ = sim.dynamics.active, most_rank_ = -1;
   if (sim.dynamics.report.rank < most_rank_ && rank_time_ < 0) rank_time_ = t;
   most_rank_ = std::max(most_rank_, sim.dynamics.report.rank);
+}
+
+void Watch::judge_rows(const Scene& scene, const Eigen::VectorXd& u, bool stopped, const SimulationData& sim,
+                       Findings& to) {
+  if (!judged_.insert(sim.dynamics.active).second && !stopped) return;
+  SceneData data(scene, sim.dynamics.options);
+  data.active = sim.dynamics.active;
+  if (solve(scene, sim.q, sim.v, u, data).status == Status::kFailed) return;
+  find_near_dependent(scene, sim.q, data, to);
+  std::vector<std::string> rows;
+  for (const NearlyDependent& n : to.near_dependent) rows.insert(rows.end(), n.rows.begin(), n.rows.end());
+  near_dependent_ = join(rows, 2);
 }
 
 template <class Finding>
@@ -130,11 +153,17 @@ void Watch::print(std::ostream& out, const SceneFile& file, const SimulationData
       },
       share, [](const LimitPassed& x) { return x.robot; },
       [&](const std::vector<int>& robots) { return robot_names(scene, robots); });
+  print_copies(
+      out, scene, by_time(turning_), "at most",
+      [&](const TurningRows& x) { return std::vector<int>{contact_group[x.contact]}; },
+      [](const TurningRows& x) { return x.rate; }, [](const TurningRows& x) { return x.contact; },
+      [&](const std::vector<int>& contacts) { return contact_names(scene, contacts); });
+  const double gained = gained_energy(start, end, most_kinetic);
   const bool gains = std::any_of(scene.contacts.begin(), scene.contacts.end(),
                                  [](const Contact& c) { return c.alpha != 0 || c.beta != 0; });
-  const std::string advice = !gains               ? ", --gains recommended keeps loops closed"
-                             : scene.damping == 0 ? ", --damping 1e-8 to 1e-6 passes it"
-                                                  : "";
+  const std::string advice =
+      (!gains && end.position_drift >= kPlacementError ? ", --gains recommended keeps loops closed" : "") +
+      std::string(gained != 0 ? ", shorter steps keep more of the energy" : "");
   const bool passed = singular_time_ >= 0 && (rank_time_ < 0 || singular_time_ < rank_time_);
   if (passed || rank_time_ >= 0 || largest_condition_ > kSingular * first_condition_)
     wrap(out,
@@ -146,11 +175,19 @@ void Watch::print(std::ostream& out, const SceneFile& file, const SimulationData
                     scientific(largest_condition_) + ", at the start " + scientific(first_condition_)) +
              "; forces there depend on the step" + advice,
          2);
-  print_energy(out, scene, sim, start, end, most_kinetic);
+  print_energy(out, scene, sim, gained, start, end, most_kinetic);
 }
 
-void Watch::print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, const Invariants& start,
-                         const Invariants& end, double most_kinetic) const {
+double Watch::gained_energy(const Invariants& start, const Invariants& end, double most_kinetic) const {
+  const double gained = end.energy() - start.energy() - work_ - friction_work_ - push_work_ - spring_work_;
+  const double passed = std::abs(work_) + std::abs(friction_work_) + std::abs(push_work_) + std::abs(spring_work_);
+  const bool counts = std::abs(gained) > kGained * std::max(most_kinetic, passed) &&
+                      std::abs(gained) > 1e-9 * std::abs(start.potential);
+  return counts ? gained : 0;
+}
+
+void Watch::print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, double gained,
+                         const Invariants& start, const Invariants& end, double most_kinetic) const {
   constexpr double kRounding = 1e-12;  // of the energy
   if (-spring_work_ > std::max({kGained * most_kinetic, kGained * (start.potential - end.potential),
                                 kRounding * std::abs(start.energy())}))
@@ -160,14 +197,12 @@ void Watch::print_energy(std::ostream& out, const Scene& scene, const Simulation
              "to "
              "nothing",
          2);
-  const double gained = end.energy() - start.energy() - work_ - friction_work_ - push_work_ - spring_work_;
-  const double passed = std::abs(work_) + std::abs(friction_work_) + std::abs(push_work_) + std::abs(spring_work_);
-  if (!(std::abs(gained) > kGained * std::max(most_kinetic, passed) &&
-        std::abs(gained) > 1e-9 * std::abs(start.potential)))
-    return;
-  const std::string why = "steps of " + number(sim.h) +
-                          " s are too long for this motion, or gains correct contacts that are out of place" +
-                          (gained < 0 && scene.damping > 0 ? ", or --damping dissipates it" : "");
+  if (gained == 0) return;
+  const std::string why = near_dependent_.empty()
+                              ? "steps of " + number(sim.h) +
+                                    " s are too long for this motion, or gains correct contacts that are out of place" +
+                                    (gained < 0 && scene.damping > 0 ? ", or --damping dissipates it" : "")
+                              : "rows are nearly dependent (" + near_dependent_ + ")";
   wrap(out,
        gained > 0 ? "energy grew by " + number(gained) + " J more than the torques" + (applied_ ? " and pushes" : "") +
                         " gave: " + why
@@ -187,6 +222,7 @@ void Watch::add_to(Json& json, const Scene& scene) const {
   };
   list("violations", by_time(violations_));
   list("limits_passed", by_time(limits_));
+  list("turning_rows", by_time(turning_));
   json["work_of_torques"] = work_;
   json["work_of_friction"] = friction_work_;
   json["work_of_pushes"] = push_work_;

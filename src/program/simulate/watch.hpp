@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 
 #include "../text/findings.hpp"
 #include "manycontact/simulation/posture.hpp"
@@ -19,6 +20,10 @@ class Watch {
   /// After a step from q, v with torques u, which started at t and ended in the state of `sim`.
   void look(const Scene& scene, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& u,
             const SimulationData& sim);
+  /// Looks for nearly dependent rows at the state of `sim`, which has these contacts the first time, or has stopped.
+  void judge_rows(const Scene& scene, const Eigen::VectorXd& u, bool stopped, const SimulationData& sim, Findings& to);
+  /// The rows that judge_rows has found, in a few words; empty if there are none.
+  const std::string& nearly_dependent() const { return near_dependent_; }
   void lost(double energy) { work_ -= energy; }  // in an impact
 
   double work() const { return work_; }                 // J, of the torques, less what impacts took
@@ -26,8 +31,8 @@ class Watch {
   /// Copies of a robot or a contact share a line.
   void print(std::ostream& out, const SceneFile& file, const SimulationData& sim, const Invariants& start,
              const Invariants& end, double most_kinetic) const;
-  /// Adds violations and limits_passed, each with first_time [s]; work [J]; largest_condition and the nearest singular
-  /// configuration, at their times.
+  /// Adds violations, limits_passed and turning_rows, each with first_time [s]; work [J]; largest_condition and the
+  /// nearest singular configuration, at their times.
   void add_to(Json& json, const Scene& scene) const;
 
  private:
@@ -41,8 +46,11 @@ class Watch {
 
   std::map<std::vector<int>, Seen<Violation>> violations_;  // by contact and kind
   std::map<std::vector<int>, Seen<LimitPassed>> limits_;    // by robot, coordinate and quantity
-  void print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, const Invariants& start,
-                    const Invariants& end, double most_kinetic) const;
+  std::map<std::vector<int>, Seen<TurningRows>> turning_;   // by contact
+  // That nothing gave or took; 0 where it is small [J].
+  double gained_energy(const Invariants& start, const Invariants& end, double most_kinetic) const;
+  void print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, double gained,
+                    const Invariants& start, const Invariants& end, double most_kinetic) const;
 
   // The power of external wrenches and dampers [W]; `pushes` as in `sim`.
   struct Applied;
@@ -56,6 +64,8 @@ class Watch {
   int most_rank_ = -1;
   double rank_time_ = -1;  // when rows became dependent that were not, -1: never
   std::vector<char> active_;
+  std::set<std::vector<char>> judged_;  // sets of active contacts
+  std::string near_dependent_;          // "loop[2] and 1 more"; empty where there are none
 };
 
 }  // namespace manycontact::cli

@@ -117,46 +117,36 @@ void print_some(std::ostream& out, const std::vector<std::string>& list, const s
   if (shown < list.size()) wrap(out, "and in " + std::to_string(list.size() - shown) + " more " + items, 2, title);
 }
 
-// "loop[3], loop[4]: ..."
-std::string only_just(const Findings& f, const NearDependent& n) {
-  std::vector<std::string> rows;
-  for (const int row : n.rows) rows.push_back(f.force_names[static_cast<std::size_t>(row)]);
-  const std::string count_of = ": ";
-  std::string text = join(rows, kMostPlaces) + count_of + "the other rows leave " + scientific(n.left) + " of " +
-                     (rows.size() == 1 ? "it" : "the least of them");
-  if (std::isfinite(n.times) && n.times > 1) text += ", forces are " + number(n.times) + " times the loads";
-  const double rounding = 1e-9 * std::abs(n.without);
-  text += "; without, " + f.velocity_names[static_cast<std::size_t>(n.coordinate)] + " would accelerate by " +
-          number(n.without) + " instead of " + number(std::abs(n.acceleration) > rounding ? n.acceleration : 0);
-  return text +
-         ". Rounded numbers in a file cause this: `inspect` recommends other contacts, and tolerance=\"...\" of the "
-         "scene sets its accuracy";
-}
+}  // namespace
 
-// The islands' rank gaps: the least, and in words those where one row could as well be dropped as another kept; and
-// the islands of which rows only just count.
-void find_gaps(const SceneFile& file, const SceneData& data, Findings& f) {
-  const std::vector<RankGap> gaps = rank_gaps(file.scene, data);
+// Islands where one row could as well be dropped as another kept are told in words.
+void find_near_dependent(const Scene& scene, const Eigen::VectorXd& q, const SceneData& data, Findings& to) {
+  const std::vector<RankGap> gaps = rank_gaps(scene, data);
   const auto counts = [](const RankGap& gap) { return gap.known && gap.kept >= 0; };
   const auto close = [&](const RankGap& gap) { return counts(gap) && gap.dropped >= 0 && gap.gap() < kCloseGap; };
   for (const RankGap& gap : gaps)
-    if (counts(gap)) f.rank_gap = std::min(f.rank_gap, gap.gap());
-  if (std::any_of(gaps.begin(), gaps.end(),
-                  [&](const RankGap& gap) { return counts(gap) && gap.least_kept < kOnlyJust; }))
-    f.near_dependent = near_dependent(file.scene, file.q, data);
-  if (f.near_dependent.empty() && std::none_of(gaps.begin(), gaps.end(), close)) return;
-  f.force_names = force_names(file.scene, data);
-  f.velocity_names = velocity_names(file.scene);
-  for (const NearDependent& n : f.near_dependent) f.only_just.push_back(only_just(f, n));
-  const auto name = [&f](int row) { return f.force_names[static_cast<std::size_t>(row)]; };
+    if (counts(gap)) to.rank_gap = std::min(to.rank_gap, gap.gap());
+  const bool near = std::any_of(gaps.begin(), gaps.end(),
+                                [&](const RankGap& gap) { return counts(gap) && gap.least_kept < kOnlyJust; });
+  if (!near && std::none_of(gaps.begin(), gaps.end(), close)) return;
+  const std::vector<std::string> forces = force_names(scene, data);
+  const auto name = [&forces](int row) { return forces[static_cast<std::size_t>(row)]; };
+  for (NearDependent& n : near ? near_dependent(scene, q, data) : std::vector<NearDependent>()) {
+    NearlyDependent entry{std::move(n), {}, {}, {}};
+    for (const int row : entry.found.rows) entry.rows.push_back(name(row));
+    if (std::any_of(to.near_dependent.begin(), to.near_dependent.end(),
+                    [&](const NearlyDependent& known) { return known.rows == entry.rows; }))
+      continue;
+    entry.coordinate = velocity_names(scene)[static_cast<std::size_t>(entry.found.coordinate)];
+    entry.text = join(entry.rows, kMostPlaces) + ": " + in_words(scene, entry.found);
+    to.near_dependent.push_back(std::move(entry));
+  }
   for (const RankGap& gap : gaps)
     if (close(gap))
-      f.close_rows.push_back("of " + name(gap.kept) + ", which is accepted, the preceding rows leave " +
-                             scientific(gap.least_kept) + " of its norm, of " + name(gap.dropped) +
-                             ", which is rejected, " + scientific(gap.most_dropped));
+      to.close_rows.push_back("of " + name(gap.kept) + ", which is accepted, the preceding rows leave " +
+                              scientific(gap.least_kept) + " of its norm, of " + name(gap.dropped) +
+                              ", which is rejected, " + scientific(gap.most_dropped));
 }
-
-}  // namespace
 
 Findings find(const SceneFile& file, const SceneData& data) {
   Findings f;
@@ -169,7 +159,8 @@ Findings find(const SceneFile& file, const SceneData& data) {
   f.massless = massless_joints(file.scene, data, file.q);
   f.rank_changes = rank_changes(file.scene, file.q, data);
   if (!f.rank_changes.empty()) f.velocity_names = velocity_names(file.scene);
-  find_gaps(file, data, f);
+  f.turning = turning_rows(file.scene, data.active, file.q, file.v);
+  find_near_dependent(file.scene, file.q, data, f);
   return f;
 }
 
@@ -180,6 +171,16 @@ std::string in_words(const Scene& scene, const LimitPassed& limit) {
 
 std::string in_words(const Scene& scene, const Violation& v) {
   return scene.contacts[v.contact].name + " " + to_string(v.kind) + " " + amount(scene, v);
+}
+
+std::string in_words(const Scene& scene, const TurningRows& rows) {
+  const Contact& contact = scene.contacts[static_cast<std::size_t>(rows.contact)];
+  const bool local = contact.reference_frame == ReferenceFrame::kLocal;
+  return contact.name + " slides across its rows, which turn " + (local ? "with A" : "if seen from B'") +
+         ": `solve` gives its velocity along them a rate of " + number(rows.rate) +
+         " m/s^2 (Crocoddyl's formula), `simulate` keeps it constant" +
+         (contact.alpha != 0 ? " and does not correct placement errors along them" : "") +
+         (local && contact.B.robot < 0 ? "; reference_frame=\"world\" has rows that do not turn" : "");
 }
 
 std::string in_words(const Scene& scene, const std::vector<std::string>& velocity_names, const RankChange& c) {
@@ -228,11 +229,16 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
       out, scene, f.contradictions, "contradicted",
       [](const Contradiction& c) { return std::max(c.linear, c.angular); }, contradicted_by);
   print_massless(out, f.massless);
+  std::vector<std::string> turning;
+  for (const TurningRows& rows_of : f.turning) turning.push_back(in_words(scene, rows_of));
+  print_some(out, turning, "turning rows: ");
   std::vector<std::string> changes;
   for (const RankChange& c : f.rank_changes)
     if (c.singular) changes.push_back(in_words(scene, f.velocity_names, c));
   print_some(out, changes, "rank changes: ");
-  print_some(out, f.only_just, "nearly dependent: ");
+  std::vector<std::string> rows;
+  for (const NearlyDependent& n : f.near_dependent) rows.push_back(n.text);
+  print_some(out, rows, "nearly dependent: ");
   print_some(out, f.close_rows, "nearly dependent: ");
 }
 
@@ -243,6 +249,10 @@ Json json_of(const Scene& scene, const Violation& v) {
               {"unit", unit_of(v.kind)}};
   if (v.kind == ViolationKind::kSlips) out["needs_mu"] = v.needs;
   return out;
+}
+
+Json json_of(const Scene& scene, const TurningRows& rows) {
+  return {{"contact", scene.contacts[static_cast<std::size_t>(rows.contact)].name}, {"rate", rows.rate}};
 }
 
 Json json_of(const Scene& scene, const LimitPassed& limit) {
@@ -277,8 +287,8 @@ Json all_in_words(const Scene& scene, const Findings& f) {
   for (const MasslessJoint& w : f.massless) say("no_inertia", w.joint, w.why);
   for (const RankChange& c : f.rank_changes)
     if (c.singular) say("rank_changes", contact_names(scene, c.contacts), in_words(scene, f.velocity_names, c));
-  for (std::size_t k = 0; k < f.near_dependent.size(); ++k)
-    say("near_dependent", f.force_names[static_cast<std::size_t>(f.near_dependent[k].rows[0])], f.only_just[k]);
+  for (const TurningRows& x : f.turning) say("turning_rows", scene.contacts[x.contact].name, in_words(scene, x));
+  for (const NearlyDependent& n : f.near_dependent) say("near_dependent", n.rows.front(), n.text);
   for (const std::string& text : f.close_rows) say("near_dependent", "", text);
   return list;
 }
@@ -311,17 +321,16 @@ void add_findings(const Scene& scene, const Findings& f, Json& to) {
          {"coordinate",
           c.coordinate < 0 ? Json(nullptr) : Json(f.velocity_names[static_cast<std::size_t>(c.coordinate)])}});
   }
+  to["turning_rows"] = Json::array();
+  for (const TurningRows& x : f.turning) to["turning_rows"].push_back(json_of(scene, x));
   to["near_dependent"] = Json::array();
-  for (const NearDependent& n : f.near_dependent) {
-    Json rows = Json::array();
-    for (const int row : n.rows) rows.push_back(f.force_names[static_cast<std::size_t>(row)]);
-    to["near_dependent"].push_back({{"rows", rows},
-                                    {"left", n.left},
-                                    {"times_loads", std::isfinite(n.times) ? Json(n.times) : Json(nullptr)},
-                                    {"coordinate", f.velocity_names[static_cast<std::size_t>(n.coordinate)]},
-                                    {"acceleration", n.acceleration},
-                                    {"without", n.without}});
-  }
+  for (const NearlyDependent& n : f.near_dependent)
+    to["near_dependent"].push_back({{"rows", n.rows},
+                                    {"left", n.found.left},
+                                    {"times_loads", std::isfinite(n.found.times) ? Json(n.found.times) : Json(nullptr)},
+                                    {"coordinate", n.coordinate},
+                                    {"acceleration", n.found.acceleration},
+                                    {"without", n.found.without}});
   to["massless_joints"] = Json::array();
   for (const MasslessJoint& w : f.massless) to["massless_joints"].push_back(w.joint);
   to["findings"] = all_in_words(scene, f);

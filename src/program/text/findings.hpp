@@ -12,6 +12,14 @@
 
 namespace manycontact::cli {
 
+// Nearly dependent rows, with names, for the contacts that were active may be others later.
+struct NearlyDependent {
+  NearDependent found;
+  std::vector<std::string> rows;
+  std::string coordinate;
+  std::string text;  // "loop[3], loop[4]: ..."
+};
+
 struct Findings {
   std::vector<Finding> files;          // of the robots' files
   std::vector<Unbalanced> unbalanced;  // robots, by the quasi-static torques that were asked for
@@ -22,15 +30,15 @@ struct Findings {
   std::vector<Contradiction> contradictions;
   std::vector<MasslessJoint> massless;
   std::vector<RankChange> rank_changes;
-  std::vector<NearDependent> near_dependent;
-  std::vector<std::string> force_names, velocity_names;  // of all, where those above need them
-  std::vector<std::string> only_just;                    // near_dependent in words
-  std::vector<std::string> close_rows;  // islands, in words, where a row could as well be dropped as another kept
+  std::vector<TurningRows> turning;
+  std::vector<NearlyDependent> near_dependent;
+  std::vector<std::string> velocity_names;  // of all, where rank_changes need them
+  std::vector<std::string> close_rows;      // islands, in words, where a row could as well be dropped as another kept
   double rank_gap = std::numeric_limits<double>::infinity();  // the islands' least; infinite where none is known
 
   bool empty() const {
     return files.empty() && unbalanced.empty() && misplaced.empty() && moving.empty() && violations.empty() &&
-           limits.empty() && contradictions.empty() && massless.empty() && near_dependent.empty() &&
+           limits.empty() && contradictions.empty() && massless.empty() && turning.empty() && near_dependent.empty() &&
            close_rows.empty() &&
            std::none_of(rank_changes.begin(), rank_changes.end(), [](const RankChange& c) { return c.singular; });
   }
@@ -38,11 +46,16 @@ struct Findings {
 
 /// Finds them in a scene solved at its own state.
 Findings find(const SceneFile& file, const SceneData& data);
+/// Adds near_dependent, close_rows and rank_gap of a solution at q, each once for the same rows.
+void find_near_dependent(const Scene& scene, const Eigen::VectorXd& q, const SceneData& data, Findings& to);
 
 /// "r0/knee: position 3.2, beyond 2.5"
 std::string in_words(const Scene& scene, const LimitPassed& limit);
 /// "left slips by 30 N more than mu 0.6 allows; mu 0.82 would be sufficient"
 std::string in_words(const Scene& scene, const Violation& violation);
+
+/// "slides across rows that turn with A, ..."
+std::string in_words(const Scene& scene, const TurningRows& rows);
 
 /// "left, right: rank 3 of 4 rows here, more at neighbouring configurations, where contacts constrain r/knee too; ..."
 std::string in_words(const Scene& scene, const std::vector<std::string>& velocity_names, const RankChange& change);
@@ -52,11 +65,13 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& findi
 
 /// {"contact": "left", "kind": "slips", "by": 30, "unit": "N"}, with "needs_mu" for what slips.
 Json json_of(const Scene& scene, const Violation& violation);
+/// {"contact": "left", "rate": 2.3}
+Json json_of(const Scene& scene, const TurningRows& rows);
 /// {"joint": "r0/knee", "quantity": "position", "value": 3.2, "limit": 2.5}
 Json json_of(const Scene& scene, const LimitPassed& limit);
 /// Adds the keys violations, placement_errors, velocity_errors, limits_passed, contradictions, massless_joints,
-/// rank_changes, near_dependent, which are lists. It also adds `findings`, which has all of them as text: {"kind":
-/// "limits", "name": "r0/knee", "text": "..."}, with "file" and "line" for those of a robot's file.
+/// rank_changes, near_dependent, turning_rows, which are lists. It also adds `findings`, which has all of them as text:
+/// {"kind": "limits", "name": "r0/knee", "text": "..."}, with "file" and "line" for those of a robot's file.
 void add_findings(const Scene& scene, const Findings& findings, Json& to);
 
 }  // namespace manycontact::cli

@@ -2,11 +2,15 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <limits>
 #include <optional>
 #include <stdexcept>
 
 #include "at_rest.hpp"
+#include "manycontact/analysis/names.hpp"
+#include "manycontact/analysis/text.hpp"
 #include "manycontact/model/expect_state.hpp"
 #include "row_remainders.hpp"
 
@@ -119,6 +123,21 @@ std::vector<NearDependent> near_dependent(const Scene& scene, const ConstVectorR
     out.push_back(std::move(found));
   }
   return out;
+}
+
+std::string in_words(const Scene& scene, const NearDependent& n) {
+  char left[32];
+  std::snprintf(left, sizeof left, "%.1e", n.left);
+  std::string text =
+      std::string("the other rows leave ") + left + " of " + (n.rows.size() == 1 ? "it" : "the least of them");
+  if (std::isfinite(n.times) && n.times > 1) text += ", forces are " + text::number(n.times) + " times the loads";
+  const double rounding = 1e-9 * std::abs(n.without);
+  text += "; without, " + velocity_names(scene)[static_cast<std::size_t>(n.coordinate)] + " would accelerate by " +
+          text::number(n.without) + " instead of " +
+          text::number(std::abs(n.acceleration) > rounding ? n.acceleration : 0);
+  return text +
+         ". Rounded numbers in a file cause this: `inspect` recommends other contacts, and tolerance=\"...\" of the "
+         "scene sets its accuracy";
 }
 
 }  // namespace manycontact

@@ -4,6 +4,7 @@
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/contact/motion_of.hpp"
+#include "manycontact/contact/turning_rows.hpp"
 #include "manycontact/model/expect_state.hpp"
 #include "manycontact/spatial/explog.hpp"
 
@@ -45,6 +46,22 @@ std::vector<VelocityError> velocity_errors(const Scene& scene, const std::vector
     const Eigen::Index held = std::min<Eigen::Index>(3, Jv.size());
     const VelocityError e{c, Jv.head(held).norm(), Jv.tail(Jv.size() - held).norm()};
     if (e.linear >= kVelocityError || e.angular >= kVelocityError) out.push_back(e);
+  });
+  return out;
+}
+
+std::vector<TurningRows> turning_rows(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
+                                      const ConstVectorRef& v) {
+  expect_configuration("turning_rows", "q", q, scene);
+  expect_numbers("turning_rows", "v", v, scene.nv);
+  std::vector<TurningRows> out;
+  std::vector<char> looked = active;
+  for (std::size_t c = 0; c < looked.size(); ++c)
+    looked[c] = looked[c] && internal::leaves_directions(scene.contacts[c]);
+  if (std::find(looked.begin(), looked.end(), 1) == looked.end()) return out;
+  internal::each_contact_at(scene, looked, q, v.data(), [&](int c, const ContactData<double>& d) {
+    const double rate = internal::turning_of_rows(scene.contacts[c], d).norm();
+    if (rate >= kTurningRows) out.push_back({c, rate});
   });
   return out;
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <numeric>
 #include <stdexcept>
@@ -18,6 +19,7 @@ namespace manycontact {
 namespace {
 
 constexpr double kMostWork = 3e9;    // multiplications of one dense rank: a second or two
+constexpr int kMostThresholds = 4;   // tries of the remainder from which on rows count
 constexpr double kSamePoint = 1e-9;  // relative to the extent of the points [m]
 
 // The island under examination.
@@ -72,17 +74,35 @@ std::vector<double> remainders_of(const Eigen::MatrixXd& Jt, double dependent) {
   return left;
 }
 
-// Remainders of an island's rows. Rows that the scene's tolerance made dependent leave no more than it [m] of rows
-// whose sizes are moment arms.
+// Whether an island's solver has found its rank: that is the one which its accelerations and forces are of.
+bool has_rank(const Scene& scene, const IslandReport& report) {
+  return scene.damping == 0 && report.status != Status::kFailed;
+}
+
+// Remainders of an island's rows. The solver judges other numbers (pivots of K, or rows within the scene's tolerance),
+// and may keep a row below tolerance::kRank, or drop one above. `dependent` is where as many rows count as it found.
 internal::RowRemainders remainders_of(const Scene& scene, const IslandReport& report, const Eigen::MatrixXd& Jt) {
   internal::RowRemainders out;
-  if (report.rank < report.nc) out.dependent = std::max(tolerance::kRank, scene.tolerance);
   out.left = remainders_of(Jt, out.dependent);
+  for (int k = 0; has_rank(scene, report) && k < kMostThresholds; ++k) {
+    std::vector<double> largest = out.left;
+    std::sort(largest.begin(), largest.end(), std::greater<>());
+    const auto count = [&](double dependent) {
+      return static_cast<std::size_t>(
+          std::count_if(largest.begin(), largest.end(), [&](double x) { return x > dependent; }));
+    };
+    const auto rank = static_cast<std::size_t>(report.rank);
+    if (count(out.dependent) == rank || rank > largest.size()) break;
+    const double next = rank < largest.size() ? largest[rank] : 0, last = rank > 0 ? largest[rank - 1] : 1;
+    if (!(last > next)) break;
+    out.dependent = count(out.dependent) < rank ? std::max(next, last / 2) : next;
+    out.left = remainders_of(Jt, out.dependent);
+  }
   return out;
 }
 
 // least: the least remainder of a row that counts.
-int rank_of(const Eigen::MatrixXd& Jt, double least = tolerance::kRank) {
+int rank_of(const Eigen::MatrixXd& Jt, double least) {
   if (Jt.size() == 0) return 0;
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(Jt);
   return static_cast<int>((qr.matrixR().diagonal().array().abs() > least).count());
@@ -123,10 +143,10 @@ int spread(const std::vector<Vec3<double>>& points) {
   return 1;
 }
 
-Holds what_holds(const Examined& x, const std::vector<int>& positions, BodyPair& pair) {
+Holds what_holds(const Examined& x, const std::vector<int>& positions, double least, BodyPair& pair) {
   if (pair.rank == pair.rows) return Holds::kEach;
   for (int c : positions) {
-    if (positions.size() == 1 || rank_of(rows_of(x, {c})) < pair.rank) continue;
+    if (positions.size() == 1 || rank_of(rows_of(x, {c}), least) < pair.rank) continue;
     pair.alone = x.island.contacts[c];
     return Holds::kOneContact;
   }
@@ -145,7 +165,7 @@ Holds what_holds(const Examined& x, const std::vector<int>& positions, BodyPair&
   return Holds::kFewerRows;
 }
 
-BodyPair examine(const Examined& x, const std::vector<int>& positions) {
+BodyPair examine(const Examined& x, const std::vector<int>& positions, double least) {
   BodyPair pair;
   const Contact& first = x.contact(positions[0]);
   const bool turned = body_of(first.A).joint < 0;  // the moving body goes first
@@ -162,8 +182,8 @@ BodyPair examine(const Examined& x, const std::vector<int>& positions) {
   }
   pair.place_A = place_name(x.scene, on_A);
   pair.place_B = place_name(x.scene, on_B);
-  pair.rank = rank_of(rows_of(x, positions));
-  pair.holds = what_holds(x, positions, pair);
+  pair.rank = rank_of(rows_of(x, positions), least);
+  pair.holds = what_holds(x, positions, least, pair);
   return pair;
 }
 
@@ -202,6 +222,27 @@ bool depends_in_pairs_alone(const SceneData& data, std::size_t number) {
   return &solved != &data && report.status <= Status::kRedundant && report.rank == report.nc;
 }
 
+// Sets known, rank and redundant. Returns the remainder above which rows count.
+double rank_all(const Examined& x, std::size_t number, const std::vector<int>& all, IslandRanks& out) {
+  const IslandReport& report = x.data.report.islands[number];
+  if (depends_in_pairs_alone(x.data, number)) {
+    out.known = true;
+    out.rank = report.rank;
+    internal::each_row(x.scene, x.data, number, [&](int row) {
+      out.redundant.push_back(std::binary_search(report.dependent_rows.begin(), report.dependent_rows.end(), row));
+    });
+    return tolerance::kRank;
+  }
+  const double nv = x.island.nv, nc = x.island.nc;
+  if (nv * nc * nc > kMostWork) return tolerance::kRank;
+  const Eigen::MatrixXd rows = rows_of(x, all);
+  const internal::RowRemainders remainders = remainders_of(x.scene, report, rows);
+  out.known = true;
+  out.rank = has_rank(x.scene, report) ? report.rank : rank_of(rows, tolerance::kRank);
+  for (const double left : remainders.left) out.redundant.push_back(!(left > remainders.dependent));
+  return remainders.dependent;
+}
+
 }  // namespace
 
 IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t number) {
@@ -216,34 +257,19 @@ IslandRanks internal::ranks_of_island(const Scene& scene, const SceneData& data,
   IslandRanks out;
   for (int c : island.contacts)
     if (contact_of(data, c).J.size() == 0 && scene.contacts[c].rows() > 0) return out;  // too deep for joint space
-  for (const auto& [bodies, positions] : sort_by_bodies(scene, island)) out.pairs.push_back(examine(x, positions));
-  std::sort(out.pairs.begin(), out.pairs.end(),
-            [](const BodyPair& p, const BodyPair& q) { return p.contacts[0] < q.contacts[0]; });
   std::vector<int> all(island.contacts.size());
   std::iota(all.begin(), all.end(), 0);
+  const double least = rank_all(x, number, all, out);
+  for (const auto& [bodies, positions] : sort_by_bodies(scene, island))
+    out.pairs.push_back(examine(x, positions, least));
+  std::sort(out.pairs.begin(), out.pairs.end(),
+            [](const BodyPair& p, const BodyPair& q) { return p.contacts[0] < q.contacts[0]; });
   for (int k : all) {
     const Eigen::MatrixXd rows = rows_of(x, {k});
-    const int rank = rank_of(rows), plain = rank_of(rows, kOnlyJust);
+    const int rank = rank_of(rows, least), plain = std::min(rank, rank_of(rows, kOnlyJust));
     if (rank < x.contact(k).rows() || plain < rank)
       out.lighter.push_back({island.contacts[k], plain, lightest(x.contact(k), rows, plain, kOnlyJust), rank - plain});
   }
-  if (depends_in_pairs_alone(data, number)) {
-    const std::vector<int>& dependent = data.report.islands[number].dependent_rows;
-    out.known = true;
-    out.rank = data.report.islands[number].rank;
-    internal::each_row(scene, data, number, [&](int row) {
-      out.redundant.push_back(std::binary_search(dependent.begin(), dependent.end(), row));
-    });
-    return out;
-  }
-  const double nv = island.nv, nc = island.nc;
-  if (nv * nc * nc > kMostWork) return out;
-  const Eigen::MatrixXd rows = rows_of(x, all);
-  out.known = true;
-  const IslandReport& report = data.report.islands[number];
-  const internal::RowRemainders remainders = remainders_of(scene, report, rows);
-  out.rank = remainders.dependent > tolerance::kRank ? report.rank : rank_of(rows);
-  for (const double left : remainders.left) out.redundant.push_back(!(left > remainders.dependent));
   return out;
 }
 

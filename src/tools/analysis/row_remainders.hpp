@@ -10,7 +10,8 @@ namespace manycontact::internal {
 /// its size (rank/row_size.hpp).
 struct RowRemainders {
   std::vector<double> left;             // empty where J is not in joint space
-  double dependent = tolerance::kRank;  // rows with remainders up to this one depend on the rows before them
+  double dependent = tolerance::kRank;  // rows with remainders up to this one depend on the rows before them, so that
+                                        // as many count as the solver has found
 };
 /// Dense, by Gram and Schmidt, twice. After a solve and complete (dynamics/views.hpp).
 RowRemainders row_remainders(const Scene& scene, const SceneData& data, std::size_t island);

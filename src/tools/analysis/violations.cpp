@@ -38,7 +38,7 @@ std::string unit_of(ViolationKind kind) {
 
 namespace {
 
-constexpr double kRoundingOfForces = 1e-9;  // of the largest force on a contact's robots
+constexpr double kRoundingOfForces = 1e-9;  // of the largest force on a contact's robots, and of their loads
 
 // A contact's axes in the world.
 class AxesOf {
@@ -85,9 +85,10 @@ double excess_torque(const double* f, double mu, double X, double Y) {
   return std::max(low - f[5], f[5] - high);
 }
 
-// Per robot, the largest entry of its contacts' forces.
-std::vector<double> largest_forces(const Scene& scene, const Eigen::VectorXd& f, const std::vector<int>& f_offset) {
-  std::vector<double> largest(scene.robots.size(), 0);
+// Per robot, the largest entry of its contacts' forces, or its load, which forces that cancel are computed from.
+std::vector<double> largest_forces(const Scene& scene, const Eigen::VectorXd& f, const std::vector<int>& f_offset,
+                                   const Eigen::VectorXd& loads) {
+  std::vector<double> largest(loads.begin(), loads.end());
   for (std::size_t c = 0; c < f_offset.size(); ++c) {
     if (f_offset[c] < 0) continue;
     const Contact& contact = scene.contacts[c];
@@ -117,11 +118,24 @@ Eigen::Vector2d contact_pressure(const Scene& scene, int contact, const ConstVec
   return {p.normal, p.tangential};
 }
 
+Eigen::VectorXd robot_weights(const Scene& scene) {
+  Eigen::VectorXd out(static_cast<Eigen::Index>(scene.robots.size()));
+  for (Eigen::Index r = 0; r < out.size(); ++r)
+    out[r] = scene.robots[static_cast<std::size_t>(r)].model->mass() * scene.gravity.norm();
+  return out;
+}
+
 std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, const Eigen::VectorXd& f,
                                   const std::vector<int>& f_offset) {
+  return violations(scene, q, f, f_offset, robot_weights(scene));
+}
+
+std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, const Eigen::VectorXd& f,
+                                  const std::vector<int>& f_offset, const Eigen::VectorXd& loads) {
   expect_configuration("violations", "q", q, scene);
+  expect_numbers("violations", "loads", loads, static_cast<int>(scene.robots.size()));
   AxesOf axes_of(scene, q);
-  const std::vector<double> largest = largest_forces(scene, f, f_offset);
+  const std::vector<double> largest = largest_forces(scene, f, f_offset, loads);
   std::vector<Violation> out;
   for (std::size_t i = 0; i < f_offset.size(); ++i) {
     const Contact& contact = scene.contacts[i];

@@ -11,6 +11,7 @@
 #include "manycontact/algorithm/integrate.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
+#include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/model/suggestion.hpp"
 #include "manycontact/model/torques.hpp"
 #include "resisting_forces.hpp"
@@ -30,7 +31,14 @@ bool solve_stage(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Vect
   if (u.size() != scene.nu) throw std::invalid_argument("step: u does not fit the scene");
   torques_of_motors(scene, u, data.tau);
   if (data.pd.kp.size() > 0) add_pd_torques(scene, data.pd, q, v, data.tau);
-  const Status status = solve_tau(scene, q, v, data.tau, data.dynamics).status;
+  bool turning = rows_may_turn(scene, 1, data);
+  if (turning) {
+    prepare(scene, data.dynamics);
+    data.wanted.setZero(data.dynamics.f.size());
+    turning = follow_turning_rows(scene, q, v, 1, 1, data);
+  }
+  const Status status = turning ? solve_tau(scene, q, v, data.tau, data.wanted, data.dynamics).status
+                                : solve_tau(scene, q, v, data.tau, data.dynamics).status;
   ++data.solves;
   data.worst = std::max(data.worst, status);
   return status != Status::kFailed;

@@ -47,7 +47,8 @@ void print_plan_findings(std::ostream& out, const OptimizedTask& motion) {
                                                         {"velocity", "beyond velocity limits"},
                                                         {"effort", "beyond efforts"},
                                                         {"goal", "goals missed"},
-                                                        {"guess", "guess not at rest"}};
+                                                        {"guess", "guess not at rest"},
+                                                        {"near_dependent", "nearly dependent"}};
   for (const auto& [kind, title] : titles) {
     std::vector<const PlanFinding*> alike;
     for (const PlanFinding& f : motion.findings)

@@ -41,8 +41,8 @@ struct PlanCost {  // A <cost> of the task, by its name in all phases, its copie
 std::vector<PlanCost> cost_by_term(const TaskFile& task, const TaskProblem& problem);
 
 /// One line for each part of the plan that deserves attention. `kind` is that of a failure, "closes" (out of place by a
-/// millimetre or more), "position", "velocity", "effort", or "goal" (missed by a millimetre or milliradian, or more).
-/// `name` is that of the contact, joint or cost.
+/// millimetre or more), "position", "velocity", "effort", "goal" (missed by a millimetre or milliradian, or more), or
+/// "near_dependent" (analysis/near_dependent.hpp). `name` is that of the contact, joint, cost, or rows.
 struct PlanFinding {
   std::string kind, name, text;
   std::size_t node = 0;

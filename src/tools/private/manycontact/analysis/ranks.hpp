@@ -1,7 +1,7 @@
 #pragma once
-// Which contact rows of an island constrain a motion that the others do not, at the configuration solved last: by the
-// rank of J, to tolerance::kRank of what each row is picked from (row_scale, rank/row_size.hpp), its own length at
-// least.
+// Which contact rows of an island constrain a motion that the others do not, at the configuration solved last: as many
+// as the solve has found. Without damping that is the rank of J, to about tolerance::kRank of what each row is picked
+// from (row_scale, rank/row_size.hpp), its own length at least.
 
 #include "manycontact/analysis/names.hpp"
 #include "manycontact/dynamics/views.hpp"

@@ -1,0 +1,80 @@
+// 1D and 2D contacts whose point slides while their rows turn: a step constrains J v with both integrators, so that
+// nothing adds energy.
+
+#include <gtest/gtest.h>
+
+#include "manycontact/analysis/findings.hpp"
+#include "manycontact/simulation/gains.hpp"
+#include "simulation/scenes.hpp"
+
+namespace manycontact::test {
+namespace {
+
+// A body, or two that the contact joins, turning and sliding, and J v = 0.
+RandomScene sliding(int seed, ContactType type, ReferenceFrame frame, bool between) {
+  std::mt19937 rng(seed);
+  SceneOptions options;
+  options.nrobots = between ? 2 : 1;
+  ModelOptions model;
+  model.njoints = 3;
+  model.floating_base = true;
+  model.types = {JointType::kRevolute};
+  options.models = {model};
+  options.ncontacts = 0;
+  RandomScene s = random_scene(rng, options);
+  hold(s, "slides", type, {0, 0, random_placement(rng, 0.2)},
+       between ? Attachment{1, 0, random_placement(rng, 0.2)} : Attachment{});
+  Contact& contact = s.scene.contacts.back();
+  contact.reference_frame = frame;
+  contact.axis = random_vector(3, rng).normalized();
+  s.scene.gravity.setZero();
+  s.u.setZero();
+  s.v = consistent(s.scene, s.q, 0.5 * s.v);
+  return s;
+}
+
+constexpr ReferenceFrame kFrames[] = {ReferenceFrame::kLocal, ReferenceFrame::kWorld};
+
+TEST(TurningRows, KeepEnergyAndVelocity) {
+  for (int seed = 0; seed < 12; ++seed)
+    for (const ContactType type : {ContactType::k1D, ContactType::k2D})
+      for (const ReferenceFrame frame : kFrames)
+        for (const bool between : {false, true}) {
+          SCOPED_TRACE(std::to_string(seed) + (between ? " between" : "") + std::to_string(static_cast<int>(type)) +
+                       std::to_string(static_cast<int>(frame)));
+          RandomScene s = sliding(seed, type, frame, between);
+          const Invariants start = start_of(s);
+          ASSERT_LT(start.velocity_drift, 1e-10);
+          const Invariants end = end_of(s, simulated(s, Integrator::kRk4, 0.5, 500));
+          EXPECT_NEAR(end.energy(), start.energy(), 1e-7 * start.kinetic);
+          EXPECT_LT(end.velocity_drift, 1e-7);
+          const Invariants coarse = end_of(s, simulated(s, Integrator::kSemiImplicitEuler, 0.5, 500));
+          const Invariants fine = end_of(s, simulated(s, Integrator::kSemiImplicitEuler, 0.5, 1000));
+          EXPECT_LT(std::abs(fine.energy() - start.energy()),
+                    0.75 * std::abs(coarse.energy() - start.energy()) + 1e-6 * start.kinetic);
+          EXPECT_LT(coarse.velocity_drift, 0.1);
+        }
+}
+
+// Both integrators simulate the same contact, with gains and without.
+TEST(TurningRows, AreTheSameInBothIntegrators) {
+  for (int seed = 0; seed < 6; ++seed)
+    for (const ContactType type : {ContactType::k1D, ContactType::k2D})
+      for (const bool gains : {false, true}) {
+        SCOPED_TRACE(seed);
+        RandomScene s = sliding(seed, type, ReferenceFrame::kLocal, seed % 2 == 1);
+        const auto q_by = [&](Integrator integrator, int steps) {
+          const Gains of = recommended_gains(integrator, 0.5 / steps);
+          set_gains(s.scene, gains ? of.alpha : 0, gains ? of.beta : 0);
+          return simulated(s, integrator, 0.5, steps).q;
+        };
+        const Eigen::VectorXd truth = q_by(Integrator::kRk4, 1000);
+        const double coarse = (q_by(Integrator::kSemiImplicitEuler, 1000) - truth).norm();
+        const double fine = (q_by(Integrator::kSemiImplicitEuler, 4000) - truth).norm();
+        EXPECT_LT(fine, 0.35 * coarse + 1e-9);
+        EXPECT_LT(coarse, 0.05);
+      }
+}
+
+}  // namespace
+}  // namespace manycontact::test
