@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -45,6 +46,13 @@ inline std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;
+}
+
+/// Whether a python3 of PATH draws.
+inline bool has_matplotlib() {
+  static const bool has = std::system("IFS=:; for f in $PATH; do \"$f/python3\" -c 'import matplotlib' 2>/dev/null && "
+                                      "exit 0; done; exit 1") == 0;
+  return has;
 }
 
 /// Returns the text with blanks and line breaks as one blank, so that wrapped text can be searched.
