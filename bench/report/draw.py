@@ -1,4 +1,4 @@
-"""Draws the figures of `./run bench`: panels in a row, a key below each, and below all the differences between programs.
+"""Draws the figures of `./run bench`: panels in a row, a key below each, and below all how programs differ.
 
     draw.py DIR FIGURES.json
 """
@@ -11,6 +11,7 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "src/cli/charts"))
 import drawing  # noqa: E402
 from drawing import plain, plt  # noqa: E402
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # noqa: E402
 
 # Okabe and Ito's colours; ours is black.
 COLOURS = {"MuJoCo": "#E69F00", "Simbody": "#009E73", "DART": "#CC79A7", "Pinocchio": "#0072B2", "Crocoddyl": "#D55E00"}
@@ -27,11 +28,15 @@ def draw(figure, differences, base):
         for line in panel["lines"]:
             axes.plot(*zip(*line["points"]), color=COLOURS.get(line["program"], "black"), linewidth=2.5 if line["program"] == "manycontact" else 1.5,
                       linestyle=DASHES[line["task"] % len(DASHES)], marker=MARKERS[line["task"] % len(MARKERS)], markersize=5, label=plain(line["label"]))
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+            axis.set_minor_formatter(NullFormatter())
         axes.set_title(plain(panel["title"]))
         axes.set_xlabel(plain(panel["x"]))
         axes.set_ylabel(plain(panel["y"]))
         axes.legend(loc="upper left", bbox_to_anchor=(0, -0.15), ncol=2, frameon=False, fontsize=8)
-    drawn.subplots_adjust(0.1 / len(panels), 0.38, 1 - 0.04 / len(panels), 0.88, 0.2)
+    drawn.subplots_adjust(0.14 / len(panels), 0.38, 1 - 0.04 / len(panels), 0.88, 0.2)
     for k, text in enumerate(differences):
         drawn.text(0.02, 0.095 - 0.023 * k, plain(text), color=drawing.GREY, fontsize=8)
     drawing.save(drawn, base)

@@ -123,10 +123,8 @@ void write_figures(const std::vector<Figure>& figures, const std::vector<Run>& r
     for (const Panel& p : figure.panels) {
       json lines = json::array();
       for (const Line& line : p.lines)
-        lines.push_back({{"label", line.label},
-                         {"program", line.run->program},
-                         {"task", line.task},
-                         {"points", line.points}});
+        lines.push_back(
+            {{"label", line.label}, {"program", line.run->program}, {"task", line.task}, {"points", line.points}});
       panels.push_back({{"title", p.title}, {"x", p.x}, {"y", p.y}, {"lines", lines}});
     }
     list.push_back({{"file", figure.file}, {"title", figure.title}, {"panels", panels}});

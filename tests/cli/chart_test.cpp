@@ -80,22 +80,8 @@ class ChartOf : public Program {
     out = outcome.out;
     return read_csv(path("out/chart.csv"));
   }
-  /// Runs with a PATH that has only this shell script as python3, or none if it is empty.
-  Outcome run_with_python(const std::string& script, const std::vector<std::string>& more = {}) {
-    std::filesystem::create_directory(path("bin"));
-    if (!script.empty()) {
-      std::ofstream(path("bin/python3")) << "#!/bin/sh\n" << script << "\n";
-      std::filesystem::permissions(path("bin/python3"), std::filesystem::perms::owner_all);
-    }
-    std::vector<std::string> words{"chart", model("arm_pushes_box.xml"), "--seconds", "0", "--out", path("out")};
-    words.insert(words.end(), more.begin(), more.end());
-    const std::string before = std::getenv("PATH");
-    setenv("PATH", path("bin").c_str(), 1);
-    const Outcome outcome = run(words);
-    setenv("PATH", before.c_str(), 1);
-    return outcome;
-  }
   std::string out;
+  const std::vector<std::string> words_{"chart", model("arm_pushes_box.xml"), "--seconds", "0", "--out", path("out")};
 };
 
 // Returns max(1e-12, 100 eps cond), computed with the library.
@@ -256,7 +242,7 @@ TEST_F(ChartOf, ZerosAreJudgedByWhatIsNot) {
 }
 
 TEST_F(ChartOf, WithoutPythonThereAreTheNumbers) {
-  const Outcome outcome = run_with_python("");
+  const Outcome outcome = run_with_python("", words_);
   EXPECT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.out, "");
   expect_contains(outcome.err, "python3 with matplotlib is not installed (Debian: python3-matplotlib), no charts");
@@ -269,7 +255,9 @@ TEST_F(ChartOf, WithoutPythonThereAreTheNumbers) {
 // Python without matplotlib writes the sentences and the page.
 TEST_F(ChartOf, WithoutMatplotlibThereIsTheText) {
   if (!std::filesystem::exists("/usr/bin/python3")) GTEST_SKIP() << "there is no /usr/bin/python3 here";
-  const Outcome outcome = run_with_python("exec /usr/bin/python3 -S -E \"$@\"", {model("humanoid_standing.xml")});
+  const Outcome outcome = run_with_python(
+      "exec /usr/bin/python3 -S -E \"$@\"",
+      {"chart", model("arm_pushes_box.xml"), model("humanoid_standing.xml"), "--seconds", "0", "--out", path("out")});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   expect_contains(outcome.out, "Fastest of the accurate ones is");
   expect_contains(outcome.err, "python3 with matplotlib is not installed");
@@ -281,7 +269,7 @@ TEST_F(ChartOf, WithoutMatplotlibThereIsTheText) {
 
 // A Python that fails is not reported as one that is not installed.
 TEST_F(ChartOf, PythonThatFailsIsReported) {
-  const Outcome outcome = run_with_python("[ \"$1\" = -c ]");
+  const Outcome outcome = run_with_python("[ \"$1\" = -c ]", words_);
   EXPECT_EQ(outcome.status, 1);
   expect_contains(outcome.err, path("bin/python3") + " failed in ");
   expect_lacks(outcome.err, "not installed");

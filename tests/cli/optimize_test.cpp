@@ -168,10 +168,7 @@ TEST_F(Optimize, DrawsCharts) {
 }
 
 TEST_F(Optimize, SaysThatThereIsNoMatplotlib) {
-  const std::string before = getenv("PATH");
-  setenv("PATH", "/nowhere", 1);
-  const Outcome outcome = run(words(task("humanoid_points"), {"--charts", path("charts")}));
-  setenv("PATH", before.c_str(), 1);
+  const Outcome outcome = run_with_python("", words(task("humanoid_points"), {"--charts", path("charts")}));
   EXPECT_EQ(outcome.status, 2);
   expect_contains(outcome.err, "python3 with matplotlib is not installed");
   EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;

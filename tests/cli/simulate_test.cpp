@@ -355,17 +355,14 @@ TEST_F(Simulate, StabilityMeasuresAndDraws) {
 
 // Without Python there are the CSV files, one line that reports it, and status 1.
 TEST_F(Simulate, StabilityWithoutPython) {
-  const char* before = std::getenv("PATH");
-  const std::string kept = before ? before : "";
-  setenv("PATH", "/nowhere", 1);
-  const Outcome outcome =
-      run({"stability", model("arm_pushes_box.xml"), "--out", path("c"), "--steps", "10", "--time", "0.01"});
-  setenv("PATH", kept.c_str(), 1);
+  const Outcome outcome = run_with_python(
+      "", {"stability", model("arm_pushes_box.xml"), "--out", path("c"), "--steps", "10", "--time", "0.01"});
   EXPECT_EQ(outcome.status, 1);
   EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
   expect_contains(outcome.err, "python3 with matplotlib is not installed");
   EXPECT_TRUE(std::filesystem::exists(path("c") + "/drift.csv"));
   EXPECT_TRUE(std::filesystem::exists(path("c") + "/energy.csv"));
+  EXPECT_TRUE(std::filesystem::exists(path("c") + "/stability.json"));
 }
 
 // With one step, or a scene in which nothing moves, the program ends and reports what is empty.

@@ -63,19 +63,14 @@ void add_forces(const OptimizedTask& motion, Json& out) {
   out["smallest_mu"] = mu;
   out["contacts"] = Json::array();
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
-    out["contacts"].push_back(
-        {{"name", scene.contacts[c].name}, {"normal", normal[c]}, {"tangential", tangential[c]}});
+    out["contacts"].push_back({{"name", scene.contacts[c].name}, {"normal", normal[c]}, {"tangential", tangential[c]}});
 }
 
 }  // namespace
 
 void draw_charts(const OptimizedTask& motion, const std::string& folder) {
-  Json out{{"task", motion.task.name},
-           {"reason", motion.solution.reason},
-           {"step_s", motion.task.step},
-           {"tolerance", motion.task.tolerance},
-           {"iterations", convergence(motion)},
-           {"torques", torques(motion)}};
+  Json out{{"task", motion.task.name},           {"reason", motion.solution.reason},  {"step_s", motion.task.step},
+           {"tolerance", motion.task.tolerance}, {"iterations", convergence(motion)}, {"torques", torques(motion)}};
   add_forces(motion, out);
   write_json_file(out, (std::filesystem::path(folder) / "charts.json").string(), "--charts");
   run_python(find_python(), script_path("motion.py"), {folder});

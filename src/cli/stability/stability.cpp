@@ -154,9 +154,9 @@ Stability measure(const SceneFile& file, const Options& options, const Plan& pla
     for (const GainsChoice& choice : choices) {
       const std::string label = "drift, " + to_string(integrator) + ", gains " + choice.name;
       for (double h : step_sizes()) {
-        out.drift.push_back(
-            measure_drift(file, options, integrator, choice, h, plan.drift_time,
-                          [&](long k) { progress.update(done + cost * static_cast<double>(k), label); }));
+        out.drift.push_back(measure_drift(file, options, integrator, choice, h, plan.drift_time, [&](long k) {
+          progress.update(done + cost * static_cast<double>(k), label);
+        }));
         done += cost * plan.drift_time / h;
       }
     }
