@@ -1,6 +1,9 @@
 // Selects the lines of each figure.
 
 #include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "report.hpp"
 
@@ -110,6 +113,27 @@ std::vector<Figure> figures(const std::vector<Run>& runs) {
     return lines == 0;
   });
   return all;
+}
+
+void write_figures(const std::vector<Figure>& figures, const std::vector<Run>& runs, const std::string& path) {
+  using nlohmann::json;
+  json list = json::array(), differences = json::array();
+  for (const Figure& figure : figures) {
+    json panels = json::array();
+    for (const Panel& p : figure.panels) {
+      json lines = json::array();
+      for (const Line& line : p.lines)
+        lines.push_back(
+            {{"label", line.label}, {"program", line.run->program}, {"task", line.task}, {"points", line.points}});
+      panels.push_back({{"title", p.title}, {"x", p.x}, {"y", p.y}, {"lines", lines}});
+    }
+    list.push_back({{"file", figure.file}, {"title", figure.title}, {"panels", panels}});
+  }
+  for (const Run& run : runs)
+    if (const std::string text = otherwise(run.program); !text.empty()) differences.push_back(text);
+  std::ofstream out(path);
+  out << json{{"figures", list}, {"differences", differences}} << "\n";
+  if (!out.flush()) throw std::runtime_error(path + " cannot be written");
 }
 
 }  // namespace manycontact::bench

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <iostream>
 
-#include "../../src/program/files/gnuplot.hpp"
+#include "program/files/python.hpp"
 #include "report.hpp"
 
 int main(int argc, char** argv) try {
@@ -24,13 +24,14 @@ int main(int argc, char** argv) try {
   write_runs(runs, dir + "results.json");
   write_csv(runs, dir + "results.csv");
   std::vector<Figure> drawn;
-  if (cli::gnuplot_available())
-    for (const Figure& figure : figures(runs)) {
-      draw(figure, runs, dir + figure.file);
-      drawn.push_back(figure);
-    }
-  else
-    std::cerr << "no gnuplot here: no charts\n";
+  if (const cli::Python python = cli::find_python(); python.draws) {
+    drawn = figures(runs);
+    write_figures(drawn, runs, dir + "figures.json");
+    cli::run_python(python, MANYCONTACT_SOURCE_DIR "/bench/report/draw.py", {dir, dir + "figures.json"});
+    std::filesystem::remove(dir + "figures.json");
+  } else {
+    std::cerr << cli::kNoCharts << "\n";
+  }
   write_page(runs, drawn, dir + "README.md");
   std::cout << "\n" << table_of_robots(runs) << "\n" << table_of_exponents(runs) << "\n" << table_of_builds(runs);
 } catch (const std::exception& e) {

@@ -32,8 +32,8 @@ struct Figure {
 
 /// Returns time per robot, per link, over contacts; memory; ratios to ours. Figures without a line are left out.
 std::vector<Figure> figures(const std::vector<Run>& runs);
-/// Draws base.svg and base.png. Throws std::runtime_error.
-void draw(const Figure& figure, const std::vector<Run>& runs, const std::string& base);
+/// Writes the figures, and what the programs compute differently, as JSON for draw.py. Throws std::runtime_error.
+void write_figures(const std::vector<Figure>& figures, const std::vector<Run>& runs, const std::string& path);
 
 /// Markdown. Times of a robot in us, and in units of plain ldl_numeric on its K.
 std::string table_of_robots(const std::vector<Run>& runs);

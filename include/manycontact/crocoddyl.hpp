@@ -13,6 +13,7 @@
 #include <sstream>
 #include <string>
 
+#include "manycontact/action.hpp"
 #include "manycontact/crocoddyl/names.hpp"
 
 #ifndef throw_pretty

@@ -51,6 +51,8 @@ foreach(program IN ITEMS manycontact_cli manycontact_optimize manycontact_chart 
   endif()
 endforeach()
 install(DIRECTORY models DESTINATION ${CMAKE_INSTALL_DATADIR}/manycontact COMPONENT program)
+install(DIRECTORY src/program/charts DESTINATION ${CMAKE_INSTALL_DATADIR}/manycontact COMPONENT program
+        FILES_MATCHING PATTERN "*.py")
 install(FILES src/package/manycontact.bash COMPONENT program RENAME manycontact
         DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 # The page is what the program says of itself.
@@ -97,7 +99,7 @@ set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "${runtime_package} (= ${PROJECT_VERSION}),
 libsuitesparse-dev, liburdfdom-dev, libtinyxml2-dev")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS gnuplot-nox)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS python3-matplotlib)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${manycontact_python_needs}, python3-numpy")

@@ -54,10 +54,8 @@ std::vector<Row> of(const std::vector<Row>& rows, const std::string& method, con
   return out;
 }
 
-bool has_gnuplot() { return std::system("command -v gnuplot >/dev/null 2>&1") == 0; }
-
 void expect_picture(const std::string& base) {
-  if (!has_gnuplot()) return;
+  if (!has_matplotlib()) return;
   const std::string svg = read_text(base + ".svg"), png = read_text(base + ".png");
   EXPECT_TRUE(svg.starts_with("<?xml")) << base;
   EXPECT_NE(svg.find("</svg>"), std::string::npos) << base;
@@ -83,6 +81,7 @@ class ChartOf : public Program {
     return read_csv(path("out/chart.csv"));
   }
   std::string out;
+  const std::vector<std::string> words_{"chart", model("arm_pushes_box.xml"), "--seconds", "0", "--out", path("out")};
 };
 
 // Returns max(1e-12, 100 eps cond), computed with the library.
@@ -174,7 +173,7 @@ TEST_F(ChartOf, FailuresAreRows) {
   }
   expect_contains(out, "Failed: dense-schur");
   expect_contains(out, "Accelerations of 1 robot vanish");
-  if (has_gnuplot()) {
+  if (has_matplotlib()) {
     EXPECT_NE(read_text(path("out/chart.svg")).find("failed, skipped or unknown"), std::string::npos);
   }
 }
@@ -201,7 +200,7 @@ TEST_F(ChartOf, SeveralScenesShareOnePage) {
   for (const std::string& name : scenes) {
     expect_picture(path("out/" + name));
     EXPECT_NE(page.find("## " + name), std::string::npos);
-    EXPECT_EQ(page.find("![" + name + "](" + name + ".svg)") != std::string::npos, has_gnuplot());
+    EXPECT_EQ(page.find("![" + name + "](" + name + ".svg)") != std::string::npos, has_matplotlib());
   }
   EXPECT_FALSE(std::filesystem::exists(path("out/chart.svg")));
 }
@@ -225,7 +224,7 @@ TEST_F(ChartOf, WhatWouldTakeTooLongIsSkipped) {
     EXPECT_EQ(row.at("error_acceleration").empty(), dense) << row.at("method");
   }
   expect_contains(out, "Skipped, or its derivatives, as too slow or too large: dense, dense-schur,");
-  if (has_gnuplot()) {
+  if (has_matplotlib()) {
     EXPECT_NE(read_text(path("out/chart.svg")).find("failed, skipped or unknown"), std::string::npos);
   }
 }
@@ -242,27 +241,39 @@ TEST_F(ChartOf, ZerosAreJudgedByWhatIsNot) {
   expect_picture(path("out/chart"));
 }
 
-TEST_F(ChartOf, WithoutGnuplotThereIsTheCsv) {
-  const std::string before = std::getenv("PATH");
-  setenv("PATH", path("").c_str(), 1);
-  const auto outcome = run({"chart", model("arm_pushes_box.xml"), "--seconds", "0", "--out", path("out")});
-  setenv("PATH", before.c_str(), 1);
+TEST_F(ChartOf, WithoutPythonThereAreTheNumbers) {
+  const Outcome outcome = run_with_python("", words_);
   EXPECT_EQ(outcome.status, 0);
-  expect_contains(outcome.err, "gnuplot is not installed");
+  EXPECT_EQ(outcome.out, "");
+  expect_contains(outcome.err, "python3 with matplotlib is not installed (Debian: python3-matplotlib), no charts");
   EXPECT_GT(read_csv(path("out/chart.csv")).size(), 40u);
+  const auto written = nlohmann::json::parse(read_text(path("out/chart.json")));
+  EXPECT_EQ(written["charts"][0]["rows"].size(), read_csv(path("out/chart.csv")).size());
   EXPECT_FALSE(std::filesystem::exists(path("out/chart.svg")));
 }
 
-// A gnuplot that cannot be started is not reported as one that is not installed.
-TEST_F(ChartOf, OutOfDescriptorsIsSaid) {
-  if (!has_gnuplot()) GTEST_SKIP() << "there is no gnuplot here";
-  const auto outcome = run({"-c", "exec 3>&- 4>&- 5>&-; ulimit -n 6; exec '" MANYCONTACT_BINARY "' chart '" +
-                                      model("arm_pushes_box.xml") + "' --seconds 0 --out '" + path("out") + "'"},
-                           "/bin/sh");
+// Python without matplotlib writes the sentences and the page.
+TEST_F(ChartOf, WithoutMatplotlibThereIsTheText) {
+  if (!std::filesystem::exists("/usr/bin/python3")) GTEST_SKIP() << "there is no /usr/bin/python3 here";
+  const Outcome outcome = run_with_python(
+      "exec /usr/bin/python3 -S -E \"$@\"",
+      {"chart", model("arm_pushes_box.xml"), model("humanoid_standing.xml"), "--seconds", "0", "--out", path("out")});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  expect_contains(outcome.out, "Fastest of the accurate ones is");
+  expect_contains(outcome.err, "python3 with matplotlib is not installed");
+  const std::string page = read_text(path("out/README.md"));
+  EXPECT_NE(page.find("## humanoid_standing"), std::string::npos);
+  EXPECT_EQ(page.find(".svg"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(path("out/humanoid_standing.svg")));
+}
+
+// A Python that fails is not reported as one that is not installed.
+TEST_F(ChartOf, PythonThatFailsIsReported) {
+  const Outcome outcome = run_with_python("[ \"$1\" = -c ]", words_);
   EXPECT_EQ(outcome.status, 1);
-  expect_contains(outcome.err, "gnuplot cannot be started: Too many open files");
+  expect_contains(outcome.err, path("bin/python3") + " failed in ");
   expect_lacks(outcome.err, "not installed");
-  expect_no_parts();
+  EXPECT_GT(read_csv(path("out/chart.csv")).size(), 40u);
 }
 
 TEST_F(ChartOf, FolderThatCannotBeIsBadInput) {

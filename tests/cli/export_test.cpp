@@ -130,6 +130,20 @@ TEST_F(Export, KeepsRowsThatDependOnEachOther) {
   EXPECT_LT((x.values.bottomRows(f.rows()) - f).cwiseAbs().maxCoeff(), 1e-9 * f.cwiseAbs().maxCoeff());
   expect_contains(read_text(path("out/README.md")), "| 24 | 12 |");
   expect_contains(read_text(path("out/README.md")), "of the scene, 32");
+  const auto island = nlohmann::json::parse(read_text(path("out/export.json")))["islands"][0];
+  EXPECT_EQ(island["nc"], 24);
+  EXPECT_EQ(island["rank"], 12);
+  EXPECT_EQ(island["x_is_of_the_scene"], true);
+}
+
+TEST_F(Export, WithoutPythonThereIsTheList) {
+  const Outcome outcome = run_with_python("", {"export", model("arm_pushes_box.xml"), "--out", path("out")});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err,
+            "manycontact: python3 is not installed, README.md is not written; export.json has its numbers\n");
+  EXPECT_EQ(nlohmann::json::parse(read_text(path("out/export.json")))["islands"].size(), 1u);
+  EXPECT_TRUE(fs::exists(path("out/island_0.mtx")));
+  EXPECT_FALSE(fs::exists(path("out/README.md")));
 }
 
 TEST_F(Export, DerivativesSolveTheirSystem) {

@@ -155,7 +155,7 @@ TEST_F(Optimize, TrotsInSimulation) {
 }
 
 TEST_F(Optimize, DrawsCharts) {
-  if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) GTEST_SKIP() << "there is no gnuplot here";
+  if (!has_matplotlib()) GTEST_SKIP() << "there is no matplotlib here";
   EXPECT_EQ(run(words(task("humanoid_points"), {"--charts", path("charts")})).status, 0);
   for (const char* chart : {"convergence", "torques", "forces"}) {
     const std::string svg = read_text(path("charts/" + std::string(chart) + ".svg"));
@@ -167,13 +167,10 @@ TEST_F(Optimize, DrawsCharts) {
   expect_contains(read_text(path("charts/forces.svg")), "smallest cone");
 }
 
-TEST_F(Optimize, SaysThatThereIsNoGnuplot) {
-  const std::string before = getenv("PATH");
-  setenv("PATH", "/nowhere", 1);
-  const Outcome outcome = run(words(task("humanoid_points"), {"--charts", path("charts")}));
-  setenv("PATH", before.c_str(), 1);
+TEST_F(Optimize, SaysThatThereIsNoMatplotlib) {
+  const Outcome outcome = run_with_python("", words(task("humanoid_points"), {"--charts", path("charts")}));
   EXPECT_EQ(outcome.status, 2);
-  expect_contains(outcome.err, "gnuplot is not installed");
+  expect_contains(outcome.err, "python3 with matplotlib is not installed");
   EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
 }
 

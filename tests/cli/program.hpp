@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -45,6 +46,14 @@ inline std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;
+}
+
+/// Whether a python3 of PATH draws.
+inline bool has_matplotlib() {
+  static const bool has = std::system(
+                              "IFS=:; for f in $PATH; do \"$f/python3\" -c 'import matplotlib' 2>/dev/null && "
+                              "exit 0; done; exit 1") == 0;
+  return has;
 }
 
 /// Returns the text with blanks and line breaks as one blank, so that wrapped text can be searched.
@@ -90,6 +99,20 @@ class Program : public testing::Test {
     int status = 0;
     waitpid(child, &status, 0);
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out), read_text(err)};
+  }
+
+  /// Runs with a PATH that has only this shell script as python3, or nothing if the script is empty.
+  Outcome run_with_python(const std::string& script, const std::vector<std::string>& words) const {
+    std::filesystem::create_directory(path("bin"));
+    if (!script.empty()) {
+      std::ofstream(path("bin/python3")) << "#!/bin/sh\n" << script << "\n";
+      std::filesystem::permissions(path("bin/python3"), std::filesystem::perms::owner_all);
+    }
+    const std::string before = std::getenv("PATH");
+    setenv("PATH", path("bin").c_str(), 1);
+    const Outcome outcome = run(words);
+    setenv("PATH", before.c_str(), 1);
+    return outcome;
   }
 
   /// Runs a program that gets a signal once it has begun a file.

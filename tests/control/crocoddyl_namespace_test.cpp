@@ -25,4 +25,16 @@ TEST(CrocoddylNamespace, StacksAreThoseThatWarn) {
   EXPECT_EQ(model.get_nu(), actuation->get_nu());
 }
 
+// The build collects the names from the headers: of classes, templates, aliases, functions, constants, enumerators.
+TEST(CrocoddylNamespace, HasNamesOfEveryKind) {
+  static_assert(std::is_same_v<Vec3<double>, manycontact::Vec3<double>>);
+  static_assert(std::is_same_v<StateMultibodyTpl<double>, manycontact::StateMultibody>);
+  static_assert(std::is_same_v<crocoddyl::SceneData, manycontact::SceneData>);
+  static_assert(std::is_same_v<decltype(crocoddyl::WORLD), decltype(manycontact::WORLD)>);
+  static_assert(crocoddyl::addto == manycontact::addto && crocoddyl::_4 == manycontact::_4);
+  EXPECT_EQ(&crocoddyl::kMethods, &manycontact::kMethods);
+  EXPECT_EQ(&crocoddyl::load_scene, &manycontact::load_scene);
+  EXPECT_EQ(&crocoddyl::total_mass, &manycontact::total_mass);
+}
+
 }  // namespace

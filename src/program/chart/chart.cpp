@@ -7,8 +7,8 @@
 #include <iostream>
 #include <set>
 
-#include "../files/gnuplot.hpp"
 #include "../command/command.hpp"
+#include "../files/python.hpp"
 #include "../text/table.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 
@@ -37,7 +37,7 @@ std::vector<std::string> picture_names(const std::vector<SceneFile>& files) {
 }
 
 std::vector<std::string> files_written(const std::vector<std::string>& pictures) {
-  std::vector<std::string> files{"chart.csv"};
+  std::vector<std::string> files{"chart.csv", "chart.json"};
   if (pictures.size() > 1) files.push_back("README.md");
   for (const std::string& picture : pictures)
     for (const char* kind : {".svg", ".png"}) files.push_back(picture + kind);
@@ -49,11 +49,6 @@ std::string label_of(const SceneFile& file, const std::vector<SceneFile>& all) {
   const auto namesakes = std::count_if(all.begin(), all.end(),
                                        [&](const SceneFile& other) { return other.scene.name == file.scene.name; });
   return file.scene.name + (namesakes > 1 ? " (" + file.path + ")" : "");
-}
-
-void say(const Chart& chart, std::ostream& out) {
-  out << chart.scene << ": " << chart.title << "\n";
-  for (const std::string& sentence : describe(chart)) wrap(out, sentence, 2);
 }
 
 }  // namespace
@@ -72,21 +67,22 @@ int run_chart(const Arguments& arguments) {
   fs::create_directories(*out, error);
   if (!fs::is_directory(*out)) throw InputError(*out, 1, "is not a folder and cannot be made one");
 
-  const bool draws = gnuplot_available();
+  const Python python = find_python();
   std::vector<Chart> charts;
-  std::vector<std::string> images;
   for (const SceneFile& file : files) {
     std::cerr << "manycontact: chart of " << printable(file.path) << " (" << charts.size() + 1 << "/" << files.size()
               << ")" << std::endl;
     charts.push_back(make_chart(file, limits));
+    const std::size_t last = charts.size() - 1;
     charts.back().scene = label_of(file, files);
-    say(charts.back(), std::cout);
+    charts.back().picture = names[last];
     write_csv(charts, *out + "/chart.csv");
-    images.push_back(draws ? names[images.size()] : "");
-    if (draws) draw(charts.back(), *out + "/" + images.back());
+    write_json(charts, files.size(), *out + "/chart.json");
+    if (!python.path.empty())
+      std::cout << run_python(python, script_path("chart.py"), {*out, std::to_string(last)}) << std::flush;
   }
-  if (files.size() > 1) write_page(charts, images, *out + "/README.md");
-  if (!draws) std::cerr << "manycontact: gnuplot is not installed: chart.csv is written, no picture\n";
+  if (!python.draws)
+    std::cerr << "manycontact: " << kNoCharts << "; chart.csv and chart.json are in " << printable(*out) << "\n";
   return kExitOk;
 }
 

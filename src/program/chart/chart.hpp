@@ -51,20 +51,12 @@ struct ChartRow {
 struct Chart {
   std::string scene, title;  // name, with the path where several scenes have it, and what it is: "82 velocities, 48
                              // contact rows, 1 island"
+  std::string picture;       // file name, without ending
   std::vector<ChartRow> rows;
   double allowed = 0;  // max(1e-12, 100 eps cond), of values; ten times that of derivatives
   double condition = 0;
   std::vector<std::string> notes;  // what the errors mean here, where that is not plain
-  int rounds = 0;                  // of measurement
-
-  const ChartRow* fastest(bool with_derivatives) const;  // of the solutions; null if there is none
 };
-
-/// The plotted numbers: time of the panel (0, 1: solve; 2: with derivatives) and its error.
-std::optional<double> panel_time(const ChartRow& row, int panel);
-std::optional<double> panel_error(const ChartRow& row, int panel);
-/// Row numbers of the results that no other result dominates in a panel, by time ascending.
-std::vector<std::size_t> panel_front(const Chart& chart, int panel);
 
 /// Runs everything, with a progress line on standard error.
 Chart make_chart(const SceneFile& file, const ChartLimits& limits);
@@ -82,24 +74,20 @@ struct Candidate {
 std::vector<ChartRow> list_rows(const Scene& scene);
 
 /// Fills times: medians over rounds. In each round every candidate is measured once, so that changes of the machine's
-/// speed affect all of them; slow ones are left out of later rounds. Returns the number of rounds.
-int measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, const ChartLimits& limits);
+/// speed affect all of them; slow ones are left out of later rounds.
+void measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, const ChartLimits& limits);
 /// Call it after measure_solve. `first` is called once per candidate while its derivatives are available.
-int measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& limits,
-                        const std::function<void(Candidate&)>& first);
+void measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& limits,
+                         const std::function<void(Candidate&)>& first);
 
 /// Overwrites the same line of standard error while that is a terminal; "" clears it.
 void progress(const std::string& text);
 
 // ---- its forms ----------------------------------------------------------------------------------------------------
 
-/// chart.csv of several charts. Throws InputError when it cannot be written, as all below.
+/// chart.csv of several charts. Throws InputError when it cannot be written, as write_json.
 void write_csv(const std::vector<Chart>& charts, const std::string& path);
-/// base.svg and base.png.
-void draw(const Chart& chart, const std::string& base);
-/// Summarises the rows in a few sentences.
-std::vector<std::string> describe(const Chart& chart);
-/// README.md with the pictures; images[k] of charts[k], empty: none drawn.
-void write_page(const std::vector<Chart>& charts, const std::vector<std::string>& images, const std::string& path);
+/// chart.json, for src/program/charts/chart.py: the charts measured of so many scenes.
+void write_json(const std::vector<Chart>& charts, std::size_t scenes, const std::string& path);
 
 }  // namespace manycontact::cli

@@ -43,6 +43,20 @@ void note_truth(const ChartTruth& truth, Chart& chart) {
                           " is not known: there is no solution, or another rank, next to the state.");
 }
 
+// Marks the results that no other one dominates in time and error of accelerations.
+void mark_front(std::vector<ChartRow>& rows) {
+  const auto key = [](const ChartRow& row) { return std::pair(*row.time, *row.error_acceleration); };
+  std::vector<ChartRow*> results;
+  for (ChartRow& row : rows)
+    if (row.outcome == Outcome::kAnswered && row.time && row.error_acceleration) results.push_back(&row);
+  std::sort(results.begin(), results.end(), [&](const ChartRow* a, const ChartRow* b) { return key(*a) < key(*b); });
+  const ChartRow* last = nullptr;
+  for (ChartRow* row : results) {
+    row->front = !last || row->error_acceleration < last->error_acceleration || key(*row) == key(*last);
+    if (row->front) last = row;
+  }
+}
+
 }  // namespace
 
 std::string ChartRow::regularisation() const {
@@ -54,41 +68,6 @@ std::string ChartRow::regularisation() const {
 }
 
 double as_written(double x) { return std::strtod(number(x, kDigits).c_str(), nullptr); }
-
-std::optional<double> panel_time(const ChartRow& row, int panel) {
-  if (panel < 2 || !row.time) return row.time;
-  return row.time_derivatives ? std::optional(*row.time + *row.time_derivatives) : std::nullopt;
-}
-
-std::optional<double> panel_error(const ChartRow& row, int panel) {
-  return panel == 0 ? row.error_acceleration : panel == 1 ? row.error_forces : row.error_derivatives;
-}
-
-const ChartRow* Chart::fastest(bool with_derivatives) const {
-  const ChartRow* best = nullptr;
-  const int panel = with_derivatives ? 2 : 0;
-  for (const ChartRow& row : rows)
-    if (row.outcome == Outcome::kAnswered && panel_time(row, panel) &&
-        (!best || *panel_time(row, panel) < *panel_time(*best, panel)))
-      best = &row;
-  return best;
-}
-
-std::vector<std::size_t> panel_front(const Chart& chart, int panel) {
-  std::vector<std::size_t> order;
-  for (std::size_t k = 0; k < chart.rows.size(); ++k) {
-    const ChartRow& row = chart.rows[k];
-    if (row.outcome == Outcome::kAnswered && panel_time(row, panel) && panel_error(row, panel)) order.push_back(k);
-  }
-  const auto key = [&](std::size_t k) {
-    return std::pair(*panel_time(chart.rows[k], panel), *panel_error(chart.rows[k], panel));
-  };
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
-  std::vector<std::size_t> front;
-  for (std::size_t k : order)
-    if (front.empty() || key(k).second < key(front.back()).second || key(k) == key(front.back())) front.push_back(k);
-  return front;
-}
 
 std::vector<ChartRow> list_rows(const Scene& scene) {
   std::vector<double> dampings{scene.damping};
@@ -137,7 +116,7 @@ Chart make_chart(const SceneFile& file, const ChartLimits& limits) {
     c.scene.damping = row.damping;
     c.data = std::make_unique<SceneData>(c.scene, Options{row.method, row.order});
   }
-  chart.rounds = measure_solve(file, candidates, limits);
+  measure_solve(file, candidates, limits);
   for (Candidate& c : candidates) {
     if (c.row->outcome != Outcome::kAnswered) continue;
     c.row->error_acceleration = known(acceleration_error(scene, *c.data, truth));
@@ -146,7 +125,7 @@ Chart make_chart(const SceneFile& file, const ChartLimits& limits) {
   measure_derivatives(candidates, limits,
                       [&](Candidate& c) { c.row->error_derivatives = known(derivative_error(scene, *c.data, truth)); });
   progress("");
-  for (std::size_t k : panel_front(chart, 0)) chart.rows[k].front = true;
+  mark_front(chart.rows);
   return chart;
 }
 

@@ -55,13 +55,8 @@ double take_turn(Call&& call) {
 
 // Runs rounds in which each of `n` is measured once, in random order, as long as its share of the time lasts; turn(i)
 // returns a time. A candidate that throws (CHOLMOD out of memory) is left out: it has no time, and the others continue.
-struct Rounds {
-  std::vector<std::optional<double>> medians;
-  int number = 0;
-};
-
 template <class Turn>
-Rounds take_rounds(std::size_t n, double seconds, const std::string& what, Turn&& turn) {
+std::vector<std::optional<double>> median_times(std::size_t n, double seconds, const std::string& what, Turn&& turn) {
   std::vector<std::vector<double>> times(n);
   std::vector<double> used(n, 0), last(n, 0);
   std::vector<char> gave_up(n, 0);
@@ -69,13 +64,13 @@ Rounds take_rounds(std::size_t n, double seconds, const std::string& what, Turn&
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::mt19937 rng(1);
   const double share = 1e6 * seconds / std::max<double>(1, static_cast<double>(n));
-  Rounds out;
-  for (bool more = true; more && out.number < kRounds; ++out.number) {
+  bool more = true;
+  for (int round = 1; more && round <= kRounds; ++round) {
     more = false;
     for (std::size_t k = n; k > 1; --k) std::swap(order[k - 1], order[rng() % k]);
     for (std::size_t i : order) {
-      if (gave_up[i] || (out.number > 0 && used[i] + last[i] > share)) continue;
-      progress(what + ", round " + std::to_string(out.number + 1));
+      if (gave_up[i] || (round > 1 && used[i] + last[i] > share)) continue;
+      progress(what + ", round " + std::to_string(round));
       try {
         last[i] = time_of([&] { times[i].push_back(turn(i)); });
       } catch (const std::exception&) {
@@ -85,9 +80,10 @@ Rounds take_rounds(std::size_t n, double seconds, const std::string& what, Turn&
       more = true;
     }
   }
+  std::vector<std::optional<double>> medians;
   for (std::size_t i = 0; i < n; ++i)
-    out.medians.push_back(gave_up[i] ? std::nullopt : std::optional(as_written(median(std::move(times[i])))));
-  return out;
+    medians.push_back(gave_up[i] ? std::nullopt : std::optional(as_written(median(std::move(times[i])))));
+  return medians;
 }
 
 std::string answered_by(const SceneData& data) {
@@ -129,7 +125,7 @@ void release_large(SceneData& data) {
 
 }  // namespace
 
-int measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, const ChartLimits& limits) {
+void measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, const ChartLimits& limits) {
   std::vector<Candidate*> run;
   for (Candidate& c : candidates) {
     if (rough_time_of_solve(c.scene, *c.data) > 1e6 * limits.longest)
@@ -146,16 +142,15 @@ int measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, con
       throw;
     }
   };
-  const Rounds rounds = take_rounds(run.size(), 0.5 * limits.seconds, "solve", turn);
+  const auto times = median_times(run.size(), 0.5 * limits.seconds, "solve", turn);
   for (std::size_t i = 0; i < run.size(); ++i) {
-    run[i]->row->time = rounds.medians[i];
+    run[i]->row->time = times[i];
     note_status(*run[i]);
   }
-  return rounds.number;
 }
 
-int measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& limits,
-                        const std::function<void(Candidate&)>& first) {
+void measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& limits,
+                         const std::function<void(Candidate&)>& first) {
   std::vector<Candidate*> run;
   for (Candidate& c : candidates)
     if (c.row->outcome == Outcome::kAnswered && rough_time_of_derivatives(c.scene, *c.data) <= 1e6 * limits.longest)
@@ -176,9 +171,8 @@ int measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& l
       throw;
     }
   };
-  const Rounds rounds = take_rounds(run.size(), 0.5 * limits.seconds, "derivatives", turn);
-  for (std::size_t i = 0; i < run.size(); ++i) run[i]->row->time_derivatives = rounds.medians[i];
-  return rounds.number;
+  const auto times = median_times(run.size(), 0.5 * limits.seconds, "derivatives", turn);
+  for (std::size_t i = 0; i < run.size(); ++i) run[i]->row->time_derivatives = times[i];
 }
 
 }  // namespace manycontact::cli

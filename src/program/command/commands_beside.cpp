@@ -19,7 +19,7 @@ const Command& chart_command() {
       "Its status is that of solve; regularised: the damping is guessed; skipped: it would take too long.\n"
       "On the front no other result is as fast and as accurate in accelerations, and better in one of the two.\n"
       "One scene: DIR/chart.svg, chart.png. Several: DIR/NAME.svg, NAME.png each, and DIR/README.md shows them.\n"
-      "Without gnuplot there are no pictures.\n"
+      "python3 draws them from DIR/chart.json. Without its matplotlib there are no pictures.\n"
       "Exit status: 0, whatever the statuses are; 2 bad usage, bad input or output.\n",
       nullptr,
       nullptr,
@@ -32,7 +32,7 @@ const Command& stability_command() {
       "stability",
       "SCENE",
       "Charts of the scene without torques: drift of the contacts against step size, for gains from none to too stiff; "
-      "energy error over many steps; both integrators. CSV, and SVG and PNG by gnuplot.",
+      "energy error over many steps; both integrators. CSV, and SVG and PNG by matplotlib.",
       {{"--out", "DIR", "for drift.* and energy.*", true},
        {"--time", "T", "s, of each run of the drift chart; default 0.5"},
        {"--step", "H", "s, of the energy chart; default 0.0001"},
@@ -40,8 +40,8 @@ const Command& stability_command() {
        {"--progress", "", "shows progress even where standard error is not a terminal"},
        method_option(),
        order_option()},
-      "Exit status: 0 charts drawn; 1 gnuplot is missing or failed, the CSV files are there; 2 bad usage or bad "
-      "input.\n",
+      "Exit status: 0 charts drawn; 1 python3 with matplotlib is missing, the CSV files are there; 2 bad usage or\n"
+      "bad input.\n",
       nullptr,
       nullptr,
       "manycontact-chart"};
@@ -56,10 +56,12 @@ const Command& export_command() {
       {{"--out", "DIR", "where the files and a README.md about them go; it is made when it is missing", true},
        {"--truth", "", "also solutions, in 34 digits"},
        {"--derivatives", "", "also the right-hand sides of the derivatives"}},
-      "DIR/island_N.mtx is K = [M J^T; J -delta I] of the scene's own contacts, island_N_b.mtx is b, island_N_x.mtx is\n"
+      "DIR/island_N.mtx is K = [M J^T; J -delta I] of the scene's own contacts, island_N_b.mtx is b, island_N_x.mtx "
+      "is\n"
       "x = [a; -f]. Without rounding of K and b, x is in island_N_scene_x.mtx. For derivatives, b and x are in\n"
-      "island_N_db.mtx and island_N_dx.mtx. The names of the rows are in island_N_names.txt. DIR/README.md lists sizes,\n"
-      "ranks, conditions and the correct digits of the solutions.\n"
+      "island_N_db.mtx and island_N_dx.mtx. The names of the rows are in island_N_names.txt. DIR/README.md lists "
+      "sizes,\n"
+      "ranks, conditions and the correct digits of the solutions. python3 writes it from DIR/export.json.\n"
       "Exit status: 0; 2 bad usage, bad input or output.\n",
       nullptr,
       nullptr,
@@ -77,7 +79,7 @@ const Command& optimize_command() {
        {"--torques", "FILE", "CSV of the torques, t and columns u:robot/joint, as `simulate --torques` takes them"},
        {"--forces", "FILE", "CSV of the contact forces, in the columns of `simulate --forces`"},
        {"--simulate", "H", "follow the motion with its feedback in a simulation of steps of about H s, by RK4"},
-       {"--charts", "FOLDER", "convergence, torques and contact forces, as SVG and PNG, by gnuplot"},
+       {"--charts", "FOLDER", "convergence, torques and contact forces, as SVG and PNG, by matplotlib"},
        view_option(),
        {"--threads", "N", "for dynamics and derivatives; default all. Results do not depend on it"},
        {"--solver", "S", "fddp, box-fddp, sparse or auto; default the task's"}},

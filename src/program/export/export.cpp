@@ -2,14 +2,17 @@
 
 #include <iostream>
 
+#include "../files/json_file.hpp"
 #include "../files/output_file.hpp"
 #include "../command/command.hpp"
 #include "../command/progress.hpp"
+#include "../files/python.hpp"
 #include "../text/table.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"
+#include "manycontact/version.hpp"
 
 namespace manycontact::cli {
 
@@ -35,7 +38,7 @@ std::vector<std::string> kinds_of(const ExportPlan& plan) {
 std::string name_of(std::size_t island) { return "island_" + std::to_string(island); }
 
 std::vector<std::string> files_written(const ExportPlan& plan, std::size_t islands) {
-  std::vector<std::string> files{"README.md"};
+  std::vector<std::string> files{"README.md", "export.json"};
   for (std::size_t i = 0; i < islands; ++i)
     for (const std::string& kind : kinds_of(plan)) files.push_back(name_of(i) + kind);
   return files;
@@ -103,6 +106,36 @@ std::string command_of(const ExportPlan& plan) {
          (plan.derivatives ? " --derivatives" : "");
 }
 
+// The list of the systems, and the page about it.
+void write_list(const ExportPlan& plan, const SceneFile& file, const std::vector<ExportedPage>& islands) {
+  const auto digits = [](bool known, double n) { return known ? Json(n) : Json(); };
+  Json list = Json::array();
+  for (const ExportedPage& i : islands)
+    list.push_back({{"name", i.name},
+                    {"nv", i.nv},
+                    {"nc", i.nc},
+                    {"rank", i.rank},
+                    {"nonzeros", i.nonzeros},
+                    {"status", to_string(i.status)},
+                    {"condition", i.condition},
+                    {"x_is_of_the_scene", i.of_scene},
+                    {"digits", digits(i.solution, i.digits)},
+                    {"derivative_columns", i.columns},
+                    {"derivative_digits", digits(i.derivatives, i.derivative_digits)}});
+  write_json_file({{"scene", file.scene.name},
+                   {"file", file.path},
+                   {"version", MANYCONTACT_VERSION},
+                   {"command", command_of(plan)},
+                   {"robots", file.scene.nrobots()},
+                   {"islands", list}},
+                  plan.path("export.json"), "--out");
+  const Python python = find_python();
+  if (python.path.empty())
+    std::cerr << "manycontact: python3 is not installed, README.md is not written; export.json has its numbers\n";
+  else
+    run_python(python, script_path("export.py"), {plan.folder});
+}
+
 void make_folder(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -144,7 +177,7 @@ int run_export(const Arguments& arguments) {
     progress.update(static_cast<double>(i + 1));
   }
   progress.clear();
-  write_export_page(plan.path("README.md"), file, pages, command_of(plan));
+  write_list(plan, file, pages);
   std::cout << summary(file, pages, plan) << "\n";
   return kExitOk;
 }

@@ -58,7 +58,7 @@ void write_sparse(const std::string& path, const Eigen::MatrixXd& b, const std::
 void write_dense(const std::string& path, const Eigen::MatrixXd& b, const std::vector<std::string>& comments);
 void write_dense(const std::string& path, const MatX<Quad>& x, const std::vector<std::string>& comments);
 
-/// Contents of README.md about one island.
+/// What export.json lists of one island.
 struct ExportedPage {
   std::string name;  // "island_0"
   int nv = 0, nc = 0, rank = 0;
@@ -68,7 +68,4 @@ struct ExportedPage {
   bool solution = false, of_scene = false, derivatives = false;  // files that are there; x solves the scene, not K
   double digits = 0, derivative_digits = 0;
 };
-void write_export_page(const std::string& path, const SceneFile& file, const std::vector<ExportedPage>& islands,
-                       const std::string& command);
-
 }  // namespace manycontact::cli

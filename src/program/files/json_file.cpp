@@ -25,8 +25,8 @@ Json json_of(const std::vector<Eigen::VectorXd>& list) {
   return out;
 }
 
-void write_json_file(const Json& json, const std::string& path) {
-  OutputFile file(path, "--json");
+void write_json_file(const Json& json, const std::string& path, const std::string& option) {
+  OutputFile file(path, option);
   print_members(file.stream(), json);
   file.close();
 }

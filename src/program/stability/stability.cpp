@@ -1,15 +1,15 @@
 // `manycontact stability`: constraint violation and energy error by step size, gains and integrator.
 
-#include "stability.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
 
-#include "../files/gnuplot.hpp"
 #include "../command/command.hpp"
 #include "../command/progress.hpp"
+#include "../files/json_file.hpp"
+#include "../files/python.hpp"
+#include "../simulate/simulate.hpp"
 #include "../text/table.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/io/input_error.hpp"
@@ -19,6 +19,47 @@ namespace manycontact::cli {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct GainsChoice {
+  std::string name;  // "none", "100 20", "recommended"
+  bool recommended = false;
+  Gains gains;  // where not recommended
+};
+
+// One run of the chart of constraint violations.
+struct DriftPoint {
+  Integrator integrator;
+  std::string name;  // of the gains
+  Gains gains;
+  double h;            // s
+  long steps;          // planned
+  Invariants largest;  // constraint violation over the run
+  StepStatus stopped;  // kOk: it ran to the end
+};
+
+struct EnergyRow {
+  long step;
+  double error;  // largest |E - E(0)| so far, J
+  double drift;  // position, at this step
+};
+
+// One run of the energy chart.
+struct EnergyRun {
+  Integrator integrator;
+  std::string gains;
+  double h;
+  std::vector<EnergyRow> rows;
+  StepStatus stopped;
+  long steps;      // done
+  double kinetic;  // largest, J
+};
+
+struct Stability {
+  std::string scene;
+  std::vector<DriftPoint> drift;  // by integrator, gains, step size
+  std::vector<EnergyRun> energy;
+  double drift_time;  // s
+};
 
 // Critically damped gains of these rates [1/s], from soft to stiff; 0: none.
 constexpr double kRates[] = {0, 10, 100, 1000};
@@ -47,12 +88,14 @@ Gains gains_for(const GainsChoice& choice, Integrator integrator, double h) {
 }
 
 // The largest constraint violation over `time`; stops if a step fails.
-DriftPoint measure_drift(SceneFile file, const Options& options, Integrator integrator, const Gains& gains, double h,
-                         double time, const std::function<void(long)>& each) {
+DriftPoint measure_drift(SceneFile file, const Options& options, Integrator integrator, const GainsChoice& choice,
+                         double h, double time, const std::function<void(long)>& each) {
+  const Gains gains = gains_for(choice, integrator, h);
+  const long steps = static_cast<long>(std::ceil(time / h - 1e-6));
   set_gains(file.scene, gains);
   SimulationData sim(file.scene, file.q, file.v, integrator, h, options);
   InvariantsData room(file.scene);
-  DriftPoint point{integrator, gains, h, static_cast<long>(std::ceil(time / h - 1e-6)), {}, StepStatus::kOk};
+  DriftPoint point{integrator, choice.name, gains, h, steps, {}, StepStatus::kOk};
   while (sim.steps < point.steps && point.stopped == StepStatus::kOk) {
     point.stopped = step(file.scene, file.u, sim);
     const Invariants at = invariants(file.scene, sim.dynamics.active, sim.q, sim.v, room);
@@ -102,23 +145,24 @@ double total_work(const Plan& plan) {
 }
 
 Stability measure(const SceneFile& file, const Options& options, const Plan& plan) {
-  Stability out{file.scene.name, gains_choices(), {}, {}, plan.drift_time};
+  const std::vector<GainsChoice> choices = gains_choices();
+  Stability out{file.scene.name, {}, {}, plan.drift_time};
   Progress progress("", total_work(plan), plan.progress);
   double done = 0;
   for (Integrator integrator : kIntegrators) {
     const double cost = integrator == Integrator::kRk4 ? 4 : 1;
-    for (const GainsChoice& choice : out.choices) {
+    for (const GainsChoice& choice : choices) {
       const std::string label = "drift, " + to_string(integrator) + ", gains " + choice.name;
       for (double h : step_sizes()) {
-        out.drift.push_back(
-            measure_drift(file, options, integrator, gains_for(choice, integrator, h), h, plan.drift_time,
-                          [&](long k) { progress.update(done + cost * static_cast<double>(k), label); }));
+        out.drift.push_back(measure_drift(file, options, integrator, choice, h, plan.drift_time, [&](long k) {
+          progress.update(done + cost * static_cast<double>(k), label);
+        }));
         done += cost * plan.drift_time / h;
       }
     }
   }
   for (Integrator integrator : kIntegrators)
-    for (const GainsChoice& choice : {out.choices.front(), out.choices.back()}) {
+    for (const GainsChoice& choice : {choices.front(), choices.back()}) {
       const double cost = integrator == Integrator::kRk4 ? 4 : 1;
       const std::string label = "energy, " + to_string(integrator) + ", gains " + choice.name;
       out.energy.push_back(
@@ -149,11 +193,10 @@ void write_drift(const Stability& s, const fs::path& path) {
                            "largest_velocity_drift", "stopped", "largest_stable_step_s"})
     csv << name;
   csv.end_row();
-  for (std::size_t k = 0; k < s.drift.size(); ++k) {
-    const DriftPoint& p = s.drift[k];
-    csv << to_string(p.integrator) << s.choices[k / step_sizes().size() % s.choices.size()].name << p.gains.alpha
-        << p.gains.beta << p.h << static_cast<double>(p.steps) << p.largest.position_drift << p.largest.velocity_drift
-        << to_string(p.stopped) << largest_stable_step(p.integrator, p.gains);
+  for (const DriftPoint& p : s.drift) {
+    csv << to_string(p.integrator) << p.name << p.gains.alpha << p.gains.beta << p.h << static_cast<double>(p.steps)
+        << p.largest.position_drift << p.largest.velocity_drift << to_string(p.stopped)
+        << largest_stable_step(p.integrator, p.gains);
     csv.end_row();
   }
   csv.close();
@@ -170,6 +213,19 @@ void write_energy(const Stability& s, const fs::path& path) {
       csv.end_row();
     }
   csv.close();
+}
+
+// What the charts show beside the CSV files.
+void write_json(const Stability& s, const fs::path& path) {
+  Json runs = Json::array();
+  for (const EnergyRun& run : s.energy)
+    runs.push_back({{"integrator", to_string(run.integrator)},
+                    {"gains", run.gains},
+                    {"step_s", run.h},
+                    {"steps", run.steps},
+                    {"stopped", to_string(run.stopped)},
+                    {"largest_kinetic_energy_J", run.kinetic}});
+  write_json_file({{"scene", s.scene}, {"drift_time_s", s.drift_time}, {"energy_runs", runs}}, path.string(), "--out");
 }
 
 // Whether any run has an energy error to draw.
@@ -206,7 +262,8 @@ int run_stability(const Arguments& arguments) {
   if (!folder) throw UsageError("option --out is missing");
 
   SceneFile file = load_scene(path);
-  check_folder("--out", *folder, {"drift.csv", "drift.svg", "drift.png", "energy.csv", "energy.svg", "energy.png"},
+  check_folder("--out", *folder,
+               {"drift.csv", "drift.svg", "drift.png", "energy.csv", "energy.svg", "energy.png", "stability.json"},
                file.files);
   if (file.scene.contacts.empty()) throw InputError(path, 1, "there are no contacts, expected some to drift");
   file.u.setZero();
@@ -216,14 +273,15 @@ int run_stability(const Arguments& arguments) {
   const Stability s = measure(file, options, plan);
   write_drift(s, fs::path(*folder) / "drift.csv");
   write_energy(s, fs::path(*folder) / "energy.csv");
+  write_json(s, fs::path(*folder) / "stability.json");
   print_summary(std::cout, s);
-  if (!gnuplot_available()) {
-    std::cerr << "manycontact: " << kNoGnuplot << "; drift.csv and energy.csv are in " << printable(*folder) << "\n";
+  const Python python = find_python();
+  if (!python.draws) {
+    std::cerr << "manycontact: " << kNoCharts << "; drift.csv and energy.csv are in " << printable(*folder) << "\n";
     return kExitUnsound;
   }
-  draw_drift(s, (fs::path(*folder) / "drift").string());
+  run_python(python, script_path("stability.py"), {*folder});
   const bool energy = has_energy_error(s);
-  if (energy) draw_energy(s, (fs::path(*folder) / "energy").string());
   std::cout << "charts: drift" << (energy ? " and energy" : "") << ", .png and .svg, in " << printable(*folder) << "\n";
   if (!energy) std::cout << "no energy chart: no run that took a step has an energy error\n";
   return kExitOk;

@@ -6,9 +6,9 @@
 #include <iomanip>
 #include <iostream>
 
-#include "program/files/gnuplot.hpp"
 #include "program/command/command.hpp"
 #include "program/command/interrupt.hpp"
+#include "program/files/python.hpp"
 #include "program/text/table.hpp"
 #include "program/view/view.hpp"
 #include "manycontact/analysis/load_scene.hpp"
@@ -40,7 +40,7 @@ void show(std::size_t k, const TaskIteration& i) {
 // Pictures are not written over what is read or over what other options write.
 void check_charts(const Arguments& arguments, const std::string& path, const TaskFile& task,
                   const std::string& folder) {
-  std::vector<std::string> names, others = task.scene.files;
+  std::vector<std::string> names{"charts.json"}, others = task.scene.files;
   for (const char* name : {"convergence", "torques", "forces"})
     for (const char* kind : {".svg", ".png"}) names.push_back(std::string(name) + kind);
   others.push_back(path);
@@ -51,7 +51,7 @@ void check_charts(const Arguments& arguments, const std::string& path, const Tas
 
 // Before hours of work: there is a folder for charts, and what draws them.
 void prepare_charts(const std::string& folder) {
-  if (!gnuplot_available()) throw InputError(folder, 1, kNoGnuplot);
+  if (!find_python().draws) throw InputError(folder, 1, kNoCharts);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw InputError(folder, 1, "cannot be created: " + error.message() + ", expected a folder for --charts");

@@ -32,7 +32,7 @@ void write_torques(const OptimizedTask& motion, const std::string& path);
 /// t and the columns of `simulate --forces`, a row per node; zeros of contacts that are open.
 void write_forces(const OptimizedTask& motion, const std::string& path);
 
-/// convergence, torques and forces, .svg and .png, into the folder, by gnuplot. Throws as draw does.
+/// convergence, torques and forces, .svg and .png, into the folder, from charts.json there. Throws as run_python does.
 void draw_charts(const OptimizedTask& motion, const std::string& folder);
 
 /// The states as frames of a view, with the torques and cones of the task.

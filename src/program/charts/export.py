@@ -1,15 +1,19 @@
-// README.md of an export.
+"""Writes the page of `manycontact export`.
 
-#include "../files/output_file.hpp"
-#include "../text/table.hpp"
-#include "export.hpp"
-#include "manycontact/version.hpp"
+    export.py DIR
 
-namespace manycontact::cli {
+DIR/export.json lists the systems; DIR/README.md explains the files.
+"""
 
-namespace {
+import json
+import math
+import os
+import sys
 
-constexpr const char* kFiles = R"(| file | contents |
+import drawing
+from drawing import count, number, printable, scientific
+
+FILES = """| file | contents |
 |---|---|
 | `island_N.mtx` | K, symmetric, the lower triangle in coordinates |
 | `island_N_b.mtx` | b, one column |
@@ -33,29 +37,31 @@ its own rows, also where rows depend on each other.
   the rounding errors of K and b, if the status is `redundant`; if it is `inconsistent`, x minimises the violation.
 * **db** is K dx, where dx = [da; -df] are the derivatives computed in double precision. Entries below the rounding errors of
   that product are zero. dx in the file solves K dx = db for the numbers as written.
-)";
 
-std::string digits(bool known, double n) { return known ? number(n, 3) : "unknown"; }
+| system | nv | nc | rank of J | non-zeros of K | status | condition (1-norm) | x: digits | dx: columns | dx: digits |
+|---|--:|--:|--:|--:|---|--:|--:|--:|--:|
+"""
 
-}  // namespace
 
-void write_export_page(const std::string& path, const SceneFile& file, const std::vector<ExportedPage>& islands,
-                       const std::string& command) {
-  OutputFile page(path);
-  std::ostream& out = page.stream();
-  out << "# " << printable(file.scene.name) << "\n\nWritten by manycontact " MANYCONTACT_VERSION ", `" << command
-      << "`, from " << printable(file.path) << ".\n"
-      << count(file.scene.nrobots(), "robot") << ", " << count(static_cast<long>(islands.size()), "island")
-      << ". Robots that contacts couple are one island, with one system.\n\n"
-      << kFiles << "\n"
-      << "| system | nv | nc | rank of J | non-zeros of K | status | condition (1-norm) | x: digits | dx: columns | "
-         "dx: digits |\n|---|--:|--:|--:|--:|---|--:|--:|--:|--:|\n";
-  for (const ExportedPage& i : islands)
-    out << "| " << i.name << " | " << i.nv << " | " << i.nc << " | " << i.rank << " | " << i.nonzeros << " | "
-        << to_string(i.status) << " | " << scientific(i.condition) << " | "
-        << (i.of_scene && i.solution ? "of the scene, " : "") << digits(i.solution, i.digits) << " | " << i.columns
-        << " | " << digits(i.derivatives, i.derivative_digits) << " |\n";
-  page.close();
-}
+def digits(known):
+    return "unknown" if known is None else number(known)
 
-}  // namespace manycontact::cli
+
+def row(i):
+    of_scene = "of the scene, " if i["x_is_of_the_scene"] and i["digits"] is not None else ""
+    cells = (i["name"], i["nv"], i["nc"], i["rank"], i["nonzeros"], i["status"], scientific(math.inf if i["condition"] is None else i["condition"]), of_scene + digits(i["digits"]),
+             i["derivative_columns"], digits(i["derivative_digits"]))
+    return "| " + " | ".join(map(str, cells)) + " |\n"
+
+
+def main(folder):
+    with open(os.path.join(folder, "export.json")) as file:
+        written = json.load(file)
+    islands = written["islands"]
+    text = f"# {printable(written['scene'])}\n\nWritten by manycontact {written['version']}, `{written['command']}`, from {printable(written['file'])}.\n"
+    text += f"{count(written['robots'], 'robot')}, {count(len(islands), 'island')}. Robots that contacts couple are one island, with one system.\n\n"
+    drawing.write(os.path.join(folder, "README.md"), text + FILES + "".join(map(row, islands)))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,25 @@
+#pragma once
+// Python, run as a program of its own. It draws the charts and writes the pages about what this program has measured.
+
+#include <string>
+#include <vector>
+
+namespace manycontact::cli {
+
+/// The first python3 of PATH that has matplotlib, or if none has it the first python3.
+struct Python {
+  std::string path;  // empty if there is no python3
+  bool draws = false;
+};
+Python find_python();
+inline constexpr const char* kNoCharts =
+    "python3 with matplotlib is not installed (Debian: python3-matplotlib), no charts are drawn";
+
+/// The path of a script of src/program/charts, which is installed in share/manycontact/charts.
+std::string script_path(const std::string& name);
+
+/// Runs a script with these arguments; returns what it prints. Throws InputError if it cannot write a file,
+/// std::runtime_error if Python cannot be started or fails.
+std::string run_python(const Python& python, const std::string& script, const std::vector<std::string>& arguments);
+
+}  // namespace manycontact::cli
