@@ -56,12 +56,10 @@ const Command& export_command() {
       {{"--out", "DIR", "where the files and a README.md about them go; it is made when it is missing", true},
        {"--truth", "", "also solutions, in 34 digits"},
        {"--derivatives", "", "also the right-hand sides of the derivatives"}},
-      "DIR/island_N.mtx is K = [M J^T; J -delta I] of the scene's own contacts, island_N_b.mtx is b, island_N_x.mtx "
-      "is\n"
-      "x = [a; -f]. Without rounding of K and b, x is in island_N_scene_x.mtx. For derivatives, b and x are in\n"
-      "island_N_db.mtx and island_N_dx.mtx. The names of the rows are in island_N_names.txt. DIR/README.md lists "
-      "sizes,\n"
-      "ranks, conditions and the correct digits of the solutions. python3 writes it from DIR/export.json.\n"
+      "DIR/island_N.mtx is K = [M J^T; J -delta I] of the scene's own contacts, island_N_b.mtx is b, island_N_x.mtx\n"
+      "is x = [a; -f]. Without rounding of K and b, x is in island_N_scene_x.mtx. For derivatives, b and x are in\n"
+      "island_N_db.mtx and island_N_dx.mtx. The names of the rows are in island_N_names.txt. DIR/README.md lists\n"
+      "sizes, ranks, conditions and the correct digits of the solutions. python3 writes it from DIR/export.json.\n"
       "Exit status: 0; 2 bad usage, bad input or output.\n",
       nullptr,
       nullptr,
