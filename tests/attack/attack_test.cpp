@@ -11,6 +11,7 @@
 #include "reference.hpp"
 #include "support/folder.hpp"
 #include "support/methods.hpp"
+#include "support/sample.hpp"
 #include "support/scenes.hpp"
 
 namespace manycontact::attack {
@@ -52,15 +53,15 @@ class Attack : public testing::TestWithParam<Kinds> {};
 TEST_P(Attack, FindsNothing) {
   const Kinds& kinds = GetParam();
   const test::TemporaryFolder folder;
-  int judged = 0;
-  for (int seed = kinds.first; seed < kinds.first + kinds.count; ++seed) {
+  int judged = 0, tried = 0;
+  for (int seed = kinds.first; seed < kinds.first + kinds.count; seed += test::sample(), ++tried) {
     const Case c = random_case(seed, kinds.dimensions);
     const Judgement j = judge(c, folder.path().string(), test::methods());
     expect_nothing(c, j);
     judged += j.judged;
     bound_over_error.insert(bound_over_error.end(), j.bound_over_error.begin(), j.bound_over_error.end());
   }
-  EXPECT_GE(judged, kinds.count / 2);
+  EXPECT_GE(judged, tried / 2);
 }
 
 // With long moment arms the null space of J^T in double is too far from the true one.

@@ -12,6 +12,7 @@
 #include "stability/condition.hpp"
 #include "stability/table.hpp"
 #include "support/dense.hpp"
+#include "support/sample.hpp"
 #include "support/scenes.hpp"
 
 namespace manycontact::test {
@@ -55,7 +56,7 @@ class Stability : public testing::TestWithParam<int> {};
 TEST_P(Stability, NoWrongAnswers) {
   const Cases& cases = all_causes()[GetParam()];
   std::vector<Row> rows;
-  for (const Case& c : cases.list) rows.push_back(judge(c));
+  for (std::size_t k = 0; k < cases.list.size(); k += test::sample()) rows.push_back(judge(cases.list[k]));
   std::cout << text_table(cases.cause, rows);
   EXPECT_EQ(count(rows, Outcome::kWrong), 0) << "wrong answers with a good status";
   EXPECT_EQ(count(rows, Outcome::kMislabelled), 0) << "statuses mixed up";
@@ -80,7 +81,7 @@ TEST_P(Stability, NoWrongAnswers) {
     for (const Row& row : rows)
       EXPECT_TRUE(agree(classes(row.letters()), committed[row.which->name]))
           << row.which->name << ": " << classes(row.letters()) << ", " << committed[row.which->name] << " on the page";
-    EXPECT_EQ(committed.size(), rows.size());
+    EXPECT_EQ((committed.size() + test::sample() - 1) / test::sample(), rows.size());
   }
 #endif
   done.emplace_back(cases.cause, std::move(rows));

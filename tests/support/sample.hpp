@@ -1,0 +1,13 @@
+#pragma once
+#include <algorithm>
+#include <cstdlib>
+
+namespace manycontact::test {
+
+/// A sweep tests one of so many cases: MANYCONTACT_SAMPLE, which `./run test` sets and `./run test --all` does not; else 1.
+inline int sample() {
+  const char* every = std::getenv("MANYCONTACT_SAMPLE");
+  return every ? std::max(1, std::atoi(every)) : 1;
+}
+
+}  // namespace manycontact::test
