@@ -89,7 +89,7 @@ def test_contacts_close_where_their_frames_are():
     moved = [contact.name for contact, place in zip(scene.contacts, places) if contact.B.placement != place]
     assert moved == ["LF"]
     assert all(error.position < 1e-4 for error in mc.placement_errors(scene, motion.q))
-    for _ in range(20):
-        assert mc.step(scene, file.u, motion) == mc.StepStatus.OK
-    assert abs(motion.v).max() < 5 and abs(mc.contact_force(scene, motion, "LF")).max() < 1000
-    assert all(error.position < 1e-3 for error in mc.placement_errors(scene, motion.q))
+    speed = abs(motion.v).max()
+    assert mc.step(scene, file.u, motion) == mc.StepStatus.OK
+    assert abs(motion.v).max() < 1.1 * speed  # pulled back to the old place: 80 m/s, and 14 kN
+    assert abs(mc.contact_force(scene, motion, "LF")).max() < 100
