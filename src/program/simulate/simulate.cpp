@@ -38,8 +38,7 @@ struct Run {
   Invariants start, end, largest;  // `largest` has the largest constraint errors of the states written
   double seconds = 0;
   SpringStep shortest;  // at the start
-  Findings at_start;    // of files; contacts out of place or moving; nearly dependent rows; joints without inertia,
-                        // where that ended it
+  Findings at_start;    // also nearly dependent rows of later contacts, and joints without inertia that ended it
   std::optional<Recording> view;
 };
 
@@ -156,9 +155,8 @@ void simulate(Scene& scene, Around& around, bool progress_always, SimulationData
     q = sim.q, v = sim.v;
     const Eigen::VectorXd& u = around.control.torques_at(t);
     around.act(t, sim);
-    around.watch.judge_rows(scene, u, false, sim, run.at_start);
+    if (around.watch.is_new(sim)) around.watch.judge_rows(scene, u, sim, run.at_start);
     run.stopped = step(scene, u, sim);
-    if (run.stopped != StepStatus::kOk) around.watch.judge_rows(scene, u, true, sim, run.at_start);
     if (run.stopped == StepStatus::kOk) {
       around.watch.look(scene, t, q, v, with_pd(scene, sim, u), sim);
       if (around.forces && (sim.steps - 1) % run.every == 0) write_forces_row(t, scene, sim, *around.forces);
@@ -363,6 +361,7 @@ int run_simulate(const Arguments& arguments) {
   run.at_start.misplaced = placement_errors(file.scene, sim.dynamics.active, file.q);
   run.at_start.moving = velocity_errors(file.scene, sim.dynamics.active, file.q, file.v);
   simulate(file.scene, around, arguments.has("--progress"), sim, csv, run);
+  if (run.stopped != StepStatus::kOk) around.watch.judge_rows(file.scene, file.u, sim, run.at_start);
   if (run.stopped == StepStatus::kSolverFailed)
     run.at_start.massless = massless_joints(file.scene, sim.dynamics, sim.q);
   const std::string late = switches_not_reached(around, sim);
@@ -375,15 +374,12 @@ int run_simulate(const Arguments& arguments) {
   finish_view(arguments, file, run.view, summary ? &std::cout : nullptr);
   if (run.stopped == StepStatus::kOk && !run.interrupted)
     return sim.worst <= Status::kInconsistent ? kExitOk : kExitUnsound;
-  const std::string advice = summary ? "" : spring_advice(file.scene, sim, run.shortest);
+  const std::string& rows = around.watch.nearly_dependent();
+  const std::string advice = rows.empty() && !summary ? spring_advice(file.scene, sim, run.shortest) : rows;
   std::cerr << "manycontact: " << printable(path) << ": stopped in step " << sim.steps + 1 << " of " << run.steps
             << ", at t = " << number(sim.time(), 6)
             << " s: " << printable(run.interrupted ? kInterrupted : failure(file.scene, sim, run.stopped))
-            << (advice.empty() ? "" : "; " + printable(advice))
-            << (around.watch.nearly_dependent().empty()
-                    ? ""
-                    : "; nearly dependent rows: " + printable(around.watch.nearly_dependent()))
-            << "\n";
+            << (advice.empty() ? "" : "; " + printable(advice)) << "\n";
   return kExitUnsound;
 }
 
@@ -419,9 +415,7 @@ const Command& simulate_command() {
         true},
        {"--integrator", "I", "semi-implicit-euler (the default) or rk4, both on the manifold"},
        {"--gains", "G", "of all contacts: 'alpha beta', or 'recommended' for the step; default the scene's"},
-       {"--damping", "D",
-        "of the contacts instead of the scene's: bounds forces near singular configurations, and changes the energy "
-        "there"},
+       {"--damping", "D", "of the contacts instead of the scene's; bounds forces near singular configurations"},
        {"--every", "N", "writes every Nth state, and the last"},
        {"--passive", "", "without torques"},
        {"--torques", "FILE",
@@ -432,11 +426,9 @@ const Command& simulate_command() {
         "other pushes, and times before the first row, have the scene's"},
        {"--pd", "G",
         "'kp kd', or 'kp kd; robot/joint kp kd; ...' for joints with their own gains: adds kp (q_ref - q) + kd (v_ref "
-        "- v) "
-        "on actuated joints, at the end of each step, towards the scene's q or"},
+        "- v) on actuated joints, at the end of each step, towards the scene's q or"},
        {"--reference", "FILE",
-        "CSV: t and columns q:robot/joint, v:robot/joint, as --out writes them; missing velocities are the slopes of "
-        "the positions"},
+        "CSV: t and columns q:robot/joint, v:robot/joint, as of --out; missing velocities are slopes of positions"},
        {"--switch", "LIST",
         "contacts that open and close: '0.2 left off, 0.5 left on' (or here: constrained at the current placement); on "
         "for an active contact stops its frames' velocity"},
@@ -449,8 +441,7 @@ const Command& simulate_command() {
        order_option(),
        precision_option()},
       "Exit status: 0 ok, redundant, inconsistent; 1 regularised, or stopped before the end; 2 bad usage, bad input\n"
-      "or output. It stops if the solver fails, the state is not finite or faster than 1e5 m/s or rad/s, and by "
-      "Ctrl-C.\n"
+      "or output. It stops if the solver fails, the state is not finite or faster than 1e5 m/s or rad/s, by Ctrl-C.\n"
       "The motion so far is written.\n",
       run_simulate};
   return command;

@@ -115,16 +115,14 @@ void Watch::look(const Scene& scene, double t, const Eigen::VectorXd& q, const E
   most_rank_ = std::max(most_rank_, sim.dynamics.report.rank);
 }
 
-void Watch::judge_rows(const Scene& scene, const Eigen::VectorXd& u, bool stopped, const SimulationData& sim,
-                       Findings& to) {
-  if (!judged_.insert(sim.dynamics.active).second && !stopped) return;
+void Watch::judge_rows(const Scene& scene, const Eigen::VectorXd& u, const SimulationData& sim, Findings& to) {
   SceneData data(scene, sim.dynamics.options);
   data.active = sim.dynamics.active;
   if (solve(scene, sim.q, sim.v, u, data).status == Status::kFailed) return;
   find_near_dependent(scene, sim.q, data, to);
   std::vector<std::string> rows;
   for (const NearlyDependent& n : to.near_dependent) rows.insert(rows.end(), n.rows.begin(), n.rows.end());
-  near_dependent_ = join(rows, 2);
+  if (!rows.empty()) near_dependent_ = "nearly dependent rows: " + join(rows, 2);
 }
 
 template <class Finding>
@@ -202,7 +200,7 @@ void Watch::print_energy(std::ostream& out, const Scene& scene, const Simulation
                               ? "steps of " + number(sim.h) +
                                     " s are too long for this motion, or gains correct contacts that are out of place" +
                                     (gained < 0 && scene.damping > 0 ? ", or --damping dissipates it" : "")
-                              : "rows are nearly dependent (" + near_dependent_ + ")";
+                              : near_dependent_;
   wrap(out,
        gained > 0 ? "energy grew by " + number(gained) + " J more than the torques" + (applied_ ? " and pushes" : "") +
                         " gave: " + why

@@ -20,9 +20,11 @@ class Watch {
   /// After a step from q, v with torques u, which started at t and ended in the state of `sim`.
   void look(const Scene& scene, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& u,
             const SimulationData& sim);
-  /// Looks for nearly dependent rows at the state of `sim`, which has these contacts the first time, or has stopped.
-  void judge_rows(const Scene& scene, const Eigen::VectorXd& u, bool stopped, const SimulationData& sim, Findings& to);
-  /// The rows that judge_rows has found, in a few words; empty if there are none.
+  /// Whether the state of `sim` is the first one with its contacts. Once true, for each set of contacts.
+  bool is_new(const SimulationData& sim) { return judged_.insert(sim.dynamics.active).second; }
+  /// Adds the nearly dependent rows at the state of `sim`, with torques u.
+  void judge_rows(const Scene& scene, const Eigen::VectorXd& u, const SimulationData& sim, Findings& to);
+  /// "nearly dependent rows: loop[2]", those that judge_rows has found; empty if there are none.
   const std::string& nearly_dependent() const { return near_dependent_; }
   void lost(double energy) { work_ -= energy; }  // in an impact
 
@@ -65,7 +67,7 @@ class Watch {
   double rank_time_ = -1;  // when rows became dependent that were not, -1: never
   std::vector<char> active_;
   std::set<std::vector<char>> judged_;  // sets of active contacts
-  std::string near_dependent_;          // "loop[2] and 1 more"; empty where there are none
+  std::string near_dependent_;          // as nearly_dependent()
 };
 
 }  // namespace manycontact::cli
