@@ -130,8 +130,9 @@ void make_scene(const Scene& scene, Reduction& r) {
     for (auto& [set, of] : sets) {
       if (!of.pair.pair) continue;
       of.number = static_cast<int>(r.scene.contacts.size());
+      r.pairs.push_back(std::make_shared<PairRows>(*of.pair.pair));  // changes with the scene; the set's own does not
       r.scene.contacts.push_back(of.pair);
-      r.pairs.push_back(std::const_pointer_cast<PairRows>(of.pair.pair));
+      r.scene.contacts.back().pair = r.pairs.back();
       rows = std::max(rows, of.pair.pair->unit.size());
     }
   r.rows_of_pair.resize(static_cast<Eigen::Index>(rows));

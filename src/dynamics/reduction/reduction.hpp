@@ -29,7 +29,7 @@ struct Reduction {
   };
 
   struct Set {        // of active contacts between two bodies, once met
-    Contact pair;     // `pair.pair` is empty where their rows are independent
+    Contact pair;     // as it was then; `pair.pair` is empty where their rows are independent
     int number = -1;  // of the pair among the contacts of the scene solved
   };
 

@@ -67,34 +67,27 @@ void add_damped_contradictions(const SceneData& data, double damping, const Redu
 }
 
 // Inconsistency of the contacts of an island's pairs.
-struct PairContradiction {
-  bool reduced = false, contradicts = false;
-};
-PairContradiction contradiction_of(const SceneData& data, const Reduction& r, std::size_t island,
-                                   std::span<const double> wanted) {
-  PairContradiction out;
-  const double terms = r.data->report.islands[island].contact_terms;
+rank::Contradiction<double> contradiction_of(const SceneData& data, const Reduction& r, std::size_t island,
+                                             std::span<const double> wanted) {
+  rank::Contradiction<double> out;
+  out.Ja = r.data->report.islands[island].contact_terms;
   for (int c : island_of(*r.data, island).contacts) {
     const PairRows* pair = r.pair_of(c);
     if (!pair) continue;
-    out.reduced = true;
-    const double *left = left_of_pair(r, c), of_left = left[pair->unit.size()];
-    const auto contradicts = [&](double size, double its_terms) {
-      return size > tolerance::kDriftRounding * its_terms && !(size <= tolerance::kContradiction * terms);
-    };
-    const PairVector all(left, static_cast<Eigen::Index>(pair->unit.size()));
-    if (wanted.empty()) {
-      out.contradicts |= contradicts(all.cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), of_left);
-      continue;
-    }
+    const double* left = left_of_pair(r, c);
     const auto& Q = pair->numbers->Q;
-    const auto y = r.prescribed.segment(r.data->f_offset[static_cast<std::size_t>(c)], Q.cols());
-    const double its_terms = of_left + y.template lpNorm<1>();
+    const auto y = wanted.empty() ? Eigen::Map<const Eigen::VectorXd>(nullptr, 0)
+                                  : Eigen::Map<const Eigen::VectorXd>(
+                                        &r.prescribed[r.data->f_offset[static_cast<std::size_t>(c)]], Q.cols());
+    const double terms = left[pair->unit.size()] + y.lpNorm<1>();
     each_member(data.f_offset, *pair, [&](int from, int first, int rows) {
-      for (int i = 0; i < rows; ++i) {
-        const double asked =
-            wanted[static_cast<std::size_t>(from + i)] * pair->unit[static_cast<std::size_t>(first + i)];
-        out.contradicts |= contradicts(std::abs(all[first + i] - (asked - Q.row(first + i).dot(y))), its_terms);
+      for (int i = first; i < first + rows; ++i) {
+        double size = left[i];
+        if (!wanted.empty())
+          size -= wanted[static_cast<std::size_t>(from + i - first)] * pair->unit[static_cast<std::size_t>(i)] -
+                  Q.row(i).dot(y);
+        out.left = rank::larger_or_nan(std::abs(size), out.left);
+        out.of_terms = rank::larger_or_nan(size == 0 ? 0 : std::abs(size) / terms, out.of_terms);
       }
     });
   }
@@ -141,9 +134,10 @@ void take_report(const Scene& scene, SceneData& data, const Reduction& r, std::s
       if (report.status != Status::kRegularised) report.rank = report.nc;
       continue;
     }
-    const PairContradiction of = contradiction_of(data, r, i, wanted);
-    if (of.reduced && report.status == Status::kOk) report.status = Status::kRedundant;
-    if (of.contradicts && report.status == Status::kRedundant) report.status = Status::kInconsistent;
+    if (has_pairs(r, i) && report.status == Status::kOk) report.status = Status::kRedundant;
+    if (report.status == Status::kRedundant &&
+        contradicts(r.scene, *r.data, contradiction_of(data, r, i, wanted), *r.data->workspace->islands[i]))
+      report.status = Status::kInconsistent;
     if (report.rank < report.nc) name_dependent_rows(data, r, i, report);
   }
   data.report.method = data.options.method;
