@@ -8,36 +8,12 @@
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/solve.hpp"
-#include "support/piles.hpp"
-#include "support/random.hpp"
+#include "support/several_contacts.hpp"
 
 namespace manycontact::test::history {
 namespace {
 
 using Eigen::VectorXd;
-
-int integer(std::mt19937& rng, int low, int high) { return std::uniform_int_distribution<int>(low, high)(rng); }
-
-// Boxes are on each other at several points, which need not fit, and some of the lowest on the ground.
-RandomScene random_boxes(std::mt19937& rng) {
-  PileMaker make;
-  const int boxes = integer(rng, 1, 4);
-  for (int k = 0; k < boxes; ++k) make.box(0, 0, k);
-  for (int k = 0; k < boxes; ++k) {
-    const bool joined = k > 0 && chance(rng, 0.8);
-    for (int points = integer(rng, 1, 4); points > 0; --points) {
-      const ContactType types[] = {ContactType::k3D, ContactType::k3D, ContactType::k3D,
-                                   ContactType::k1D, ContactType::k2D, ContactType::k6D};
-      make.join(types[integer(rng, 0, 5)], k, joined ? k - 1 : -1,
-                {uniform(rng, -0.5, 0.5), uniform(rng, -0.5, 0.5), k - 0.5});
-    }
-  }
-  RandomScene s = make.finish(0.3);
-  if (chance(rng, 0.3)) s.v.setZero();
-  for (Contact& c : s.scene.contacts)
-    if (chance(rng, 0.7)) c.alpha = uniform(rng, 0, 100), c.beta = uniform(rng, 0, 20);
-  return s;
-}
 
 RandomScene random_trees(std::mt19937& rng) {
   SceneOptions options;
@@ -129,10 +105,12 @@ std::string difference_of_sequence(int seed) {
       v[integer(rng, 0, s.scene.nv - 1)] = kNaN;
       (void)solve(s.scene, s.q, v, s.u, used);
     }
-    SceneData fresh(s.scene, used.options);
+    RandomScene at = s;
+    if (chance(rng, 0.1)) at.scene.pushes.clear(), at.scene.springs.clear();
+    SceneData fresh(at.scene, used.options);
     fresh.active = used.active;
-    for (SceneData* data : {&used, &fresh}) (void)solve(s.scene, s.q, s.v, s.u, *data);
-    const std::string what = difference(s, used, fresh);
+    for (SceneData* data : {&used, &fresh}) (void)solve(at.scene, s.q, s.v, s.u, *data);
+    const std::string what = difference(at, used, fresh);
     if (!what.empty()) return what + " at step " + std::to_string(step) + " by " + to_string(used.options.method);
   }
   return "";

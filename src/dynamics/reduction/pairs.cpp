@@ -12,14 +12,14 @@ namespace manycontact::internal {
 namespace {
 
 Reduction::Terms terms_of(const Scene& scene) {
-  Reduction::Terms out{{}, scene.damping > 0, scene.damping > 0 ? 1 : scene.moment_length};
+  Reduction::Terms out{{}, scene.damping > 0, has_applied_forces(scene), scene.damping > 0 ? 1 : scene.moment_length};
   out.constant_rows.reserve(scene.contacts.size());
   for (const Contact& contact : scene.contacts) out.constant_rows.push_back(has_constant_rows(contact));
   return out;
 }
 
 bool same_terms(const Scene& scene, const Reduction::Terms& terms) {
-  if (terms.damped != (scene.damping > 0)) return false;
+  if (terms.damped != (scene.damping > 0) || terms.forces != has_applied_forces(scene)) return false;
   if (!terms.damped && terms.moment_length != scene.moment_length) return false;
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
     if (terms.constant_rows[c] != has_constant_rows(scene.contacts[c])) return false;

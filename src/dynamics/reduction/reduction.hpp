@@ -23,8 +23,8 @@ struct Workspace;
 struct Reduction {
   /// Terms that the pairs that may be reduced depend on, in addition to those of SceneIdentity.
   struct Terms {
-    std::vector<char> constant_rows;  // per contact of the scene
-    bool damped = false;
+    std::vector<char> constant_rows;      // per contact of the scene
+    bool damped = false, forces = false;  // forces: there are external wrenches or springs
     double moment_length = 1;
   };
 

@@ -6,7 +6,7 @@
 #include "../internal.hpp"
 #include "../workspace/changes.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
-#include "manycontact/sparse/tolerances.hpp"
+#include "manycontact/rank/contradiction.hpp"
 #include "reduction.hpp"
 
 namespace manycontact::internal {
@@ -94,27 +94,22 @@ rank::Contradiction<double> contradiction_of(const SceneData& data, const Reduct
   return out;
 }
 
-// Rows that depend on others, as many as the rank leaves: in pairs those after the ones that span it, and of rows of
-// the scene solved that depend on others, the pair's first ones.
+// Rows that depend on the ones before them: in pairs all but those that span it, and of these, one for each row of the
+// scene solved (contact/pair_rows.hpp), those whose row there depends on others.
 void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t island, IslandReport& report) {
   const std::vector<int>& solved = r.data->report.islands[island].dependent_rows;
+  const auto depends = [&](int row) { return std::binary_search(solved.begin(), solved.end(), row); };
   report.dependent_rows.clear();
   for (int c : island_of(*r.data, island).contacts) {
-    const int at = r.data->f_offset[static_cast<std::size_t>(c)],
-              rows = r.scene.contacts[static_cast<std::size_t>(c)].rows();
-    const auto dropped = static_cast<int>(
-        std::count_if(solved.begin(), solved.end(), [&](int row) { return row >= at && row < at + rows; }));
+    int at = r.data->f_offset[static_cast<std::size_t>(c)];
     const PairRows* pair = r.pair_of(c);
-    if (!pair) {
-      for (int row : solved)
-        if (row >= at && row < at + rows)
-          report.dependent_rows.push_back(row - at + data.f_offset[static_cast<std::size_t>(c)]);
-      continue;
-    }
-    int keep = rows - dropped;
+    for (int i = 0; !pair && i < r.scene.contacts[static_cast<std::size_t>(c)].rows(); ++i)
+      if (depends(at + i)) report.dependent_rows.push_back(data.f_offset[static_cast<std::size_t>(c)] + i);
+    if (!pair) continue;
     each_member(data.f_offset, *pair, [&](int first, int own, int of_member) {
       for (int i = 0; i < of_member; ++i)
-        if (!pair->spans[static_cast<std::size_t>(own + i)] || keep-- <= 0) report.dependent_rows.push_back(first + i);
+        if (!pair->spans[static_cast<std::size_t>(own + i)] || depends(at++))
+          report.dependent_rows.push_back(first + i);
     });
   }
   std::sort(report.dependent_rows.begin(), report.dependent_rows.end());
