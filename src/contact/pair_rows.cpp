@@ -95,8 +95,9 @@ std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
   return out;
 }
 
-// The rotation of Q's columns that makes its rows that span all a lower triangle, its diagonal positive. The first k rows of R then span what
-// the first k of those rows of B do: a row of R depends on rows before it where that row of B does.
+// The rotation of Q's columns that makes its rows that span all a lower triangle, with a positive diagonal. The first k
+// rows of R then span what the first k of those rows of B do: a row of R depends on rows before it where that row of B
+// does.
 Eigen::MatrixXd triangular_basis(const Eigen::MatrixXd& Q, const std::vector<char>& spans) {
   Eigen::MatrixXd rows(Q.cols(), Q.cols());  // transposed
   Eigen::Index k = 0;

@@ -1,4 +1,5 @@
-// The judge of contradictions (rank/contradiction.hpp), for all systems and for pairs of bodies.
+// The judge of contradictions, for all systems and for pairs of bodies: rank/contradiction.hpp, with the accelerations
+// of the loads in addition to |J| |a|. Contacts may cancel them in a: gravity, and |J| |tau - h| / diag M.
 
 #include <algorithm>
 #include <cmath>
@@ -36,11 +37,12 @@ double accelerations_of_torques(const Scene& scene, const SceneData& data, const
 
 }  // namespace
 
-bool contradicts(const Scene& scene, const SceneData& data, const rank::Contradiction<double>& of, IslandWork& d) {
-  const double gravity = scene.gravity.norm();
-  if (!of.contradicts(gravity) || !joint_space_fits(d)) return of.contradicts(gravity);
+bool contradicts(const Scene& scene, const SceneData& data, rank::Contradiction<double> of, IslandWork& d) {
+  of.Ja += scene.gravity.norm();
+  if (!of.contradicts() || !joint_space_fits(d)) return of.contradicts();
   evaluate_at_state(scene, data, d);
-  return of.contradicts(gravity + accelerations_of_torques(scene, data, d));
+  of.Ja += accelerations_of_torques(scene, data, d);
+  return of.contradicts();
 }
 
 }  // namespace manycontact::internal

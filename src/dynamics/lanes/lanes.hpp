@@ -79,7 +79,7 @@ struct Answer {
 
 /// Steps of a solve of robots of one plan, in all calls one of them, or after `reserve_batch` as many as fit in a SIMD
 /// batch, with contacts that are identical except for placements (`alike`).
-class RobotBlocks {
+class SolvingBlocks {
  public:
   struct Robot {
     int number;           // of the scene
@@ -104,7 +104,7 @@ class RobotBlocks {
     const double* next;
   };
 
-  virtual ~RobotBlocks() = default;
+  virtual ~SolvingBlocks() = default;
   /// Makes memory for a SIMD batch, used from then on: a robot that is solved alone needs none.
   virtual void reserve_batch() = 0;
 
@@ -123,8 +123,11 @@ class RobotBlocks {
   virtual void correct(std::span<Robot> robots, Memory memory) = 0;
   /// Accelerations, and forces of the contacts on the robots alone.
   virtual void store(const Job& job, std::span<Robot> robots, double* memory) = 0;
+};
 
-  // After a solve.
+/// The same, and what comes after a solve.
+class RobotBlocks : public SolvingBlocks {
+ public:
   /// The islands' derivatives, of solutions that were sound and whose panels are safe; or, with their memory, of robots
   /// joined to others the columns of their own part.
   virtual void differentiate(const DerivativeJob& job, std::span<Robot> robots, double* memory,
@@ -171,9 +174,8 @@ class InterfaceContacts {
 struct SubtreePlan;  // lanes/subtrees.hpp
 class SubtreeBatch;
 
-/// Robots alone in single precision, or with a factor in single precision: in all calls one of them, or after
-/// `reserve_batch` as many as fit. Where the condition is too poor for that (tolerance::kWorthless: floats leave fewer
-/// than two digits), the solution is not sound.
+/// Robots alone in single precision, in all calls one of them, or after `reserve_batch` as many as fit. Where the
+/// condition leaves fewer than two digits (tolerance::kWorthless), the solution is not sound.
 class SingleBlocks {
  public:
   virtual ~SingleBlocks() = default;
@@ -190,7 +192,7 @@ struct Level {
   int width;  // robots in a SIMD batch
   std::unique_ptr<RobotBlocks> (*make)(std::shared_ptr<const BlockPlan> plan);
   /// With a factor in single precision; of plans without rows that depend on others.
-  std::unique_ptr<SingleBlocks> (*make_mixed)(std::shared_ptr<const BlockPlan> plan);
+  std::unique_ptr<SolvingBlocks> (*make_mixed)(std::shared_ptr<const BlockPlan> plan);
   /// contact: any of the kernel's, in its scene.
   std::unique_ptr<InterfaceContacts> (*make_contacts)(const Scene& scene, const Contact& contact,
                                                       const ContactSupport& support);

@@ -72,12 +72,25 @@ class LevelBlocks final : public RobotBlocks {
   ScalarOrBatch<Blocks, MANYCONTACT_LANES> work_;
 };
 
-class LevelMixed final : public SingleBlocks {
+// The steps of a solve; derivatives and products are those of LevelBlocks.
+class LevelMixed final : public SolvingBlocks {
  public:
   explicit LevelMixed(std::shared_ptr<const BlockPlan> plan) : plan_(std::move(plan)), work_(plan_) {}
   void reserve_batch() override { work_.reserve_batch(plan_); }
-  void solve(const Job& job, std::span<RobotBlocks::Robot> robots, std::span<Answer> answers) override {
+  void solve(const Job& job, std::span<Robot> robots, std::span<Answer> answers) override {
     work_.of(robots.size(), [&](auto& work) { work.solve(job, robots, answers); });
+  }
+  void evaluate(const Job& job, std::span<Robot> robots, Memory memory) override {
+    work_.of(robots.size(), [&](auto& work) { work.evaluate(job, robots, memory); });
+  }
+  void factor(std::span<Robot> robots, Memory memory) override {
+    work_.of(robots.size(), [&](auto& work) { work.factor(robots, memory); });
+  }
+  void correct(std::span<Robot> robots, Memory memory) override {
+    work_.of(robots.size(), [&](auto& work) { work.correct(robots, memory); });
+  }
+  void store(const Job& job, std::span<Robot> robots, double* memory) override {
+    work_.of(robots.size(), [&](auto& work) { work.store(job, robots, memory); });
   }
 
  private:
@@ -114,7 +127,7 @@ class LevelSubtrees final : public SubtreeBatch {
 std::unique_ptr<RobotBlocks> make(std::shared_ptr<const BlockPlan> plan) {
   return std::make_unique<LevelBlocks>(std::move(plan));
 }
-std::unique_ptr<SingleBlocks> make_mixed(std::shared_ptr<const BlockPlan> plan) {
+std::unique_ptr<SolvingBlocks> make_mixed(std::shared_ptr<const BlockPlan> plan) {
   return std::make_unique<LevelMixed>(std::move(plan));
 }
 std::unique_ptr<InterfaceContacts> make_contacts(const Scene& scene, const Contact& contact,

@@ -110,7 +110,8 @@ void RobotBlock<S, Low>::load(const Job& job, Robots robots, double* memory) {
 template <class S, class Low>
 void RobotBlock<S, Low>::begin(Robots robots) {
   std::fill_n(n_.x, pattern_.size(), S(0));
-  if (dependent_) dependent_->project_out(n_.b, true);
+  if constexpr (!kLow)
+    if (dependent_) dependent_->project_out(n_.b, true);
   std::copy_n(n_.b, pattern_.size(), r_.data());
   forward(robots, all());
 }
@@ -118,9 +119,10 @@ void RobotBlock<S, Low>::begin(Robots robots) {
 /// w = L^-1 r, and what that leaves to the border; zero for robots that are not open: they have nothing to gain.
 template <class S, class Low>
 void RobotBlock<S, Low>::forward(Robots robots, Mask open) {
-  for (int k = 0; k < rows_; ++k) n_.w[k] = select(open, r_[k], S(0));
-  std::fill_n(n_.w + rows_, plan_->border, S(0));
-  if (open.any()) sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(n_.w));
+  for (int k = 0; k < rows_; ++k) n_.low[k] = static_cast<Low>(select(open, r_[k], S(0)));
+  std::fill_n(n_.low + rows_, plan_->border, Low(0));
+  if (open.any()) sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(n_.low));
+  if constexpr (kMixed) convert(n_.low + rows_, plan_->border, n_.w + rows_);
   store_border(n_.w + rows_, plan_->border, robots, [](const Border& b) { return b.b(); });
 }
 
@@ -130,11 +132,14 @@ void RobotBlock<S, Low>::correct(Robots robots, Memory memory) {
   const Prefetch prefetch = prefetch_of(memory);
   const double* from[kMostInBatch];
   load_arrays(side_by_side(robots, from, [](const Robot& r) { return r.border.y(); }), plan_->border, n_.w + rows_);
-  sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(n_.w), prefetch);
-  if (dependent_) dependent_->project_out(n_.w);
+  if constexpr (kMixed) convert(n_.w + rows_, plan_->border, n_.low + rows_);
+  sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(n_.low), prefetch);
+  if constexpr (!kLow)
+    if (dependent_) dependent_->project_out(n_.w);
   for (int k = 0; k < pattern_.size(); ++k) {
-    for (const S* x : {n_.x, n_.b, n_.w, n_.D}) prefetch.fetch(x + k);
-    n_.x[k] += n_.w[k];
+    for (const S* x : {n_.x, n_.b}) prefetch.fetch(x + k);
+    for (const Low* x : {n_.low, n_.D}) prefetch.fetch(x + k);
+    n_.x[k] += static_cast<S>(n_.low[k]);
   }
   forward(robots, check_residual(robots, prefetch) > S(tolerance::kRefined));
 }

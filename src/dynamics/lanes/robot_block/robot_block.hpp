@@ -39,7 +39,7 @@ class RobotBlock {
   static constexpr int W = S::width;
   /// Whether all numbers are floats: these solve only robots alone, without redundant rows (single.hpp).
   static constexpr bool kSingle = std::is_same_v<typename S::Element, float>;
-  /// Whether the factor alone is in floats: for solves of robots alone, without redundant rows.
+  /// Whether the factor alone is in floats: for solves of robots alone and joined, without redundant rows.
   static constexpr bool kMixed = !std::is_same_v<S, Low>;
   static constexpr bool kLow = kSingle || kMixed;
   using Mask = typename S::Mask;

@@ -28,7 +28,8 @@ struct BlockGroup {
   std::shared_ptr<const lanes::BlockPlan> plan;
   std::vector<std::unique_ptr<lanes::RobotBlocks>> kernels;  // one per thread
   // of robots alone, where the options ask for these: in single precision; with a factor in single precision
-  std::vector<std::unique_ptr<lanes::SingleBlocks>> single, mixed;
+  std::vector<std::unique_ptr<lanes::SingleBlocks>> single;
+  std::vector<std::unique_ptr<lanes::SolvingBlocks>> mixed;
   std::vector<int> islands;  // scratch of a call: the islands it solves with this plan
   double seconds = 0;        // predicted, of one robot solved alone
 };

@@ -7,8 +7,7 @@
 //     S J = B nu,    B = [S_m W_m X_m] (n x 6),    B = Q R,   Q^T Q = 1,   R (r x 6), r <= 6 the rank of B.
 //
 // S weighs rows that turn by Scene::moment_length. The pair's rows R nu, with a0 = Q^T S a0_all, take the place of all.
-// With their forces y the forces of all are f = S Q y: the ones of least norm |S^-1 f|, since Q is orthonormal. The
-// first k rows of R span what the first k rows of B do that are independent of those before them.
+// With their forces y the forces of all are f = S Q y: the ones of least norm |S^-1 f|, since Q is orthonormal.
 // (1 - Q Q^T) S a0_all is the inconsistency of the pair's contacts, whatever the bodies do.
 
 #include <memory>

@@ -1,9 +1,8 @@
 #pragma once
 // Whether redundant contacts are inconsistent: the definition (mathematics.md, Redundant contacts) is
-// |P (J a + a0)| > 1e-8 (| |J| |a| | + |a0| + l), maximum norms, with P the projector on the null space of J^T. l are
-// the accelerations of the loads, which contacts may cancel in a: gravity and |J| |tau - h| / diag M
-// (dynamics/contradiction.cpp). The rest may still be rounding errors of the terms that a0 is computed from, and that is
-// no inconsistency. Templates on the scalar: SIMD batches have one value per robot.
+// |P (J a + a0)| > 1e-8 (| |J| |a| | + |a0|), maximum norms, with P the projector on the null space of J^T. The rest
+// may still be rounding errors of the terms that a0 is computed from, and that is no inconsistency. Templates on the
+// scalar: SIMD batches have one value per robot.
 
 #include <cmath>
 #include <limits>
@@ -92,9 +91,9 @@ struct Contradiction {
 
   /// Whether derivatives have a term of it.
   bool exceeds_rounding() const { return !(of_terms <= tolerance::kDriftNoise); }
-  /// Whether it is more than J a, a0 and the accelerations of the loads allow for.
-  bool contradicts(double loads = 0) const {
-    return !(of_terms <= tolerance::kDriftRounding) && !(left <= tolerance::kContradiction * (Ja + a0 + loads));
+  /// Whether it is more than J a and a0 allow for.
+  bool contradicts() const {
+    return !(of_terms <= tolerance::kDriftRounding) && !(left <= tolerance::kContradiction * (Ja + a0));
   }
   /// Least squares of rows of very different size, turns and micrometres, are left to the dense reference solver.
   bool needs_dense() const { return least_row < tolerance::kGradedRows * largest_row && contradicts(); }
