@@ -12,6 +12,7 @@
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "support/allocations.hpp"
+#include "support/piles.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
 
@@ -80,6 +81,25 @@ void expect_told(const Report& report, Precision asked) {
 
 double largest_difference(const VectorXd& x, const VectorXd& y) {
   return x.size() == 0 ? 0 : (x - y).cwiseAbs().maxCoeff() / std::max(1e-300, y.cwiseAbs().maxCoeff());
+}
+
+// Robots that contacts join are solved in double, and the report tells it.
+TEST(Precision, JoinedRobotsAreSolvedInDouble) {
+  for (const bool points : {true, false})
+    for (int boxes = 2; boxes <= 12; ++boxes) {
+      PileMaker make;
+      for (int k = 0; k < boxes; ++k) {
+        make.box(0, 0, k);
+        make.join(points ? ContactType::k3D : ContactType::k6D, k, k - 1, {0.1, 0.02 * k, k - 0.5});
+      }
+      const RandomScene s = make.finish();
+      SceneData exact(s.scene), data(s.scene, in_precision(Precision::kSingle));
+      for (SceneData* each : {&exact, &data}) (void)solve(s.scene, s.q, s.v, s.u, *each);
+      expect_told(data.report, Precision::kSingle);
+      EXPECT_EQ(count_of(data.report, Precision::kDouble), 1) << boxes;
+      EXPECT_EQ(data.a, exact.a) << boxes;
+      EXPECT_EQ(data.f, exact.f) << boxes;
+    }
 }
 
 TEST(Precision, SingleErrsAsTheConditionPredicts) {

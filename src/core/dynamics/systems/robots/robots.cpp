@@ -225,14 +225,14 @@ void report_answer(const Scene& scene, const RobotsSystem& s, const sparse::Refi
 }
 
 // Reports the rows that an island drops, and their inconsistency. False: they are left to the dense reference solver.
-bool report_dependence(const SceneData& data, RobotsSystem& s, IslandReport& report) {
+bool report_dependence(const Scene& scene, const SceneData& data, RobotsSystem& s, IslandReport& report) {
   rank::Contradiction<double> all;
   for (const Member& m : s.members) all.add(m.contradiction);
   for (std::size_t k = 0; k < s.b.size(); ++k) all.add_products(s.scale[k] - std::abs(s.b[k]), std::abs(s.b[k]));
   if (all.needs_dense()) return false;
   report.backward_error = backward_error_of(s);
   s.contradiction = all.exceeds_rounding();
-  report_dropped_rows(data, s.owner, s.dropped, all, report);
+  report_dropped_rows(scene, data, s.owner, s.dropped, all, report);
   return true;
 }
 
@@ -294,9 +294,9 @@ void solve_once_refined(const Scene& scene, SceneData& data, RobotsSystem& s, Pr
 
 }  // namespace
 
-void report_dropped_rows(const SceneData& data, const IslandWork& d, std::span<const int> rows,
+void report_dropped_rows(const Scene& scene, const SceneData& data, IslandWork& d, std::span<const int> rows,
                          const rank::Contradiction<double>& contradiction, IslandReport& report) {
-  report.status = contradiction.contradicts() ? Status::kInconsistent : Status::kRedundant;
+  report.status = contradicts(scene, data, contradiction, d) ? Status::kInconsistent : Status::kRedundant;
   report.reason = Reason::kSmallPivot;
   report.changed_order = has_order(d.choice.method) && d.choice.order != Order::kLeafToRoot;
   report.order = Order::kLeafToRoot;
@@ -401,7 +401,7 @@ bool RobotsSystem::solve_in_use(const Scene& scene, SceneData& data, IslandRepor
           kernel.finish(of_batch, memory_of);
         });
   internal::report_answer(scene, *this, refinement, report);
-  if (drops && !internal::report_dependence(data, *this, report)) return false;
+  if (drops && !internal::report_dependence(scene, data, *this, report)) return false;
   state = w.state;
   return true;
 }

@@ -175,7 +175,7 @@ void solve_alone_in_single(const Scene& scene, SceneData& data);
 /// How many robots alone, or states, a SIMD batch has at most; 1 without SIMD batches.
 int batch_width(const Workspace& w);
 /// Reports the rows of an island's J that were dropped: status, rank, names.
-void report_dropped_rows(const SceneData& data, const IslandWork& island, std::span<const int> rows,
+void report_dropped_rows(const Scene& scene, const SceneData& data, IslandWork& island, std::span<const int> rows,
                          const rank::Contradiction<double>& contradiction, IslandReport& report);
 /// robots.dropped and the robots' groups without these, of the rows that the factor of the whole K dropped. False where
 /// they have no place in SIMD batches: rows that join robots are among them.
