@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
-#include <tuple>
 #include <utility>
 
 #include "manycontact/algorithm/crba.hpp"
@@ -250,15 +250,23 @@ std::vector<int> contacts_early_order(const Scene& scene, const Island& island, 
     if (out.back().second < tolerance::kCheaper * out.front().second) std::swap(out.front(), out.back());
     return out;
   };
+  double cheapest = std::numeric_limits<double>::infinity();
+  // What is far dearer than another is not even factorized: round a hub that would never end.
+  const auto is_affordable = [&](const Ordered& order) { return order.second <= tolerance::kFarDearer * cheapest; };
   const auto sound = [&](const Ordered& order) {
-    return order.second < most && holds(scene, island, support, K, order.first, tolerance::kMostGrowth, postures);
+    return order.second < most && is_affordable(order) &&
+           holds(scene, island, support, K, order.first, tolerance::kMostGrowth, postures);
   };
   std::vector<int> perm;
   double least = 0;
   for (const double distinct : tolerance::kMoreDistinct) {
     std::vector<Ordered> orders = orders_by(distinct);
+    for (const Ordered& order : orders) cheapest = std::min(cheapest, order.second);
     const auto found = std::find_if(orders.begin(), orders.end(), sound);
-    std::tie(perm, least) = std::move(found == orders.end() ? orders.front() : *found);
+    Ordered& best = found == orders.end() ? orders.front() : *found;
+    least = best.second;
+    if (!is_affordable(best)) break;  // those for less remain, untested
+    perm = std::move(best.first);
     if (found != orders.end() || (least >= most && alone)) break;
   }
   if (island.contacts.size() < tolerance::kManyContacts || postures.empty()) return perm;

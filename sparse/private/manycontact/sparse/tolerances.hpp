@@ -135,6 +135,11 @@ inline constexpr std::size_t kMostExchanged = 1 << 20;
 /// Closed loops: neither the tolerance nor the drift is more than the first part of the largest moment arm. From one
 /// try to the next a row of J may keep the second part of its length. Used by: WithinTolerance.
 inline constexpr double kMostDrift = 1e-2, kNextPivot = 1e-2;
+/// Entries of N for rows without a part in a dependence are 1e-2 at most. Weighted least squares take them below kRank
+/// in three steps; the least weight, relative to the usual one, is that of a column which only such rows have.
+/// Used by: WithinTolerance.
+inline constexpr int kReweighted = 4;
+inline constexpr double kLeastWeight = 1e-10;
 
 // ---- large islands -----------------------------------------------------------------------------------------------
 
@@ -179,9 +184,9 @@ inline constexpr double kProximal = 1e-12;
 /// delta; pivots of other rows are usually above the second. Where one lies between, K is factorized again with
 /// kStiffer delta. On uneven walls both kinds of rows have pivots of 1e6 delta.
 inline constexpr double kPivotOfDependent = 1e2, kPivotOfOthers = 1e7, kStiffer = 10;
-/// The exponent of delta in a pivot is plain within the first number of an integer. The sum of the others may differ
-/// from an integer by the second: rounding of pivots contributes 1e-3 each.
-inline constexpr double kPlainExponent = 0.02, kExponentsLeft = 0.2;
+/// The sum of the exponents of delta in all pivots may differ from an integer by this: rounding contributes 1e-5 per
+/// dependent row.
+inline constexpr double kExponentsLeft = 0.2;
 /// The projection's factor for the smallest eigenvalue of J M^-1 J^T, which is usually below 1e-3: from 1/2 on rows
 /// count as nearly dependent, and from 1 / (2 kPivotOfDependent) on where pivots are not compared.
 inline constexpr double kSlowest = 0.5;
@@ -345,6 +350,9 @@ inline constexpr double kCheaper = 0.9;
 inline constexpr double kDistinct = 1e-3;
 /// The values required then, the last one whatever its result.
 inline constexpr double kMoreDistinct[] = {kDistinct, 3e-2, 1e-1};
+/// Orders of more than this many times the predicted cost of another are not tested: requiring more makes an order a
+/// few times dearer, and thousands of times where a hub then comes before its contacts.
+inline constexpr double kFarDearer = 100;
 /// From this many contacts on, some on a hub are ill-placed in every configuration tested. Only these wait, for
 /// kWaitDistinct, where the order then costs less than kFarCheaper; ten contacts may add the growth of one.
 inline constexpr std::size_t kManyContacts = 100;

@@ -32,7 +32,7 @@ SceneData& solved_data(SceneData& data) { return data.workspace->reduction ? *da
 
 // Whether the double solution is one of this scene's equations. With damping all rows count: none may be left out.
 bool may_refine(const Scene& scene, const IslandWork& d, const IslandReport& report) {
-  if (!d.answered || d.matrix.tolerated > 0) return false;
+  if (!d.answered || (d.matrix.tolerated > 0 && !d.matrix.within.changes().empty())) return false;
   if (scene.damping > 0 && report.rank < report.nc && report.reason != Reason::kDampingLost) return false;
   if (report.status == Status::kRegularised)
     return report.reason == Reason::kUncertain || report.reason == Reason::kDampingLost;

@@ -178,22 +178,21 @@ class ProximalFactor final : public Factor {
 
   // The product of all pivots is det M det (S + delta), in which each zero eigenvalue of S is a factor delta: the
   // exponents of delta in the pivots add up to the number of dependent rows. They are 1 or 0, unless rows nearly depend
-  // on those before them and later rows on all of these: such exponents lie between, and their sum is an integer.
+  // on those before them and later rows on all of these: such exponents lie between, many of them next to 0 or 1, and
+  // only the sum of all is an integer.
   bool compare_pivots() {
     const KktPattern& p = *ldl_.pattern;
-    double plain = 0, between = 0;
+    double sum = 0;
     dropped_.clear();
     order_.clear();
     for (int k = 0; k < p.size(); ++k) {
       const double grown = std::log(stiffer_[k] / ldl_.D[k]) / std::log(tolerance::kStiffer);
       if (!std::isfinite(grown)) return false;
-      const bool is_plain = std::abs(grown - std::round(grown)) <= tolerance::kPlainExponent;
-      (is_plain ? plain : between) += is_plain ? std::round(grown) : grown;
-      if (!of_M_[k] && !(is_plain && std::round(grown) == 0)) order_.emplace_back(-grown, p.perm[k] - p.nv);
+      sum += grown;
+      if (!of_M_[k]) order_.emplace_back(-grown, p.perm[k] - p.nv);
     }
-    const double rows = plain + std::round(between);
-    if (std::abs(between - std::round(between)) > tolerance::kExponentsLeft || !(rows >= 0 && rows <= order_.size()))
-      return false;
+    const double rows = std::round(sum);
+    if (std::abs(sum - rows) > tolerance::kExponentsLeft || !(rows >= 0 && rows <= p.nc)) return false;
     std::sort(order_.begin(), order_.end());
     for (int k = 0; k < rows; ++k) dropped_.push_back(order_[k].second);
     std::sort(dropped_.begin(), dropped_.end());

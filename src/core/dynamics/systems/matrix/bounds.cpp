@@ -123,6 +123,11 @@ void internal::add_terms_of_J(const Scene& scene, const Workspace& work, const M
     }
     for (int column : columns) w[iperm[column]] += of_f;
   }
+  m.each_change([&](int row, int column, double value) {
+    const double size = std::abs(value) / rounding(scene, m);
+    w[row] += size * sizes[column];
+    w[column] += size * sizes[row];
+  });
 }
 
 namespace {
@@ -210,6 +215,7 @@ double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m)
     const int row = m.owner.island.row_offset[k];
     for (int i = 0; i < rows; ++i) w[iperm[m.owner.island.nv + row + i]] = J.of_row(i) * times * unit_of(m, row + i);
   }
+  m.each_change([&](int row, int column, double value) { w[row] += std::abs(value * y[column]); });
   return bound(
       [&](double* x) {
         for (int k = 0; k < m.owner.island.nv; ++k) x[iperm[k]] = 0;

@@ -27,11 +27,26 @@ bool MatrixSystem::dropped_rows() const { return owner.answered_by(this) && by_d
 
 namespace {
 
-void report_residuals(const Scene& scene, const KktPattern& p, const KktVectors& s, IslandReport& report) {
+// What the change of J adds to K x, in K's order; nothing where there is none.
+std::vector<double> change_of(const MatrixSystem& m) {
+  std::vector<double> out;
+  m.each_change([&](int row, int column, double value) {
+    if (out.empty()) out.assign(m.v.x.size(), 0.0);
+    out[row] += value * m.v.x[column];
+    out[column] += value * m.v.x[row];
+  });
+  return out;
+}
+
+// Of the scene's own equations, with J as it was before rows were made dependent.
+void report_residuals(const Scene& scene, const MatrixSystem& m, IslandReport& report) {
+  const KktPattern& p = *m.K.pattern;
+  const KktVectors& s = m.v;
   double r[2] = {0, 0}, scale[2] = {0, 0};  // dynamics rows, contact rows
+  const std::vector<double> changed = change_of(m);
   for (int k = 0; k < p.size(); ++k) {
     const int row = p.perm[k] >= p.nv;
-    r[row] = sparse::larger_or_nan(r[row], std::abs(s.r[k]));
+    r[row] = sparse::larger_or_nan(r[row], std::abs(s.r[k] + (changed.empty() ? 0 : changed[k])));
     scale[row] = std::max(scale[row], s.scale[k]);
   }
   internal::report_residuals(scene, r, scale, report);
@@ -44,7 +59,7 @@ void take_answer(const Scene& scene, SceneData& data, const MatrixSystem& m, Isl
   each_force_block(scene, data.f_offset, m.owner.island, [&](int first, int row, int n) {
     for (int i = 0; i < n; ++i) data.f[first + i] *= -unit_of(m, row + i);
   });
-  report_residuals(scene, p, m.v, report);
+  report_residuals(scene, m, report);
   if (m.deficient() && (m.contradiction || m.factor != m.proximal.get()))
     report.backward_error = sparse::componentwise_backward_error(m.v.r, m.v.scale);
 }
@@ -73,18 +88,22 @@ bool solve_at_state(const Scene& scene, const SceneData& data, ThreadWork& threa
                               [&] { return internal::solve_by_fallbacks(scene, data, thread.scratch, m, report); });
 }
 
-// Whether rounding errors of one equation's terms alone may change its own unknown by a part of the loads: an inertia
-// or a damping is tiny relative to terms that cancel. Few equations are in doubt; their bounds decide.
+// Whether rounding errors of one equation's terms alone, or the change of J, may change its own unknown by a part of
+// the loads: an inertia or a damping is tiny relative to terms that cancel. Few equations are in doubt; their bounds
+// decide.
 bool in_doubt(const Scene& scene, const MatrixSystem& m) {
   const KktPattern& p = *m.K.pattern;
   double size[2] = {scene.gravity.cwiseAbs().maxCoeff(), 0}, change[2] = {0, 0};  // of a, of f
+  const std::vector<double> changed = change_of(m);
+  constexpr double kRounding = tolerance::kBoundRounding * std::numeric_limits<double>::epsilon();
   for (int k = 0; k < p.size(); ++k) {
     const int row = p.perm[k] >= p.nv;
     const double own = row ? scene.damping : std::abs(m.K.values[p.K.p[k + 1] - 1]);
     size[row] = std::max(size[row], std::abs(m.v.x[k]));
     if (!(own > 0)) continue;
     if (!row) size[row] = std::max(size[row], std::abs(m.v.b[k]) / own);
-    change[row] = std::max(change[row], m.v.scale[k] / own);
+    const double more = changed.empty() ? 0 : std::abs(changed[k]) / kRounding;
+    change[row] = std::max(change[row], (m.v.scale[k] + more) / own);
   }
   const auto doubtful = [&](int row) {  // infinite relative to infinite: nothing is known
     return !(change[row] <= tolerance::kInDoubt * size[row]) || std::isinf(change[row]);

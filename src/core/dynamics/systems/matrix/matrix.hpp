@@ -59,6 +59,16 @@ class MatrixSystem final : public IslandSystem {
   /// The same, or by the proximal factor, which no robot in a SIMD batch can follow.
   bool found_dependent() const { return by_dependent_rows() || (deficient() && factor == proximal.get()); }
 
+  /// use(row, column, change) for the entries of K's J that were changed within the tolerance, in K's order.
+  template <class Use>
+  void each_change(Use&& use) const {
+    if (tolerated == 0) return;
+    const int* iperm = K.pattern->iperm.data();
+    for (const RowChange& change : within.changes())
+      use(iperm[K.pattern->nv + change.row], iperm[change.column],
+          change.value * (unit.empty() ? 1 : unit[change.row]));
+  }
+
   IslandWork& owner;
   std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J; by make_joint_space
   std::uint64_t state = 0;                    // that all below is of

@@ -6,13 +6,18 @@
 //
 //     J_c <- J_c - N_c (N_c^T N_c)^+ N_c^T J_c      N_c: those rows of N that column c has
 //
-// This is the least change within the pattern of J after which N^T J = 0. Factors, refinement, derivatives, products
-// and bounds are of this J.
+// This is the least change within the pattern of J after which N^T J = 0. It is made where no entry of J changes by
+// more than its own error: the tolerance t for rows in m at coordinates in rad, t / L for others, L being the largest
+// moment arm. Factors, refinement, derivatives, products and bounds are of this J; the residual and the bounds count
+// its change.
 //
 // N is found by an LDL of [D J^T; J 0] with a diagonal D in place of M, since masses have no part in this: 1 for
-// coordinates in m, L^2 for those in rad, L being the largest moment arm. A dependence counts where it leaves no more
-// than the rows themselves are off by: |r_c| <= sum_j |n_j| times the tolerance t. Rows and coordinates in rad are
-// weighed by L. There are two tolerances:
+// coordinates in m, L^2 for those in rad. A row that has nothing to do with a dependence then has entries of N of the
+// size of r, and in a column that only such rows have, their part in N is all of the column. Such a column of N is
+// found again with D_c = |N_c|^2, which minimises the change of J in place of N^T J (iteratively reweighted least
+// squares).
+//
+// There are two tolerances:
 //   - of the scene, for any number of rows;
 //   - of drift, for as many rows as depended at the start. The closed loop is nearest at q + dq, where dq solves
 //     [D J^T; J 0] [dq; y] = [0; -e] for the contact errors e and the rows kept. A joint between here and there turns
@@ -44,9 +49,12 @@ struct WithinTolerance::Work {
   sparse::LdlWorkspace ldl;
   std::vector<char> of_M;
   rank::DependentRows rows;
-  Eigen::VectorXd left;
   double lever = 1, tolerance = 0;  // the largest [m]; error of those rows of J [m]
-  std::vector<double> dq;           // to the nearest closed loop, in K's order
+  std::vector<double> x;            // scratch, in K's order: a solution
+  std::vector<double> n;            // a column of N, in K's order
+  // per coordinate: N_c^T J_c and the terms of this sum; |N_c|^2 and the largest entry of N_c, times the errors of J
+  Eigen::VectorXd left, terms, weight, largest;
+  std::vector<RowChange> changes;
 };
 
 WithinTolerance::WithinTolerance() = default;
@@ -115,16 +123,16 @@ bool factorize_without_dropped(const KktPattern& p, Work& w) {
 
 // Drops rows with less than `left` of their pivot, or others in their place where those kept are much smaller. Whether
 // rows were dropped and N can be used.
-bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, double L, double left, Work& w) {
+bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, double left, Work& w) {
   w.K.assign(p.K.nonzeros(), 0.0);
-  for (int c = 0; c < p.nv; ++c) w.K[p.K.p[p.iperm[c] + 1] - 1] = w.turns[c] ? L * L : 1;
+  for (int c = 0; c < p.nv; ++c) w.K[p.K.p[p.iperm[c] + 1] - 1] = w.turns[c] ? w.lever * w.lever : 1;
   const int* slot = p.J_slot.data();
   for (int c : d.island.contacts)
     for (double value : work.contacts[c].J.reshaped()) w.K[*slot++] = value;
   const double margin = left / tolerance::kPivotLeft;
   w.row_scale.assign(p.size(), 0.0);  // all of a row is dropped where it is below sqrt(left) of what it could be
   for (int r = 0; r < p.nc; ++r)
-    w.row_scale[p.iperm[p.nv + r]] = std::sqrt(left) * (w.row[r] < 3 ? L : 1) / (margin * tolerance::kRank);
+    w.row_scale[p.iperm[p.nv + r]] = std::sqrt(left) * (w.row[r] < 3 ? w.lever : 1) / (margin * tolerance::kRank);
   w.L.resize(p.ldl.nonzeros()), w.D.resize(p.size());
   w.of_M.assign(p.size(), 0);
   std::fill_n(w.of_M.begin(), p.nv, 1);  // leaf-to-root
@@ -142,92 +150,163 @@ bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, 
 }
 
 // The error of the rows of J from contacts that are not closed [m].
-double drift(const Scene& scene, const Workspace& work, const IslandWork& d, const KktPattern& p, double L, Work& w) {
-  w.dq.assign(p.size(), 0.0);
+double drift(const Scene& scene, const Workspace& work, const IslandWork& d, const KktPattern& p, Work& w) {
+  w.x.assign(p.size(), 0.0);
   int row = 0;
   for (int c : d.island.contacts) {
     const Eigen::VectorXd e = work.contacts[c].W * contact_error<double>(scene.contacts[c], work.contacts[c].G);
-    for (double of_row : e) w.dq[p.iperm[p.nv + row++]] = -of_row;
+    for (double of_row : e) w.x[p.iperm[p.nv + row++]] = -of_row;
   }
-  sparse::ldl_solve(p.ldl, w.L.data(), w.D.data(), w.dq.data());
+  sparse::ldl_solve(p.ldl, w.L.data(), w.D.data(), w.x.data());
   double most = 0;
   for (const std::vector<int>& columns : d.shape->support().columns) {
     double sum = 0;
-    for (int c : columns) sum += (w.turns[c] ? L : 1) * std::abs(w.dq[p.iperm[c]]);
+    for (int c : columns) sum += (w.turns[c] ? w.lever : 1) * std::abs(w.x[p.iperm[c]]);
     most = std::max(most, 2 * sum);
   }
-  return std::max(most, tolerance::kRank * L);
+  return std::max(most, tolerance::kRank * w.lever);
 }
 
-// Whether column n of N leaves no more than the tolerance.
-bool is_within(const Workspace& work, const IslandWork& d, const KktPattern& p, double L, int n, Work& w) {
-  w.left.setZero(p.nv);
-  double of_points = 0, of_turning = 0;  // what a row in m and in rad is off by, for a coordinate in rad
-  for (int k = w.rows.Np[n]; k < w.rows.Np[n + 1]; ++k) {
-    const int row = p.perm[w.rows.Ni[k]] - p.nv, contact = w.contact[row];
-    const auto of_row = work.contacts[d.island.contacts[contact]].J.row(w.row[row]);
-    const std::vector<int>& columns = d.shape->support().columns[contact];
-    for (std::size_t j = 0; j < columns.size(); ++j)
-      w.left[columns[j]] += w.rows.Nx[k] * of_row[static_cast<Eigen::Index>(j)];
-    (w.row[row] < 3 ? of_points : of_turning) += std::abs(w.rows.Nx[k]) * w.tolerance;
+// The error of an entry of J, in tolerances.
+double error_of_entry(const Work& w, int row, int coordinate) {
+  return w.row[row] < 3 && w.turns[coordinate] ? 1 : 1 / w.lever;
+}
+
+// Whether w.n leaves no more of any column than changes of its entries within their errors take away.
+bool is_explained(const Workspace& work, const IslandWork& d, const KktPattern& p, Work& w) {
+  for (Eigen::VectorXd* sum : {&w.left, &w.terms, &w.weight, &w.largest}) sum->setZero(p.nv);
+  for (int row = 0; row < p.nc; ++row) {
+    const double n = w.n[p.iperm[p.nv + row]];
+    if (n == 0) continue;
+    const auto J = work.contacts[d.island.contacts[w.contact[row]]].J.row(w.row[row]);
+    const std::vector<int>& columns = d.shape->support().columns[w.contact[row]];
+    for (std::size_t j = 0; j < columns.size(); ++j) {
+      const int c = columns[j];
+      const double term = n * J[static_cast<Eigen::Index>(j)], error = std::abs(n) * error_of_entry(w, row, c);
+      w.left[c] += term, w.terms[c] += std::abs(term);
+      w.weight[c] += error * error, w.largest[c] = std::max(w.largest[c], error);
+    }
   }
-  for (int c = 0; c < p.nv; ++c)
-    if (!(std::abs(w.left[c]) <= (w.turns[c] ? of_points : of_points / L) + of_turning / L)) return false;
+  return (w.left.array().abs() <= tolerance::kNullColumn * w.terms.array() ||
+          w.left.array().abs() * w.largest.array() <= w.tolerance * w.weight.array())
+      .all();
+}
+
+// w.n -= K_kept^-1 of what it leaves, with D_c = |N_c|^2.
+bool reweigh(const KktPattern& p, Work& w) {
+  for (int c = 0; c < p.nv; ++c) {
+    const double unit = w.turns[c] ? w.lever * w.lever : 1;
+    w.K[p.K.p[p.iperm[c] + 1] - 1] = std::max(tolerance::kLeastWeight * unit, w.lever * w.lever * w.weight[c]);
+  }
+  if (!factorize_without_dropped(p, w)) return false;
+  w.x.assign(p.size(), 0.0);
+  for (int c = 0; c < p.nv; ++c) w.x[p.iperm[c]] = w.left[c];
+  sparse::ldl_solve(p.ldl, w.L.data(), w.D.data(), w.x.data());
+  for (int k = 0; k < p.size(); ++k)
+    if (!w.of_M[k]) w.n[k] -= w.x[k];
   return true;
 }
 
-// Finds the columns of N, or none. The more rows are to be distinguished, the smaller a pivot may be.
-bool find(const Scene& scene, const Workspace& work, const IslandWork& d, const KktPattern& p, double L, Work& w) {
-  const double most = tolerance::kMostDrift * L, largest = d.depended > 0 ? most : std::min(scene.tolerance, most);
-  const double generous = tolerance::kLargestEntry * largest / L;
-  for (double left = generous * generous;; left *= tolerance::kNextPivot) {
-    left = std::max(left, tolerance::kPivotLeft);
-    bool within = factorize(work, d, p, L, left, w);
-    if (w.rows.dropped.empty()) return false;
-    const int count = static_cast<int>(w.rows.dropped.size());
-    w.tolerance = scene.tolerance;
-    if (within && count <= d.depended) w.tolerance = std::max(w.tolerance, drift(scene, work, d, p, L, w));
-    w.tolerance = std::min(w.tolerance, most);
-    for (int n = 0; within && n < count; ++n) within = is_within(work, d, p, L, n, w);
-    if (within || left == tolerance::kPivotLeft) return within;
+// Columns of N that change J by no more than its errors, as far as one column decides that. False: there are none.
+bool settle(const Workspace& work, const IslandWork& d, const KktPattern& p, Work& w) {
+  rank::DependentRows& rows = w.rows;
+  std::vector<int> Np{0}, Ni;
+  std::vector<double> Nx;
+  for (std::size_t column = 0; column < rows.dropped.size(); ++column) {
+    w.n.assign(p.size(), 0.0);
+    for (int k = rows.Np[column]; k < rows.Np[column + 1]; ++k) w.n[rows.Ni[k]] = rows.Nx[k];
+    for (int step = 0;; ++step) {
+      for (double& entry : w.n)
+        if (std::abs(entry) <= tolerance::kRank) entry = 0;  // rounding, since the dropped row has 1
+      if (is_explained(work, d, p, w)) break;
+      if (step == tolerance::kReweighted || !reweigh(p, w)) return false;
+    }
+    const auto add = [&](int k) { Ni.push_back(k), Nx.push_back(w.n[k]); };
+    add(rows.dropped[column]);
+    for (int k = 0; k < p.size(); ++k)
+      if (w.n[k] != 0 && k != rows.dropped[column]) add(k);
+    Np.push_back(static_cast<int>(Ni.size()));
   }
+  rows.Np.swap(Np), rows.Ni.swap(Ni), rows.Nx.swap(Nx);
+  rank::make_projector(p.size(), rows);
+  return rows.largest_entry <= tolerance::kLargestEntry;
 }
 
-// J_c -= N_c (N_c^T N_c)^+ N_c^T J_c for the columns of N in one cluster.
-void remove(Workspace& work, const IslandWork& d, const KktPattern& p, const rank::DependentRows::Cluster& cluster,
-            const Work& w) {
-  std::vector<int> rows;  // of J, that the cluster has
-  for (int m = 0; m < cluster.count; ++m) {
-    const int n = w.rows.members[cluster.first + m];
-    for (int k = w.rows.Np[n]; k < w.rows.Np[n + 1]; ++k) rows.push_back(p.perm[w.rows.Ni[k]] - p.nv);
+// The change of column c of J for N's rows in `rows`, of which `N` has the values. Whether it is no more than J's
+// error.
+bool take_change(const Workspace& work, const IslandWork& d, const std::vector<int>& rows, const Eigen::MatrixXd& N,
+                 int c, Work& w) {
+  std::vector<RowChange> change;
+  std::vector<Eigen::Index> in_N;
+  for (const auto& [contact, j] : w.columns[c])
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      if (w.contact[rows[i]] == contact) {
+        change.push_back({rows[i], c, work.contacts[d.island.contacts[contact]].J(w.row[rows[i]], j)});
+        in_N.push_back(static_cast<Eigen::Index>(i));
+      }
+  if (change.empty()) return true;
+  Eigen::VectorXd J_c(in_N.size()), error(in_N.size());
+  for (Eigen::Index i = 0; i < J_c.size(); ++i) {
+    J_c[i] = change[static_cast<std::size_t>(i)].value;
+    error[i] = w.tolerance * error_of_entry(w, change[static_cast<std::size_t>(i)].row, c);
   }
+  const Eigen::MatrixXd N_c = N(in_N, Eigen::all), by_error = N_c.transpose() * error.asDiagonal();
+  const Eigen::VectorXd left = N_c.transpose() * J_c;
+  const Eigen::ArrayXd rounding = tolerance::kNullColumn * (N_c.cwiseAbs().transpose() * J_c.cwiseAbs()).array();
+  if ((left.array().abs() <= rounding).all()) return true;  // depend in truth
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(by_error.rows(), by_error.cols());
+  decomposition.setThreshold(tolerance::kRank);
+  const Eigen::VectorXd errors = decomposition.compute(by_error).solve(left);  // how many of each entry's
+  if (!(errors.cwiseAbs().maxCoeff() <= 1) || !((by_error * errors - left).array().abs() <= rounding).all())
+    return false;
+  for (Eigen::Index i = 0; i < J_c.size(); ++i) {
+    change[static_cast<std::size_t>(i)].value = -error[i] * errors[i];
+    w.changes.push_back(change[static_cast<std::size_t>(i)]);
+  }
+  return true;
+}
+
+// The change of J for the columns of N in one cluster. Whether it is no more than J's error.
+bool take_changes(const Workspace& work, const IslandWork& d, const KktPattern& p,
+                  const rank::DependentRows::Cluster& cluster, Work& w) {
+  std::vector<int> rows;  // of J, that the cluster has
+  const auto each = [&](auto&& use) {
+    for (int m = 0; m < cluster.count; ++m) {
+      const int n = w.rows.members[cluster.first + m];
+      for (int k = w.rows.Np[n]; k < w.rows.Np[n + 1]; ++k) use(p.perm[w.rows.Ni[k]] - p.nv, m, w.rows.Nx[k]);
+    }
+  };
+  each([&](int row, int, double) { rows.push_back(row); });
   std::sort(rows.begin(), rows.end());
   rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
   Eigen::MatrixXd N = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), cluster.count);
-  for (int m = 0; m < cluster.count; ++m) {
-    const int n = w.rows.members[cluster.first + m];
-    for (int k = w.rows.Np[n]; k < w.rows.Np[n + 1]; ++k)
-      N(std::lower_bound(rows.begin(), rows.end(), p.perm[w.rows.Ni[k]] - p.nv) - rows.begin(), m) = w.rows.Nx[k];
-  }
-  for (int c = 0; c < p.nv; ++c) {
-    std::vector<double*> entries;
-    std::vector<Eigen::Index> in_N;
-    for (const auto& [contact, j] : w.columns[c])
-      for (std::size_t i = 0; i < rows.size(); ++i)
-        if (w.contact[rows[i]] == contact) {
-          entries.push_back(&work.contacts[d.island.contacts[contact]].J(w.row[rows[i]], j));
-          in_N.push_back(static_cast<Eigen::Index>(i));
-        }
-    if (entries.empty()) continue;
-    Eigen::VectorXd J_c(static_cast<Eigen::Index>(entries.size()));
-    for (Eigen::Index i = 0; i < J_c.size(); ++i) J_c[i] = *entries[static_cast<std::size_t>(i)];
-    const Eigen::MatrixXd N_c = N(in_N, Eigen::all);
-    const Eigen::VectorXd left = N_c.transpose() * J_c, terms = N_c.cwiseAbs().transpose() * J_c.cwiseAbs();
-    if ((left.cwiseAbs().array() <= tolerance::kNullColumn * terms.array()).all()) continue;  // depend in truth
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(N_c.rows(), N_c.cols());
-    decomposition.setThreshold(tolerance::kRank);  // columns of N that are of other rows have rounding here
-    const Eigen::VectorXd part = N_c * decomposition.compute(N_c).solve(J_c);
-    for (Eigen::Index i = 0; i < J_c.size(); ++i) *entries[static_cast<std::size_t>(i)] -= part[i];
+  each([&](int row, int m, double value) {
+    N(std::lower_bound(rows.begin(), rows.end(), row) - rows.begin(), m) = value;
+  });
+  for (int c = 0; c < p.nv; ++c)
+    if (!take_change(work, d, rows, N, c, w)) return false;
+  return true;
+}
+
+// Finds the columns of N and the change of J, or none. The more rows are to be distinguished, the smaller a pivot may
+// be.
+bool find(const Scene& scene, const Workspace& work, const IslandWork& d, const KktPattern& p, Work& w) {
+  const double most = tolerance::kMostDrift * w.lever;
+  const double largest = d.depended > 0 ? most : std::min(scene.tolerance, most);
+  const double generous = tolerance::kLargestEntry * largest / w.lever;
+  for (double left = generous * generous;; left *= tolerance::kNextPivot) {
+    left = std::max(left, tolerance::kPivotLeft);
+    bool within = factorize(work, d, p, left, w);
+    if (w.rows.dropped.empty()) return false;
+    w.tolerance = scene.tolerance;
+    if (within && static_cast<int>(w.rows.dropped.size()) <= d.depended)
+      w.tolerance = std::max(w.tolerance, drift(scene, work, d, p, w));
+    w.tolerance = std::min(w.tolerance, most);
+    within = within && w.tolerance > 0 && settle(work, d, p, w);
+    w.changes.clear();
+    for (std::size_t k = 0; within && k < w.rows.clusters.size(); ++k)
+      within = take_changes(work, d, p, w.rows.clusters[k], w);
+    if (within || left == tolerance::kPivotLeft) return within;
   }
 }
 
@@ -237,16 +316,24 @@ double WithinTolerance::make_dependent(const Scene& scene, Workspace& work, cons
   if (!work_) work_ = std::make_unique<Work>();
   Work& w = *work_;
   take_island(scene, d, w);
-  const double L = w.lever = largest_lever(work, d, w);
+  w.lever = largest_lever(work, d, w);
   const KktPattern& p = *d.shape->pattern(Order::kLeafToRoot);
-  if (!find(scene, work, d, p, L, w)) return 0;
-  for (const auto& cluster : w.rows.clusters) remove(work, d, p, cluster, w);
+  if (!find(scene, work, d, p, w)) return 0;
+  for (const RowChange& change : w.changes) {
+    const std::vector<int>& columns = d.shape->support().columns[w.contact[change.row]];
+    const auto j = std::find(columns.begin(), columns.end(), change.column) - columns.begin();
+    work.contacts[d.island.contacts[w.contact[change.row]]].J(w.row[change.row], j) += change.value;
+  }
   double largest = 0;  // sum |n_j|
   for (std::size_t n = 0; n + 1 < w.rows.Np.size(); ++n)
     largest = std::max(largest, std::accumulate(w.rows.Nx.begin() + w.rows.Np[n], w.rows.Nx.begin() + w.rows.Np[n + 1],
                                                 0.0, [](double sum, double x) { return sum + std::abs(x); }));
   constexpr int kFactors = 4;  // of N^T J' v: N, what J changes by, and v, which changes J and is changed
-  return kFactors * largest * w.tolerance / L;
+  return kFactors * largest * w.tolerance / w.lever;
+}
+
+std::span<const RowChange> WithinTolerance::changes() const {
+  return work_ ? std::span<const RowChange>(work_->changes) : std::span<const RowChange>();
 }
 
 double WithinTolerance::inaccuracy(int coordinate) const {

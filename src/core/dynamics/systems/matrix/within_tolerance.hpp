@@ -2,6 +2,7 @@
 // Scenes that are not exact (Scene::tolerance), and rows that depended on each other at the start of a motion.
 
 #include <memory>
+#include <span>
 
 #include "manycontact/model/scene.hpp"
 
@@ -9,6 +10,12 @@ namespace manycontact {
 
 struct IslandWork;
 struct Workspace;
+
+/// A change of an entry of the island's J.
+struct RowChange {
+  int row, column;  // of the island
+  double value;
+};
 
 class WithinTolerance {
  public:
@@ -18,6 +25,8 @@ class WithinTolerance {
   /// start and now differ by the contacts' misplacements (within_tolerance.cpp). Call it after evaluate. Returns the
   /// largest inconsistency that such rows may have, relative to the terms that they are computed from.
   double make_dependent(const Scene& scene, Workspace& work, const IslandWork& d);
+  /// What it changed, if it did.
+  std::span<const RowChange> changes() const;
   /// After that: the error of entries of J in rows of lengths, at a coordinate of the island.
   double inaccuracy(int coordinate) const;
 
