@@ -45,7 +45,7 @@ std::vector<VelocityError> velocity_errors(const Scene& scene, const std::vector
 /// Describes an error: "0.5 m/s and 0.1 rad/s", without negligible parts.
 std::string in_words(const VelocityError& error);
 
-/// Smaller rates of turning rows are attributed to rounded numbers in files [m/s^2].
+/// Smaller rates of rows that rotate are attributed to rounded numbers in files [m/s^2].
 constexpr double kTurningRows = 1e-6;
 
 /// A 1D or 2D contact whose rows rotate while its point moves across them: in local axes with a body A that turns, in
