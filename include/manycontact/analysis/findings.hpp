@@ -51,7 +51,7 @@ std::string name_of(const Scene& scene, const Unbalanced& unbalanced);
 /// Describes it: "no torques keep it at rest in this configuration: 1.9 N m of its load remain".
 std::string in_words(const Unbalanced& unbalanced);
 
-/// Smaller rates of turning rows are attributed to rounded numbers in files [m/s^2].
+/// Smaller rates of rows that rotate are attributed to rounded numbers in files [m/s^2].
 constexpr double kTurningRows = 1e-6;
 
 /// A 1D or 2D contact whose rows rotate while its point moves across them: in local axes with a body A that turns, in

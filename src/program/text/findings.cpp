@@ -231,7 +231,7 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
   print_massless(out, f.massless);
   std::vector<std::string> turning;
   for (const TurningRows& rows_of : f.turning) turning.push_back(in_words(scene, rows_of));
-  print_some(out, turning, "turning rows: ");
+  print_some(out, turning, "rows that turn: ");
   std::vector<std::string> changes;
   for (const RankChange& c : f.rank_changes)
     if (c.singular) changes.push_back(in_words(scene, f.velocity_names, c));
