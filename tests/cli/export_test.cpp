@@ -208,6 +208,37 @@ TEST_F(Export, OneSystemPerIsland) {
 }
 
 // The error is one line, and no input file is overwritten.
+// Robots without velocities have an empty system, alone and beside others: their only joints are fixed or locked.
+TEST_F(Export, SystemsWithoutVelocities) {
+  const auto put = [this](const std::string& name, const std::string& joint) {
+    std::ofstream(path(name))
+        << "<robot name=\"r\"><link name=\"w\"/><link name=\"b\"><inertial><origin xyz=\"0.3 0 0\"/>"
+           "<mass value=\"1\"/><inertia ixx=\"0.1\" iyy=\"0.2\" izz=\"0.3\" ixy=\"0\" ixz=\"0\" "
+           "iyz=\"0\"/></inertial></link>" +
+               joint + "</robot>";
+  };
+  const std::string ends = "<parent link=\"w\"/><child link=\"b\"/><axis xyz=\"0 1 0\"/></joint>";
+  put("table.urdf", "<joint name=\"j\" type=\"fixed\">" + ends);
+  put("swing.urdf", "<joint name=\"j\" type=\"continuous\">" + ends);
+  const std::string table = "<robot name=\"t\" urdf=\"table.urdf\"/>",
+                    swing = "<robot name=\"a\" urdf=\"swing.urdf\"/>",
+                    locked = "<robot name=\"l\" urdf=\"swing.urdf\"><lock joint=\"j\" at=\"0.1\"/></robot>",
+                    touch = "<contact name=\"c\" type=\"3d\" frame=\"l/b\" to=\"a/b\"/>",
+                    ground = "<contact name=\"g\" type=\"3d\" frame=\"t/b\"/>";
+  for (const std::string& inside :
+       {table, locked, table + locked, table + ground, table + swing, locked + swing + touch})
+    for (const std::string damping : {"0", "0.01"})
+      for (const std::vector<std::string>& options :
+           {std::vector<std::string>{"--truth"}, std::vector<std::string>{"--truth", "--derivatives"}}) {
+        SCOPED_TRACE(inside + damping);
+        write(scene(inside, "damping=\"" + damping + "\""), options);
+      }
+  expect_contains(write(scene(table + swing)).out, "2 systems, all with solutions");
+  EXPECT_EQ(read("island_0.mtx").values.size(), 0);
+  EXPECT_EQ(read("island_0_x.mtx").values.size(), 0);
+  EXPECT_NEAR(static_cast<double>(read("island_1_x.mtx").values(0, 0)), 0.3 * kGravity / 0.29, 1e-13);
+}
+
 TEST_F(Export, RefusesBadInput) {
   const auto refused = [&](const std::vector<std::string>& words, const std::string& message) {
     const Outcome outcome = run(words);

@@ -64,15 +64,15 @@ std::vector<std::string> header(const ExportPlan& plan, const std::string& what,
 // Solutions of the island's systems into their files.
 void write_truth(const ExportPlan& plan, const ExactSolution& of_scene, const ExportedSystem& s, ExportedPage& page) {
   page.of_scene = page.rank < page.nc;
-  if (!page.of_scene && of_scene.x.size() > 0)
+  if (!page.of_scene && of_scene.x.cols() > 0)
     write_dense(plan.path(page.name + "_scene_x.mtx"), of_scene.x, header(plan, "x = [a; -f] of the scene", page));
   const ExactSolution x = page.of_scene ? of_scene : solve_exactly(s, s.b);
-  page.solution = x.x.size() > 0;
+  page.solution = x.x.cols() > 0;
   page.digits = x.digits;
   if (page.solution) write_dense(plan.path(page.name + "_x.mtx"), x.x, header(plan, "x = [a; -f]", page));
   if (s.db.size() == 0 || page.of_scene) return;
   const ExactSolution dx = solve_exactly(s, s.db);
-  page.derivatives = dx.x.size() > 0;
+  page.derivatives = dx.x.cols() > 0;
   page.derivative_digits = dx.digits;
   if (page.derivatives) write_dense(plan.path(page.name + "_dx.mtx"), dx.x, header(plan, "dx = [da; -df]", page));
 }

@@ -92,6 +92,7 @@ ExactSolution solve_densely(const ExportedSystem& s, const Eigen::MatrixXd& b) {
 }  // namespace
 
 ExactSolution solve_exactly(const ExportedSystem& s, const Eigen::MatrixXd& b) {
+  if (s.size() == 0) return {MatX<Quad>(0, b.cols()), kMostDigits};  // Eigen's LU divides by the size
   Eigen::SparseLU<Eigen::SparseMatrix<double>> lu;
   lu.compute(s.K);
   ExactSolution out{MatX<Quad>(s.size(), b.cols()), kMostDigits};
