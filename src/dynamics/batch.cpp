@@ -128,7 +128,8 @@ std::ptrdiff_t worth_it(int copies) { return std::min(copies, 3); }
 void prepare_copies(const Scene& scene, BatchData& batch) {
   const int count = internal::batch_width(internal::solver_of(batch.threads.front().data));
   for (BatchData::Thread& thread : batch.threads) {
-    if (!thread.copies || thread.copies->count != count) {
+    if (!thread.copies || thread.copies->count != count ||
+        has_applied_forces(thread.copies->scene) != has_applied_forces(scene)) {
       thread.copies.reset();
       thread.copies = std::make_shared<BatchCopies>(scene, count, thread.data.options);
     }

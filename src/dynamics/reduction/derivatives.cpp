@@ -109,11 +109,10 @@ SceneData& differentiated(const Scene& scene, SceneData& data) {
   if (scene.damping > 0) r.each_pair([&](int c, const PairRows& pair) { as_one = as_one && moves_as_one(r, c, pair); });
   if (as_one) return *r.data;
   if (r.plain_is_current) return *r.plain;
-  if (!r.plain) {
-    Options options = data.options;
-    options.reduce_pairs = false;
-    r.plain = std::make_unique<SceneData>(scene, options);
-  }
+  Options options = data.options;
+  options.reduce_pairs = false;
+  if (!r.plain) r.plain = std::make_unique<SceneData>(scene, options);
+  r.plain->options = options;
   r.plain->active = data.active;
   r.plain->pushes = data.pushes;
   (void)solve_tau(scene, w.q, data.v, w.given, *r.plain);

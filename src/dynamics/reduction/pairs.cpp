@@ -12,14 +12,14 @@ namespace manycontact::internal {
 namespace {
 
 Reduction::Terms terms_of(const Scene& scene) {
-  Reduction::Terms out{{}, scene.damping > 0, scene.damping > 0 ? 1 : scene.moment_length};
+  Reduction::Terms out{{}, scene.damping > 0, has_applied_forces(scene), scene.damping > 0 ? 1 : scene.moment_length};
   out.constant_rows.reserve(scene.contacts.size());
   for (const Contact& contact : scene.contacts) out.constant_rows.push_back(has_constant_rows(contact));
   return out;
 }
 
 bool same_terms(const Scene& scene, const Reduction::Terms& terms) {
-  if (terms.damped != (scene.damping > 0)) return false;
+  if (terms.damped != (scene.damping > 0) || terms.forces != has_applied_forces(scene)) return false;
   if (!terms.damped && terms.moment_length != scene.moment_length) return false;
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
     if (terms.constant_rows[c] != has_constant_rows(scene.contacts[c])) return false;
@@ -130,8 +130,9 @@ void make_scene(const Scene& scene, Reduction& r) {
     for (auto& [set, of] : sets) {
       if (!of.pair.pair) continue;
       of.number = static_cast<int>(r.scene.contacts.size());
+      r.pairs.push_back(std::make_shared<PairRows>(*of.pair.pair));  // changes with the scene; the set's own does not
       r.scene.contacts.push_back(of.pair);
-      r.pairs.push_back(std::const_pointer_cast<PairRows>(of.pair.pair));
+      r.scene.contacts.back().pair = r.pairs.back();
       rows = std::max(rows, of.pair.pair->unit.size());
     }
   r.rows_of_pair.resize(static_cast<Eigen::Index>(rows));

@@ -23,13 +23,13 @@ struct Workspace;
 struct Reduction {
   /// Terms that the pairs that may be reduced depend on, in addition to those of SceneIdentity.
   struct Terms {
-    std::vector<char> constant_rows;  // per contact of the scene
-    bool damped = false;
+    std::vector<char> constant_rows;      // per contact of the scene
+    bool damped = false, forces = false;  // forces: there are external wrenches or springs
     double moment_length = 1;
   };
 
   struct Set {        // of active contacts between two bodies, once met
-    Contact pair;     // `pair.pair` is empty where their rows are independent
+    Contact pair;     // as it was then; `pair.pair` is empty where their rows are independent
     int number = -1;  // of the pair among the contacts of the scene solved
   };
 
