@@ -66,21 +66,29 @@ class AtRest {
 
   /// e, the errors of placement that gains correct, per row.
   Eigen::VectorXd errors(const Eigen::VectorXd& q) const {
-    return of_contacts(q, nullptr, [](const ContactData<double>& d) -> Eigen::VectorXd { return d.a0; });
+    return of_contacts(q, nullptr,
+                       [](const Contact&, const ContactData<double>& d) -> Eigen::VectorXd { return d.a0; });
   }
   /// J v, per row.
   Eigen::VectorXd velocities(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
-    return of_contacts(q, v.data(), [](const ContactData<double>& d) -> Eigen::VectorXd { return d.W * d.nu; });
+    return of_contacts(q, v.data(),
+                       [](const Contact&, const ContactData<double>& d) -> Eigen::VectorXd { return d.W * d.nu; });
   }
-  /// The accelerations J' v that contacts have where the joints move with v and do not accelerate, per row.
+  /// J' v, per row: the rates of J v where the joints move with v and do not accelerate. a0 of a point has a term more
+  /// where its velocity is not zero.
   Eigen::VectorXd bias(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
-    const auto a0 = [](const ContactData<double>& d) -> Eigen::VectorXd { return d.a0; };
-    return of_contacts(q, v.data(), a0) - errors(q);
+    return of_contacts(q, v.data(), [](const Contact& c, const ContactData<double>& d) -> Eigen::VectorXd {
+      Vec6<double> rate = d.nudot;
+      const Vec3<double> turning = d.vA.tail<3>();
+      for (const int first : {0, 3})
+        if (rows_turn(c)) rate.segment<3>(first) += turning.cross(Vec3<double>(d.nu.segment<3>(first)));
+      return d.W * rate;
+    });
   }
   /// The magnitudes of the terms of the bias acceleration: squares of the velocities of a contact's bodies, the same
   /// for all rows of a contact.
   Eigen::VectorXd bias_terms(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
-    return of_contacts(q, v.data(), [](const ContactData<double>& d) -> Eigen::VectorXd {
+    return of_contacts(q, v.data(), [](const Contact&, const ContactData<double>& d) -> Eigen::VectorXd {
       const double speed = std::max(d.vA.cwiseAbs().maxCoeff(), d.vB.cwiseAbs().maxCoeff());
       return Eigen::VectorXd::Constant(d.W.rows(), speed * speed);
     });
@@ -136,8 +144,9 @@ class AtRest {
   template <class Rows>
   Eigen::VectorXd of_contacts(const Eigen::VectorXd& q, const double* v, Rows&& rows) const {
     Eigen::VectorXd out(data_.f.size());
-    each_contact_at(scene_, data_.active, q, v,
-                    [&](int c, const ContactData<double>& d) { out.segment(data_.f_offset[c], d.W.rows()) = rows(d); });
+    each_contact_at(scene_, data_.active, q, v, [&](int c, const ContactData<double>& d) {
+      out.segment(data_.f_offset[c], d.W.rows()) = rows(scene_.contacts[c], d);
+    });
     return out;
   }
 

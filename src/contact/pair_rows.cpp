@@ -95,6 +95,21 @@ std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
   return out;
 }
 
+// The rotation of Q's columns that makes its rows that span all a lower triangle, with a positive diagonal. The first k
+// rows of R then span what the first k of those rows of B do: a row of R depends on rows before it where that row of B
+// does.
+Eigen::MatrixXd triangular_basis(const Eigen::MatrixXd& Q, const std::vector<char>& spans) {
+  Eigen::MatrixXd rows(Q.cols(), Q.cols());  // transposed
+  Eigen::Index k = 0;
+  for (Eigen::Index row = 0; row < Q.rows(); ++row)
+    if (spans[static_cast<std::size_t>(row)]) rows.col(k++) = Q.row(row).transpose();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(rows.leftCols(k));
+  Eigen::MatrixXd out = qr.householderQ();
+  for (Eigen::Index i = 0; i < k; ++i)
+    if (qr.matrixQR()(i, i) < 0) out.col(i) *= -1;
+  return out;
+}
+
 // B = Q R; false where its rows are independent, or the rank is in doubt.
 bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   const Eigen::MatrixXd B = rows_of_all(pair, numbers.A);
@@ -103,6 +118,8 @@ bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   if (rank <= 0 || rank == B.rows()) return false;
   if (rank != plain_rank(Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(B.rowwise().normalized()))) return false;
   numbers.Q = qr.householderQ() * Eigen::MatrixXd::Identity(B.rows(), rank);
+  pair.spans = first_independent(B, rank);
+  numbers.Q *= triangular_basis(numbers.Q, pair.spans);
   numbers.R = numbers.Q.transpose() * B;
   // Computes a right inverse with rotations in units of the moment arms, as in R, so that its error does not depend on
   // the lengths of the arms.
@@ -111,7 +128,6 @@ bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   if (turns > 0 && motions > 0) unit.tail<3>().setConstant(motions / turns);
   const Eigen::MatrixXd scaled = numbers.R * unit.asDiagonal();
   numbers.R_right = unit.asDiagonal() * scaled.completeOrthogonalDecomposition().pseudoInverse();
-  pair.spans = first_independent(B, rank);
   const Eigen::MatrixXd sizes = numbers.Q.cwiseAbs().transpose() * B.cwiseAbs();
   numbers.terms.resize(rank, 2);
   numbers.terms << sizes.leftCols<3>().rowwise().maxCoeff(), sizes.rightCols<3>().rowwise().maxCoeff();

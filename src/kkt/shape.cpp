@@ -26,6 +26,18 @@ Attachment body_B(const Island& island, const Contact& contact) {
 // directions are all of the body's.
 bool place_counts(const Contact& contact) { return contact.type != ContactType::k6D || contact.rows() < 6; }
 
+// An order in which the rows of each contact take their places in ascending order. K's pattern stays as it is: they
+// have the same columns.
+std::vector<int> sort_rows(const Island& island, std::vector<int> perm) {
+  std::vector<int> place = sparse::inverse(perm);
+  for (std::size_t c = 0; c < island.contacts.size(); ++c) {
+    const int first = island.nv + island.row_offset[c];
+    const int end = c + 1 < island.contacts.size() ? island.nv + island.row_offset[c + 1] : island.size();
+    std::sort(place.begin() + first, place.begin() + end);
+  }
+  return sparse::inverse(place);
+}
+
 }  // namespace
 
 IslandShape::IslandShape(const Scene& scene, const Island& island) {
@@ -61,7 +73,7 @@ const std::vector<int>& IslandShape::permutation(Order order) {
   else if (order == Order::kContactsEarly)
     perm = contacts_early_order(scene_, island_, support(), natural_pattern(scene_, island_, support()));
   else
-    perm = camd_order(scene_, island_, natural_pattern(scene_, island_, support()));
+    perm = sort_rows(island_, camd_order(scene_, island_, natural_pattern(scene_, island_, support())));
   return *perm;
 }
 

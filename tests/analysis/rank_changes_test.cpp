@@ -5,11 +5,13 @@
 #include <filesystem>
 
 #include "manycontact/algorithm/configuration.hpp"
+#include "manycontact/contact/jacobian.hpp"
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "support/dense.hpp"
 #include "support/folder.hpp"
 #include "support/scenes.hpp"
+#include "support/several_contacts.hpp"
 #include "support/terms.hpp"
 
 namespace manycontact::test {
@@ -131,6 +133,27 @@ TEST(RankChanges, OfPublishedMechanisms) {
   const auto bricard = changes(load_scene(mechanisms + "03-bricard/scene_5d.xml"), 4);
   ASSERT_EQ(bricard.size(), 1u);
   EXPECT_FALSE(bricard[0].singular);
+}
+
+// Where a change is told, the rank at nearby configurations is another one indeed.
+TEST(RankChanges, OfRandomHingesAreTrue) {
+  int dependent = 0;
+  for (int seed = 0; seed < 1500; ++seed) {
+    std::mt19937 rng(seed);
+    const RandomScene s = random_hinges(rng);
+    SceneData data(s.scene);
+    if (solve(s.scene, s.q, s.v, s.u, data).status == Status::kFailed) continue;
+    dependent += data.report.rank < data.report.nc;
+    const std::vector<RankChange> found = rank_changes(s.scene, s.q, data);
+    if (found.empty()) continue;
+    const auto rank = [&](const Eigen::VectorXd& q) {
+      const Eigen::VectorXd sigma = Svd(contact_jacobian(s.scene, q)).sigma;
+      return (sigma.array() > 1e-8).count();
+    };
+    const Eigen::VectorXd near = integrate(s.scene, s.q, random_vector(s.scene.nv, rng, 1e-3));
+    EXPECT_GT(rank(near), rank(s.q)) << "seed " << seed;
+  }
+  EXPECT_GT(dependent, 700);
 }
 
 TEST(RankChanges, NeedAnAnswer) {

@@ -5,6 +5,7 @@
 
 #include "expand.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 #include "pivots.hpp"
 
 namespace manycontact {
@@ -54,11 +55,23 @@ class DenseFactor final : public Factor {
   int own_refinements() const override { return 1; }
 
   int rank() const override { return kkt_.delta > 0 ? kkt_.nc() : kkt_.rank; }
+  // Those that depend on the ones before them, as in other factors: by Gram and Schmidt, twice. Where that leaves doubt
+  // of the rank, those that pivoting chose.
   void dependent_rows(std::vector<int>& rows) const override {
     rows.clear();
-    if (kkt_.nc() == 0) return;
+    Eigen::MatrixXd Q(kkt_.nv(), rank());
+    int found = 0;
+    for (int k = 0; k < kkt_.nc(); ++k) {
+      Eigen::VectorXd left = kkt_.J.row(k).transpose();
+      const double size = std::max(left.lpNorm<Eigen::Infinity>(), kkt_.row_scale.size() > 0 ? kkt_.row_scale[k] : 0);
+      for (int pass = 0; pass < 2; ++pass) left -= Q.leftCols(found) * (Q.leftCols(found).transpose() * left).eval();
+      if (found < rank() && left.norm() > tolerance::kRank * size)
+        Q.col(found++) = left.normalized();
+      else
+        rows.push_back(k);
+    }
     const auto& order = kkt_.choice.colsPermutation().indices();
-    for (int k = rank(); k < kkt_.nc(); ++k) rows.push_back(order[k]);
+    if (found < rank()) rows.assign(order.begin() + rank(), order.end());
   }
 
   double left_of_dropped_rows() const override {

@@ -60,9 +60,10 @@ class DependentRowsFactor final : public Factor {
 
   double growth() const override { return growth_; }
   int rank() const override { return ldl_.pattern->nc - static_cast<int>(dependence_.dropped.size()); }
+  // Those that depend on the ones before them, also where others have taken their places.
   void dependent_rows(std::vector<int>& rows) const override {
     rows.clear();
-    for (int k : dependence_.dropped) rows.push_back(ldl_.pattern->perm[k] - ldl_.pattern->nv);
+    for (int k : greedy_) rows.push_back(ldl_.pattern->perm[k] - ldl_.pattern->nv);
   }
   void project_out(double* y, double* null_component) override { rank::project_out(dependence_, y, null_component); }
   void project_out_panel(double* X, int ld, int cols) override {
