@@ -64,6 +64,10 @@ bool ask(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& t
 /// Bounds of the errors by |K^-1| (mathematics.md), into the islands' reports.
 void bound_errors(const Scene& scene, SceneData& data);
 
+/// Whether an island's contacts are inconsistent, also relative to the accelerations of its loads: those of torques are
+/// evaluated where the others do not decide.
+bool contradicts(const Scene& scene, const SceneData& data, rank::Contradiction<double> of, IslandWork& island);
+
 /// Forgets what a solve leaves to the next one for speed alone: the next solution depends on its state alone, as that
 /// of new data does.
 void reset_warm_starts(SceneData& data);

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "manycontact/analysis/consistent.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/rounding.hpp"
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/dynamics/solve.hpp"
+#include "support/random.hpp"
 #include "support/scenes.hpp"
 
 namespace manycontact::test {
@@ -81,6 +83,53 @@ TEST(Contradictions, TorquesAgainstAHeldArm) {
       file.v.setZero();
       for (Contact& c : file.scene.contacts) resolve_reference(file.scene, file.q, true, true, c);
       EXPECT_EQ(Answer(file, method).status(), Status::kRedundant) << to_string(method) << " " << seed;
+    }
+}
+
+// A table on four points, whose velocity is made consistent, is at rest up to rounding errors, which contradict each
+// other.
+TEST(Contradictions, NoneBesideGravity) {
+  const std::string place = "<contact type=\"3d\" frame=\"b/crate\" name=";
+  SceneFile file = load_text(
+      "<scene><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\" xyz=\"0.3 0.1 1\" "
+      "rpy=\"0.1 0.2 0.3\"/>" +
+      place + "\"k\" offset=\"0.3 0.2 -0.5\"/>" + place + "\"l\" offset=\"0.3 -0.2 -0.5\"/>" + place +
+      "\"m\" offset=\"-0.3 0.2 -0.5\"/>" + place + "\"n\" offset=\"-0.3 -0.2 -0.5\"/></scene>");
+  Options each;
+  each.reduce_pairs = false;
+  std::mt19937 rng(7);
+  for (int trial = 0; trial < 300; ++trial) {
+    const Eigen::VectorXd v = make_consistent(file.scene, file.q, random_vector(file.scene.nv, rng)).v;
+    for (Options options : {Options{}, each, Options{Method::kDense}, Options{Method::kSparseBodies}}) {
+      SceneData data(file.scene, options);
+      EXPECT_EQ(solve(file.scene, file.q, v, file.u, data).status, Status::kRedundant) << trial;
+    }
+  }
+}
+
+// A contradiction is compared with gravity, or with the acceleration of an external force: it is less or more than 1e-8
+// of that.
+TEST(Contradictions, AreComparedWithTheLoads) {
+  for (const bool gravity : {true, false})
+    for (const double apart : {1e-9, 1e-5}) {
+      SceneFile file = ends(apart, "", gravity ? "gravity=\"0 0 -9.81\"" : "gravity=\"0 0 0\"");
+      if (!gravity) {
+        Push pull;
+        pull.name = "pull";
+        pull.at = file.scene.contacts[0].A;
+        pull.wrench << 0, 0, 9.81 * file.scene.robots[0].model->joints[0].inertia.m, 0, 0, 0;
+        file.scene.pushes.push_back(pull);
+      }
+      for (Contact& c : file.scene.contacts) c.alpha = 1;
+      for (const bool pairs : {true, false})
+        for (Method method : {Method::kAuto, Method::kDense, Method::kSparseLdl, Method::kSparseBodies}) {
+          Options options{method};
+          options.reduce_pairs = pairs;
+          SceneData data(file.scene, options);
+          EXPECT_EQ(solve(file.scene, file.q, file.v, file.u, data).status,
+                    apart < 1e-7 ? Status::kRedundant : Status::kInconsistent)
+              << to_string(method) << " " << apart;
+        }
     }
 }
 

@@ -102,11 +102,10 @@ struct Options {  // How to solve.
   /// Islands that cannot be solved in this precision are solved in kDouble. IslandReport::precision shows which was
   /// used, and IslandReport::reason is kLowPrecision unless the island has another reason.
   ///
-  /// kSingle and kMixed are for islands that sparse-ldl solves in SIMD batches without dependent rows. kSingle takes
-  /// islands of one robot, of whose contacts no two are between the same bodies. It is refused where rounding may
-  /// change the largest acceleration or force by more than a hundredth. kMixed also takes robots that few contact rows
-  /// join. Derivatives, products and bounds of errors are computed in double at the solution; those of kSingle are
-  /// therefore as accurate as its accelerations and forces.
+  /// kSingle and kMixed are for islands of one robot that sparse-ldl solves in SIMD batches without dependent rows.
+  /// kSingle takes those of whose contacts no two are between the same bodies. It is refused where rounding may change
+  /// the largest acceleration or force by more than a hundredth. Derivatives, products and bounds of errors are computed
+  /// in double at the solution; those of kSingle are therefore as accurate as its accelerations and forces.
   Precision precision = Precision::kDouble;
   bool operator==(const Options&) const = default;
 };

@@ -6,7 +6,7 @@
 #include "../internal.hpp"
 #include "../workspace/changes.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
-#include "manycontact/sparse/tolerances.hpp"
+#include "manycontact/rank/contradiction.hpp"
 #include "reduction.hpp"
 
 namespace manycontact::internal {
@@ -67,61 +67,49 @@ void add_damped_contradictions(const SceneData& data, double damping, const Redu
 }
 
 // Inconsistency of the contacts of an island's pairs.
-struct PairContradiction {
-  bool reduced = false, contradicts = false;
-};
-PairContradiction contradiction_of(const SceneData& data, const Reduction& r, std::size_t island,
-                                   std::span<const double> wanted) {
-  PairContradiction out;
-  const double terms = r.data->report.islands[island].contact_terms;
+rank::Contradiction<double> contradiction_of(const SceneData& data, const Reduction& r, std::size_t island,
+                                             std::span<const double> wanted) {
+  rank::Contradiction<double> out;
+  out.Ja = r.data->report.islands[island].contact_terms;
   for (int c : island_of(*r.data, island).contacts) {
     const PairRows* pair = r.pair_of(c);
     if (!pair) continue;
-    out.reduced = true;
-    const double *left = left_of_pair(r, c), of_left = left[pair->unit.size()];
-    const auto contradicts = [&](double size, double its_terms) {
-      return size > tolerance::kDriftRounding * its_terms && !(size <= tolerance::kContradiction * terms);
-    };
-    const PairVector all(left, static_cast<Eigen::Index>(pair->unit.size()));
-    if (wanted.empty()) {
-      out.contradicts |= contradicts(all.cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), of_left);
-      continue;
-    }
+    const double* left = left_of_pair(r, c);
     const auto& Q = pair->numbers->Q;
-    const auto y = r.prescribed.segment(r.data->f_offset[static_cast<std::size_t>(c)], Q.cols());
-    const double its_terms = of_left + y.template lpNorm<1>();
+    const auto y = wanted.empty() ? Eigen::Map<const Eigen::VectorXd>(nullptr, 0)
+                                  : Eigen::Map<const Eigen::VectorXd>(
+                                        &r.prescribed[r.data->f_offset[static_cast<std::size_t>(c)]], Q.cols());
+    const double terms = left[pair->unit.size()] + y.lpNorm<1>();
     each_member(data.f_offset, *pair, [&](int from, int first, int rows) {
-      for (int i = 0; i < rows; ++i) {
-        const double asked =
-            wanted[static_cast<std::size_t>(from + i)] * pair->unit[static_cast<std::size_t>(first + i)];
-        out.contradicts |= contradicts(std::abs(all[first + i] - (asked - Q.row(first + i).dot(y))), its_terms);
+      for (int i = first; i < first + rows; ++i) {
+        double size = left[i];
+        if (!wanted.empty())
+          size -= wanted[static_cast<std::size_t>(from + i - first)] * pair->unit[static_cast<std::size_t>(i)] -
+                  Q.row(i).dot(y);
+        out.left = rank::larger_or_nan(std::abs(size), out.left);
+        out.of_terms = rank::larger_or_nan(size == 0 ? 0 : std::abs(size) / terms, out.of_terms);
       }
     });
   }
   return out;
 }
 
-// Rows that depend on others, as many as the rank leaves: in pairs those after the ones that span it, and of rows of
-// the scene solved that depend on others, the pair's first ones.
+// Rows that depend on the ones before them: in pairs all but those that span it, and of these, one for each row of the
+// scene solved (contact/pair_rows.hpp), those whose row there depends on others.
 void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t island, IslandReport& report) {
   const std::vector<int>& solved = r.data->report.islands[island].dependent_rows;
+  const auto depends = [&](int row) { return std::binary_search(solved.begin(), solved.end(), row); };
   report.dependent_rows.clear();
   for (int c : island_of(*r.data, island).contacts) {
-    const int at = r.data->f_offset[static_cast<std::size_t>(c)],
-              rows = r.scene.contacts[static_cast<std::size_t>(c)].rows();
-    const auto dropped = static_cast<int>(
-        std::count_if(solved.begin(), solved.end(), [&](int row) { return row >= at && row < at + rows; }));
+    int at = r.data->f_offset[static_cast<std::size_t>(c)];
     const PairRows* pair = r.pair_of(c);
-    if (!pair) {
-      for (int row : solved)
-        if (row >= at && row < at + rows)
-          report.dependent_rows.push_back(row - at + data.f_offset[static_cast<std::size_t>(c)]);
-      continue;
-    }
-    int keep = rows - dropped;
+    for (int i = 0; !pair && i < r.scene.contacts[static_cast<std::size_t>(c)].rows(); ++i)
+      if (depends(at + i)) report.dependent_rows.push_back(data.f_offset[static_cast<std::size_t>(c)] + i);
+    if (!pair) continue;
     each_member(data.f_offset, *pair, [&](int first, int own, int of_member) {
       for (int i = 0; i < of_member; ++i)
-        if (!pair->spans[static_cast<std::size_t>(own + i)] || keep-- <= 0) report.dependent_rows.push_back(first + i);
+        if (!pair->spans[static_cast<std::size_t>(own + i)] || depends(at++))
+          report.dependent_rows.push_back(first + i);
     });
   }
   std::sort(report.dependent_rows.begin(), report.dependent_rows.end());
@@ -141,9 +129,10 @@ void take_report(const Scene& scene, SceneData& data, const Reduction& r, std::s
       if (report.status != Status::kRegularised) report.rank = report.nc;
       continue;
     }
-    const PairContradiction of = contradiction_of(data, r, i, wanted);
-    if (of.reduced && report.status == Status::kOk) report.status = Status::kRedundant;
-    if (of.contradicts && report.status == Status::kRedundant) report.status = Status::kInconsistent;
+    if (has_pairs(r, i) && report.status == Status::kOk) report.status = Status::kRedundant;
+    if (report.status == Status::kRedundant &&
+        contradicts(r.scene, *r.data, contradiction_of(data, r, i, wanted), *r.data->workspace->islands[i]))
+      report.status = Status::kInconsistent;
     if (report.rank < report.nc) name_dependent_rows(data, r, i, report);
   }
   data.report.method = data.options.method;

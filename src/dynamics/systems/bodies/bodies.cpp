@@ -260,7 +260,7 @@ bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Dropp
     report.contact_terms = Ja + a0;
   }
   if (drops)
-    internal::report_dropped_rows(data, owner, dependence.rows.dropped,
+    internal::report_dropped_rows(scene, data, owner, dependence.rows.dropped,
                                   internal::contradiction_of(scene, *data.workspace, *this), report);
   const BodyVectors& x = solution.x;
   each_velocity_block(scene, owner.island,

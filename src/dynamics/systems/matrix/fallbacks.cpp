@@ -173,7 +173,7 @@ Reason factorize_and_solve(const Scene& scene, const SceneData& data, FactorScra
     const rank::Contradiction<double> of = contradiction_of(scene, *data.workspace, m, scratch.row_scale);
     if (by.kind != FactorKind::kDense && of.needs_dense() && may_ask_oracle(m)) return Reason::kSmallPivot;
     m.contradiction = of.exceeds_rounding();
-    report.status = of.contradicts() ? Status::kInconsistent : Status::kRedundant;
+    report.status = contradicts(scene, data, of, m.owner) ? Status::kInconsistent : Status::kRedundant;
     factor.dependent_rows(m.dependent);
     name_dependent_rows(data, m.owner.island, m.dependent, report);
   }

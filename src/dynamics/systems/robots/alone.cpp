@@ -47,11 +47,12 @@ void take_answer(BlockGroup& by, Precision precision, const lanes::Answer& answe
   d.alone.refine_panel = answer.refine_panel;
 }
 
-void take_dependence(const SceneData& data, const lanes::Answer& answer, IslandWork& d, IslandReport& report) {
+void take_dependence(const Scene& scene, const SceneData& data, const lanes::Answer& answer, IslandWork& d,
+                     IslandReport& report) {
   d.matrix.dependent.clear();
   const KktPattern& p = *d.alone.by->plan->pattern;
   for (int k : d.alone.by->plan->dropped) d.matrix.dependent.push_back(p.perm[k] - p.nv);
-  report_dropped_rows(data, d, d.matrix.dependent, answer.contradiction, report);
+  report_dropped_rows(scene, data, d, d.matrix.dependent, answer.contradiction, report);
 }
 
 // Puts the islands into w.lanes, each with the group that group_of(island) returns, if any: in batches of `width`.
@@ -175,7 +176,7 @@ void solve_alone(const Scene& scene, SceneData& data, Dropped dropped, const Sta
       if (!answer.sound) continue;
       IslandReport& report = data.report.islands[numbers[k]];
       take_answer(group, Precision::kDouble, answer, d, report);
-      if (!group.plan->dropped.empty()) take_dependence(data, answer, d, report);
+      if (!group.plan->dropped.empty()) take_dependence(scene, data, answer, d, report);
     }
   });
 }

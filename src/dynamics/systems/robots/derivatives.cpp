@@ -308,7 +308,7 @@ bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, boo
 
 // The factors of the current state, where another system solved.
 bool make_current(const Scene& scene, SceneData& data, RobotsSystem& system) {
-  if (system.state == data.workspace->state) return system.factorize_in_double(scene, data);
+  if (system.state == data.workspace->state) return true;
   system.first_error = system.owner.matrix.first_error;
   return system.factorize(scene, data);
 }

@@ -1,16 +1,13 @@
 #pragma once
 // The walk through the batches of an island's robots.
 
-#include <type_traits>
-
 #include "../../workspace/threads.hpp"
 #include "robots.hpp"
 
 namespace manycontact::internal {
 
 /// step(kernel, robots, their memory, memory of the thread) for each batch, each thread's one way and the next time
-/// back: the last ones are still in the cache then. A batch is always the same thread's, whose kernel knows it. For
-/// steps that take SolvingBlocks, the kernel is that of the precision of the current factors.
+/// back: the last ones are still in the cache then. A batch is always the same thread's, whose kernel knows it.
 /// of_solve: the work of all steps that this one belongs to, relative to that of a solve.
 template <class Step>
 void each_batch(Workspace& w, RobotsSystem& system, double of_solve, Step&& step) {
@@ -25,14 +22,8 @@ void each_batch(Workspace& w, RobotsSystem& system, double of_solve, Step&& step
     const std::size_t next = k + threads;  // of the same thread
     double* memory = system.memory.data();
     const std::span<RobotsSystem::Robot> robots = std::span(system.members).subspan(batch.first, batch.count);
-    const lanes::SolvingBlocks::Memory at{memory + batch.at, memory + (next < count ? item(next) : batch).at};
-    const BlockGroup& group = *batch.group;
-    if constexpr (std::is_invocable_v<Step, lanes::SolvingBlocks&, decltype(robots), decltype(at), ThreadWork&>)
-      step(system.mixed ? *group.mixed[thread.number]
-                        : static_cast<lanes::SolvingBlocks&>(*group.kernels[thread.number]),
-           robots, at, thread);
-    else
-      step(*group.kernels[thread.number], robots, at, thread);
+    const lanes::RobotBlocks::Memory at{memory + batch.at, memory + (next < count ? item(next) : batch).at};
+    step(*batch.group->kernels[thread.number], robots, at, thread);
   });
 }
 

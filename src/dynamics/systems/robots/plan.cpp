@@ -99,12 +99,11 @@ void make_kernels(Workspace& w, BlockGroup& group, bool side_by_side) {
     for (const auto& kernel : kernels) kernel->reserve_batch();
   };
   make(group.kernels, w.lanes.level->make);
-  if (!group.plan->dropped.empty()) return;  // those are solved in double
+  if (!group.plan->dropped.empty() || group.plan->border > 0) return;  // those are solved in double
   if (w.options.precision == Precision::kMixed) make(group.mixed, w.lanes.level->make_mixed);
   // The inconsistency of a pair's contacts is judged relative to the rounding errors of doubles.
   const auto is_pair = [](const Contact& c) { return c.pair != nullptr; };
-  if (w.options.precision == Precision::kSingle && group.plan->border == 0 &&
-      std::ranges::none_of(group.plan->scene.contacts, is_pair))
+  if (w.options.precision == Precision::kSingle && std::ranges::none_of(group.plan->scene.contacts, is_pair))
     make(group.single, w.lanes.level->single.make);
 }
 

@@ -23,7 +23,6 @@ namespace {
 
 using Member = RobotsSystem::Robot;
 using Kernel = lanes::RobotBlocks;
-using Solver = lanes::SolvingBlocks;
 using Memory = lanes::RobotBlocks::Memory;
 
 // Forms batches of robots of one group, each as large as a SIMD batch can be.
@@ -226,20 +225,20 @@ void report_answer(const Scene& scene, const RobotsSystem& s, const sparse::Refi
 }
 
 // Reports the rows that an island drops, and their inconsistency. False: they are left to the dense reference solver.
-bool report_dependence(const SceneData& data, RobotsSystem& s, IslandReport& report) {
+bool report_dependence(const Scene& scene, const SceneData& data, RobotsSystem& s, IslandReport& report) {
   rank::Contradiction<double> all;
   for (const Member& m : s.members) all.add(m.contradiction);
   for (std::size_t k = 0; k < s.b.size(); ++k) all.add_products(s.scale[k] - std::abs(s.b[k]), std::abs(s.b[k]));
   if (all.needs_dense()) return false;
   report.backward_error = backward_error_of(s);
   s.contradiction = all.exceeds_rounding();
-  report_dropped_rows(data, s.owner, s.dropped, all, report);
+  report_dropped_rows(scene, data, s.owner, s.dropped, all, report);
   return true;
 }
 
 // Stores the solution, in the scene's coordinates.
 void store_answer(const lanes::Job& job, Workspace& w, RobotsSystem& s) {
-  each_batch(w, s, [&](Solver& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
+  each_batch(w, s, [&](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
     kernel.store(job, robots, memory.at);
   });
   for (const RobotsSystem::Coupling& coupling : s.contacts)
@@ -263,7 +262,7 @@ sparse::Refinement solve_refined(Workspace& w, double damping, int max_steps, Ro
   s.r = s.b;
   const auto correct = [&] {  // x += K^-1 r
     solve_interface(s);
-    each_batch(w, s, [](Solver& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
+    each_batch(w, s, [](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
       kernel.correct(robots, memory);
     });
     interface_residual(damping, s);
@@ -295,9 +294,9 @@ void solve_once_refined(const Scene& scene, SceneData& data, RobotsSystem& s, Pr
 
 }  // namespace
 
-void report_dropped_rows(const SceneData& data, const IslandWork& d, std::span<const int> rows,
+void report_dropped_rows(const Scene& scene, const SceneData& data, IslandWork& d, std::span<const int> rows,
                          const rank::Contradiction<double>& contradiction, IslandReport& report) {
-  report.status = contradiction.contradicts() ? Status::kInconsistent : Status::kRedundant;
+  report.status = contradicts(scene, data, contradiction, d) ? Status::kInconsistent : Status::kRedundant;
   report.reason = Reason::kSmallPivot;
   report.changed_order = has_order(d.choice.method) && d.choice.order != Order::kLeafToRoot;
   report.order = Order::kLeafToRoot;
@@ -323,25 +322,19 @@ bool RobotsSystem::factorize(const Scene& scene, SceneData& data) {
   ++owner.factorizations;
   form_robot_batches(scene, w, *this);
   form_contact_batches(scene, w, *this);
-  each_batch(w, *this, [&](internal::Solver& kernel, std::span<Robot> robots, internal::Memory memory, ThreadWork&) {
+  each_batch(w, *this, [&](internal::Kernel& kernel, std::span<Robot> robots, internal::Memory memory, ThreadWork&) {
     kernel.evaluate(job, robots, memory);
   });
   if (!all_sound(*this)) return false;
   evaluate_interface(scene, w, *this);
   if (!accept_rows(scene, *this)) return false;
-  each_batch(w, *this, [&](internal::Solver& kernel, std::span<Robot> robots, internal::Memory memory, ThreadWork&) {
+  each_batch(w, *this, [&](internal::Kernel& kernel, std::span<Robot> robots, internal::Memory memory, ThreadWork&) {
     kernel.factor(robots, memory);
   });
   if (!all_sound(*this) || !factor_interface(scene.damping, *this) || !std::isfinite(growth())) return false;
   interface_right_side(data, *this);
   state = w.state;
   return true;
-}
-
-bool RobotsSystem::factorize_in_double(const Scene& scene, SceneData& data) {
-  if (!mixed) return true;
-  mixed = false;
-  return factorize(scene, data);
 }
 
 double RobotsSystem::growth() const {
@@ -386,9 +379,6 @@ bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Dropp
   if (!internal::may_solve(scene, *data.workspace, *this, rows)) return false;
   const bool on = rows != Dropped::kNone;
   if (drops != on || rows == Dropped::kAsFound) drop_rows(on);  // rows found may be others than before
-  mixed = data.workspace->options.precision == Precision::kMixed && !on;
-  if (mixed && solve_in_use(scene, data, report)) return true;
-  mixed = false;
   if (solve_in_use(scene, data, report)) return true;
   owner.refused = owner.refused || on;
   drop_rows(false);
@@ -398,8 +388,8 @@ bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Dropp
 bool RobotsSystem::solve_in_use(const Scene& scene, SceneData& data, IslandReport& report) {
   Workspace& w = *data.workspace;
   if (!factorize(scene, data)) return false;
-  const int steps = mixed ? tolerance::kMixedSteps : tolerance::kRefinementSteps;
-  const sparse::Refinement refinement = internal::solve_refined(w, scene.damping, steps, *this);
+  const sparse::Refinement refinement =
+      internal::solve_refined(w, scene.damping, tolerance::kRefinementSteps, *this);
   state = 0;  // until the solution is judged
   if (!(refinement.backward_error <= tolerance::kConverged)) return false;
   first_error = refinement.first;
@@ -411,15 +401,13 @@ bool RobotsSystem::solve_in_use(const Scene& scene, SceneData& data, IslandRepor
           kernel.finish(of_batch, memory_of);
         });
   internal::report_answer(scene, *this, refinement, report);
-  if (mixed) report.precision = Precision::kMixed;
-  if (drops && !internal::report_dependence(data, *this, report)) return false;
+  if (drops && !internal::report_dependence(scene, data, *this, report)) return false;
   state = w.state;
   return true;
 }
 
 bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const TangentProduct& p) {
   if (drops) return false;  // the whole K has what the forces of least norm add
-  if (!factorize_in_double(scene, data)) return false;
   internal::place_at_state(scene, data, owner.island);
   internal::tangent_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });
@@ -428,7 +416,6 @@ bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const T
 
 bool RobotsSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const AdjointProduct& p) {
   if (drops) return false;  // the whole K has what the forces of least norm add
-  if (!factorize_in_double(scene, data)) return false;
   internal::place_at_state(scene, data, owner.island);
   internal::adjoint_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });

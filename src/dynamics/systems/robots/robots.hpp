@@ -27,7 +27,7 @@ struct IslandReport;
 struct BlockGroup {
   std::shared_ptr<const lanes::BlockPlan> plan;
   std::vector<std::unique_ptr<lanes::RobotBlocks>> kernels;  // one per thread
-  // the same, where the options ask for these: of robots alone in single precision; with a factor in single precision
+  // of robots alone, where the options ask for these: in single precision; with a factor in single precision
   std::vector<std::unique_ptr<lanes::SingleBlocks>> single;
   std::vector<std::unique_ptr<lanes::SolvingBlocks>> mixed;
   std::vector<int> islands;  // scratch of a call: the islands it solves with this plan
@@ -90,8 +90,6 @@ class RobotsSystem final : public IslandSystem {
   /// The factors of the robots and of the interface rows, and the right-hand side, at the current state. False where
   /// these are not sound.
   bool factorize(const Scene& scene, SceneData& data);
-  /// The same in double, where the current factors are not: for all that comes after a solve.
-  bool factorize_in_double(const Scene& scene, SceneData& data);
   bool solve_in_use(const Scene&, SceneData&, IslandReport&);  // by the groups in use
   /// Growth of K's entries in these factors, as Factor has it.
   double growth() const;
@@ -143,7 +141,6 @@ class RobotsSystem final : public IslandSystem {
   std::vector<Batch> batches;
   std::vector<ContactBatch> contact_batches;
   std::uint64_t state = 0;                         // that all of this is of; 0 where it is not sound
-  bool mixed = false;                              // the robots' factors are in single precision
   double first_error = 0;                          // backward error of the solution before refinement
   bool back = false;                               // the way the last step took through the batches
   sparse::LargeMemory memory;                      // of the batches and their robots
@@ -180,7 +177,7 @@ void solve_alone_in_low(const Scene& scene, SceneData& data);
 /// How many robots alone, or states, a SIMD batch has at most; 1 without SIMD batches.
 int batch_width(const Workspace& w);
 /// Reports the rows of an island's J that were dropped: status, rank, names.
-void report_dropped_rows(const SceneData& data, const IslandWork& island, std::span<const int> rows,
+void report_dropped_rows(const Scene& scene, const SceneData& data, IslandWork& island, std::span<const int> rows,
                          const rank::Contradiction<double>& contradiction, IslandReport& report);
 /// robots.dropped and the robots' groups without these, of the rows that the factor of the whole K dropped. False where
 /// they have no place in SIMD batches: rows that join robots are among them.
