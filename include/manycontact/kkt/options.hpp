@@ -102,8 +102,8 @@ struct Options {  // How to solve.
   ///
   /// kSingle is for islands of one robot that sparse-ldl solves in SIMD batches without dependent rows, and of whose
   /// contacts no two are between the same bodies. It is refused where rounding may change the largest acceleration or
-  /// force by more than a hundredth. Derivatives, products and bounds of errors are computed in double at the solution; those of kSingle are
-  /// therefore as accurate as its accelerations and forces.
+  /// force by more than a hundredth. Derivatives, products and bounds of errors are computed in double at the
+  /// solution; those of kSingle are therefore as accurate as its accelerations and forces.
   Precision precision = Precision::kDouble;
   bool operator==(const Options&) const = default;
 };
