@@ -49,6 +49,8 @@ def another(x):
         return x + "_"
     if isinstance(x, mc.SE3):
         return mc.SE3(p=[0.1, 0.2, 0.3]) * x
+    if isinstance(x, np.ndarray) and x.shape == (3,) and abs(np.linalg.norm(x) - 1) < 1e-12:
+        return np.roll(x, 1)  # directions are normalised
     if isinstance(x, np.ndarray) and x.size > 0:
         other = np.array(x)
         step = {"b": True, "i": 1, "u": 1}.get(other.dtype.kind, 0.25)
