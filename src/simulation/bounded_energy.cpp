@@ -104,11 +104,10 @@ void find_energies(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Ve
 
 // Adds the most that motors, external wrenches, joints and contacts gave in the step, whose end is x.
 void add_work(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
-  e.rigid_v = 0.5 * d.h * (d.v + d.dynamics.a);
-  for (int r = 0; r < scene.nrobots(); ++r) {
-    const int at = scene.robots[r].idx_v, n = scene.robots[r].model->nv;
-    at_robot(e.before, e, r) += d.w.segment(at, n).dot(e.rigid_v.segment(at, n));
-  }
+  const Eigen::VectorXd& added = d.resisting->joints.to_add;
+  for (int r = 0; r < scene.nrobots(); ++r)
+    for (int i = scene.robots[r].idx_v; i < scene.robots[r].idx_v + scene.robots[r].model->nv; ++i)
+      at_robot(e.before, e, r) += (d.h * d.w[i] - added[i] * d.dynamics.a[i]) * (d.v[i] + d.dynamics.a[i]) / 2;
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
     if (const int first = d.dynamics.f_offset[c]; first >= 0) {
       const int n = scene.contacts[c].rows();
