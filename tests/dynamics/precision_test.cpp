@@ -102,28 +102,6 @@ TEST(Precision, JoinedRobotsAreSolvedInDouble) {
     }
 }
 
-// Robots that contacts join are solved in double, and the report tells it: by a factor of floats, the forces between
-// them would have a float's rounding errors.
-TEST(Precision, JoinedRobotsAreSolvedInDouble) {
-  for (const bool points : {true, false})
-    for (int boxes = 2; boxes <= 12; ++boxes) {
-      PileMaker make;
-      for (int k = 0; k < boxes; ++k) {
-        make.box(0, 0, k);
-        make.join(points ? ContactType::k3D : ContactType::k6D, k, k - 1, {0.1, 0.02 * k, k - 0.5});
-      }
-      const RandomScene s = make.finish();
-      for (const Precision precision : {Precision::kMixed, Precision::kSingle}) {
-        SceneData exact(s.scene), data(s.scene, in_precision(precision));
-        for (SceneData* each : {&exact, &data}) (void)solve(s.scene, s.q, s.v, s.u, *each);
-        expect_told(data.report, precision);
-        EXPECT_EQ(count_of(data.report, Precision::kDouble), 1) << boxes;
-        EXPECT_EQ(data.a, exact.a) << boxes;
-        EXPECT_EQ(data.f, exact.f) << boxes;
-      }
-    }
-}
-
 TEST(Precision, SingleErrsAsTheConditionPredicts) {
   std::mt19937 rng(3);
   int single = 0, all = 0;

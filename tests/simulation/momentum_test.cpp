@@ -12,6 +12,8 @@
 namespace manycontact::test {
 namespace {
 
+using Eigen::VectorXd;
+
 const Integrator kEuler = Integrator::kSemiImplicitEuler;
 
 // Returns one free body with its centre of mass at c in its own axes.
@@ -200,6 +202,46 @@ TEST(Momentum, OfRobotsThatHoldEachOther) {
       return invariants(s.scene, after.dynamics.active, after.q, after.v, room).position_drift;
     };
     EXPECT_NEAR(std::log2(drift(500) / drift(1000)), 1, 0.3);
+  }
+}
+
+// Galilei: a motion does not depend on the speed of the whole.
+void expect_the_same_when_thrown(RandomScene s, double h, int steps) {
+  s.scene.gravity.setZero();
+  const SimulationData at_rest = simulated(s, kEuler, steps * h, steps);
+  const Vec3<double> V(30, -70, 60);
+  RandomScene thrown = s;
+  for (const Robot& robot : s.scene.robots)
+    thrown.v.segment<3>(robot.idx_v) +=
+        placement_of_pose(s.q.segment<7>(robot.idx_q)).R.transpose() * V;
+  const SimulationData moved = simulated(thrown, kEuler, steps * h, steps);
+  VectorXd q = moved.q, v = moved.v;
+  for (const Robot& robot : s.scene.robots) {
+    q.segment<3>(robot.idx_q) -= steps * h * V;
+    v.segment<3>(robot.idx_v) -= placement_of_pose(moved.q.segment<7>(robot.idx_q)).R.transpose() * V;
+  }
+  EXPECT_LE(difference_of(q, at_rest.q), 1e-10);
+  EXPECT_LE(difference_of(v, at_rest.v), 1e-9);
+}
+
+TEST(Momentum, ThrownRobotsMoveAsAtRest) {
+  for (int seed : {41, 42, 43}) {
+    SCOPED_TRACE(seed);
+    RandomScene s = tied_scene(seed);
+    s.scene.contacts[1].active = false;
+    for (Robot& robot : s.scene.robots) {  // rotors of a base would turn against the world
+      Model model = *robot.model;
+      model.armature.head<6>().setZero();
+      robot.model = std::make_shared<const Model>(model);
+    }
+    expect_the_same_when_thrown(s, 1e-3, 50);
+    for (const double stiffness : {100.0, 1e7}) {
+      RandomScene on_springs = s;
+      on_springs.scene.contacts[0].active = false;
+      add_spring(on_springs.scene, {"spring", {0, 4, {}}, {1, 3, {Mat3<double>::Identity(), {0.2, 0.1, 0}}}, stiffness, 0.3, 1});
+      expect_the_same_when_thrown(on_springs, 1e-3, 50);
+    }
+    expect_the_same_when_thrown(free_scene(seed), 1e-3, 50);
   }
 }
 

@@ -3,16 +3,22 @@
 //
 // Semi-implicit Euler constrains the velocities of contacts, by an impulse h f:
 //
-//     [ M  J^T     ] [ v+   ]   [ M v + h (tau - h(q, v))   ]
-//     [ J  -delta I] [ -h f ] = [ (1 - beta h) c - alpha h e ]      c+ = J(q) v+,   q+ = q (+) h v+
+//     [ M  J^T     ] [ x    ]   [ -h ID(q, v, s) + h tau     ]      s = -(v / h + w x v)
+//     [ J  -delta I] [ -h f ] = [ (1 - beta h) c - alpha h e ]      c+ = J(q) x
 //
-// tau = tau(q, v, u, w) is the torque of motors and external wrenches at the start of the step. Resisting forces are
-// those at its end, for any h. Dampers, springs and PD laws add h^2 k + h c to M along them: oscillations that are too
-// fast for the step are damped. Joint friction follows Coulomb: it is at most F, and a joint sticks below 1e-6 rad/s or
-// m/s. Afterwards, the momentum of bodies without connection to the world is corrected (simulation/momentum.hpp).
+// x is the velocity at the end in the axes of the start: joints move by h x, and free joints, whose axes turn with
+// their bodies, by p+ = p + h R x, R+ = R exp(h w+), v+ = R+^T R x. So a motion does not depend on the speed of the
+// whole. For joints without turning axes s = -v / h, and the right-hand side is M v + h (tau - h(q, v)).
+//
+// tau = tau(q, v, u, w) is the torque of motors and external wrenches at the start of the step. Dampers and PD laws act
+// with the force of its end, for any h. A spring k between masses m adds h^2 k to M along it, and its share 1 - r^2 of
+// h^2 k v to the right-hand side, with r = z / (1 + z), z = h^2 k / m: oscillations that the step resolves keep their
+// energy, and those that are too fast for it are damped. Joint friction follows Coulomb: it is at most F, and a joint
+// sticks below 1e-6 rad/s or m/s. Afterwards, the momentum of bodies without connection to the world is corrected
+// (simulation/momentum.hpp).
 //
 // e is the contact's placement error. c is its velocity after the last step: J v initially, then J of the last
-// configuration times v. If e = c = 0, v+ is the velocity nearest to v + h a_free, in the mass-weighted norm, that the
+// configuration times x. If e = c = 0, x is the velocity nearest to v + h a_free, in the mass-weighted norm, that the
 // contacts allow. Then contacts never add energy.
 //
 // Accelerations J a = -J' v - beta J v - alpha e with beta near 1/h do add energy. J v has grown by h J' v since the
@@ -95,7 +101,8 @@ struct PdLaws {
 /// Work of forces in a step, each force times the mean of the velocities before and after [J].
 struct StepWork {
   double pd = 0, dampers = 0, friction = 0;  // PD laws; dampers in joints and between points; joint friction
-  double springs = 0;                        // energy that the step took from springs, beyond their change of energy
+  double springs = 0;                        // energy that the step took from springs that are too fast for it,
+                                             // beyond their change of energy
 };
 
 struct SimulationData {  // A simulation: state, step size, integrator, and the workspace of its solves. One per thread.
@@ -139,7 +146,8 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
   std::vector<char> left_active;
 
   // workspace
-  bool in_batches = false;  // whether the solve adds M v and the bias to b, in its SIMD batches
+  bool in_batches = false;  // whether the solve adds -h ID(q, v, stop) to b, in its SIMD batches
+  Eigen::VectorXd stop;     // the acceleration that ends v within the step
   Eigen::VectorXd b, wanted, next_contact_v;
   Eigen::VectorXd stage_q, stage_v, tau, w, w_rate, v_rate, w_sum, v_sum;
 

@@ -1,18 +1,20 @@
-// Energy of steps in which springs rotate bodies by angles too large for linear forces.
+// A bound on the energy that springs between points give.
 //
-// A body that rotates by an angle x in a step leaves a spring's line by s x^2 / 2, which a spring that is faster than
-// the step takes back at once. Bodies that rotate by radians are wrong in every linear term: energy may grow from step
-// to step. So robots with such springs gain no energy except from motors, external wrenches and contacts. Where they
-// did, only a share is left of their motion relative to that as one rigid body, which follows from their momentum
-// (one_body.hpp). With a share of 0 no spring changes its length, and clusters fixed to the world stay at rest. A
-// spring counts with what a step can make of its energy, k e^2 / 2 / (1 + h^2 k / m).
+// Ends of springs on bodies that rotate far in a step move otherwise than its linear equations foresee, and errors of
+// stiff springs may add up. So each cluster of robots that springs and contacts join has an account of the energy that
+// its springs may give. It begins with their energy. A step takes from it what the energy of the bodies rises by beyond
+// the work of all else. Where that is more than there is, velocities relative to the cluster's motion as one rigid body,
+// which follows from its momentum, are scaled such that the step takes what there is. A cluster that the world
+// constrains rests as a body. Errors that come and go, as those of explicit steps do, pass through the account.
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "internal.hpp"
 #include "manycontact/algorithm/energy.hpp"
+#include "one_body.hpp"
 #include "resisting_forces.hpp"
 #include "robot_sets.hpp"
 
@@ -20,55 +22,7 @@ namespace manycontact::internal {
 
 namespace {
 
-constexpr double kTurn = 0.02, kFarTurn = 0.2;  // rad; with springs faster than the step, and with any
-constexpr double kRounding = 1e-10;             // of the energies that are compared
-constexpr double kSmaller = 0.7;                // at least, at a time
-constexpr int kMostTrials = 60;
-
-// The farthest turn of a robot's joint in the step.
-double turn_of(const Robot& robot, const SimulationData& d) {
-  double most = 0;
-  for (const Joint& joint : robot.model->joints) {
-    if (joint.type == JointType::kPrismatic) continue;
-    const int n = joint.type == JointType::kFloating ? 3 : 1;  // coordinates that turn, the last
-    most = std::max(most, d.h * d.next_v.segment(robot.idx_v + joint.idx_v + joint.nv() - n, n).norm());
-  }
-  return most;
-}
-
 int moving_end(const Spring& spring) { return moves(spring.A) ? spring.A.robot : spring.B.robot; }
-
-// Per robot, whether it turns far for any spring, or for a spring on it that is faster than the step.
-bool find_far(const Scene& scene, const SimulationData& d, BoundedEnergy& e) {
-  e.turn.resize(scene.robots.size());
-  e.far.resize(scene.robots.size());
-  for (std::size_t r = 0; r < scene.robots.size(); ++r) {
-    e.turn[r] = turn_of(scene.robots[r], d);
-    e.far[r] = e.turn[r] > kFarTurn;
-  }
-  if (const auto& s = d.resisting->springs)
-    for (std::size_t i = 0; i < s->rows.size(); ++i) {
-      const auto number = static_cast<std::size_t>(s->rows[i].spring);
-      if (!(s->fast[number] > 1)) continue;
-      const Spring& spring = scene.springs[number];
-      const double turn = d.h * std::abs(s->rate[static_cast<Eigen::Index>(i)]) / d.applied->springs[number].length;
-      bool far = turn > kTurn;
-      for (const Attachment* at : {&spring.A, &spring.B})
-        far = far || (moves(*at) && e.turn[static_cast<std::size_t>(at->robot)] > kTurn);
-      if (far) e.far[static_cast<std::size_t>(moving_end(spring))] = 1;
-    }
-  return std::find(e.far.begin(), e.far.end(), 1) != e.far.end();
-}
-
-// Robots that contacts and springs join.
-void find_clusters(const Scene& scene, const SimulationData& d, BoundedEnergy& e) {
-  find_robot_sets(scene, d.dynamics.active, true, e.cluster);
-  e.sprung.assign(scene.robots.size(), 0);
-  for (const Spring& spring : scene.springs) e.sprung[static_cast<std::size_t>(e.cluster[moving_end(spring)])] = 1;
-  for (const JointSpring& spring : scene.joint_springs) e.sprung[static_cast<std::size_t>(e.cluster[spring.robot])] = 1;
-  for (std::size_t r = 0; r < e.far.size(); ++r)
-    if (e.far[r]) e.far[static_cast<std::size_t>(e.cluster[r])] = 1;
-}
 
 // Finds the clusters that the world constrains.
 void find_tied(const Scene& scene, const FreeGroups& groups, BoundedEnergy& e) {
@@ -109,78 +63,51 @@ void sort_groups(const FreeGroups& groups, BoundedEnergy& e) {
   e.first.back() = static_cast<int>(e.members.size());
 }
 
-// Each cluster as one rigid body, and v of that; kinematics are at the start.
-void find_bodies(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
+// Velocities of the clusters as rigid bodies, at the end of the step.
+void find_rigid_motion(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
   FreeGroups& groups = d.free_groups;
   find_tied(scene, groups, e);
   sort_groups(groups, e);
   measure(scene, d.at_rest.kin, groups);
-  e.parts.resize(groups.groups.size());
-  for (const int g : e.members)
-    e.parts[static_cast<std::size_t>(g)] = part_of(groups.groups[static_cast<std::size_t>(g)]);
-  e.bodies.resize(e.cluster.size());
-  for (int c = 0; c < scene.nrobots(); ++c)
-    if (const auto members = groups_of(c, e); !members.empty())
-      e.bodies[static_cast<std::size_t>(c)] = one_body(members, e.parts, groups, !e.tied[static_cast<std::size_t>(c)]);
   e.rigid_v.setZero(scene.nv);
   for (const FreeGroups::FreeJoint& j : groups.joints) {
-    const std::size_t c = static_cast<std::size_t>(e.cluster[static_cast<std::size_t>(j.robot)]);
-    if (j.parent != 0 || e.tied[c]) continue;
+    const int c = e.cluster[static_cast<std::size_t>(j.robot)];
+    if (j.parent != 0 || e.tied[static_cast<std::size_t>(c)]) continue;
+    const OneBody body = one_body(groups_of(c, e), groups);
     const Robot& robot = scene.robots[j.robot];
     const Joint& joint = robot.model->joints[j.joint];
     const SE3<double>& M = d.at_rest.kin[j.robot].oMi[j.joint];
-    const OneBody& body = e.bodies[c];
     const Vec3<double> from_C = d.at_rest.kin[j.robot].origin(j.joint) + M.p - body.C;
     auto v = e.rigid_v.segment(robot.idx_v + joint.idx_v, joint.nv());
     add_motion(joint, M.R.transpose() * (body.V + body.w.cross(from_C)), M.R.transpose() * body.w, v);
   }
 }
 
-double& at_robot(Eigen::VectorXd& x, const BoundedEnergy& e, int robot) { return x[e.cluster[robot]]; }
-
-// Energy of each cluster at q, v; and the sum of the sizes of its terms.
-void find_energies(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
-                   const std::vector<double>& fast, std::vector<Kinematics<double>>& kin, BoundedEnergy& e,
-                   Eigen::VectorXd& energy) {
-  kinematics_at(scene, q, v, kin);
-  energy.setZero(scene.nrobots());
-  e.kinetic = energy;
-  const auto add = [&](int robot, double x) {
-    at_robot(energy, e, robot) += x;
-    at_robot(e.size, e, robot) += std::abs(x);
-  };
-  for (int r = 0; r < scene.nrobots(); ++r) {
-    const Robot& robot = scene.robots[r];
-    const double kinetic = kinetic_energy<double>(*robot.model, kin[r], v.segment(robot.idx_v, robot.model->nv));
-    at_robot(e.kinetic, e, r) += kinetic;
-    add(r, kinetic);
-    add(r, potential_energy<double>(kin[r], scene.gravity));
-  }
-  for (std::size_t k = 0; k < scene.springs.size(); ++k) {
-    const Spring& spring = scene.springs[k];
-    const double stretch = (place_of(spring.A, kin) - place_of(spring.B, kin)).norm() - spring.length;
-    add(moving_end(spring), spring.stiffness * stretch * stretch / 2 / (1 + fast[k]));
-  }
-  for (const JointSpring& spring : scene.joint_springs) {
-    const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
-    const double stretch = q[robot.idx_q + robot.model->joints[spring.joint].idx_q] - spring.rest;
-    add(spring.robot, spring.stiffness * stretch * stretch / 2);
-  }
+double& at_robot(Eigen::VectorXd& x, const BoundedEnergy& e, int robot) {
+  return x[e.cluster[static_cast<std::size_t>(robot)]];
 }
 
-// Adds the most that motors, external wrenches, PD laws and contacts gave in the step.
-void add_work(const Scene& scene, const SimulationData& d, BoundedEnergy& e) {
-  e.mean = 0.5 * d.h * (d.v + d.next_v);
+// Kinetic and total energy of each cluster but that of its springs between points; kinematics are at q, v then.
+void find_energies(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, SimulationData& d,
+                   BoundedEnergy& e, Eigen::VectorXd& energy) {
+  kinematics_at(scene, q, v, d.at_rest.kin);
+  e.kinetic.setZero(scene.nrobots());
+  energy.setZero(scene.nrobots());
   for (int r = 0; r < scene.nrobots(); ++r) {
-    const int at = scene.robots[r].idx_v, n = scene.robots[r].model->nv;
-    at_robot(e.before, e, r) += d.w.segment(at, n).dot(e.mean.segment(at, n));
+    const Robot& robot = scene.robots[r];
+    const Kinematics<double>& kin = d.at_rest.kin[r];
+    at_robot(e.kinetic, e, r) += kinetic_energy<double>(*robot.model, kin, v.segment(robot.idx_v, robot.model->nv));
+    at_robot(energy, e, r) += potential_energy<double>(kin, scene.gravity);
   }
-  for (const JointSpring& spring : scene.joint_springs) {  // in w, at the start
-    const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
-    const Joint& joint = robot.model->joints[spring.joint];
-    at_robot(e.before, e, spring.robot) +=
-        spring.stiffness * (d.q[robot.idx_q + joint.idx_q] - spring.rest) * e.mean[robot.idx_v + joint.idx_v];
-  }
+  energy += e.kinetic;
+}
+
+// Adds the most that motors, external wrenches, joints and contacts gave in the step, whose end is x.
+void add_work(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
+  const Eigen::VectorXd& added = d.resisting->joints.to_add;
+  for (int r = 0; r < scene.nrobots(); ++r)
+    for (int i = scene.robots[r].idx_v; i < scene.robots[r].idx_v + scene.robots[r].model->nv; ++i)
+      at_robot(e.before, e, r) += (d.h * d.w[i] - added[i] * d.dynamics.a[i]) * (d.v[i] + d.dynamics.a[i]) / 2;
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
     if (const int first = d.dynamics.f_offset[c]; first >= 0) {
       const int n = scene.contacts[c].rows();
@@ -190,95 +117,78 @@ void add_work(const Scene& scene, const SimulationData& d, BoundedEnergy& e) {
     }
 }
 
-bool gained(int cluster, const BoundedEnergy& e) {
-  const auto c = static_cast<std::size_t>(cluster);
-  return e.sprung[c] && e.far[c] && e.after[cluster] - e.before[cluster] > kRounding * e.size[cluster];
-}
+double excess(int c, const BoundedEnergy& e) { return e.after[c] - e.before[c] - e.stored[c]; }
 
-// The step's end with what e.share leaves. A cluster that keeps all is not touched.
-void end_with_shares(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
-  d.next_v = e.unbounded_v;
+// What is left of the velocities relative to one body, where springs give too much.
+void take_back(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
+  find_rigid_motion(scene, d, e);
+  e.share = e.kinetic;
+  find_energies(scene, d.next_q, e.rigid_v, d, e, e.most);
+  for (int c = 0; c < scene.nrobots(); ++c) {
+    const double moves = e.share[c] - e.kinetic[c], too_much = excess(c, e);
+    const double left = too_much > 0 && moves > 0 ? std::max(0.0, 1 - too_much / moves) : 1;
+    e.share[c] = std::sqrt(left);
+    d.work.springs -= (1 - left) * moves;
+    e.after[c] -= (1 - left) * moves;
+  }
   for (int r = 0; r < scene.nrobots(); ++r) {
-    const double share = e.share[e.cluster[r]];
-    if (share == 1) continue;
+    const double share = at_robot(e.share, e, r);
     const int at = scene.robots[r].idx_v, n = scene.robots[r].model->nv;
-    const auto rigid = e.rigid_v.segment(at, n);
-    d.next_v.segment(at, n) = rigid + share * (e.unbounded_v.segment(at, n) - rigid);
+    auto taken = e.rigid_v.segment(at, n);
+    taken = (1 - share) * (d.next_v.segment(at, n) - taken);
+    d.dynamics.a.segment(at, n) -= taken;
+    d.next_v.segment(at, n) -= taken;
   }
-  for (int c = 0; c < scene.nrobots(); ++c) {
-    const auto members = groups_of(c, e);
-    if (members.empty()) continue;
-    if (e.share[c] == 1)
-      keep_all(members, e.parts, d.free_groups);
-    else
-      approach(e.bodies[static_cast<std::size_t>(c)], members, e.parts, e.share[c],
-               !e.tied[static_cast<std::size_t>(c)], d.h, d.free_groups);
-  }
-  d.dynamics.a = d.next_v;
-  end_step(scene, d);
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c)
+    if (const int at = d.dynamics.f_offset[c]; at >= 0)
+      d.contact_v.segment(at, scene.contacts[c].rows()) *= at_robot(e.share, e, scene.contacts[c].A.robot);
 }
 
-// Clusters that gain as one body, too, may do that.
-void allow_what_no_share_prevents(const Scene& scene, const std::vector<double>& fast, SimulationData& d,
-                                  BoundedEnergy& e) {
-  for (int c = 0; c < scene.nrobots(); ++c) e.share[c] = gained(c, e) ? 0 : 1;
-  end_with_shares(scene, d, e);
-  Eigen::VectorXd& least = e.least;
-  find_energies(scene, d.next_q, d.next_v, fast, d.at_rest.kin, e, least);
-  for (int c = 0; c < scene.nrobots(); ++c)
-    if (e.share[c] == 0) e.before[c] = std::max(e.before[c], least[c]);
-}
-
-// Smaller shares for clusters that gained energy; false where none did.
-bool make_smaller(const Scene& scene, BoundedEnergy& e) {
-  bool any = false;
-  for (int c = 0; c < scene.nrobots(); ++c) {
-    if (!gained(c, e)) continue;
-    any = true;
-    const double left = 1 - 2 * (e.after[c] - e.before[c]) / e.kinetic[c];  // of what moves, twice what was gained
-    e.share[c] *= std::max(kSmaller, left > 0 ? std::sqrt(left) : 0);
+// The most that springs can hold at the end of the step: twice the energy that they have if their ends move on as in
+// this step, of what a step can make of it.
+void find_most(const Scene& scene, const SimulationData& d, Eigen::VectorXd& most) {
+  const ResistingSprings& s = *d.resisting->springs;
+  most.setZero(scene.nrobots());
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    const ResistingSprings::Row& row = s.rows[i];
+    if (row.turns >= 0) continue;
+    const Spring& spring = scene.springs[static_cast<std::size_t>(row.spring)];
+    const Vec3<double> ends = place_of(spring.A, d.at_rest.kin) - place_of(spring.B, d.at_rest.kin);
+    const double moved = (ends - d.applied->springs[static_cast<std::size_t>(row.spring)].d).norm();
+    const double stretch = std::abs(ends.norm() - spring.length) + moved;
+    most[d.resisting->bounded.cluster[moving_end(spring)]] +=
+        row.k * stretch * stretch / (1 + d.h * d.h * row.k * s.own[static_cast<Eigen::Index>(i)]);
   }
-  return any;
 }
 
 }  // namespace
 
-void end_step(const Scene& scene, SimulationData& d) {
-  d.stage_v = d.h * d.next_v;
-  integrate_scene(scene, d.q, d.stage_v, d.next_q);
-  end_free_motion(scene, d.next_q, d.next_v, d.at_rest.kin, d.free_groups);
+void begin_bound(const Scene& scene, bool goes_on, SimulationData& d) {
+  if (!d.resisting || !d.resisting->springs) return;
+  BoundedEnergy& e = d.resisting->bounded;
+  find_robot_sets(scene, d.dynamics.active, true, e.cluster);
+  Eigen::VectorXd& now = e.after;
+  now.setZero(scene.nrobots());
+  for (std::size_t k = 0; k < scene.springs.size(); ++k) {
+    const double stretch = d.applied->springs[k].length - scene.springs[k].length;
+    at_robot(now, e, moving_end(scene.springs[k])) += scene.springs[k].stiffness * stretch * stretch / 2;
+  }
+  if (!goes_on || e.stored.size() == 0) e.stored.setConstant(scene.nrobots(), std::numeric_limits<double>::quiet_NaN());
+  for (int c = 0; c < scene.nrobots(); ++c)
+    if (std::isnan(e.stored[c])) e.stored[c] = now[c];
+  find_energies(scene, d.q, d.v, d, e, e.before);
+  add_work(scene, d, e);
 }
 
 void bound_energy(const Scene& scene, SimulationData& d) {
-  if (!d.resisting || (scene.springs.empty() && scene.joint_springs.empty()) ||
-      !find_far(scene, d, d.resisting->bounded))
-    return;
+  if (!d.resisting || !d.resisting->springs) return;
   BoundedEnergy& e = d.resisting->bounded;
-  find_clusters(scene, d, e);
-  e.size.setZero(scene.nrobots());
-  const auto& fast = d.resisting->springs ? d.resisting->springs->fast : e.none;
-  find_energies(scene, d.q, d.v, fast, d.at_rest.kin, e, e.before);
-  e.unbounded_v = d.dynamics.a;  // v+ before the momentum was seen to
-  find_bodies(scene, d, e);
-  add_work(scene, d, e);
-  find_energies(scene, d.next_q, d.next_v, fast, d.at_rest.kin, e, e.after);
-  e.share.setOnes(scene.nrobots());
+  find_energies(scene, d.next_q, d.next_v, d, e, e.after);
   bool any = false;
-  for (int c = 0; c < scene.nrobots(); ++c) any = any || gained(c, e);
-  if (!any) return;
-  const double first = e.after.sum();
-  allow_what_no_share_prevents(scene, fast, d, e);
-  e.share.setOnes();
-  (void)make_smaller(scene, e);
-  for (int k = 0;; ++k) {
-    end_with_shares(scene, d, e);
-    find_energies(scene, d.next_q, d.next_v, fast, d.at_rest.kin, e, e.after);
-    if (k == kMostTrials || !make_smaller(scene, e)) break;
-  }
-  d.work.springs += e.after.sum() - first;
-  for (std::size_t c = 0; c < scene.contacts.size(); ++c)
-    if (const int at = d.dynamics.f_offset[c]; at >= 0)
-      d.contact_v.segment(at, scene.contacts[c].rows()) *= e.share[e.cluster[scene.contacts[c].A.robot]];
+  for (int c = 0; c < scene.nrobots(); ++c) any = any || excess(c, e) > 0;
+  if (any) take_back(scene, d, e);
+  find_most(scene, d, e.most);
+  e.stored = (e.stored + e.before - e.after).cwiseMax(0).cwiseMin(e.most);
 }
 
 }  // namespace manycontact::internal

@@ -26,16 +26,14 @@ int group_number(const FreeGroups& groups, const Attachment& at) {
 }
 
 // Gives groups that springs join the angular momentum `dL` about the world's origin, by rotating them as one body.
-void turn_together(std::span<const int> members, const Vec3<double>& dL, double h, std::vector<PartOfBody>& parts,
-                   FreeGroups& groups) {
-  for (const int g : members) parts[static_cast<std::size_t>(g)] = part_of(groups.groups[static_cast<std::size_t>(g)]);
-  const OneBody body = one_body(members, parts, groups, false);
+void turn_together(std::span<const int> members, const Vec3<double>& dL, double h, FreeGroups& groups) {
+  const OneBody body = one_body(members, groups);
   const Vec3<double> dw = turn_for(body.plane, body.I, dL);
   for (const int g : members) {
-    const PartOfBody& part = parts[static_cast<std::size_t>(g)];
     FreeGroup& group = groups.groups[static_cast<std::size_t>(g)];
-    add_impulse(group, h, part.C, part.m * dw.cross(Vec3<double>(part.C - body.C)));
-    group.L_next += part.I * dw;
+    const Vec3<double> C = centre_of(group);
+    add_impulse(group, h, C, group.Y.m * dw.cross(Vec3<double>(C - body.C)));
+    group.L_next += inertia_of(group) * dw;
   }
 }
 
@@ -47,7 +45,6 @@ void add_impulses_of_springs(const Scene& scene, SimulationData& d) {
   ResistingSprings& s = *d.resisting->springs;
   s.cluster.resize(groups.groups.size());
   s.couple.assign(groups.groups.size(), Vec3<double>::Zero());
-  s.parts.resize(groups.groups.size());
   sparse::UnionFind clusters(s.cluster);
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const Spring& spring = scene.springs[static_cast<std::size_t>(s.rows[i].spring)];
@@ -75,7 +72,7 @@ void add_impulses_of_springs(const Scene& scene, SimulationData& d) {
     while (end < s.members.size() && s.cluster[s.members[end]] == s.cluster[s.members[first]]) ++end;
     const Vec3<double>& dL = s.couple[static_cast<std::size_t>(s.cluster[s.members[first]])];
     if (end - first > 1 && !dL.isZero(0))
-      turn_together({s.members.data() + first, end - first}, dL, d.h, s.parts, groups);
+      turn_together({s.members.data() + first, end - first}, dL, d.h, groups);
   }
 }
 

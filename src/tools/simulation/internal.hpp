@@ -29,13 +29,14 @@ void watch_condition(const Scene& scene, SceneData& of, SimulationData& data);
 /// those that do from here on (dynamics/keep_dependent.hpp).
 void keep_what_depends(SceneData& of, SimulationData& data);
 
-/// q+ and v+ from the result of semi-implicit Euler's solve, data.next_v, with the momentum of free groups.
-void end_step(const Scene& scene, SimulationData& data);
-/// After it: bodies on springs gain no energy (bounded_energy.cpp). data.wanted: J v at the start; data.dynamics:
-/// v+ in the place of a, and f in newtons.
+/// q+ and v+ from x, the result of semi-implicit Euler's solve, with the momentum of free groups.
+void end_step(const Scene& scene, const Eigen::VectorXd& x, SimulationData& data);
+/// Bounds what springs between points give (bounded_energy.cpp): before their impulses are added to the momentum of
+/// free groups, and after the step's end. goes_on: the state is that of the last step's end.
+void begin_bound(const Scene& scene, bool goes_on, SimulationData& data);
 void bound_energy(const Scene& scene, SimulationData& data);
 
-/// data.tau = M v - h ID(q, v, 0), with data.at_rest.kin at q, v.
+/// data.tau = -h ID(q, v, data.stop), with data.at_rest.kin at q, v.
 void find_momentum(SimulationData& data);
 
 /// data.f, f_offset: those of data.dynamics.

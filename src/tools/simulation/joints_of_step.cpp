@@ -30,6 +30,7 @@ void take_joints(const Scene& scene, SimulationData& d) {
   ResistingJoints& j = d.resisting->joints;
   j.find(scene, d.pd, d.h);
   if (d.pd.kp.size() > 0) add_pd_torques(scene, d.pd, d.q, d.at_rest.zero, d.w);
+  d.w += j.kept_k.cwiseProduct(d.v) / d.h;
   if (!d.resisting->made || !j.fits(scene)) make_scene(scene, d);
   j.added = j.to_add;
   j.begun = false;
@@ -53,7 +54,8 @@ void account_for_joints(const Scene& scene, SimulationData& d, const Eigen::Vect
     const Joint& joint = robot.model->joints[spring.joint];
     const int i = robot.idx_v + joint.idx_v;
     const double e = d.q[robot.idx_q + joint.idx_q] - spring.rest, moved = h * v_next[i];
-    d.work.springs += spring.stiffness * (moved * (e + moved / 2) - (e + moved) * d.stage_v[i]);
+    const double strained = e + moved - j.kept[i] * h * d.v[i];  // as its force has it
+    d.work.springs += (1 - j.kept[i]) * spring.stiffness * (moved * (e + moved / 2) - strained * d.stage_v[i]);
   }
   if (d.pd.kp.size() == 0) return;
   d.pd_torque.setZero(scene.nv);

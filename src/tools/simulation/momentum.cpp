@@ -115,7 +115,7 @@ void add_torques_of(const Scene& scene, const FreeGroups::FreeJoint& j, const Ei
                     double h, const std::vector<Kinematics<double>>& kin, FreeGroups& groups) {
   const Robot& robot = scene.robots[j.robot];
   const Joint& joint = robot.model->joints[j.joint];
-  const Vec6<double> wrench = wrench_of(joint, tau.segment(robot.idx_v + joint.idx_v, joint.nv()));
+  const Vec6<double> wrench = as_floating(joint, tau.segment(robot.idx_v + joint.idx_v, joint.nv()));
   const SE3<double>& M = kin[j.robot].oMi[j.joint];
   each_side(groups, j, [&](FreeGroup& group, double sign) {
     const SE3<double> about_C{M.R, kin[j.robot].origin(j.joint) + M.p - group.reference - group.C_next};

@@ -106,7 +106,7 @@ void differentiate_torques(const Scene& scene, const FreeGroups::FreeJoint& j,
   const Joint& joint = robot.model->joints[j.joint];
   const int iv = robot.idx_v + joint.idx_v;
   const SE3<double>& M = kin[j.robot].oMi[j.joint];
-  const Vec6<double> wrench = wrench_of(joint, tau.segment(iv, joint.nv()));
+  const Vec6<double> wrench = as_floating(joint, tau.segment(iv, joint.nv()));
   const Vec3<double> force = M.R * wrench.head<3>(), moment = M.R * wrench.tail<3>();
   each_side(groups, j, [&](const FreeGroup& group, double sign) {
     OfGroup& out = of_group(d, groups, group);
@@ -128,7 +128,7 @@ void differentiate_torques(const Scene& scene, const FreeGroups::FreeJoint& j,
           if (it.row() < iv || it.row() >= iv + joint.nv()) continue;
           Vec6<double> unit = Vec6<double>::Zero();
           unit[it.row() - iv] = it.value();
-          const Vec6<double> w = wrench_of(joint, unit.head(joint.nv()));
+          const Vec6<double> w = as_floating(joint, unit.head(joint.nv()));
           const Vec3<double> f = M.R * w.head<3>();
           add(first + c, f, M.R * w.tail<3>() + lever.cross(f));
         }

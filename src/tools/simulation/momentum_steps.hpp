@@ -41,14 +41,14 @@ void in_the_plane(const FreeGroup& group, Vec3<double>& x);
 /// dw of I_C dw = dL; about axes without inertia 0.
 Vec3<double> turn_for(const FreeGroup& group, const Mat3<double>& I, const Vec3<double>& dL);
 
-/// The torques of a free joint's coordinates as a wrench at its origin, in the child's axes.
+/// A free joint's coordinates of a motion or wrench at its origin, in the child's axes, as those of a floating joint.
 template <class V>
-Vec6<double> wrench_of(const Joint& joint, const V& torques) {
+Vec6<double> as_floating(const Joint& joint, const V& x) {
   Vec6<double> out = Vec6<double>::Zero();
   if (joint.type == JointType::kPlanar)
-    out[0] = torques[0], out[1] = torques[1], out[5] = torques[2];
+    out[0] = x[0], out[1] = x[1], out[5] = x[2];
   else
-    out = torques;
+    out = x;
   return out;
 }
 

@@ -10,22 +10,17 @@ namespace manycontact {
 
 namespace internal {
 
-/// Memory of bound_energy, per robot. Energies are of the clusters of robots that springs and contacts join, at their
-/// first.
+/// Memory of bounded_energy.cpp. Energies are of the clusters of robots that springs and contacts join, at their first
+/// robot [J].
 struct BoundedEnergy {
+  Eigen::VectorXd stored;  // what springs may give, kept from step to step; NaN: to be found anew
   std::vector<int> cluster;
-  std::vector<char> sprung, tied;                       // a spring acts on the cluster; the world constrains it
-  std::vector<char> far;                                // it turns by angles that are large for its springs
-  std::vector<double> turn;                             // of a robot's joints, the farthest [rad]
-  Eigen::VectorXd before, after, least, size, kinetic;  // J; before: with what was given in the step
-  Eigen::VectorXd share;                                // of the motion relative to that as one body
-  Eigen::VectorXd mean, unbounded_v, rigid_v;           // nv
-  std::vector<double> none;
+  Eigen::VectorXd kinetic, before, after, most;  // before: with what others gave; most: that springs can hold
+  Eigen::VectorXd share, rigid_v;  // left of the motion relative to that of the clusters as one body, and that (nv)
 
-  std::vector<PartOfBody> parts;    // per free group
+  std::vector<char> tied;           // per cluster: the world constrains it
   std::vector<int> of_group;        // per free group: its cluster
   std::vector<int> members, first;  // free groups, cluster by cluster; per cluster where they begin
-  std::vector<OneBody> bodies;      // per cluster
 };
 
 /// The equations that semi-implicit Euler solves: the scene at rest, with the joints' additions to M.

@@ -1,9 +1,15 @@
 #include "manycontact/simulation/resisting_joints.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
+#include <utility>
 
+#include "manycontact/algorithm/configuration.hpp"
+#include "manycontact/algorithm/crba.hpp"
+#include "manycontact/algorithm/inertia_factor.hpp"
 #include "resisting_forces.hpp"
+#include "spring_share.hpp"
 
 namespace manycontact::internal {
 
@@ -19,6 +25,31 @@ std::shared_ptr<Model> own_model(const Robot& robot, const Eigen::VectorXd& adde
   model->damping.resize(0), model->friction.resize(0);
   model->armature += added.segment(robot.idx_v, model->nv);
   return model;
+}
+
+// The diagonal of M^-1 at q = 0 of joints with springs; infinite where M is singular.
+Eigen::VectorXd mobilities(const Scene& scene) {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(scene.nv);
+  int last = -1;
+  std::vector<double> M, diagonal;
+  for (const JointSpring& spring : scene.joint_springs) {
+    const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
+    const Model& model = *robot.model;
+    if (std::exchange(last, spring.robot) != spring.robot) {
+      Kinematics<double> kin(model);
+      std::vector<Inertia<double>> Yc(model.joints.size());
+      forward_kinematics<double>(model, SE3<double>(), neutral(model), kin);
+      M.resize(static_cast<std::size_t>(model.M_begin[static_cast<std::size_t>(model.nv)]));
+      diagonal.resize(static_cast<std::size_t>(model.nv));
+      crba<double>(model, kin, Yc, M.data());
+      if (!factorize_inertia(model, M.data(), diagonal.data()).empty()) diagonal.clear();
+    }
+    const int i = model.joints[static_cast<std::size_t>(spring.joint)].idx_v;
+    Eigen::VectorXd x = Eigen::VectorXd::Unit(model.nv, i);
+    if (!diagonal.empty()) solve_inertia(model, M.data(), 1, x.data());
+    out[robot.idx_v + i] = diagonal.empty() ? std::numeric_limits<double>::infinity() : x[i];
+  }
+  return out;
 }
 
 }  // namespace
@@ -52,7 +83,12 @@ Scene ResistingJoints::with_inertias(const Scene& scene) {
 }
 
 ResistingJoints::ResistingJoints(const Scene& scene)
-    : damping(Eigen::VectorXd::Zero(scene.nv)), friction(damping), slip(scene.nv, 0) {
+    : damping(Eigen::VectorXd::Zero(scene.nv)),
+      friction(damping),
+      slip(scene.nv, 0),
+      mobility(mobilities(scene)),
+      kept(damping),
+      kept_k(damping) {
   for (const Robot& robot : scene.robots) {
     const Model& model = *robot.model;
     if (model.damping.size() > 0) damping.segment(robot.idx_v, model.nv) = model.damping;
@@ -72,6 +108,10 @@ void add_stiffness(const Scene& scene, const PdLaws& pd, double scale, Eigen::Ve
 
 void ResistingJoints::find(const Scene& scene, const PdLaws& pd, double h) {
   to_add = h * damping;
+  kept_k.setZero();
+  add_stiffness(scene, {}, h * h, kept_k);
+  for (int i = 0; i < scene.nv; ++i) kept[i] = spring_share(kept_k[i] > 0 ? kept_k[i] * mobility[i] : 0);
+  kept_k.array() *= kept.array();
   add_stiffness(scene, pd, h * h, to_add);
   if (pd.kd.size() > 0) to_add += h * pd.kd;
 }

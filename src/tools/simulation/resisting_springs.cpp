@@ -11,6 +11,7 @@
 #include "manycontact/dynamics/solve_step.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "resisting_forces.hpp"
+#include "spring_share.hpp"
 
 namespace manycontact::internal {
 
@@ -90,10 +91,10 @@ void add_rows(const Scene& scene, const Spring& spring, int number, const Applie
   if (!(k > 0)) return;
   const double across = spring.length == 0 ? k : k * e / at.length;
   const bool idle = !(across > 0) || (spring.length > 0 && !(h * h * across * mobility > kFelt));
-  const double keeps = !idle && at.length > 0 ? turning(scene, spring, at, forces, h) : 0;
+  const double turns = !idle && at.length > 0 ? turning(scene, spring, at, forces, h) : 0;
   const Vec3<double> first = n.unitOrthogonal();
   for (const Vec3<double>& direction : {first, Vec3<double>(n.cross(first))})
-    s.rows.push_back({number, direction, idle ? kIdle : h * h * across, 0, idle ? 0 : across, 0, keeps,
+    s.rows.push_back({number, direction, idle ? kIdle : h * h * across, 0, idle ? 0 : across, 0, turns,
                       spring.length == 0 ? 0 : at.length});
 }
 
@@ -113,7 +114,7 @@ bool solve_in_batches(Eigen::VectorXd& b, SimulationData& d) {
   if (!d.in_batches) return false;
   d.next_contact_v.resize(d.wanted.size());
   const auto [rest, data] = at_rest_with_joints(d);
-  const StartOfStep start{d.v.data(), d.at_rest.gravity, d.h, d.next_contact_v.data()};
+  const StartOfStep start{d.v.data(), d.stop.data(), d.at_rest.gravity, d.h, d.next_contact_v.data()};
   d.in_batches = solve_step(rest, d.q, b, d.wanted, start, data);
   if (d.in_batches) return solved(data.report.status, d);
   b -= d.tau;
@@ -211,7 +212,7 @@ bool each_response(SimulationData& d, ResistingSprings& s, Use&& use) {
   return true;
 }
 
-bool is_across(const ResistingSprings::Row& row) { return row.keeps >= 0; }
+bool is_across(const ResistingSprings::Row& row) { return row.turns >= 0; }
 
 // J K^-1 J^T into C, or into entries where it is not dense.
 bool find_responses(SimulationData& d, ResistingSprings& s) {
@@ -223,10 +224,22 @@ bool find_responses(SimulationData& d, ResistingSprings& s) {
         if (i == j) s.own[i] += x;
       }))
     return false;
-  for (Eigen::Index i = 0; i < n; ++i)
-    if (const ResistingSprings::Row& row = s.rows[static_cast<std::size_t>(i)]; !is_across(row))
-      s.fast[static_cast<std::size_t>(row.spring)] = d.h * d.h * row.k * s.own[i];
   return true;
+}
+
+double rate_at_start(const SimulationData& d, const ResistingSprings::Row& row) {
+  return row.direction.dot(d.applied->springs[static_cast<std::size_t>(row.spring)].rate);
+}
+
+// g along springs: less the share of the velocity at the start.
+void keep_along(const SimulationData& d, ResistingSprings& s) {
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    ResistingSprings::Row& row = s.rows[i];
+    if (is_across(row)) continue;
+    const double stiff = d.h * d.h * row.k;
+    row.keeps = spring_share(stiff * s.own[static_cast<Eigen::Index>(i)]);
+    row.g -= row.keeps * stiff / row.D * rate_at_start(d, row);
+  }
 }
 
 // The rows along springs, or all.
@@ -318,13 +331,14 @@ void take_tensions(const SimulationData& d, ResistingSprings& s) {
   }
 }
 
-// g across springs: J of the velocity at the start less what stretches springs.
-void keep_turning(const SimulationData& d, ResistingSprings& s) {
+// g across springs, of the velocity at the start less what stretches springs: the share of it that is not resisted, and
+// of the rest what turns.
+void keep_across(const SimulationData& d, ResistingSprings& s) {
   const auto n = static_cast<Eigen::Index>(s.rows.size());
   s.rate.resize(n), s.stretching.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const ResistingSprings::Row& row = s.rows[static_cast<std::size_t>(i)];
-    s.rate[i] = row.direction.dot(d.applied->springs[static_cast<std::size_t>(row.spring)].rate);
+    s.rate[i] = rate_at_start(d, row);
     s.stretching[i] = is_across(row) ? 0 : s.rate[i];
   }
   solve_rows(s, s.stretching);
@@ -333,8 +347,10 @@ void keep_turning(const SimulationData& d, ResistingSprings& s) {
   else
     for (const auto& e : s.entries) s.rate[e.row()] -= e.value() * s.stretching[e.col()];
   for (Eigen::Index i = 0; i < n; ++i)
-    if (ResistingSprings::Row& row = s.rows[static_cast<std::size_t>(i)]; is_across(row))
-      row.g = -row.keeps * s.rate[i];
+    if (ResistingSprings::Row& row = s.rows[static_cast<std::size_t>(i)]; is_across(row)) {
+      row.keeps = spring_share(row.D * s.own[i]);
+      row.g = ((1 - row.turns) * (1 - row.keeps) - 1) * s.rate[i];
+    }
 }
 
 // Finds D and g across springs, from the action of the rows along them.
@@ -342,7 +358,7 @@ bool find_across(const SimulationData& d, ResistingSprings& s) {
   if (std::none_of(s.rows.begin(), s.rows.end(), is_across)) return true;
   if (!factorize_rows(false, s)) return false;
   take_tensions(d, s);
-  keep_turning(d, s);
+  keep_across(d, s);
   return true;
 }
 
@@ -376,12 +392,13 @@ void add_loads(const Scene& scene, SimulationData& d) {
 void take_springs(const Scene& scene, SimulationData& d) {
   ResistingSprings& s = *d.resisting->springs;
   s.rows.clear(), s.ends.clear(), s.row.clear();
-  s.fast.assign(scene.springs.size(), 0);
   s.unit.find_islands(scene, d.dynamics.active);
   s.unit.begin_numbers();
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
     const AppliedForces<double>::OfSpring& at = d.applied->springs[k];
-    if (!at.directed) d.w.setConstant(std::numeric_limits<double>::quiet_NaN());  // the step fails
+    for (const Attachment* end : {&scene.springs[k].A, &scene.springs[k].B})
+      if (const Robot* robot = moves(*end) ? &scene.robots[end->robot] : nullptr; robot && !at.directed)  // it fails
+        d.w.segment(robot->idx_v, robot->model->nv).setConstant(std::numeric_limits<double>::quiet_NaN());
     const auto first = static_cast<int>(s.rows.size());
     add_rows(scene, scene.springs[k], static_cast<int>(k), *d.applied, d.h, s.mobility[k], s);
     for (int i = first; i < static_cast<int>(s.rows.size()); ++i) {
@@ -407,7 +424,9 @@ bool solve_with_springs(Eigen::VectorXd& b, SimulationData& d) {
     const ResistingSprings::Row& row = s->rows[static_cast<std::size_t>(i)];
     s->p[i] = -s->unit.along(row.spring, row.direction, -1);
   }
-  if (!find_responses(d, *s) || !find_across(d, *s)) return false;
+  if (!find_responses(d, *s)) return false;
+  keep_along(d, *s);
+  if (!find_across(d, *s)) return false;
   for (Eigen::Index i = 0; i < n; ++i) s->p[i] -= s->rows[static_cast<std::size_t>(i)].g;
   if (!factorize_rows(true, *s)) return false;
   solve_rows(*s, s->p);
@@ -420,17 +439,15 @@ bool solve_with_springs(Eigen::VectorXd& b, SimulationData& d) {
 void account_for_springs(const Scene& scene, SimulationData& d, const Eigen::VectorXd& v_next) {
   ResistingSprings& s = *d.resisting->springs;
   s.unit.look(v_next);
-  s.rate.resize(static_cast<Eigen::Index>(s.rows.size()));
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const ResistingSprings::Row& row = s.rows[i];
     const Spring& spring = scene.springs[static_cast<std::size_t>(row.spring)];
-    const double before = row.direction.dot(d.applied->springs[static_cast<std::size_t>(row.spring)].rate),
-                 after = s.unit.along(row.spring, row.direction, -1), mean = (before + after) / 2, moved = d.h * after;
-    s.rate[static_cast<Eigen::Index>(i)] = after;
-    const double k = is_across(row) ? row.k * (1 - row.keeps) : row.k;  // what turns with its bodies is not stretched
+    const double before = rate_at_start(d, row), after = s.unit.along(row.spring, row.direction, -1), mean = (before + after) / 2, moved = d.h * after;
+    const double k = is_across(row) ? row.k * (1 - row.turns) : row.k;  // what turns with its bodies is not stretched
     const double damper = is_across(row) ? 0 : -d.h * spring.damping * after;
     d.work.dampers += damper * mean;
-    d.work.springs += (s.p[static_cast<Eigen::Index>(i)] - damper) * mean + k * moved * (row.e + moved / 2);
+    d.work.springs += (1 - row.keeps) * ((s.p[static_cast<Eigen::Index>(i)] - damper) * mean +
+                                         k * moved * (row.e + moved / 2));
   }
 }
 

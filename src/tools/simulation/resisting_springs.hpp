@@ -1,12 +1,12 @@
 #pragma once
-// Springs and dampers between points, taken at the end of a semi-implicit Euler step of any length.
+// Springs and dampers between points in a semi-implicit Euler step of any length.
 //
 // With J the rate of a spring's ends along a direction, e its stretch and D = h^2 k + h c, the impulse is
-// p = -D (J v+ + g), g = h k e / D: the force -k (e + h J v+) - c J v+ of the step's end. A spring that pulls by T at
-// the length s at the end of the step is stiff across itself, too: there D = h^2 T / s. But where it turns with its
-// bodies its force does as well, and brakes nothing. So g = -r J v' across it, with v' the velocity at the start less
-// what stretches springs and r the share of what its ends do that is such a turn. With K the rest of the matrix and x0
-// what it gives without springs,
+// p = -D (J v+ + g) with the share s of spring_share.hpp in D g = h k e - s h^2 k J v: the force
+// -k (e + h J (v+ - s v)) - c J v+. A spring that pulls by T at the length l at the end of the step is stiff across
+// itself, too: there D = h^2 T / l, and D g = -s D J v' with v' the velocity at the start less what stretches springs.
+// Where a spring turns with its bodies its force does as well, and brakes nothing: with r the share of what its ends do
+// that is such a turn, g = -(s + r - s r) J v'. With K the rest of the matrix and x0 what it gives without springs,
 //
 //     (D^-1 + J K^-1 J^T) p = -(J x0 + g),        and then K v+ = b + J^T p.
 //
@@ -18,7 +18,7 @@
 #include <Eigen/SparseCholesky>
 
 #include "manycontact/simulation/step.hpp"
-#include "one_body.hpp"
+#include "momentum_steps.hpp"
 #include "unit_forces.hpp"
 
 namespace manycontact::internal {
@@ -34,8 +34,9 @@ struct ResistingSprings {
     int spring;
     Vec3<double> direction;  // in the world
     double D, g, k, e;       // k, e: stiffness and stretch along it
-    double keeps;            // across a spring: how much of v' is kept, 0 ... 1; -1: along it
+    double turns;            // across a spring: r, 0 ... 1; -1: along it
     double length;           // across a spring that has one at rest: its length now; 0 of others
+    double keeps = 0;        // s
   };
   std::vector<Row> rows;
   UnitTorques unit;
@@ -46,10 +47,9 @@ struct ResistingSprings {
   std::vector<double> gains;    // per contact: alpha, set aside while unit forces are asked for
   Eigen::VectorXd by_unit;      // nv: what they give by the matrix K^-1
 
-  Eigen::VectorXd p, rate;     // per row: impulse; J v+
+  Eigen::VectorXd p, rate;     // per row: impulse; J v'
   Eigen::VectorXd stretching;  // per row: impulses that take what stretches springs
   Eigen::VectorXd own;         // per row: its entry on the diagonal of J K^-1 J^T
-  std::vector<double> fast;    // per spring: h^2 k J K^-1 J^T along it
   bool is_dense = true;        // J K^-1 J^T: few rows, or most of them on one island
   Eigen::MatrixXd C, with_D;   // J K^-1 J^T; of the rows `used`, with D^-1
   std::vector<int> used;       // rows that are not left out
@@ -64,7 +64,6 @@ struct ResistingSprings {
   // Groups of bodies that springs join, and the angular momentum that they are to be given back.
   std::vector<int> cluster, members;
   std::vector<Vec3<double>> couple;
-  std::vector<PartOfBody> parts;
 };
 
 /// Adds external wrenches and joints' springs at the start of the step to data.w; data.applied is at the state then.

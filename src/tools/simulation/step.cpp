@@ -76,7 +76,7 @@ SimulationData::SimulationData(const Scene& scene, const ConstVector& q_, const 
   for (Eigen::VectorXd* x : {&next_q, &stage_q}) *x = q;
   left_q.setConstant(scene.nq, std::numeric_limits<double>::quiet_NaN());  // unlike any state
   left_v = v;
-  for (Eigen::VectorXd* x : {&next_v, &stage_v, &tau, &w, &w_rate, &v_rate, &w_sum, &v_sum}) x->setZero(scene.nv);
+  for (Eigen::VectorXd* x : {&next_v, &stop, &stage_v, &tau, &w, &w_rate, &v_rate, &w_sum, &v_sum}) x->setZero(scene.nv);
 }
 
 StepStatus step(const Scene& scene, const ConstVector& u, SimulationData& data) {

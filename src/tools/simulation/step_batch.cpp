@@ -21,6 +21,7 @@ struct SimulationBatch::Part {
   Eigen::Index first;
   int states;
   Eigen::VectorXd q, v, left_q, left_v, contact_v;  // as in SimulationData, of all copies
+  Eigen::VectorXd stored;                           // as in BoundedEnergy
   std::vector<char> left_active, kept_active;
   std::vector<signed char> slip;
   long steps = 0;
@@ -94,6 +95,8 @@ SimulationData taken_out(const Scene& scene, const SimulationData& d, int copy, 
   out.contact_v = d.contact_v.segment(copy * rows, rows);
   if (out.resisting && d.resisting)
     std::copy_n(d.resisting->joints.slip.begin() + copy * scene.nv, scene.nv, out.resisting->joints.slip.begin());
+  if (out.resisting && d.resisting && d.resisting->bounded.stored.size() > 0)
+    out.resisting->bounded.stored = d.resisting->bounded.stored.segment(copy * scene.nrobots(), scene.nrobots());
   return out;
 }
 
@@ -124,6 +127,7 @@ void exchange(Part& part, SimulationData& d) {
   if (!d.resisting) return;
   part.slip.resize(d.resisting->joints.slip.size(), 0);
   part.slip.swap(d.resisting->joints.slip);
+  part.stored.swap(d.resisting->bounded.stored);
 }
 
 bool rows_depend(SimulationData& d) {
@@ -246,6 +250,9 @@ namespace {
 void renew(const Scene& scene, const Scene& copies, int copy, Eigen::Index rows, SimulationData& d) {
   d.left_q.segment(copy * scene.nq, scene.nq) = d.q.segment(copy * scene.nq, scene.nq);
   d.left_v.segment(copy * scene.nv, scene.nv) = d.v.segment(copy * scene.nv, scene.nv);
+  if (d.resisting && d.resisting->bounded.stored.size() > 0)
+    d.resisting->bounded.stored.segment(copy * scene.nrobots(), scene.nrobots())
+        .setConstant(std::numeric_limits<double>::quiet_NaN());
   if (d.left_active != d.dynamics.active || rows == 0) return;
   Eigen::VectorXd c = d.contact_v;
   d.stage_v.setZero();

@@ -3,7 +3,9 @@
 #include "internal.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
+#include "manycontact/dynamics/views.hpp"
 #include "manycontact/model/torques.hpp"
+#include "manycontact/simulation/free_joints.hpp"
 #include "momentum_steps.hpp"
 #include "resisting_forces.hpp"
 
@@ -20,12 +22,13 @@ bool goes_on_from_last(const SimulationData& d) {
 void find_momentum_of_armatures(const Scene& scene, SimulationData& d) {
   for (const Robot& robot : scene.robots)
     d.tau.segment(robot.idx_v, robot.model->nv) =
-        robot.model->armature.cwiseProduct(d.v.segment(robot.idx_v, robot.model->nv));
+        -d.h * robot.model->armature.cwiseProduct(d.stop.segment(robot.idx_v, robot.model->nv));
 }
 
 // M v and the bias into tau, as far as the solve in SIMD batches does not compute them; kinematics where they are used
 // outside of it.
 void begin_motion(const Scene& scene, bool goes_on, SimulationData& d) {
+  stop_in_a_step(scene, d.v, d.h, d.stop);
   d.in_batches = scene.springs.empty();
   if (!d.in_batches) return find_momentum(d);
   find_momentum_of_armatures(scene, d);
@@ -82,6 +85,18 @@ void begin_forces(const Scene& scene, const ConstVector& u, SimulationData& d) {
   if (d.resisting->springs) take_springs(scene, d);
 }
 
+// Their robots' torques are no numbers, which is all that the solve can tell.
+void name_springs_without_direction(const Scene& scene, SimulationData& d) {
+  if (!d.applied) return;
+  for (std::size_t k = 0; k < scene.springs.size(); ++k) {
+    if (d.applied->springs[k].directed) continue;
+    for (const Attachment* at : {&scene.springs[k].A, &scene.springs[k].B})
+      if (moves(*at))
+        d.dynamics.report.islands[static_cast<std::size_t>(island_with_robot(d.dynamics, at->robot))].reason =
+            Reason::kSpringWithoutDirection;
+  }
+}
+
 void account_for_work(const Scene& scene, SimulationData& d) {
   d.work = {};
   if (!d.resisting) return;
@@ -91,9 +106,13 @@ void account_for_work(const Scene& scene, SimulationData& d) {
 
 }  // namespace
 
+void end_step(const Scene& scene, const Eigen::VectorXd& x, SimulationData& d) {
+  end_free_joints(scene, d.q, x, d.h, d.stage_v, d.next_q, d.next_v);
+  end_free_motion(scene, d.next_q, d.next_v, d.at_rest.kin, d.free_groups);
+}
+
 void find_momentum(SimulationData& d) {
-  d.stage_v = d.v / -d.h;
-  d.at_rest.inverse_dynamics_of(d.at_rest.scene, d.q, d.v, d.stage_v, d.at_rest.gravity, d.tau);
+  d.at_rest.inverse_dynamics_of(d.at_rest.scene, d.q, d.v, d.stop, d.at_rest.gravity, d.tau);
   d.tau *= -d.h;
 }
 
@@ -112,17 +131,21 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
   const bool solved = solve_to_the_end(scene, d);
   const auto [rest, data] = at_rest_with_joints(d);
   if (&data != &d.dynamics) d.dynamics.a = data.a, d.dynamics.f = data.f, d.dynamics.report = data.report;
-  if (!solved) return false;
+  if (!solved) {
+    name_springs_without_direction(scene, d);
+    return false;
+  }
   watch_condition(rest, data, d);
   keep_what_depends(data, d);
-  add_impulses_of_springs(scene, d);
   d.next_v = d.dynamics.a;
   d.dynamics.f /= h;
   account_for_work(scene, d);
   follow_contact_velocities(d);
-  end_step(scene, d);
+  begin_bound(scene, goes_on, d);
+  add_impulses_of_springs(scene, d);
+  end_step(scene, d.dynamics.a, d);
   bound_energy(scene, d);
-  d.dynamics.a = (d.dynamics.a - d.v) / h;
+  d.dynamics.a = d.dynamics.a / h + d.stop;
   give_up_solution(d.dynamics);  // what it was solved at is not the state
   keep_forces(d);
   d.left_q = d.next_q, d.left_v = d.next_v, d.left_active = d.dynamics.active;

@@ -5,6 +5,7 @@
 #include "manycontact/algorithm/rnea_derivatives.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
 #include "manycontact/model/applied_forces.hpp"
+#include "manycontact/simulation/free_joints.hpp"
 
 namespace manycontact::internal {
 
@@ -44,7 +45,8 @@ HeldVelocities::RobotWork::RobotWork(const Model& model)
       M(packed_size(model)),
       rnea(model),
       by_q(model.nv, model.nv),
-      by_v(model.nv, model.nv) {}
+      by_v(model.nv, model.nv),
+      inertia(model.nv, model.nv) {}
 
 HeldVelocities::HeldVelocities(const DataCollector& of, std::size_t nw, double h)
     : joints(of.scene),
@@ -106,21 +108,25 @@ void HeldVelocities::kinematics_at_start(const DataCollector& of) {
     const Robot& robot = scene.robots[r];
     const Model& model = *robot.model;
     forward_kinematics<double>(model, robot.base, q.segment(robot.idx_q, model.nq), kin[r]);
-    forward_accelerations<double>(model, v.segment(robot.idx_v, model.nv), nullptr, of.scene.gravity, kin[r]);
+    forward_accelerations<double>(model, v.segment(robot.idx_v, model.nv), turn_.data() + robot.idx_v,
+                                  of.scene.gravity, kin[r]);
   }
 }
 
-void HeldVelocities::solve_at(const ConstVectorRef& x, double h, const DataCollector& of) {
-  q = x.head(scene.nq);
-  v = x.tail(scene.nv);
+void HeldVelocities::solve_at(const ConstVectorRef& state, double h, const DataCollector& of) {
+  q = state.head(scene.nq);
+  v = state.tail(scene.nv);
   slow = kSlow * v;
+  stop_in_a_step(scene, v, h, turn_);
+  turn_ += v / h;
   copy_what_may_change(of.scene, scene);
   solution.active = of.solution.active;
   kinematics_at_start(of);
   for (std::size_t r = 0; r < scene.robots.size(); ++r) {
     const Robot& robot = scene.robots[r];
     const Model& model = *robot.model;
-    inverse_dynamics<double>(model, kin[r], nullptr, {}, robots_[r].f, tau.segment(robot.idx_v, model.nv));
+    inverse_dynamics<double>(model, kin[r], turn_.data() + robot.idx_v, {}, robots_[r].f,
+                             tau.segment(robot.idx_v, model.nv));
   }
   take_torques(of);
   torques_of_motion_ = torques_ - tau;
@@ -130,12 +136,12 @@ void HeldVelocities::solve_at(const ConstVectorRef& x, double h, const DataColle
   for (int k = 0; k < kMostSolves; ++k) {
     joints.set_inertias(of.scene, h);
     tau = torques_of_motion_;
-    for (int i = 0; i < scene.nv; ++i) tau[i] -= joints.inertia(i, h) / h * v[i];
+    for (int i = 0; i < scene.nv; ++i) tau[i] -= joints.drag(i, h) / h * v[i] - joints.inertia(i, h) * turn_[i];
     joints.add_sliding(1, tau);
     (void)solve_tau(scene, q, slow, tau, solution);
     if (joints.rubbing.empty()) return;
-    v_next = v + h * solution.a;
-    if (joints.settles(of.scene, solution, h, v_next)) return;
+    x = v + h * solution.a;
+    if (joints.settles(of.scene, solution, h, x)) return;
   }
 }
 
@@ -149,14 +155,15 @@ bool HeldVelocities::serve(const DataCollector& of, double h) {
   return true;
 }
 
-void HeldVelocities::finish_step(const DataCollector& of, Eigen::VectorXd& xnext) {
-  q_next = xnext.head(scene.nq);
-  v_next = xnext.tail(scene.nv);
+void HeldVelocities::finish_step(const DataCollector& of, double h, Eigen::VectorXd& xnext) {
+  x = v + h * solution.a;
+  end_free_joints(scene, q, x, h, scratch_of_end_, q_next, v_next);
   end_free_motion(of.scene, q_next, v_next, kin, groups);
   xnext << q_next, v_next;
 }
 
-// With G = [dtau/dx dtau/dw] - [bias_q bias_v 0] and joints that resist:    F = [a_q, s a_v, 0] + a_tau G
+// With G = [dtau/dx dtau/dw] - [b_q b_v 0] of b = ID(q, v, -w x v) and joints that resist:
+//     F = [a_q, s a_v, 0] + a_tau G
 void HeldVelocities::differentiate_at(const DataCollector& of, Eigen::Ref<Eigen::MatrixXd> F) {
   const int nv = scene.nv;
   dtau_.setZero();
@@ -179,7 +186,15 @@ void HeldVelocities::differentiate_at(const DataCollector& of, Eigen::Ref<Eigen:
     const int o = robot.idx_v;
     dtau_.block(o, o, model.nv, model.nv) -= w.by_q;
     dtau_.block(o, nv + o, model.nv, model.nv) -= w.by_v;
-    for (int i = o; i < o + model.nv; ++i) dtau_(i, nv + i) -= joints.inertia(i, h_) / h_;
+    unpack_inertia<double>(model, w.M.data(), w.inertia);
+    for (int i = o; i < o + model.nv; ++i) {
+      dtau_(i, nv + i) -= joints.drag(i, h_) / h_;
+      w.inertia(i - o, i - o) -= joints.inertia(i, h_);
+    }
+    for (const Joint& joint : model.joints)
+      if (const int at = joint.idx_v, n = joint.nv(); n > 1)
+        dtau_.block(o, nv + o + at, model.nv, n) +=
+            w.inertia.middleCols(at, n).lazyProduct(derivative_of_turn(joint, v.segment(o + at, n)));
   }
   const DerivativeData& all = differentiate(scene, solution, {true, true, true, false, true});
   for (std::size_t i = 0; i < all.islands.size(); ++i) {
@@ -206,6 +221,7 @@ void HeldVelocities::differentiate_at(const DataCollector& of, Eigen::Ref<Eigen:
 
 void HeldVelocities::differentiate_finish(const DataCollector& of, double h, Eigen::MatrixXd& F) {
   kinematics_at_start(of);
+  differentiate_free_joints(scene, x, h, F);
   differentiate_begin(of.scene, dtau_dx(of), of.actuation->dtau_du, torques_, h, kin, groups, of_groups);
   differentiate_end(of.scene, q_next, v_next, kin, groups, of_groups, F);
 }

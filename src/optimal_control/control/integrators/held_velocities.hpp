@@ -18,25 +18,25 @@ struct HeldVelocities {
   /// Whether they serve for these dynamics, as they are now, in steps of h.
   bool serve(const DataCollector& of, double h);
 
-  /// a, and the step's end: from dx = [h v + h^2 a; h a] of the caller to xnext. After the differential model's calc at
-  /// x, which left its torques in `of`.
-  void solve_at(const ConstVectorRef& x, double h, const DataCollector& of);
-  void finish_step(const DataCollector& of, Eigen::VectorXd& xnext);
+  /// a = (x - v) / h of the velocity x in simulation/free_joints.hpp, and the step's end. After the differential
+  /// model's calc at the state, which left its torques in `of`.
+  void solve_at(const ConstVectorRef& state, double h, const DataCollector& of);
+  void finish_step(const DataCollector& of, double h, Eigen::VectorXd& xnext);
 
   /// a_x, a_w (nv x ndx, nv x nw) into F; after the differential model's calcDiff.
   void differentiate_at(const DataCollector& of, Eigen::Ref<Eigen::MatrixXd> F);
-  /// F: ndx x (ndx + nw) of the state before finish_step, made of that after it.
+  /// F: ndx x (ndx + nw), in: derivatives of [q + h x; x], on the tangent space at q; out: of the state after it.
   void differentiate_finish(const DataCollector& of, double h, Eigen::MatrixXd& F);
 
   ResistingJoints joints;  // at the end of the step
   Scene scene;             // of `of`, without gravity, with what joints add to M, contacts with beta / s
   SceneData solution;
-  Eigen::VectorXd q, v, slow;  // x = (q, v); s v
-  Eigen::VectorXd tau;         // on all coordinates, less the bias at v
+  Eigen::VectorXd q, v, slow;  // the state; s v
+  Eigen::VectorXd tau;         // on all coordinates, less ID(q, v, -w x v)
   std::vector<Kinematics<double>> kin;
   FreeGroups groups;
   FreeMotionDerivatives of_groups;
-  Eigen::VectorXd q_next, v_next;
+  Eigen::VectorXd x, q_next, v_next;
 
  private:
   struct RobotWork {
@@ -45,7 +45,7 @@ struct HeldVelocities {
     std::vector<Inertia<double>> Yc;
     std::vector<double> M;
     RneaDerivatives rnea;
-    Eigen::MatrixXd by_q, by_v;  // nv x nv: of the bias
+    Eigen::MatrixXd by_q, by_v, inertia;  // nv x nv: of ID(q, v, -w x v), and M
   };
   std::vector<std::shared_ptr<const Model>> models_;  // of the robots of `of`
   double h_;
@@ -58,7 +58,8 @@ struct HeldVelocities {
     return applied_ ? dtau_dx_ : of.actuation->dtau_dx;
   }
   std::vector<RobotWork> robots_;
-  Eigen::VectorXd torques_, torques_of_motion_;     // nv: of motors, external wrenches and springs; minus the bias
+  Eigen::VectorXd turn_, scratch_of_end_;           // nv: -w x v
+  Eigen::VectorXd torques_, torques_of_motion_;     // nv: of motors, external wrenches and springs; less the bias
   Eigen::SparseMatrix<double> dtau_dx_;             // nv x ndx: of these, where there are any; every entry has a place
   std::unique_ptr<AppliedForces<double>> applied_;  // nullptr: there are none
   std::unique_ptr<AppliedScratch> scratch_;

@@ -82,8 +82,10 @@ void SymplecticModel::calc(const DataPtr& data, const ConstVectorRef& x, const C
   const DataCollector& m = dynamics_of(*d.differential);
   if (!is_of(*d.held, m, time_step_)) d.held = std::make_unique<HeldVelocities>(m, control_->get_nw(), time_step_);
   d.held->solve_at(x, time_step_, m);
-  internal::calc_semi_implicit(*state_, x, time_step_, d.held->solution.a, *d.differential, with_cost_residual_, d);
-  d.held->finish_step(m, d.xnext);
+  d.held->finish_step(m, time_step_, d.xnext);
+  d.dx << time_step_ * d.held->x, d.held->x - d.held->v;
+  d.cost = time_step_ * d.differential->cost;
+  internal::copy_values(*d.differential, with_cost_residual_, d);
 }
 
 void SymplecticModel::calc(const DataPtr& data, const ConstVectorRef& x) {
@@ -93,8 +95,8 @@ void SymplecticModel::calc(const DataPtr& data, const ConstVectorRef& x) {
   internal::calc_terminal(x, *d.differential, with_cost_residual_, d);
 }
 
-// With J1, J2 of x (+) dx, and before momentum is seen to:
-//     Fx = J1 + J2 [h^2 a_x + h [0 I]; h a_x],    Fw = J2 [h^2 a_w; h a_w],    Fu = Fw dw/du
+// Before free joints' axes turn and momentum is seen to:
+//     Fx = I + [h^2 a_x + h [0 I]; h a_x],    Fw = [h^2 a_w; h a_w],    Fu = Fw dw/du
 void SymplecticModel::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("IntegratedActionModelSymplectic::calcDiff", x, u);
   SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::calcDiff", data);
@@ -105,8 +107,7 @@ void SymplecticModel::calcDiff(const DataPtr& data, const ConstVectorRef& x, con
   d.F.topRows(nv) = time_step2_ * d.F.bottomRows(nv);
   d.F.bottomRows(nv) *= time_step_;
   d.F.block(0, nv, nv, nv).diagonal().array() += time_step_;
-  state_->JintegrateTransport(x, d.dx, d.F, second);
-  state_->Jintegrate(x, d.dx, d.F.leftCols(ndx), d.F.leftCols(ndx), first, addto);
+  d.F.diagonal().array() += 1;
   d.held->differentiate_finish(m, time_step_, d.F);
   d.Fx = d.F.leftCols(ndx);
   control_->multiplyByJacobian(d.control, d.F.rightCols(nw), d.Fu);

@@ -98,13 +98,13 @@ void RobotBlock<S>::set_up(const Job& job, Robots robots) {
 template <class S>
 void RobotBlock<S>::load_start(const Job& job, Robots robots) {
   load_each(job.scene, robots, model_->nv, v_.data(), [&](const auto& r, auto&) { return job.start->v + r.idx_v; });
+  load_each(job.scene, robots, model_->nv, a_.data(), [&](const auto& r, auto&) { return job.start->stop + r.idx_v; });
 }
 
-/// h ID(q, v, -v / h) in the place of the bias, and then the robots at rest.
+/// h ID(q, v, stop) in the place of the bias, and then the robots at rest.
 template <class S>
 void RobotBlock<S>::evaluate_start(const StartOfStep& start) {
   Kinematics<S>& kin = robot_.kin;
-  a_ = v_ * S(-1 / start.h);
   forward_kinematics<S>(*model_, base_, q_, kin);
   forward_accelerations<S>(*model_, v_, a_.data(), start.gravity, kin);
   inverse_dynamics<S>(*model_, kin, nullptr, {}, robot_.f, robot_.h);

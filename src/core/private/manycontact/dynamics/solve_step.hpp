@@ -7,7 +7,7 @@ namespace manycontact {
 
 /// Where a step of h [s] begins, for a scene at rest (simulation/step.hpp).
 struct StartOfStep {
-  const double* v;       // scene.nv: the velocities
+  const double *v, *stop;  // scene.nv: the velocities, and the acceleration that ends them within the step
   Vec3<double> gravity;  // which the scene at rest lacks
   double h;
   double* contact_v;  // out, rows as Solution::f: J a, the velocities of the contacts' rows after the step
@@ -15,7 +15,7 @@ struct StartOfStep {
 
 /// Solves, at the configuration q of a scene without gravity, external wrenches, springs and joint friction,
 ///
-///     [ M  J^T     ] [  a ]   [ tau - h ID(q, v, -v / h) ]
+///     [ M  J^T     ] [  a ]   [ tau - h ID(q, v, stop)   ]
 ///     [ J  -delta I] [ -f ] = [     prescribed - a0      ]        ID without armature
 ///
 /// where a is the velocity after the step. True: the solution is in data, like that of solve_tau with prescribed

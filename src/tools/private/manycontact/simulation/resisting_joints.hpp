@@ -2,7 +2,8 @@
 // Forces of joints that resist motion, taken at the end of a semi-implicit Euler step of any length.
 //
 // The damper d, the spring k and the PD law of a joint act by -(d + h k) v+ in addition to their start values, so
-// M gets h d + h^2 k on its diagonal, as of a rotor's inertia. Coulomb's friction is the multiplier of v+ = 0 while
+// M gets h d + h^2 k on its diagonal, as of a rotor's inertia. A spring gets its share of h k v back (spring_share.hpp),
+// with 1/m of M^-1 where the joints are 0: the share is a number of the scene, not of its state. Coulomb's friction is the multiplier of v+ = 0 while
 // that is below h F. A joint that sticks gets the inertia h F / kStickVelocity, one that slides the constant force.
 // Which does what is found by Newton's method on
 //
@@ -28,6 +29,8 @@ struct ResistingJoints {
   Eigen::VectorXd friction;       // N m
   std::vector<signed char> slip;  // 0: sticks; 1, -1: slides that way
   Eigen::VectorXd added, to_add;  // h d + h^2 k: as solved with, and in this step
+  Eigen::VectorXd mobility;       // 1/m of joints with springs [1/kg, 1/(kg m^2)]; 0 of others
+  Eigen::VectorXd kept, kept_k;   // of springs in joints: the share of v that they do not resist, and that of h^2 k
   std::vector<int> rubbing;       // the coordinates with friction
 
   bool vary = false;                           // like robots do not share models, so that what is added may change
@@ -51,6 +54,8 @@ struct ResistingJoints {
   double inertia(int i, double h) const {
     return added[i] + (friction[i] > 0 && slip[i] == 0 ? h * friction[i] / kStickVelocity : 0);
   }
+  /// The inertia that resists v, too.
+  double drag(int i, double h) const { return inertia(i, h) - kept_k[i]; }
   /// b -= scale F of joints that slide.
   void add_sliding(double scale, Eigen::VectorXd& b) const {
     for (const int i : rubbing) b[i] -= scale * slip[i] * friction[i];
