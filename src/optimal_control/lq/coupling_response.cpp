@@ -8,9 +8,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using MatrixMap = Eigen::Map<MatrixXd>;
-
-MatrixMap as_matrix(std::vector<double>& scratch, Index rows, Index cols) { return {scratch.data(), rows, cols}; }
 
 // Rows of M, blocks' states, from the order of one cluster to that of another with the same blocks.
 void reorder_rows(const Problem& problem, const Cluster& from, const Cluster& to, const MatrixMap& M, MatrixMap out) {

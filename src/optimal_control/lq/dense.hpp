@@ -2,11 +2,17 @@
 // The products and factors of dense blocks that the direction solvers are made of, by columns.
 
 #include <Eigen/Core>
+#include <vector>
 
 namespace manycontact::lq {
 
 using Block = Eigen::Ref<Eigen::MatrixXd>;
 using ConstBlock = const Eigen::Ref<const Eigen::MatrixXd>&;
+using MatrixMap = Eigen::Map<Eigen::MatrixXd>;
+/// The first rows x cols numbers of a scratch.
+inline MatrixMap as_matrix(std::vector<double>& scratch, Eigen::Index rows, Eigen::Index cols) {
+  return {scratch.data(), rows, cols};
+}
 using Segment = Eigen::Ref<Eigen::VectorXd>;
 using ConstSegment = const Eigen::Ref<const Eigen::VectorXd>&;
 

@@ -11,12 +11,8 @@ namespace manycontact::lq {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using MatrixMap = Eigen::Map<MatrixXd>;
 
 namespace {
-
-// The first rows x cols numbers of a scratch.
-MatrixMap as_matrix(std::vector<double>& scratch, Index rows, Index cols) { return {scratch.data(), rows, cols}; }
 
 // NaN and infinite entries show in the sum.
 bool finite(const Eigen::Ref<const MatrixXd>& M) { return std::isfinite(M.sum()); }
