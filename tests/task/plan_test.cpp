@@ -328,7 +328,10 @@ TEST(Plans, TellNearlyDependentRows) {
     task.phases = {phase};
     Eigen::VectorXd x(task.scene.scene.nq + task.scene.scene.nv);
     x << task.scene.q, task.scene.v;
-    const auto findings = plan_findings(task, {x, x, x, x}, {task.scene.u, task.scene.u, task.scene.u}, {});
+    TaskSolution s;
+    s.xs = {x, x, x, x};
+    s.us = {task.scene.u, task.scene.u, task.scene.u};
+    const auto findings = plan_findings(task, s, {});
     ASSERT_EQ(findings.size(), tilt > 0 ? 1u : 0u);
     if (tilt == 0) continue;
     EXPECT_EQ(findings[0].kind, "near_dependent");

@@ -252,7 +252,7 @@ std::vector<PlanFinding> plan_findings(const TaskFile& task, const TaskSolution&
                          (cost.residual == TaskResidual::kFramePlacement ? " and rad" : "") + " at " +
                          show(nodes[cost.node].time) + " s",
                      cost.node});
-  add_near_dependent(task, xs, us, out);
+  add_near_dependent(task, s.xs, s.us, out);
   return out;
 }
 
