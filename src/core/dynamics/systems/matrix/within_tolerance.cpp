@@ -52,8 +52,9 @@ struct WithinTolerance::Work {
   double lever = 1, tolerance = 0;  // the largest [m]; error of those rows of J [m]
   std::vector<double> x;            // scratch, in K's order: a solution
   std::vector<double> n;            // a column of N, in K's order
-  // per coordinate: N_c^T J_c and the terms of this sum; |N_c|^2 and the largest entry of N_c, times the errors of J
-  Eigen::VectorXd left, terms, weight, largest;
+  // per coordinate: N_c^T J_c and the terms of this sum; the sums of the entries of N_c and of their squares, times the
+  // errors of J
+  Eigen::VectorXd left, terms, explained, weight;
   std::vector<RowChange> changes;
 };
 
@@ -174,7 +175,7 @@ double error_of_entry(const Work& w, int row, int coordinate) {
 
 // Whether w.n leaves no more of any column than changes of its entries within their errors take away.
 bool is_explained(const Workspace& work, const IslandWork& d, const KktPattern& p, Work& w) {
-  for (Eigen::VectorXd* sum : {&w.left, &w.terms, &w.weight, &w.largest}) sum->setZero(p.nv);
+  for (Eigen::VectorXd* sum : {&w.left, &w.terms, &w.explained, &w.weight}) sum->setZero(p.nv);
   for (int row = 0; row < p.nc; ++row) {
     const double n = w.n[p.iperm[p.nv + row]];
     if (n == 0) continue;
@@ -184,11 +185,11 @@ bool is_explained(const Workspace& work, const IslandWork& d, const KktPattern& 
       const int c = columns[j];
       const double term = n * J[static_cast<Eigen::Index>(j)], error = std::abs(n) * error_of_entry(w, row, c);
       w.left[c] += term, w.terms[c] += std::abs(term);
-      w.weight[c] += error * error, w.largest[c] = std::max(w.largest[c], error);
+      w.explained[c] += error, w.weight[c] += error * error;
     }
   }
   return (w.left.array().abs() <= tolerance::kNullColumn * w.terms.array() ||
-          w.left.array().abs() * w.largest.array() <= w.tolerance * w.weight.array())
+          w.left.array().abs() <= w.tolerance * w.explained.array())
       .all();
 }
 
@@ -245,28 +246,30 @@ bool take_change(const Workspace& work, const IslandWork& d, const std::vector<i
         in_N.push_back(static_cast<Eigen::Index>(i));
       }
   if (change.empty()) return true;
-  Eigen::VectorXd J_c(in_N.size()), error(in_N.size());
+  Eigen::VectorXd J_c(in_N.size());
+  double error = 0;  // the largest
   for (Eigen::Index i = 0; i < J_c.size(); ++i) {
     J_c[i] = change[static_cast<std::size_t>(i)].value;
-    error[i] = w.tolerance * error_of_entry(w, change[static_cast<std::size_t>(i)].row, c);
+    error = std::max(error, w.tolerance * error_of_entry(w, change[static_cast<std::size_t>(i)].row, c));
   }
-  const Eigen::MatrixXd N_c = N(in_N, Eigen::all), by_error = N_c.transpose() * error.asDiagonal();
-  const Eigen::VectorXd left = N_c.transpose() * J_c;
-  const Eigen::ArrayXd rounding = tolerance::kNullColumn * (N_c.cwiseAbs().transpose() * J_c.cwiseAbs()).array();
+  const Eigen::MatrixXd Nt = N(in_N, Eigen::all).transpose();
+  const Eigen::VectorXd left = Nt * J_c;
+  const Eigen::ArrayXd rounding = tolerance::kNullColumn * (Nt.cwiseAbs() * J_c.cwiseAbs()).array();
   if ((left.array().abs() <= rounding).all()) return true;  // depend in truth
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(by_error.rows(), by_error.cols());
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(Nt.rows(), Nt.cols());
   decomposition.setThreshold(tolerance::kRank);
-  const Eigen::VectorXd errors = decomposition.compute(by_error).solve(left);  // how many of each entry's
-  if (!(errors.cwiseAbs().maxCoeff() <= 1) || !((by_error * errors - left).array().abs() <= rounding).all())
+  const Eigen::VectorXd part = decomposition.compute(Nt).solve(left);
+  if (!(part.norm() <= error * std::sqrt(static_cast<double>(part.size()))) ||
+      !((Nt * part - left).array().abs() <= rounding).all())
     return false;
   for (Eigen::Index i = 0; i < J_c.size(); ++i) {
-    change[static_cast<std::size_t>(i)].value = -error[i] * errors[i];
+    change[static_cast<std::size_t>(i)].value = -part[i];
     w.changes.push_back(change[static_cast<std::size_t>(i)]);
   }
   return true;
 }
 
-// The change of J for the columns of N in one cluster. Whether it is no more than J's error.
+// The change of J for the columns of N in one cluster. Whether it is no more than the errors of J.
 bool take_changes(const Workspace& work, const IslandWork& d, const KktPattern& p,
                   const rank::DependentRows::Cluster& cluster, Work& w) {
   std::vector<int> rows;  // of J, that the cluster has
