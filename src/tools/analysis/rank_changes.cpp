@@ -49,8 +49,8 @@ class Probe {
     }
     return out;
   }
-  // Per island of `islands`: where n^T dJ[z] is largest. Their first coordinates at once, then their second ones, ...:
-  // islands do not touch.
+  // The coordinate of each of the islands that adds most to n^T dJ[z] z in a singular configuration, elsewhere the one
+  // of the largest entry of n^T dJ[z]. One pass per coordinate index for all islands: they are independent.
   std::vector<int> coordinates(const std::vector<std::size_t>& islands) const {
     std::vector<std::vector<int>> of(islands.size());
     std::size_t most = 0;
@@ -69,8 +69,9 @@ class Probe {
       const Eigen::VectorXd change = rest_.bias(q_, z_ + e) - rest_.bias(q_, z_ - e);
       for (std::size_t k = 0; k < islands.size(); ++k) {
         if (step >= of[k].size()) continue;
-        const double b = std::abs(product(islands[k], change));
-        if (b > largest[k]) largest[k] = b, out[k] = of[k][step];
+        const int i = of[k][step];
+        const double b = std::abs(product(islands[k], change)) * (singular(islands[k]) ? std::abs(z_[i]) : 1);
+        if (b > largest[k]) largest[k] = b, out[k] = i;
       }
     }
     return out;
