@@ -545,15 +545,16 @@ Chain chain_held_twice(int links, double alpha) {
   return c;
 }
 
-// Inconsistency of rows is relative to their own terms: accelerations of bodies contain gravity.
+// Contradictions are compared with gravity: one of 1e-8 of it is a rounding error, a larger one is told.
 TEST(Bodies, ContradictionsUnderLargeGravity) {
-  for (const double gravity : {1.0, 4e8}) {
+  for (const double gravity : {1.0, 1e5, 4e12}) {
+    const Status status = gravity < 1e6 ? Status::kInconsistent : Status::kRedundant;
     Chain c = chain_held_twice(1, 3);
     c.scene.gravity = {0, 0, -gravity};
     Both x(c.scene, c.q, c.v, c.u);
     EXPECT_EQ(x.bodies.report.islands[0].method, Method::kSparseBodies);
-    EXPECT_EQ(x.dense.report.status, Status::kInconsistent) << gravity;
-    EXPECT_EQ(x.bodies.report.status, Status::kInconsistent) << gravity;
+    EXPECT_EQ(x.dense.report.status, status) << gravity;
+    EXPECT_EQ(x.bodies.report.status, status) << gravity;
   }
 }
 

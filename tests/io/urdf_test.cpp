@@ -89,7 +89,7 @@ TEST(Urdf, ReadsLimits) {
   EXPECT_TRUE(std::isinf(m.joints[2].upper[2]));
 }
 
-// No range, a range of one position, and zero effort are read; a continuous joint never has a range.
+// A range of one position and zero effort are read; a joint without a range is free, a continuous joint never has one.
 TEST(Urdf, LimitsOfRealFiles) {
   const auto limits = [](const char* type, const std::string& range) {
     return load(link_of("a") + link_of("b") +
@@ -97,8 +97,9 @@ TEST(Urdf, LimitsOfRealFiles) {
         .joints[0];
   };
   for (const char* type : {"revolute", "prismatic"})
-    for (const char* range : {"", "lower=\"0\" upper=\"0\"", "lower=\"-0\" upper=\"0\""})
+    for (const char* range : {"lower=\"0\" upper=\"0\"", "lower=\"-0\" upper=\"0\""})
       EXPECT_EQ(limits(type, range).upper[0], 0) << type << " " << range;
+  for (const char* type : {"revolute", "prismatic"}) EXPECT_TRUE(std::isinf(limits(type, "").upper[0])) << type;
   EXPECT_EQ(limits("revolute", "lower=\"0.5\" upper=\"0.5\"").lower[0], 0.5);
   EXPECT_TRUE(std::isinf(limits("continuous", "lower=\"1\" upper=\"-1\"").lower[0]));
 }
