@@ -184,9 +184,9 @@ inline constexpr double kProximal = 1e-12;
 /// delta; pivots of other rows are usually above the second. Where one lies between, K is factorized again with
 /// kStiffer delta. On uneven walls both kinds of rows have pivots of 1e6 delta.
 inline constexpr double kPivotOfDependent = 1e2, kPivotOfOthers = 1e7, kStiffer = 10;
-/// The sum of the exponents of delta in all pivots may differ from an integer by this: rounding contributes 1e-5 per
-/// dependent row.
-inline constexpr double kExponentsLeft = 0.2;
+/// Rounding of a pivot changes its exponent by up to this many eps of its terms, relative to the pivot. The sum of the
+/// exponents in all pivots may differ from an integer by the second number.
+inline constexpr double kExponentRounding = 100, kExponentsLeft = 0.2;
 /// The projection's factor for the smallest eigenvalue of J M^-1 J^T, which is usually below 1e-3: from 1/2 on rows
 /// count as nearly dependent, and from 1 / (2 kPivotOfDependent) on where pivots are not compared.
 inline constexpr double kSlowest = 0.5;

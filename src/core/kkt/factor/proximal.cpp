@@ -173,14 +173,14 @@ class ProximalFactor final : public Factor {
       find_stiffer_pivots(scratch);
       factorize_damped(delta_, scratch);
     }
-    return compare_pivots();
+    return compare_pivots(scratch.scale.data());
   }
 
   // The product of all pivots is det M det (S + delta), in which each zero eigenvalue of S is a factor delta: the
   // exponents of delta in the pivots add up to the number of dependent rows. They are 1 or 0, unless rows nearly depend
   // on those before them and later rows on all of these: such exponents lie between, many of them next to 0 or 1, and
-  // only the sum of all is an integer.
-  bool compare_pivots() {
+  // only the sum of all is an integer. Rounding of pivots must not add up: what it explains counts as 1 or 0.
+  bool compare_pivots(const double* terms) {
     const KktPattern& p = *ldl_.pattern;
     double sum = 0;
     dropped_.clear();
@@ -188,7 +188,9 @@ class ProximalFactor final : public Factor {
     for (int k = 0; k < p.size(); ++k) {
       const double grown = std::log(stiffer_[k] / ldl_.D[k]) / std::log(tolerance::kStiffer);
       if (!std::isfinite(grown)) return false;
-      sum += grown;
+      const double plain = std::round(grown);
+      const double rounding = tolerance::kExponentRounding * kEps * terms[k] / std::abs(ldl_.D[k]);
+      sum += std::abs(grown - plain) <= rounding ? plain : grown;
       if (!of_M_[k]) order_.emplace_back(-grown, p.perm[k] - p.nv);
     }
     const double rows = std::round(sum);
