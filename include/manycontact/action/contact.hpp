@@ -127,9 +127,11 @@ class ContactModel1D final : public ContactModelAbstract {
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
                  const Eigen::Matrix3d& rotation, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  /// Along the z axis of the reference frame, with nu = nv.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel1D(std::move(state), id, xref, type, Eigen::Matrix3d::Identity(), kDefaultNu, gains) {}
+  /// Along the z axis of A.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel1D(std::move(state), id, xref, LOCAL, Eigen::Matrix3d::Identity(), nu, gains) {}
@@ -137,6 +139,7 @@ class ContactModel1D final : public ContactModelAbstract {
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), Vector3MaskType mask = Vector3MaskType::z,
                  ReferenceFrame ref = ReferenceFrame::kLocal);
+  /// As in sobec, along z and with nu = nv.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame ref = ReferenceFrame::kLocal)
       : ContactModel1D(std::move(state), id, xref, kDefaultNu, gains, Vector3MaskType::z, ref) {}
@@ -160,6 +163,7 @@ class ContactModel2D final : public ContactModelAbstract {
   /// They throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal);
+  /// Uses nu = nv.
   ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel2D(std::move(state), id, xref, kDefaultNu, gains) {}
@@ -174,6 +178,7 @@ class ContactModel3D final : public ContactModelAbstract {
   /// They throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, ReferenceFrame type,
                  std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  /// Uses nu = nv.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, ReferenceFrame type,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel3D(std::move(state), id, xref, type, kDefaultNu, gains) {}
@@ -181,6 +186,7 @@ class ContactModel3D final : public ContactModelAbstract {
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal)
       : ContactModel3D(std::move(state), id, xref, type, nu, gains) {}
+  /// As in sobec, with nu = nv.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal)
       : ContactModel3D(std::move(state), id, xref, type, kDefaultNu, gains) {}
@@ -196,9 +202,11 @@ class ContactModel6D final : public ContactModelAbstract {
   /// They throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, ReferenceFrame type,
                  std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  /// Uses nu = nv.
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, ReferenceFrame type,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel6D(std::move(state), id, pref, type, kDefaultNu, gains) {}
+  /// In the axes of A.
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel6D(std::move(state), id, pref, LOCAL, nu, gains) {}
@@ -214,6 +222,7 @@ class ContactModel5D final : public ContactModelAbstract {
   /// They throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
                  const Eigen::Vector3d& axis, std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
+  /// Uses nu = nv.
   ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
                  const Eigen::Vector3d& axis, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel5D(std::move(state), id, pref, axis, kDefaultNu, gains) {}

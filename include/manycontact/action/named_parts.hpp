@@ -28,7 +28,7 @@ class NamedParts : public Printable {
   Item& part(const std::string& name) const;  // the part with this name
   /// Called after each change of the parts or their status.
   virtual void count() {}
-  void add(const Item& item);
+  void add(const Item& item);                                // adds a part
   void remove(std::string name);                             // a copy, since the name may be that of the part itself
   bool change_status(const std::string& name, bool active);  // whether the status has changed
   const char *name_, *what_;

@@ -105,6 +105,7 @@ class PartNumDiff : public NumDiffOf<Model>, public internal::Reevaluation {
   void calc(const std::shared_ptr<Data>& data, const ConstVectorRef& x, const ConstVectorRef& u) {
     model_->calc(data, x, u);
   }
+  /// Evaluates the model in a terminal node.
   void calc(const std::shared_ptr<Data>& data, const ConstVectorRef& x) { model_->calc(data, x); }
   /// Computes the derivatives by central differences.
   void calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x, const ConstVectorRef& u);

@@ -37,7 +37,7 @@ void CostModelSum::removeCost(const std::string& name) {
 void CostModelSum::changeCostStatus(const std::string& name, bool active) {
   const bool counted = active_set_.contains(name);
   if (!change_status(name, active) || counted == active) return;
-  active ? nr_ += nr_of(part(name)) : nr_ -= nr_of(part(name));
+  nr_ = active ? nr_ + nr_of(part(name)) : nr_ - nr_of(part(name));
 }
 
 void CostModelSum::check(const char* where, const CostDataSum& data, const ConstVectorRef& x) const {
