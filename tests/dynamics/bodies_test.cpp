@@ -545,10 +545,10 @@ Chain chain_held_twice(int links, double alpha) {
   return c;
 }
 
-// Contradictions are compared with gravity: one of 1e-8 of it is a rounding error, a larger one is told.
+// Inconsistency of rows is relative to their own terms, and beyond rounding errors of gravity.
 TEST(Bodies, ContradictionsUnderLargeGravity) {
-  for (const double gravity : {1.0, 1e5, 4e12}) {
-    const Status status = gravity < 1e6 ? Status::kInconsistent : Status::kRedundant;
+  for (const double gravity : {1.0, 4e8, 4e14}) {
+    const Status status = gravity < 1e9 ? Status::kInconsistent : Status::kRedundant;
     Chain c = chain_held_twice(1, 3);
     c.scene.gravity = {0, 0, -gravity};
     Both x(c.scene, c.q, c.v, c.u);

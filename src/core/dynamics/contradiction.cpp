@@ -1,5 +1,5 @@
-// The judge of contradictions, for all systems and for pairs of bodies: rank/contradiction.hpp, with the accelerations
-// of the loads in addition to |J| |a|. Contacts may cancel them in a: gravity, and |J| |tau - h| / diag M.
+// The judge of contradictions, for all systems and for pairs of bodies: rank/contradiction.hpp, and no rounding error of
+// the loads' accelerations, gravity and |J| |tau - h| / diag M, which contacts may cancel in a.
 
 #include <algorithm>
 #include <cmath>
@@ -38,11 +38,13 @@ double accelerations_of_torques(const Scene& scene, const SceneData& data, const
 }  // namespace
 
 bool contradicts(const Scene& scene, const SceneData& data, rank::Contradiction<double> of, IslandWork& d) {
-  of.Ja += scene.gravity.norm();
-  if (!of.contradicts() || !joint_space_fits(d)) return of.contradicts();
+  if (!of.contradicts()) return false;
+  double loads = scene.gravity.norm();
+  const auto exceeds_rounding = [&] { return !(of.left <= tolerance::kLoadRounding * loads); };
+  if (!exceeds_rounding() || !joint_space_fits(d)) return exceeds_rounding();
   evaluate_at_state(scene, data, d);
-  of.Ja += accelerations_of_torques(scene, data, d);
-  return of.contradicts();
+  loads += accelerations_of_torques(scene, data, d);
+  return exceeds_rounding();
 }
 
 }  // namespace manycontact::internal

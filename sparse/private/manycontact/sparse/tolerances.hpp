@@ -274,6 +274,10 @@ inline constexpr double kHalfTurn = 1e-4;
 /// Contacts are inconsistent (mathematics.md): |J a + a0| > 1e-8 (| |J| |a| | + |a0|), maximum norms ...
 /// Used by: `inconsistent`, in all methods.
 inline constexpr double kContradiction = 1e-8;
+
+/// Rounding errors of accelerations that loads cause and contacts cancel, relative to these: some thousand eps.
+/// Used by: the judge of contradictions.
+inline constexpr double kLoadRounding = 1e-12;
 /// ... unless of every row it is rounding of the largest term that its a0 is computed from (contact_drift, [m/s^2] or
 /// [rad/s^2]): 500 eps, of chains of up to hundreds of joints.
 inline constexpr double kDriftRounding = 1e-13;
