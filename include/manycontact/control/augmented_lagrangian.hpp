@@ -139,6 +139,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   struct Restoration;
   Restoration violationAlone(double met, std::size_t maxiter);
   void evaluate(Restoration& own);
+  void regulariseLeast(Restoration& own);
   void leastViolation(Restoration& own);
   void level(Restoration& own);
   void take(Restoration& own);

@@ -5,6 +5,7 @@
 #include <iomanip>
 #include <map>
 #include <sstream>
+#include <utility>
 
 #include "beside.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
@@ -145,12 +146,14 @@ struct Run {
   const TaskOptions& options;
   TaskSolver type;
   TaskSolution out = {};
-  std::size_t most = static_cast<std::size_t>(task.iterations);  // iterations
+  std::size_t most = static_cast<std::size_t>(task.iterations);
   Passes passes = {{}, {}, {}, problem};
 
   std::shared_ptr<SolverDDP> make(const std::shared_ptr<ShootingProblem>& shooting) {
     return make_solver(type, problem.parts.size() > 1, shooting, passes);
   }
+  /// The number of iterations that are left.
+  std::size_t left() const { return most - std::min(most, out.iterations.size()); }
   void solve(SolverAbstract& solver, const SolverDDP& inner);
   void with_constraints();
   void without();
@@ -164,7 +167,7 @@ void Run::solve(SolverAbstract& solver, const SolverDDP& inner) {
   solver.set_th_stop(task.tolerance);
   solver.setCallbacks({std::make_shared<Record>(options, out.iterations)});
   const Timer timer;
-  out.converged = solver.solve(problem.xs, problem.us, most - std::min(most, out.iterations.size()), false);
+  out.converged = solver.solve(problem.xs, problem.us, left(), false);
   out.times = times_of(passes, problem.problem->get_T());
   out.times.total = timer.get_us_duration();
   out.reason = to_string(solver.reason());
@@ -254,9 +257,7 @@ void leave_stationary_guess(Run& run) {
 }
 
 // Constraints that only bound torques are limits, which box solvers keep at every step.
-void take_limits(Run& run) {
-  std::vector<task::TorqueBounds> bounds;
-  if (!task::bounds_torques_alone(run.task, bounds)) return;
+void take_limits(Run& run, const std::vector<task::TorqueBounds>& bounds) {
   const TaskFile free = task::without_constraints(run.task);
   TaskProblem limited = make_problem(free, TaskSolver::kBoxFddp);
   limited.us = run.problem.us;
@@ -294,7 +295,6 @@ void take_dense_recursion(Run& run) {
   run.problem = std::move(dense);
   run.out.remarks.push_back("block-wise search directions ended with \"" + run.out.reason +
                             "\": continued with the dense recursion");
-  run.most += static_cast<std::size_t>(run.task.iterations);
   go_on(run);
 }
 
@@ -317,12 +317,16 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
   run.out.solver = to_string(run.type);
   run.out.direction = "Riccati";
   run.out.blocks = {static_cast<int>(problem.actuation->get_nu())};
+  std::vector<task::TorqueBounds> bounds;
+  const bool limits = has_constraints(task) && task::bounds_torques_alone(task, bounds);
+  const std::size_t all = std::exchange(run.most, limits ? (run.most + 1) / 2 : run.most);  // the rest: take_limits
   run();
+  const auto goes_on = [&run] { return !run.out.converged && !run.out.interrupted && run.left() > 0; };
   const bool by_blocks = problem.blocks.size() > problem.parts.size();
-  if (!run.out.converged && by_blocks && !run.out.interrupted && !run.out.infeasible() && task::dense_parts_fit(task))
-    take_dense_recursion(run);
-  if (!run.out.converged && has_constraints(task) && !run.out.interrupted) take_limits(run);
-  if (!has_constraints(task) && stayed_at_guess(run.out)) leave_stationary_guess(run);
+  if (goes_on() && by_blocks && !run.out.infeasible() && task::dense_parts_fit(task)) take_dense_recursion(run);
+  run.most = all;
+  if (goes_on() && limits) take_limits(run, bounds);
+  if (!has_constraints(task) && stayed_at_guess(run.out) && run.left() > 0) leave_stationary_guess(run);
   for (const std::string& remark : run.out.remarks) run.out.reason += "; " + remark;
   if (!run.out.converged) tell_failures(run);
   return std::move(run.out);

@@ -32,6 +32,7 @@ constexpr double kCrawling = 1e-9;
 constexpr double kBeside[] = {1e-2, 1e-4, 1e-6};
 // The same for motions far from the candidate.
 constexpr double kElsewhere[] = {0.3, -0.1, 1, -0.5, 3, -2, 0.05, 0.2};
+// The least regularisation, in units of the smaller of |C|^2 and 1.
 constexpr double kRegularised = 1e-12;
 // A search converges slowly if kCreepingWindow iterations leave more than this share of the squared violation.
 constexpr double kCreeping = 0.99;
@@ -45,7 +46,7 @@ constexpr double kMuchNearer = 0.5;
 constexpr std::size_t kMostIterations = 500;
 constexpr std::size_t kMostLevelling = 50;
 constexpr int kLevellings = 50, kIdleLevellings = 12;
-// The initial regularisation in units of |C|^2, and the factor that increases it.
+// The initial regularisation of quasi-Newton steps in units of |C|^2, and the factor that increases it.
 constexpr double kLeastLevelling = 1e-4, kMoreRegularised = 10;
 // The longest first step, in units of the largest control.
 constexpr double kLongest = 10;
@@ -144,6 +145,14 @@ AL::Restoration AL::violationAlone(double met, std::size_t maxiter) {
   out.watch = std::make_shared<Watch>(*this, met);
   out.solver->setCallbacks({out.watch});
   return out;
+}
+
+// Sets the least regularisation for |C| at the candidate: an absolute one hides what controls of small effect can do.
+void AL::regulariseLeast(Restoration& own) {
+  evaluate(own);
+  const double size = jacobianSize(own);
+  constexpr double kSmallest = std::numeric_limits<double>::epsilon();  // no motion, or no number
+  own.solver->set_reg_min(kRegularised * std::min(1.0, std::max(kSmallest, size * size)));
 }
 
 // Minimises the violation from the candidate and replaces the candidate by the result. Near a stretched arm the model
@@ -355,6 +364,7 @@ StopReason AL::restore(std::size_t maxiter) {
   const auto is_absurd = [&] { return is_large() && !(std::isfinite(cost_) && movesInLineFrom(us_before)); };
   const auto goes_on = [&] { return violation_ > th_constraint_ && !interrupted_ && reported_ < maxiter; };
   const bool beyond = isBeyondLimits(own);
+  regulariseLeast(own);
   leastViolation(own);
   if (is_absurd() && feasible_before && goes_on()) {  // then with steps of moderate size
     take_back(xs_before, us_before, true);
