@@ -6,6 +6,7 @@
 #include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/rnea.hpp"
 #include "manycontact/simulation/step.hpp"
+#include "manycontact/spatial/explog.hpp"
 #include "simulation/scenes.hpp"
 #include "support/allocations.hpp"
 
@@ -258,19 +259,51 @@ HeldTerms terms_at(const Scene& scene, const QuadState& x, const VecX<Quad>& u) 
   return t;
 }
 
-// Computes v+ and q+ with one dense system, without correcting momentum.
-QuadState held_step(const Scene& scene, const QuadState& x, const VecX<Quad>& u, const Quad& h) {
-  const HeldTerms t = terms_at(scene, x, u);
+// Calls use(joint, index of its configuration, of its velocity, how many of its coordinates displace it).
+template <class Use>
+void each_free_joint(const Scene& scene, Use&& use) {
+  for (const Robot& robot : scene.robots)
+    for (const Joint& joint : robot.model->joints)
+      if (joint.nv() > 1)
+        use(joint, robot.idx_q + joint.idx_q, robot.idx_v + joint.idx_v, joint.type == JointType::kPlanar ? 2 : 3);
+}
+
+// A free joint's linear and angular velocity.
+std::pair<Vec3<Quad>, Vec3<Quad>> parts_of(const Joint& joint, const VecX<Quad>& v, int i) {
+  if (joint.type == JointType::kPlanar) return {{v[i], v[i + 1], 0}, {0, 0, v[i + 2]}};
+  return {v.segment<3>(i), v.segment<3>(i + 3)};
+}
+
+// Computes v+ and q+ with one dense system, without correcting momentum. v is expressed in axes that turn with a free
+// joint: at its start, (x - v) / h - w x v -> dv/dt; and from x, p+ = p + h R x, v+ = R+^T R x.
+QuadState held_step(const Scene& scene, const QuadState& state, const VecX<Quad>& u, const Quad& h) {
+  const HeldTerms t = terms_at(scene, state, u);
   const Eigen::Index nv = t.M.rows(), nc = t.J.rows();
   MatX<Quad> K = MatX<Quad>::Zero(nv + nc, nv + nc);
   K.topLeftCorner(nv, nv) = t.M;
   K.topRightCorner(nv, nc) = t.J.transpose();
   K.bottomLeftCorner(nc, nv) = t.J;
   K.bottomRightCorner(nc, nc).diagonal().setConstant(-Quad(scene.damping));
+  VecX<Quad> turn = VecX<Quad>::Zero(nv);
+  each_free_joint(scene, [&](const Joint& joint, int, int i, int n) {
+    const auto [linear, angular] = parts_of(joint, state.v, i);
+    turn.segment(i, n) = angular.cross(linear).head(n);
+  });
   VecX<Quad> b(nv + nc);
-  b << t.tau, -t.r;
-  const VecX<Quad> a = K.partialPivLu().solve(b).head(nv);
-  return moved(scene, x, h * x.v + h * h * a, h * a);
+  b << t.tau + t.M * turn, -t.r;
+  const VecX<Quad> a = K.partialPivLu().solve(b).head(nv), x = state.v + h * a;
+  VecX<Quad> turned = h * x;
+  each_free_joint(scene, [&](const Joint&, int, int i, int n) { turned.segment(i, n).setZero(); });
+  QuadState next = moved(scene, state, turned, h * a);
+  each_free_joint(scene, [&](const Joint& joint, int at, int i, int n) {
+    const auto [linear, angular] = parts_of(joint, x, i);
+    const VecX<Quad> pose = state.q.segment(at, joint.nq());
+    const Mat3<Quad> R = joint.type == JointType::kPlanar ? exp3<Quad>(Vec3<Quad>(0, 0, pose[2]))
+                                                          : placement_of_pose(Eigen::Matrix<Quad, 7, 1>(pose)).R;
+    next.q.segment(at, n) += (h * (R * linear)).head(n);
+    next.v.segment(i, n) = (exp3<Quad>(Vec3<Quad>(-h * angular)) * linear).head(n);
+  });
+  return next;
 }
 
 // Centre of mass, momentum, angular momentum and inertia about it of one robot, in the world.

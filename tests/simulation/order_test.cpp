@@ -31,7 +31,8 @@ struct Case {
 
 std::vector<Case> cases() {
   std::vector<Case> out;
-  for (int seed : {1, 2, 3}) out.push_back({"free " + std::to_string(seed), free_scene(seed), 0.2, 64});
+  for (int seed : {1, 2, 3})
+    out.push_back({"free " + std::to_string(seed), free_scene(seed), 0.2, seed == 3 ? 128 : 64});
   out.push_back({"free on a fixed base", free_scene(4, false), 0.2, 64});
   for (int seed : {5, 6}) {
     RandomScene tied = tied_scene(seed);

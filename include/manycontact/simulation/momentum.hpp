@@ -1,9 +1,8 @@
 #pragma once
 // Momentum of bodies without connection to the world.
 //
-// In a robot's own coordinates, semi-implicit Euler loses momentum. The velocity of a floating base is
-// expressed in axes that rotate with the base. In every step v - h w x v is longer than v by (h w)^2 / 2: at 10 rad/s
-// and 1 ms, by 5 % a second. The exact rate of momentum is known, however. Bodies connected to each other by joints and
+// In a robot's own coordinates, semi-implicit Euler loses momentum by an error of first order: inertias change within a
+// step, while bias forces are those of its start. The exact rate of momentum is known, however. Bodies connected to each other by joints and
 // contacts, but not to the world, form a group. Let m be its mass, P its momentum, C its centre of mass and L its
 // angular momentum about C. In a step
 //

@@ -191,9 +191,7 @@ void Watch::print_energy(std::ostream& out, const Scene& scene, const Simulation
                                 kRounding * std::abs(start.energy())}))
     wrap(out,
          "steps of " + number(sim.h) + " s took " + number(-spring_work_) +
-             " J from springs that swing, as the end of a step has it; shorter steps take less, --integrator rk4 next "
-             "to "
-             "nothing",
+             " J from springs that swing too fast for them; shorter steps take less, --integrator rk4 next to nothing",
          2);
   if (gained == 0) return;
   const std::string why = near_dependent_.empty()

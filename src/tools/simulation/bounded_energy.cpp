@@ -3,9 +3,11 @@
 // Ends of springs on bodies that rotate far in a step move otherwise than its linear equations foresee, and errors of
 // stiff springs may add up. So each cluster of robots that springs and contacts join has an account of the energy that
 // its springs may give. It begins with their energy. A step takes from it what the energy of the bodies rises by beyond
-// the work of all else. Where that is more than there is, velocities relative to the cluster's motion as one rigid body,
-// which follows from its momentum, are scaled such that the step takes what there is. A cluster that the world
-// constrains rests as a body. Errors that come and go, as those of explicit steps do, pass through the account.
+// the work of all else. Where that is more than there is, velocities relative to the cluster's motion as one rigid
+// body, which follows from its momentum, are scaled such that the step takes what there is. A cluster that the world
+// constrains rests as a body. There, springs faster than the step may not stretch so far by rotations that energy
+// rises: all moves by a share of the step then. Errors that come and go, as those of explicit steps do, pass through
+// the account.
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +23,11 @@
 namespace manycontact::internal {
 
 namespace {
+
+constexpr double kSmaller = 0.7;  // share of a step, at a time
+constexpr int kMostTrials = 60;
+constexpr double kFast = 10;   // h^2 k / m of springs whose linear step lets energy fall
+constexpr double kFar = 0.01;  // of the kinetic energy: what a step can make of that of springs, stretched by rotations
 
 int moving_end(const Spring& spring) { return moves(spring.A) ? spring.A.robot : spring.B.robot; }
 
@@ -144,6 +151,54 @@ void take_back(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
       d.contact_v.segment(at, scene.contacts[c].rows()) *= at_robot(e.share, e, scene.contacts[c].A.robot);
 }
 
+// Energies of each cluster's springs: of all, of those faster than the step, and what a step can make of the latter.
+void find_stretched(const Scene& scene, const SimulationData& d, bool at_start, const BoundedEnergy& e,
+                    BoundedEnergy::Stretched& out) {
+  const ResistingSprings& s = *d.resisting->springs;
+  for (Eigen::VectorXd* x : {&out.all, &out.fast, &out.useful}) x->setZero(scene.nrobots());
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    const ResistingSprings::Row& row = s.rows[i];
+    if (row.turns >= 0) continue;
+    const Spring& spring = scene.springs[static_cast<std::size_t>(row.spring)];
+    const double length = (place_of(spring.A, d.at_rest.kin) - place_of(spring.B, d.at_rest.kin)).norm(),
+                 stretch = at_start ? row.e : length - spring.length, energy = row.k * stretch * stretch / 2;
+    const double fast = d.h * d.h * row.k * s.own[static_cast<Eigen::Index>(i)];
+    const int c = e.cluster[static_cast<std::size_t>(moving_end(spring))];
+    out.all[c] += energy;
+    if (fast > kFast) out.fast[c] += energy, out.useful[c] += energy / (1 + fast);
+  }
+}
+
+bool stretches_too_far(int c, const BoundedEnergy& e) {
+  return e.at_end.fast[c] > e.at_start.fast[c] && e.at_end.useful[c] > kFar * e.kinetic_before[c] &&
+         e.after[c] + e.at_end.all[c] > e.before[c] + e.at_start.all[c];
+}
+
+// Ends the step with shares of its motion in clusters whose springs stretch too far.
+void shorten_step(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
+  find_stretched(scene, d, true, e, e.at_start);
+  find_stretched(scene, d, false, e, e.at_end);
+  find_tied(scene, d.free_groups, e);
+  double first = 0;
+  for (int k = 0; k < kMostTrials; ++k) {
+    e.share.setOnes(scene.nrobots());
+    bool any = false;
+    for (int c = 0; c < scene.nrobots(); ++c)
+      if (e.tied[static_cast<std::size_t>(c)] && stretches_too_far(c, e)) e.share[c] = kSmaller, any = true;
+    if (k == 0) first = e.after.sum() + e.at_end.all.sum();
+    if (!any) break;
+    for (int r = 0; r < scene.nrobots(); ++r)
+      d.dynamics.a.segment(scene.robots[r].idx_v, scene.robots[r].model->nv) *= at_robot(e.share, e, r);
+    for (std::size_t c = 0; c < scene.contacts.size(); ++c)
+      if (const int at = d.dynamics.f_offset[c]; at >= 0)
+        d.contact_v.segment(at, scene.contacts[c].rows()) *= at_robot(e.share, e, scene.contacts[c].A.robot);
+    end_step(scene, d.dynamics.a, d);
+    find_energies(scene, d.next_q, d.next_v, d, e, e.after);
+    find_stretched(scene, d, false, e, e.at_end);
+  }
+  d.work.springs += e.after.sum() + e.at_end.all.sum() - first;
+}
+
 // The most that springs can hold at the end of the step: twice the energy that they have if their ends move on as in
 // this step, of what a step can make of it.
 void find_most(const Scene& scene, const SimulationData& d, Eigen::VectorXd& most) {
@@ -177,6 +232,7 @@ void begin_bound(const Scene& scene, bool goes_on, SimulationData& d) {
   for (int c = 0; c < scene.nrobots(); ++c)
     if (std::isnan(e.stored[c])) e.stored[c] = now[c];
   find_energies(scene, d.q, d.v, d, e, e.before);
+  e.kinetic_before = e.kinetic;
   add_work(scene, d, e);
 }
 
@@ -184,6 +240,7 @@ void bound_energy(const Scene& scene, SimulationData& d) {
   if (!d.resisting || !d.resisting->springs) return;
   BoundedEnergy& e = d.resisting->bounded;
   find_energies(scene, d.next_q, d.next_v, d, e, e.after);
+  shorten_step(scene, d, e);
   bool any = false;
   for (int c = 0; c < scene.nrobots(); ++c) any = any || excess(c, e) > 0;
   if (any) take_back(scene, d, e);

@@ -16,6 +16,10 @@ struct BoundedEnergy {
   Eigen::VectorXd stored;  // what springs may give, kept from step to step; NaN: to be found anew
   std::vector<int> cluster;
   Eigen::VectorXd kinetic, before, after, most;  // before: with what others gave; most: that springs can hold
+  Eigen::VectorXd kinetic_before;  // at the start
+  struct Stretched {
+    Eigen::VectorXd all, fast, useful;
+  } at_start, at_end;              // energies of springs
   Eigen::VectorXd share, rigid_v;  // left of the motion relative to that of the clusters as one body, and that (nv)
 
   std::vector<char> tied;           // per cluster: the world constrains it

@@ -442,12 +442,13 @@ void account_for_springs(const Scene& scene, SimulationData& d, const Eigen::Vec
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const ResistingSprings::Row& row = s.rows[i];
     const Spring& spring = scene.springs[static_cast<std::size_t>(row.spring)];
-    const double before = rate_at_start(d, row), after = s.unit.along(row.spring, row.direction, -1), mean = (before + after) / 2, moved = d.h * after;
+    const double before = rate_at_start(d, row), after = s.unit.along(row.spring, row.direction, -1),
+                 mean = (before + after) / 2, moved = d.h * after;
     const double k = is_across(row) ? row.k * (1 - row.turns) : row.k;  // what turns with its bodies is not stretched
     const double damper = is_across(row) ? 0 : -d.h * spring.damping * after;
     d.work.dampers += damper * mean;
-    d.work.springs += (1 - row.keeps) * ((s.p[static_cast<Eigen::Index>(i)] - damper) * mean +
-                                         k * moved * (row.e + moved / 2));
+    d.work.springs +=
+        (1 - row.keeps) * ((s.p[static_cast<Eigen::Index>(i)] - damper) * mean + k * moved * (row.e + moved / 2));
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
+#include "manycontact/contact/rows.hpp"
 #include "manycontact/simulation/momentum_derivatives.hpp"
 #include "manycontact/simulation/resisting_joints.hpp"
 
@@ -39,6 +40,7 @@ struct HeldVelocities {
   Eigen::VectorXd x, q_next, v_next;
 
  private:
+  void follow_turning_rows();
   struct RobotWork {
     explicit RobotWork(const Model& model);
     std::vector<Vec6<double>> f;
@@ -66,7 +68,8 @@ struct HeldVelocities {
   std::vector<int> all_robots_;
   Eigen::VectorXd unit_, by_q_, by_v_;  // nv
   Eigen::MatrixXd dtau_;                // nv x (ndx + nw)
-  Eigen::MatrixXd rows_, done_;         // of one island
+  Eigen::MatrixXd of_island_, done_;    // of one island
+  std::vector<ContactData<double>> rows_;
 };
 
 }  // namespace manycontact::internal
