@@ -254,7 +254,7 @@ def set_faults():
         for member in members:
             if f"`{member}`" not in statuses and not (enum == "StopReason" and member == "kNone"):
                 yield f"src/doc/statuses.md: {enum}::{member} is not explained"
-    sources = "".join(f.read_text() for d in ("io", "analysis") for f in (TOP / "src" / d).glob("*.cpp"))
+    sources = "".join(f.read_text() for d in ("io", "analysis") for f in (TOP / "src/tools" / d).glob("*.cpp"))
     kinds = set(re.findall(r'\btell\((?:\*?\w+, )?"([a-z_]+)"|', sources)) | set(re.findall(r'\{"([a-z_]+)", (?:scene\.)?name\b', sources))
     kinds.discard("")
     if len(kinds) < 8:

@@ -56,16 +56,15 @@ TEST(TurningRows, KeepEnergyAndVelocity) {
         }
 }
 
-// Both integrators simulate the same contact, with gains and without.
+// Both integrators simulate the same contact. Gains act along rows that have turned in semi-implicit Euler alone.
 TEST(TurningRows, AreTheSameInBothIntegrators) {
   for (int seed = 0; seed < 2; ++seed)
     for (const ContactType type : {ContactType::k1D, ContactType::k2D})
-      for (const bool gains : {false, true}) {
+      {
         SCOPED_TRACE(seed);
         RandomScene s = sliding(seed, type, ReferenceFrame::kLocal, seed % 2 == 1);
         const auto q_by = [&](Integrator integrator, int steps) {
-          const Gains of = recommended_gains(integrator, 0.2 / steps);
-          set_gains(s.scene, gains ? of.alpha : 0, gains ? of.beta : 0);
+          set_gains(s.scene, 0, 0);
           return simulated(s, integrator, 0.2, steps).q;
         };
         const Eigen::VectorXd truth = q_by(Integrator::kRk4, 200);

@@ -6,14 +6,14 @@
 //     [ M  J^T     ] [ x    ]   [ -h ID(q, v, s) + h tau     ]      s = -(v / h + w x v)
 //     [ J  -delta I] [ -h f ] = [ (1 - beta h) c - alpha h e ]      c+ = J(q) x
 //
-// x is the velocity at the end in the axes of the start: joints move by h x, and free joints, whose axes turn with
-// their bodies, by p+ = p + h R x, R+ = R exp(h w+), v+ = R+^T R x. So a motion does not depend on the speed of the
-// whole. For joints without turning axes s = -v / h, and the right-hand side is M v + h (tau - h(q, v)).
+// x is the velocity at the end, in the axes of the start. Joints move by h x. The axes of free joints rotate with their
+// bodies, and these move by p+ = p + h R x, R+ = R exp(h w+), v+ = R+^T R x. A velocity that all bodies share changes
+// nothing else. For joints with fixed axes s = -v / h, and the right-hand side is M v + h (tau - h(q, v)).
 //
 // tau = tau(q, v, u, w) is the torque of motors and external wrenches at the start of the step. Dampers and PD laws act
-// with the force of its end, for any h. A spring k between masses m adds h^2 k to M along it, and its share 1 - r^2 of
-// h^2 k v to the right-hand side, with r = z / (1 + z), z = h^2 k / m: oscillations that the step resolves keep their
-// energy, and those that are too fast for it are damped. Joint friction follows Coulomb: it is at most F, and a joint
+// with the force of its end, for any h. A spring k between masses m adds h^2 k to M along it. A share of h^2 k v,
+// 1 - r^2, is added to the right-hand side, with r = z / (1 + z), z = h^2 k / m. Oscillations that the step resolves keep
+// their energy, and those that are too fast for it are damped. Joint friction follows Coulomb: it is at most F, and a joint
 // sticks below 1e-6 rad/s or m/s. Afterwards, the momentum of bodies without connection to the world is corrected
 // (simulation/momentum.hpp).
 //

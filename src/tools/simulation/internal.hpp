@@ -14,13 +14,10 @@ void dexp_inverse(const Scene& scene, const Eigen::VectorXd& w, const Eigen::Vec
                                const ConstVector& u, SimulationData& data);
 
 /// Whether follow_turning_rows has an active contact to look at.
-bool rows_may_turn(const Scene& scene, double by_rate, const SimulationData& data);
-/// Adds to data.wanted, for contacts whose rows turn at q, v while A moves across them (contact/turning_rows.hpp):
-/// by_rate times what makes J v constant, and by_error times alpha e, which removes the term of that gain. Rows whose
-/// axes have turned have no placement error, since e is not the integral of J v. Whether there are any. After prepare;
-/// uses data.at_rest.
-bool follow_turning_rows(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, double by_rate,
-                         double by_error, SimulationData& data);
+bool rows_may_turn(const Scene& scene, const SimulationData& data);
+/// Adds to data.wanted what keeps J v of 1D and 2D contacts whose rows turn at q, v, without their alpha, for RK4.
+/// False: no rows turn.
+bool follow_turning_rows(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, SimulationData& data);
 
 /// After a step's first solve, in `of`: data.condition, where data.condition_every asks for it.
 void watch_condition(const Scene& scene, SceneData& of, SimulationData& data);

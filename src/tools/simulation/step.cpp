@@ -31,11 +31,11 @@ bool solve_stage(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Vect
   if (u.size() != scene.nu) throw std::invalid_argument("step: u does not fit the scene");
   torques_of_motors(scene, u, data.tau);
   if (data.pd.kp.size() > 0) add_pd_torques(scene, data.pd, q, v, data.tau);
-  bool turning = rows_may_turn(scene, 1, data);
+  bool turning = rows_may_turn(scene, data);
   if (turning) {
     prepare(scene, data.dynamics);
     data.wanted.setZero(data.dynamics.f.size());
-    turning = follow_turning_rows(scene, q, v, 1, 1, data);
+    turning = follow_turning_rows(scene, q, v, data);
   }
   const Status status = turning ? solve_tau(scene, q, v, data.tau, data.wanted, data.dynamics).status
                                 : solve_tau(scene, q, v, data.tau, data.dynamics).status;

@@ -47,7 +47,6 @@ void want_contact_velocities(const Scene& scene, bool goes_on, SimulationData& d
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
     if (const int first = d.dynamics.f_offset[c]; first >= 0)
       d.wanted.segment(first, scene.contacts[c].rows()) *= 1 - scene.contacts[c].beta * d.h;
-  if (rows_may_turn(scene, 0, d)) (void)follow_turning_rows(scene, d.q, d.v, 0, d.h, d);
 }
 
 // The same at the end of the step.

@@ -5,16 +5,15 @@
 
 namespace manycontact::internal {
 
-bool rows_may_turn(const Scene& scene, double by_rate, const SimulationData& d) {
+bool rows_may_turn(const Scene& scene, const SimulationData& d) {
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[c];
-    if (d.dynamics.active[c] && leaves_directions(contact) && (by_rate != 0 || contact.alpha != 0)) return true;
+    if (d.dynamics.active[c] && leaves_directions(contact)) return true;
   }
   return false;
 }
 
-bool follow_turning_rows(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, double by_rate,
-                         double by_error, SimulationData& d) {
+bool follow_turning_rows(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, SimulationData& d) {
   kinematics_at(scene, q, v, d.at_rest.kin);
   bool any = false;
   for (std::size_t k = 0; k < scene.contacts.size(); ++k) {
@@ -28,9 +27,9 @@ bool follow_turning_rows(const Scene& scene, const Eigen::VectorXd& q, const Eig
     if (turning.isZero(0)) continue;
     any = true;
     auto wanted = d.wanted.segment(d.dynamics.f_offset[k], contact.rows());
-    wanted += by_rate * turning.head(contact.rows());
+    wanted += turning.head(contact.rows());
     if (contact.alpha != 0)
-      wanted.noalias() += rows.W * contact_error<double>(contact, rows.G, by_error * contact.alpha);
+      wanted.noalias() += rows.W * contact_error<double>(contact, rows.G, contact.alpha);
   }
   return any;
 }

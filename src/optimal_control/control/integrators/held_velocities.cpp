@@ -3,7 +3,6 @@
 #include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/rnea.hpp"
 #include "manycontact/algorithm/rnea_derivatives.hpp"
-#include "manycontact/contact/turning_rows.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
 #include "manycontact/model/applied_forces.hpp"
 #include "manycontact/simulation/free_joints.hpp"
@@ -69,7 +68,6 @@ HeldVelocities::HeldVelocities(const DataCollector& of, std::size_t nw, double h
     robots_.emplace_back(*robot.model);
   }
   keep_dependent_as(of.solution, scene, solution);
-  for (const Contact& contact : scene.contacts) rows_.emplace_back(contact, ContactSupport());
   if (!has_applied_forces(of.scene)) return;
   applied_ = std::make_unique<AppliedForces<double>>(of.scene);
   scratch_ = std::make_unique<AppliedScratch>(*applied_);
@@ -115,17 +113,6 @@ void HeldVelocities::kinematics_at_start(const DataCollector& of) {
   }
 }
 
-// The step drops the placement errors of rows that turn (simulation/turning_rows.cpp).
-void HeldVelocities::follow_turning_rows() {
-  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
-    Contact& contact = scene.contacts[c];
-    if (!solution.active[c] || contact.alpha == 0 || !leaves_directions(contact)) continue;
-    contact_rows<double>(scene, contact, {}, kin[static_cast<std::size_t>(contact.A.robot)],
-                         contact.B.robot < 0 ? nullptr : &kin[static_cast<std::size_t>(contact.B.robot)], rows_[c]);
-    if (!turning_of_rows(contact, rows_[c]).isZero(0)) contact.alpha = 0;
-  }
-}
-
 void HeldVelocities::solve_at(const ConstVectorRef& state, double h, const DataCollector& of) {
   q = state.head(scene.nq);
   v = state.tail(scene.nv);
@@ -135,7 +122,6 @@ void HeldVelocities::solve_at(const ConstVectorRef& state, double h, const DataC
   copy_what_may_change(of.scene, scene);
   solution.active = of.solution.active;
   kinematics_at_start(of);
-  follow_turning_rows();
   for (std::size_t r = 0; r < scene.robots.size(); ++r) {
     const Robot& robot = scene.robots[r];
     const Model& model = *robot.model;

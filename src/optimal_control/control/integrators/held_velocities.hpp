@@ -5,7 +5,6 @@
 
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
-#include "manycontact/contact/rows.hpp"
 #include "manycontact/simulation/momentum_derivatives.hpp"
 #include "manycontact/simulation/resisting_joints.hpp"
 
@@ -40,7 +39,6 @@ struct HeldVelocities {
   Eigen::VectorXd x, q_next, v_next;
 
  private:
-  void follow_turning_rows();
   struct RobotWork {
     explicit RobotWork(const Model& model);
     std::vector<Vec6<double>> f;
@@ -69,7 +67,6 @@ struct HeldVelocities {
   Eigen::VectorXd unit_, by_q_, by_v_;  // nv
   Eigen::MatrixXd dtau_;                // nv x (ndx + nw)
   Eigen::MatrixXd of_island_, done_;    // of one island
-  std::vector<ContactData<double>> rows_;
 };
 
 }  // namespace manycontact::internal
