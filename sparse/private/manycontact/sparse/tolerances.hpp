@@ -86,7 +86,7 @@ inline constexpr double kRowLeft = 1e-13;
 /// Used by: DependentRows::accepted.
 inline constexpr double kLargestEntry = 30;
 
-/// Where they are larger, rows take turns until none is larger than this: each turn makes the dropped rows' share of
+/// Rows are exchanged until no entry is larger than this: each exchange makes the dropped rows' share of
 /// the null space as many times larger, so that there is an end. Used by: exchange_rows.
 inline constexpr double kExchanged = 2;
 
@@ -252,7 +252,7 @@ inline constexpr double kSameSize = 1e-6;
 
 // ---- single precision -----------------------------------------------------------------------------------------------
 
-/// By how much more than doubles floats have to leave of a pivot or a row (kPivotLeft, kRank), and of two pivots in
+/// Factors: floats have to leave so much more than doubles of a pivot or a row (kPivotLeft, kRank), and of two pivots in
 /// turn (kRowRounding): 1e-5, 100 eps of floats, and 1e-7. Pivots that leave more are judged by their effect.
 /// Used by: SIMD batches of floats.
 inline constexpr double kSingleLeft = 1e6, kSinglePassedOn = 1e3;
@@ -306,7 +306,7 @@ inline constexpr double kInDoubt = 0.01 / (kBoundRounding * std::numeric_limits<
 /// Used by: plainly_damped of SIMD batches and of robots that contacts join.
 inline constexpr double kLeastLoad = 1e-3;
 
-/// Where a backward error is above kConverged, rows are compared with this part of the data they are computed from: two
+/// If a backward error is above kConverged, rows are compared with this part of the data they are computed from: two
 /// digits less are not accepted. Used by: backward_error_of_data.
 inline constexpr double kPartOfData = 1e-2;
 
