@@ -252,7 +252,7 @@ inline constexpr double kSameSize = 1e-6;
 
 // ---- single precision -----------------------------------------------------------------------------------------------
 
-/// Factors: floats have to leave so much more than doubles of a pivot or a row (kPivotLeft, kRank), and of two pivots in
+/// Factors: what floats have to leave more than doubles of a pivot or a row (kPivotLeft, kRank), and of two pivots in
 /// turn (kRowRounding): 1e-5, 100 eps of floats, and 1e-7. Pivots that leave more are judged by their effect.
 /// Used by: SIMD batches of floats.
 inline constexpr double kSingleLeft = 1e6, kSinglePassedOn = 1e3;
@@ -353,7 +353,7 @@ inline constexpr double kMoreDistinct[] = {kDistinct, 3e-2, 1e-1};
 /// Orders of more than this many times the predicted cost of another are not tested: requiring more makes an order a
 /// few times dearer, and thousands of times where a hub then comes before its contacts.
 inline constexpr double kFarDearer = 100;
-/// From this many contacts on, some on a hub are ill-placed in every configuration tested. Only these wait, for
+/// An island with so many contacts has some on a hub that are ill-placed in each configuration tested. These wait, for
 /// kWaitDistinct, where the order then costs less than kFarCheaper; ten contacts may add the growth of one.
 inline constexpr std::size_t kManyContacts = 100;
 inline constexpr double kWaitDistinct = 3 * kDistinct, kGrowTogether = 10;

@@ -55,7 +55,7 @@ class DenseFactor final : public Factor {
   int own_refinements() const override { return 1; }
 
   int rank() const override { return kkt_.delta > 0 ? kkt_.nc() : kkt_.rank; }
-  // Lists rows that depend on the ones before them, as other factors do: by Gram and Schmidt, twice. If that is in doubt
+  // Lists rows that depend on the ones before them, as other factors do: by Gram and Schmidt, twice. If doubt is left
   // about the rank, lists the rows that pivoting rejected.
   void dependent_rows(std::vector<int>& rows) const override {
     rows.clear();

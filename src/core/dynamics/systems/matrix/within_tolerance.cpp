@@ -39,12 +39,12 @@
 namespace manycontact {
 
 struct WithinTolerance::Work {
-  // of the island
-  std::vector<char> turns;                                         // per coordinate: in rad
-  std::vector<int> contact, row;                                   // per row of J
-  std::vector<std::vector<std::pair<int, Eigen::Index>>> columns;  // per coordinate: contacts that have it, and where
+  // constants of the island
+  std::vector<char> turns;                                         // one flag per coordinate: its unit is rad
+  std::vector<int> contact, row;                                   // one entry per row of J
+  std::vector<std::vector<std::pair<int, Eigen::Index>>> columns;  // one per coordinate: contacts that have it, and where
 
-  // by find
+  // set by find
   std::vector<double> K, L, D, row_scale;
   sparse::LdlWorkspace ldl;
   std::vector<char> of_M;
@@ -52,7 +52,7 @@ struct WithinTolerance::Work {
   double lever = 1, tolerance = 0;  // the largest [m]; error of those rows of J [m]
   std::vector<double> x;            // scratch, in K's order: a solution
   std::vector<double> n;            // a column of N, in K's order
-  // per coordinate: N_c^T J_c and the terms of this sum; |N_c|^2 and the largest entry of N_c, times the errors of J
+  // one entry per coordinate: N_c^T J_c and the terms of this sum; |N_c|^2, N_c's largest entry, times the errors of J
   Eigen::VectorXd left, terms, weight, largest;
   std::vector<RowChange> changes;
 };
@@ -269,7 +269,7 @@ bool take_change(const Workspace& work, const IslandWork& d, const std::vector<i
 // The change of J for the columns of N in one cluster. Whether it is no more than J's error.
 bool take_changes(const Workspace& work, const IslandWork& d, const KktPattern& p,
                   const rank::DependentRows::Cluster& cluster, Work& w) {
-  std::vector<int> rows;  // of J, that the cluster has
+  std::vector<int> rows;  // rows of J in the cluster
   const auto each = [&](auto&& use) {
     for (int m = 0; m < cluster.count; ++m) {
       const int n = w.rows.members[cluster.first + m];
@@ -328,7 +328,7 @@ double WithinTolerance::make_dependent(const Scene& scene, Workspace& work, cons
   for (std::size_t n = 0; n + 1 < w.rows.Np.size(); ++n)
     largest = std::max(largest, std::accumulate(w.rows.Nx.begin() + w.rows.Np[n], w.rows.Nx.begin() + w.rows.Np[n + 1],
                                                 0.0, [](double sum, double x) { return sum + std::abs(x); }));
-  constexpr int kFactors = 4;  // of N^T J' v: N, what J changes by, and v, which changes J and is changed
+  constexpr int kFactors = 4;  // factors of N^T J' v: N, what J changes by, and v, which changes J and is changed
   return kFactors * largest * w.tolerance / w.lever;
 }
 
