@@ -77,7 +77,7 @@ struct Answer {
   rank::Contradiction<double> contradiction;  // set where the plan drops rows
 };
 
-/// Steps of a solve of robots of one plan and of what comes after it. Each call takes one robot, or after `reserve_batch`
+/// Steps of a solve of robots of one plan and of what comes after it. A call takes one robot, or after `reserve_batch`
 /// as many as fit in a SIMD batch, with contacts that are identical except for placements (`alike`).
 class RobotBlocks {
  public:

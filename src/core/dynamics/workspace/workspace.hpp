@@ -28,8 +28,8 @@ namespace manycontact {
 /// kin.a: bias accelerations, but while an AtSolution lives.
 struct RobotData : RobotQuantities<double> {
   using RobotQuantities::RobotQuantities;
-  std::uint64_t state = 0;   // the state of all of it
-  std::uint64_t placed = 0;  // the state of the placements in kin, if these alone were asked for
+  std::uint64_t state = 0;   // the state that all of it belongs to
+  std::uint64_t placed = 0;  // the state that the placements in kin belong to, if these alone were asked for
   std::vector<double> M;     // packed inertia (algorithm/crba.hpp); empty until make_joint_space
 };
 

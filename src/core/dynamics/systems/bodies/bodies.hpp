@@ -54,10 +54,10 @@ class BodiesSystem final : public IslandSystem {
     std::vector<lanes::SubtreeBatch::Subtree> side_by_side;  // one per slot that is filled
   };
   std::vector<Shape> shapes;
-  std::vector<HeldBody> held;          // one entry per cut
+  std::vector<HeldBody> held;          // one entry per cut: the constrained body
   std::vector<Vec6<double>> reaction;  // one entry per cut: reaction of the subtree below
   // the system as a whole
-  std::uint64_t state = 0;  // the state of factor and solution
+  std::uint64_t state = 0;  // the state that factor and solution belong to
   bool sound = false;       // and whether they can be used
   BodyFactor factor;
   BodySolve solution;

@@ -71,7 +71,7 @@ class MatrixSystem final : public IslandSystem {
 
   IslandWork& owner;
   std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J; by make_joint_space
-  std::uint64_t state = 0;                    // the state of all below
+  std::uint64_t state = 0;                    // the state that all below belongs to
   KktMatrix K;
   KktVectors v;                   // x: the solution
   std::vector<double> row_terms;  // nc, scratch of the factorization

@@ -42,7 +42,7 @@ struct WithinTolerance::Work {
   // constants of the island
   std::vector<char> turns;                                         // one flag per coordinate: its unit is rad
   std::vector<int> contact, row;                                   // one entry per row of J
-  std::vector<std::vector<std::pair<int, Eigen::Index>>> columns;  // one per coordinate: contacts that have it, and where
+  std::vector<std::vector<std::pair<int, Eigen::Index>>> columns;  // one per coordinate: contacts that have it; where
 
   // set by find
   std::vector<double> K, L, D, row_scale;

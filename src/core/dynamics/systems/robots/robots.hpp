@@ -138,7 +138,7 @@ class RobotsSystem final : public IslandSystem {
   // set by factorize
   std::vector<Batch> batches;
   std::vector<ContactBatch> contact_batches;
-  std::uint64_t state = 0;                         // the state of all of this; 0 where it is not sound
+  std::uint64_t state = 0;                         // the state that all of this belongs to; 0 where it is not sound
   double first_error = 0;                          // backward error of the solution before refinement
   bool back = false;                               // the way the last step took through the batches
   sparse::LargeMemory memory;                      // numbers of the batches and their robots
