@@ -91,7 +91,7 @@ struct CholmodSymbolic::Impl {
   Common common;
   cholmod_factor* factor = nullptr;  // symbolic, in the natural order
   std::vector<int> perm;             // row eliminated k-th; empty: k
-  UpperCsc triangle;                 // of the permuted matrix, as CHOLMOD works on it (for LL' a lower one)
+  UpperCsc triangle;                 // pattern of the permuted matrix, as CHOLMOD works on it (for LL' a lower one)
   std::vector<int> from;             // positions of its values in the pattern's slots; empty: the same
   double nonzeros = 0;
 
@@ -146,8 +146,8 @@ struct Cholmod::Impl {
   const CholmodSymbolic::Impl& symbolic;
   Common common;
   cholmod_factor* factor = nullptr;
-  std::vector<double> values;  // of `triangle`, where they are not the caller's unchanged
-  int most_cols;               // solved for at once: as LDL' does in any case, or enough for the BLAS
+  std::vector<double> values;  // numbers of `triangle`, where they are not the caller's unchanged
+  int most_cols;               // columns solved for at once: as LDL' does in any case, or enough for the BLAS
   std::vector<double> b;       // right-hand sides, permuted
   cholmod_dense *X = nullptr, *Y = nullptr, *E = nullptr;  // solve2's result and workspace
 
@@ -268,7 +268,7 @@ void Cholmod::parts_left(double* left) const {
             *at = static_cast<const int*>(L.px);
   const double* x = static_cast<const double*>(L.x);
   for (std::size_t super = 0; super < L.nsuper; ++super) {
-    const int rows = row[super + 1] - row[super];  // of a block by columns, triangular at its head
+    const int rows = row[super + 1] - row[super];  // length of a column of the block, which is triangular at its head
     for (int j = first[super]; j < first[super + 1]; ++j) {
       const double l = x[at[super] + (j - first[super]) * (rows + 1)];
       left[j] = l * l / impl_->values[s.triangle.p[j]];

@@ -36,7 +36,7 @@ namespace {
 // Parents in the elimination tree, and the numbers of entries of L's columns: row k of L is the union of the paths from
 // the entries of column k of A towards k. Stops by TooLarge where L, with what else is kept of it, would not fit.
 void elimination_tree(const UpperCsc& A, std::vector<int>& parent, std::vector<int>& count, std::vector<int>& flag) {
-  constexpr double kBytes = 64;  // per entry: values, patterns in three orders, schedule
+  constexpr double kBytes = 64;  // bytes per entry of L: values, patterns in three orders, schedule
   double nonzeros = 0;
   for (int k = 0; k < A.n; ++k) {
     parent[k] = -1;

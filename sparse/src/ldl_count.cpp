@@ -72,7 +72,7 @@ LdlCounts ldl_count(const UpperCsc& A) {
   std::vector<int> at(begin.begin(), begin.end() - 1);
   for (int j = 0; j < n; ++j)
     for (int q = A.p[j]; q < A.p[j + 1]; ++q) row[at[A.i[q]]++] = j;
-  std::vector<int> ancestor(n), furthest(n, -1), leaf(n, -1);  // of row i's subtree: of its leaves so far, the last
+  std::vector<int> ancestor(n), furthest(n, -1), leaf(n, -1);  // row i's subtree: its last leaf, and `first` of that
   std::iota(ancestor.begin(), ancestor.end(), 0);
   for (int k = 0; k < n; ++k) {
     const int j = post[k];

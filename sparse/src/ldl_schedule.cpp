@@ -65,7 +65,7 @@ void find_groups(const LdlSymbolic& s, LdlSchedule& out) {
 void find_targets(const int* rows, int begin, int count, const int* T_rows, int T_first, int T_width,
                   std::vector<LdlSchedule::Target>& targets) {
   const std::size_t before = targets.size();
-  int next = 0;  // of T's rows below
+  int next = 0;  // index among T's rows below
   for (int b = begin; b < count; ++b) {
     int local = rows[b] - T_first;
     if (local >= T_width) {
@@ -99,7 +99,7 @@ LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& s, int columns) {
   for (int k = 0; k < out.blocks(); ++k)
     std::fill(block_of.begin() + out.block[k], block_of.begin() + out.block[k + 1], k);
   const std::size_t limit = 4 * (sizeof(int) + sizeof(double)) * s.nonzeros() / sizeof(LdlSchedule::Target);
-  const auto rows_below = [&](int k) { return s.Li.data() + s.Lp[out.block[k + 1] - 1]; };  // in its last column
+  const auto rows_below = [&](int k) { return s.Li.data() + s.Lp[out.block[k + 1] - 1]; };  // last column's
   out.run.assign(1, 0);
   for (int k = 0; k < out.blocks(); ++k) {
     const int* rows = rows_below(k);

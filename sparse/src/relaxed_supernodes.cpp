@@ -63,7 +63,7 @@ void nest(const std::vector<char>& nested, LdlSymbolic& L) {
 std::vector<char> nearly_nested(const std::vector<int>& parent, const std::vector<int>& counts) {
   const int n = static_cast<int>(parent.size());
   std::vector<char> nested(n, 0);
-  long rows = 0, zeros = 0, entries = 0;  // of column k + 1, relaxed, and of its block
+  long rows = 0, zeros = 0, entries = 0;  // rows of column k + 1, relaxed; zeros and entries of its block
   for (int k = n - 1; k >= 0; --k) {
     const long own = counts[k], more = rows + 1 - own;
     nested[k] = parent[k] == k + 1 &&

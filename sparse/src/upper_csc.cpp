@@ -19,7 +19,7 @@ UpperCsc make_pattern(int n, std::vector<std::pair<int, int>> entries) {
   for (auto& [row, col] : entries)
     if (row > col) std::swap(row, col);
   for (int k = 0; k < n; ++k) entries.emplace_back(k, k);
-  // By rows, then by columns, each time by counting: the rows of a column come out ascending.
+  // Sorts by rows, then by columns, each time by counting: the rows of a column come out ascending.
   std::vector<int> begin(n + 1, 0);
   for (const auto& entry : entries) ++begin[entry.first + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
@@ -33,7 +33,7 @@ UpperCsc make_pattern(int n, std::vector<std::pair<int, int>> entries) {
   at.assign(A.p.begin(), A.p.end() - 1);
   for (int i = 0; i < n; ++i)
     for (int k = begin[i]; k < begin[i + 1]; ++k) row[at[column[k]]++] = i;
-  int count = 0;  // without repetitions
+  int count = 0;  // entries without repetitions
   for (int j = 0, from = 0; j < n; ++j) {
     const int end = A.p[j + 1], first = count;
     for (; from < end; ++from)

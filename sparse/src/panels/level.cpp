@@ -125,7 +125,7 @@ void panel_residual(const UpperCsc& A, const double* Ax, const int* row, const d
   });
 }
 
-// As solve; the right-hand sides, the solution and its correction are all in the cache.
+// Does what solve does and refines it; right-hand sides, solution and correction are all in the cache.
 void solve_refined(const LdlSchedule& schedule, const UpperCsc& A, const double* Ax, const double* Lx, const double* D,
                    const int* row, double* X, int ld, int first, int cols, char* nonzero, double* work) {
   const std::ptrdiff_t n = schedule.n;

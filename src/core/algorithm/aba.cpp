@@ -68,7 +68,7 @@ bool aba(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, c
                                                               // all bias terms
   const int n = model.njoints();
   d.u = tau;
-  // With a = a_bias + a', the bias forces are those of RNEA at qdd = 0, and a' starts at zero at the base.
+  // Let a = a_bias + a'. Then the bias forces are those of RNEA at qdd = 0, and a' starts at zero at the base.
   for (int i = 0; i < n; ++i) {
     d.IA[i] = kin.Y[i].matrix();
     d.pA[i] = add_cross_force(kin.Y[i] * kin.a[i], kin.v[i], kin.Y[i] * kin.v[i]);

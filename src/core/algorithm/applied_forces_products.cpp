@@ -40,7 +40,7 @@ void each_robot(const Forces& forces, std::span<const int> robots, Use&& use) {
 // An end of a spring, and its variation. An end in the world does not move.
 struct End {
   SpringEnd<double> at;
-  V6 *u = nullptr, *x = nullptr, *v = nullptr;  // of its body
+  V6 *u = nullptr, *x = nullptr, *v = nullptr;  // variation of its body
 };
 End end_of(const Forces& forces, const Attachment& at, AppliedScratch& s) {
   if (at.robot < 0) return {spring_end<double>(at, nullptr)};
@@ -109,7 +109,7 @@ void add_push_adjoint(const Push& push, const Forces::OfRobot& of, const V6& F, 
 
 void add_spring_adjoint(const Spring& spring, const Forces::OfSpring& s, const End& A, const End& B) {
   const V3 force = -spring.stiffness * s.d - s.t * s.n;
-  const V3 g = at_point(*A.u, A.at.p) - (B.u ? at_point(*B.u, B.at.p) : V3::Zero());  // by dforce
+  const V3 g = at_point(*A.u, A.at.p) - (B.u ? at_point(*B.u, B.at.p) : V3::Zero());  // derivative to dforce
   V3 by_d = -spring.stiffness * g, by_rate = V3::Zero();
   if (spring.length != 0 || spring.damping != 0) {
     const double by_speed = -spring.damping * s.n.dot(g);  // d|d|/dt
@@ -201,7 +201,7 @@ void add_applied_adjoint(const Scene& scene, const double* v, const AppliedForce
       const int i = of.joints[j];
       const Joint& joint = robot.model->joints[i];
       V6 &x = scratch.x[k][i], &change = scratch.v[k][i];
-      x += cross_force(own_motion(joint, of.kin.J, v + robot.idx_v), change);  // of xi x S v
+      x += cross_force(own_motion(joint, of.kin.J, v + robot.idx_v), change);  // derivative of xi x S v
       for (int c = joint.idx_v; c < joint.idx_v + joint.nv(); ++c) {
         wq[robot.idx_v + c] += of.kin.J.col(c).dot(x);
         wv[robot.idx_v + c] += of.kin.J.col(c).dot(change);

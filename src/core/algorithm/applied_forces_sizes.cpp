@@ -27,20 +27,20 @@ struct Size {
 };
 
 struct OfBody {
-  Size moved, velocity;  // by one coordinate, at most; the sum over coordinates
-  double lever = 0;      // from the origin to any joint of its path
-  // of the forces on it and on all that it carries, and of their derivatives by one coordinate
+  Size moved, velocity;  // largest change by one coordinate; sum over coordinates
+  double lever = 0;      // distance from the origin to any joint of its path
+  // forces on it and on all bodies after it in the tree, and their derivatives with respect to one coordinate
   Size force, by_q, by_v;
 };
 
 // An end of a spring; all zero in the world.
 struct OfEnd {
   OfBody* body = nullptr;
-  double lever = 0;               // from the origin
+  double lever = 0;               // distance from the origin
   double reach = 0;               // the same, and to joints of its path
-  double speed = 0;               // of its body's velocity
+  double speed = 0;               // speed of its body
   double velocity = 0;            // the sum over coordinates
-  double moved = 0, changed = 0;  // by one coordinate: its place, its velocity
+  double moved = 0, changed = 0;  // change of its place and of its velocity by one coordinate
 };
 
 OfEnd end_of(const SpringEnd<double>& end, OfBody* body) {
@@ -149,7 +149,7 @@ class Sizes {
     }
   }
 
-  // From the leaves on: tau_i = S_i^T f_i, and (xi x S_i)^T f_i of its derivatives.
+  // Goes from the leaves to the root: tau_i = S_i^T f_i, and (xi x S_i)^T f_i of its derivatives.
   void take_torques(const Forces::OfRobot& of, std::vector<OfBody>& bodies) {
     const Robot& robot = scene_.robots[of.robot];
     double reach = 0;
@@ -185,7 +185,7 @@ class Sizes {
 
   const Scene& scene_;
   const Forces& forces_;
-  std::vector<std::vector<OfBody>> bodies_;  // per robot of the forces: njoints
+  std::vector<std::vector<OfBody>> bodies_;  // one entry per robot of the forces: njoints
   AppliedSizes out_;
 };
 

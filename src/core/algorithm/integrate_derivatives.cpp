@@ -44,7 +44,7 @@ void joint_integrate_derivative(const Joint& joint, const ConstRef& v, bool of_q
 }
 
 void joint_difference_derivative(const Joint& joint, const ConstRef& v, bool of_q0, MatrixRef J) {
-  // with xi = log(M0^-1 M1): dxi/dM1 = Jlog(xi), dxi/dM0 = -Jlog(xi) Ad(exp(-xi))
+  // Let xi = log(M0^-1 M1): dxi/dM1 = Jlog(xi), dxi/dM0 = -Jlog(xi) Ad(exp(-xi)).
   joint_block(
       joint, v, of_q0 ? -1 : 1,
       [of_q0](const V6& xi) {

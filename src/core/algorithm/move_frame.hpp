@@ -30,7 +30,7 @@ inline S angle_of(const Joint& joint, const ConstVecRef<S>& q) {
   return joint.type == JointType::kPlanar ? q[joint.idx_q + 2] : S(0);
 }
 
-/// From the joint frame's R, p to the child frame's. s, c: sine and cosine of its angle.
+/// Moves R, p from the joint frame to the child frame. s, c: sine and cosine of the joint's angle.
 template <class S>
 [[gnu::always_inline]] inline void move_frame(const Joint& joint, const ConstVecRef<S>& q, const S& s, const S& c,
                                               Mat3<S>& R, Vec3<S>& p) {

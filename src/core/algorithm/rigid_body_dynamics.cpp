@@ -173,7 +173,7 @@ const Eigen::VectorXd& aba(const RigidBodies& bodies, const ConstRef& q, const C
                       m.qdd.segment(iv, model.nv));  // NaN if it returns false
   });
   m.composed = m.carries = false;
-  m.moving = true;  // with the accelerations of a = 0
+  m.moving = true;  // the kinematics contain the accelerations of a = 0
   m.q = q;
   m.v = v;
   m.a.setZero();

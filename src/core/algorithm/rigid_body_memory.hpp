@@ -19,12 +19,12 @@ struct RobotMemory {
   explicit RobotMemory(const Model& m) : model(&m), kin(m), f(static_cast<std::size_t>(m.njoints())), diagonal(m.nv) {}
 
   const Model* model;
-  Kinematics<double> kin;           // at the data's state
+  Kinematics<double> kin;           // kinematics at the data's state
   std::vector<Inertia<double>> Yc;  // composite inertias, where RigidBodyMemory::composed
   std::vector<Vec6<double>> f;      // forces through the joints, in the tree frame
-  std::vector<Vec6<double>> fext;   // in the tree frame
+  std::vector<Vec6<double>> fext;   // external forces, in the tree frame
   std::vector<double> M;            // packed; factorized by inverse_inertia_times and aba_derivatives
-  Eigen::VectorXd diagonal;         // of M, scratch
+  Eigen::VectorXd diagonal;         // diagonal of M, scratch
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> panel;  // right-hand sides of M
   std::optional<AbaData<double>> aba;
   std::optional<RneaDerivatives> derivatives;

@@ -31,7 +31,7 @@ void tangent_motions(const Model& model, const Kinematics<S>& kin, const S* qdd,
     const V6 vJ = kin.v[i] - parent_of(joint, kin.v), aJ = combine(joint, kin, qdd);
     BodyVariationOf<S>& o = out[i];
     o.xi = p.xi + combine(joint, kin, dq);
-    const V6 dvJ = cross_motion(o.xi, vJ) + combine(joint, kin, dv);  // of S v
+    const V6 dvJ = cross_motion(o.xi, vJ) + combine(joint, kin, dv);  // change of S v
     o.v = p.v + dvJ;
     o.a = p.a + cross_motion(o.xi, aJ) + cross_motion(o.v, vJ) + cross_motion(kin.v[i], dvJ);
     o.u.setZero();

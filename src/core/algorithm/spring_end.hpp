@@ -1,5 +1,5 @@
 #pragma once
-// Where the end of a spring is.
+// The place of an end of a spring.
 
 #include "manycontact/algorithm/kinematics.hpp"
 #include "manycontact/model/scene.hpp"
@@ -8,8 +8,8 @@ namespace manycontact {
 
 template <class S>
 struct SpringEnd {
-  WorldPoint<S> origin;            // of its body's tree frame; of an end in the world, the end
-  Vec3<S> p = Vec3<S>::Zero();     // from there
+  WorldPoint<S> origin;            // origin of its body's tree frame; of an end in the world, the end
+  Vec3<S> p = Vec3<S>::Zero();     // the end's place, seen from that origin
   Vec6<S> body = Vec6<S>::Zero();  // velocity of its body, in the tree frame
 
   Vec3<S> velocity() const { return add_cross(body.template head<3>(), body.template tail<3>(), p); }
@@ -30,7 +30,7 @@ SpringEnd<S> spring_end(const Attachment& at, const Kinematics<S>* kin) {
   return end;
 }
 
-/// From B to A.
+/// Vector from B to A.
 template <class S>
 Vec3<S> between(const SpringEnd<S>& A, const SpringEnd<S>& B) {
   return A.origin.seen_from(B.origin) + Vec3<S>(A.p - B.p);

@@ -23,12 +23,12 @@ int kind_of(int rank, const std::vector<Contact>& members) {
   return kinds.try_emplace(std::move(key), kFirst + static_cast<int>(kinds.size())).first->second;
 }
 
-// to^-1 of, of placements that may both be far away from what they are placed in.
+// Returns to^-1 of, for placements that may both be far away from the body they are placed on.
 SE3<double> seen_from(const SE3<double>& to, const SE3<double>& of) {
   return {to.R.transpose() * of.R, to.R.transpose() * (of.p - to.p)};
 }
 
-// Where the pair's A is on A's body: at the mean of the members' origins, in the axes of the first.
+// Returns the placement of the pair's A on A's body: at the mean of the members' origins, in the axes of the first.
 SE3<double> placement_A(const std::vector<Contact>& members) {
   SE3<double> at{members.front().A.placement.R, Vec3<double>::Zero()};
   for (const Contact& member : members) at.p += member.A.placement.p / static_cast<double>(members.size());
@@ -78,7 +78,7 @@ int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr) {
   return rank;
 }
 
-// Per row of B, whether it is independent of those before it: one of `rank`.
+// Flags each row of B that is independent of those before it: `rank` rows.
 std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
   const double independent = std::sqrt(tolerance::kPairIndependent * tolerance::kPairDependent);
   std::vector<char> out(static_cast<std::size_t>(B.rows()), 0);

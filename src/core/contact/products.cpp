@@ -12,7 +12,7 @@ void contact_tangent(const Contact& c, const ContactData<S>& d, const BodyVariat
   using V3 = Vec3<S>;
   using V6 = Vec6<S>;
   const V6 xi = d.aMA.act_inverse(a.xi), relative = xi - d.bMA.act_inverse(b.xi);
-  // what is seen from A turns back as A is displaced
+  // quantities in A's axes rotate by -xi as A is displaced
   const V6 dvA = d.aMA.act_inverse(a.v) - cross_motion(xi, d.vA), dvB = d.bMA.act_inverse(b.v) - cross_motion(xi, d.vB);
   const V6 daA = d.aMA.act_inverse(a.a) - cross_motion(xi, d.aA), daB = d.bMA.act_inverse(b.a) - cross_motion(xi, d.aB);
   const V6 dnu = dvA - dvB;

@@ -8,7 +8,7 @@ ReferenceResolver::ReferenceResolver(const Scene& scene, const Eigen::VectorXd& 
   expect_configuration("resolve_references", "q", q, scene);
 }
 
-// In the world, of an attached frame.
+// Returns an attached frame's placement in the world.
 SE3<double> ReferenceResolver::placement(const Attachment& at, const SE3<double>& offset) {
   const Robot& robot = scene_.robots[at.robot];
   if (at.joint < 0) return robot.base * offset;
@@ -27,7 +27,7 @@ SE3<double> ReferenceResolver::placement(const Attachment& at, const SE3<double>
 
 void ReferenceResolver::resolve(bool position, bool orientation, Contact& contact) {
   const SE3<double> oMA = placement(contact.A, contact.A.placement);
-  SE3<double> body;  // what B' is placed on
+  SE3<double> body;  // the body that B' is placed on
   if (contact.B.robot >= 0) body = placement(contact.B, {});
   const SE3<double> target = body.inverse() * oMA;
   if (position) contact.B.placement.p = target.p;

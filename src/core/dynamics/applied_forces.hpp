@@ -19,12 +19,12 @@ struct Workspace;
 struct AppliedWork {
   explicit AppliedWork(const Scene& scene);
 
-  bool act = false;              // in the current solution: its scene has them
+  bool act = false;              // they act in the current solution: its scene has them
   std::vector<Vec6<double>> w;   // wrenches solved with
-  AppliedForces<double> forces;  // at the state solved at
+  AppliedForces<double> forces;  // wrenches on bodies at the state solved at
   struct OfThread {              // scratch
     AppliedScratch scratch;
-    Eigen::VectorXd l, wq, wv, ww;  // of the scene
+    Eigen::VectorXd l, wq, wv, ww;  // vectors of the scene
   };
   std::vector<OfThread> threads;
 };

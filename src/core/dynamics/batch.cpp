@@ -19,7 +19,7 @@ struct BatchCopies {
   int count;
   Scene scene;
   SceneData data;
-  Eigen::VectorXd q, v, u, wa, wf, wq, wv, wu, ww;  // of all copies
+  Eigen::VectorXd q, v, u, wa, wf, wq, wv, wu, ww;  // vectors of all copies
 };
 
 namespace {
@@ -229,7 +229,7 @@ void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std:
 // [da; df] of [q v u] in the scene's order, row-major, from the islands' blocks. nf: of a state.
 void write_derivatives(const Scene& scene, const Solved& s, int copy, Eigen::Index nf, Row out) {
   const DerivativeData& dd = derivatives(s.data);
-  const int v0 = copy * scene.nv, u0 = 2 * scene.nv - copy * scene.nu;  // where its coordinates begin
+  const int v0 = copy * scene.nv, u0 = 2 * scene.nv - copy * scene.nu;  // offsets of the copy's coordinates
   Eigen::Map<BatchMatrix> D(out.data(), scene.nv + nf, 2 * scene.nv + scene.nu);
   D.setZero();
   for (std::size_t i = copy * s.islands(); i < (copy + 1) * s.islands(); ++i) {

@@ -82,7 +82,7 @@ namespace {
 void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const DerivativeRequest& request,
                     IslandDerivatives& out) {
   Workspace& w = *data.workspace;
-  // With external wrenches or springs the columns were reordered afterwards: the panel is laid out again, and zero.
+  // External wrenches or springs reorder the columns afterwards: the panel is then laid out again, and zero.
   if (forces_are_applied(w) || out.request != request || out.X.rows() != d.island.size() ||
       out.X.cols() != sparse::padded(columns_of(scene, d.island, request)) ||
       out.u_offset.size() != d.island.robots.size() + 1)

@@ -31,7 +31,7 @@ inline double prescribed_in(const SceneData& data, int contact, Eigen::Index i) 
   return prescribed.empty() ? 0 : prescribed[data.f_offset[static_cast<std::size_t>(contact)] + i];
 }
 
-/// Where ContactData::left of a contact goes; nullptr: it is no pair.
+/// Returns where ContactData::left of a contact goes; nullptr: it is no pair.
 inline double* left_of(Workspace& w, int contact) {
   const int at = w.left_offset[static_cast<std::size_t>(contact)];
   return at < 0 ? nullptr : w.left.data() + at;
@@ -77,7 +77,7 @@ inline constexpr std::size_t kCacheBytes = 4 << 20;
 
 /// Whether derivatives of the current solution are there.
 bool has_derivatives(const SceneData& data);
-/// Which columns of an island's derivatives are by torques, of those of out.request.
+/// Decides which columns of an island's derivatives, those of out.request, are derivatives with respect to torques.
 void number_torques(const Scene& scene, const Island& island, IslandDerivatives& out);
 /// Sizes and places of an island's blocks.
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out);

@@ -87,7 +87,7 @@ Eigen::VectorXd least_norm_torques(const Scene& scene, const ConstVectorRef& q, 
   internal::check_size("quasi_static", "tau0", tau0.size(), scene.nv);
   internal::check_size("quasi_static", "a column of B", B.rows(), scene.nv);
   prepare(scene, data);
-  give_up_solution(data);  // its kinematics are overwritten
+  give_up_solution(data);  // the kinematics of the solution are overwritten
   internal::prepare_islands(scene, data);
   Workspace& w = *data.workspace;
   const int nu = static_cast<int>(B.cols());

@@ -65,7 +65,7 @@ void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, Dropp
   if (report.reason == Reason::kNotFinite && lacks_direction(scene, *data.workspace, d.island))
     report.reason = Reason::kSpringWithoutDirection;
   if (report.reason != Reason::kNone || (!is_inexact(scene, d) && solve_by(d.bodies.get()))) return;
-  const Reason refused = report.reason;  // by sparse-bodies
+  const Reason refused = report.reason;  // the reason why sparse-bodies refused
   if (solve_by(&d.matrix) && report.reason == Reason::kNone) report.reason = refused;
 }
 
@@ -94,7 +94,7 @@ void solve_joined(const Scene& scene, SceneData& data, Dropped dropped) {
   }
 }
 
-// Which islands were solved in double, though the options ask for less.
+// Reports the islands that were solved in double, though the options ask for less.
 void tell_precision(SceneData& data) {
   if (data.workspace->options.precision != Precision::kSingle) return;
   for (IslandReport& report : data.report.islands)

@@ -33,7 +33,7 @@ void static_torque(const Scene& scene, const SceneData& data, const double* q, b
     for (const auto& d : w.islands)
       internal::contact_forces(scene, d->island, w.contacts, data.f_offset, data.f,
                                [&s](int r) -> std::vector<Vec6<double>>& { return s.fext[r]; });
-  s.tau.setZero();  // as the velocity
+  s.tau.setZero();  // tau serves as the velocity, which is zero
   for (int r = 0; r < scene.nrobots(); ++r) {
     const Robot& robot = scene.robots[r];
     s.kin[r] = w.robots[r].kin;

@@ -23,8 +23,8 @@ namespace {
 
 // M and J in a configuration, as assemble takes them.
 struct Numbers {
-  std::vector<std::vector<double>> M;  // per robot, packed
-  std::vector<Eigen::MatrixXd> J;      // per contact
+  std::vector<std::vector<double>> M;  // one entry per robot, packed
+  std::vector<Eigen::MatrixXd> J;      // one entry per contact
 };
 
 // M and J in a configuration without symmetry, `most` about `mean` from the neutral one, whatever the base: islands of
@@ -131,7 +131,7 @@ class Clusters {
   std::vector<int> first_;  // body of each robot, the world is body 0
   std::vector<int> memory_;
   std::optional<sparse::UnionFind> sets_;
-  std::vector<std::vector<int>> touching_;  // per root: contacts on bodies of the cluster
+  std::vector<std::vector<int>> touching_;  // one entry per root: contacts on bodies of the cluster
 };
 
 // A contact is ready once the eliminated coordinates of its own, not yet used up by another, move it in as many
@@ -185,7 +185,7 @@ double cost(const sparse::UpperCsc& K, const std::vector<int>& perm) {
   return predicted_cost_ldl(K.n, sparse::ldl_count(sparse::permute(K, sparse::inverse(perm))));
 }
 
-// In the last of these configurations legs are nearly straight.
+// Returns M and J in some configurations; in the last, legs are nearly straight.
 std::vector<Numbers> some_postures(const Scene& scene, const Island& island, const IslandSupport& support) {
   std::vector<Numbers> out;
   for (const auto& [mean, most] : {std::pair(0.3, 0.2), std::pair(0.0, 0.2), std::pair(0.0, 0.02)})
@@ -243,7 +243,7 @@ std::vector<int> contacts_early_order(const Scene& scene, const Island& island, 
     const double of_perm = cost(K, perm);
     return Ordered(std::move(perm), of_perm);
   };
-  // By the robots' order and by degree, the one to be preferred first.
+  // Makes the orders that follow the robots' order and the degree; the one to be preferred comes first.
   const auto orders_by = [&](double distinct) {
     std::vector<Ordered> out{ordered(robots, distinct)};
     if (by_degree != robots) out.push_back(ordered(by_degree, distinct));
@@ -251,7 +251,7 @@ std::vector<int> contacts_early_order(const Scene& scene, const Island& island, 
     return out;
   };
   double cheapest = std::numeric_limits<double>::infinity();
-  // What is far dearer than another is not even factorized: round a hub that would never end.
+  // An order far dearer than another is not even factorized: around a hub its factorization would never end.
   const auto is_affordable = [&](const Ordered& order) { return order.second <= tolerance::kFarDearer * cheapest; };
   const auto sound = [&](const Ordered& order) {
     return order.second < most && is_affordable(order) &&
@@ -265,12 +265,12 @@ std::vector<int> contacts_early_order(const Scene& scene, const Island& island, 
     const auto found = std::find_if(orders.begin(), orders.end(), sound);
     Ordered& best = found == orders.end() ? orders.front() : *found;
     least = best.second;
-    if (!is_affordable(best)) break;  // those for less remain, untested
+    if (!is_affordable(best)) break;  // cheaper orders remain untested
     perm = std::move(best.first);
     if (found != orders.end() || (least >= most && alone)) break;
   }
   if (island.contacts.size() < tolerance::kManyContacts || postures.empty()) return perm;
-  // With many contacts on a hub a few are always ill-placed in the tests. It may be far cheaper to delay only these.
+  // Some of many contacts on a hub are always ill-placed in the tests. It may be far cheaper to delay only these.
   for (const Numbers& numbers : postures) J.push_back(of_unit_rows(numbers.J));
   auto [other, of_other] = std::move(orders_by(tolerance::kWaitDistinct).front());
   const double most_growth =

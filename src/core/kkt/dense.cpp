@@ -24,7 +24,7 @@ MatX<S> kkt_matrix(const DenseKkt<S>& kkt) {
 
 namespace {
 
-// Which rows of J count.
+// Decides which rows of J are independent.
 template <class S>
 void decide_rank(DenseKkt<S>& kkt) {
   MatX<S> scaled = kkt.J.transpose();
@@ -82,7 +82,7 @@ bool sound_inertia(const DenseKkt<S>& kkt, const MatX<S>& A) {
     if (is_noise<S>(l * l, terms(k, k)) || !(l * l > of_N * (S(2) * size_N.col(k).dot(sums) + of_N * sum)))
       return false;
   }
-  // Without pivoting, noise can pass on from a poor pivot to the next and grow: the condition shows it.
+  // No pivoting is done, so noise can pass on from a poor pivot to the next and grow: the condition number shows it.
   const double inverse = sparse::inverse_norm_1(static_cast<int>(A.rows()), [&llt](double* x) {
     Eigen::Map<Eigen::VectorXd> y(x, llt.rows());
     y = llt.solve(y.template cast<S>()).template cast<double>();

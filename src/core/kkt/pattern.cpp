@@ -107,7 +107,7 @@ sparse::UpperCsc with_row_of_furthest(const Scene& scene, const Island& island, 
 
 }  // namespace
 
-// With the joints before the contacts.
+// Returns CAMD's order, constrained to eliminate the joints before the contacts.
 std::vector<int> camd_order(const Scene& scene, const Island& island, const sparse::UpperCsc& K) {
   if (island.nv == 0)
     return sparse::camd_order(K, {});  // CAMD does not take a set that is all there is but not the first

@@ -11,7 +11,7 @@ namespace manycontact {
 
 namespace {
 
-// Which contacts act on which robots, in SchurPattern::robots.
+// Lists the contacts that act on each robot, for SchurPattern::robots.
 std::vector<SchurPattern::OnRobot> contacts_on_robots(const Scene& scene, const Island& island,
                                                       const IslandSupport& support) {
   std::vector<SchurPattern::OnRobot> robots(island.robots.size());

@@ -57,7 +57,7 @@ int add_spring(Scene& scene, Spring spring) {
 }
 
 int add_joint_spring(Scene& scene, const std::string& robot, const std::string& joint, double stiffness, double rest) {
-  (void)v_index(scene, robot, joint);  // that there is such a joint
+  (void)v_index(scene, robot, joint);  // throws if there is no such joint
   JointSpring spring{scene.robot_index.at(robot), 0, stiffness, rest};
   const Model& model = *scene.robots[spring.robot].model;
   spring.joint = model.find_joint(joint);

@@ -30,7 +30,7 @@ int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s
   double* y = w.Y.data();  // may have any value: entry j is zero from step j on, between rows
   for (int k = 0; k < s.n; ++k) {
     // row k of L: L(0:k-1, 0:k-1) D l_k = K(0:k-1, k)
-    double size = 0;  // of J's row
+    double size = 0;  // largest entry of J's row
     for (int p = K.p[k]; p < K.p[k + 1]; ++p) {
       y[K.i[p]] = Kx[p];
       size = std::max(size, std::abs(Kx[p]));
@@ -220,7 +220,7 @@ void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
 
 // [Z; 1] of a cluster, a column for each of its kept rows.
 void take_complement(DependentRows& rows, DependentRows::Cluster& cluster) {
-  std::vector<int>& place = rows.owner;  // of kept rows: the place of the next entry of their column
+  std::vector<int>& place = rows.owner;  // next entry's place in the column of each kept row
   const int* kept = rows.cluster_rows.data() + cluster.row + cluster.count;
   for (int j = 0; j < cluster.size; ++j) place[kept[j]] = 1;
   const auto each = [&](auto&& use) {  // but the dropped rows' own
@@ -263,7 +263,7 @@ void take_basis(DependentRows& rows, DependentRows::Cluster& cluster) {
 // Columns of N that share rows belong together.
 void make_clusters(int n, DependentRows& rows) {
   const int d = static_cast<int>(rows.dropped.size());
-  // per row of K: a column with it, -1; then per column: its cluster's first
+  // one per row of K: a column of N with it, or -1; then one per column: the first column of its cluster
   std::vector<int>& owner = rows.owner;
   owner.assign(n + d, -1);
   sparse::UnionFind sets(std::span<int>(owner).subspan(n));
@@ -274,7 +274,7 @@ void make_clusters(int n, DependentRows& rows) {
       of = c;
     }
   }
-  constexpr std::size_t kReserved = 64 * 64;  // which rows share may vary with rounding, and memory must not
+  constexpr std::size_t kReserved = 64 * 64;  // rows that clusters share may vary with rounding, and memory must not
   const std::size_t most = static_cast<std::size_t>(d) * d, entries = rows.Ni.capacity() + n;
   rows.members.clear();
   rows.cluster_rows.clear();
@@ -385,7 +385,7 @@ void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, co
   rows.x.assign(s.n, 0.0);
   rows.residual.assign(s.n, 0.0);
   rows.touched.clear();
-  rows.touched.reserve(K.nonzeros());  // what is used varies with rounding, and memory must not
+  rows.touched.reserve(K.nonzeros());  // the number of rows used varies with rounding, and memory must not
   rows.open.clear();
   rows.open.reserve(s.n);
   rows.is_open.assign(s.n, 0);
@@ -468,7 +468,7 @@ bool spread(const DependentRows& rows, const DependentRows::Cluster& cluster, ch
 void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols, char* nonzero) {
   using Row = Eigen::Map<Eigen::RowVectorXd>;
   using Panel = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
-  constexpr int kColumns = 64;  // at a time; clusters may vary with rounding, and memory must not
+  constexpr int kColumns = 64;  // columns at a time; clusters may vary with rounding, and memory must not
   const std::size_t size = rows.dropped.size() * kColumns;
   if (rows.panel.size() < size) rows.panel.resize(size);
   for (const DependentRows::Cluster& cluster : rows.clusters) {

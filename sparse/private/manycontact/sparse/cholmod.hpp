@@ -53,7 +53,7 @@ class Cholmod {
  public:
   /// Analyses nothing.
   explicit Cholmod(std::shared_ptr<const CholmodSymbolic> symbolic);
-  /// With a symbolic phase of its own.
+  /// Analyses the pattern as well.
   Cholmod(const UpperCsc& pattern, CholmodKind kind, bool order_rows);
   ~Cholmod();
   Cholmod(Cholmod&&) noexcept;
@@ -70,7 +70,7 @@ class Cholmod {
   /// After kSupernodalLlt: the n pivots as parts of their diagonal entries, in the order of elimination.
   void parts_left(double* left) const;
   const CholmodSymbolic& symbolic() const;
-  /// As CholmodSymbolic's.
+  /// The same number as CholmodSymbolic's.
   int factor_nonzeros() const;
 
  private:

@@ -15,7 +15,7 @@ struct LdlSymbolic {
   std::vector<int> parent;      // elimination tree
   std::vector<int> Lp, Li;      // L without its unit diagonal, by columns, rows ascending
   std::vector<int> Rp, Rj, Rk;  // the same by rows: row k has columns Rj[Rp[k]...] ascending, values at Lx[Rk[...]]
-  double flops = 0;             // of the numeric phase: sum of squared column counts, without relaxed zeros
+  double flops = 0;             // cost of the numeric phase: sum of squared column counts, without relaxed zeros
 
   int nonzeros() const { return Lp.empty() ? 0 : Lp.back(); }
   /// Column k's pattern is k + 1 and that of column k + 1.
@@ -38,7 +38,7 @@ struct LdlCounts {
   // of their rows below squared, entries that a block changes elsewhere
   double blocks = 0, scattered = 0;
 };
-/// In time and memory of A's entries, however many L has. Source: Gilbert, Ng, Peyton, An efficient algorithm to
+/// Takes time and memory of A's entries, however many L has. Source: Gilbert, Ng, Peyton, An efficient algorithm to
 /// compute row and column counts for sparse Cholesky factorization (1994).
 LdlCounts ldl_count(const UpperCsc& A);
 

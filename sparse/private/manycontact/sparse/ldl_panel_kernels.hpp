@@ -144,7 +144,7 @@ void ldl_row_sums(const UpperCsc& A, const V* Ax, const LdlSymbolic& symbolic, c
   const int *p = A.p.data(), *row = A.i.data(), *Lp = symbolic.Lp.data(), *Li = symbolic.Li.data();
   for (int k = 0; k < A.n; ++k) of_factor[k] = of_A[k] = V{};
   for (int j = 0; j < A.n; ++j) {
-    V column(1.0);  // of |L|
+    V column(1.0);  // sum of |L| over column j
     for (int k = Lp[j]; k < Lp[j + 1]; ++k) column = column + absolute(Lx[k]);
     column = column * absolute(D[j]);
     of_factor[j] = of_factor[j] + column;

@@ -51,7 +51,7 @@ struct LdlSchedule {
   std::vector<int> diagonal;  // slot of A_kk
   std::vector<int> from, to;  // slots of A's other entries, and where these go in L
   std::vector<int> fill;      // slots of L where A has no entry
-  std::vector<int> Lp;        // as in LdlSymbolic
+  std::vector<int> Lp;        // the same as LdlSymbolic's
   std::vector<int> block;     // block k has columns block[k] ... block[k+1]-1
   std::vector<int> run;       // and runs[run[k]] ... runs[run[k+1]-1]
   std::vector<Run> runs;

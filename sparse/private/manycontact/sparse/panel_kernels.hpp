@@ -14,7 +14,7 @@ constexpr int padded(std::ptrdiff_t n) { return static_cast<int>((n + 7) / 8 * 8
 
 struct PanelKernels {
   const char* name;
-  int columns;  // of a panel worked at a time
+  int columns;  // columns of a panel computed at a time
   /// ldl_scheduled_factor, ldl_scheduled_solve (ldl_kernels.hpp) of doubles, and residual (upper_csc.hpp).
   void (*factor)(const LdlSchedule& schedule, const double* Ax, double* Lx, double* D, double* scale);
   void (*solve_vector)(const LdlSchedule& schedule, const double* Lx, const double* D, double* x);

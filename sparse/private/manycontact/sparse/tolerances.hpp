@@ -86,7 +86,7 @@ inline constexpr double kRowLeft = 1e-13;
 /// Used by: DependentRows::accepted.
 inline constexpr double kLargestEntry = 30;
 
-/// Where they are larger, rows take turns until none is larger than this: each turn makes the dropped rows' share of
+/// Rows are exchanged until no entry is larger than this: each exchange makes the dropped rows' share of
 /// the null space as many times larger, so that there is an end. Used by: exchange_rows.
 inline constexpr double kExchanged = 2;
 
@@ -252,7 +252,7 @@ inline constexpr double kSameSize = 1e-6;
 
 // ---- single precision -----------------------------------------------------------------------------------------------
 
-/// By how much more than doubles floats have to leave of a pivot or a row (kPivotLeft, kRank), and of two pivots in
+/// Factors: what floats have to leave more than doubles of a pivot or a row (kPivotLeft, kRank), and of two pivots in
 /// turn (kRowRounding): 1e-5, 100 eps of floats, and 1e-7. Pivots that leave more are judged by their effect.
 /// Used by: SIMD batches of floats.
 inline constexpr double kSingleLeft = 1e6, kSinglePassedOn = 1e3;
@@ -310,7 +310,7 @@ inline constexpr double kInDoubt = 0.01 / (kBoundRounding * std::numeric_limits<
 /// Used by: plainly_damped of SIMD batches and of robots that contacts join.
 inline constexpr double kLeastLoad = 1e-3;
 
-/// Where a backward error is above kConverged, rows are compared with this part of the data they are computed from: two
+/// If a backward error is above kConverged, rows are compared with this part of the data they are computed from: two
 /// digits less are not accepted. Used by: backward_error_of_data.
 inline constexpr double kPartOfData = 1e-2;
 
@@ -357,7 +357,7 @@ inline constexpr double kMoreDistinct[] = {kDistinct, 3e-2, 1e-1};
 /// Orders of more than this many times the predicted cost of another are not tested: requiring more makes an order a
 /// few times dearer, and thousands of times where a hub then comes before its contacts.
 inline constexpr double kFarDearer = 100;
-/// From this many contacts on, some on a hub are ill-placed in every configuration tested. Only these wait, for
+/// An island with so many contacts has some on a hub that are ill-placed in each configuration tested. These wait, for
 /// kWaitDistinct, where the order then costs less than kFarCheaper; ten contacts may add the growth of one.
 inline constexpr std::size_t kManyContacts = 100;
 inline constexpr double kWaitDistinct = 3 * kDistinct, kGrowTogether = 10;

@@ -19,9 +19,9 @@ class JacobianRate {
   using V6 = Vec6<S>;
 
  public:
-  struct Chain {                      // of the end A or B
-    const std::vector<int>& support;  // ContactSupport's
-    const std::vector<int>& joint;    // of each velocity coordinate of its robot
+  struct Chain {                      // the joints above the end A or B
+    const std::vector<int>& support;  // support from ContactSupport
+    const std::vector<int>& joint;    // joint of each velocity coordinate of its robot
   };
   /// columns: coordinates of J's columns; chain_a: those of all joints above A, which are first_a + these; kin_a: of
   /// A's robot.

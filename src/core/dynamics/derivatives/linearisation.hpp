@@ -20,18 +20,18 @@ struct Linearisation {
 
   struct Slot {
     explicit Slot(const Model& model);
-    std::vector<Vec6<double>> a;     // njoints: by AtSolution, in exchange with kin.a
-    RneaDerivatives rnea;            // by derivative_terms
-    std::vector<Vec6<double>> fext;  // njoints: contact forces, tree frame; by derivative_terms
+    std::vector<Vec6<double>> a;     // njoints: set by AtSolution, in exchange with kin.a
+    RneaDerivatives rnea;            // set by derivative_terms
+    std::vector<Vec6<double>> fext;  // njoints: contact forces, tree frame; set by derivative_terms
   };
   std::vector<Slot> pool;
-  std::vector<int> place;  // per robot
+  std::vector<int> place;  // one entry per robot
   Slot& of(int robot) { return pool[place[robot]]; }
   const Slot& of(int robot) const { return pool[place[robot]]; }
 
-  OnDemand<ContactData<double>> contacts;    // at the solution; by AtSolution
-  OnDemand<ContactDerivatives> derivatives;  // by derivative_terms
-  std::vector<std::uint64_t> state;          // per contact: Workspace::state that these are of
+  OnDemand<ContactData<double>> contacts;    // contacts' terms at the solution; set by AtSolution
+  OnDemand<ContactDerivatives> derivatives;  // set by derivative_terms
+  std::vector<std::uint64_t> state;          // one entry per contact: the Workspace::state that these terms belong to
 
   /// Gives the robots of an island places of their own, and its contacts memory, the first time since islands changed.
   /// By the thread that calls, before others come to these islands. Joint-space terms of the island must be there.
@@ -40,13 +40,13 @@ struct Linearisation {
   void forget_places() { std::fill(place.begin(), place.end(), -1); }
 
  private:
-  std::vector<int> model;  // per robot: number of its model
+  std::vector<int> model;  // one entry per robot: number of its model
   std::size_t models = 0;
-  std::vector<std::vector<int>> of_model;  // per thread and model: its places in the pool
-  std::vector<int> used;                   // per model: places taken by the current island
+  std::vector<std::vector<int>> of_model;  // one list per thread and model: its places in the pool
+  std::vector<int> used;                   // one entry per model: places taken by the current island
 };
 
-/// As long as it lives, kin.a of an island's robots are the accelerations of the solution, and the linearisation's
+/// During its lifetime, kin.a of an island's robots are the accelerations of the solution, and the linearisation's
 /// contacts are evaluated at them.
 class AtSolution {
  public:

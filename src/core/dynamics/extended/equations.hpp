@@ -22,14 +22,14 @@ struct Job {
   const double *q, *v, *tau;         // tau (nv): without friction, springs and external wrenches
   std::span<const Vec6<double>> w;   // external wrenches, one per push of the scene
   bool applied;                      // whether any wrench or spring acts
-  const double* prescribed;          // of the rows, as f; nullptr: zero
+  const double* prescribed;          // prescribed accelerations of the rows, as f; nullptr: zero
   const double* damping;             // delta, per contact of the scene
-  const std::vector<int>& f_offset;  // per contact; negative: not active
+  const std::vector<int>& f_offset;  // one entry per contact; negative: not active
 };
 
 /// The whole islands that a call is about.
 struct Part {
-  std::span<const int> robots, contacts;  // of the scene
+  std::span<const int> robots, contacts;  // numbers in the scene
 };
 
 class Equations {

@@ -307,7 +307,7 @@ void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
     of.refined = may_refine(scene, *solver.islands[i], report);
     if (!of.refined) continue;
     of.status = report.status, of.reason = report.reason;
-    if (report.reason == Reason::kUncertain) {  // by bounds of an earlier call
+    if (report.reason == Reason::kUncertain) {  // found by bounds of an earlier call
       of.status = report.rank < report.nc ? Status::kRedundant : Status::kOk;
       of.reason = Reason::kNone;
     }
@@ -386,7 +386,7 @@ struct Distance {
   // which a part remains or which shows rounding errors of double-double, and a share of the bound by |K^-1|. Values
   // that underflow have no second double.
   double error() const {
-    const double share = extended ? tolerance::kExtendedShare : tolerance::kReadShare;  // of the bound by |K^-1|
+    const double share = extended ? tolerance::kExtendedShare : tolerance::kReadShare;  // part of the bound by |K^-1|
     return kJustAbove * distance + 64 * last +
            (tolerance::kReadRounding + share * by_inverse) * std::max(size, size_before) +
            std::numeric_limits<double>::min();

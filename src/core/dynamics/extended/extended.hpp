@@ -24,25 +24,25 @@ struct ExtendedWork {
     bool open = false;                    // it is at work
     bool refined = false;                 // it is to be refined; afterwards: it is
     bool converged = false;               // x has
-    bool projects = false;                // its rows depend on each other
+    bool projects = false;                // rows of the island depend on each other
     double before = 0, now = 0;           // sizes of corrections
-    double at_rest_a = 0, at_rest_f = 0;  // what vanishing a and f are compared with
+    double at_rest_a = 0, at_rest_f = 0;  // sizes that vanishing a and f are compared with
     double size_a = 0, size_f = 0;        // the largest of a and f, as the double solution had them
     double last_a = 0, last_f = 0;        // the last correction
-    double rest = 0;                      // what is projected
+    double rest = 0;                      // size of the rest that is projected
     int steps = 0;
-    Status status = Status::kOk;  // of the solution, before its bounds
+    Status status = Status::kOk;  // status of the solution, before its bounds
     Reason reason = Reason::kNone;
   };
 
   std::unique_ptr<extended::Equations> equations;
   std::vector<OfIsland> islands;
-  std::uint64_t state = 0;            // whose they are (Workspace::state)
-  std::vector<int> robots, contacts;  // of the islands at work
+  std::uint64_t state = 0;            // the state that they belong to (Workspace::state)
+  std::vector<int> robots, contacts;  // robots and contacts of the islands at work
   Eigen::VectorXd a, f;               // x, rounded
-  Eigen::VectorXd r, r_a;             // of the scene: residuals
-  Eigen::VectorXd weights, rest;      // per row of f
-  std::vector<double> damping;        // per contact: the scene's, or none where it was lost in rounding
+  Eigen::VectorXd r, r_a;             // residuals of the scene
+  Eigen::VectorXd weights, rest;      // one entry per row of f
+  std::vector<double> damping;        // one entry per contact: the scene's, or none where it was lost in rounding
 };
 
 namespace internal {

@@ -19,7 +19,7 @@ namespace {
 
 using S = DoubleDouble;
 using V6 = Vec6<S>;
-using Rows = Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1>;  // of a contact
+using Rows = Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1>;  // rows of one contact
 
 struct ForceSize {
   double force = 0, moment = 0;
@@ -89,10 +89,10 @@ class LevelEquations final : public Equations {
   std::vector<std::optional<ContactData<S>>> contacts_;  // no J
   std::optional<AppliedForces<S>> applied_;
   std::vector<V6> w_;
-  VecX<S> q_, v_, tau_;                    // of the scene
+  VecX<S> q_, v_, tau_;                    // vectors of the scene
   VecX<S> a_, f_, b_a_, b_f_, r_a_, r_f_;  // x, b and r
   VecX<S> y_, torque_;                     // scratch
-  VecX<S> rest_, square_, weighed_;        // of projections: the rest, S^2, their product
+  VecX<S> rest_, square_, weighed_;        // scratch of projections: the rest, S^2, their product
   Projected projected_ = Projected::kForces;
 };
 

@@ -10,10 +10,10 @@
 
 namespace manycontact::lanes {
 
-/// To the sparse kernels one robot alone is plain numbers: they take several rows of a column at a time then.
+/// Casts one robot's numbers to plain numbers: the sparse kernels then take several rows of a column at a time.
 template <class E>
 E* as_scalar(Pack<1, E>* x) {
-  return x ? &x->v : nullptr;  // null: of no numbers at all
+  return x ? &x->v : nullptr;  // null: there are no numbers
 }
 template <class E>
 const E* as_scalar(const Pack<1, E>* x) {
@@ -70,7 +70,7 @@ template <int W>
     for (int i = k; i < count; ++i) to[i].set(l, lane(l)[i]);
 }
 
-/// to[l][k] = element l of from[k] for k < count.
+/// Sets to[l][k] = element l of from[k] for k < count.
 template <int W>
 [[gnu::noinline]] void store_arrays(const Pack<W>* from, int count, std::span<double* const> to) {
   int k = 0;

@@ -18,7 +18,7 @@ struct JoinedEnd {  // origin, oMi, v, a, J
 struct MovingEnd {
   static std::size_t size(std::size_t coordinates) { return 30 + 24 * coordinates; }
 };
-/// In that memory, what comes back (EndForce): the contact's force on the body, in the tree frame; the columns of J_l;
+/// The results in that memory (EndForce): the contact's force on the body, in the tree frame; the columns of J_l;
 /// by rows, D of the robot's own coordinates (JoinTerms).
 
 /// The end of a contact that does not move: in the world, its axes about its origin; on a base, its frame about the
@@ -36,13 +36,13 @@ inline StandingEnd<double> standing_end(const Scene& scene, const Attachment& at
 
 /// Constant; shared by robots of one structure with contacts of one shape.
 struct BlockPlan {
-  Scene scene;     // of one of these robots and its contacts: first those on it alone, then those that join it
+  Scene scene;     // one of these robots and its contacts: first those on it alone, then those that join it
   Island island;   // all of it
   int alone = 0;   // contacts on it alone
   int border = 0;  // rows of the others
-  std::shared_ptr<const KktPattern> pattern;  // of all
-  std::shared_ptr<const KktPattern> inner;    // without the border, in the same order
-  sparse::LdlSchedule bordered;               // of all columns but the border's, where it has one
+  std::shared_ptr<const KktPattern> pattern;  // pattern of all rows
+  std::shared_ptr<const KktPattern> inner;    // pattern without the border, in the same order
+  sparse::LdlSchedule bordered;               // schedule of all columns but the border's, where it has one
   std::vector<ContactSupport> supports;
   std::vector<int> dropped;  // rows of K that depend on others, ascending: they have no pivot. Not of the border
 
@@ -52,7 +52,7 @@ struct BlockPlan {
   std::size_t joins() const { return supports.size() - static_cast<std::size_t>(alone); }
   /// Sizes of Robot::joins and of Robot::ends.
   template <class End>
-  std::size_t size_of_ends(std::size_t count) const {  // of the first so many
+  std::size_t size_of_ends(std::size_t count) const {  // the first `count` ends
     std::size_t size = 0;
     for (std::size_t k = 0; k < count; ++k) size += End::size(supports[alone + k].a.size());
     return size;

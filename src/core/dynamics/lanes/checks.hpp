@@ -30,13 +30,13 @@ struct FourSums {
   S total() const { return (of[0] + of[1]) + (of[2] + of[3]); }
 };
 template <class S>
-struct FourLargest {  // of numbers that are not negative
+struct FourLargest {  // maximum of numbers that are not negative
   S of[4] = {S(0), S(0), S(0), S(0)};
   void take(int c, S x) { of[c] = larger(x, of[c]); }
   S total() const { return larger(larger(of[0], of[1]), larger(of[2], of[3])); }
 };
 
-/// By how much more than doubles floats have to leave of a pivot or a row, and of two pivots in turn.
+/// Factors: what floats have to leave more than doubles of a pivot or a row, and of two pivots in turn.
 template <class S>
 inline constexpr double kLeft = std::is_same_v<typename S::Element, float> ? tolerance::kSingleLeft : 1;
 template <class S>

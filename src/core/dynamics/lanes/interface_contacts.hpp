@@ -76,9 +76,9 @@ class InterfaceContactsOf {
   // Terms of the robot at one end that the rows need, and the contact's frame there.
   struct End {
     Kinematics<S> kin;
-    std::vector<std::pair<int, int>> stretches;  // of coordinates: begin, end
+    std::vector<std::pair<int, int>> stretches;  // ranges of coordinates: begin, end
     SE3<S> on_body;
-    RneaDerivativesOf<S> rnea;  // of it Psid, Psidd, Sv
+    RneaDerivativesOf<S> rnea;  // only its Psid, Psidd, Sv are used
 
     End(const Model& model, const std::vector<int>& coordinates) : kin(model), rnea(model) {
       for (int i : coordinates) {
@@ -150,7 +150,7 @@ class InterfaceContactsOf {
   ContactSupport support_;
   End A_, B_;
   ContactData<S> rows_;
-  const PairNumbers<double>* common_pair_ = nullptr;  // of load_pair
+  const PairNumbers<double>* common_pair_ = nullptr;  // the numbers given by load_pair
   ContactDerivativesOf<S> terms_;
   VecX<S> f_;
   std::vector<S> out_;

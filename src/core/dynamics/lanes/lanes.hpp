@@ -22,12 +22,12 @@ struct Job {
   const Scene& scene;
   std::uint64_t serial;
   const double *q, *v, *tau;
-  const std::vector<int>& f_offset;               // per contact
-  const double* prescribed;                       // of the rows, as f; nullptr: zero
+  const std::vector<int>& f_offset;               // one entry per contact
+  const double* prescribed;                       // prescribed accelerations of the rows, as f; nullptr: zero
   double *a, *f;                                  // the robots' parts are written where the solution is sound
-  const std::vector<int>* left_offset = nullptr;  // per contact, of pairs
+  const std::vector<int>* left_offset = nullptr;  // one entry per contact; used for pairs
   double* left = nullptr;                         // ContactData::left of pairs on single robots
-  const StartOfStep* start = nullptr;             // of a step, of robots alone; v is zero then
+  const StartOfStep* start = nullptr;             // start of a step of robots alone; v is zero then
 };
 
 /// Right-hand sides of a robot's panel that are copied out: a column, and where its rows go.
@@ -39,9 +39,9 @@ struct Sampled {
 /// derivatives of its island at the solution, X as IslandDerivatives has it.
 struct Panel {
   double* X;
-  int ld;                            // of X, a multiple of 8
+  int ld;                            // leading dimension of X, a multiple of 8
   bool refine;                       // once, unless the factor bounds the error of every column
-  std::span<const Sampled> sampled;  // of robots joined to others
+  std::span<const Sampled> sampled;  // columns of robots joined to others
 };
 /// Inputs of derivatives: the solution, the number of columns, and where those of q, v, u begin. E: six columns per
 /// contact that joins the robot, of forces on its body, before all others.
@@ -70,27 +70,27 @@ struct ProductJob {
 struct Answer {
   bool sound = false;
   int refinement_steps = 0;
-  double residual_dynamics = 0, residual_contact = 0, contact_terms = 0, backward_error = 0;  // as IslandReport's
+  double residual_dynamics = 0, residual_contact = 0, contact_terms = 0, backward_error = 0;  // report's values
   // derivatives by the same factor (systems/matrix/panel.cpp): whether they need no check, and whether they are refined
   // once; whether products need no check
   bool panel_is_safe = false, refine_panel = false;
-  rank::Contradiction<double> contradiction;  // where the plan drops rows
+  rank::Contradiction<double> contradiction;  // set where the plan drops rows
 };
 
-/// Steps of a solve of robots of one plan and of what comes after it, in all calls one of them, or after `reserve_batch` as many as fit in a SIMD
-/// batch, with contacts that are identical except for placements (`alike`).
+/// Steps of a solve of robots of one plan and of what comes after it. A call takes one robot, or after `reserve_batch`
+/// as many as fit in a SIMD batch, with contacts that are identical except for placements (`alike`).
 class RobotBlocks {
  public:
   struct Robot {
-    int number;           // of the scene
-    const int* contacts;  // on it alone, of the scene
-    // of robots joined to others
-    double* joins = nullptr;  // per contact that joins it: JoinedEnd, then the columns of J on this robot; until factor
-    double* ends = nullptr;   // by and for derivatives: MovingEnd, then EndForce
-    const double *x = nullptr, *b = nullptr;  // of check: columns of a panel, rows as the plan's island has them
+    int number;           // number in the scene
+    const int* contacts;  // contacts on it alone, numbers in the scene
+    // only for robots joined to others
+    double* joins = nullptr;  // one per contact that joins it: JoinedEnd, then J's columns on this robot; until factor
+    double* ends = nullptr;   // ends for derivatives: MovingEnd, then EndForce
+    const double *x = nullptr, *b = nullptr;  // input of check: columns of a panel, rows as the plan's island has them
     Border border = {};
-    // by the steps
-    bool sound = false;  // where not, another system has to solve
+    // set by the steps
+    bool sound = false;  // false: another system has to solve
     double smallest_row = 0,
            motion = 0;                // evaluate: of the contacts on it alone; no row may be rounding relative to it
     double terms = 0, diagonal = 0;   // factor: the largest of the pivots' and of K's
@@ -150,8 +150,8 @@ class InterfaceContacts {
     const Contact* contact;
     double *A, *B;  // JoinedEnd; then the columns of the contact's J on that robot
     double* a0;
-    double* left;                 // of a pair: ContactData::left
-    double smallest_row, motion;  // of J, and what its rows are picked from
+    double* left;                 // a pair's ContactData::left
+    double smallest_row, motion;  // sizes of J and of the motions its rows are picked from
   };
   /// And of derivatives at the solution.
   struct Derivatives {

@@ -143,7 +143,7 @@ typename S::Mask SubtreeBatchOf<S>::assemble_rows() {
   for (int row = 0; row < p_.nc; ++row) {
     Mask moves = S(0) < S(0);
     const auto climb = [&](int node, Vec6<S> G) {
-      Vec6<S> sizes = G.cwiseAbs();  // of what G is a sum of, while that is asked for
+      Vec6<S> sizes = G.cwiseAbs();  // sizes of G's terms, while asked for
       for (; node != plan_->meeting[row]; node = p_.parent[node]) {
         for (int j = p_.first_dof[node]; j < p_.first_dof[node] + p_.ndof[node]; ++j) {
           const S J = dot(S_.col(j), G);

@@ -22,7 +22,7 @@ struct SubtreePlan {
   /// Slots of K. M: per node, the last first, for each of its coordinates those up to it and then the ancestors'. J:
   /// per row, those from body A up to the node where both ends meet, then those from body B.
   std::vector<int> M_slot, J_slot;
-  std::vector<int> meeting;  // per row: that node, -1: none
+  std::vector<int> meeting;  // one entry per row: that node, -1: none
 
   int place(int coordinate) const { return pattern->nv - 1 - coordinate; }
   int place_of_row(int row) const { return pattern->nv + row; }
@@ -34,14 +34,14 @@ class SubtreeBatch {
  public:
   struct Subtree {
     const BodySystem* system;  // not damped
-    BodySolve* solution;       // of b: x.joints, x.rows, x.force of the bases; of the residual what is largest
-    // by solve
-    bool sound;  // where not, nothing else is known and another system has to solve
+    BodySolve* solution;       // solution of b: x.joints, x.rows, x.force of the bases; the residual's largest entries
+    // set by solve
+    bool sound;  // false: nothing else is known and another system has to solve
     int factor_nonzeros;
     sparse::Refinement refinement;
   };
   virtual ~SubtreeBatch() = default;
-  /// As many as fit in a SIMD batch, or fewer.
+  /// Solves as many subtrees as fit in a SIMD batch, or fewer.
   virtual void solve(std::span<Subtree> subtrees) = 0;
 };
 

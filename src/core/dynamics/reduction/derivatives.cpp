@@ -167,7 +167,7 @@ void bound_errors_reduced(const Scene& scene, SceneData& data) {
   take_bounds(scene, data, r);
 }
 
-// With damping, K of all contacts has the eigenvalue -damping for the forces of a pair that move nothing.
+// K of all contacts, if damped, has the eigenvalue -damping for the forces of a pair that move nothing.
 void estimate_condition_reduced(const Scene& scene, SceneData& data) {
   const Reduction& r = *data.workspace->reduction;
   estimate_condition(r.scene, *r.data);

@@ -1,4 +1,4 @@
-// Which contacts are reduced to which pairs, and the scene that is solved.
+// The reduction of contacts to pairs, and the scene that is solved.
 
 #include <algorithm>
 #include <tuple>
@@ -58,7 +58,7 @@ std::vector<std::vector<int>> find_groups(const Scene& scene) {
   return groups;
 }
 
-// Which contacts of a group are active.
+// Returns flags: which contacts of a group are active.
 const std::vector<char>& set_of(const std::vector<int>& group, const std::vector<char>& active, Reduction& r) {
   r.set.clear();
   for (int c : group) r.set.push_back(active[static_cast<std::size_t>(c)]);
@@ -138,7 +138,7 @@ void make_scene(const Scene& scene, Reduction& r) {
   r.rows_of_pair.resize(static_cast<Eigen::Index>(rows));
 }
 
-// Which contacts of the scene solved are active.
+// Flags the active contacts of the scene that is solved.
 void set_active(const std::vector<char>& active, Reduction& r, std::vector<char>& out) {
   out.assign(r.scene.contacts.size(), 0);
   std::copy(active.begin(), active.end(), out.begin());

@@ -23,30 +23,30 @@ struct Workspace;
 struct Reduction {
   /// Terms that the pairs that may be reduced depend on, in addition to those of SceneIdentity.
   struct Terms {
-    std::vector<char> constant_rows;      // per contact of the scene
+    std::vector<char> constant_rows;      // one flag per contact of the scene
     bool damped = false, forces = false;  // forces: there are external wrenches or springs
     double moment_length = 1;
   };
 
-  struct Set {        // of active contacts between two bodies, once met
-    Contact pair;     // as it was then; `pair.pair` is empty where their rows are independent
-    int number = -1;  // of the pair among the contacts of the scene solved
+  struct Set {        // active contacts between two bodies, once met
+    Contact pair;     // the pair, as first made; `pair.pair` is empty where their rows are independent
+    int number = -1;  // number of the pair among the contacts of the scene solved
   };
 
-  Scene scene;  // that is solved
+  Scene scene;  // the scene that is solved
   Terms terms;
   std::vector<std::vector<int>> groups;  // contacts of the scene between the same two bodies, with constant rows
-  std::vector<std::map<std::vector<char>, Set>> sets;    // per group, by which of its contacts are active
-  std::vector<std::shared_ptr<PairRows>> pairs;          // of contacts behind those of the scene
+  std::vector<std::map<std::vector<char>, Set>> sets;    // one map per group, from flags of its active contacts
+  std::vector<std::shared_ptr<PairRows>> pairs;          // one per pair contact, appended after the scene's
   std::set<SharedPairNumbers, PairNumbersLess> numbers;  // all that pairs had; SIMD batches compare their addresses
-  std::unique_ptr<SceneData> data;                       // of `scene`
-  std::unique_ptr<SceneData> plain;  // of the scene without pairs, for derivatives of damped contacts that slide
-  std::vector<Island> islands;       // with the contacts of the scene, one per island of `data`
+  std::unique_ptr<SceneData> data;                       // data of `scene`
+  std::unique_ptr<SceneData> plain;  // data of the scene without pairs, for derivatives of damped contacts that slide
+  std::vector<Island> islands;       // islands with the contacts of the original scene, one per island of `data`
   Eigen::VectorXd prescribed;        // rows of `data`
   Eigen::VectorXd df;                // scratch of products: rows of `data`
   std::vector<char> set;             // scratch
   Eigen::VectorXd rows_of_pair;      // scratch, for all rows of any pair
-  bool plain_is_current = false;     // of the current solution
+  bool plain_is_current = false;     // `plain` belongs to the current solution
 
   int first_pair() const { return static_cast<int>(scene.contacts.size() - pairs.size()); }
   /// The rows of a contact of `scene`; nullptr where it is no pair.

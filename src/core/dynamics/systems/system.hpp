@@ -76,9 +76,9 @@ struct AdjointProduct {
 /// Whether the rows left out are the right ones is judged at each state, by a margin: the solution is the same, to the
 /// last bit, whatever was solved before.
 enum class Dropped {
-  kAsBefore,  // those that depended at the solve before, where some did; it only saves time to try them first
+  kAsBefore,  // rows that depended at the solve before, if any; it only saves time to try them first
   kNone,
-  kAsFound,  // those that the factor of the whole K has just found: SIMD batches solve their islands again, so that
+  kAsFound,  // rows that the factor of the whole K has just found: SIMD batches solve their islands again, so that
              // the solution is the same whether they were known before or not
 };
 

@@ -11,9 +11,9 @@ namespace manycontact::internal {
 template <class S>
 struct TruthTerms {
   std::vector<RobotQuantities<S>> robots;
-  std::vector<VecX<S>> M;                // per robot, packed
-  std::vector<ContactSupport> supports;  // per contact of the scene
-  std::vector<ContactData<S>> contacts;  // per contact of the scene; numbers of the active ones only
+  std::vector<VecX<S>> M;                // one entry per robot, packed
+  std::vector<ContactSupport> supports;  // one entry per contact of the scene
+  std::vector<ContactData<S>> contacts;  // one entry per contact of the scene; only those of active contacts are set
 };
 template <class S>
 TruthTerms<S> truth_terms(const Scene& scene, const std::vector<char>& active, const VecX<S>& q, const VecX<S>& v,

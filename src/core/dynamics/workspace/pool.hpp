@@ -21,7 +21,7 @@ class IslandPool {
   /// now: a count of switches, by which the pool knows what was met last.
   void give(std::unique_ptr<IslandWork> island, std::uint64_t now);
   void clear();
-  /// Where there is more than `most`, those away for longest are given up until half of it is left. Whether any were.
+  /// If there are more than `most`, deletes those unused for longest until half of it is left. Returns whether it did.
   bool trim();
 
   /// use(island) of all.

@@ -21,7 +21,7 @@ namespace {
 
 // Back to the pool of its shape, for the next island that has it.
 void pool_island(Workspace& w, std::unique_ptr<IslandWork> island) {
-  // that was another island
+  // these results belong to another island
   island->answered = nullptr;
   island->matrix.was_dependent = false;
   island->depended = 0;
@@ -165,8 +165,8 @@ void internal::prepare_islands(const Scene& scene, const SceneData& data) {
   const bool same_options = w.has_islands && w.islands_options == data.options;
   const bool all = !known || data.options.method == Method::kDenseSchur;
   w.has_islands = false;
-  if (!w.reduction) keep_derivatives(w);  // with one, derivatives are not those of these islands
-  if (!same_options) {                    // other factors, in other orders
+  if (!w.reduction) keep_derivatives(w);  // a reduction's derivatives are not those of these islands
+  if (!same_options) {                    // options changed: factors must be rebuilt
     w.islands.clear();
     w.pool.clear();
     w.lanes = {};

@@ -1,5 +1,5 @@
 #pragma once
-// By which data know their scene, and notice what was changed under them.
+// The identity by which data recognise their scene, and detect changes to it.
 
 #include "manycontact/model/scene.hpp"
 
@@ -17,7 +17,7 @@ class SceneIdentity {
   struct OfContact {
     ContactType type;
     int robot_A, joint_A, robot_B, joint_B;
-    SE3<double> place;  // on A
+    SE3<double> place;  // placement on A
     Vec3<double> axis;
   };
   static const char* changed(const OfContact& was, const Contact& is);

@@ -24,12 +24,12 @@
 
 namespace manycontact {
 
-/// One robot's kinematics and dynamics terms, in its tree frame. By evaluate, at q, v.
+/// One robot's kinematics and dynamics terms, in its tree frame. Set by evaluate, at q, v.
 /// kin.a: bias accelerations, but while an AtSolution lives.
 struct RobotData : RobotQuantities<double> {
   using RobotQuantities::RobotQuantities;
-  std::uint64_t state = 0;   // that all of it is of
-  std::uint64_t placed = 0;  // that the placements in kin are of, where these alone were asked for
+  std::uint64_t state = 0;   // the state that all of it belongs to
+  std::uint64_t placed = 0;  // the state that the placements in kin belong to, if these alone were asked for
   std::vector<double> M;     // packed inertia (algorithm/crba.hpp); empty until make_joint_space
 };
 
@@ -40,12 +40,12 @@ struct IslandWork {
 
   std::shared_ptr<IslandShape> shape;
   Choice choice;
-  Island island;  // by prepare
+  Island island;  // set by prepare
 
-  // what it may be solved by, but for dependent rows in this order; nullptr: not by that
-  AloneSystem alone;                     // of one robot
-  std::unique_ptr<RobotsSystem> robots;  // of several; `solves` is false: made by differentiate, and only for that
-  std::unique_ptr<BodiesSystem> bodies;  // where sparse-bodies was chosen
+  // systems that may solve it, but for dependent rows in this order; nullptr: not made
+  AloneSystem alone;                     // used for one robot
+  std::unique_ptr<RobotsSystem> robots;  // used for several; not `solves`: made by differentiate, only for that
+  std::unique_ptr<BodiesSystem> bodies;  // made if sparse-bodies was chosen
   MatrixSystem matrix;
 
   bool joinable = true;              // false: its robots do not fit a RobotsSystem, or it cannot pay
@@ -56,8 +56,8 @@ struct IslandWork {
   /// SIMD batches solve it first, which need none of the terms of the whole K.
   bool stands_in_lanes() const { return alone.group || (robots && robots->solves); }
   int depended = 0;        // so many rows depended on others at the start (dynamics/keep_dependent.hpp)
-  int factorizations = 0;  // of K, whole or robot by robot, since that began
-  bool refused = false;    // at the current state: SIMD batches without the rows that depended have no sound solution
+  int factorizations = 0;  // factorizations of K, whole or robot by robot, since that began
+  bool refused = false;    // SIMD batches without the rows that depended have no sound solution at the current state
 
   IslandDerivatives derivatives;  // while on the pool; else in Workspace::derivatives
 };
@@ -72,28 +72,28 @@ struct ProductWork {
   };
   explicit ProductWork(const Scene& scene);
   std::vector<OfRobot> robots;
-  Eigen::VectorXd a, y;  // of the scene, all contacts active: right-hand sides and solutions x = [a; y]
-  Eigen::VectorXd tau;   // of the scene, nv: dtau or wtau
+  Eigen::VectorXd a, y;  // vectors of the scene, all contacts active: right-hand sides and solutions x = [a; y]
+  Eigen::VectorXd tau;   // dtau or wtau of the scene, nv
 };
 
 /// Scratch of prepare.
 struct Switching {
-  RobotGroups groups;                                  // of the robots whose islands change
+  RobotGroups groups;                                  // groups of the robots whose islands change
   std::vector<std::unique_ptr<IslandWork>> old, next;  // the islands that were, and those to be
 };
 
 /// Scratch of one thread, for one island after the other.
 struct ThreadWork {
-  int number = 0;  // of the thread
+  int number = 0;  // number of the thread
   FactorScratch scratch;
   PanelWork panel;
-  IslandReport spare_report;  // of factorizations that nobody asked for
-  // as many as fit in a SIMD batch
+  IslandReport spare_report;  // report of factorizations that nobody asked for
+  // scratch of one SIMD batch, one entry per robot, subtree or contact
   std::vector<lanes::Answer> answers;
   std::vector<lanes::Panel> panels;
   std::vector<lanes::InterfaceContacts::Rows> interface_contacts;
   std::vector<lanes::InterfaceContacts::Derivatives> interface_derivatives;
-  KktVectors v;  // of an island's system: of jvp and vjp, and where rows depend
+  KktVectors v;  // vectors of an island's system: used by jvp and vjp, and where rows depend
 };
 
 struct Workspace {
@@ -103,38 +103,38 @@ struct Workspace {
   std::uint64_t state = 0;    // number of the current state: of solves and other evaluations begun so far
   std::uint64_t current = 0;  // serial of the current solution, 0: none. What stamps point to
 
-  // by prepare, for `active` and `options`
+  // set by prepare, for `active` and `options`
   bool prepared = false;  // all of this fits; false while it is being changed
   std::vector<char> active;
-  std::size_t springs = 0;  // of the scene: they join robots to islands
+  std::size_t springs = 0;  // number of springs of the scene: they join robots to islands
   Options options;
   std::vector<ThreadWork> threads;                   // one at least
   double worth_a_thread = costs::kWorthAThread;      // s of work for each
   std::vector<internal::Failure> failures;           // one per thread
-  std::vector<std::unique_ptr<IslandWork>> islands;  // in the order of their first robots
-  std::vector<int> robot_island;                     // per robot
+  std::vector<std::unique_ptr<IslandWork>> islands;  // all islands, in the order of their first robots
+  std::vector<int> robot_island;                     // one entry per robot
   std::uint64_t layout = 0;                          // changes of islands so far
   ShapeCache shapes;
   IslandPool pool;
   std::map<Eigen::Index, Eigen::VectorXd> spare_f;  // forces of other sizes
   Switching switching;
 
-  // by prepare, where contacts between the same two bodies are reduced: then nothing else is prepared until it is asked
+  // set by prepare, if contacts between the same two bodies are reduced: then the rest is prepared only when asked
   // for (prepare_islands)
   std::unique_ptr<Reduction> pairs;  // nullptr: none may be reduced
   Reduction* reduction = nullptr;    // `pairs`, where some are; what is solved is its scene then
-  bool has_islands = false;          // those of `islands_active`
+  bool has_islands = false;          // the islands of `islands_active` exist
   std::vector<char> islands_active;
   Options islands_options;
 
   InLanes lanes;
   std::vector<char> done;  // scratch of each_island
 
-  // by evaluate, update_kinematics
+  // set by evaluate, update_kinematics
   OnDemand<RobotData> robots;
-  OnDemand<ContactSupport> supports;       // of contacts that the joint-space K was made for; constant once there
-  OnDemand<ContactData<double>> contacts;  // at the bias accelerations
-  std::vector<std::uint64_t> rows_state;   // per contact: the state these are of
+  OnDemand<ContactSupport> supports;       // contacts that the joint-space K was made for; constant once there
+  OnDemand<ContactData<double>> contacts;  // rows at the bias accelerations
+  std::vector<std::uint64_t> rows_state;   // one entry per contact: the state of its rows
 
   // ContactData::left of pairs (contact/pair_rows.hpp), by who evaluates their rows at the state, at left_offset of the
   // contact; -1: it is no pair
@@ -143,17 +143,17 @@ struct Workspace {
 
   std::vector<double> prescribed;  // rows of f: accelerations asked for, or none where these are zero
 
-  // by solve
+  // set by solve
   std::unique_ptr<AppliedWork> applied;  // nullptr: the scene has neither external wrenches nor springs
   Eigen::VectorXd q;                     // nq: the configuration solved at
   Eigen::VectorXd given;                 // nv: the torques given, without friction, springs and external wrenches
 
-  // by differentiate, jvp, vjp
+  // set by differentiate, jvp, vjp
   std::unique_ptr<Linearisation> linearisation;
   DerivativeData derivatives;
   std::unique_ptr<ProductWork> products;
 
-  // by solve in the precision `extended`, by estimate_errors in any
+  // set by solve in the precision `extended`, by estimate_errors in any
   std::unique_ptr<ExtendedWork> extended;
 };
 

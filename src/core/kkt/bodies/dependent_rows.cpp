@@ -140,7 +140,7 @@ class Balance {
   const BodySystem& s_;
   int node_, count_ = 0, equations_ = 0;
   int row_[kRows];
-  V6 F_[kRows];  // on the node's body
+  V6 F_[kRows];  // wrenches of the rows on the node's body
   Eigen::Matrix<double, kEquations, kRows> A_ = Eigen::Matrix<double, kEquations, kRows>::Zero();
   double largest_ = 0;
 };
@@ -196,7 +196,7 @@ bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work
       return false;
     column[drop.row] = static_cast<int>(rows.dropped.size());
     rows.dropped.push_back(drop.row);
-    for (int row : entries) {  // its own first
+    for (int row : entries) {  // the column's own row comes first
       if (std::abs(x[row]) > tolerance::kNullEntry) rows.Ni.push_back(row), rows.Nx.push_back(x[row]);
       x[row] = 0;
     }

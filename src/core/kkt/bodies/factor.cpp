@@ -30,7 +30,7 @@ sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySol
 
 namespace {
 
-// For a column, whose entries may be only rounding errors relative to the others: a torque may move nothing at all.
+// The error of a column. Its entries may be only rounding errors relative to the others: a torque may move nothing.
 double normwise(const BodyResidual& r) {
   const double left = std::max(r.dynamics, r.contact);
   return left == 0 ? 0 : left / std::max(r.dynamics_scale, r.contact_scale);

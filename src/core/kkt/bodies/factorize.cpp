@@ -156,7 +156,7 @@ bool eliminate_joint(const BodySystem& system, BodyLdl& d, int i, const V6& size
   }
   const Eigen::Matrix<double, 6, N> UD = U * Dinv;
   P.noalias() = d.P[i] - UD * U.transpose();
-  P.triangularView<Eigen::StrictlyLower>() = P.transpose();  // what is not symmetric grows along thousands of links
+  P.triangularView<Eigen::StrictlyLower>() = P.transpose();  // asymmetry grows along thousands of links
   if (at.m == 0) return true;
   Eigen::Map<Eigen::Matrix<double, N, Eigen::Dynamic>> W(at.W, N, at.m);
   for (int k = 0; k < at.m; ++k) {
@@ -227,7 +227,7 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
       if (ratio > most) most = ratio, best = k;
     }
     if (best < 0) break;
-    const bool waits = most < tolerance::kRowMoves && complete <= tolerance::kMostOpen;  // for joints to come
+    const bool waits = most < tolerance::kRowMoves && complete <= tolerance::kMostOpen;  // wait for joints to come
     if (waits && (most > 0 || s.parent[i] >= 0)) break;
     if (!(most > 0)) return false;
     d.growth = std::max(d.growth, 1 / most);
@@ -378,7 +378,7 @@ Reason factorize_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors*
     project(system, d, i, drop, at);
     d.eliminated[i] = 0;
     const V6 inverse = d.P[i].diagonal().cwiseInverse();
-    for (int k = 0; k < at.m; ++k)  // what a row on this body would have, were the body free
+    for (int k = 0; k < at.m; ++k)  // adds the pivot that a row on this body would have, were the body free
       if (s.A[at.row[k]] == i || s.B[at.row[k]] == i) d.pivot_sum[at.row[k]] += compliance(at.G[k], inverse);
     M6 P;
     const bool positive = s.ndof[i] == 1   ? eliminate_joint<1>(system, d, i, size, at, P)
@@ -389,7 +389,7 @@ Reason factorize_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors*
     if (b) backward_step(system, d, *b, i);
     const int parent = s.parent[i];
     if (parent < 0) continue;
-    if (s.end[i] == s.end[parent]) set(system.Y[parent], d.P[parent]);  // its last child comes first
+    if (s.end[i] == s.end[parent]) set(system.Y[parent], d.P[parent]);  // the last child is eliminated first
     add_shifted(P, system.r[i], d.P[parent]);
   }
   return eliminate_base(s, d) ? Reason::kNone : Reason::kSmallPivot;

@@ -65,7 +65,7 @@ void find_holds(BodyPattern& p) {
 
 // Rows by where they end.
 struct Ends {
-  std::vector<int> arriving;  // at a node: ends of rows that are not complete there
+  std::vector<int> arriving;  // ends at a node, of rows that are not complete there
   std::vector<int> alone;     // rows with one end
   std::vector<int> meeting;   // rows of two that are complete here and no deeper
 };

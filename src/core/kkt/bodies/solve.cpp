@@ -36,7 +36,7 @@ void backward_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, i
   }
 }
 
-// From the leaves: the right-hand sides p and g for a node's parent.
+// A step from the leaves to the root: the right-hand sides p and g for a node's parent.
 template <int N>
 V6 backward(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const BodyPattern& s = *system.pattern;
@@ -65,7 +65,7 @@ V6 backward(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   return p;
 }
 
-// From the bases: y of the rows eliminated at a node, qdd, a, f. a: of the parent, about the node's origin.
+// Going from root to leaves: y of rows eliminated at a node, qdd, a, f. Input a: the parent's, about the node's origin.
 template <int N>
 void forward(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, int i, const V6& a, BodyVectors& x) {
   const BodyPattern& s = *system.pattern;
@@ -144,7 +144,7 @@ void forward_steps(const BodySystem& system, BodyLdl& d, const BodyVectors& b, B
     else
       forward<6>(system, d, b, i, a, x);
     dropped(i);
-    if (parent >= 0 && s.end[i] == s.end[parent]) close(parent);  // its last child
+    if (parent >= 0 && s.end[i] == s.end[parent]) close(parent);  // i is the parent's last child
     if (s.end[i] == i + 1) close(i);
   }
 }

@@ -75,7 +75,7 @@ void number_contacts(const Island& island, const BodyPattern& p, NodeNumbers& at
   }
 }
 
-// Without its analysis.
+// Returns a subtree's pattern without its analysis.
 BodyPattern pattern_of(const BodyPattern& p, const Island& island, const NodeNumbers& at, const BodySubtree& subtree) {
   BodyPattern out;
   const int own = subtree.node.empty() ? -1 : at.subtree[subtree.node[0]];

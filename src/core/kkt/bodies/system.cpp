@@ -154,7 +154,7 @@ void BodyJudge::node(int i, const double* more) {
 
 void BodyJudge::rows() {
   const BodyPattern& p = *s_.pattern;
-  int last[2] = {-1, -1};  // of which node `terms` are
+  int last[2] = {-1, -1};  // the nodes whose terms are in `terms`
   Two terms[2];
   for (int k = 0; k < p.nc; ++k) {
     const double y = x_.rows[k];

@@ -55,8 +55,8 @@ class DenseFactor final : public Factor {
   int own_refinements() const override { return 1; }
 
   int rank() const override { return kkt_.delta > 0 ? kkt_.nc() : kkt_.rank; }
-  // Those that depend on the ones before them, as in other factors: by Gram and Schmidt, twice. Where that leaves doubt
-  // of the rank, those that pivoting chose.
+  // Lists rows that depend on the ones before them, as other factors do: by Gram and Schmidt, twice. If doubt is left
+  // about the rank, lists the rows that pivoting rejected.
   void dependent_rows(std::vector<int>& rows) const override {
     rows.clear();
     Eigen::MatrixXd Q(kkt_.nv(), rank());

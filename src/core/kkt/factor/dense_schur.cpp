@@ -64,7 +64,7 @@ class DenseSchurFactor final : public Factor {
     internal::join(*pattern_, a_, y_, x);
   }
 
-  // By the explicit inverse of K, as Crocoddyl does.
+  // Multiplies by the explicit inverse of K, as Crocoddyl does.
   void solve_panel(double* X, int ld, int first, int cols, char*) override {
     invert();
     auto panel = Eigen::Map<RowMajor>(X, pattern_->size(), ld).middleCols(first, cols);

@@ -60,7 +60,7 @@ class DependentRowsFactor final : public Factor {
 
   double growth() const override { return growth_; }
   int rank() const override { return ldl_.pattern->nc - static_cast<int>(dependence_.dropped.size()); }
-  // Those that depend on the ones before them, also where others have taken their places.
+  // Lists the rows that depend on the ones before them, also where others were dropped in their place.
   void dependent_rows(std::vector<int>& rows) const override {
     rows.clear();
     for (int k : greedy_) rows.push_back(ldl_.pattern->perm[k] - ldl_.pattern->nv);
@@ -101,7 +101,7 @@ class DependentRowsFactor final : public Factor {
 
   // Rows that depend on those before them, and the null space.
   Reason drop_in_order(const KktMatrix& K, FactorScratch& scratch) {
-    if (drop_again(K, scratch)) return Reason::kNone;  // those of the K before
+    if (drop_again(K, scratch)) return Reason::kNone;  // the rows dropped for the K before
     if (const Reason reason = drop(K, scratch); reason != Reason::kNone) return reason;
     if (ldl_.schedule && !dependence_.dropped.empty()) {
       if (drop_again(K, scratch)) return Reason::kNone;  // numbers must not depend on what was before
@@ -141,7 +141,7 @@ class DependentRowsFactor final : public Factor {
     constexpr double kDamping = tolerance::kDroppedDamping, kInfinite = std::numeric_limits<double>::infinity();
     std::copy(K.values.begin(), K.values.end(), penalised_.begin());
     for (int k : dependence_.dropped) penalised_[ldl_.pattern->K.p[k + 1] - 1] = -kDamping;
-    (void)ldl_.factor(penalised_.data(), scratch);  // what fails leaves pivots that are not finite
+    (void)ldl_.factor(penalised_.data(), scratch);  // a failure leaves pivots that are not finite
     for (int k : dependence_.dropped) ldl_.D[k] = kInfinite, scratch.scale[k] = 0;
   }
 
@@ -203,7 +203,7 @@ class DependentRowsFactor final : public Factor {
                           dependence_);
   }
 
-  // As growth_of, without the rows dropped, of which D is infinite.
+  // Computes growth_of without the dropped rows, whose D is infinite.
   double growth(const KktMatrix& K, std::vector<double>& scale) const {
     const sparse::LdlSymbolic& s = ldl_.pattern->ldl;
     std::fill_n(scale.begin(), K.size(), 0.0);
@@ -214,10 +214,10 @@ class DependentRowsFactor final : public Factor {
   }
 
   internal::LdlNumbers ldl_;
-  std::vector<char> of_M_;         // of K's rows, in its order
+  std::vector<char> of_M_;         // flag of each row of K, in its order: it is one of M's
   std::vector<int> greedy_;        // rows dropped of the K before, in order; others may have taken their places
   std::vector<double> penalised_;  // K, the rows dropped damped
-  std::vector<double> row_size_;   // in K's order; of M's rows nothing
+  std::vector<double> row_size_;   // size of each row of J, in K's order; unused in M's rows
   rank::DependentRows dependence_;
   double growth_ = 1;
 };

@@ -43,7 +43,7 @@ struct LdlNumbers {
     else
       sparse::ldl_solve(pattern->ldl, L.data(), D.data(), x);
   }
-  /// As Factor::solve_panel.
+  /// Does what Factor::solve_panel does.
   void solve_panel(double* X, int ld, int first, int cols, char* nonzero) const {
     const int* perm = pattern->perm.data();
     if (schedule)

@@ -16,7 +16,7 @@
 #include "manycontact/sparse/tolerances.hpp"
 #include "pivots.hpp"
 
-// With S = J M^-1 J^T and a small delta, K_delta = [M J^T; J -delta I] has a factor in any sound order, whichever rows
+// Let S = J M^-1 J^T. For a small delta, K_delta = [M J^T; J -delta I] has a factor in any sound order, whichever rows
 // of J depend on each other. The operator K_delta^-1 gives three things:
 //
 //   E y = delta (S + delta)^-1 y          from K_delta [.; x] = [0; y] with x = -E y / delta. On the null space of J^T
@@ -39,7 +39,7 @@ namespace manycontact {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr int kProbes = sparse::kTrailingColumns;  // as fast as a few vectors
+constexpr int kProbes = sparse::kTrailingColumns;  // so many vectors take the time of a few
 constexpr int kChunk = 64;                         // columns of a panel at a time
 
 using sparse::largest;
@@ -245,7 +245,7 @@ class ProximalFactor final : public Factor {
   internal::LdlNumbers ldl_;
   const KktMatrix* K_ = nullptr;
   double delta_ = 0;
-  std::vector<char> of_M_, in_null_space_;     // in K's order
+  std::vector<char> of_M_, in_null_space_;     // flags, in K's order
   bool M_first_ = true;                        // no row of M comes after one of J
   std::vector<int> dropped_;                   // rows of J
   std::vector<double> damped_;                 // K_delta
@@ -254,10 +254,10 @@ class ProximalFactor final : public Factor {
   bool in_doubt_ = false;                      // whether these were needed at the last state
   double growth_ = 1;
   double drift_ = 0;                                         // rounding error of a vector that E keeps
-  int applications_ = 1;                                     // of E, until it is P
-  double left_ = 0;                                          // of J^T on the null space, relative to the rows
+  int applications_ = 1;                                     // how often E is applied, until it is P
+  double left_ = 0;                                          // size of J^T on the null space, relative to the rows
   std::vector<double> b_, r_, scale_, w_, probes_, before_;  // scratch, in K's order
-  std::vector<double> X_, B_, W_;                            // of panels: kChunk columns of all rows
+  std::vector<double> X_, B_, W_;                            // scratch of panels: kChunk columns of all rows
   std::vector<char> nonzero_;
   std::vector<int> same_;  // 0, 1, 2 ...
 };
@@ -282,7 +282,7 @@ bool ProximalFactor::certify(FactorScratch& scratch) {
     left_ = left_of_probes(scratch);
     const bool vanishes = left_ <= std::max(tolerance::kRowLeft, tolerance::kGrown * kEps * growth_);
     if (!vanishes && left_ < slowest * last) continue;
-    left_ = std::min(left_, last);  // where it stalls, the rest is rounding: an eigenvector that E keeps leaves more
+    left_ = std::min(left_, last);  // a stalled rest is rounding error: an eigenvector that E keeps leaves more
     if (!vanishes && !(left_ <= tolerance::kMostLeft)) return false;
     applications_ = vanishes ? k + 1 : k;
     take_null_space_rows();
@@ -441,8 +441,8 @@ void ProximalFactor::solve_panel(double* X, int ld, int first, int cols, char*) 
   }
 }
 
-// Without P b first: where b has no such part, steps end with residuals of rounding. Where it has one, they end with
-// that, and the forces have grown by P b / delta each: then all starts again without it.
+// The first attempt keeps P b: if b has no such part, steps end with residuals of rounding errors. If it has one, they
+// end with it, and each has increased the forces by P b / delta: then the solve is repeated without P b.
 sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors& v, int) {
   std::fill(v.null_component.begin(), v.null_component.end(), 0.0);
   sparse::Refinement refinement = refine(K, v);
@@ -465,7 +465,7 @@ sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors&
 void ProximalFactor::refine_contradiction(KktVectors& v) {
   std::fill(v.x.begin(), v.x.end(), 0.0);
   sparse::residual(ldl_.pattern->K, K_->values.data(), v.null_component.data(), v.x.data(), v.r.data(), v.scale.data());
-  ldl_.solve(v.r.data());  // of [-J^T P b; 0]
+  ldl_.solve(v.r.data());  // solution of K x = [-J^T P b; 0]
   for (std::size_t k = 0; k < v.r.size(); ++k) {
     if (of_M_[k]) continue;
     v.null_component[k] += v.r[k];

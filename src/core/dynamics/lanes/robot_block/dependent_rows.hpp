@@ -30,7 +30,7 @@ class DependentRows {
   /// Memory to project so many columns at a time.
   void reserve(int columns) { t_.resize(std::max(t_.size(), dropped_.size() * columns)); }
 
-  /// Where the numbers of the current robots are: BlockPlan::dependence_size of each.
+  /// Sets the memory of the current robots' numbers: BlockPlan::dependence_size of each.
   void use(double* memory) {
     const std::size_t rows = rows_ - nv_, count = dropped_.size();
     row_terms_ = reinterpret_cast<S*>(memory) - nv_;
@@ -60,7 +60,7 @@ class DependentRows {
     }
   }
 
-  /// Where ldl_factor_dependent drops these rows and no others, by a margin, and they depend on the rows kept in truth.
+  /// Returns where ldl_factor_dependent drops these rows and no others, by a margin, and they depend on the rows kept.
   /// Makes the null space and its projector. solve(x): x <- K_kept^-1 x, of all the
   /// pattern's rows.
   template <class Solve>
@@ -276,7 +276,7 @@ class DependentRows {
   const std::vector<int>& dropped_;
   int nv_, rows_;
   S* row_terms_;
-  S *row_size_, *null_component_;  // per row of K, from nv on
+  S *row_size_, *null_component_;  // one entry per row of K, from nv on
   S *N_, *gram_;                   // N by columns, as these; of the factor of N^T N
   int* columns_;
   std::vector<S> left_, x_, t_;  // t: of each column of N, what is projected at a time

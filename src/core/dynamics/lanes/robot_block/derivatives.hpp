@@ -42,7 +42,7 @@ void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, doubl
 template <class S>
 void RobotBlock<S>::move_ends(const DerivativeJob& job, Robots robots) {
   linearise(job, robots, nullptr);
-  rnea_derivatives<S>(*model_, robot_.kin, robot_.Yc, {}, rnea_);  // of it Psid, Psidd and Sv
+  rnea_derivatives<S>(*model_, robot_.kin, robot_.Yc, {}, rnea_);  // sets Psid, Psidd and Sv
   collect_ends({&robot_.kin.J, &rnea_.Psid, &rnea_.Psidd, &rnea_.Sv});
   double* memory[kMostInBatch];
   store_arrays(joins_.data(), static_cast<int>(plan_->ends_size()),
@@ -141,7 +141,7 @@ auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld
             wide = std::max(static_cast<int>(kBand / (size * sizeof(Number))), kWhole) / kWhole * kWhole / kPart;
   std::vector<std::vector<char>> reached(reach.begin(), reach.end());
   for (std::vector<char>& rows : reached) sparse::ldl_scheduled_reach(inner_schedule_, rows.data());
-  std::vector<int> order(parts);  // those that reach nothing come last
+  std::vector<int> order(parts);  // parts that reach nothing come last
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return a / wide != b / wide ? a / wide < b / wide : reached[a] > reached[b]; });
@@ -150,7 +150,7 @@ auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld
   bands_.clear(), reach_.clear(), reached_.clear();
   place_.assign(size * ld, -1);
   pieces_.resize(parts);
-  std::size_t count = 0, at = 0, most = 0;  // of right-hand sides; of the band's solutions, of any band's
+  std::size_t count = 0, at = 0, most = 0;  // number of right-hand sides; of the band's solutions, of any band's
   for (int next = 0; next < parts;) {
     const int band = order[next] / wide;
     if (static_cast<std::size_t>(band) == bands_.size()) bands_.push_back({band * wide, 0, chunks.size(), 0}), at = 0;
@@ -176,7 +176,7 @@ auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld
     reached_.insert(reached_.end(), rows.begin(), rows.end());
   }
   B_.assign(count, S(0));
-  work_.resize(std::max(work_.size(), W * most + 8));  // from a cache line on
+  work_.resize(std::max(work_.size(), W * most + 8));  // alignment to a cache line takes 8 more
   return chunks;
 }
 
@@ -274,13 +274,13 @@ void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask
 template <class S>
 template <class Put>
 void RobotBlock<S>::write(const Band& band, std::span<const Panel> panels, Mask plain, Put&& put) {
-  using Row = sparse::kernel::Tile<double, W == 1 ? kPart : W>;  // of one panel
+  using Row = sparse::kernel::Tile<double, W == 1 ? kPart : W>;  // row of one panel
   const Number* x = answer();
   double* to[W] = {};
   std::ptrdiff_t ld[W] = {};
   for (std::size_t l = 0; l < panels.size(); ++l)
     if (plain[static_cast<int>(l)]) to[l] = panels[l].X, ld[l] = panels[l].ld;
-  for (int i = 0; i < rows_; ++i) {  // to: row i
+  for (int i = 0; i < rows_; ++i) {  // moves `to` to row i
     const int k = inner_.iperm[i];
     const double sign = i < model_->nv ? 1 : -1;
     if constexpr (W == 1) {
@@ -332,7 +332,7 @@ void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk) {
   };
   solve(reached, x);
   if (!dependent_) return;
-  // Where rows depend, small entries are lost in the projections of large ones: X += K^+ (B - K X).
+  // If rows depend, small entries are lost in the projections of large ones: X += K^+ (B - K X).
   Number* r = as_scalar(correction_.data());
   std::fill_n(r, size * N, Number(0));
   load_chunk<N>(chunk, r);

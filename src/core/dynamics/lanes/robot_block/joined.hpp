@@ -26,7 +26,7 @@ void RobotBlock<S>::evaluate(const Job& job, Robots robots, Memory memory) {
   }
 }
 
-/// Into joins_, of each contact that joins the robots: how its end's body moves, and its coordinates' columns of these.
+/// Fills joins_ for each contact that joins the robots: motion of its end's body, and its coordinates' columns.
 template <class S>
 void RobotBlock<S>::collect_ends(std::initializer_list<const Mat6X<S>*> columns) {
   S* to = joins_.data();

@@ -27,7 +27,7 @@
 
 namespace manycontact::lanes {
 
-/// In place of what only kernels of doubles have.
+/// An empty replacement of members that only kernels of doubles have.
 struct Without {
   explicit Without(const Model&) {}
 };
@@ -44,7 +44,7 @@ class RobotBlock {
   using Memory = RobotBlocks::Memory;
 
   explicit RobotBlock(std::shared_ptr<const BlockPlan> plan);
-  // as RobotBlocks has them
+  // the functions of RobotBlocks
   void solve(const Job& job, Robots robots, std::span<Answer> answers);
   void differentiate(const DerivativeJob& job, Robots robots, double* memory, std::span<const Panel> panels);
   void jvp(const ProductJob& job, Robots robots);
@@ -61,7 +61,7 @@ class RobotBlock {
  private:
   /// The sparse kernels' value.
   using Number = std::conditional_t<W == 1, typename S::Element, S>;
-  /// In the memory of a batch: K, L, D as KktMatrix, LdlSymbolic have them; w = L^-1 r.
+  /// Numbers in the memory of a batch: K, L, D as KktMatrix, LdlSymbolic have them; w = L^-1 r.
   struct Numbers {
     S *K, *b, *L, *D, *x, *w;
   };
@@ -101,11 +101,11 @@ class RobotBlock {
   static_assert(kSingle || (8 % kPart == 0 && 8 % W == 0));
   struct Chunk {
     int first[kParts], parts;
-    std::size_t at;      // in B_: rows that it reaches, its columns adjacent
-    std::size_t answer;  // in work_: all rows, columns adjacent
+    std::size_t at;      // offset in B_: rows that it reaches, its columns adjacent
+    std::size_t answer;  // offset in work_: all rows, columns adjacent
     int columns() const { return W == 1 ? parts * kPart : kColumns; }
   };
-  struct Band {  // of parts, and their chunks
+  struct Band {  // a range of parts, and their chunks
     int first, end;
     std::size_t chunk, chunk_end;
   };
@@ -115,7 +115,7 @@ class RobotBlock {
   };
   struct Slot {
     int i, j;
-    bool of_tree;  // what robot_columns writes
+    bool of_tree;  // written by robot_columns
   };
   /// Entries of right-hand sides, a block of rows and columns of the panel: where B_ keeps them.
   struct Indexed {
@@ -150,7 +150,7 @@ class RobotBlock {
   S backward_error();
   S residual(Mask same_sizes);
   void refine();
-  // of floats
+  // functions of floats
   template <class Job>
   void load_near(const Job& job, Robots robots);
   void size_torques(const Scene& scene, Robots robots, S* sizes);
@@ -161,14 +161,14 @@ class RobotBlock {
   void solve_unrefined(const Scene& scene, Robots robots);
   Mask plainly_damped(double damping) const;
   void report(const Job& job, Robots robots, std::span<Answer> answers) const;
-  // of rows that depend on each other
+  // functions of rows that depend on each other
   void size_rows(const Scene& scene, Robots robots);
   void restore_contradiction();
   rank::Contradiction<S> contradicted() const;
   void report_dependence(Robots robots, std::span<Answer> answers);
   void scatter(const Scene& scene, const std::vector<int>& f_offset, const Robot& robot, int lane, double* a,
                double* f) const;
-  // with a border
+  // functions of robots with a border
   void prefetch_cached(Prefetch prefetch) const;
   void collect_ends(std::initializer_list<const Mat6X<S>*> columns);
   void store_ends(Robots robots);
@@ -176,7 +176,7 @@ class RobotBlock {
   void begin(Robots robots);
   void forward(Robots robots, Mask open);
   S check_residual(Robots robots, Prefetch prefetch);
-  // of derivatives and products
+  // functions of derivatives and products
   template <class Job>
   void linearise(const Job& job, Robots robots, double* memory);
   bool keeps(std::uint64_t serial, Robots robots) const;
@@ -184,7 +184,7 @@ class RobotBlock {
   void add_forces(const Scene& scene, Robots robots, std::vector<Vec6<S>>& fext);
   void derivative_terms(const Scene& scene, Robots robots);
   void solve_once_refined();
-  // where rows depend
+  // functions used if rows depend
   internal::JacobianRate<S> jacobian_rate(const Scene& scene, Robots robots, std::size_t k) const;
   void motion_of_forces();
   void least_norm_columns(const DerivativeJob& job, Robots robots);
@@ -215,7 +215,7 @@ class RobotBlock {
   void subtract_product(const Number* X, Number* R) const;
   void solve_refined(const S* L, int lane, const Panel& panel, int ld);
 
-  /// In work_, from a cache line on.
+  /// Returns the solutions in work_, which begin at a cache line.
   Number* answer() {
     return reinterpret_cast<Number*>(work_.data() +
                                      (64 - reinterpret_cast<std::uintptr_t>(work_.data()) % 64) % 64 / sizeof(double));
@@ -237,7 +237,7 @@ class RobotBlock {
     const double* from[kMostInBatch];
     load_arrays(side_by_side(robots, from, [&](const Robot& r) { return at(scene.robots[r.number], r); }), count, to);
   }
-  /// from, of the border, into the robots' arrays.
+  /// Stores `from`, numbers of the border, into the robots' arrays.
   template <class To>
   static void store_border(const S* from, int count, Robots robots, To&& to) {
     double* memory[kMostInBatch];
@@ -248,70 +248,70 @@ class RobotBlock {
   std::shared_ptr<const Model> model_;
   const KktPattern &pattern_, &inner_;
   const sparse::LdlSchedule &schedule_, &inner_schedule_;
-  int rows_;  // that are eliminated
+  int rows_;  // rows that are eliminated
 
   VecX<S> q_, v_, tau_;
   SE3<S> base_;
-  // of floats (single.hpp)
-  struct BodySizes {  // of accelerations by qdd, and of forces
+  // members of floats (single.hpp)
+  struct BodySizes {  // sizes of accelerations by qdd, and of forces
     S moved, turned, force, moment;
   };
   std::vector<double> near_q_, per_turn_;  // q, each robot's own; 1/(2 pi) of its angles
   std::array<Vec3<double>, W> origin_;     // each robot's base: all places are seen from there
   std::vector<BodySizes> body_sizes_;
-  std::vector<float> signs_;  // per row of K: 1 or -1
+  std::vector<float> signs_;  // one entry per row of K: 1 or -1
   std::vector<std::array<StandingEnd<S>, 2>>
-      standing_;                                // per contact on the robots alone: A, B, where they do not move
+      standing_;                                // one entry per contact on the robots alone: A, B, if fixed
   std::vector<std::array<SE3<S>, 2>> on_body_;  // and the frames on the bodies where they move
   Mask usable_;                                 // q, v, tau are finite, quaternions of unit length ...
-  ModelNumbers<S> own_model_;                   // where the robots are not all of the plan's model
+  ModelNumbers<S> own_model_;                   // used where the robots are not all of the plan's model
   RobotQuantities<S> robot_;
   std::vector<ContactData<S>> contacts_;
-  std::vector<const PairNumbers<double>*> common_pair_;  // per contact: the numbers that all elements have (load_pair)
+  std::vector<const PairNumbers<double>*> common_pair_;  // one per contact: numbers that all elements have (load_pair)
   S smallest_row_, motion_;
 
-  Numbers n_;           // those at work
-  std::vector<S> own_;  // of robots alone
+  Numbers n_;           // the current numbers
+  std::vector<S> own_;  // memory of robots alone
   std::vector<S> pivot_terms_, r_, scale_;
-  std::optional<DependentRows<S>> dependent_;  // where the plan drops rows
+  std::optional<DependentRows<S>> dependent_;  // set where the plan drops rows
   S steps_, backward_error_, first_error_;
   std::uint64_t serial_ = 0;  // the solution and the robots that kinematics, M, K, L, D are of
   std::array<int, W> kept_;
   std::size_t kept_count_ = 0;
 
-  std::vector<S> joins_, border_;  // with a border
+  std::vector<S> joins_, border_;  // used with a border
   std::vector<int> triangle_;      // slots in L of the border's columns, below the diagonal; -1: zero
 
-  // of derivatives
+  // members of derivatives
   VecX<S> a_;
   std::vector<VecX<S>> contact_f_, contact_scratch_;  // rows of each contact
   std::vector<Vec6<S>> fext_;
   std::conditional_t<kSingle, Without, RneaDerivativesOf<S>> rnea_;
   std::vector<ContactDerivativesOf<S>> contact_terms_;
-  std::vector<std::vector<int>> columns_;  // per contact: its coordinates
-  std::vector<Slot> places_;               // of -dr/dq, -dr/dv: where they are not zero
-  DerivativeRequest request_;              // that reach_ is of
-  int q_first_ = 0;                        // of its columns
-  std::vector<Chunk> chunks_;              // of all columns
+  std::vector<std::vector<int>> columns_;  // one entry per contact: its coordinates
+  std::vector<Slot> places_;               // entries of -dr/dq, -dr/dv that may not be zero
+  DerivativeRequest request_;              // the request that reach_ belongs to
+  int q_first_ = 0;                        // first of its columns
+  std::vector<Chunk> chunks_;              // chunks of all columns
   std::vector<Band> bands_;
-  // Per row of K, in the pattern's order, for each chunk: where right-hand sides, and L^-1 times them, may be other
+  // One flag per row of K, in the pattern's order, for each chunk: right-hand sides, and L^-1 times them, may be other
   // than zero.
   std::vector<char> reach_, reached_;
-  std::vector<char> nonzero_;  // per row of K
+  std::vector<char> nonzero_;  // one flag per row of K
   std::vector<S> B_;           // right-hand sides, chunk by chunk: the rows that it reaches, in the pattern's order
-  std::vector<int> place_;     // of each entry of the panel in B_; -1: that is zero
+  std::vector<int> place_;     // place of each entry of the panel in B_; -1: that is zero
   std::vector<int> unset_;     // entries of B_ that the terms of contacts are added to before anything is written
   std::vector<S> inner_L_;     // L without the border's rows
   std::vector<S> packed_;      // sparse::ldl_pack
-  std::vector<S> inverse_;     // of the pivots
+  std::vector<S> inverse_;     // inverse of the pivots
   std::vector<double> Lx_, Dx_, Kx_;      // one robot's
-  std::vector<Piece> pieces_;             // of all columns
+  std::vector<Piece> pieces_;             // pieces of all columns
   std::vector<double> work_;              // a band, chunk after chunk; of solve_refined
   double rounding_;                       // sparse::ldl_rounding
   std::vector<BodyVariationOf<S>> body_;  // products: tangents, or adjoints
   std::vector<Vec6<S>> u_, dfext_, df_;
   std::vector<S> dq_, dv_, torque_;
-  // Where rows depend: J y = f; of jvp dq, of vjp what is added to wq; d(J y)/dq, in K's order; a chunk's correction.
+  // Used if rows depend: J y = f; jvp's dq, vjp's addition to wq; d(J y)/dq, in K's order; a chunk's correction.
   std::vector<S> y_, along_, rate_, correction_;
   std::vector<S> slope_;  // nv, where joints have friction: -d tau_f / dv
 };

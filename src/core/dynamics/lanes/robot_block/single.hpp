@@ -60,7 +60,7 @@ S size_of(const X& x) {
   return larger(larger(S(abs(x[0])), S(abs(x[1]))), S(abs(x[2])));
 }
 
-/// Into sizes, for coordinates in K's order: the terms of M a + h - J^T f.
+/// Sets sizes of the terms of M a + h - J^T f, for coordinates in K's order.
 template <class S>
 void RobotBlock<S>::size_torques(const Scene& scene, Robots robots, S* sizes) {
   const Kinematics<S>& kin = robot_.kin;
@@ -107,7 +107,7 @@ void RobotBlock<S>::size_torques(const Scene& scene, Robots robots, S* sizes) {
   }
 }
 
-/// Into sizes, for rows of J in K's order: the terms of J a + a0. a: the largest acceleration.
+/// Sets sizes of the terms of J a + a0, for rows of J in K's order. a: the largest acceleration.
 template <class S>
 void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots, const S& a, S* sizes) const {
   const Kinematics<S>& kin = robot_.kin;
@@ -118,7 +118,7 @@ void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots, const S& a, S
     double gain = std::abs(c.alpha);
     for (std::size_t m = 0; c.pair && m < c.pair->members.size(); ++m)
       gain = std::max(gain, std::abs(c.pair->members[m].alpha));
-    S far = size_of<S>(place);  // from the base; a float keeps so much of it
+    S far = size_of<S>(place);  // distance from the base; a float keeps so much of it
     for (const Attachment* at : {&c.A, &c.B})
       if (moves(*at)) far += size_of<S>(kin.origin(at->joint));
     const S lever = contacts_[k].joint_lever + size_of<S>(contacts_[k].aMA.p);

@@ -59,7 +59,7 @@ void evaluate_node(const Scene& scene, const SceneData& data, BodiesSystem& bodi
     s.armature[dof + i] = model.armature[of.idx_v + i];
     b.joints[dof + i] = data.tau[robot.idx_v + of.idx_v + i];
   }
-  if (of.parent < 0) b.motion[at].head<3>() -= scene.gravity;  // what bases accelerate with
+  if (of.parent < 0) b.motion[at].head<3>() -= scene.gravity;  // bases accelerate by -gravity
 }
 
 // The rows' forces on their bodies, and what is left of them where bodies do not accelerate.

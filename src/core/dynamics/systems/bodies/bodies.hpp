@@ -14,7 +14,7 @@ namespace manycontact {
 struct HeldBody {
   Vec6<double> a;
   BodyHold hold;
-  int row[6];  // of its rows among the scene's forces
+  int row[6];  // numbers of its rows among the scene's forces
 };
 
 class BodiesSystem final : public IslandSystem {
@@ -35,38 +35,38 @@ class BodiesSystem final : public IslandSystem {
   bool make_current(const Scene&, const SceneData&);
 
   IslandWork& owner;
-  std::vector<BodyKinematics<double>> kin;  // per robot of the island; by solve
+  std::vector<BodyKinematics<double>> kin;  // one entry per robot of the island; set by solve
   // subtree by subtree, where constrained bodies cut the trees; subtrees of one shape share a Shape
   const BodySubtrees* subtrees;
   struct Slot {
     const BodySubtree* subtree = nullptr;  // the current one
     BodySystem system;
     BodySolve solution;
-    std::vector<int> row;  // per row: its number among the scene's forces
+    std::vector<int> row;  // one entry per row: its number among the scene's forces
   };
   struct Shape {
     Shape(std::shared_ptr<const BodyPattern> pattern, const lanes::Level* level);
     std::shared_ptr<const BodyPattern> pattern;
-    BodyLdl ldl;                                 // of a subtree alone
+    BodyLdl ldl;                                 // factor of a subtree alone
     std::unique_ptr<lanes::SubtreeBatch> lanes;  // null: its subtrees are solved alone
     std::vector<Slot> slots;                     // one per subtree of a SIMD batch
     std::size_t filled = 0;
     std::vector<lanes::SubtreeBatch::Subtree> side_by_side;  // one per slot that is filled
   };
   std::vector<Shape> shapes;
-  std::vector<HeldBody> held;          // per cut
-  std::vector<Vec6<double>> reaction;  // per cut: of the subtree below
-  // as a whole
-  std::uint64_t state = 0;  // that factor and solution are of
+  std::vector<HeldBody> held;          // one entry per cut: the constrained body
+  std::vector<Vec6<double>> reaction;  // one entry per cut: reaction of the subtree below
+  // the system as a whole
+  std::uint64_t state = 0;  // the state that factor and solution belong to
   bool sound = false;       // and whether they can be used
   BodyFactor factor;
   BodySolve solution;
   bool drops = false;  // rows that depend on others; then derivatives are left to the whole K
   BodyDependence dependence;
 
-  // by jvp, vjp; made when first needed
-  std::vector<ContactData<double>> contacts;  // per contact of the island, at the solution
-  std::vector<BodyVariation> body;            // per node
+  // set by jvp, vjp; made when first needed
+  std::vector<ContactData<double>> contacts;  // one entry per contact of the island, at the solution
+  std::vector<BodyVariation> body;            // one entry per node
   BodySolve products;
 };
 

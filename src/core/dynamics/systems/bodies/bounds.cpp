@@ -28,14 +28,14 @@ internal::RowTerms<double> answered(const Contact& contact, const ContactData<do
   return internal::row_terms<double>(contact, rows, place);
 }
 
-// In one vector: per body the equations of a and f, then those of the joints and the rows.
+// Returns one vector: first each body's equations of a and f, then those of the joints and the rows.
 std::vector<double> uncertainty(const Scene& scene, SceneData& data, const BodiesSystem& form) {
   const Island& island = form.owner.island;
   const BodyPattern& p = *form.factor.system.pattern;
   const BodyResidual& left = form.solution.residual;
   const double c = (tolerance::kBoundRounding + 6) * std::numeric_limits<double>::epsilon();
   std::vector<double> w;
-  // what underflows is rounded to multiples of eps times the smallest normal number
+  // an underflow is rounded to multiples of eps times the smallest normal number
   const auto rounding = [c](double scale) { return c * std::max(scale, std::numeric_limits<double>::min()); };
   w.reserve(12 * static_cast<std::size_t>(p.nodes) + p.nv + p.nc);
   for (int i = 0; i < p.nodes; ++i) {
@@ -131,7 +131,7 @@ bool BodiesSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
   const BodyVectors& x = solution.x;
   (void)backward_error(factor.system, solution.b, x, solution.residual);
   const std::vector<double> w = uncertainty(scene, data, *this);
-  // where subtrees were solved: the distance to the whole system's solution, whose error is bounded
+  // if subtrees were solved: the distance to the whole system's solution, whose error is bounded
   double da = 0, df = 0;
   each_velocity_block(scene, owner.island, [&](int from, int to, int n) {
     if (n > 0) da = std::max(da, (data.a.segment(from, n) - x.joints.segment(to, n)).cwiseAbs().maxCoeff());

@@ -120,7 +120,7 @@ void adjoint_contacts(const Scene& scene, const SceneData& data, BodiesSystem& f
   }
 }
 
-// From gradients per body to gradients per coordinate, as algorithm/rnea_products.hpp's pull_back.
+// Turns gradients per body into gradients per coordinate, as algorithm/rnea_products.hpp's pull_back.
 void pull_back_bodies(BodiesSystem& form, double* wq, double* wv) {
   const BodySystem& s = form.factor.system;
   const BodyPattern& p = *s.pattern;

@@ -57,7 +57,7 @@ TwistSize size_of_column(const Kinematics<double>& kin, int joint, int k) {
 // M's entries are S^T Yc S, h's S^T f, with Yc and f about the tree frame's origin.
 void internal::torque_terms(const Model& model, const RobotData& r, const double* a, double* w, double* largest_of_M) {
   const std::size_t n = model.joints.size();
-  std::vector<TwistSize> v(n), acceleration(n), force(n);  // of the motions: the largest from the base on
+  std::vector<TwistSize> v(n), acceleration(n), force(n);  // sizes of the motions: the largest from the base on
   std::vector<InertiaSize> Yc(n);
   for (int i = 0; i < model.njoints(); ++i) {
     if (const int parent = model.joints[i].parent; parent >= 0)
@@ -141,7 +141,7 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Matri
   const Workspace& work = *data.workspace;
   const KktVectors& s = m.v;
   const int* iperm = m.K.pattern->iperm.data();
-  std::vector<double> w(m.owner.island.size(), 0.0), a(m.owner.island.nv);  // in the island's order
+  std::vector<double> w(m.owner.island.size(), 0.0), a(m.owner.island.nv);  // both in the island's order
   for (int k = 0; k < m.owner.island.nv; ++k) a[k] = s.x[iperm[k]];
   for (std::size_t k = 0; k < m.owner.island.robots.size(); ++k) {
     const int r = m.owner.island.robots[k], o = m.owner.island.dof_offset[k];
@@ -157,7 +157,7 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Matri
     for (int i = 0, row = m.owner.island.row_offset[k]; i < scene.contacts[c].rows(); ++i, ++row)
       w[m.owner.island.nv + row] = terms.of_row(i) * unit_of(m, row);
   }
-  std::vector<double> x(s.x), of_J(w.size(), 0.0);  // in elimination order
+  std::vector<double> x(s.x), of_J(w.size(), 0.0);  // both in elimination order
   for (double& entry : x) entry = std::abs(entry);
   internal::add_terms_of_J(scene, work, m, x, of_J);
   const double c = rounding(scene, m);
@@ -193,7 +193,7 @@ std::vector<double> kept_rows(const MatrixSystem& m, int first, int count) {
   return kept;
 }
 
-// Where rows depend on others, rounding of J turns the null space of J^T too, and the forces of least norm with it: by
+// If rows depend on others, rounding of J rotates the null space of J^T too, and the forces of least norm with it: by
 // P dJ J^+ f, P = I - J J^+ (Golub, Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). The largest entry of
 // |P| |dJ| |y|, J y = f; dJ is what the rows were computed with in their own columns, and what orthogonal elimination
 // leaves of a row in all (Higham, theorem 19.4).

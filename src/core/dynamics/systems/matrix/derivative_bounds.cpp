@@ -82,7 +82,7 @@ void add_turned_forces(const Model& model, const Kinematics<double>& kin, const 
 // rotates with a coordinate is as large as itself, and products of velocities are twice as large to one of them.
 struct TermsOfDerivatives {
   std::vector<double> q, v;
-  std::vector<double> M;  // of dynamics: size of the terms of the largest entry of M's row
+  std::vector<double> M;  // one entry per row of dynamics: size of the terms of the largest entry of M's row
 };
 TermsOfDerivatives terms_of_derivatives(const Scene& scene, const SceneData& data, const MatrixSystem& m) {
   const Workspace& work = *data.workspace;
@@ -132,7 +132,7 @@ std::vector<double> terms_of_errors(const Scene& scene, const SceneData& data, c
   const Workspace& work = *data.workspace;
   const Island& island = m.owner.island;
   std::vector<double> out(island.size(), 0.0);
-  std::vector<std::vector<Vec6<double>>> fext;  // per robot of the island: sizes of the contacts' forces on its bodies
+  std::vector<std::vector<Vec6<double>>> fext;  // one list per robot: sizes of the contacts' forces on its bodies
   for (int r : island.robots) fext.emplace_back(scene.robots[r].model->njoints(), Vec6<double>(Vec6<double>::Zero()));
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[island.contacts[k]];
@@ -215,9 +215,9 @@ struct Panel {
 struct Columns {
   const Panel& panel;
   int first, count;
-  const AlignedPanel* R = nullptr;             // without external wrenches and springs
-  const std::vector<double>* terms = nullptr;  // per row of the island, that R is computed from
-  std::vector<double> applied = {};            // per row of dynamics, of external wrenches and springs
+  const AlignedPanel* R = nullptr;             // residual, without external wrenches and springs
+  const std::vector<double>* terms = nullptr;  // one entry per row of the island: terms of R
+  std::vector<double> applied = {};            // one entry per row of dynamics: external wrenches' and springs' terms
   bool by_q = false;
 
   double largest(const AlignedPanel& X, int row, int rows = 1) const {
@@ -251,7 +251,7 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
       m.deficient() ? sizes_of_G(scene, *data.workspace, m, unknown_contradiction(scene, *data.workspace, m))
                     : std::vector<double>();
   const std::vector<double> none(island.size(), 0.0);
-  std::vector<double> sizes(island.size()), rest(island.size()), w(island.size());  // in order of elimination
+  std::vector<double> sizes(island.size()), rest(island.size()), w(island.size());  // all in order of elimination
   const auto bound_columns = [&](const Columns& of, double& of_a, double& of_f) {
     if (of.count == 0) return;
     const KktPattern& p = *m.K.pattern;
@@ -281,7 +281,7 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
     of_a = Known{of.largest(of.panel.X, 0, island.nv), bound(0, island.nv)}.relative();
     if (island.nc == 0 || !derivatives.request.forces) return;
     const double df = of.largest(of.panel.X, island.nv, island.nc);
-    // of external wrenches and springs they may cancel those of all others
+    // changes by external wrenches and springs may cancel those of all others
     const double summed = m.deficient() ? bound_of_solution(m, of_applied, island.nv, island.nc) : 0;
     of_f = Known{df, bound(island.nv, island.nc) + projected * (df + summed)}.relative();
   };

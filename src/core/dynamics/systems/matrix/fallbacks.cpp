@@ -277,7 +277,7 @@ bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thre
   if (m.factor == m.dense.get() || !may_ask_oracle(m)) return false;
   const Attempt oracle{FactorKind::kDense, m.owner.choice.order, scene.damping};
   if (attempt(scene, data, thread.scratch, oracle, m, thread.spare_report) == Reason::kNone) return true;
-  (void)solve_by_fallbacks(scene, data, thread.scratch, m, thread.spare_report);  // as before, for calls to come
+  (void)solve_by_fallbacks(scene, data, thread.scratch, m, thread.spare_report);  // restores it for calls to come
   return false;
 }
 

@@ -5,7 +5,7 @@
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
-// With dependent rows the force of least norm stays in J's range: P f = 0 for the projector P = I - J J^+ on J^T's null
+// If rows depend, the force of least norm stays in J's range: P f = 0 for the projector P = I - J J^+ on J^T's null
 // space. Differentiated at constant rank, P df = P D dq with D = d(J(q) y)/dq at constant y = J^+ f: how the contacts'
 // velocities change when the joints move with y.
 //

@@ -27,7 +27,7 @@ bool MatrixSystem::dropped_rows() const { return owner.answered_by(this) && by_d
 
 namespace {
 
-// What the change of J adds to K x, in K's order; nothing where there is none.
+// Returns the product of the change of J in K with x, in K's order; empty if J is unchanged.
 std::vector<double> change_of(const MatrixSystem& m) {
   std::vector<double> out;
   m.each_change([&](int row, int column, double value) {
@@ -38,7 +38,7 @@ std::vector<double> change_of(const MatrixSystem& m) {
   return out;
 }
 
-// Of the scene's own equations, with J as it was before rows were made dependent.
+// Reports the residuals of the scene's own equations, with J as it was before rows were made dependent.
 void report_residuals(const Scene& scene, const MatrixSystem& m, IslandReport& report) {
   const KktPattern& p = *m.K.pattern;
   const KktVectors& s = m.v;
@@ -93,7 +93,7 @@ bool solve_at_state(const Scene& scene, const SceneData& data, ThreadWork& threa
 // decide.
 bool in_doubt(const Scene& scene, const MatrixSystem& m) {
   const KktPattern& p = *m.K.pattern;
-  double size[2] = {scene.gravity.cwiseAbs().maxCoeff(), 0}, change[2] = {0, 0};  // of a, of f
+  double size[2] = {scene.gravity.cwiseAbs().maxCoeff(), 0}, change[2] = {0, 0};  // largest a, f and changes
   const std::vector<double> changed = change_of(m);
   constexpr double kRounding = tolerance::kBoundRounding * std::numeric_limits<double>::epsilon();
   for (int k = 0; k < p.size(); ++k) {
@@ -120,7 +120,7 @@ void take_judged_answer(const Scene& scene, SceneData& data, ThreadWork& thread,
   if (thread.spare_report.status != report.status) std::swap(report, thread.spare_report);
 }
 
-// By the factors that drop rows, which most states need where the one before did.
+// Solves by the factors that drop rows, which most states need if the one before did.
 bool solve_dependent(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& m,
                      IslandReport& report) {
   internal::evaluate_at_state(scene, data, m.owner);

@@ -22,9 +22,9 @@ struct DependentDerivatives {
   Eigen::VectorXd y;                     // nv: J y = f
   bool known = false;                    // y is of the current factor
   Eigen::VectorXd dofs, gradient, rows;  // scratch: nv, nv, nc
-  // by take_columns
+  // set by take_columns
   std::vector<char> in_null_space;  // nc
-  std::vector<int> contacts;        // of the island, with rows there
+  std::vector<int> contacts;        // contacts of the island with rows there
   std::vector<int> columns, place;  // coordinates that their J changes with; nv: where these are among them
   int ld = 0;
   std::vector<double> panel;  // scratch: size x ld
@@ -71,7 +71,7 @@ class MatrixSystem final : public IslandSystem {
 
   IslandWork& owner;
   std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J; by make_joint_space
-  std::uint64_t state = 0;                    // that all below is of
+  std::uint64_t state = 0;                    // the state that all below belongs to
   KktMatrix K;
   KktVectors v;                   // x: the solution
   std::vector<double> row_terms;  // nc, scratch of the factorization
@@ -86,7 +86,7 @@ class MatrixSystem final : public IslandSystem {
   double tolerated = 0;        // inconsistency that rows made dependent may have, relative to their terms
   bool was_dependent = false;  // the last solve found rows dependent
   std::vector<int> dependent;  // scratch: rows of J
-  std::unique_ptr<DependentDerivatives> rows;  // by differentiate and products, where rows depend
+  std::unique_ptr<DependentDerivatives> rows;  // set by differentiate and products, if rows depend
 };
 
 inline double unit_of(const MatrixSystem& m, int row) { return m.unit.empty() ? 1 : m.unit[row]; }
@@ -122,7 +122,7 @@ double rounding_of_J(const Scene& scene, const MatrixSystem& system);
 /// more than what is left of what they are computed from.
 void add_terms_of_J(const Scene& scene, const Workspace& work, const MatrixSystem& system,
                     const std::vector<double>& sizes, std::vector<double>& w);
-/// Where contacts are inconsistent by r, rounding errors of J change the least squares by K^+ K^+ [dJ^T r; 0] (Golub,
+/// If contacts are inconsistent by r, rounding errors of J change the least squares by K^+ K^+ [dJ^T r; 0] (Golub,
 /// Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). |dJ^T r|; both in elimination order.
 std::vector<double> turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& system,
                                          const std::vector<double>& r);
@@ -186,14 +186,14 @@ bool solve_columns(MatrixSystem& system, double* X, int ld, PanelWork& work);
 /// v.x <- K^+ v.b by the current factor, refined once. False, and NaN, where that is inaccurate.
 bool solve_vector(MatrixSystem& system, KktVectors& v);
 
-// Where rows are dependent (least_norm_forces.cpp), of derivatives and of products with them. While AtSolution lives.
+// Dependent rows' terms (least_norm_forces.cpp) of derivatives and of products with them. While AtSolution lives.
 
 /// Adds to dforces_dq, or to df = -y of the scratch along dq, what keeps the forces of least norm. v: scratch.
 void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& system, KktVectors& v,
                        IslandDerivatives& out);
 void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,
                        ProductWork& work);
-/// Where the contacts are inconsistent, a solves J^T (J a + a0) = 0: adds the effect of J^T's rotation to -dr2, of the
+/// If the contacts are inconsistent, a solves J^T (J a + a0) = 0: adds the effect of J^T's rotation to -dr2, of the
 /// panel or of the scratch along dq. False where that is inaccurate.
 bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
                        PanelWork& work);

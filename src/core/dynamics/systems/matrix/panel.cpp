@@ -104,7 +104,7 @@ bool needs_no_refinement(MatrixSystem& m) {
   return m.first_error <= tolerance::kRefinePanel || m.factor->panel_error(m.K) <= tolerance::kRefinePanel;
 }
 
-// Where rows depend and entries grow, norms hide what is lost in small entries: columns one by one, refined until each
+// If rows depend and entries grow, norms hide what is lost in small entries: columns one by one, refined until each
 // of their rows is as good as the solve's, or no better. False where one is inaccurate.
 bool solve_one_by_one(MatrixSystem& m, double* X, int ld, KktVectors& v) {
   const KktPattern& p = *m.K.pattern;

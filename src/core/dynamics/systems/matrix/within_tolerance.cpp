@@ -39,12 +39,12 @@
 namespace manycontact {
 
 struct WithinTolerance::Work {
-  // of the island
-  std::vector<char> turns;                                         // per coordinate: in rad
-  std::vector<int> contact, row;                                   // per row of J
-  std::vector<std::vector<std::pair<int, Eigen::Index>>> columns;  // per coordinate: contacts that have it, and where
+  // constants of the island
+  std::vector<char> turns;                                         // one flag per coordinate: its unit is rad
+  std::vector<int> contact, row;                                   // one entry per row of J
+  std::vector<std::vector<std::pair<int, Eigen::Index>>> columns;  // one per coordinate: contacts that have it; where
 
-  // by find
+  // set by find
   std::vector<double> K, L, D, row_scale;
   sparse::LdlWorkspace ldl;
   std::vector<char> of_M;
@@ -272,7 +272,7 @@ bool take_change(const Workspace& work, const IslandWork& d, const std::vector<i
 // The change of J for the columns of N in one cluster. Whether it is no more than the errors of J.
 bool take_changes(const Workspace& work, const IslandWork& d, const KktPattern& p,
                   const rank::DependentRows::Cluster& cluster, Work& w) {
-  std::vector<int> rows;  // of J, that the cluster has
+  std::vector<int> rows;  // rows of J in the cluster
   const auto each = [&](auto&& use) {
     for (int m = 0; m < cluster.count; ++m) {
       const int n = w.rows.members[cluster.first + m];
@@ -331,7 +331,7 @@ double WithinTolerance::make_dependent(const Scene& scene, Workspace& work, cons
   for (std::size_t n = 0; n + 1 < w.rows.Np.size(); ++n)
     largest = std::max(largest, std::accumulate(w.rows.Nx.begin() + w.rows.Np[n], w.rows.Nx.begin() + w.rows.Np[n + 1],
                                                 0.0, [](double sum, double x) { return sum + std::abs(x); }));
-  constexpr int kFactors = 4;  // of N^T J' v: N, what J changes by, and v, which changes J and is changed
+  constexpr int kFactors = 4;  // factors of N^T J' v: N, what J changes by, and v, which changes J and is changed
   return kFactors * largest * w.tolerance / w.lever;
 }
 

@@ -13,7 +13,7 @@ struct Workspace;
 
 /// A change of an entry of the island's J.
 struct RowChange {
-  int row, column;  // of the island
+  int row, column;  // numbers in the island
   double value;
 };
 
@@ -25,7 +25,7 @@ class WithinTolerance {
   /// start and now differ by the contacts' misplacements (within_tolerance.cpp). Call it after evaluate. Returns the
   /// largest inconsistency that such rows may have, relative to the terms that they are computed from.
   double make_dependent(const Scene& scene, Workspace& work, const IslandWork& d);
-  /// What it changed, if it did.
+  /// The changes of J; empty if there are none.
   std::span<const RowChange> changes() const;
   /// After that: the error of entries of J in rows of lengths, at a coordinate of the island.
   double inaccuracy(int coordinate) const;

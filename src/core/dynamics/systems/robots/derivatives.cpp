@@ -100,10 +100,10 @@ void differentiate_interface(const Scene& scene, const SceneData& data, RobotsSy
 struct End {
   const RobotsSystem::Coupling& coupling;
   lanes::JoinTerms terms;
-  int among;       // of the robot's joins
+  int among;       // number among the robot's joins
   int row;         // the first in G_r
-  bool B;          // of the contact
-  int first, end;  // of the contact's columns: those on this robot
+  bool B;          // it is the contact's end B
+  int first, end;  // range of the contact's columns on this robot
 };
 // use(end) for each of robot k, in the order of its joins.
 template <class Use>
@@ -301,7 +301,7 @@ bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, boo
                  finish_sample(system, number(l), out);
                }
              });
-  std::transform(system.D.begin(), system.D.end(), by.D.begin(), std::negate<>());  // of S, not -S
+  std::transform(system.D.begin(), system.D.end(), by.D.begin(), std::negate<>());  // D of S, not of -S
   interface_rhs(by, out.X);
   return sample_is_good(scene, w, system, out.X);
 }

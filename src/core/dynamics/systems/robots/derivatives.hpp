@@ -30,14 +30,14 @@ struct RobotsDerivatives {
   };
   struct OfRobot {
     int nv = 0;
-    std::vector<int> row, join;  // per row of K_r and of G_r: the island's row; constant
-    std::vector<double> ends;    // of the contacts that join it: MovingEnd, then EndForce
-    // for the request
-    int q_first = 0, v_first = 0, u_first = 0, own = 0;  // of the panel: as lanes::DerivativeJob has them
-    std::vector<Columns> columns;                        // where B_r is not zero
-    std::vector<Columns> sampled;                        // those of the sample, in its panel
-    std::vector<lanes::Sampled> copied;                  // of these, those of the SIMD batch
-    int ld = 0;                                          // of P and H
+    std::vector<int> row, join;  // one entry per row of K_r and of G_r: the island's row; constant
+    std::vector<double> ends;    // ends of the contacts that join it: MovingEnd, then EndForce
+    // set for the request
+    int q_first = 0, v_first = 0, u_first = 0, own = 0;  // columns of the panel, as lanes::DerivativeJob has them
+    std::vector<Columns> columns;                        // columns where B_r is not zero
+    std::vector<Columns> sampled;                        // columns of the sample, in its panel
+    std::vector<lanes::Sampled> copied;                  // sampled columns that SIMD batches copy
+    int ld = 0;                                          // leading dimension of P and H
     // numbers
     AlignedPanel P;            // K_r^-1 [E_r, B_r], forces with their own sign
     std::vector<double> G;     // G_r^T, nv x padded
@@ -45,8 +45,8 @@ struct RobotsDerivatives {
     std::vector<double> T;     // T_r^T where accelerations come out, -T_r^T where forces do; by rows of G_r, padded
     std::vector<double> B;     // sampled columns of B_r, one after the other
     std::vector<double> x;     // one of the solution; zeros behind it
-    std::vector<double> left;  // of each, in the interface rows: the robot's part of the residual, and of its size
-    double error = 0;          // of these columns, in the robot's rows: the largest backward error
+    std::vector<double> left;  // interface rows of each column: the robot's part of the residual, and of its size
+    double error = 0;          // largest backward error of these columns in the robot's rows
 
     int size() const { return static_cast<int>(row.size()); }
     int padded() const { return sparse::padded(static_cast<std::ptrdiff_t>(join.size())); }
@@ -58,18 +58,18 @@ struct RobotsDerivatives {
   bool has_room = false;
 
   std::vector<double> terms;    // lanes::JoinTerms of the contacts that join robots, one after the other
-  std::vector<std::size_t> at;  // per contact that joins robots: where, in `terms`
-  std::vector<int> eliminated;  // per interface row, in the order of S: the island's row
-  std::vector<double> D;        // of S
+  std::vector<std::size_t> at;  // one entry per contact that joins robots: its offset in `terms`
+  std::vector<int> eliminated;  // one entry per interface row, in the order of S: the island's row
+  std::vector<double> D;        // D of the factor of S
   struct Sample {               // a column of each robot's, to be judged with the island's K
-    std::vector<int> column;    // of X
+    std::vector<int> column;    // columns of X
     AlignedPanel X;
-    std::vector<double> b;    // of the interface rows, column after column
-    double robots_error = 0;  // of the robots' rows; those of the interface are not refined
+    std::vector<double> b;    // right-hand sides of the interface rows, column after column
+    double robots_error = 0;  // error in the robots' rows; those of the interface are not refined
   } sample;
-  struct Buffers {              // of a thread
-    std::vector<double> work;   // of a solve with S
-    std::vector<char> nonzero;  // of S
+  struct Buffers {              // memory of a thread
+    std::vector<double> work;   // scratch of a solve with S
+    std::vector<char> nonzero;  // flags of the rows of S
     std::vector<double> E, ED;  // columns E of a panel, as rows; K_r^-1 E D
   };
   std::vector<Buffers> buffers;

@@ -19,7 +19,7 @@ void each_batch(Workspace& w, RobotsSystem& system, double of_solve, Step&& step
   };
   each_item(w, count, are_worth_threads(w, of_solve * system.seconds), [&](std::size_t k, ThreadWork& thread) {
     const RobotsSystem::Batch& batch = item(k);
-    const std::size_t next = k + threads;  // of the same thread
+    const std::size_t next = k + threads;  // next item of the same thread
     double* memory = system.memory.data();
     const std::span<RobotsSystem::Robot> robots = std::span(system.members).subspan(batch.first, batch.count);
     const lanes::RobotBlocks::Memory at{memory + batch.at, memory + (next < count ? item(next) : batch).at};

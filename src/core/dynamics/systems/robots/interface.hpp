@@ -21,17 +21,17 @@ struct Interface {
   explicit Interface(const IslandShape& shape);
 
   struct OfRobot {
-    std::vector<int> contacts;        // of the island: those on this robot alone
+    std::vector<int> contacts;        // contacts of the island on this robot alone
     std::vector<int> joins;           // and those that join it to another
     std::vector<int> neighbours;      // robots of the island at their other ends
-    std::vector<int> interface_rows;  // per row of G_r: the interface row
-    std::vector<int> slot;            // of the upper triangle of G_r K_r^-1 G_r^T, by columns, in S
+    std::vector<int> interface_rows;  // one entry per row of G_r: the interface row
+    std::vector<int> slot;            // slots in S of the upper triangle of G_r K_r^-1 G_r^T, by columns
   };
   std::vector<OfRobot> robots;
-  std::vector<int> row;          // per interface row: the island's row
+  std::vector<int> row;          // one entry per interface row: the island's row
   std::vector<int> perm, place;  // perm[k]: interface row eliminated k-th from S; place its inverse
-  sparse::UpperCsc S;            // its pattern, in that order
-  int nonzeros = 0;              // of its factor, and multiply-adds
+  sparse::UpperCsc S;            // pattern of S, in that order
+  int nonzeros = 0;              // nonzeros of its factor; multiply-adds
   double flops = 0;
   sparse::LdlSchedule schedule;
 

@@ -67,7 +67,7 @@ double cost_ldl(int rows, double nonzeros, double flops) {
 }
 double cost_ldl(const sparse::LdlSymbolic& L) { return cost_ldl(L.n, L.nonzeros(), L.flops); }
 
-// By what a plan depends on: the structure, whether joints have friction, the contacts' types and joints, the order of
+// Finds the group by all that a plan depends on: structure, friction in joints, contacts' types and joints, order of
 // elimination, the rows dropped.
 BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
   const Scene& scene = block.scene;
@@ -99,7 +99,7 @@ void make_kernels(Workspace& w, BlockGroup& group, bool side_by_side) {
     for (const auto& kernel : kernels) kernel->reserve_batch();
   };
   make(group.kernels, w.lanes.level->make);
-  if (!group.plan->dropped.empty()) return;  // those are solved in double
+  if (!group.plan->dropped.empty()) return;  // islands with dropped rows are solved in double
   // The inconsistency of a pair's contacts is judged relative to the rounding errors of doubles.
   const auto is_pair = [](const Contact& c) { return c.pair != nullptr; };
   if (w.options.precision == Precision::kSingle && std::ranges::none_of(group.plan->scene.contacts, is_pair))
@@ -127,7 +127,7 @@ bool before(const Contact& x, const Contact& y) {
         static_cast<double>(c.reference_frame), c.alpha, c.beta, c.axis[0], c.axis[1], c.axis[2]};
   };
   const auto a = numbers(x), b = numbers(y);
-  return std::memcmp(a.data(), b.data(), sizeof a) < 0;  // of bits: NaN has its place too
+  return std::memcmp(a.data(), b.data(), sizeof a) < 0;  // compares bits: NaN has its place too
 }
 
 InterfaceContactGroup& group_of(const Scene& scene, Workspace& w, int c) {
@@ -209,9 +209,9 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d, Order ord
   return out;
 }
 
-// As chosen, but each robot leaf-to-root where contacts-early costs hardly less: that lets entries grow so much less
-// that derivatives robot by robot are sound, which take a quarter of the whole K's. Where no robot is joined by more
-// rows than it has coordinates: of hubs they are not cheaper.
+// Uses the chosen order, but each robot leaf-to-root if contacts-early costs hardly less: that lets entries grow less,
+// so that derivatives robot by robot are sound, which take a quarter of the whole K's. Not if a robot is joined by more
+// rows than it has coordinates: derivatives of hubs are not cheaper.
 std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d) {
   std::unique_ptr<RobotsSystem> robots = join_robots(w, d, d.choice.order);
   if (!robots || !robots->solves || d.choice.order != Order::kContactsEarly) return robots;
@@ -235,7 +235,7 @@ void take_memory(RobotsSystem& system) {
   system.contact_batches.reserve(rows);
 }
 
-// Which of the scene's contacts they are.
+// Assigns the scene's contacts to the island's couplings and robots.
 void bind_island(const Scene& scene, Workspace& w, const IslandWork& d, RobotsSystem& system) {
   const Interface& interface = *system.interface;
   const auto among = [&](int robot, std::size_t contact) {

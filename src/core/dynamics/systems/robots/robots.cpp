@@ -245,7 +245,7 @@ void store_answer(const lanes::Job& job, Workspace& w, RobotsSystem& s) {
     for (int i = 0; i < coupling.rows; ++i) job.f[job.f_offset[coupling.contact] + i] = -s.y[coupling.row + i];
 }
 
-// As RobotBlock::plainly_damped.
+// Does what RobotBlock::plainly_damped does.
 bool plainly_damped(const Scene& scene, const SceneData& data, const RobotsSystem& s) {
   if (scene.damping == 0) return true;
   double force = 0;

@@ -34,7 +34,7 @@ struct BlockGroup {
 
 /// Contacts that join two robots, identical except for places and gains.
 struct InterfaceContactGroup {
-  struct Key {  // what their kernels are made for
+  struct Key {  // properties that their kernels are made for
     const ModelStructure *A, *B;
     int kind;  // kind_of(contact)
     int joint_A, joint_B;
@@ -46,12 +46,12 @@ struct InterfaceContactGroup {
 /// SIMD batches of robots, formed by prepare.
 struct InLanes {
   const lanes::Level* level = nullptr;                                              // nullptr: no batches
-  std::map<std::pair<const ModelStructure*, std::vector<int>>, BlockGroup> groups;  // by what plans depend on
+  std::map<std::pair<const ModelStructure*, std::vector<int>>, BlockGroup> groups;  // keys: what plans depend on
   std::map<InterfaceContactGroup::Key, InterfaceContactGroup> contacts;
   // scratch of a call: its islands, those of a SIMD batch one after the other
   struct Batch {
     BlockGroup* group;
-    int first, count;  // of islands and robots
+    int first, count;  // range of islands and robots
   };
   std::vector<int> islands;
   std::vector<lanes::RobotBlocks::Robot> robots;
@@ -62,9 +62,9 @@ struct InLanes {
 /// functions of `alone.cpp` below). For one island alone it has no solution, and the whole K solves what batches left.
 struct AloneSystem final : IslandSystem {
   BlockGroup* group = nullptr;      // nullptr: it is in no SIMD batch; by prepare
-  BlockGroup* dependent = nullptr;  // where rows were found to depend: with the last such rows dropped
-  BlockGroup* by = nullptr;         // which of the two gave the last solution
-  // of the last solution that came from a SIMD batch
+  BlockGroup* dependent = nullptr;  // group with the last rows found dependent dropped; nullptr: none were
+  BlockGroup* by = nullptr;         // the one of the two that gave the last solution
+  // set by the last solution that came from a SIMD batch
   bool panel_is_safe = false;  // whether derivatives may come from there too
   bool refine_panel = false;   // and are refined once
 };
@@ -82,13 +82,13 @@ class RobotsSystem final : public IslandSystem {
   bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) override;
   bool invert(const Scene&, SceneData&, ThreadWork&, ProductWork&) override;
 
-  /// From here on with or without the rows of `dropped`.
+  /// Uses the groups with or without the rows of `dropped` from now on.
   void drop_rows(bool on);
 
   /// The factors of the robots and of the interface rows, and the right-hand side, at the current state. False where
   /// these are not sound.
   bool factorize(const Scene& scene, SceneData& data);
-  bool solve_in_use(const Scene&, SceneData&, IslandReport&);  // by the groups in use
+  bool solve_in_use(const Scene&, SceneData&, IslandReport&);  // solves by the groups in use
   /// Growth of K's entries in these factors, as Factor has it.
   double growth() const;
 
@@ -97,7 +97,7 @@ class RobotsSystem final : public IslandSystem {
   struct Batch {  // robots of a SIMD batch: numbers of `order`
     BlockGroup* group;
     int first, count;
-    std::size_t at;  // in `memory`
+    std::size_t at;  // offset in `memory`
   };
   struct ContactBatch {  // the same, of `contacts`
     InterfaceContactGroup* group;
@@ -105,45 +105,45 @@ class RobotsSystem final : public IslandSystem {
   };
   struct Coupling {  // a contact that joins robots
     InterfaceContactGroup* group;
-    int contact;           // of the scene
-    int number;            // of the island
+    int contact;           // number in the scene
+    int number;            // number in the island
     int row, rows;         // the first of its interface rows, and how many
     int A, B;              // robots of the island
-    int among_A, among_B;  // their joins
+    int among_A, among_B;  // numbers among the joins of A and B
     double smallest_row, motion;
   };
   struct OfRobot {
     BlockGroup* group;  // the one in use, of these two
     BlockGroup* ordinary;
     BlockGroup* dependent = nullptr;  // nullptr: no row of it is dropped
-    std::vector<int> contacts = {};   // on it alone, of the scene
-    int member = 0;                   // of `members`: its place in `order`
-    std::vector<int> couplings = {};  // of `contacts`: those that join it, in the order of its joins
+    std::vector<int> contacts = {};   // contacts on it alone, numbers in the scene
+    int member = 0;                   // index in `members`: its place in `order`
+    std::vector<int> couplings = {};  // indices in `contacts`: those that join it, in the order of its joins
   };
 
   std::shared_ptr<const Interface> interface;
   bool solves = false;                // it is the island's first way: predicted to be cheaper than its factor
   double seconds = 0;                 // predicted, of a solve
-  Order within = Order::kLeafToRoot;  // in which each robot is eliminated
+  Order within = Order::kLeafToRoot;  // order in which each robot is eliminated
   std::vector<int> order;             // robots of the island, group by group
   std::vector<OfRobot> robots;
   std::vector<int> dropped;    // rows of the island that depended on others when last solved, robots' own all of them
   bool drops = false;          // robots' groups are those without them
-  bool contradiction = false;  // of the last solution that was given so: derivatives have a term of it, in the whole K
-  // by prepare, for the current island
+  bool contradiction = false;  // the last solution was inconsistent: derivatives have a term of it, in the whole K
+  // set by prepare, for the current island
   std::vector<Coupling> contacts;  // group by group, like ones together
-  std::vector<Robot> members;      // as `order`; filled by solve
+  std::vector<Robot> members;      // robots in the order of `order`; filled by solve
   Robot& member(std::size_t robot) { return members[robots[robot].member]; }
   const Robot& member(std::size_t robot) const { return members[robots[robot].member]; }
-  // by factorize
+  // set by factorize
   std::vector<Batch> batches;
   std::vector<ContactBatch> contact_batches;
-  std::uint64_t state = 0;                         // that all of this is of; 0 where it is not sound
+  std::uint64_t state = 0;                         // the state that all of this belongs to; 0 where it is not sound
   double first_error = 0;                          // backward error of the solution before refinement
   bool back = false;                               // the way the last step took through the batches
-  sparse::LargeMemory memory;                      // of the batches and their robots
+  sparse::LargeMemory memory;                      // numbers of the batches and their robots
   std::vector<double> Sx, L, D, terms;             // -S and its factor, in its order
-  std::vector<double> b, y, r, scale, step;        // of the interface rows
+  std::vector<double> b, y, r, scale, step;        // vectors of the interface rows
   std::unique_ptr<RobotsDerivatives> derivatives;  // made when first needed
 };
 

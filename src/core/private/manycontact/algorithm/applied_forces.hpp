@@ -25,23 +25,23 @@ struct AppliedForces {
 
   struct OfRobot {                                    // a robot with an external wrench, a spring or a spring in a
                                                       // joint
-    int robot = -1;                                   // of the scene
-    std::vector<int> pushes, springs, joint_springs;  // on it; springs: with end A on it
+    int robot = -1;                                   // number in the scene
+    std::vector<int> pushes, springs, joint_springs;  // forces on it; springs: with end A on it
     std::vector<int> joints;  // ascending: of the bodies that forces act on, and of those before them in the tree
     Kinematics<S> kin;        // velocities too; not of a robot with joints' springs alone
     std::vector<Vec6<S>> f;   // njoints, of `joints`: on the body; after add_applied_forces on its subtree
   };
   struct OfSpring {
-    Vec3<S> d, n;   // from B to A in the world, and its direction
-    Vec3<S> rate;   // of d
+    Vec3<S> d, n;   // vector from B to A in the world, and its direction
+    Vec3<S> rate;   // time derivative of d
     S length, t;    // |d|; t = damping d|d|/dt - stiffness (length at rest): the force on A is -stiffness d - t n
     bool directed;  // n has a meaning, or none is needed
   };
 
-  std::vector<OfRobot> robots;    // by their numbers
-  std::vector<int> number;        // per robot of the scene: its place in `robots`, -1: nothing acts on it
-  std::vector<Vec6<S>> pushes;    // per external wrench: on its body, in the tree frame
-  std::vector<OfSpring> springs;  // per spring
+  std::vector<OfRobot> robots;    // ascending by robot number
+  std::vector<int> number;        // one entry per robot of the scene: its place in `robots`, -1: nothing acts on it
+  std::vector<Vec6<S>> pushes;    // one entry per external wrench: on its body, in the tree frame
+  std::vector<OfSpring> springs;  // one entry per spring
 };
 
 /// Computes the wrenches on bodies at q (nq), v (nv); `w` has the external wrenches. They are in each robot's `f`, for
@@ -59,7 +59,7 @@ void add_applied_forces(const Scene& scene, const S* q, const S* v, std::span<co
 /// Bodies' variations, one thread's. Allocated once.
 struct AppliedScratch {
   explicit AppliedScratch(const AppliedForces<double>& forces);
-  std::vector<std::vector<Vec6<double>>> u, x, v;  // per robot of `forces`: njoints
+  std::vector<std::vector<Vec6<double>>> u, x, v;  // one entry per robot of `forces`: njoints
 };
 
 // The following functions need add_applied_forces at q, v, and consider only these robots of the scene. Vectors are

@@ -33,15 +33,15 @@ Vec3<S> cross_sizes(const Vec3<S>& a, const Vec3<S>& b) {
   return {a[1] * b[2] + a[2] * b[1], a[2] * b[0] + a[0] * b[2], a[0] * b[1] + a[1] * b[0]};
 }
 
-/// Where a robot's bodies are and how they move, each in its body frame. Allocated once per robot.
+/// Placements and motions of a robot's bodies, each in its body frame. Allocated once per robot.
 template <class S>
 struct BodyKinematics {
   explicit BodyKinematics(const Model& model);  // workspace for this robot
 
-  // by place_trees, from q
-  std::vector<WorldPoint<S>> origins;  // per tree: origin of its frame (algorithm/kinematics.hpp)
+  // set by place_trees, from q
+  std::vector<WorldPoint<S>> origins;  // one entry per tree: origin of its frame (algorithm/kinematics.hpp)
 
-  // by body_kinematics, from q, v
+  // set by body_kinematics, from q, v
   std::vector<Mat3<S>> R;  // njoints: the child frame's axes in the world
   std::vector<Vec3<S>> p;  // njoints: its origin in the tree frame; on a tree's path by place_trees
   std::vector<Vec6<S>> v;  // njoints: spatial velocity

@@ -7,7 +7,7 @@
 
 namespace manycontact {
 
-/// Per body: how it and its motion change along a direction (tangent), or what a scalar's change per unit of each is
+/// One body's variation: the change of its placement and motion in a direction (tangent), or of a scalar per unit each
 /// (adjoint: forces).
 template <class S>
 struct BodyVariationOf {

@@ -46,7 +46,7 @@ struct MemberMotion {
     if (c.alpha != 0) x += contact_error<S>(c, G, S(c.alpha));
     return x;
   }
-  /// Its change with nu.
+  /// The change of this motion with nu.
   Vec6<S> by_motion(const Vec6<S>& dnu) const {
     Vec6<S> x = S(c.beta) * dnu;
     if (c.type != ContactType::k6D)

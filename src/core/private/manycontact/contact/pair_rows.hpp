@@ -25,12 +25,12 @@ struct PairNumbersLess {
 };
 
 struct PairRows {
-  std::vector<int> contacts;     // of the scene, ascending
-  std::vector<Contact> members;  // what the rows of each need: type, axis, gains, placements
+  std::vector<int> contacts;     // numbers in the scene, ascending
+  std::vector<Contact> members;  // properties that the rows of each need: type, axis, gains, placements
   SharedPairNumbers numbers;     // one object for all pairs of a reduction with equal numbers
-  std::vector<SE3<double>> B;    // per member, its B' in the pair's B'
+  std::vector<SE3<double>> B;    // one entry per member: its B' in the pair's B'
   std::vector<double> unit;      // S, one number per row of all members
-  std::vector<char> spans;       // per row of all members: it is one of the first that span all, `rank` of them
+  std::vector<char> spans;       // a flag per row of all members: it is one of the first that span all, `rank` of them
   int kind = 0;                  // equal for pairs whose members are of the same types, in order, and of one rank
 };
 

@@ -3,7 +3,7 @@
 
 namespace manycontact {
 
-/// From here on there is no current solution, nor derivatives of one.
+/// Discards the current solution and its derivatives.
 void give_up_solution(SceneData& data);
 
 }  // namespace manycontact

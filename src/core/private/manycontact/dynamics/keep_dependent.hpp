@@ -14,12 +14,12 @@ namespace manycontact {
 void keep_dependent(SceneData& data);
 /// The same in other data, of a scene with the same robots and contacts.
 void keep_dependent_as(const SceneData& of, const Scene& scene, SceneData& data);
-/// From here on no rows are remembered to depend on each other: the data go on with other states.
+/// Forgets all rows remembered to depend on each other: the data go on with other states.
 void forget_dependent(SceneData& data);
 
-/// Per velocity coordinate, what J's entries in rows of lengths may be off by, in their units: the tolerance or the
-/// drift within which rows of its island were found to depend on each other at the last solve. 0 where they depend
-/// exactly, or not at all.
+/// Returns, for each velocity coordinate, the error that J's entries in rows of lengths may have, in their units: the
+/// tolerance or the drift within which rows of its island were found to depend on each other at the last solve. 0 where
+/// they depend exactly, or not at all.
 Eigen::VectorXd inaccuracy_of(const Scene& scene, const SceneData& data);
 
 }  // namespace manycontact

@@ -11,7 +11,7 @@ namespace manycontact {
 
 /// The island's trees and contacts, with the analyses made of them. Throws as views.hpp does.
 const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t i);
-/// Per contact of island_of, the coordinates of its columns of J; after complete.
+/// The coordinates of J's columns, for each contact of island_of; after complete.
 const IslandSupport& island_support_of(const SceneData& data, std::size_t i);
 /// K of an island as solved last, in the choice's order or, where report.changed_order, leaf-to-root.
 const KktMatrix& assembled_matrix_of(const SceneData& data, std::size_t i);

@@ -5,10 +5,10 @@
 
 namespace manycontact {
 
-/// Where a step of h [s] begins, for a scene at rest (simulation/step.hpp).
+/// The start of a step of h [s], for a scene at rest (simulation/step.hpp).
 struct StartOfStep {
   const double *v, *stop;  // scene.nv: the velocities, and the acceleration that ends them within the step
-  Vec3<double> gravity;  // which the scene at rest lacks
+  Vec3<double> gravity;  // gravity, which the scene at rest lacks
   double h;
   double* contact_v;  // out, rows as Solution::f: J a, the velocities of the contacts' rows after the step
 };

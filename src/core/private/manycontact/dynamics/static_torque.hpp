@@ -13,12 +13,12 @@ namespace manycontact {
 /// Kinematics of the scene at rest, in addition to those of the solve. Allocated once.
 struct StaticTorque {
   explicit StaticTorque(const Scene& scene);       // memory for its robots
-  std::vector<Kinematics<double>> kin;             // per robot
-  std::vector<RneaDerivatives> terms;              // per robot
-  std::vector<std::vector<Vec6<double>>> fext, f;  // per robot: njoints contact forces (tree frame), scratch
+  std::vector<Kinematics<double>> kin;             // one entry per robot
+  std::vector<RneaDerivatives> terms;              // one entry per robot
+  std::vector<std::vector<Vec6<double>>> fext, f;  // one entry per robot: njoints contact forces (tree frame), scratch
   AppliedForces<double> applied;                   // external wrenches and springs, at rest
-  AppliedScratch scratch;                          // for their derivatives
-  Eigen::VectorXd tau;                             // nv: by static_torque
+  AppliedScratch scratch;                          // scratch for the derivatives of `applied`
+  Eigen::VectorXd tau;                             // nv: set by static_torque
   Eigen::VectorXd tau_s;                           // nv: torques of `applied`
   Eigen::VectorXd l, wq, wv;                       // nv: scratch, l zero between uses
 };
@@ -28,8 +28,8 @@ struct StaticTorque {
 /// solved and `complete` was not called since.
 void static_torque(const Scene& scene, const SceneData& data, const double* q, bool contacts, StaticTorque& s);
 
-/// Its derivative with respect to q, on the tangent space, with f constant in each contact's own frame: an island's
-/// nv x nv. After static_torque with the same `contacts`; crba and, with `contacts`, differentiate.
+/// Computes the derivative of s.tau with respect to q, on the tangent space, with f constant in each contact's frame:
+/// an island's nv x nv. After static_torque with the same `contacts`; crba and, with `contacts`, differentiate.
 void static_torque_derivative(const Scene& scene, const SceneData& data, std::size_t island, bool contacts,
                               StaticTorque& s, Eigen::Ref<IslandDerivatives::Panel, 0, Eigen::OuterStride<>> out);
 

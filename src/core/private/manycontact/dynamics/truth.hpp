@@ -15,7 +15,7 @@ struct Truth {            // A solution, in S.
   VecX<S> a;              // scene.nv
   VecX<S> f;              // rows of the active contacts
   VecX<S> h;              // scene.nv: bias less friction, external wrenches and springs
-  std::vector<int> rank;  // per island
+  std::vector<int> rank;  // one entry per island
   std::vector<bool> regular;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Which method and order solve an island at the least predicted cost.
+// Chooses the method and the order that solve an island at the least predicted cost.
 
 #include <array>
 #include <string>
@@ -12,16 +12,16 @@ namespace manycontact {
 /// of the logarithms of times, measured over chains, trees, combs, hands, nets and ladders of 10 to 1,000 links one by
 /// one; most within 1.3. Nearly dependent rows take longer.
 struct PredictedCosts {
-  std::array<double, std::size(kOrders)> ldl, cholmod;  // in each order
+  std::array<double, std::size(kOrders)> ldl, cholmod;  // one cost per order
   double supernodal;                                    // infinite where it is not built in or there are no contacts
   double dense;
-  double terms;   // of M and J, which all these need ...
+  double terms;   // cost of the terms of M and J, which all these need ...
   double bodies;  // ... but not sparse-bodies
 };
-/// For deep trees, whose joint-space patterns are not made, ldl is least_cost_ldl; cholmod and supernodal are infinite.
+/// Predicts the costs. Deep trees have no joint-space pattern: ldl is least_cost_ldl, cholmod and supernodal infinite.
 PredictedCosts predict_costs(IslandShape& shape);
 
-/// In the same units.
+/// The cost of a factor by sparse-ldl, in the units of PredictedCosts.
 double predicted_cost_ldl(int rows, const sparse::LdlCounts& L);
 
 /// The part for terms, of an island in a SIMD batch.

@@ -26,17 +26,17 @@ struct DenseKkt {  // K and its rank-revealing factor
   S delta = S(0);
   VecX<S> row_scale;  // nc, sizes that rows of J are relative to (rank/row_size.hpp); empty: their largest entries
 
-  // by factor
-  int rank = 0;          // of J
+  // set by factor
+  int rank = 0;          // rank of J
   bool holds = false;    // N^T M N is positive definite, whatever delta: contacts constrain M's null space
   bool regular = false;  // and, with delta > 0, K's pivots are sound: a and f can be had
-  Eigen::ColPivHouseholderQR<MatX<S>> choice;       // of J^T, rows over their sizes: P, and how much was left of each
+  Eigen::ColPivHouseholderQR<MatX<S>> choice;       // factor of J^T, rows over their sizes: P, and what is left of each
   Eigen::HouseholderQR<MatX<S>> of_Jt;              // J^T P = Q [C; 0]
   Eigen::PermutationMatrix<Eigen::Dynamic> sorted;  // R P^T: rows of J in the order of R C^T
   Eigen::ColPivHouseholderQR<MatX<S>> of_Ct;        // R C^T = U T V^T
   MatX<S> N;                                        // nv x (nv - rank): orthonormal basis of J's null space
-  Eigen::LLT<MatX<S>> reduced;                      // of N^T M N
-  Eigen::PartialPivLU<MatX<S>> lu;                  // of K, delta > 0
+  Eigen::LLT<MatX<S>> reduced;                      // factor of N^T M N
+  Eigen::PartialPivLU<MatX<S>> lu;                  // factor of K, if delta > 0
 
   int nv() const { return static_cast<int>(M.rows()); }
   int nc() const { return static_cast<int>(J.rows()); }

@@ -12,7 +12,7 @@ namespace manycontact {
 /// K itself.
 struct KktMatrix {
   std::shared_ptr<const KktPattern> pattern;
-  std::vector<double> values;  // in the pattern's slots
+  std::vector<double> values;  // entries in the pattern's slots
   double damping = 0;          // delta
   /// Rows of J are judged relative to this: the largest of the motions they are picked from (contact/rows.hpp,
   /// motion_scale). All of J may be rounding errors.
@@ -38,7 +38,7 @@ void gather_rows(const KktMatrix& K, std::vector<double>& J);
 struct KktVectors {
   std::vector<double> b, x;
   std::vector<double> r, scale;        // residual b - K x, and |b| + |K| |x|
-  std::vector<double> null_component;  // of b: the inconsistency of dependent rows
+  std::vector<double> null_component;  // null-space part of b: the inconsistency of dependent rows
 
   void resize(int n);
 };

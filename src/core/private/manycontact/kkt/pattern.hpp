@@ -13,8 +13,8 @@ namespace manycontact {
 
 /// Places of the active contact rows, which K's pattern depends on, in addition to the trees.
 struct IslandSupport {
-  std::vector<ContactSupport> contacts;   // per contact of the island, numbered within the robots
-  std::vector<std::vector<int>> columns;  // per contact: the same as columns of the island, a's first, then b's
+  std::vector<ContactSupport> contacts;   // one entry per contact of the island, numbered within the robots
+  std::vector<std::vector<int>> columns;  // one entry per contact: the island's columns, a's first, then b's
 };
 IslandSupport island_support(const Scene& scene, const Island& island);
 
@@ -29,12 +29,12 @@ struct KktPattern {
   int nv = 0, nc = 0;
   Order order = Order::kLeafToRoot;
   std::vector<int> perm, iperm;    // perm[k]: row of K eliminated k-th; iperm its inverse
-  sparse::UpperCsc K;              // of P K P^T
+  sparse::UpperCsc K;              // pattern of P K P^T
   std::vector<int> M_slot;         // slot of each entry of the robots' packed M, robot after robot
   std::vector<int> J_slot;         // slot of each entry of the contacts' J, by columns, contact after contact
   std::vector<int> diagonal_slot;  // slot of each contact row's diagonal
   sparse::LdlSymbolic ldl;
-  std::shared_ptr<LazySchedule> lazy_schedule = std::make_shared<LazySchedule>();  // for schedule()
+  std::shared_ptr<LazySchedule> lazy_schedule = std::make_shared<LazySchedule>();  // made and kept by schedule()
 
   /// The numeric LDL, compiled when first asked for and kept.
   const sparse::LdlSchedule& schedule() const;

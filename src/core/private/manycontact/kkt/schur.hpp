@@ -12,19 +12,19 @@ namespace manycontact {
 /// Constant: which contacts meet on which robot, and where their products go in S.
 struct SchurPattern {
   struct OnRobot {
-    std::vector<int> contacts;   // of the island, those that act on the robot
-    std::vector<int> first_row;  // their rows among the robot's
+    std::vector<int> contacts;   // contacts of the island that act on the robot
+    std::vector<int> first_row;  // first row of each among the rows on the robot
     int rows = 0;
   };
   std::vector<OnRobot> robots;
-  std::vector<int> J_first;  // per contact: where its J begins among all contacts', by columns
+  std::vector<int> J_first;  // one entry per contact: where its J begins among all contacts', by columns
   sparse::UpperCsc S;        // nc x nc
-  std::vector<int> slot;     // per robot: of the upper triangle of its product, by columns
+  std::vector<int> slot;     // S's slots of the upper triangle of each robot's product, by columns, robot after robot
 };
 /// Counts that analyze_schur would find.
 struct SchurCounts {
-  std::vector<int> rows;  // per robot: rows that act on it
-  double nonzeros = 0;    // of S
+  std::vector<int> rows;  // one entry per robot: rows that act on it
+  double nonzeros = 0;    // nonzeros of S
 };
 SchurCounts count_schur(const Scene& scene, const Island& island, const IslandSupport& support);
 SchurPattern analyze_schur(const Scene& scene, const Island& island, const IslandSupport& support);

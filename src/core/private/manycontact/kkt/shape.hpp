@@ -47,7 +47,7 @@ class IslandShape {
  private:
   Scene scene_;
   Island island_;
-  mutable std::recursive_mutex mutex_;  // of all below: one analysis asks for another
+  mutable std::recursive_mutex mutex_;  // guards all below: one analysis asks for another
   mutable std::optional<IslandSupport> support_;
   std::array<std::optional<std::vector<int>>, std::size(kOrders)> permutations_;
   std::array<std::optional<sparse::LdlCounts>, std::size(kOrders)> counts_;

@@ -21,9 +21,9 @@ S larger_or_nan(const S& a, const S& b) {
 /// A row of J that depends on others, or that others depend on.
 template <class S>
 struct RowOfContradiction {
-  S size;   // of the row of J (rank/row_size.hpp)
+  S size;   // size of the row of J (rank/row_size.hpp)
   S terms;  // the largest that its a0 is computed from
-  S left;   // of J a + a0: its part in the null space of J^T
+  S left;   // residual J a + a0: its part in the null space of J^T
 };
 
 /// Rounding that the projector P on J^T's null space passes on from row to row. Null vectors y balance the rows, sum of
@@ -84,7 +84,7 @@ struct Contradiction {
     least_row = -larger(-other.least_row, -least_row);
     largest_row = larger(other.largest_row, largest_row);
   }
-  /// That of one robot of a SIMD batch.
+  /// Returns the inconsistency of one robot of a SIMD batch.
   Contradiction<double> of_lane(int lane) const {
     return {left[lane], Ja[lane], a0[lane], of_terms[lane], least_row[lane], largest_row[lane]};
   }

@@ -22,7 +22,7 @@ namespace manycontact::rank {
 /// Storage is kept between factorizations: nothing is allocated for a matrix of the same pattern and dependences.
 struct DependentRows {
   std::vector<int> dropped;  // rows of K, ascending
-  std::vector<char> turned;  // of K's rows, those dropped in another's place: they may depend on later ones. Or empty
+  std::vector<char> turned;  // flags of K's rows: dropped in another's place, it may depend on later ones. Or empty
   std::vector<int> Np, Ni;   // N by columns, one per dropped row: rows of K ...
   std::vector<double> Nx;    // ... and values, the 1 of the dropped row first
   double largest_residual = 0;  // max |J_k - sum z_j J_j|, relative to the rows' largest size, that of j times |z_j|
@@ -37,11 +37,11 @@ struct DependentRows {
   /// Dropped rows whose columns of N share rows. They are projected by whichever is smaller: these columns, or those of
   /// the complement, which [Z; 1] spans in the rows dropped and kept where N is [1; -Z].
   struct Cluster {
-    int first = 0, count = 0;  // in `members`
-    int row = 0, row_end = 0;  // in `cluster_rows`: rows of K that N has there
+    int first = 0, count = 0;  // range in `members`
+    int row = 0, row_end = 0;  // range in `cluster_rows`: rows of K that N has there
     int basis = 0, size = 0;   // columns of B ...
     bool complement = false;   // ... and what they span
-    std::size_t gram = 0;      // in `gram`: size x size, by columns: the Cholesky factor of B^T B
+    std::size_t gram = 0;      // offset in `gram`: size x size, by columns: the Cholesky factor of B^T B
   };
   std::vector<Cluster> clusters;
   std::vector<int> members;  // positions in `dropped`
@@ -53,7 +53,7 @@ struct DependentRows {
   std::vector<double> inverse, noise, x, residual, panel, t;
   std::vector<int> owner, touched, open;
   std::vector<char> is_open;
-  std::vector<int> Jp, Ji;  // of row k of J, from Jp[k] on: K's slots and columns in the rows of M after it
+  std::vector<int> Jp, Ji;  // entries of row k of J, from Jp[k] on: K's slots and columns in the rows of M after it
   bool M_first = true;      // no row of M comes after one of J
 };
 

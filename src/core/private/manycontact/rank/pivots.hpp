@@ -18,7 +18,7 @@ struct Pivot {
   bool of_M;
   S d, terms;          // D_k, and |K_kk| + sum l_kj^2 |d_j|, the terms that it is left of
   S own;               // K_kk of a row of M; the largest entry of a row of J
-  S row_size = S(-1);  // of a row of J (rank/row_size.hpp); negative where the row itself is judged elsewhere
+  S row_size = S(-1);  // size of a row of J (rank/row_size.hpp); negative where the row itself is judged elsewhere
 };
 
 /// Whether more than rounding is left of it, `margin` times over. A row of M has its own entry, too: where rows of J

@@ -65,7 +65,7 @@ RowWeights<S> row_weights(const ContactData<S>& data, int i) {
 template <class S>
 struct RowTerms {
   S linear = S(0), angular = S(0);
-  const PairNumbers<S>* pair = nullptr;  // of these rows
+  const PairNumbers<S>* pair = nullptr;  // numbers of a pair's rows; nullptr: the contact is no pair
   S of_row(int i) const {
     if (pair) return pair->terms(i, 0) * linear + pair->terms(i, 1) * angular;
     return i < 3 ? linear : angular;

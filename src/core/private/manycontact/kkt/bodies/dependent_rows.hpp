@@ -13,9 +13,9 @@
 
 namespace manycontact {
 
-/// Which rows depend, and how. Storage is kept: nothing is allocated for a system of the same pattern and dependences.
+/// The rows that depend on others, and how. Storage is kept: solves of one pattern and dependences allocate nothing.
 struct BodyDependence {
-  rank::DependentRows rows;        // by their numbers
+  rank::DependentRows rows;        // rows by their numbers
   Eigen::VectorXd null_component;  // nc: their inconsistency
 
   // scratch
@@ -28,10 +28,10 @@ struct BodyDependence {
     Vec6<double> F;
     double length;
   };
-  std::vector<Basis> bases;  // per node
+  std::vector<Basis> bases;  // one entry per node
   std::vector<OnBody> on_body;
   std::vector<int> dropped_at, column, entries;  // the first two per row
-  std::vector<double> x;                         // per row
+  std::vector<double> x;                         // one entry per row
 };
 
 /// Whether a row moves no coordinate by more than rounding: its pivot is noise, and has nothing to cancel with. Never

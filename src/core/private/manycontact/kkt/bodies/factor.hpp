@@ -21,10 +21,10 @@ sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySol
 /// Numbers kept of a factor, as Factor::nonzeros.
 int nonzeros(const BodyPattern& pattern, const BodyLdl& ldl);
 
-/// Its vectors and panels are in the island's order: there is no K, and no order of elimination to permute to.
+/// Factor and solves of a body-space system. Vectors and panels are in the island's order: there is no K to permute.
 class BodyFactor {
  public:
-  /// Without memory until make_room.
+  /// Does not allocate memory; make_room does.
   explicit BodyFactor(std::shared_ptr<const BodyPattern> pattern) { system.pattern = std::move(pattern); }
   void make_room();
 

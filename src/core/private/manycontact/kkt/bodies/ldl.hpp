@@ -45,38 +45,38 @@ Vec6<double> solve_transposed(const BodyHold& hold, Vec6<double> b);
 Vec6<double> forces_of(const BodyHold& hold, const Vec6<double>& f);
 
 struct BodyLdl {  // block LDL from leaves to root
-  // by factorize_bodies
-  std::vector<Mat6<double>> P;  // per node, before its joint is eliminated
+  // set by factorize_bodies
+  std::vector<Mat6<double>> P;  // one entry per node, before its joint is eliminated
   Mat6X<double> U;              // 6 x nv
-  std::vector<double> Dinv;     // per node ndof x ndof
+  std::vector<double> Dinv;     // one ndof x ndof matrix per node
   std::vector<int> count,
-      eliminated;  // per node: rows open before it, of which so many are eliminated there, these first
-  std::vector<std::size_t> row_first, joint_first, square_first;  // per node, where its numbers begin in those below
-  std::vector<int> row;                                           // of each open row: its number
+      eliminated;  // one entry per node: rows open before it, of which so many are eliminated there, these first
+  std::vector<std::size_t> row_first, joint_first, square_first;  // one per node: where its numbers begin below
+  std::vector<int> row;                                           // number of each open row
   std::vector<Vec6<double>> G, H;  // the same: G before the joint; when it is eliminated, or when it leaves the node
   std::vector<double> W, E;        // G S; E: below the diagonal L's columns, on it E_kk^-1, of rows eliminated
   std::vector<int> base_row;       // rows left at the bases, in the order in which they are eliminated
-  std::vector<double> base_E;      // as E
-  std::vector<double> pivot_sum;   // per row: sum of what joints gave E_kk
-  std::vector<BodyHold> hold;      // per hold of the pattern
-  double growth = 1;               // of P
-  std::vector<double> least_kept;  // per node: of the rows eliminated there and below, what is left of the least
-  std::vector<char> drops_below;   // per node: rows there or below were dropped
-  std::vector<double> least_inertia, most_inertia;  // per row: of joints that gave it E_kk, with rows eliminated before
+  std::vector<double> base_E;      // numbers of the rows left at the bases, as E
+  std::vector<double> pivot_sum;   // one entry per row: sum of what joints gave E_kk
+  std::vector<BodyHold> hold;      // one entry per constrained body of the pattern
+  double growth = 1;               // growth of P
+  std::vector<double> least_kept;  // one entry per node: least part left of the rows eliminated there and below
+  std::vector<char> drops_below;   // one flag per node: rows there or below were dropped
+  std::vector<double> least_inertia, most_inertia;  // one per row: of its joints, with rows eliminated before
 
   // rows that others span (dependent_rows.hpp): they have no part in the factor, and their y is zero
-  std::vector<char> dropped;  // per row
+  std::vector<char> dropped;  // one flag per row
   struct Drop {
-    int row, node;  // whose rows span this one; the number of nodes: it moves nothing
+    int row, node;  // the row; the node whose rows span it, or the number of nodes: the row moves nothing
   };
   std::vector<Drop> found;
 
-  // by solve_bodies
-  std::vector<Vec6<double>> p;  // per node
+  // set by solve_bodies
+  std::vector<Vec6<double>> p;  // one entry per node
   Eigen::VectorXd u, g;         // D^-1 u; rows' right-hand sides
 
   // scratch
-  std::vector<int> place;  // per row: its place at the current node
+  std::vector<int> place;  // one entry per row: its place at the current node
 
   void resize(const BodyPattern& pattern);
 };

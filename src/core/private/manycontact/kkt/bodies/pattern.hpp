@@ -1,5 +1,5 @@
 #pragma once
-// Which bodies and contact rows an island's body-space system (system.hpp) joins, and the memory its factor needs.
+// The bodies and contact rows that an island's body-space system (system.hpp) joins, and the memory its factor needs.
 
 #include <vector>
 
@@ -10,14 +10,14 @@ namespace manycontact {
 /// Nodes are the joints' bodies, robot after robot, parents before children. Constant; shared by islands of one shape.
 struct BodyPattern {
   int nodes = 0, nv = 0, nc = 0;
-  std::vector<int> node_offset;      // per robot of the island
-  std::vector<int> parent, end;      // per node: -1 at the base; one past its subtree
-  std::vector<int> first_dof, ndof;  // per node: its joint's coordinates in the island
-  std::vector<int> A, B;             // per contact row: the nodes it acts on, -1 for what does not move
+  std::vector<int> node_offset;      // one entry per robot of the island
+  std::vector<int> parent, end;      // one entry per node: -1 at the base; one past its subtree
+  std::vector<int> first_dof, ndof;  // one entry per node: its joint's coordinates in the island
+  std::vector<int> A, B;             // one entry per contact row: the nodes it acts on, -1 for what does not move
   std::vector<int> at_first, at;     // rows that act on a node: at[at_first[i]] ... at[at_first[i + 1] - 1]
 
   // nodes with children that one to six rows constrain relative to what does not move
-  std::vector<int> hold;            // per node: its number among them, -1: not one
+  std::vector<int> hold;            // one entry per node: its number among them, -1: not one
   std::vector<int> own_first, own;  // the rows of the h-th: own[own_first[h]] ... own[own_first[h + 1] - 1]
 
   // rows that may be open at a node before its joint is eliminated, and where its numbers begin: of rows, of rows
@@ -25,8 +25,8 @@ struct BodyPattern {
   std::vector<int> most;
   std::vector<std::size_t> row_first, joint_first, square_first, D_first;
   int most_at_base = 0;  // rows left when all joints are eliminated
-  // of rows that are likely to be open: of each node their number squared, and that times those eliminated there; those
-  // left at the bases
+  // costs of rows that are likely to be open: the sum over nodes of their number squared, and of that times those
+  // eliminated there; the number of rows left at the bases
   double open_squared = 0, open_updates = 0, open_at_base = 0;
 
   /// Whether both bodies of a row are in the subtree of node i: it can be eliminated from there on.

@@ -11,18 +11,18 @@ namespace manycontact {
 
 /// A body that six rows constrain, a leaf in its own subtree.
 struct BodyCut {
-  int node = 0;   // in its own subtree
+  int node = 0;   // number in its own subtree
   int below = 0;  // the subtree that hangs on it
-  int row[6];     // of its own subtree
+  int row[6];     // numbers in its own subtree
 };
 
 /// Constant; its nodes, coordinates and rows are numbered in the order of the island's.
 struct BodySubtree {
   std::shared_ptr<const BodyPattern> pattern;  // subtrees of one shape share one
-  int shape = 0;                               // its number among the patterns
+  int shape = 0;                               // number of its pattern among all
   int above = -1;                              // the cut that its bases are attached to; -1: none
-  std::vector<int> node, contact;              // of the island
-  int first_cut = 0, end_cut = 0;              // those in this subtree
+  std::vector<int> node, contact;              // numbers in the island
+  int first_cut = 0, end_cut = 0;              // cuts in this subtree
 };
 
 struct BodySubtrees {

@@ -21,9 +21,9 @@ namespace manycontact {
 /// The numbers of the system, island-wide: nodes, coordinates and rows as the pattern has them.
 struct BodySystem {
   std::shared_ptr<const BodyPattern> pattern;
-  std::vector<Vec3<double>> r;     // per node: its origin seen from the parent's
+  std::vector<Vec3<double>> r;     // one entry per node: its origin seen from the parent's
   Mat6X<double> S;                 // 6 x nv
-  std::vector<Inertia<double>> Y;  // per node
+  std::vector<Inertia<double>> Y;  // one entry per node
   Eigen::VectorXd armature;        // nv
   Mat6X<double> GA, GB;            // 6 x nc: forces on A's and B's bodies of a unit y
   double delta = 0;
@@ -33,7 +33,7 @@ struct BodySystem {
 
 /// Unknowns (a, f, qdd, y), or right-hand sides (c, p, tau, g), in that order.
 struct BodyVectors {
-  std::vector<Vec6<double>> motion, force;  // per node
+  std::vector<Vec6<double>> motion, force;  // one entry per node
   Eigen::VectorXd joints, rows;             // nv, nc
 
   void resize(const BodyPattern& p);
@@ -42,11 +42,11 @@ struct BodyVectors {
 
 /// How far x is from solving.
 struct BodyResidual {
-  BodyVectors r;  // right-hand sides minus left-hand sides; of f: with its sign turned
-  // by backward_error alone
-  std::vector<Eigen::Vector4d> body_scale;  // per node: terms of a's linear and angular, f's linear and angular part
+  BodyVectors r;  // right-hand sides minus left-hand sides; f's has the opposite sign
+  // set by backward_error alone
+  std::vector<Eigen::Vector4d> body_scale;  // one entry per node: terms of a (linear, angular) and f (linear, angular)
   Eigen::VectorXd joint_scale;              // nv
-  // by each
+  // set by every computation of residuals
   Eigen::VectorXd row_scale;                // nc
   double dynamics = 0, dynamics_scale = 0;  // largest residuals and terms, of f and of the joints
   double contact = 0, contact_scale = 0;    // and of the rows
@@ -79,7 +79,7 @@ class BodyJudge {
   BodyResidual& out_;
   double error_ = 0, dynamics_ = 0, contact_ = 0;
   double largest_[4] = {0, 0, 0, 0}, joint_ = 0, row_ = 0;
-  double sum_ = 0;  // of all residuals: not finite where any unknown is not
+  double sum_ = 0;  // sum of all residuals: not finite where any unknown is not
 };
 
 }  // namespace manycontact

@@ -17,8 +17,8 @@ namespace manycontact {
 /// Scratch memory that factorizations share, one after the other.
 struct FactorScratch {
   sparse::LdlWorkspace ldl;
-  std::vector<double> scale;                      // of pivots
-  std::vector<rank::PassedOn<double>> passed_on;  // per row of K
+  std::vector<double> scale;                      // sizes of the pivots' terms
+  std::vector<rank::PassedOn<double>> passed_on;  // one entry per row of K
   /// Input, of each row of J, in the island's order: the largest motion it is picked from (rank/row_size.hpp), which it
   /// is judged relative to. If the length differs, all are K.row_scale.
   std::vector<double> row_scale;
@@ -64,7 +64,7 @@ class Factor {  // one island's factor, whatever the method
   virtual int rank() const = 0;
   /// Rows of J, numbered within the island, that depend on the others: nc - rank of them, in any order.
   virtual void dependent_rows(std::vector<int>& rows) const { rows.clear(); }
-  /// With P the projector on the null space of J^T: y -= P y on the contacts' rows, P y into null_component where that
+  /// Let P be the projector on the null space of J^T: y -= P y on the contacts' rows, P y into null_component if that
   /// is given (of K's size; zero elsewhere). Nothing where rank() is nc.
   virtual void project_out(double* y, double* null_component) { (void)y, (void)null_component; }
   /// The same for all columns of a panel as in solve_panel.
@@ -80,7 +80,7 @@ class Factor {  // one island's factor, whatever the method
 
   /// Nonzeros of the factor, diagonals included.
   virtual int nonzeros() const = 0;
-  /// Where J y = f has a solution y (f: the contacts' rows of x), one of them takes the place of x's other rows; the
+  /// If J y = f has a solution y (f: the contacts' rows of x), one of them takes the place of x's other rows; the
   /// contacts' rows are overwritten.
   virtual void particular_solution(double* x) { solve(x); }
 
