@@ -122,7 +122,7 @@ void CoupledDirection::feed_forward_gradient(Vectors& g) {
   }
 }
 
-// to += K^T g, K of lq's sign
+// Computes to += K^T g, where K has lq's sign.
 void CoupledDirection::add_feedback(std::size_t t, const VectorXd& g, VectorXd& to) {
   each_cluster(t, [&](const lq::Cluster& cluster, const auto& K) {
     auto u = u_of_cluster_.head(cluster.nu);
@@ -166,7 +166,7 @@ void CoupledDirection::precondition_feed_forward(Vectors& g) {
   }
 }
 
-// to += K dx, dx by block
+// Computes to += K dx, where dx is ordered by block.
 void CoupledDirection::add_gains_times(std::size_t t, const VectorXd& dx, VectorXd& to) {
   each_cluster(t, [&](const lq::Cluster& cluster, const auto& K) {
     for (std::size_t b = 0; b < cluster.blocks.size(); ++b) {
