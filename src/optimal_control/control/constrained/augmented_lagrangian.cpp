@@ -130,7 +130,7 @@ void SolverAugmentedLagrangian::start(const Vectors& init_xs, const Vectors& ini
 }
 
 void SolverAugmentedLagrangian::minimise(std::size_t maxiter, double init_reg) {
-  // Steps are accepted unseen where what they are to gain is less than the cost's rounding.
+  // Steps are accepted untested if their expected gain is below the cost's rounding error.
   const double rounding = 100 * kEps * std::abs(outer_ == 0 ? cost_ : inner_->get_cost());
   inner_->set_th_grad(std::isfinite(rounding) ? std::max(1e-12, rounding / scale_) : 1e-12);
   inner_->set_th_stop(tolerance_ / scale_);
@@ -169,7 +169,7 @@ void SolverAugmentedLagrangian::takeCandidate() {
   is_feasible_ = inner_->get_is_feasible();
 }
 
-// After a step the nodes' data are those of the candidate; without one of the last try.
+// After a step the nodes' data belong to the candidate, otherwise to the last trial step.
 void SolverAugmentedLagrangian::reportIteration() {
   takeCandidate();
   for (std::size_t t = 0; t < fs_.size(); ++t) fs_[t] = inner_->get_fs()[t];
@@ -193,7 +193,7 @@ void SolverAugmentedLagrangian::reportIteration() {
   if (interrupted_ || crawls() || isSlow()) inner_->interrupt();
 }
 
-// Gauss-Newton's steps, near enough to a minimum for them to be fast.
+// Whether Gauss-Newton steps are slow, although a minimum is near enough for fast ones.
 bool SolverAugmentedLagrangian::isSlow() {
   slow_ = !curved_ && is_feasible_ && stop_ > tolerance_ && stop_ > kSlow * last_stops_[0] &&
           stop_ > kStillSlow * last_stops_[1] && stop_ < kNearer * failed_stop_;
@@ -212,7 +212,7 @@ bool SolverAugmentedLagrangian::crawls() {
   return crawls_;
 }
 
-// gfeas, hfeas and violation of the nodes as evaluated.
+// Sets gfeas, hfeas and the violation from the nodes as evaluated.
 void SolverAugmentedLagrangian::measureViolation() {
   gfeas_ = computeInequalityFeasibility();
   hfeas_ = computeEqualityFeasibility();

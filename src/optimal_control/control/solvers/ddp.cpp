@@ -177,8 +177,8 @@ bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
 
 StopReason SolverDDP::iterate(std::size_t first, std::size_t maxiter) {
   bool recalc = true;
-  // Directions within limits may be good for short steps only, for hundreds of them; those of `descend` are not. Not
-  // where Crocoddyl's iterates are asked for, and nothing more.
+  // Directions within limits may allow short steps only, hundreds of them; those of `descend` do not. This is not
+  // tested if only Crocoddyl's iterates are requested.
   constexpr double kShort = 1. / 16;
   constexpr int kManyShort = 10;
   int short_steps = 0;  // consecutive short steps
@@ -345,7 +345,7 @@ bool SolverDDP::rollOutCandidate() {
   return stepped_ = rolled_out_ = true;
 }
 
-// More and more regularised until there is one.
+// Increases the regularisation until there is a direction.
 bool SolverDDP::findDirection(bool recalc) {
   const auto compute = [this](bool again) {
     sound_ = true;  // but where a backward pass finds otherwise; a class's own computeDirection may have none
@@ -358,7 +358,7 @@ bool SolverDDP::findDirection(bool recalc) {
   return true;
 }
 
-// Less after long steps, more after short ones; false at the largest.
+// Decreases the regularisation after long steps, increases it after short ones; false at the largest.
 bool SolverDDP::adaptRegularization() {
   if (steplength_ > th_stepdec_) decreaseRegularization();
   if (steplength_ > th_stepinc_) return true;
