@@ -1,6 +1,6 @@
 #pragma once
-// For programs written for Crocoddyl: all names in a namespace `crocoddyl`, which programs may reopen or use. No header
-// of this library includes this one.
+// Compatibility with programs written for Crocoddyl: all names in a namespace `crocoddyl`, which programs may reopen or
+// use. No header of this library includes this one.
 //
 // Three things are as in Crocoddyl, and not as in namespace manycontact: throw_pretty and its exception, stacks, and
 // pseudoInverse. Stacks warn on std::cerr and continue if a name is added twice, or does not exist. Getters of action
@@ -163,4 +163,4 @@ using ImpulseModelMultipleTpl = ImpulseModelMultiple;
 
 }  // namespace crocoddyl
 
-using crocoddyl::pseudoInverse;  // which has no namespace in Crocoddyl, too
+using crocoddyl::pseudoInverse;  // global, as in Crocoddyl

@@ -27,7 +27,7 @@ class BlockSparse {  // A sparse matrix made of dense blocks.
   template <class Derived>
   void add(std::size_t block, double weight, const Eigen::MatrixBase<Derived>& values) {
     double* A = matrix.valuePtr();
-    Eigen::Index at = 0;  // in values, column by column
+    Eigen::Index at = 0;  // index in values, column by column
     for (const Run& run : planned_[block].runs) {
       const Eigen::Index i = at % values.rows(), j = at / values.rows();
       for (int k = 0; k < run.count; ++k) A[run.slot + k] += weight * values(i + k, j);
@@ -52,8 +52,8 @@ class BlockSparse {  // A sparse matrix made of dense blocks.
   };
   struct Block {
     std::vector<int> rows, cols;
-    std::vector<int> slots;  // of each entry, column by column
-    std::vector<Run> runs;   // consecutive slots of these
+    std::vector<int> slots;  // slot of each entry, column by column
+    std::vector<Run> runs;   // runs of consecutive slots
   };
   std::vector<Block> planned_;
 };

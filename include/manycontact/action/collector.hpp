@@ -14,12 +14,12 @@ namespace manycontact {
 struct IslandColumns {
   std::vector<int> v;  // nv of the island: its velocity coordinates, which are also the rows of its accelerations
   std::vector<int> x;  // 2 nv: columns [q | v] in ndx
-  std::vector<int> u;  // in nu, ascending by robot
+  std::vector<int> u;  // columns in nu, ascending by robot
 };
 
 /// The data of an impulse (control/impulse_fwddyn.hpp). The solution is that of its equations, which are at rest.
 struct Impact {
-  std::vector<Kinematics<double>> motion;  // per robot, at q and the velocity before the impact
+  std::vector<Kinematics<double>> motion;  // one entry per robot, at q and the velocity before the impact
   Eigen::VectorXd vnext;                   // nv: the velocity after the impact
   Eigen::MatrixXd dvnext_dx;               // nv x ndx: set by calcDiff
 };
@@ -28,7 +28,7 @@ struct Impact {
 /// action model. It corresponds to pinocchio::Data in Crocoddyl.
 class MultibodyData {
  public:
-  explicit MultibodyData(const Multibody& model);  // at the neutral configuration, at rest
+  explicit MultibodyData(const Multibody& model);  // starts at the neutral configuration, at rest
   MultibodyData(const MultibodyData&) = delete;
 
   /// Computes placements, velocities, inertias and their derivatives at q (nq), v (nv) and the accelerations a (nv;
@@ -36,26 +36,26 @@ class MultibodyData {
   void update(const ConstVectorRef& q, const ConstVectorRef& v, const ConstVectorRef& a);
   void update(const ConstVectorRef& q, const ConstVectorRef& v);
 
-  Scene scene;         // without contacts
+  Scene scene;         // the robots, without contacts
   SceneData solution;  // set by update: kinematics
   Eigen::VectorXd q, v, a;
-  std::vector<Kinematics<double>> motion;  // set by update, per robot: with a
-  std::vector<RneaDerivatives> terms;      // set by update, per robot: Psid, Psidd, Sv
+  std::vector<Kinematics<double>> motion;  // one per robot, set by update with the accelerations a
+  std::vector<RneaDerivatives> terms;      // one per robot, set by update: Psid, Psidd, Sv
 };
 
 struct DataCollector {  // The data that residuals depend on.
-  /// For an action model.
+  /// Creates the data of an action model.
   DataCollector(const Scene& s, const Options& options, std::shared_ptr<ActuationDataAbstract> act);
-  /// For standalone evaluation, with the data that a residual needs. Their owner updates them before each calc: the
-  /// motion with MultibodyData::update, torques with the actuation, forces of contacts with updateForce and
-  /// updateForceDiff.
+  /// Creates data for standalone evaluation, with the members that a residual needs. Their owner updates them before
+  /// each calc: the motion with MultibodyData::update, torques with the actuation, forces of contacts with updateForce
+  /// and updateForceDiff.
   DataCollector();
-  /// For standalone evaluation.
+  /// Creates data for standalone evaluation.
   explicit DataCollector(MultibodyData* motion, std::shared_ptr<ActuationDataAbstract> act = nullptr,
                          std::shared_ptr<ContactDataMultiple> contact = nullptr);
-  DataCollector(MultibodyData* motion, std::shared_ptr<ContactDataMultiple> contact);  // for standalone evaluation
-  explicit DataCollector(std::shared_ptr<ActuationDataAbstract> act);                  // for standalone evaluation
-  explicit DataCollector(std::shared_ptr<ContactDataMultiple> contact);                // for standalone evaluation
+  DataCollector(MultibodyData* motion, std::shared_ptr<ContactDataMultiple> contact);  // standalone evaluation
+  explicit DataCollector(std::shared_ptr<ActuationDataAbstract> act);                  // standalone evaluation
+  explicit DataCollector(std::shared_ptr<ContactDataMultiple> contact);                // standalone evaluation
   DataCollector(const DataCollector&) = delete;
   virtual ~DataCollector();
 
@@ -70,12 +70,12 @@ struct DataCollector {  // The data that residuals depend on.
   SceneData& solution;  // kinematics of the last calc; everything else is of the last calc(data, x, u)
   std::shared_ptr<ActuationDataAbstract> actuation;
   std::shared_ptr<ContactDataMultiple> contacts;
-  std::vector<IslandColumns> islands;  // per island of the solution
+  std::vector<IslandColumns> islands;  // one entry per island of the solution
   // Derivatives with respect to state and control, per island [a; f] x [q | v | u]. For a custom actuation they are
   // multiplied by its derivatives; for a selection they are those of the solution. Throws std::logic_error unless they
   // are of the last calc.
   PanelView panel(std::size_t island) const;  // see above
-  std::vector<RowMajorMatrix> custom;         // per island, for a custom actuation
+  std::vector<RowMajorMatrix> custom;         // one matrix per island, for a custom actuation
 
   std::unique_ptr<Impact> impact;  // null except in an impulse
 

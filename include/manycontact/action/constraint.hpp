@@ -109,7 +109,7 @@ struct ConstraintDataManager {
   std::map<std::string, std::shared_ptr<ResidualDataAbstract>> constraints;
   std::vector<std::shared_ptr<ResidualModelAbstract>> of;  // the residuals that created them
   DataCollector* shared = nullptr;
-  std::size_t version = 0, status = 0;  // those of the model when the blocks were set up
+  std::size_t version = 0, status = 0;  // the model's values when the blocks were set up
   bool terminal = false;
   DifferentialActionDataAbstract* out = nullptr;
   std::unique_ptr<DifferentialActionDataAbstract> own;  // standalone: `out`

@@ -27,7 +27,7 @@ struct ContactForce : Eigen::VectorXd {
   Vec6<double> toVector() const;                                 // the whole wrench [linear; angular]
   Vec3<double> linear() const { return toVector().head<3>(); }   // the force
   Vec3<double> angular() const { return toVector().tail<3>(); }  // the moment
-  ContactType type = ContactType::k6D;                           // of the contact, with its axis
+  ContactType type = ContactType::k6D;                           // the contact's type and axis
   Vec3<double> axis = Vec3<double>::UnitZ();
 };
 
@@ -46,9 +46,9 @@ struct ContactDataAbstract {
   const std::vector<int>* f_x_columns = nullptr;
   const std::vector<int>* f_u_columns = nullptr;
   FrameIndex frame = 0;
-  int index = -1;  // in the scene of the action's data
+  int index = -1;  // number of the contact in the scene of the action's data
   bool active = true;
-  const Contact* contact = nullptr;  // in that scene, or standalone in own_contact
+  const Contact* contact = nullptr;  // entry of that scene; own_contact in standalone evaluation
 
   // Members for standalone evaluation.
   MultibodyData* pinocchio = nullptr;
@@ -135,7 +135,7 @@ class ContactModel1D final : public ContactModelAbstract {
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel1D(std::move(state), id, xref, LOCAL, Eigen::Matrix3d::Identity(), nu, gains) {}
-  /// As in sobec: a point xref [m] in the world, and one axis of the reference frame.
+  /// Sobec's constructor: a point xref [m] in the world, and one axis of the reference frame.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), Vector3MaskType mask = Vector3MaskType::z,
                  ReferenceFrame ref = ReferenceFrame::kLocal);
@@ -182,7 +182,7 @@ class ContactModel3D final : public ContactModelAbstract {
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, ReferenceFrame type,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel3D(std::move(state), id, xref, type, kDefaultNu, gains) {}
-  /// As in sobec.
+  /// Sobec's constructor, in which the reference frame comes last.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal)
       : ContactModel3D(std::move(state), id, xref, type, nu, gains) {}
@@ -270,8 +270,8 @@ struct ContactDataMultiple {  // The data of a stack's contacts, by name.
   Eigen::VectorXd a0;              // nc_total: set by calc
   Eigen::VectorXd dv;              // nv: set by updateAcceleration
   Eigen::MatrixXd ddv_dx;          // nv x ndx: set by updateAccelerationDiff
-  std::vector<SpatialForce> fext;  // per joint, robot by robot, in its frame: set by updateForce; the sum over its
-                                   // contacts
+  std::vector<SpatialForce> fext;  // one entry per joint, robot by robot: the sum of its contacts' forces, in the
+                                   // joint's frame; set by updateForce
 };
 
 /// The contacts of an action model, by name. Their rows are stacked in the order of names.

@@ -126,7 +126,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   Eigen::VectorXd start_;
   std::vector<Vec6<double>> pushes_;
   static constexpr std::size_t kNeverSet = static_cast<std::size_t>(-1);
-  /// of the constraints, when set_g_lb, set_g_ub were called
+  /// Status of the constraints when set_g_lb, set_g_ub were called.
   std::size_t g_lb_status_ = kNeverSet, g_ub_status_ = kNeverSet;
 };
 
@@ -146,8 +146,8 @@ struct DifferentialActionDataContactFwdDynamics : DifferentialActionDataAbstract
   std::shared_ptr<const void> owner;  // the model's identity
   std::size_t contacts_version = 0;
   std::shared_ptr<const std::vector<std::shared_ptr<const Model>>> models;
-  Eigen::VectorXd x, u;      // of the last calc
-  std::vector<bool> status;  // of the costs, then of the constraints, at the last calc
+  Eigen::VectorXd x, u;      // state and controls of the last calc
+  std::vector<bool> status;  // whether each cost, then each constraint, was active at the last calc
   bool laid_out = true;      // columns and blocks fit the islands
 };
 

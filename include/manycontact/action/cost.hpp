@@ -44,8 +44,8 @@ class CostModelAbstract : public Printable {
                     std::shared_ptr<ResidualModelAbstract> residual);
   /// Uses the activation 1/2 |r|^2.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual);
-  /// Without a residual: calc may write data->residual->r, with the activation's nr numbers (none without an
-  /// activation). nu: by default nv.
+  /// Makes a cost without a residual: calc may write data->residual->r, which has the activation's nr numbers (none
+  /// without an activation). nu: by default nv.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::size_t nu = kDefaultNu);
   explicit CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);

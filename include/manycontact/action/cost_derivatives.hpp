@@ -3,9 +3,9 @@
 
 namespace manycontact {
 
-/// Which large matrices are computed: dense ones as in Crocoddyl, sparse ones, or both. With kPanel, Hessians are
-/// sparse, and derivatives of the dynamics are read in place (DifferentialActionDataAbstract::panel). This takes the
-/// least memory and time for an IntegratedActionModelEuler of one robot.
+/// Selects the large matrices that are computed: dense ones as in Crocoddyl, sparse ones, or both. With kPanel,
+/// Hessians are sparse, and derivatives of the dynamics are read in place (DifferentialActionDataAbstract::panel). This
+/// takes the least memory and time for an IntegratedActionModelEuler of one robot.
 enum class MatrixStorage { kBoth, kDense, kSparse, kPanel };
 /// Whether dense matrices are computed.
 constexpr bool has_dense(MatrixStorage s) { return s == MatrixStorage::kBoth || s == MatrixStorage::kDense; }

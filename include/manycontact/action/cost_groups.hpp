@@ -16,7 +16,7 @@ struct CostGroup {
   /// One block of the group.
   struct Member {
     const CostDataAbstract* cost;
-    std::size_t index, block;  // of the cost in the stack, of the block in its residual
+    std::size_t index, block;  // index of the cost in the stack; number of the block in its residual
   };
   std::vector<Member> members;
   /// Consecutive columns.
@@ -24,26 +24,26 @@ struct CostGroup {
     int first, at, count;  // columns first, first + 1, ... are columns at, at + 1, ... of the group
   };
   std::vector<Run> xruns, uruns;
-  std::size_t xx = 0, xu = 0, uu = 0;  // its blocks in the sparse matrices
+  std::size_t xx = 0, xu = 0, uu = 0;  // the group's blocks in the sparse matrices
 };
 
 /// A row that depends on one coordinate only.
 struct CostSquare {
   const CostDataAbstract* cost;
-  const RowMajorMatrix* J;  // of the block, one column; null if the row's is `constant`
+  const RowMajorMatrix* J;  // Jacobian of the block, one column; null: `constant` is used
   double constant;
   int at;           // the row in the block
-  int index;        // of the cost in the stack
-  int row, column;  // in the residual; in x or in u
+  int index;        // number of the cost in the stack
+  int row, column;  // row in the residual; column in x or in u
   bool by_x;
-  std::size_t entry;  // its block, then its entry, in the sparse matrix
+  std::size_t entry;  // number of its block, later of its entry, in the sparse matrix
 };
 
 /// A cost of a user-defined class, whose derivatives are whole matrices.
 struct OwnCost {
   const CostDataAbstract* cost;
-  std::size_t index;                   // of the cost in the stack
-  std::size_t xx = 0, xu = 0, uu = 0;  // its blocks in the sparse matrices
+  std::size_t index;                   // index of the cost in the stack
+  std::size_t xx = 0, xu = 0, uu = 0;  // the cost's blocks in the sparse matrices
 };
 
 /// All groups of a stack of costs.

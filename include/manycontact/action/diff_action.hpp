@@ -78,8 +78,8 @@ class NodeAbstract : public Printable {
                std::size_t nh, std::size_t ng_T, std::size_t nh_T);
   void update_has_control_limits();  // called after the bounds have changed
   const char* kind_;
-  std::size_t nu_, nr_, ng_, nh_, ng_T_, nh_T_;  // with stacks of costs or constraints: values at construction; getters
-                                                 // return current ones
+  std::size_t nu_, nr_, ng_, nh_, ng_T_, nh_T_;  // values at construction; with stacks of costs or constraints,
+                                                 // getters return current values
   std::shared_ptr<StateAbstract> state_;
   Eigen::VectorXd g_lb_, g_ub_, u_lb_, u_ub_, unone_;
   bool has_control_limits_ = false;
@@ -113,9 +113,9 @@ class DifferentialActionModelAbstract : public NodeAbstract {  // A node in cont
 
   std::size_t get_ng_T() const override { return get_ng(); }
   std::size_t get_nh_T() const override { return get_nh(); }
-  /// Which matrices data created afterwards contain.
+  /// The kind of matrices that data created afterwards contain.
   MatrixStorage get_storage() const { return storage_; }
-  void set_storage(MatrixStorage storage) { storage_ = storage; }  // for data created afterwards
+  void set_storage(MatrixStorage storage) { storage_ = storage; }  // affects data created afterwards
 
  protected:
   MatrixStorage storage_ = MatrixStorage::kBoth;

@@ -15,12 +15,12 @@ namespace manycontact {
 /// The placement oMf of the frame in the world [m].
 SE3<double> frame_placement(const StateAbstract& state, const DataCollector& shared, FrameIndex frame);
 
-/// Its spatial velocity, linear part first [m/s, rad/s].
+/// The frame's spatial velocity, linear part first [m/s, rad/s].
 Vec6<double> frame_velocity(const StateAbstract& state, const DataCollector& shared, FrameIndex frame,
                             ReferenceFrame axes = ReferenceFrame::kLocal);
 
-/// Its Jacobian, 6 x nv of the state: frame_velocity = J v. It is also the derivative of the placement with respect to
-/// q on the tangent space. Allocates.
+/// The frame's Jacobian, 6 x nv of the state: frame_velocity = J v. It is also the derivative of the placement with
+/// respect to q on the tangent space. Allocates.
 Mat6X<double> frame_jacobian(const StateAbstract& state, const DataCollector& shared, FrameIndex frame,
                              ReferenceFrame axes = ReferenceFrame::kLocal);
 

@@ -62,7 +62,7 @@ struct NodeDataNumDiff : NodeData {
   template <class NodeNumDiff>
   explicit NodeDataNumDiff(const NodeNumDiff* model)
       : NodeData(model), data_0(model->get_model()->createData()), data_step(model->get_model()->createData()) {}
-  std::shared_ptr<NodeData> data_0, data_step;  // of the model, at the point and at a displaced point
+  std::shared_ptr<NodeData> data_0, data_step;  // the model's data, at the point and at a displaced point
   Eigen::MatrixXd Rx, Ru;                       // nr x ndx, nr x nu
 };
 

@@ -109,7 +109,7 @@ class PartNumDiff : public NumDiffOf<Model>, public internal::Reevaluation {
   void calc(const std::shared_ptr<Data>& data, const ConstVectorRef& x) { model_->calc(data, x); }
   /// Computes the derivatives by central differences.
   void calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x);  // as above, in a terminal node
+  void calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x);  // central differences in a terminal node
   /// The state that it was made for.
   const std::shared_ptr<StateAbstract>& get_state() const { return model_->get_state(); }
   std::size_t get_nu() const { return model_->get_nu(); }  // number of controls

@@ -39,8 +39,8 @@ struct ResidualDataAbstract {  // The value r and its Jacobians as blocks.
 /// The variables that a residual depends on. Others cost nothing.
 struct Dependence {
   bool q = false, v = false, u = false;
-  bool acceleration = false;  // on xout, and therefore on all of q, v, u
-  bool forces = false;        // on contact forces, and therefore on all of q, v, u: their derivatives are computed
+  bool acceleration = false;  // depends on xout, and therefore on all of q, v, u
+  bool forces = false;        // depends on contact forces, and therefore on all of q, v, u; needs their derivatives
 };
 
 class ResidualModelAbstract : public Printable {  // A function r(x, u).

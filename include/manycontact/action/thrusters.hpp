@@ -20,7 +20,7 @@ struct Thruster {
                     double max = std::numeric_limits<double>::infinity())
       : Thruster(SE3<double>{}, torque, turning, min, max) {}
 
-  SE3<double> pose;  // in the base's frame; the thrust is along its z
+  SE3<double> pose;  // placement in the base's frame; the thrust is along its z axis
   double ctorque;    // torque about that axis per thrust [m]
   ThrusterType type;
   double min_thrust, max_thrust;  // N: bounds of u, which an action model does not use by itself
@@ -44,7 +44,7 @@ class ActuationModelFloatingBaseThrusters : public ActuationModelAbstract {
 
   const std::vector<Thruster>& get_thrusters() const { return thrusters_; }  // the propellers
   std::size_t get_nthrusters() const { return thrusters_.size(); }           // number of propellers
-  /// Their number must not change. Data follow at their next calc, calcDiff, commands or torqueTransform.
+  /// The number of thrusters must not change. Data adopt them at the next calc, calcDiff, commands or torqueTransform.
   void set_thrusters(const std::vector<Thruster>& thrusters);
   const Eigen::MatrixXd& get_Wthrust() const { return W_; }  // nv x nu: tau = W u
   const Eigen::MatrixXd& get_S() const { return S_; }        // nv x nv: W times its pseudoinverse

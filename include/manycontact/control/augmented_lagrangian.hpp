@@ -118,14 +118,14 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   struct Augmented {
     std::shared_ptr<ActionModelAugmentedLagrangian> model;
     std::shared_ptr<ActionDataAugmentedLagrangian> data;
-    std::vector<int> rows;  // its rows of the node's [g; h]
+    std::vector<int> rows;  // rows of the node's [g; h] that belong to it
   };
   struct Copy {  // a model and its data
     std::shared_ptr<ActionModelAbstract> model;
     std::shared_ptr<ActionDataAbstract> data;
   };
   struct Node {
-    Copy own, copy;                    // of the problem, and their replacement
+    Copy own, copy;                    // model and data of the problem, and their replacement
     std::vector<Augmented> augmented;  // empty without constraints: the problem's own node
     Eigen::Index rows = 0;             // number of rows of the problem's [g; h]
   };
@@ -180,21 +180,21 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   Eigen::VectorXd work_;
   double rho_init_ = 10, rho_ = 10, rho_factor_ = 10, rho_max_ = 1e9;
   double th_constraint_ = 1e-8, th_kkt_ = 1e-7;
-  double tolerance_ = 0;  // of the current minimisation
+  double tolerance_ = 0;  // stopping tolerance of the current minimisation
   double violation_ = 0, kkt_ = 0;
   double measure_ = 0, last_measure_ = 0;  // m of the last minimisation, and of the one before
   double last_violation_ = 0, best_kkt_ = 0;
   double window_merit_ = 0, window_violation_ = 0;
   int window_ = 0;                        // iterations of the minimisation
   bool crawls_ = false;                   // the minimisation was ended because it converges slowly
-  std::array<double, 2> last_stops_{};    // of the previous two iterations
+  std::array<double, 2> last_stops_{};    // `stop` of the previous two iterations
   double failed_stop_ = 0;                // `stop` at which quasi-Newton steps failed, in this minimisation
   bool slow_ = false;                     // the solver was ended because it converges slowly
   bool curved_ = false;                   // quasi-Newton steps are useful
-  StopReason ended_ = StopReason::kNone;  // of the minimisation
+  StopReason ended_ = StopReason::kNone;  // why the minimisation ended
   bool moved_ = false;                    // the minimisation accepted a step
   int stuck_ = 0;                         // consecutive minimisations without progress
-  int flat_ = 0;                          // those without progress of the constraints, although these outweigh the cost
+  int flat_ = 0;                          // consecutive minimisations without progress of constraints that dominate
   std::size_t outer_ = 0, restorations_ = 0;
   double scale_ = 1, kkt_scale_ = 1;
   bool measures_scale_ = false;

@@ -42,7 +42,7 @@ class BoxQP {  // The solver of one quadratic problem with bounds.
   const std::vector<double>& get_alphas() const { return alphas_; }  // step lengths that are tried
   void set_nx(std::size_t nx);                                       // number of unknowns
   void set_maxiter(std::size_t maxiter) { maxiter_ = maxiter; }      // largest number of Newton steps
-  void set_th_acceptstep(double th_acceptstep);                      // in (0, 0.5)
+  void set_th_acceptstep(double th_acceptstep);                      // must be in (0, 0.5)
   void set_th_grad(double th_grad);                                  // >= 0
   void set_reg(double reg);                                          // >= 0
   void set_alphas(const std::vector<double>& alphas);  // positive and decreasing, or std::invalid_argument is thrown

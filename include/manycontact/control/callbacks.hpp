@@ -36,7 +36,7 @@ class CallbackLogger : public CallbackAbstract {
  public:
   void operator()(SolverAbstract& solver) override;
 
-  std::vector<Eigen::VectorXd> xs, us;           // of the last iteration
+  std::vector<Eigen::VectorXd> xs, us;           // candidate of the last iteration
   std::vector<std::vector<Eigen::VectorXd>> fs;  // gaps before each iteration
   std::vector<std::size_t> iters;
   std::vector<double> costs, stops, grads, pregs, dregs, steps, ffeass, gfeass, hfeass;

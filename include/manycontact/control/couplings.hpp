@@ -52,7 +52,7 @@ class Couplings {
 
   const Scene& scene() const { return scene_; }                          // the robots, with their gravity
   const std::vector<Coupling>& couplings() const { return couplings_; }  // in the order of their contacts
-  /// Per subproblem: its couplings, in the order of its wrenches.
+  /// The couplings of each subproblem, in the order of its wrenches.
   const std::vector<std::vector<int>>& couplings_of_parts() const { return couplings_of_; }
   const std::string& name(std::size_t coupling) const;  // name of the contact
   /// The force on A of a coupling at the last solve, in the contact's reference frame [N, N m].
@@ -71,26 +71,26 @@ class Couplings {
   Scene scene_;
   std::vector<Coupling> couplings_;
   std::vector<std::vector<int>> couplings_of_;
-  std::vector<int> local_robot_;  // per robot of the scene: its number in its subproblem
+  std::vector<int> local_robot_;  // one entry per robot of the scene: its number in its subproblem
 };
 
 struct CouplingData {                                                       // The couplings' data of a node.
   CouplingData(const Couplings& of, const std::vector<ActionPart>& parts);  // allocates the data
 
-  std::vector<Eigen::MatrixXd> C, D;  // per subproblem: its contribution to the rows of its couplings, six each: set by
-                                      // differentiate
-  SceneData solution;                 // of the whole scene: set by solve
+  std::vector<Eigen::MatrixXd> C, D;  // one per subproblem: its contribution to the rows of its couplings,
+                                      // six each; set by differentiate
+  SceneData solution;                 // solution of the whole scene: set by solve
   /// The workspace of one robot.
   struct OfRobot {
     explicit OfRobot(const Model& model) : kin(model), terms(model) {}  // allocates the workspace
-    Kinematics<double> kin;                                             // at the solution: set by solve
-    RneaDerivatives terms;                                              // those of the motion: set by differentiate
+    Kinematics<double> kin;                                             // motion at the solution: set by solve
+    RneaDerivatives terms;                                              // motion's derivatives: set by differentiate
   };
-  std::vector<std::unique_ptr<OfRobot>> robots;  // those that couplings act on
+  std::vector<std::unique_ptr<OfRobot>> robots;  // one per robot of the scene; null if no coupling acts on it
   /// The workspace of one coupling.
   struct OfCoupling {
     ContactSupport support;
-    ContactData<double> rows;        // at the solution: set by solve
+    ContactData<double> rows;        // constraint rows at the solution: set by solve
     ContactDerivatives derivatives;  // set by differentiate
   };
   std::vector<OfCoupling> couplings;

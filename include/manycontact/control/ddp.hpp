@@ -139,8 +139,8 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   void set_reg_min(double regmin);                     // not negative
   void set_reg_max(double regmax);                     // not negative
   void set_alphas(const std::vector<double>& alphas);  // positive and decreasing
-  void set_th_stepdec(double th_step);                 // in (0, 1]
-  void set_th_stepinc(double th_step);                 // in (0, 1]
+  void set_th_stepdec(double th_step);                 // must be in (0, 1]
+  void set_th_stepinc(double th_step);                 // must be in (0, 1]
   void set_th_grad(double th_grad);                    // not negative
   /// Requires also a KKT residual (kkt_residual.hpp) of at most th_kkt; initially infinite. When th_stop is met, a
   /// solve continues until this is so, for at most maxiter further steps. (The stopping value is a difference of costs,
@@ -153,7 +153,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   enum class Limits { kIgnored, kKept };
   /// problem: not null, or std::invalid_argument is thrown.
   SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits);
-  /// For solvers that create the directions themselves.
+  /// The constructor of solvers that create the directions themselves.
   SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits, WithoutMatrices);
   /// Initialises the candidate and the regularisation.
   void start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us, bool is_feasible,
@@ -182,7 +182,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   void rollOut(double steplength, bool keep_gaps, bool keep_terminal_gap);
   /// The sum of the directions' dg and dq; `gaps`: with the contributions of gaps.
   Eigen::Vector2d improvement(bool gaps);
-  /// For `descend`: sets k = -nu for the next forward passes.
+  /// Sets k = -nu for the next forward passes of `descend`.
   void setFeedForward(const std::vector<Eigen::VectorXd>& nu);
   /// Computes g at us_try, where nodes are differentiated. Components of controls at a limit that would leave it are
   /// zero.
@@ -220,7 +220,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   bool searchFeedForward();
   bool limits_;
   LimitedBfgs bfgs_;
-  std::vector<Eigen::VectorXd> nu_, g_, g_try_;  // of descend: direction and gradients
+  std::vector<Eigen::VectorXd> nu_, g_, g_try_;  // direction and gradients of descend
   double slope_ = 0;                             // g^T nu
 };
 

@@ -28,8 +28,8 @@ class IntegratedActionModelEuler : public IntegratedActionModelAbstract {
 };
 
 struct IntegratedActionDataEuler : ActionDataAbstract {  // Data of IntegratedActionModelEuler.
-  /// With storage kPanel, throws std::invalid_argument for constraints, other controls, or a state class that is not
-  /// part of this library.
+  /// Throws std::invalid_argument, with storage kPanel only, for constraints, controls that change over a step, or a
+  /// state class that is not part of this library.
   explicit IntegratedActionDataEuler(IntegratedActionModelEuler* model);
 
   bool has_matrices() const override { return differential->storage != MatrixStorage::kPanel; }

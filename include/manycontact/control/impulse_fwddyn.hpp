@@ -99,7 +99,7 @@ class ActionModelImpulseFwdDynamics : public ActionModelAbstract {  // A node wi
   std::shared_ptr<CostModelSum> costs_;
   std::shared_ptr<ConstraintModelManager> constraints_;
   std::shared_ptr<internal::ImpactActuation> actuation_;
-  std::shared_ptr<DifferentialActionModelContactFwdDynamics> dynamics_;  // at rest: u is v, xout is w
+  std::shared_ptr<DifferentialActionModelContactFwdDynamics> dynamics_;  // model at rest: u is v, and xout is w
   double r_coeff_ = 0;
 };
 
@@ -107,7 +107,7 @@ struct ActionDataImpulseFwdDynamics : ActionDataAbstract {  // Data of ActionMod
   explicit ActionDataImpulseFwdDynamics(ActionModelImpulseFwdDynamics* model);  // allocates the data of the model
 
   std::shared_ptr<DifferentialActionDataContactFwdDynamics> dynamics;
-  DataCollector* multibody;  // that of `dynamics`: impulses by name in contacts, velocity after the impact in impact
+  DataCollector* multibody;  // collector of `dynamics`; its contacts are the impulses by name
   std::shared_ptr<CostDataSum> costs;
   std::shared_ptr<ConstraintDataManager> constraints;
   std::shared_ptr<DifferentialActionDataAbstract> terms;  // derivatives of costs and constraints
@@ -117,10 +117,10 @@ struct ActionDataImpulseFwdDynamics : ActionDataAbstract {  // Data of ActionMod
   // Maintained by the model.
   internal::Stage stage = internal::Stage::kFresh;
   Eigen::VectorXd x_rest, v;       // [q; 0], and the velocity before the impact, at the last calc
-  Eigen::VectorXd x;               // of the last calc
-  std::vector<bool> status;        // of the costs, then of the constraints, at the last calc
+  Eigen::VectorXd x;               // state of the last calc
+  std::vector<bool> status;        // whether each cost, then each constraint, was active at the last calc
   std::vector<bool> laid_out;      // status of the impulses that the residuals' blocks were made for
-  std::vector<FrameIndex> frames;  // their frames at that time
+  std::vector<FrameIndex> frames;  // frames of the impulses at that time
 };
 
 }  // namespace manycontact

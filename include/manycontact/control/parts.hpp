@@ -15,7 +15,7 @@ namespace manycontact {
 struct ActionPart {  // One subproblem of a scene, and the places of its coordinates.
   std::shared_ptr<ActionModelAbstract> model;
   std::vector<int> x, dx, u;     // coordinates of the node that belong to the subproblem, in its order
-  std::vector<int> robots = {};  // with couplings: numbers in the node's scene, in the order of the subproblem's model
+  std::vector<int> robots = {};  // robots' numbers in the node's scene, in the subproblem's order; for couplings
 };
 
 class Couplings;
@@ -24,7 +24,7 @@ struct CouplingData;
 struct ActionDataParts : ActionDataAbstract {  // Data of ActionModelParts, subproblem by subproblem.
   using ActionDataAbstract::ActionDataAbstract;
   std::vector<std::shared_ptr<ActionDataAbstract>> parts;
-  std::vector<Eigen::VectorXd> x, u;        // of each subproblem, as last given; u includes the wrenches on it
+  std::vector<Eigen::VectorXd> x, u;        // each subproblem's values as last given; u includes the wrenches on it
   std::shared_ptr<CouplingData> couplings;  // null without couplings
 
   bool has_matrices() const override { return Fx.size() > 0; }
@@ -89,8 +89,8 @@ class ActionModelParts : public ActionModelAbstract {  // Subproblems of a scene
 /// A shooting problem of one subproblem; its nodes' data are those of the whole problem.
 struct ShootingPart {
   std::shared_ptr<ShootingProblem> problem;
-  std::vector<int> x, dx;           // as in ActionPart
-  std::vector<std::vector<int>> u;  // per running node
+  std::vector<int> x, dx;           // coordinates as in ActionPart
+  std::vector<std::vector<int>> u;  // one entry per running node
 };
 
 /// Separates a problem whose nodes are ActionModelParts without couplings, with the same x and dx in each node.

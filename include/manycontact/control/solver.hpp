@@ -32,7 +32,7 @@ enum class StopReason {
   kInterrupted,  // interrupt() was called
   kInfeasible,   // constraints are violated, and the violation does not decrease with a penalty that outweighs the cost
 };
-const char* to_string(StopReason reason);  // in words
+const char* to_string(StopReason reason);  // describes the reason in words
 
 class SolverAbstract {  // The common base of solvers. Use one per thread.
  public:
@@ -111,7 +111,7 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   /// They throw std::invalid_argument for numbers out of range.
   void set_preg(double preg);
   void set_dreg(double dreg);                                            // not negative
-  void set_th_acceptstep(double th_acceptstep);                          // in (0, 1]
+  void set_th_acceptstep(double th_acceptstep);                          // must be in (0, 1]
   void set_th_stop(double th_stop);                                      // above 0
   void set_th_gaptol(double th_gaptol);                                  // not negative
   void set_feasnorm(FeasibilityNorm feasnorm) { feasnorm_ = feasnorm; }  // norm of infeasibilities
@@ -126,7 +126,7 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   std::shared_ptr<ShootingProblem> problem_;
   std::vector<Eigen::VectorXd> xs_, us_, fs_;  // T + 1, T, T + 1
   std::shared_ptr<const Callbacks> callbacks_ = std::make_shared<const Callbacks>();
-  bool is_feasible_ = false, was_feasible_ = false;  // of the candidate, and of the previous one
+  bool is_feasible_ = false, was_feasible_ = false;  // whether the candidate, and the previous one, is feasible
   double cost_ = 0, merit_ = 0, stop_ = 0;
   Eigen::Vector2d d_ = Eigen::Vector2d::Zero();
   double dV_ = 0, dPhi_ = 0, dVexp_ = 0, dPhiexp_ = 0;  // reductions of cost and merit, actual and expected

@@ -40,7 +40,7 @@ class SolverSparse : public SolverFDDP {
 
  private:
   std::unique_ptr<Direction> direction_of(ShootingPart part) const;
-  std::vector<std::shared_ptr<ActionDataAbstract>> nodes_;  // from which the subproblems were made
+  std::vector<std::shared_ptr<ActionDataAbstract>> nodes_;  // data from which the subproblems were made
   std::shared_ptr<ActionDataAbstract> terminal_;
 };
 

@@ -15,16 +15,16 @@ namespace manycontact {
 
 /// The body that a wrench acts on; sign -1: the reaction acts on it.
 struct WrenchEnd {
-  int robot = 0, joint = 0;  // of the state's scene
+  int robot = 0, joint = 0;  // numbers in the state's scene
   double sign = 1;
 };
 
 struct ActuationDataWrenches : ActuationDataAbstract {  // Data of ActuationModelWrenches.
   /// Allocates the data of the model.
   explicit ActuationDataWrenches(const ActuationModelAbstract* model) : ActuationDataAbstract(model) {}
-  std::vector<Vec3<double>> points;      // per wrench: p in the world [m], initially zero; set by the caller
-  std::vector<Kinematics<double>> kins;  // per wrench: its robot at q; set by calc
-  std::vector<std::vector<int>> chains;  // per wrench: the coordinates above its body, numbered within the robot
+  std::vector<Vec3<double>> points;      // one per wrench: p in the world [m], initially zero; set by the caller
+  std::vector<Kinematics<double>> kins;  // one per wrench: its robot at q; set by calc
+  std::vector<std::vector<int>> chains;  // one per wrench: the coordinates above its body, numbered within the robot
 };
 
 class ActuationModelWrenches : public ActuationModelAbstract {  // Torques of coordinates, and wrenches on bodies.
@@ -35,7 +35,7 @@ class ActuationModelWrenches : public ActuationModelAbstract {  // Torques of co
 
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   using ActuationModelAbstract::calc;
-  /// At the last calc.
+  /// Computes the derivatives at the last calc.
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   using ActuationModelAbstract::calcDiff;
   /// Not available: throw std::logic_error.

@@ -30,7 +30,7 @@ struct TaskTimes {
 /// Feedback u = us_t - K_t (x (-) xs_t) of robots that are solved together. dx and u are their coordinates.
 struct TaskGains {
   std::vector<int> dx, u;
-  std::vector<Eigen::MatrixXd> K;  // per node; without rows at impacts, and where the robots are solved with others
+  std::vector<Eigen::MatrixXd> K;  // one per node; no rows at impacts, and where the robots are solved with others
 };
 
 struct TaskSolution {  // The result of optimize, and how it was found.
@@ -38,22 +38,22 @@ struct TaskSolution {  // The result of optimize, and how it was found.
   double cost = 0;
   std::string reason;                     // why it stopped; names violated constraints and by how much, and failures;
                                           // contains the remarks
-  std::vector<std::string> remarks;       // what was done where a solver's own rule failed
+  std::vector<std::string> remarks;       // fallbacks taken where a solver's own rule failed
   bool interrupted = false;               // whether TaskOptions::each ended the solve
   std::vector<TaskIteration> iterations;  // up to the task's tolerance; of all solvers that were tried
   std::size_t polishing_iterations = 0;   // further iterations, up to the KKT residual
   std::vector<Eigen::VectorXd> xs, us;    // nodes + 1 states, nodes controls
-  std::vector<TaskGains> gains;           // per decoupled subproblem or cluster; none if no direction was found
+  std::vector<TaskGains> gains;           // one per decoupled subproblem or cluster; none if no direction was found
   std::string solver;
   std::string direction;            // method of search directions: "Riccati", or a name of lq::DirectionSolver
   std::vector<int> blocks;          // sizes of the matrices factorized at a node, one per subproblem or cluster
-  double kkt_residual = 0;          // with gradients in units of the cost's Hessians (SolverDDP::get_kkt_scale)
+  double kkt_residual = 0;          // gradients are in units of the cost's Hessians (SolverDDP::get_kkt_scale)
   double constraint_violation = 0;  // largest over all nodes and rows
   std::vector<TaskViolation> violations;
   std::vector<TaskFailure> failures;         // dynamics that failed at the result, or in the last steps that were tried
-  std::vector<Eigen::VectorXd> multipliers;  // of the constraints [g; h] of each node; assign them to
+  std::vector<Eigen::VectorXd> multipliers;  // multipliers of the constraints [g; h] of each node; assign them to
                                              // TaskProblem::multipliers to continue
-  std::size_t outer_iterations = 0;          // of the augmented Lagrangian, each a minimisation; 0 without constraints
+  std::size_t outer_iterations = 0;          // minimisations of the augmented Lagrangian; 0 without constraints
   TaskTimes times;
 
   /// Whether the constraints were found to be infeasible.

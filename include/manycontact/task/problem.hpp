@@ -16,7 +16,7 @@ namespace manycontact {
 struct TaskProblem {  // A task as a shooting problem.
   std::shared_ptr<StateMultibody> state;
   std::shared_ptr<ActuationModelAbstract> actuation;
-  /// per phase, then that of the terminal node
+  /// One model per phase, then that of the terminal node.
   std::vector<std::shared_ptr<DifferentialActionModelContactFwdDynamics>> models;
   std::shared_ptr<ShootingProblem> problem;
   std::vector<Eigen::VectorXd> xs, us;   // initial guess
@@ -44,7 +44,7 @@ TaskProblem make_problem(const TaskFile& task);
 struct TaskNode {       // A node of a task's horizon.
   int phase = 0;        // number of its phase; the terminal node has the number of phases
   bool impact = false;  // whether it is the impact before the phase, which takes no time
-  double time = 0;      // at its start, s
+  double time = 0;      // start of the node, s
 };
 /// The running nodes, then the terminal node.
 std::vector<TaskNode> timeline(const TaskFile& task);

@@ -113,7 +113,7 @@ void DataCollector::prepare() {
 
 PanelView DataCollector::panel(std::size_t i) const {
   if (!custom.empty()) {
-    (void)derivatives(solution);  // as for those that are the solution's own
+    (void)derivatives(solution);  // throws unless the derivatives are of the last calc
     const RowMajorMatrix& X = custom[i];
     return PanelView(X.data(), X.rows(), X.cols(), Eigen::OuterStride<>(X.cols()));
   }

@@ -15,7 +15,7 @@ namespace {
 Eigen::Index size(std::size_t n) { return static_cast<Eigen::Index>(n); }
 
 struct Differences {
-  Eigen::MatrixXd x, u;  // by these; a terminal node has none by u
+  Eigen::MatrixXd x, u;  // derivatives with respect to x and u; a terminal node has none for u
 };
 
 // Differentiates value(data) of a part of an action model. before(x, u) is called before each calc. In the end the data

@@ -92,7 +92,7 @@ void StateMultibody::integrate(const ConstVectorRef& x, const ConstVectorRef& dx
 void StateMultibody::Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, MatrixRef Jfirst, MatrixRef Jsecond,
                            Jcomponent which) const {
   Eigen::VectorXd dx(ndx_);
-  StateMultibody::diff(x0, x1, dx);  // its own, whatever a derived class has
+  StateMultibody::diff(x0, x1, dx);  // this class's diff, even if a derived class overrides it
   const auto fill = [&](bool of_x0, MatrixRef J) {
     check_size("StateMultibody::Jdiff", of_x0 ? "Jfirst" : "Jsecond", J.size(), ndx_ * ndx_);
     J.setZero();

@@ -35,7 +35,7 @@ ActuationModelFloatingBaseThrusters::ActuationModelFloatingBaseThrusters(std::sh
   set_thrusters(thrusters);
 }
 
-// On the base, in its axes: a force along the thruster's z, at its place, and a torque about it.
+// A thruster exerts a force along its z axis, at its place, and a torque about that axis. W_ has the base's axes.
 void ActuationModelFloatingBaseThrusters::set_thrusters(const std::vector<Thruster>& thrusters) {
   check_size("ActuationModelFloatingBaseThrusters::set_thrusters", "thrusters",
              static_cast<Eigen::Index>(thrusters.size()), thrusters_.size());

@@ -10,7 +10,7 @@
 namespace manycontact::lq {
 namespace {
 
-// By cluster of knot 0, which the plan keeps: its index and its couplings in each knot.
+// Sets, for each cluster of knot 0, its index and its couplings in each knot. The plan keeps these clusters.
 void make_nodes(const Problem& problem, const Plan& plan, CouplingGraph& graph) {
   graph.nodes.assign(plan[0].size(), std::vector<CouplingNode>(plan.size()));
   for (std::size_t c = 0; c < plan[0].size(); ++c) {
@@ -40,7 +40,7 @@ void make_nodes(const Problem& problem, const Plan& plan, CouplingGraph& graph) 
 // w.
 void make_vertices(const Problem& problem, CouplingGraph& graph) {
   const int T = problem.horizon();
-  std::vector<std::vector<std::vector<int>>> touched(T + 1);  // by knot, by coupling: clusters
+  std::vector<std::vector<std::vector<int>>> touched(T + 1);  // clusters that each coupling of each knot touches
   for (int k = 0; k <= T; ++k) {
     touched[k].resize(problem.knots[k].couplings.size());
     for (std::size_t c = 0; c < graph.nodes.size(); ++c)

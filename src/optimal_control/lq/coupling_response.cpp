@@ -31,7 +31,7 @@ void CouplingSchur::add_terms_of_y(const Problem& problem, int k, const Coupling
   const auto part_of = [&](int coupling, bool is_w) {
     for (const CouplingPart& part : node.parts)
       if (part.coupling == coupling && part.is_w == is_w) return part.at;
-    return 0;  // of size zero
+    return 0;  // the part has size zero
   };
   for (const Member& m : c.members) {
     const Group& g = problem.knots[k].groups[m.group];
@@ -151,7 +151,7 @@ void CouplingSchur::respond_at(const Problem& problem, int cluster, int k) {
     add_XDt(Wyy, 1, Wyz, steps->G);
   }
   W.bottomRightCorner(nz, nz) = Wzz;
-  // On from here F_z is [F_zy  F_zy G_(k-1) + F_zz].
+  // F_z is [F_zy  F_zy G_(k-1) + F_zz] from here on.
   if (steps && k > 0) add_XD(F.rightCols(nz), 1, F.leftCols(ny), this->steps(problem, cluster, k - 1)->G);
   if (c.next_in_order) return;
   const Cluster& next = riccati_.plan()[k + 1][graph_.nodes[cluster][k + 1].cluster];

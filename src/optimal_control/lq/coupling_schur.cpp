@@ -13,8 +13,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-// Where S is semidefinite in w or mu alone, relative to its entries: sqrt(eps), so that one solve with it is good to
-// sqrt(eps) and each refinement gains as much.
+// The proximal term where S is semidefinite in w or mu alone, relative to its entries. At sqrt(eps) one solve is
+// accurate to sqrt(eps), and each refinement gains as much.
 constexpr double kProximal = 1e-8;
 constexpr int kProximalRefinements = 9;
 

@@ -65,7 +65,7 @@ void add_couplings(const Knot& knot, Cluster& c) {
 std::vector<Cluster> clusters_of(const Problem& problem, int k, Join join, sparse::UnionFind& partition) {
   const Knot& knot = problem.knots[k];
   std::vector<Cluster> clusters;
-  std::vector<int> index(problem.blocks(), -1);  // by the partition's root
+  std::vector<int> index(problem.blocks(), -1);  // cluster of each root of the partition; -1: none yet
   for (int g = 0; g < static_cast<int>(knot.groups.size()); ++g) {
     int& c = index[partition.root(knot.groups[g].blocks.front())];
     if (c < 0) {

@@ -85,7 +85,7 @@ void RiccatiStep::multiply(ConstMatrix P) {
   panel_kernels().upper_product(F_.data(), PF_.data(), nx_, cols, ld_, H_.data());
 }
 
-// With W = [G; 1]^T P [G; 1], Y = J^T [P_yy G + P_yz] and E = [0 1 0], of x its first half y:
+// Definitions: W = [G; 1]^T P [G; 1], Y = J^T [P_yy G + P_yz], and E = [0 1 0], which takes the first half y of x:
 //
 //     F^T P F = F_z^T (W F_z + Y^T E) + E^T Y F_z + E^T J^T P_yy J E
 void RiccatiStep::multiply(ConstMatrix P, const SymplecticStructure& steps) {
@@ -107,7 +107,7 @@ void RiccatiStep::multiply(ConstMatrix P, const SymplecticStructure& steps) {
 
   double *F = F_.data(), *PF = PF_.data(), *H = H_.data(), *YF = Z_.data();
   panel_kernels().product(W.data(), half, F, half, half, cols, ld_, PF);
-  Matrix(PF + u_, half, half, Eigen::OuterStride<>(ld_)) += Y;  // by rows: Y^T E
+  Matrix(PF + u_, half, half, Eigen::OuterStride<>(ld_)) += Y;  // row-major: adds Y^T E
   panel_kernels().upper_product(F, PF, half, cols, ld_, H);
   panel_kernels().product(Y.data(), half, F + u_, half, half, nx_, ld_, YF);
   Matrix Hxx = Qxx();

@@ -1,5 +1,5 @@
 #pragma once
-// Which classes of action models and solvers users may derive from in Python, and properties of action data.
+// Classes of action models and solvers that users may derive from in Python, and properties of action data.
 
 #include <typeinfo>
 
@@ -144,7 +144,7 @@ struct PyActionModel : Abstract {
   }
 
  private:
-  // By Python's quasiStatic(self, data, x, maxiter, tol), which returns u; false where the class has none.
+  // Calls Python's quasiStatic(self, data, x, maxiter, tol), which returns u; false if the class has none.
   bool own_quasi_static(const Data& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter, double tol) {
     const py::gil_scoped_acquire gil;
     const py::function own = py::get_override(static_cast<const Abstract*>(this), "quasiStatic");

@@ -55,7 +55,7 @@ Class& add_box(Class& c) {
       "Length and width (2) [m].");
 }
 
-// For pickle: the class, and what to make it of.
+// The pickled form: the class and the arguments of its constructor.
 template <class Cone, class... Arguments>
 py::tuple by_constructor(Arguments&&... arguments) {
   return py::make_tuple(py::type::of<Cone>(), py::make_tuple(std::forward<Arguments>(arguments)...));

@@ -16,7 +16,7 @@ class Shared {
     if (!collector_) throw py::value_error("data.shared is there while calc, calcDiff and createData run, not later");
     return *collector_;
   }
-  /// For createData.
+  /// The collector itself, which createData needs.
   DataCollector* collector() const {
     (void)get();
     return collector_;

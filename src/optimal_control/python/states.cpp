@@ -246,7 +246,7 @@ void add_activation_base(py::module_& m) {
       .def(py::pickle([](const ActivationBounds& b) { return py::make_tuple(copy(b.lb), copy(b.ub), b.beta); },
                       [](const py::tuple& state) {
                         ActivationBounds b(state[0].cast<Bounds>().x, state[1].cast<Bounds>().x);
-                        b.beta = state[2].cast<double>();  // which has drawn them in already
+                        b.beta = state[2].cast<double>();  // lb and ub are contracted already
                         return b;
                       }))
       .def(py::init([](const Bounds& lb, const Bounds& ub, double beta) { return ActivationBounds(lb.x, ub.x, beta); }),

@@ -8,8 +8,8 @@ namespace manycontact::task {
 namespace {
 
 constexpr int kTries = 4;
-constexpr double kChange = 1e-2;  // of the largest control, or of 1
-constexpr double kFall = 1e-10;   // of the cost: more than rounding
+constexpr double kChange = 1e-2;  // relative to the largest control, or to 1 if that is larger
+constexpr double kFall = 1e-10;   // relative to the cost: above its rounding error
 
 using Vectors = std::vector<Eigen::VectorXd>;
 

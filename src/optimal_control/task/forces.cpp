@@ -23,7 +23,7 @@ const DifferentialActionDataContactFwdDynamics& dynamics_of(const ActionDataAbst
   return dynamic_cast<const DifferentialActionDataContactFwdDynamics&>(*rk.differential[0]);
 }
 
-// By contact; of a node of parts, of all of them. An impact's are impulses.
+// Collects contact forces by name, in all subproblems of a node. Impacts are skipped: theirs are impulses.
 void collect(const ActionModelAbstract& model, const ActionDataAbstract& data, Forces& out) {
   if (dynamic_cast<const ActionDataImpulseFwdDynamics*>(&data)) return;
   if (const auto* whole = dynamic_cast<const ActionDataParts*>(&data)) {

@@ -8,7 +8,7 @@ namespace manycontact::task {
 
 using DiffModel = DifferentialActionModelContactFwdDynamics;
 
-/// All but floating bases; every coordinate where no robot has one.
+/// Actuates all coordinates but floating bases; every coordinate if no robot has a floating base.
 std::shared_ptr<ActuationModelAbstract> actuation_of(const std::shared_ptr<StateMultibody>& state);
 
 /// Throws InputError where a term does not fit.
@@ -16,7 +16,7 @@ std::shared_ptr<DiffModel> model_of(const TaskFile& task, const TaskPhase& phase
                                     const std::shared_ptr<StateMultibody>& state,
                                     const std::shared_ptr<ActuationModelAbstract>& actuation, MatrixStorage storage);
 
-/// By the task's integrator.
+/// The node of the task's integrator.
 std::shared_ptr<ActionModelAbstract> integrated(const TaskFile& task, const std::shared_ptr<DiffModel>& model);
 std::shared_ptr<ActionModelAbstract> terminal_of(const std::shared_ptr<DiffModel>& model);
 
@@ -25,7 +25,7 @@ std::shared_ptr<ActionModelAbstract> impact_of(const TaskFile& task, const TaskP
                                                const std::shared_ptr<StateMultibody>& state);
 
 struct Nodes {
-  std::vector<std::shared_ptr<ActionModelAbstract>> phases, impacts;  // per phase; impacts: null without
+  std::vector<std::shared_ptr<ActionModelAbstract>> phases, impacts;  // one entry per phase; impacts: null without one
   std::shared_ptr<ActionModelAbstract> terminal;
 };
 

@@ -102,13 +102,13 @@ std::vector<TaskGains> gains_of(const SolverDDP& solver) {
   std::vector<TaskGains> out;
   const std::size_t T = solver.get_problem()->get_T();
   for (const auto& direction : solver.directions()) {
-    std::map<std::vector<int>, std::size_t> known;  // by dx
+    std::map<std::vector<int>, std::size_t> known;  // index in `out` of each dx
     for (std::size_t t = 0; t < T; ++t)
       for (Direction::Gains& own : direction->gains(t)) {
         const auto [at, is_new] = known.emplace(own.dx, out.size());
         if (is_new) out.push_back({own.dx, {}, std::vector<Eigen::MatrixXd>(T)});
         TaskGains& gains = out[at->second];
-        if (gains.u.empty()) gains.u = std::move(own.u);  // an impact's are none
+        if (gains.u.empty()) gains.u = std::move(own.u);  // impacts have none
         gains.K[t] = std::move(own.K);
       }
   }
@@ -187,7 +187,7 @@ void Run::solve(SolverAbstract& solver, const SolverDDP& inner) {
 
 void Run::with_constraints() {
   SolverAugmentedLagrangian solver(problem.problem, [this](const auto& shooting) { return make(shooting); });
-  solver.set_penalty_init(task.step);  // as a running cost of weight 1
+  solver.set_penalty_init(task.step);  // same size as a running cost of weight 1
   solver.set_th_constraint(kMostViolation);
   solver.set_th_kkt(kMostResidual);
   solver.set_measures_scale(true);
@@ -288,7 +288,7 @@ void take_limits(Run& run, const std::vector<task::TorqueBounds>& bounds) {
 }
 
 void take_dense_recursion(Run& run) {
-  TaskProblem dense = make_problem(run.task, TaskSolver::kBoxFddp);  // of which parts are not taken apart
+  TaskProblem dense = make_problem(run.task, TaskSolver::kBoxFddp);  // the whole scene in one
   dense.xs = run.problem.xs;
   dense.us = run.problem.us;
   dense.multipliers = run.problem.multipliers;

@@ -138,7 +138,7 @@ TaskPhase phase_of(const TaskPhase& phase, const Scene& scene, const Share& shar
   out.impact = phase.impact;
   out.at_scene = phase.at_scene;
   for (const int c : share.contacts) out.active.push_back(phase.active[static_cast<std::size_t>(c)]);
-  for (std::size_t k = 0; k < phase.pushes.size(); ++k)  // as take_applied_forces leaves them
+  for (std::size_t k = 0; k < phase.pushes.size(); ++k)  // the same selection as in take_applied_forces
     if (share.robot_at[static_cast<std::size_t>(scene.pushes[k].at.robot)] >= 0) out.pushes.push_back(phase.pushes[k]);
   for (auto terms : {&TaskPhase::costs, &TaskPhase::constraints})
     for (const TaskTerm& term : phase.*terms)
@@ -150,7 +150,7 @@ TaskPhase phase_of(const TaskPhase& phase, const Scene& scene, const Share& shar
 
 std::vector<std::vector<int>> sets_of(sparse::UnionFind& sets, int count) {
   std::vector<std::vector<int>> out;
-  std::vector<std::size_t> at(static_cast<std::size_t>(count));  // by root, the first of its set
+  std::vector<std::size_t> at(static_cast<std::size_t>(count));  // index of each set, by its root, its first member
   for (int i = 0; i < count; ++i) {
     const auto root = static_cast<std::size_t>(sets.root(i));
     if (root == static_cast<std::size_t>(i)) {

@@ -15,7 +15,7 @@ namespace manycontact::task {
 
 namespace {
 
-// From where the term's places are given to where robot `to` is.
+// The motion that carries the places of a copied term to robot `to`; the identity if the term is not copied.
 SE3<double> move(const SceneFile& file, const TaskTerm& term, int to) {
   return term.copied ? file.moved[static_cast<std::size_t>(to)] : SE3<double>{};
 }
@@ -149,7 +149,7 @@ std::shared_ptr<ResidualModelAbstract> of_frame(const TaskTerm& term, const Part
       if (term.reference_frame == ReferenceFrame::kLocal) return of(twist);
       if (term.reference_frame == ReferenceFrame::kLocalWorldAligned || T.p.isZero(0))
         return in_own_axes(term, of(turned(T.R, twist)), T.R);
-      return std::make_shared<ResidualModelTurned>(of(T.act(twist)), inverse_action(T));  // of the moved world origin
+      return std::make_shared<ResidualModelTurned>(of(T.act(twist)), inverse_action(T));  // moved world origin
     }
   }
 }

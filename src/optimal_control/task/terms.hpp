@@ -21,7 +21,7 @@ struct Residual {
   std::string name;  // the term's, with the copy's number when there are several
   std::shared_ptr<ResidualModelAbstract> model;
   int copies = 1;                // the term's numbers (weights, bounds) are repeated so often
-  Eigen::VectorXd lower, upper;  // of a cone
+  Eigen::VectorXd lower, upper;  // bounds of a cone
 };
 
 /// (q, v) as the scene's file has them.

@@ -5,7 +5,7 @@
 
 namespace manycontact::task {
 
-struct TorqueBounds {  // of a phase's nodes: the scene's nu numbers, infinite where there are none
+struct TorqueBounds {  // torque bounds of a phase's nodes: the scene's nu numbers, infinite where there are none
   Eigen::VectorXd lower, upper;
 };
 
@@ -13,7 +13,7 @@ struct TorqueBounds {  // of a phase's nodes: the scene's nu numbers, infinite w
 /// box-fddp the robots' efforts too.
 bool bounds_torques_alone(const TaskFile& task, std::vector<TorqueBounds>& bounds);
 
-/// The task as it is but for its constraints.
+/// The task without its constraints.
 TaskFile without_constraints(TaskFile task);
 
 /// Makes the bounds the limits of the problem's nodes and of their parts, and brings its guess within them.

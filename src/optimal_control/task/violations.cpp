@@ -42,7 +42,7 @@ void add_rows(std::size_t t, const ConstraintModelManager& constraints, bool ter
   }
 }
 
-// For subproblems and blocks: collects the violations of each.
+// Collects the violations of a node, in each of its subproblems.
 void add_node(std::size_t t, const ActionModelAbstract& model, bool terminal, const ActionDataAbstract& data,
               Worst& worst) {
   if (const auto* whole = dynamic_cast<const ActionModelParts*>(&model)) {

@@ -26,7 +26,7 @@ internal::EndColumns columns_of(const Scene& scene, const Contact& contact) {
   return {scene.robots[contact.A.robot].idx_v, contact.B.robot >= 0 ? scene.robots[contact.B.robot].idx_v : 0};
 }
 
-struct Rows {  // of a contact at a motion
+struct Rows {  // constraint rows of a contact at a motion
   Rows(const Scene& scene, const Contact& contact, const std::vector<Kinematics<double>>& motion)
       : support(contact_support(scene, contact)), at(contact, support) {
     contact_rows<double>(scene, contact, support, motion[static_cast<std::size_t>(contact.A.robot)],
@@ -182,7 +182,7 @@ void ContactModelAbstract::updateForce(const DataPtr& data, const Eigen::VectorX
   data->own_contact = contact_;
   data->f = force;
   data->f.axis = contact_.axis;
-  Vec6<double> on_A = data->f.toVector();  // in A's axes
+  Vec6<double> on_A = data->f.toVector();  // wrench in A's axes
   if (rows_turn(contact_)) {
     const auto r = static_cast<std::size_t>(contact_.A.robot);
     const Mat3<double> R =

@@ -1,4 +1,4 @@
-// From the scene's solution to the action's data.
+// Fills the action's data from the scene's solution.
 
 #include <algorithm>
 #include <limits>
@@ -10,7 +10,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// For data whose columns are those of A's robot, then those of B'.
+// First columns of both ends, in data whose columns are those of A's robot, then those of B'.
 EndColumns columns_of(const Scene& scene, const Contact& contact) {
   const bool two = contact.B.robot >= 0 && contact.B.robot != contact.A.robot;
   return {0, two ? scene.robots[contact.A.robot].model->nv : 0};

@@ -6,12 +6,12 @@
 
 namespace manycontact::internal {
 
-// With the actuation's torques linearised at u = 0.
+// Computes u from the actuation's torques linearised at u = 0.
 void quasi_static(ActuationModelAbstract& actuation, const ConstVectorRef& x, DataCollector& m, VectorRef u) {
   u.setZero();
   actuation.calc(m.actuation, x, u);
   actuation.calcDiff(m.actuation, x, u);
-  if (!unusable_configuration("q", x.head(m.scene.nq), m.scene).empty()) {  // as calc: a solver's trial may be none
+  if (!unusable_configuration("q", x.head(m.scene.nq), m.scene).empty()) {  // a solver's trial may be unusable
     u.setConstant(std::numeric_limits<double>::quiet_NaN());
     return;
   }

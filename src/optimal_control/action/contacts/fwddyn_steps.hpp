@@ -26,13 +26,13 @@ void fill_contact_derivatives(bool forces, DataCollector& m);
 /// Fills Fx, Fu and their sparse counterparts from the islands' panels.
 void fill_dynamics(DifferentialActionDataContactFwdDynamics& data);
 
-/// How the controls reach the scene.
+/// How the controls act on the scene.
 enum class Actuation { kActuated, kAll, kCustom };  // u: all but floating bases, all coordinates, any function
 Actuation kind(const ActuationModelAbstract& actuation, const Scene& scene);
 inline bool by_all_torques(const ActuationModelAbstract& actuation, const Scene& scene) {
   return kind(actuation, scene) != Actuation::kActuated;
 }
-/// For a custom actuation: m.custom = derivatives by x and u, from those by the torques.
+/// Sets m.custom of a custom actuation: derivatives with respect to x and u, from those with respect to the torques.
 void apply_actuation(const ActuationModelAbstract& actuation, DataCollector& m);
 void quasi_static(ActuationModelAbstract& actuation, const ConstVectorRef& x, DataCollector& m, VectorRef u);
 

@@ -72,7 +72,7 @@ double ActivationModel2NormBarrier::value(const ConstVectorRef& r) const {
   return e * e / 2;
 }
 
-// With d = |r|: gradient (d - alpha) r / d, Hessian alpha r r^T / d^3 + (d - alpha) / d I.
+// The gradient is (d - alpha) r / d, the Hessian alpha r r^T / d^3 + (d - alpha) / d I, where d = |r|.
 void ActivationModel2NormBarrier::differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const {
   const double d = r.norm();
   data.Ar.setZero();
@@ -92,7 +92,7 @@ double ActivationModelQuadFlatExp::value(const ConstVectorRef& r) const {
   return -std::expm1(-r.squaredNorm() / alpha_);
 }
 
-// With c = 2/alpha exp(-|r|^2/alpha): gradient c r, Hessian c (I - 2/alpha r r^T).
+// The gradient is c r, the Hessian c (I - 2/alpha r r^T), where c = 2/alpha exp(-|r|^2/alpha).
 void ActivationModelQuadFlatExp::differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const {
   const double c = 2 / alpha_ * std::exp(-r.squaredNorm() / alpha_);
   data.Ar = c * r;
@@ -104,7 +104,7 @@ ActivationModelQuadFlatLog::ActivationModelQuadFlatLog(std::size_t nr, double al
 
 double ActivationModelQuadFlatLog::value(const ConstVectorRef& r) const { return std::log1p(r.squaredNorm() / alpha_); }
 
-// With c = 2 / (alpha + |r|^2): gradient c r, Hessian c (I - c r r^T).
+// The gradient is c r, the Hessian c (I - c r r^T), where c = 2 / (alpha + |r|^2).
 void ActivationModelQuadFlatLog::differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const {
   const double c = 2 / (alpha_ + r.squaredNorm());
   data.Ar = c * r;

@@ -139,7 +139,7 @@ std::shared_ptr<ConstraintDataManager> ConstraintModelManager::createData(DataCo
 
 namespace {
 
-// In standalone use, copies the results to the data that are shared with an action.
+// Copies the results of standalone use to the data that are shared with an action.
 template <class From, class To>
 void hand_on(const From& from, To& to) {
   if (from.data() == to.data()) return;

@@ -202,7 +202,7 @@ int gather(const CostGroup& g, const std::vector<double>& weights, int nx, int n
 void CostGroups::add(const std::vector<double>& weights, bool terminal, CostDerivatives& out) {
   add_squares(weights, terminal, out);
   add_own(weights, terminal, out);
-  thread_local Scratch work;  // of all nodes that a thread evaluates: it stays in the cache
+  thread_local Scratch work;  // shared by all nodes that a thread evaluates: it stays in the cache
   for (auto* rows : {&work.L, &work.R})
     if (rows->size() < most_) rows->resize(most_);
   if (work.H.size() < widest_ * widest_) work.H.resize(widest_ * widest_);

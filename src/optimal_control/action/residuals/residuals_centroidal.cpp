@@ -9,8 +9,8 @@ namespace {
 
 struct CentroidalData : ResidualDataAbstract {
   using ResidualDataAbstract::ResidualDataAbstract;
-  std::vector<std::vector<Vec6<double>>> h;  // per robot and joint: momentum of the subtree, about the tree's origin
-  Eigen::Vector3d c;                         // by calc: centre of mass in the world
+  std::vector<std::vector<Vec6<double>>> h;  // momenta of the subtrees, per robot and joint, about the tree's origin
+  Eigen::Vector3d c;                         // set by calc: centre of mass in the world
 };
 
 Eigen::Vector3d center_of_mass(const DataCollector& shared, int first, int last, double mass) {

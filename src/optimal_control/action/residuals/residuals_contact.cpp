@@ -12,14 +12,14 @@ namespace {
 struct ContactResidualData : ResidualDataAbstract {
   using ResidualDataAbstract::ResidualDataAbstract;
   FrameIndex id = 0;
-  std::string name;                                     // of the contact asked for
-  const ContactDataAbstract* contact = nullptr;         // by lay_out
-  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> P;  // by lay_out: unit wrenches of the contact's rows
-  Eigen::MatrixXd B;                                    // by calc
-  Eigen::VectorXd b;                                    // by calc
-  // Where the cone's axes are not the contact's.
-  std::vector<int> columns;  // by lay_out: of Rx, per velocity coordinate of A's robot, then of that of B'
-  Mat3<double> oRX, oRF;     // by calc: the cone's axes and those of the force
+  std::string name;                                     // name of the requested contact
+  const ContactDataAbstract* contact = nullptr;         // set by lay_out
+  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> P;  // set by lay_out: unit wrenches of the contact's rows
+  Eigen::MatrixXd B;                                    // set by calc
+  Eigen::VectorXd b;                                    // set by calc
+  // Members that are used if the cone's axes are not the contact's.
+  std::vector<int> columns;  // set by lay_out: column of Rx for each velocity coordinate of A's robot, then of B' robot
+  Mat3<double> oRX, oRF;     // set by calc: the cone's axes and those of the force
   Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> turned;  // 6 x 3
   Eigen::MatrixXd B_turned;                                  // nr x 3
   Mat6X<double> J;                                           // used for one end at a time; its size is enough for both
@@ -42,7 +42,7 @@ void find_axes(const Contact& contact, ConeAxes axes, ContactResidualData& d) {
                                      : Mat3<double>(Mat3<double>::Identity());
 }
 
-// Per velocity coordinate of the robot, the column of Rx that its q has; -1 where it has none.
+// Appends, for each velocity coordinate of the robot, the column of Rx that belongs to its q, or -1 if there is none.
 void find_columns(const DataCollector& shared, int robot, const std::vector<int>& x_columns, std::vector<int>& out) {
   const Robot& r = shared.scene.robots[robot];
   for (int i = 0; i < r.model->nv; ++i) {
@@ -150,7 +150,7 @@ void ContactResidual::fill_blocks(ResidualDataAbstract& data, const ConstVectorR
   multiply(d.B, d.contact->df_dx, d.blocks[0].Rx);
   multiply(d.B, d.contact->df_du, d.blocks[0].Ru);
   if (axes_ == ConeAxes::kContact) return;
-  // With w = oRF P_F f in the world, r = A oRX^T w turns by A oRX^T (th_F - th_X) x w.
+  // The wrench in the world is w = oRF P_F f. Rotations th change r = A oRX^T w by A oRX^T (th_F - th_X) x w.
   const Contact& contact = *d.contact->contact;
   const Vec6<double> in_cone = d.P * d.contact->f;
   const Vec3<double> force = d.oRX * in_cone.head<3>(), moment = d.oRX * in_cone.tail<3>();

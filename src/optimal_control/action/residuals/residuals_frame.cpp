@@ -11,14 +11,14 @@ namespace {
 
 struct FrameResidualData : ResidualDataAbstract {
   using ResidualDataAbstract::ResidualDataAbstract;
-  const Multibody::BodyFrame* frame = nullptr;  // by lay_out
-  std::vector<int> chain;                       // by lay_out: the robot's coordinates that move it
+  const Multibody::BodyFrame* frame = nullptr;  // set by lay_out
+  std::vector<int> chain;                       // set by lay_out: the robot's coordinates that move the frame
 
   const Kinematics<double>& kin() const { return shared->kinematics(frame->robot); }
   const SE3<double>& base() const { return shared->scene.robots[frame->robot].base; }
   const Model& model() const { return *shared->scene.robots[frame->robot].model; }
   SE3<double> oMf() const { return frame_placement<double>(kin(), base(), frame->joint, frame->placement); }
-  // In the robot's tree frame; of a frame that moves.
+  // Placement in the robot's tree frame. The frame must not be fixed to the base.
   SE3<double> in_tree() const { return kin().oMi[frame->joint] * frame->placement; }
 };
 
@@ -141,8 +141,8 @@ void ResidualModelFrameVelocity::evaluate(ResidualDataAbstract& data, const Cons
   data.r = v - reference_;
 }
 
-// In the tree frame, with S = S_i, v the body's velocity and v_p that of the parent of i's joint:
-//   dv/dq_i = v_p x S - v x S = S x v - S x v_p. The frame itself moves with S, which takes S x v away again.
+// Derivatives in the tree frame, with S = S_i, v the body's velocity and v_p the velocity of the parent of i's joint:
+//   dv/dq_i = v_p x S - v x S = S x v - S x v_p. The frame itself moves with S, which cancels S x v.
 void ResidualModelFrameVelocity::fill_blocks(ResidualDataAbstract& data, const ConstVectorRef&,
                                              const ConstVectorRef&) const {
   auto& d = internal::own<FrameResidualData>(data);

@@ -12,10 +12,10 @@ namespace {
 struct GravityData : ResidualDataAbstract {
   GravityData(const ResidualModelAbstract* model, DataCollector* collector)
       : ResidualDataAbstract(model, collector), statics(collector->scene) {}
-  StaticTorque statics;                      // by calc
-  std::vector<int> local;                    // by lay_out: of each velocity coordinate, its place in its island
-  std::vector<int> island;                   // by lay_out: and the island
-  std::vector<std::vector<int>> q_column;    // by lay_out, per island: column of each of its q in the block
+  StaticTorque statics;                      // set by calc
+  std::vector<int> local;                    // set by lay_out: index of each velocity coordinate in its island
+  std::vector<int> island;                   // set by lay_out: island of each velocity coordinate
+  std::vector<std::vector<int>> q_column;    // set by lay_out, one entry per island: columns of its q in the block
   std::vector<IslandDerivatives::Panel> dg;  // derivatives of the static torque at constant forces, per island, set by
                                              // calcDiff
 };

@@ -7,7 +7,7 @@ namespace {
 
 struct ImpulseCoMData : ResidualDataAbstract {
   using ResidualDataAbstract::ResidualDataAbstract;
-  std::vector<std::vector<Vec6<double>>> v, h;  // per robot and joint: of w = v+ - v, velocity; momentum of the subtree
+  std::vector<std::vector<Vec6<double>>> v, h;  // velocities and subtree momenta that w = v+ - v causes, joint by joint
   Eigen::VectorXd w;                            // nv
   Eigen::MatrixXd Jcom;                         // 3 x nv
 };

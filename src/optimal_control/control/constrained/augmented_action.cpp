@@ -62,7 +62,7 @@ bool ActionModelAugmentedLagrangian::checkData(const DataPtr& data) {
   return d && model_->checkData(d->inner);
 }
 
-// With d = c - (the bound that y+ belongs to) an active row adds d (y + y+) / 2; an inactive one - y^2 / (2 rho).
+// An active row adds d (y + y+) / 2, where d = c - (the bound that y+ belongs to); an inactive one - y^2 / (2 rho).
 void ActionModelAugmentedLagrangian::add_values(ActionDataAbstract& data, bool terminal) const {
   ActionDataAugmentedLagrangian& d = static_cast<ActionDataAugmentedLagrangian&>(data);
   const ConstraintRows rows(*model_, terminal);
@@ -107,7 +107,7 @@ void ActionModelAugmentedLagrangian::add_derivatives(ActionDataAbstract& data, b
     d.Lu += d.y_next[i] * rows.u_row(in, i).transpose();
   }
   if (active == 0) return;
-  double* H = d.product.data();  // its upper triangle
+  double* H = d.product.data();  // only the upper triangle is computed
   sparse::panel_kernels().upper_product(d.panel.data(), d.panel.data(), active, cols, ld, H);
   for (Index j = 0; j < cols; ++j)
     for (Index i = 0; i <= j; ++i) {

@@ -21,21 +21,21 @@ using Index = Eigen::Index;
 namespace {
 
 constexpr const char* kSolverAugmentedLagrangian = "SolverAugmentedLagrangian";
-constexpr double kProgress = 0.1;  // of m by one minimisation, or the penalty grows
-constexpr double kHoped = 0.3;     // of m by the next one, and what may be missed of that
+constexpr double kProgress = 0.1;  // the penalty grows unless a minimisation reduces m to this share
+constexpr double kHoped = 0.3;     // expected reduction of m by the next one, and the tolerable share of error in it
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr std::size_t kPolishing = 20;  // iterations where reductions drown in the cost's rounding
-constexpr int kPatience = 4;            // minimisations in a row that bring nothing
-constexpr int kFlat = 2;                // minimisations in a row that bring constraints no closer
-constexpr double kCloser = 0.5;         // of the violation before: closer. Ten times the penalty should bring a tenth
-constexpr double kOutweighs = 10;       // what constraints add to the cost, of the cost
-constexpr double kStationary = 1e-3;    // what a step is to gain, of what constraints add to the cost
+constexpr std::size_t kPolishing = 20;  // iterations if reductions are below the cost's rounding error
+constexpr int kPatience = 4;            // consecutive minimisations without progress that end the solve
+constexpr int kFlat = 2;                // consecutive minimisations that bring the constraints no closer
+constexpr double kCloser = 0.5;         // the violation decreased if below this share; ten times the penalty gives 0.1
+constexpr double kOutweighs = 10;       // constraints outweigh the cost if they add at least this multiple of it
+constexpr double kStationary = 1e-3;    // a step gains nothing below this share of what constraints add to the cost
 constexpr int kWindow = 10;             // a minimisation is slow if that many iterations gain no more than the next one
                                         // is predicted to
-constexpr double kSlow = 0.1;           // of `stop`, by two iterations
-constexpr double kStillSlow = 0.3;      // by the last of them
-constexpr double kNearer = 0.1;         // of `stop` where quasi-Newton steps failed, to try again
-constexpr double kCrawl = 0.01;         // of what constraints add to the cost
+constexpr double kSlow = 0.1;           // slow: `stop` is above this share of its value two iterations before,
+constexpr double kStillSlow = 0.3;      // and above this share of its value one iteration before
+constexpr double kNearer = 0.1;         // quasi-Newton steps are retried below this share of `stop` at their failure
+constexpr double kCrawl = 0.01;         // least useful reduction, as a share of what constraints add to the cost
 
 std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem) {
   const auto& models = problem->get_runningModels();
@@ -130,7 +130,7 @@ void SolverAugmentedLagrangian::start(const Vectors& init_xs, const Vectors& ini
 }
 
 void SolverAugmentedLagrangian::minimise(std::size_t maxiter, double init_reg) {
-  // Steps are accepted unseen where what they are to gain is less than the cost's rounding.
+  // Steps are accepted untested if their expected gain is below the cost's rounding error.
   const double rounding = 100 * kEps * std::abs(outer_ == 0 ? cost_ : inner_->get_cost());
   inner_->set_th_grad(std::isfinite(rounding) ? std::max(1e-12, rounding / scale_) : 1e-12);
   inner_->set_th_stop(tolerance_ / scale_);
@@ -142,7 +142,7 @@ void SolverAugmentedLagrangian::minimise(std::size_t maxiter, double init_reg) {
   descend(reported_ + most, init_reg);
 }
 
-// By the unconstrained solver, and from where it is slow by its quasi-Newton steps, unless these fail there.
+// Minimises by the unconstrained solver. Where that is slow its quasi-Newton steps take over, unless they fail there.
 void SolverAugmentedLagrangian::descend(std::size_t last, double init_reg) {
   for (;; init_reg = NAN) {
     if (curved_) {
@@ -169,7 +169,7 @@ void SolverAugmentedLagrangian::takeCandidate() {
   is_feasible_ = inner_->get_is_feasible();
 }
 
-// After a step the nodes' data are those of the candidate; without one of the last try.
+// After a step the nodes' data belong to the candidate, otherwise to the last trial step.
 void SolverAugmentedLagrangian::reportIteration() {
   takeCandidate();
   for (std::size_t t = 0; t < fs_.size(); ++t) fs_[t] = inner_->get_fs()[t];
@@ -193,7 +193,7 @@ void SolverAugmentedLagrangian::reportIteration() {
   if (interrupted_ || crawls() || isSlow()) inner_->interrupt();
 }
 
-// Gauss-Newton's steps, near enough to a minimum for them to be fast.
+// Whether Gauss-Newton steps are slow, although a minimum is near enough for fast ones.
 bool SolverAugmentedLagrangian::isSlow() {
   slow_ = !curved_ && is_feasible_ && stop_ > tolerance_ && stop_ > kSlow * last_stops_[0] &&
           stop_ > kStillSlow * last_stops_[1] && stop_ < kNearer * failed_stop_;
@@ -212,7 +212,7 @@ bool SolverAugmentedLagrangian::crawls() {
   return crawls_;
 }
 
-// gfeas, hfeas and violation of the nodes as evaluated.
+// Sets gfeas, hfeas and the violation from the nodes as evaluated.
 void SolverAugmentedLagrangian::measureViolation() {
   gfeas_ = computeInequalityFeasibility();
   hfeas_ = computeEqualityFeasibility();
@@ -271,8 +271,8 @@ StopReason SolverAugmentedLagrangian::judge(std::size_t maxiter) {
   return met ? StopReason::kNoStep : StopReason::kInfeasible;
 }
 
-// Where the augmented Lagrangian is nearly the constraints' alone, at its minima, or where a step is to gain next to
-// nothing of what they add: the violation is stationary.
+// The violation is stationary if constraints dominate the augmented Lagrangian but come no closer, at its minima, or
+// if a step is expected to gain next to nothing of what they add.
 bool SolverAugmentedLagrangian::comesNoCloser(StopReason inner) {
   const double added = merit_ - cost_;
   const bool settled =

@@ -21,7 +21,7 @@ namespace {
 
 // The cost of a motion from which no solve continues, in units of the current cost.
 constexpr double kAbsurd = 3e8;
-// At a least violation, a step reduces the squared violation by at most this share.
+// A violation is considered least if a step reduces its square by at most this share.
 constexpr double kWorthless = 1e-6;
 // The candidate is stationary if |C^T r| <= kLevel |C| |r|.
 constexpr double kLevel = 1e-6;
@@ -250,7 +250,7 @@ void AL::evaluate(Restoration& own) {
 double AL::jacobianSize(Restoration& own) {
   constexpr int kDraws = 4;
   constexpr double kNoPenalty = 1e-100;  // y+ = y
-  std::vector<Eigen::VectorXd> signs;    // of the violations
+  std::vector<Eigen::VectorXd> signs;    // signs of the violations
   for (const Augmented& part : own.augmented) signs.push_back(part.data->y_next.cwiseSign());
   std::mt19937 random(2);
   std::uniform_real_distribution<double> share(0, 2);  // the sign is not changed, since an inequality has one side

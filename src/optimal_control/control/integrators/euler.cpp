@@ -50,7 +50,7 @@ const PanelView& IntegratedActionDataEuler::panel() const {
   return differential->panel;
 }
 
-// With the panel [a_x a_u] and g = h J2^T p_q + p_v:    gx = h a_x^T g + [J1^T p_q; g],    gu = h a_u^T g
+// Uses the panel [a_x a_u] and g = h J2^T p_q + p_v:    gx = h a_x^T g + [J1^T p_q; g],    gu = h a_u^T g
 void IntegratedActionDataEuler::pull_back(const Eigen::VectorXd& p, VectorRef gx, VectorRef gu) const {
   if (has_matrices()) return ActionDataAbstract::pull_back(p, gx, gu);
   const Eigen::Index nv = pulled.size();
@@ -127,7 +127,7 @@ void differentiate_joints(const StateAbstract& state, const ConstVectorRef& x, I
 
 }  // namespace
 
-// With J1, J2 of x (+) dx:    Fx = J1 + J2 [h^2 a_x + h [0 I]; h a_x],    Fu = J2 [h^2 a_u; h a_u]
+// Uses J1, J2 of x (+) dx:    Fx = J1 + J2 [h^2 a_x + h [0 I]; h a_x],    Fu = J2 [h^2 a_u; h a_u]
 void IntegratedActionModelEuler::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("IntegratedActionModelEuler::calcDiff", x, u);
   IntegratedActionDataEuler& d = own_data<IntegratedActionDataEuler>("IntegratedActionModelEuler::calcDiff", data);

@@ -162,7 +162,7 @@ void HeldVelocities::finish_step(const DataCollector& of, double h, Eigen::Vecto
   xnext << q_next, v_next;
 }
 
-// With G = [dtau/dx dtau/dw] - [b_q b_v 0] of b = ID(q, v, -w x v) and joints that resist:
+// G = [dtau/dx dtau/dw] - [b_q b_v 0], where b = ID(q, v, -w x v), and with joints that resist:
 //     F = [a_q, s a_v, 0] + a_tau G
 void HeldVelocities::differentiate_at(const DataCollector& of, Eigen::Ref<Eigen::MatrixXd> F) {
   const int nv = scene.nv;

@@ -28,11 +28,11 @@ struct HeldVelocities {
   /// F: ndx x (ndx + nw), in: derivatives of [q + h x; x], on the tangent space at q; out: of the state after it.
   void differentiate_finish(const DataCollector& of, double h, Eigen::MatrixXd& F);
 
-  ResistingJoints joints;  // at the end of the step
-  Scene scene;             // of `of`, without gravity, with what joints add to M, contacts with beta / s
+  ResistingJoints joints;  // joints with friction or damping, at the end of the step
+  Scene scene;             // scene of `of` without gravity; joints add to M, contacts have beta / s
   SceneData solution;
   Eigen::VectorXd q, v, slow;  // the state; s v
-  Eigen::VectorXd tau;         // on all coordinates, less ID(q, v, -w x v)
+  Eigen::VectorXd tau;         // torques on all coordinates, less ID(q, v, -w x v)
   std::vector<Kinematics<double>> kin;
   FreeGroups groups;
   FreeMotionDerivatives of_groups;
@@ -45,9 +45,9 @@ struct HeldVelocities {
     std::vector<Inertia<double>> Yc;
     std::vector<double> M;
     RneaDerivatives rnea;
-    Eigen::MatrixXd by_q, by_v, inertia;  // nv x nv: of ID(q, v, -w x v), and M
+    Eigen::MatrixXd by_q, by_v, inertia;  // nv x nv: derivatives of ID(q, v, -w x v), and M
   };
-  std::vector<std::shared_ptr<const Model>> models_;  // of the robots of `of`
+  std::vector<std::shared_ptr<const Model>> models_;  // models of the robots of `of`
   double h_;
   void kinematics_at_start(const DataCollector& of);
   // Adds the torques of external wrenches and springs to those of the motors at q, v; differentiate_torques adds their
@@ -59,8 +59,8 @@ struct HeldVelocities {
   }
   std::vector<RobotWork> robots_;
   Eigen::VectorXd turn_, scratch_of_end_;           // nv: -w x v
-  Eigen::VectorXd torques_, torques_of_motion_;     // nv: of motors, external wrenches and springs; less the bias
-  Eigen::SparseMatrix<double> dtau_dx_;             // nv x ndx: of these, where there are any; every entry has a place
+  Eigen::VectorXd torques_, torques_of_motion_;     // nv: motors, external wrenches and springs; less the bias
+  Eigen::SparseMatrix<double> dtau_dx_;             // nv x ndx: derivatives of torques_; every entry is stored
   std::unique_ptr<AppliedForces<double>> applied_;  // nullptr: there are none
   std::unique_ptr<AppliedScratch> scratch_;
   std::vector<int> all_robots_;

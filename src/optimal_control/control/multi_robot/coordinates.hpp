@@ -80,7 +80,7 @@ void collect_values(const std::vector<Part>& parts, const std::vector<std::share
   stack_constraints(datas, to);
 }
 
-/// Which rows of a node's [g; h] are each part's. terminal: of a node evaluated by its state alone.
+/// The rows of a node's [g; h] that belong to each subproblem. terminal: the node is evaluated by its state alone.
 template <class Part>
 std::vector<std::vector<int>> constraint_rows(const std::vector<Part>& parts, bool terminal) {
   std::vector<std::vector<int>> out(parts.size());

@@ -83,7 +83,7 @@ bool CoupledDirection::compute(double preg, double dreg) {
   return true;
 }
 
-// u = us + s du + K (x (-) xs - s dx), K of lq's sign
+// Computes u = us + s du + K (x (-) xs - s dx), where K has lq's sign.
 void CoupledDirection::step_control(std::size_t t, double steplength) {
   part_.problem->model(t)->get_state()->diff(xs_[t], xs_try_[t], dx_[t]);
   for (std::size_t i = 0; i < blocks_.size(); ++i)
@@ -95,7 +95,7 @@ void CoupledDirection::step_control(std::size_t t, double steplength) {
   add_gains_times(t, from_model_, us_try_[t]);
 }
 
-// use(cluster, K of its controls)
+// Calls use(cluster, K of its controls).
 template <class Use>
 void CoupledDirection::each_cluster(std::size_t t, Use&& use) {
   const std::vector<lq::Cluster>& clusters = policies_->plan()[t];
@@ -103,7 +103,7 @@ void CoupledDirection::each_cluster(std::size_t t, Use&& use) {
     use(clusters[c], policies_->policy(static_cast<int>(t), static_cast<int>(c)).K.topRows(clusters[c].nu));
 }
 
-// About the candidate itself.
+// The policies are about the candidate itself: dx = 0.
 void CoupledDirection::set_feed_forward(const Vectors& nu) {
   Direction::set_feed_forward(nu);
   for (VectorXd& dx : z_.x) dx.setZero();
@@ -122,7 +122,7 @@ void CoupledDirection::feed_forward_gradient(Vectors& g) {
   }
 }
 
-// to += K^T g, K of lq's sign
+// Computes to += K^T g, where K has lq's sign.
 void CoupledDirection::add_feedback(std::size_t t, const VectorXd& g, VectorXd& to) {
   each_cluster(t, [&](const lq::Cluster& cluster, const auto& K) {
     auto u = u_of_cluster_.head(cluster.nu);
@@ -166,7 +166,7 @@ void CoupledDirection::precondition_feed_forward(Vectors& g) {
   }
 }
 
-// to += K dx, dx by block
+// Computes to += K dx, where dx is ordered by block.
 void CoupledDirection::add_gains_times(std::size_t t, const VectorXd& dx, VectorXd& to) {
   each_cluster(t, [&](const lq::Cluster& cluster, const auto& K) {
     for (std::size_t b = 0; b < cluster.blocks.size(); ++b) {

@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr const char* kCouplings = "ActionModelParts";
-constexpr int kRows = 6;  // of a coupling, and numbers of its wrench, whatever the contact's type
+constexpr int kRows = 6;  // rows of a coupling, and numbers of its wrench, for every type of contact
 
 std::vector<int> part_of_robots(const Scene& scene, const std::vector<std::vector<int>>& robots) {
   std::vector<int> out(scene.robots.size(), -1);

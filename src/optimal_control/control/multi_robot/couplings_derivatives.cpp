@@ -121,7 +121,7 @@ void Couplings::share_of_end(const std::vector<ActionPart>& parts, ActionDataPar
   auto C = own.C[part].middleRows<6>(6 * at), D = own.D[part].middleRows<6>(6 * at);
   C.setZero();
   D.setZero();
-  auto C_held = C.topRows(m), D_held = D.topRows(m);  // of r2
+  auto C_held = C.topRows(m), D_held = D.topRows(m);  // derivatives of r2
   for (std::size_t k = 0; k < chain.size(); ++k) {
     const Index from = column + static_cast<Index>(k), to = first + chain[k];
     C_held.noalias() += coupling.rows.J.col(from) * a.Fx.row(to);
@@ -135,7 +135,7 @@ void Couplings::share_of_end(const std::vector<ActionPart>& parts, ActionDataPar
 void Couplings::differentiate(const std::vector<ActionPart>& parts, ActionDataParts& d) const {
   CouplingData& own = *d.couplings;
   for (std::size_t r = 0; r < own.robots.size(); ++r)
-    if (own.robots[r])  // for Psid, Psidd, Sv; the rest is not looked at
+    if (own.robots[r])  // only Psid, Psidd, Sv are used
       rnea_derivatives<double>(*scene_.robots[r].model, own.robots[r]->kin, own.robots[r]->kin.Y, {},
                                own.robots[r]->terms);
   for (std::size_t b = 0; b < couplings_.size(); ++b) {
@@ -246,8 +246,8 @@ void terminal_gradient(const ActionModelParts& model, const ActionDataParts& d, 
 
 }  // namespace
 
-// With the rows' multipliers mu, by_w^T mu = -(Lw + B_w^T next):  gx = Lx + A^T next + C^T mu, and gu = Lu + B^T next +
-// D_u^T mu.
+// The rows' multipliers mu satisfy by_w^T mu = -(Lw + B_w^T next). Then gx = Lx + A^T next + C^T mu, and
+// gu = Lu + B^T next + D_u^T mu.
 void coupled_gradient(const ActionModelParts& model, const ActionDataParts& d, const VectorXd& next, bool terminal,
                       const VectorXd& y, VectorXd& gx, VectorXd& gu) {
   if (terminal) return terminal_gradient(model, d, y, gx);

@@ -1,4 +1,4 @@
-// A shooting problem taken apart.
+// Separates a shooting problem into its subproblems.
 
 #include <numeric>
 

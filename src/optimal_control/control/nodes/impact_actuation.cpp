@@ -22,8 +22,8 @@ struct RobotWork {
   std::vector<Vec6<double>> f;
   std::vector<Inertia<double>> Yc;
   std::vector<double> M;
-  // Per packed entry (i, its ancestor j): where (i, j) and (j, i) are in the values of dtau_du; dtau_dx begins with the
-  // same pattern.
+  // Places of (i, j) and (j, i) in the values of dtau_du, for each packed entry (i, its ancestor j); dtau_dx begins
+  // with the same pattern.
   std::vector<int> lower, upper;
 };
 
@@ -34,7 +34,7 @@ struct ImpactData : ActuationDataAbstract {
 
 const std::vector<Robot>& robots_of(const StateMultibody& state) { return state.get_model()->scene().robots; }
 
-// use(k, i, j) for each packed entry k: coordinate i, its ancestor (or itself) j, numbered within the robot.
+// Calls use(k, i, j) for each packed entry k: coordinate i, its ancestor (or itself) j, numbered within the robot.
 template <class Use>
 void each_entry(const Model& model, Use&& use) {
   for (int i = 0; i < model.nv; ++i) {
@@ -43,7 +43,7 @@ void each_entry(const Model& model, Use&& use) {
   }
 }
 
-// At rest, without gravity, with accelerations u: what ID is evaluated at.
+// Sets the motion that ID is evaluated at: at rest, without gravity, with accelerations u.
 void move(const Robot& robot, const ConstVectorRef& x, const ConstVectorRef& u, RobotWork& w) {
   const Model& model = *robot.model;
   forward_kinematics<double>(model, robot.base, x.segment(robot.idx_q, model.nq), w.kin);
@@ -112,7 +112,7 @@ void ImpactActuation::calcDiff(const DataPtr& data, const ConstVectorRef& x, con
       const double turned = i == j ? armature[robot.idx_v + i] - model.armature[i] : 0;
       by_u[w.lower[k]] = by_u[w.upper[k]] = scale * (w.M[k] + turned);
       by_x[w.upper[k]] = scale * w.derivatives.dq_upper[k];
-      by_x[w.lower[k]] = scale * w.derivatives.dq_lower[k];  // on the diagonal it is the one that counts
+      by_x[w.lower[k]] = scale * w.derivatives.dq_lower[k];  // the value that is valid on the diagonal
     });
   }
 }

@@ -210,7 +210,7 @@ void Model_::differentiate_impact(Data& d, Stage stage) const {
   dvnext.leftCols(nv) = d.dynamics->Fx.leftCols(nv);
   dvnext.rightCols(nv) = d.dynamics->Fu;
   dvnext.rightCols(nv).diagonal().array() -= r_coeff_;
-  for (RowMajorMatrix& panel : m.custom) panel.middleCols(nv, nv) = panel.rightCols(nv);  // which df_dx look at
+  for (RowMajorMatrix& panel : m.custom) panel.middleCols(nv, nv) = panel.rightCols(nv);  // df_dx are views of it
   for (auto& [name, contact] : m.contacts->contacts)
     if (contact->active) new (&contact->df_du) PanelView(nullptr, contact->Jc.rows(), 0, Eigen::OuterStride<>(0));
   d.Fx.topLeftCorner(nv, nv).setIdentity();

@@ -50,7 +50,7 @@ void each_node(std::size_t threads, std::size_t count, LoopTime& last, Work&& wo
   using Clock = std::chrono::steady_clock;
   if (threads <= 1) return each_node(1, count, work);
   const std::size_t used = last.seconds < kWorthAThread * static_cast<double>(threads) ? 1 : threads;
-  Clock::time_point begin;  // of the caller's own share, so that waiting for others does not count
+  Clock::time_point begin;  // start of the caller's own share: waiting for others does not count
   each_node_by_thread(used, count, [&](std::size_t t, int thread) {
     if (t == 0) begin = Clock::now();
     work(t);

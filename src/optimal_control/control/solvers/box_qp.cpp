@@ -25,7 +25,7 @@ void BoxQP::set_nx(std::size_t nx) {
   solution_.clamped_idx.reserve(nx);
 }
 
-// At a bound, with the gradient pointing out of it: clamped.
+// A component is clamped if it is at a bound that the descent direction would leave.
 void BoxQP::sort_components(const Eigen::VectorXd& lb, const Eigen::VectorXd& ub) {
   solution_.free_idx.clear();
   solution_.clamped_idx.clear();

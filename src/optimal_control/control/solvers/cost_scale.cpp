@@ -11,8 +11,8 @@ namespace manycontact::internal {
 
 namespace {
 
-constexpr double kSmall = 1e-6, kLarge = 1e7;             // of the controls' Hessians; of any
-constexpr double kUsualControls = 1e-4, kUsualAll = 1e2;  // where they are brought to
+constexpr double kSmall = 1e-6, kLarge = 1e7;             // least Hessian of controls; largest Hessian
+constexpr double kUsualControls = 1e-4, kUsualAll = 1e2;  // sizes that they are scaled to
 
 // The largest numbers of the diagonals.
 struct Sizes {
@@ -38,7 +38,7 @@ void add_node(const ActionDataAbstract& data, Sizes& out) {
   } else if (const auto* augmented = dynamic_cast<const ActionDataAugmentedLagrangian*>(&data)) {
     add_node(*augmented->inner, out);
   } else if (euler && !euler->has_matrices()) {
-    const double factor = euler->step > 0 ? euler->step : 1;  // of a terminal node
+    const double factor = euler->step > 0 ? euler->step : 1;  // a terminal node has no step
     add(euler->differential->Lxx_sparse(), euler->differential->Luu_sparse(), factor);
   } else {
     add(data.Lxx, data.Luu, 1);
@@ -48,7 +48,7 @@ void add_node(const ActionDataAbstract& data, Sizes& out) {
 }  // namespace
 
 CostScale cost_scale(const ShootingProblem& problem) {
-  double controls = 0, all = 0;  // of the nodes whose controls have any, the least
+  double controls = 0, all = 0;  // controls: the least over the nodes that have a Hessian of controls
   for (std::size_t t = 0; t <= problem.get_T(); ++t) {
     Sizes own;
     add_node(*problem.data(t), own);
@@ -65,7 +65,7 @@ CostScale cost_scale(const ShootingProblem& problem) {
     scale = all / kUsualAll;
   else if (all > kLarge)
     scale = all / kUsualAll;
-  if (scale < 1) scale = std::min(std::max(scale, all / kLarge), 1.0);  // without making others too large
+  if (scale < 1) scale = std::min(std::max(scale, all / kLarge), 1.0);  // other Hessians must not become too large
   if (std::isfinite(scale) && scale != 1) out.cost = std::exp2(std::round(std::log2(scale)));
   return out;
 }

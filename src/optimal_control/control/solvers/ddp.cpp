@@ -151,7 +151,7 @@ void SolverDDP::start(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
 bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us,
                       std::size_t maxiter, bool is_feasible, double init_reg) {
   start(init_xs, init_us, is_feasible, init_reg);
-  if (judges_ && keeps_limits()) allocateDescent();  // of the verdict at the end
+  if (judges_ && keeps_limits()) allocateDescent();  // memory for the optimality test at the end
   reason_ = iterate(0, maxiter);
   constexpr int kRounds = 3;
   for (int round = 0;; ++round) {
@@ -166,7 +166,7 @@ bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
     }
     const double before = cost_;
     reason_ = descendWithinLimits(maxiter);
-    // Where quasi-Newton steps bring no more, the box rule may go on from what they brought.
+    // When quasi-Newton steps bring no further progress, the box rule may continue from their result.
     if (reason_ != StopReason::kNoStep || round == kRounds || !(judges_ || by_kkt) || !(cost_ < before)) break;
     problem_->calc(xs_, us_);
     preg_ = dreg_ = reg_min_ * scale_;
@@ -177,11 +177,11 @@ bool SolverDDP::solve(const std::vector<Eigen::VectorXd>& init_xs, const std::ve
 
 StopReason SolverDDP::iterate(std::size_t first, std::size_t maxiter) {
   bool recalc = true;
-  // Directions within limits may be good for short steps only, for hundreds of them; those of `descend` are not. Not
-  // where Crocoddyl's iterates are asked for, and nothing more.
+  // Directions within limits may allow short steps only, hundreds of them; those of `descend` do not. This is not
+  // tested if only Crocoddyl's iterates are requested.
   constexpr double kShort = 1. / 16;
   constexpr int kManyShort = 10;
-  int short_steps = 0;  // in a row
+  int short_steps = 0;  // consecutive short steps
   for (iter_ = first; iter_ < maxiter; ++iter_) {
     if (!findDirection(recalc)) return StopReason::kNoDirection;
     recalc = searchLine() || rollOutCandidate();
@@ -205,7 +205,7 @@ StopReason SolverDDP::iterate(std::size_t first, std::size_t maxiter) {
 
 namespace {
 
-// By the multipliers that leave the least, of nodes that are differentiated at that motion.
+// The KKT residual with least-squares multipliers; the nodes must be differentiated at that motion.
 double kkt_residual_of(const ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
                        const std::vector<Eigen::VectorXd>& us, bool limits, double scale) {
   Eigen::VectorXd work;
@@ -295,8 +295,8 @@ StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
   return StopReason::kNoStep;
 }
 
-// From a candidate that meets the stopping rule. Steps are accepted unseen where what they are to gain is less than the
-// cost's rounding.
+// Continues from a candidate that meets the stopping rule. Steps are accepted untested if their expected gain is below
+// the cost's rounding error.
 StopReason SolverDDP::polish(std::size_t maxiter) {
   struct Restore {
     double &number, value;
@@ -345,7 +345,7 @@ bool SolverDDP::rollOutCandidate() {
   return stepped_ = rolled_out_ = true;
 }
 
-// More and more regularised until there is one.
+// Increases the regularisation until there is a direction.
 bool SolverDDP::findDirection(bool recalc) {
   const auto compute = [this](bool again) {
     sound_ = true;  // but where a backward pass finds otherwise; a class's own computeDirection may have none
@@ -358,7 +358,7 @@ bool SolverDDP::findDirection(bool recalc) {
   return true;
 }
 
-// Less after long steps, more after short ones; false at the largest.
+// Decreases the regularisation after long steps, increases it after short ones; false at the largest.
 bool SolverDDP::adaptRegularization() {
   if (steplength_ > th_stepdec_) decreaseRegularization();
   if (steplength_ > th_stepinc_) return true;
@@ -426,7 +426,7 @@ double SolverDDP::calcDiff() {
   if (iter_ == 0 && measures_scale_) measureScale();
   ffeas_ = computeDynamicFeasibility();
   if (keeps_limits() && ffeas_ <= th_gaptol_) is_feasible_ = true;  // else limits would wait for gaps to close
-  constexpr double kRounded = 1e-12;  // of the states: gaps of a simulation by another program
+  constexpr double kRounded = 1e-12;  // relative to the states: gaps of a simulation by another program
   if (iter_ == 0 && is_feasible_)     // a guess with gaps may be marked as feasible
     is_feasible_ = ffeas_ <= std::max(th_gaptol_, kRounded * internal::largest_number(xs_));
   gfeas_ = computeInequalityFeasibility();

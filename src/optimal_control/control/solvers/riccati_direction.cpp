@@ -27,7 +27,7 @@ bool is_readable(const ActionDataAbstract& data, Index ndx) {
 using Block = lq::RiccatiStep::Matrix;
 using Sparse = Eigen::SparseMatrix<double>;
 
-// to += weight A; the lower triangle alone of what is symmetric.
+// Computes to += weight A; of a symmetric A only the lower triangle.
 void add(const Sparse& A, bool symmetric, double weight, Block to) {
   for (Index j = 0; j < A.outerSize(); ++j)
     for (Sparse::InnerIterator it(A, j); it; ++it)

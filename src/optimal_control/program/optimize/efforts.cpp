@@ -81,7 +81,7 @@ void print_torques(std::ostream& out, const OptimizedTask& motion) {
 void print_forces(std::ostream& out, const OptimizedTask& motion) {
   const TaskFile& task = motion.task;
   const std::vector<TaskNode> nodes = timeline(task);
-  std::map<std::size_t, Bore> bores;  // by contact group
+  std::map<std::size_t, Bore> bores;  // keyed by contact group
   for (std::size_t t = 0; t + 1 < nodes.size(); ++t) {
     const auto forces = contact_forces(task, motion.problem, t);
     const auto q = motion.solution.xs[t].head(task.scene.scene.nq);

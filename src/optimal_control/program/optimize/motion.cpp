@@ -1,4 +1,4 @@
-// Where centres of mass and frames went.
+// Prints where centres of mass and frames went.
 
 #include <set>
 

@@ -17,14 +17,14 @@ struct OptimizedTask {
   const TaskProblem& problem;  // evaluated at the solution
   const TaskSolution& solution;
   std::optional<SimulatedMotion> simulation;
-  std::vector<PlanCost> costs = {};  // by term
+  std::vector<PlanCost> costs = {};  // one entry per cost of the task file
   std::vector<PlanFinding> findings = {};
 };
 
-/// The JSON of design.md, section 7, to `path`, "-" is standard output. Throws InputError when it cannot be written.
+/// Writes the JSON of design.md, section 7, to `path`; "-" is standard output. Throws InputError if this fails.
 void write_json(const OptimizedTask& motion, const std::string& path);
 
-/// CSV in the columns of `simulate`: a row per node, but for those of impacts, whose time is that of the next.
+/// Writes CSV in the columns of `simulate`: a row per node, except for impacts, whose time is that of the next node.
 void write_trajectory(const OptimizedTask& motion, const std::string& path);
 
 /// t and a column per torque (u:robot/joint), a row per node: what `simulate --torques` takes.
@@ -35,14 +35,14 @@ void write_forces(const OptimizedTask& motion, const std::string& path);
 /// convergence, torques and forces, .svg and .png, into the folder, from charts.json there. Throws as run_python does.
 void draw_charts(const OptimizedTask& motion, const std::string& folder);
 
-/// The states as frames of a view, with the torques and cones of the task.
+/// Records the states as frames of a view, with the torques and cones of the task.
 void record_motion(const OptimizedTask& motion, Recording& recording);
 
-/// The friction coefficient of the contact's cones in this phase, the smallest; infinite without.
+/// The smallest friction coefficient of the contact's cones in this phase; infinite if there are none.
 double friction_of(const TaskPhase& phase, int contact);
 
 void print_summary(std::ostream& out, const OptimizedTask& motion);
-/// Its parts: where robots and frames went, largest torques, contact forces.
+/// Print parts of the summary: where robots and frames went, largest torques, contact forces.
 void print_motion(std::ostream& out, const OptimizedTask& motion);
 void print_torques(std::ostream& out, const OptimizedTask& motion);
 void print_forces(std::ostream& out, const OptimizedTask& motion);

@@ -10,7 +10,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr std::size_t kMostCosts = 12, kMostFindings = 6;  // of a kind
+constexpr std::size_t kMostCosts = 12, kMostFindings = 6;  // most costs printed; most findings printed of a kind
 
 // "closes: LF ...; LH ...; and 3 more"
 void print_kind(std::ostream& out, const std::string& title, const std::vector<const PlanFinding*>& findings) {

@@ -35,19 +35,19 @@ class CoupledDirection : public Direction {
 
   const char* name() const override { return solver_->name(); }
   std::vector<int> blocks() const override;
-  /// The clusters' of node t (lq/plan.hpp).
+  /// The gains of the clusters of node t (lq/plan.hpp).
   std::vector<Gains> gains(std::size_t t) const override;
   const lq::Problem& problem_of_direction() const { return lq_; }
   const lq::Point& solution_of_direction() const { return z_; }
   const lq::Outcome& outcome() const { return outcome_; }
 
   void resize() override;
-  /// False also where the direction's KKT error exceeds lq::kAccurate, as where couplings depend on each other and are
+  /// False also where the direction's KKT error exceeds lq::kAccurate, for instance if couplings are redundant and
   /// inconsistent.
   bool compute(double preg, double dreg) override;
   Eigen::Vector2d improvement(bool) override { return improvement_; }
   double expected_reduction() const override { return improvement_[0] + 0.5 * improvement_[1]; }
-  /// As RiccatiDirection's with the clusters' gains for K, and for diag(Quu) what the couplings make of it.
+  /// These do what RiccatiDirection's do: K is the clusters' gains, and the coupled Hessian replaces diag(Quu).
   void set_feed_forward(const Vectors& nu) override;
   void feed_forward_gradient(Vectors& g) override;
   void precondition_feed_forward(Vectors& g) override;
@@ -63,16 +63,16 @@ class CoupledDirection : public Direction {
   lq::Problem lq_;
   lq::Layout layout_;
   std::unique_ptr<lq::DirectionSolver> solver_;
-  const lq::Riccati* policies_ = nullptr;  // of solver_
+  const lq::Riccati* policies_ = nullptr;  // policies of solver_
   lq::Point z_;
   lq::Outcome outcome_;
   Eigen::Vector2d improvement_ = Eigen::Vector2d::Zero();
   lq::Point preconditioned_;
-  Eigen::VectorXd from_model_, of_cluster_, u_of_cluster_;  // scratch: x (-) xs - s dx, by block; of a cluster
+  Eigen::VectorXd from_model_, of_cluster_, u_of_cluster_;  // scratch: x (-) xs - s dx, by block; vectors of a cluster
 };
 
-/// Operations of a direction: of the dense recursion on nodes of the whole, and of the cheapest that couplings allow.
-/// Structure alone: states and controls of each part, and per running node the pairs of parts that couplings join.
+/// Predicted operations of a direction: by the dense recursion on the whole, and by the cheapest coupled method.
+/// The structure suffices: states and controls of each part, and per running node the pairs of parts with couplings.
 struct CoupledPrediction {
   double dense = 0, coupled = 0;
 };

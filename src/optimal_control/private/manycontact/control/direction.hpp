@@ -19,13 +19,13 @@ class Direction {
   /// The part's problem, and which coordinates of the solver's are the part's.
   const ShootingPart& part() const { return part_; }
   const std::shared_ptr<ShootingProblem>& get_problem() const { return part_.problem; }
-  /// How it is found.
+  /// How the direction is found.
   virtual const char* name() const = 0;
   /// Controls of the matrices that are factorized at a node: the largest number over the nodes, of each matrix.
   virtual std::vector<int> blocks() const;
   /// The policy of some of the part's coordinates: u = us - K (x (-) xs) if the direction is zero.
   struct Gains {
-    std::vector<int> dx, u;  // of the solver's
+    std::vector<int> dx, u;  // numbers among the solver's coordinates
     Eigen::MatrixXd K;
   };
   /// The gains of node t: each of its controls is in one of them; none before a direction.
@@ -43,15 +43,15 @@ class Direction {
   /// The part's share of the solver's candidate; fs: its gaps, which count where it is not feasible.
   void take_candidate(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& fs,
                       bool is_feasible);
-  /// From the nodes' derivatives at the candidate: Vx, k and what else serves the rest. False where numbers are not
+  /// Computes Vx, k and what else the rest needs from the nodes' derivatives at the candidate. False if numbers are not
   /// finite or the problem is not convex.
   virtual bool compute(double preg, double dreg) = 0;
-  /// States, controls and cost tried, with the gaps of the running nodes (of the terminal one) shortened by the step
-  /// length only. The cost is NaN where numbers are not finite.
+  /// Computes the trial states, controls and cost, with the gaps of the running nodes (of the terminal one) shortened
+  /// by the step length only. The cost is NaN if numbers are not finite.
   double roll_out(double steplength, bool keep_gaps, bool keep_terminal_gap);
   /// (dg, dq): a step of length s is expected to reduce the cost by s (dg + s dq / 2); gaps: with what they add.
   virtual Eigen::Vector2d improvement(bool gaps) = 0;
-  /// dv of fddp.cpp, at the states tried.
+  /// The term dv of fddp.cpp, at the trial states.
   virtual double gap_improvement() { return 0; }
   /// The expected reduction of a full step from a candidate without gaps.
   virtual double expected_reduction() const = 0;
@@ -90,7 +90,7 @@ class Direction {
   void give_u(const Vectors& own, Vectors& whole) const;
   bool is_whole_;
   Eigen::VectorXd xnext_;  // nx: workspace
-  Vectors feed_forward_;   // its share of the solver's
+  Vectors feed_forward_;   // the part's share of the solver's feed-forward terms
   double cost_try_ = 0;
   bool is_sound_ = false;
 };

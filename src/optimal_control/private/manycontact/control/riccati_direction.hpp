@@ -13,15 +13,15 @@ class RiccatiDirection : public Direction {
  public:
   using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  /// With keeps_values, Vxx, Qxx, Qxu, Quu of all nodes are kept, instead of those of the current node alone: twice the
+  /// keeps_values: Vxx, Qxx, Qxu, Quu of all nodes are kept, not those of the current node alone. This doubles the
   /// memory of a node.
   RiccatiDirection(ShootingPart part, bool is_whole, bool keeps_values);
 
   const char* name() const override { return "Riccati"; }
   std::vector<Gains> gains(std::size_t t) const override;
 
-  /// One node's step of the pass, from the value function of the next; compute_gains and compute_value_function of the
-  /// node that compute_action_value_function was last of, else std::invalid_argument.
+  /// Do one node's step of the pass, from the value function of the next node. compute_gains and compute_value_function
+  /// need the node of the last compute_action_value_function, else they throw std::invalid_argument.
   void compute_action_value_function(std::size_t t, const ActionModelAbstract& model, const ActionDataAbstract& data);
   /// False where Quu is not positive definite.
   virtual bool compute_gains(std::size_t t);
@@ -63,15 +63,15 @@ class RiccatiDirection : public Direction {
   bool keeps_values_;
   double preg_ = 0;
   std::vector<Eigen::MatrixXd> Vxx_, Qxx_;  // T + 1, T
-  Eigen::MatrixXd two_values_[2];           // in their place: the two last ones of the pass
+  Eigen::MatrixXd two_values_[2];           // used instead of Vxx_: the two last ones of the pass
   Vectors Vxx_fs_, Quuk_;                   // T + 1: Vxx fs, where the candidate has gaps; T
   lq::RiccatiStep riccati_;
   lq::SymplecticStructure steps_;
   static constexpr std::size_t kNoNode = static_cast<std::size_t>(-1);
-  std::size_t node_ = kNoNode;  // whose Hessians are in riccati_
+  std::size_t node_ = kNoNode;  // node whose Hessians are in riccati_
 };
 
-class BoxDirection : public RiccatiDirection {  // with the models' limits
+class BoxDirection : public RiccatiDirection {  // respects the models' control limits
  public:
   BoxDirection(ShootingPart part, bool is_whole);
 
@@ -90,7 +90,7 @@ class BoxDirection : public RiccatiDirection {  // with the models' limits
  private:
   BoxQP qp_;
   std::vector<Eigen::MatrixXd> Quu_inv_;
-  Eigen::VectorXd du_lb_, du_ub_;        // of the current node
+  Eigen::VectorXd du_lb_, du_ub_;        // bounds of du at the current node
   std::vector<std::vector<bool>> held_;  // controls at limits, of the last feed-forward gradient
 };
 

@@ -44,7 +44,7 @@ class BlockCholesky {
 
  private:
   struct Below {
-    int vertex, row;  // where its rows begin in the panel
+    int vertex, row;  // row: first row of the vertex in the panel
   };
   struct Column {
     Eigen::MatrixXd diagonal;  // lower triangle

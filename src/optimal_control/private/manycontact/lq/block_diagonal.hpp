@@ -12,7 +12,7 @@ struct BlockDiagonal {
   static constexpr int kLargestPart = 6;  // rows
   struct Part {
     int first;
-    Eigen::MatrixXd block;  // in the place of rows and columns first, first + 1, ...
+    Eigen::MatrixXd block;  // occupies rows and columns first, first + 1, ...
   };
   double scale = 0;
   std::vector<Part> parts;  // ascending

@@ -10,7 +10,7 @@ namespace manycontact::lq {
 struct Prediction {
   double dense, islands, coupling_schur;  // operations of factorize
 };
-/// From the structure alone.
+/// Predicts the operations from the structure alone.
 Prediction predict(const Problem& problem);
 
 /// Chooses Riccati by islands, which is the dense one if all blocks are coupled. The Schur complement of couplings is

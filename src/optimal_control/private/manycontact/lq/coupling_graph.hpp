@@ -1,6 +1,6 @@
 #pragma once
-// Which couplings act on which cluster in which knot, and the offsets of their w and mu in the Schur complement of
-// coupling_schur.hpp.
+// Relates couplings to clusters: the couplings on each cluster in each knot, and the offsets of their w and mu in the
+// Schur complement of coupling_schur.hpp.
 
 #include "manycontact/lq/block_cholesky.hpp"
 #include "manycontact/lq/plan.hpp"
@@ -11,15 +11,15 @@ namespace manycontact::lq {
 struct CouplingPart {
   int coupling;
   bool is_w;
-  int at, size;        // in the cluster's y of the knot
-  int vertex, offset;  // in the Schur complement
+  int at, size;        // offset and size in the cluster's y of the knot
+  int vertex, offset;  // place in the Schur complement
 };
 
 /// A cluster in a knot.
 struct CouplingNode {
-  int cluster = 0;  // its index in the plan's knot
+  int cluster = 0;  // index of the cluster in the plan's knot
   std::vector<CouplingPart> parts;
-  int size = 0;  // of y
+  int size = 0;  // size of y
 };
 
 /// Place of a coupling's w and mu: vertex and first row in it.
@@ -28,15 +28,15 @@ struct CouplingPlace {
 };
 
 struct CouplingGraph {
-  std::vector<std::vector<CouplingNode>> nodes;    // by cluster (as in knot 0), by knot
-  std::vector<std::vector<CouplingPlace>> places;  // by knot, by coupling
-  /// In the order of elimination. Couplings of all knots that touch the same clusters share two vertices: all their mu
-  /// (the even one, sign -1), then all their w (sign +1), knot by knot. Minimum degree (CAMD) on the graph of these
-  /// pairs.
+  std::vector<std::vector<CouplingNode>> nodes;    // indexed by cluster of knot 0, then by knot
+  std::vector<std::vector<CouplingPlace>> places;  // indexed by knot, then by coupling
+  /// Vertices in the order of elimination. Couplings of all knots that touch the same clusters share two vertices: all
+  /// their mu (the even one, sign -1), then all their w (sign +1), knot by knot. Minimum degree (CAMD) on the graph of
+  /// these pairs gives the order.
   std::vector<BlockCholesky::Vertex> vertices;
   std::vector<std::pair<int, int>> edges;
   std::vector<std::vector<int>>
-      of_cluster;  // by cluster: the vertices its couplings are in, all of whose couplings touch it
+      of_cluster;  // one entry per cluster: the vertices of its couplings; every coupling in them touches it
 };
 
 /// The plan is one of Join::kNoCouplings.

@@ -22,10 +22,10 @@ enum class Status {
   kInaccurate,  // solved, but the KKT error stays above kAccurate: z is to be judged by kkt_error
 };
 
-struct Outcome {  // of one solve
+struct Outcome {  // result of one solve
   Status status = Status::kOk;
-  int knot = -1;         // where it failed, when one knot did
-  double kkt_error = 0;  // of z as returned, largest relative error over the equations (kkt.hpp)
+  int knot = -1;         // number of the knot that failed, or -1
+  double kkt_error = 0;  // KKT error of the returned z: largest relative error over the equations (kkt.hpp)
   int refinements = 0;
 };
 

@@ -15,7 +15,7 @@ void linear_terms(const Problem& problem, const Layout& layout, Point& h);
 double kkt_residual(const Problem& problem, const Layout& layout, const Regularisation& reg, const Point& z,
                     Point& residual, Point& scale);
 
-/// As above, with scratch of its own.
+/// Returns what kkt_residual returns, and allocates its own workspace.
 double kkt_error(const Problem& problem, const Point& z, const Regularisation& reg = {});
 
 /// The change of cost by the optimum z of the problem under `reg`: cost(z) - cost(0) = linear + quadratic / 2, of the

@@ -1,5 +1,5 @@
 #pragma once
-// Which blocks' value functions are one matrix, in each knot.
+// The plan of a recursion: the blocks whose value functions form one matrix, in each knot.
 
 #include <vector>
 
@@ -15,20 +15,20 @@ struct Piece {
 /// A group of a cluster.
 struct Member {
   int group;
-  int x, nx;                // where its states begin in the cluster's, and how many they are
+  int x, nx;                // first index of its states in the cluster's x, and their number
   std::vector<Piece> v;     // u, and w of the couplings within the cluster
-  std::vector<Piece> rows;  // of the couplings within the cluster
+  std::vector<Piece> rows;  // equations of the couplings within the cluster
 };
 
 /// Blocks joined in this knot or later: the value function's block. Its states are its members' one after the other,
 /// its controls v the members' u, then the w of its couplings.
 struct Cluster {
-  std::vector<int> blocks;   // in the order of the members
-  std::vector<int> x_start;  // of each block in the cluster's x
-  std::vector<int> u_start;  // of each block in the cluster's u
+  std::vector<int> blocks;   // listed in the order of the members
+  std::vector<int> x_start;  // start of each block in the cluster's x
+  std::vector<int> u_start;  // start of each block in the cluster's u
   std::vector<Member> members;
   std::vector<int> couplings;  // within the cluster: eliminated with the controls
-  std::vector<int> w_start;    // of each, in v
+  std::vector<int> w_start;    // start of each coupling's w in v
   std::vector<int> row_start;
   std::vector<int> next;       // clusters of the next knot that it is made of
   bool next_in_order = false;  // one cluster, with the same blocks in the same order
@@ -37,11 +37,11 @@ struct Cluster {
 
 enum class Join {
   kAll,          // one cluster: dense
-  kIslands,      // what groups and couplings join in the knot or later
-  kNoCouplings,  // what groups join in any knot; couplings stay between the clusters
+  kIslands,      // one cluster per set of blocks that groups and couplings join in the knot or later
+  kNoCouplings,  // one cluster per set of blocks that groups join in any knot; couplings stay between clusters
 };
 
-using Plan = std::vector<std::vector<Cluster>>;  // by knot
+using Plan = std::vector<std::vector<Cluster>>;  // one entry per knot
 Plan make_plan(const Problem& problem, Join join);
 
 /// Operations of the Riccati recursion over the plan.

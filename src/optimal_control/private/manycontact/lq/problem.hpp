@@ -48,14 +48,14 @@ struct Group {
   Eigen::VectorXd q, r;                      // nx, nv
   Eigen::MatrixXd A, B;                      // nx x nx, nx x nv; unused in the terminal knot
   Eigen::VectorXd f;                         // nx: the gap where the problem is the step of another
-  std::optional<SymplecticStructure> steps;  // where it is known; A and B are whole all the same
+  std::optional<SymplecticStructure> steps;  // set if it is known; A and B are complete nevertheless
   Eigen::MatrixXd C, D;                      // nc x nx, nc x nv
   Eigen::VectorXd d;                         // nc
 };
 
 struct Coupling {
-  int size = 0;  // of w_b
-  int rows = 0;  // of its equations
+  int size = 0;  // size of w_b
+  int rows = 0;  // number of its equations
 };
 
 struct Knot {
@@ -64,9 +64,9 @@ struct Knot {
 };
 
 struct Problem {            // all knots of a horizon
-  std::vector<int> nx, nu;  // of each block
+  std::vector<int> nx, nu;  // sizes of each block
   std::vector<Knot> knots;  // T + 1, the last is the terminal one
-  Eigen::VectorXd x0;       // of all blocks
+  Eigen::VectorXd x0;       // initial states of all blocks
 
   int horizon() const { return static_cast<int>(knots.size()) - 1; }
   int blocks() const { return static_cast<int>(nx.size()); }
@@ -81,8 +81,8 @@ void check(const Problem& problem);
 
 /// Offsets of blocks and couplings in the vectors of a Point: the first entry of each, and then the total.
 struct Layout {
-  std::vector<int> x, u;                  // by block
-  std::vector<std::vector<int>> w, rows;  // by knot, by coupling
+  std::vector<int> x, u;                  // offsets of each block
+  std::vector<std::vector<int>> w, rows;  // offsets by knot, then by coupling
 
   explicit Layout(const Problem& problem);
   Layout() = default;

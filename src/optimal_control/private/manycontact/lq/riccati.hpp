@@ -67,9 +67,9 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
   Plan plan_;
   double flops_ = 0;
   std::vector<std::vector<Policy>> policies_;
-  std::vector<std::vector<Eigen::VectorXd>> k_, p_;  // of the current pass: corrections are added to the policies'
+  std::vector<std::vector<Eigen::VectorXd>> k_, p_;  // current pass's terms; corrections are added to the policies'
   std::vector<int> x_of_block_;
-  RiccatiStep step_;                      // of the current cluster
+  RiccatiStep step_;                      // workspace of the current cluster
   std::vector<double> next_, with_rows_;  // scratch, for matrices of it
   Eigen::VectorXd t_, x_, v_, f_;
 };

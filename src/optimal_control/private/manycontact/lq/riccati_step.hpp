@@ -32,11 +32,11 @@ class RiccatiStep {
 
   /// H = F^T P F.
   void multiply(ConstMatrix P);
-  /// Where F is [J 0; 0 0] + [G; 1] F_z in x and [G; 1] F_z in v, with F_z the rows that were set: half the operations.
+  /// The same in half the operations, if F is [J 0; 0 0] + [G; 1] F_z in x and [G; 1] F_z in v. F_z: the rows set.
   void multiply(ConstMatrix P, const SymplecticStructure& steps);
-  /// Where each member's rows of F have entries in its own columns alone.
+  /// The same if each member's rows of F have entries in its own columns alone.
   void multiply(ConstMatrix P, const std::vector<Member>& members);
-  /// H = 0: of a terminal knot.
+  /// Sets H = 0 in a terminal knot.
   void set_zero();
 
   /// The blocks of H, of Qvv and Qxx the lower triangles.

@@ -10,19 +10,19 @@ namespace manycontact {
 /// The sets of 0 ... count - 1, each ascending, in the order of their first ones.
 std::vector<std::vector<int>> sets_of(sparse::UnionFind& sets, int count);
 
-/// Robots by parts, each ascending, in the order of their first ones. Joined: by a contact that is active in any phase;
-/// all of them by a centre of mass or a momentum of the whole scene.
+/// The robots of each subproblem, ascending, in the order of the first ones. Robots are joined by a contact that is
+/// active in any phase; all of them by a centre of mass or a momentum of the whole scene.
 std::vector<std::vector<int>> separate_robots(const TaskFile& task);
 
 /// The task of these robots alone, with the contacts among them and the terms that are about them. The robots are whole
 /// parts of separate_robots, or blocks of divide_robots (task/joined.hpp), whose couplings are left out.
 TaskFile part_of(const TaskFile& task, const std::vector<int>& robots);
 
-/// Which coordinates of the scene's x, dx, u are these robots', in the order of part_of's scene. The model is left out.
+/// The coordinates of the scene's x, dx, u that are these robots', in the order of part_of's scene; without a model.
 ActionPart coordinates_of(const Scene& scene, const std::vector<int>& robots);
 
-/// Which rows of a residual of single coordinates of the whole scene (of its dx, velocities or u) are these robots', in
-/// the same order.
+/// The rows of a residual of single coordinates of the whole scene (of its dx, velocities or u) that belong to these
+/// robots, in the same order.
 std::vector<int> rows_of(TaskResidual residual, const Scene& scene, const std::vector<int>& robots);
 
 }  // namespace manycontact

@@ -14,11 +14,11 @@ struct PlanClosing {
   double time = 0;   // s
   double above = 0;  // m: height of A's origin above its place in the scene, along the normal (world z; between bodies
                      // the distance of the two); negative below
-  double aside = 0;  // m: across the normal
-  double speed = 0;  // m/s: of A's origin from B'
-  bool holds_there = true;  // where it closes, not where the scene has it (TaskPhase::at_scene)
+  double aside = 0;  // m: distance across the normal
+  double speed = 0;  // m/s: speed of A's origin relative to B'
+  bool holds_there = true;  // fixed where it closes, not where the scene has it (TaskPhase::at_scene)
 };
-/// In the order of time. A foot of the plan that steps forward closes aside, as it should; above it closes in the air.
+/// Closings in the order of time. A planned step forward closes aside, as it should; one above closes in the air.
 std::vector<PlanClosing> closings(const TaskFile& task, const std::vector<Eigen::VectorXd>& xs);
 
 struct PlanLimit {  // A coordinate beyond a limit of the robot's file, where it is furthest.
@@ -33,11 +33,11 @@ struct PlanCost {  // A <cost> of the task, by its name in all phases, its copie
   std::string name;
   TaskResidual residual = TaskResidual::kState;
   double cost = 0;       // over all nodes, as the solver adds it up
-  bool is_goal = false;  // of a place or an orientation: frame_placement, _translation, _rotation, com
-  double missed = 0;     // of a goal: |r| at the last node that has it, of its worst copy [m, rad]
+  bool is_goal = false;  // the residual is a place or an orientation: frame_placement, _translation, _rotation, com
+  double missed = 0;     // goals only: |r| of the worst copy at the last node that has the cost [m, rad]
   std::size_t node = 0;
 };
-/// At the problem's last calc, dearest first. They add up to the cost.
+/// The costs at the problem's last calc, largest first. They add up to the total cost.
 std::vector<PlanCost> cost_by_term(const TaskFile& task, const TaskProblem& problem);
 
 /// One line for each part of the plan that deserves attention. `kind` is that of a failure, "closes" (out of place by a

@@ -19,8 +19,8 @@ class ResidualOfInner : public ResidualModelAbstract {
   struct Data : ResidualDataAbstract {
     using ResidualDataAbstract::ResidualDataAbstract;
     std::shared_ptr<ResidualDataAbstract> inner;
-    std::vector<std::size_t> block;       // per block: that of the other residual
-    std::vector<std::vector<int>> taken;  // per block: rows of that one
+    std::vector<std::size_t> block;       // one entry per block: the other residual's block
+    std::vector<std::vector<int>> taken;  // one entry per block: rows of the other residual's block
   };
   static Data& own(ResidualDataAbstract& data) { return static_cast<Data&>(data); }
 
