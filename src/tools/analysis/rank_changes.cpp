@@ -11,10 +11,10 @@ namespace manycontact {
 namespace {
 
 constexpr int kRankProbes = 2;
-constexpr double kNoChange = 1e-8;   // of B's terms: rounding
-constexpr int kFactors = 3;          // of B(z, y), each of which what J is off by may turn
-constexpr double kNoMotion = 1e-9;   // of what was projected: no motion is left
-constexpr double kMostLooked = 1e5;  // contacts times coordinates of an island whose coordinate is looked for
+constexpr double kNoChange = 1e-8;   // relative to the terms of B(z, y): smaller values are rounding errors
+constexpr int kFactors = 3;          // the number of factors of B(z, y), each of which an error of J may change
+constexpr double kNoMotion = 1e-9;   // relative to the projected vector: smaller projections count as no motion
+constexpr double kMostLooked = 1e5;  // contacts times coordinates; the coordinate is not searched for in larger islands
 
 // The data of one probe, for all islands at once.
 class Probe {
@@ -49,8 +49,8 @@ class Probe {
     }
     return out;
   }
-  // Per island of `islands`: where n^T dJ[z] is largest. Their first coordinates at once, then their second ones, ...:
-  // islands do not touch.
+  // Returns for each of `islands` the coordinate z with the largest n^T dJ[z]. Islands are independent: one pass per
+  // position in their lists of coordinates serves all of them together.
   std::vector<int> coordinates(const std::vector<std::size_t>& islands) const {
     std::vector<std::vector<int>> of(islands.size());
     std::size_t most = 0;
