@@ -81,7 +81,7 @@ void CsvReader::fail(const std::string& message) const { throw InputError(path_,
 std::vector<std::string> CsvReader::cells_of(std::string_view line) const {
   if (line.ends_with('\r')) line.remove_suffix(1);
   std::vector<std::string> cells;
-  for (std::size_t at = 0;; ++at) {  // at: position where a cell begins
+  for (std::size_t at = 0;; ++at) {  // a cell begins at `at`
     std::string cell;
     if (line.substr(at, 1) == "\"") {
       std::size_t i = at + 1;

@@ -84,7 +84,7 @@ std::string place(const Finding& finding) {
 void print_files(std::ostream& out, const std::vector<Finding>& findings) {
   std::map<std::string, std::vector<std::string>> texts;   // key: kind; each text once
   std::map<std::string, std::vector<std::string>> places;  // key: kind and text
-  std::vector<std::string> kinds;                          // in the order of first occurrence
+  std::vector<std::string> kinds;                          // each kind once, in the order of first occurrence
   for (const Finding& f : findings) {
     if (!texts.count(f.kind)) kinds.push_back(f.kind);
     auto& said_of = places[f.kind + ":" + f.text];

@@ -38,7 +38,7 @@ class GoalRows {
   const std::vector<Goal>& goals_;
   Eigen::VectorXd q_;
   std::vector<std::unique_ptr<Kinematics<double>>> kin_;  // one entry per robot, null for robots without goals
-  std::map<int, RigidBodyData> of_bodies_;                // for centres of mass; key: robot, -1: the whole scene
+  std::map<int, RigidBodyData> of_bodies_;                // used for centres of mass; key: robot, -1: the whole scene
   std::vector<double> e_;
   std::vector<Eigen::Triplet<double>> J_;
   std::vector<GoalLeft> left_;

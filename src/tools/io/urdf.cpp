@@ -390,7 +390,7 @@ class Builder {
   const urdf::ModelInterface& robot_;
   const UrdfOptions& options_;
   const std::string& path_;
-  UrdfDetails& details_;  // its list of findings grows
+  UrdfDetails& details_;  // the builder adds to its findings
   Model model_;
   std::vector<std::string> body_link_;  // one entry per joint: the link of its body
 };

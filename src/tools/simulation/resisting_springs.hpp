@@ -28,7 +28,7 @@ struct ResistingSprings {
 
   Scene loads;                                      // the scene without springs between points; the other loads act
   std::shared_ptr<AppliedForces<double>> of_loads;  // nullptr: there are none
-  std::vector<double> mobility;                     // per spring: 1/m of its bodies alone, an upper bound [1/kg]
+  std::vector<double> mobility;                     // each spring's upper bound of 1/m: its bodies alone [1/kg]
 
   struct Row {
     int spring;
@@ -54,8 +54,8 @@ struct ResistingSprings {
   Eigen::MatrixXd C, with_D;   // J K^-1 J^T; the part of the rows `used`, with D^-1 added
   std::vector<int> used;       // rows that are not left out
   Eigen::VectorXd of_used;
-  Eigen::LLT<Eigen::MatrixXd> factor;                        // for many rows
-  Eigen::LDLT<Eigen::MatrixXd> pivoted_factor;               // for few rows, and if `factor` fails
+  Eigen::LLT<Eigen::MatrixXd> factor;                        // used for many rows
+  Eigen::LDLT<Eigen::MatrixXd> pivoted_factor;               // used for few rows, and if `factor` fails
   std::vector<Eigen::Triplet<double>> entries, own_entries;  // sparse J K^-1 J^T: of all rows; of `used` rows
   Eigen::SparseMatrix<double> S;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_factor;

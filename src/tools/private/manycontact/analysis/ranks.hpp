@@ -39,7 +39,7 @@ struct IslandRanks {            // Result of find_ranks for one island.
   bool known = false;           // whether rank and redundant are computed; false: the island is too large
   int rank = 0;                 // rank of the island's J
   std::vector<char> redundant;  // one entry per row of the island: it depends on the rows before it
-  std::vector<BodyPair> pairs;  // in the order of their first contacts
+  std::vector<BodyPair> pairs;  // sorted by their first contacts
   std::vector<Lighter> lighter;
 };
 
