@@ -35,7 +35,7 @@ struct FreeMotionDerivatives {
   struct OfGroup {
     std::vector<int> robots;        // the robots that have bodies of the group
     Eigen::MatrixXd next;           // 9 x n: derivatives of C+, P+, L+; set by differentiate_begin
-    Eigen::MatrixXd h_q, h_v, C_q;  // 6, 6, 3 x nv: derivatives of P, L and C now; columns: those of `robots`
+    Eigen::MatrixXd h_q, h_v, C_q;  // 6, 6, 3 x nv: derivatives of the current P, L and C; columns: those of `robots`
     Eigen::MatrixXd added;          // 9 x n: derivatives of C at the end and of the added u, w
   };
   std::vector<OfGroup> groups;  // one entry per group of FreeGroups::groups; without memory if tied to the world

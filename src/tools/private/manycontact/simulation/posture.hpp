@@ -20,7 +20,7 @@ namespace manycontact {
 
 struct ClosestPosture {  // The configuration between two states that is nearest to a singular one.
   double share = 1;      // least sigma between the last state and this one, of the largest sigma so far
-  double at = 0;         // 0: the closest one is the last state; 1: it is this one
+  double at = 0;         // position between the states: 0: at the last state; 1: at this one
 };
 
 struct PostureData {  // The islands' smallest sigma, and the memory of its solves.
