@@ -20,7 +20,7 @@ class Data {
  public:
   explicit Data(std::shared_ptr<SceneData> data) : data_(std::move(data)), state_(std::make_shared<State>()) {}
 
-  /// For looking at, with the GIL. ValueError while another thread works on the data.
+  /// Read access, with the GIL. Throws ValueError while another thread works on the data.
   SceneData& at_rest() const {
     if (state_->busy) throw_busy();
     return *data_;
@@ -45,7 +45,7 @@ class Data {
   struct State {
     std::atomic<bool> busy = false;
     std::unordered_map<const IslandDerivatives*, std::weak_ptr<PanelKeeper>> exported;
-    const Scene* checked_scene = nullptr;  // by force_of ...
+    const Scene* checked_scene = nullptr;  // the last check of force_of: the scene ...
     std::uint64_t checked_serial = 0;      // ... at this solve ...
     std::vector<char> checked_active;      // ... with these contacts
   };

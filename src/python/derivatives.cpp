@@ -75,7 +75,7 @@ py::object kkt_matrix(const Scene& scene, const Data& data, int island) {
   for (int i = std::max(0, island); i < (island < 0 ? count : island + 1); ++i) {
     const Eigen::SparseMatrix<double> K = matrix_of(d, i);
     const Island& at = island_of(d, i);
-    std::vector<int> place(at.size());  // of the island's [a; f]
+    std::vector<int> place(at.size());  // positions of the island's [a; f] in the matrix
     for (int k = 0; k < at.size(); ++k) place[k] = k;
     if (island < 0) {
       each_velocity_block(scene, at, [&](int first, int local, int n) {

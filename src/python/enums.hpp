@@ -37,7 +37,7 @@ template <class E>
 struct Names {
   struct Member {
     E value;
-    std::string word;    // as files and the command line have it
+    std::string word;    // the name in files and on the command line
     std::string python;  // "SPARSE_LDL"
   };
   static inline std::string what;  // "method"
@@ -70,7 +70,7 @@ struct EnumCaster : py::detail::type_caster_base<E> {
   E named_{};
 };
 
-/// what: "method", for errors. Members that have no word of C++'s (to_string) are called by their Python names.
+/// The argument `what` ("method") is used in errors. Members without a C++ word (to_string) are called by Python names.
 template <class E>
 void add_enumeration(py::module_& m, const char* name, const char* what, const std::string& doc,
                      const std::vector<std::pair<const char*, E>>& members) {

@@ -9,7 +9,7 @@ namespace manycontact::python {
 
 namespace {
 
-// As `add` would take it into a scene of the same robots; throws where it does not fit.
+// Returns the item as `add` would store it in a scene of the same robots. Throws if it does not fit.
 template <class T>
 T judged(const Scene& scene, T item, std::vector<T> Scene::*list, int (*add)(Scene&, T)) {
   Scene around;

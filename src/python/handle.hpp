@@ -87,7 +87,7 @@ template <class Item>
 struct Items {
   std::function<std::size_t()> size;
   std::function<Item(std::size_t)> at;
-  std::function<int(const std::string&)> number = {};        // of the item called so, -1 where there is none
+  std::function<int(const std::string&)> number = {};        // the item with that name, -1: there is none
   std::function<std::string(const std::string&)> none = {};  // the message for an unknown name
 };
 

@@ -14,7 +14,7 @@ namespace {
 
 using Placement = SE3<double>;
 
-constexpr double kOrthonormal = 1e-6;  // as far as quaternions of files may be from unit length
+constexpr double kOrthonormal = 1e-6;  // tolerance, equal to that for the unit length of quaternions in files
 
 Placement placement(const Eigen::Matrix3d& R, const Eigen::Vector3d& p) {
   if (!(R.transpose() * R).isIdentity(kOrthonormal) || !(R.determinant() > 0))

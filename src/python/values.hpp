@@ -38,7 +38,7 @@ bool equal(const T& a, const T& b) {
   if constexpr (is_matrix<T>) {
     return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
   } else if constexpr (std::is_floating_point_v<T>) {
-    return a == b || (std::isnan(a) && std::isnan(b));  // as of what was not estimated
+    return a == b || (std::isnan(a) && std::isnan(b));  // NaN: quantities that were not estimated
   } else if constexpr (std::is_same_v<T, SolveTimes>) {
     return true;  // measured
   } else if constexpr (std::is_same_v<T, SharedModel>) {
@@ -62,7 +62,7 @@ bool equal(const T& a, const T& b) {
   }
 }
 
-/// As tuples, lists, numbers, bytes and arrays.
+/// Converts a value to tuples, lists, numbers, bytes and arrays.
 template <class T>
 py::object pack(const T& x) {
   if constexpr (std::is_arithmetic_v<T>) {

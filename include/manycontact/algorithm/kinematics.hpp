@@ -31,7 +31,7 @@ struct Kinematics {
   explicit Kinematics(const Model& model);  // allocates the workspace of this robot
 
   // Computed by forward_kinematics, from q.
-  std::vector<WorldPoint<S>> origins;  // per tree: the origin of its frame in the world [m]
+  std::vector<WorldPoint<S>> origins;  // one entry per tree: the origin of its frame in the world [m]
   std::vector<SE3<S>> oMi;             // njoints: placement of each child frame
   Mat6X<S> J;                          // 6 x nv: motion subspace S_i of each velocity coordinate
   std::vector<Inertia<S>> Y;           // njoints: inertia of each body

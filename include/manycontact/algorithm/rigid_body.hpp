@@ -36,7 +36,7 @@ struct RigidBodyMemory;
 }
 
 struct RigidBodyData {                                // State and workspace of these functions; one per thread.
-  explicit RigidBodyData(const RigidBodies& bodies);  // at the neutral configuration, at rest
+  explicit RigidBodyData(const RigidBodies& bodies);  // makes data at the neutral configuration, at rest
   ~RigidBodyData();
   RigidBodyData(RigidBodyData&&) noexcept;  // the moved-from data belong to no robots
   RigidBodyData& operator=(RigidBodyData&&) noexcept;

@@ -19,7 +19,7 @@ constexpr double kCloseGap = 1e3;
 struct RankGap {          // How reliable the rank decision of an island was.
   bool known = false;     // false: damping decides, or the island failed, is too large, or has no rows
   double least_kept = 1;  // smallest relative residual of an accepted row: its norm after projection on the complement
-                          // of the rows before it, divided by its size
+                          // that the rows before it leave, divided by its size
   double most_dropped = 0;      // largest relative residual of a rejected row; at least eps, the rounding error of rows
   int kept = -1, dropped = -1;  // these rows, as indices of f; -1: there is none
 
@@ -37,9 +37,9 @@ struct NearDependent {  // Nearly dependent rows of an island, and the solution 
   std::vector<int> rows;  // indices of f, ascending
   double left = 0;        // smallest relative residual of these rows
   double times = 0;       // ratio of the island's largest force to its loads; the loads are torques, and the forces
-                          // without these rows; infinite if there are none
+                          // that the solution without these rows has; infinite if there are none
   int coordinate = -1;    // the coordinate of v whose acceleration changes most without the rows
-  double acceleration = 0, without = 0;  // its acceleration with and without the rows [m/s^2, rad/s^2]
+  double acceleration = 0, without = 0;  // acceleration of this coordinate with and without the rows [m/s^2, rad/s^2]
 };
 /// Lists the islands with nearly dependent rows after a solve at q (nq). Each takes one solve of the scene at rest.
 /// Throws std::logic_error before a solve.

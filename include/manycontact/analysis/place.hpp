@@ -38,7 +38,7 @@ struct Goal {
   /// The object that the goal refers to.
   enum class Target { kFrame, kCenterOfMass, kJoint, kContact };
   Target target = Target::kFrame;
-  std::string name;  // for error messages
+  std::string name;  // the name used in error messages
   double weight = 1;
 
   Attachment frame = {};              // kFrame, on a body that may move
@@ -77,14 +77,14 @@ struct PlaceOptions {        // When the search ends, and from how many configur
   double tolerance = 1e-12;  // a goal is met if every row of e, times the root of its weight, is below this or below
                              // the rounding errors
   int restarts = 0;          // further starts while goals are not met: random joints within limits, bases as in q
-  unsigned seed = 0;         // of the random starts
+  unsigned seed = 0;         // seed of the random starts
 };
 
 struct PlacedScene {           // The configuration found, and its remaining errors.
   Eigen::VectorXd q;           // nq, within the limits
   int iterations = 0;          // steps from all starts
   bool out_of_steps = false;   // whether the search for q ended at PlaceOptions::iterations: the error still decreased
-  std::vector<GoalLeft> left;  // per goal
+  std::vector<GoalLeft> left;  // one entry per goal
 
   /// Whether the remaining errors of all goals are at most `error` [m, rad].
   bool met(double error = 1e-9) const;

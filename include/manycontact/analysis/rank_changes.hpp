@@ -24,7 +24,7 @@ namespace manycontact {
 struct RankChange {        // A change of rank of an island.
   std::size_t island = 0;  // number of the island
   bool singular = false;   // true: along motions that the contacts allow; false: only along motions that violate them
-  int rank = 0, rows = 0;  // at q
+  int rank = 0, rows = 0;  // rank and number of the island's rows at q
   std::vector<int> contacts;  // the contacts with dependent rows, ascending
   int coordinate = -1;  // the coordinate of v that the rows constrain most at neighbouring configurations but not here;
                         // -1: the island is too large

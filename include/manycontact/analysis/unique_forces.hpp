@@ -1,5 +1,5 @@
 #pragma once
-// Which contact forces are unique, and which are distributed arbitrarily among redundant contacts.
+// Finds which contact forces are unique, and which are distributed arbitrarily among redundant contacts.
 
 #include <vector>
 

@@ -30,8 +30,8 @@ struct ContactDerivativesOf {
   /// allocates the workspace
   ContactDerivativesOf(const Scene& scene, const Contact& contact, const ContactSupport& support);
 
-  std::vector<int> chain_a, chain_b;         // the coordinates above A and above B', ascending; joints above both are
-                                             // in both lists
+  std::vector<int> chain_a, chain_b;         // the coordinates above A and above B', ascending; both lists contain the
+                                             // joints above both
   Mat6X<S> dx_dq, dx_dv;                     // 6 x cols: derivatives of x, without the rotation of W
   Eigen::Matrix<S, 3, Eigen::Dynamic> turn;  // 3 x chain_a: th_i, if `turns`
   Mat6X<S> S_b;                              // 6 x chain_b (between bodies): columns of B' in A's axes

@@ -23,7 +23,7 @@ void resolve_references(Scene& scene, const ConstVectorRef& q);
 class ReferenceResolver {
  public:
   ReferenceResolver(const Scene& scene, const Eigen::VectorXd& q);  // q: scene.nq entries
-  void resolve(bool position, bool orientation, Contact& contact);  // as resolve_reference
+  void resolve(bool position, bool orientation, Contact& contact);  // does what resolve_reference does
 
  private:
   SE3<double> placement(const Attachment& at, const SE3<double>& offset);

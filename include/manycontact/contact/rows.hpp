@@ -55,7 +55,7 @@ struct PairNumbers {
   MatX<S> R;              // rank x 6
   MatX<S> R_right;        // 6 x rank: R R_right = 1
   MatX<S> terms;          // rank x 2: magnitudes of the terms of R, for displacements and for rotations
-  std::vector<SE3<S>> A;  // per contact, its A in the pair's A
+  std::vector<SE3<S>> A;  // one entry per contact: its A in the pair's A
 };
 
 /// The constraint rows of one contact and the quantities that they are computed from. Allocated once. Everything
@@ -69,15 +69,15 @@ struct ContactData {
   SE3<S> G;         // B'MA
   Vec3<S> on_A, on_B;      // origins of A and B on their bodies; zero for B in the world [m]
   Vec6<S> vA, vB, aA, aB;  // velocities and accelerations (without qdd, minus gravity) of A and X B'
-  Vec6<S> nu, nudot, x;    // as above; for points x's angular part is zero
+  Vec6<S> nu, nudot, x;    // explained above; for points x's angular part is zero
   Mat6X<S> Jl;             // 6 x cols: J_l, first the columns of support.a, then of support.b
   Eigen::Matrix<S, Eigen::Dynamic, 6, 0, 6, 6> W;   // rows x 6
   MatX<S> J;                                        // rows x cols
   Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> a0;  // rows
   S joint_lever = S(0);  // largest distance of the joints that rotate the contact from the origin of their tree [m]
-  std::optional<PairNumbers<S>> pair;  // of a contact that represents several contacts; set by take_places
-  std::vector<SE3<S>> pair_B;          // per contact of the pair, its B' in the pair's B'
-  /// For a pair: the part of each contact's own a0 that the reduced rows do not contain, one number per row, in order.
+  std::optional<PairNumbers<S>> pair;  // set by take_places; only for a contact that represents several contacts
+  std::vector<SE3<S>> pair_B;          // one entry per contact of the pair: its B' in the pair's B'
+  /// Pairs only: the part of each contact's own a0 that the reduced rows do not contain, one number per row, in order.
   /// Then the largest terms that these are computed from. Then the deviations of the bodies from a common motion and
   /// from their reference placement, relative to the velocities and lengths.
   VecX<S> left;

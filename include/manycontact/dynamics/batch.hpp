@@ -56,7 +56,7 @@ struct BatchData {
 /// The number of constraint rows of the active contacts, which is the number of columns of F.
 int force_rows(const Scene& scene, const BatchData& batch);
 
-// For all functions below: islands that fail have NaN results, and the status of their state is kFailed. The other
+// If an island fails, all functions below set its results to NaN, and the status of its state to kFailed. The other
 // states are solved all the same. `status` has one entry per state. While a batch runs, OpenBLAS is limited to one
 // thread in the whole program, so that only one batch may run at a time.
 

@@ -30,7 +30,7 @@ struct Solution {
   Eigen::VectorXd a;          // nv: accelerations [m/s^2, rad/s^2]
   Eigen::VectorXd f;          // one entry per constraint row of the active contacts, in the scene's order: forces on A,
                               // expressed in the contact's reference frame [N, N m]
-  std::vector<int> f_offset;  // per contact: its first row in f, or -1 if it is not active; set by prepare
+  std::vector<int> f_offset;  // one entry per contact: its first row in f, or -1 if it is not active; set by prepare
   Report report;              // status and accuracy of the solution
 };
 

@@ -38,7 +38,7 @@ struct IslandDerivatives {
   int nv = 0, nc = 0, nu = 0;
   int q_first = 0, v_first = 0, u_first = 0, cols = 0;
   DerivativeRequest request;
-  std::vector<int> u_offset;  // per robot of the island: its first torque; then the total
+  std::vector<int> u_offset;  // one entry per robot of the island: its first torque; then the total
   Stamp stamp;
 
   auto da_dq() const { return block(0, q_first, nv, request.q ? nv : 0); }        // nv x nv

@@ -32,7 +32,7 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
 /// columns.
 struct SceneDerivatives {
   Eigen::MatrixXd da_dq, da_dv, da_du, dforces_dq, dforces_dv, dforces_du;
-  Eigen::MatrixXd da_dw, dforces_dw;  // with respect to all external wrenches, 6 columns each
+  Eigen::MatrixXd da_dw, dforces_dw;  // derivatives with respect to all external wrenches, 6 columns each
 };
 /// Copies the blocks of the last `differentiate` into dense matrices of the whole scene, with nv and nc rows. They take
 /// O((nv + nc)(2 nv + nu)) memory, which is too much for large scenes: use sparse_derivatives or the blocks there.

@@ -19,7 +19,7 @@ struct SolveTimes {
   double solve = 0;  // kinematics, bias, assembly, factorization, solution, refinement and residuals
 };
 
-/// From good to bad. The status of a scene is that of its worst island.
+/// Ordered from good to bad. The status of a scene is that of its worst island.
 enum class Status {
   kOk,
   kRedundant,     // contacts are redundant and consistent: accelerations are exact, forces have least norm
@@ -32,15 +32,15 @@ std::string to_string(Status status);  // "ok", "redundant", ...
 struct IslandReport {  // Status and accuracy of the solution of one island.
   Status status = Status::kOk;
   Method method = Method::kSparseLdl;        // the method that computed the solution
-  Order order = Order::kLeafToRoot;          // its elimination order, if the method has one
-  Reason reason = Reason::kNone;             // of the last change of order or method, of the failure, or kUncertain
+  Order order = Order::kLeafToRoot;          // the elimination order of the method, if it has one
+  Reason reason = Reason::kNone;             // why order or method changed last, why it failed, or kUncertain
   Precision precision = Precision::kDouble;  // the precision of the solution
   bool changed_order = false;                // the chosen order was not accurate, and leaf-to-root was used instead
   int nv = 0, nc = 0;
-  int rank = 0;                     // of J; nc with damping, since K is regular then; 0 if failed
-  std::vector<int> dependent_rows;  // without damping: the nc - rank rows of data.f that depend on the others,
+  int rank = 0;                     // rank of J; nc with damping, since K is regular then; 0 if failed
+  std::vector<int> dependent_rows;  // only without damping: the nc - rank rows of data.f that depend on the others,
                                     // ascending
-  int factor_nonzeros = 0;          // of L (and of the tree's factor), diagonals included
+  int factor_nonzeros = 0;          // nonzeros of L (and of the tree's factor), diagonals included
   int refinement_steps = 0;
   double residual_dynamics = 0;  // max |M a - J^T f - tau_b| / max (|M||a| + |J^T||f| + |tau_b|)
   double residual_contact = 0;   // max |J a + a0 + delta f| / max (|J||a| + |a0| + delta |f|, |gravity|)

@@ -9,8 +9,8 @@ namespace manycontact {
 struct Finding {
   std::string
       kind;  // "inertia", "limits", "unread", "mimic", "dynamics", "passive", "base", "consistent", "pose", "rest"
-  std::string name;  // of the joint, link or other element; in a scene's list with the robot's name: "herd/knee"
-  std::string text;  // what the file contains, and how it is interpreted
+  std::string name;  // name of the joint, link or other element; in a scene's list with the robot's name: "herd/knee"
+  std::string text;  // description of the property, and how it is interpreted
   std::string file;
   int line = 1;
 };

@@ -6,7 +6,7 @@
 
 namespace manycontact {
 
-/// what() is exactly "FILE:LINE: message", on one line for any input.
+/// An error in an input file. what() is exactly "FILE:LINE: message", on one line for any input.
 struct InputError : std::runtime_error {
   InputError(std::string file_, int line_, const std::string& message_);  // line breaks become blanks
 

@@ -13,7 +13,7 @@ namespace manycontact {
 
 /// One <robot> element: a robot, or its copies. Copies are consecutive in the scene and share one model.
 struct RobotGroup {
-  std::string name;     // as in the file; copies are called name0, name1, ...
+  std::string name;     // name in the file; copies are called name0, name1, ...
   std::string urdf;     // path of its file
   bool copied = false;  // whether it has a `copies` attribute
   int first = 0, count = 1;
@@ -22,7 +22,7 @@ struct RobotGroup {
 
 /// One <contact> element: a contact, or its copies, which are consecutive in the scene.
 struct ContactGroup {
-  std::string name;  // as in the file; copies are called name0, name1, ... after the copy of frame A's robot
+  std::string name;  // name in the file; copies are called name0, name1, ... after the copy of frame A's robot
   bool copied = false;
   int first = 0, count = 1;  // count is 0 if no copy has the requested target
   int line = 1;
@@ -42,7 +42,7 @@ struct ScenePose {
 /// A contact whose B' is missing in the file, at least in part. It is computed from q.
 struct OpenReference {
   int contact = 0;
-  bool position = false, orientation = false;  // which parts are missing
+  bool position = false, orientation = false;  // whether this part is missing
 };
 
 struct SceneFile {  // A scene, its state, and the elements of the file that define its robots and contacts.
@@ -52,15 +52,15 @@ struct SceneFile {  // A scene, its state, and the elements of the file that def
   Eigen::VectorXd q, v, u;  // scene.nq, scene.nv, scene.nu
   std::vector<RobotGroup> robot_groups;
   std::vector<ContactGroup> contact_groups;
-  std::vector<int> robot_group;     // per robot: index in robot_groups
-  std::vector<SE3<double>> moved;   // per robot: displacement by `arrange`, relative to the placement in its element
+  std::vector<int> robot_group;     // one entry per robot: index in robot_groups
+  std::vector<SE3<double>> moved;   // displacement of each robot by `arrange`, relative to the placement in its element
   std::vector<int> gravity_robots;  // robots with u="gravity", ascending
   std::vector<ScenePose> poses;
   std::vector<OpenReference> open_references;
   std::vector<int> open_lengths;  // springs without a length in the file; it is computed at q
   int consistent_line = 0;        // the line of consistent="true" in `path`; 0: there is none
-  int restarts = 0;               // of the search for the poses (analysis/place.hpp)
-  std::vector<Finding> findings;  // of the robots' files, named after the first robot with the model: "herd/knee"
+  int restarts = 0;               // number of restarts of the search for the poses (analysis/place.hpp)
+  std::vector<Finding> findings;  // findings in robots' files, named after the first robot with the model: "herd/knee"
 };
 
 /// Reads a scene file. Missing references of contacts are computed from q. The torques u of gravity_robots are NaN. q

@@ -47,22 +47,22 @@ struct TaskTerm {
   /// The robots, a frame on each of these robots, or the contacts that the term refers to. No robot: the whole scene.
   std::vector<int> robots, contacts;
   bool copied = false;  // whether it applies to all copies; placements are those of the robot before `arrange` moved it
-  std::string frame;    // of the robots
+  std::string frame;    // name of the frame on each of the robots
 
   Eigen::VectorXd reference;     // state (nq + nv), control, efforts, accelerations, com, momentum, twist, force
-  std::vector<ScenePose> poses;  // of a state with reference="pose": its reference is a configuration of the whole
+  std::vector<ScenePose> poses;  // used with reference="pose": the reference is a configuration of the whole
                                  // scene, at rest, that meets these poses; fit_state (analysis/load_scene.hpp) finds it
   SE3<double> placement;         // xyz, quat_xyzw
   ReferenceFrame reference_frame = ReferenceFrame::kLocal;
   double mu = 0;
-  std::optional<Vec3<double>> normal;  // of a cone, as Contact::normal; none: that of the contact
+  std::optional<Vec3<double>> normal;  // normal of a cone, as Contact::normal; none: that of the contact
   Eigen::Vector2d box{0, 0};
 
   // Members of a cost.
   double weight = 1;
   TaskActivation activation = TaskActivation::kQuad;
-  Eigen::VectorXd weights;  // nr numbers, of weighted activations
-  double eps = 1;           // of kSmooth1Norm
+  Eigen::VectorXd weights;  // nr numbers, for weighted activations
+  double eps = 1;           // parameter of kSmooth1Norm
   /// Bounds of a constraint or barrier: nr numbers, which may be infinite. Empty: those of the cone.
   Eigen::VectorXd lower, upper;
 };
@@ -70,11 +70,11 @@ struct TaskTerm {
 /// A phase, or the terminal node, whose contacts are those of the last phase.
 struct TaskPhase {
   int line = 1;
-  int nodes = 0;                     // without that of an impact
+  int nodes = 0;                     // number of nodes, not counting that of an impact
   bool impact = false;               // before the nodes: contacts stop the velocity of their frames at once
   bool at_scene = false;             // contacts that close do so at their placement in the scene; false: where their
                                      // frames are then
-  std::vector<bool> active;          // per contact of the scene
+  std::vector<bool> active;          // one flag per contact of the scene
   std::vector<Vec6<double>> pushes;  // external wrenches in these nodes, as in SceneData; empty: the scene's
   std::vector<TaskTerm> costs, constraints;
 };
@@ -94,12 +94,12 @@ struct TaskFile {  // A task as its file describes it.
   double step = 0;  // s
   TaskIntegrator integrator = TaskIntegrator::kEuler;
   std::vector<TaskPhase> phases;
-  TaskPhase terminal;  // its nodes are 0
+  TaskPhase terminal;  // the terminal node; its number of nodes is 0
 
   int solver_line = 1;
   TaskSolver solver = TaskSolver::kAuto;
   int iterations = 100;
-  double tolerance = 1e-9;  // of the stopping value |d1 + d2/2|
+  double tolerance = 1e-9;  // tolerance for the stopping value |d1 + d2/2|
   TaskGuess guess = TaskGuess::kQuasiStatic;
 
   int nodes() const;  // number of running nodes, impacts included

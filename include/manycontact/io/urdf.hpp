@@ -25,7 +25,7 @@ namespace manycontact {
 
 struct UrdfOptions {           // Properties of a robot that are not in its file.
   bool floating_base = false;  // joint 0 is then "root", of type kFloating, and moves the root link
-  double armature = 0;         // of every coordinate except those of the floating base, kg m^2 (kg for prismatic)
+  double armature = 0;         // armature of all coordinates except those of the floating base, kg m^2 (prismatic: kg)
   /// overrides armature; one number, or one per coordinate
   std::map<std::string, std::vector<double>> joint_armature = {};
   /// joints frozen at this position [rad, m]; joints with one coordinate only

@@ -13,8 +13,8 @@ namespace manycontact {
 struct Island {
   std::vector<int> robots;      // numbers in the scene, ascending
   std::vector<int> contacts;    // numbers of the active contacts in the scene, ascending
-  std::vector<int> dof_offset;  // per robot: its first coordinate in the island
-  std::vector<int> row_offset;  // per contact: its first row in the island
+  std::vector<int> dof_offset;  // one entry per robot: its first coordinate in the island
+  std::vector<int> row_offset;  // one entry per contact: its first row in the island
   int nv = 0, nc = 0;
 
   int size() const { return nv + nc; }  // rows of K

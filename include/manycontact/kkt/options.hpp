@@ -8,7 +8,7 @@ namespace manycontact {
 
 /// Methods for an island's system.
 enum class Method {
-  kDense,             // per island, rank-revealing: the dense reference solver
+  kDense,             // rank-revealing, per island: the dense reference solver
   kDenseSchur,        // the whole scene as one system, LLT of M and of J M^-1 J^T, as in Crocoddyl: the baseline
   kSparseLdl,         // LDL^T of K by a compiled schedule, per island
   kSuiteSparseLdl,    // LDL^T of K by SuiteSparse's LDL, for comparison; kAuto never chooses it
@@ -16,7 +16,7 @@ enum class Method {
   kSparseSupernodal,  // tree-sparse factor of M, CHOLMOD's supernodal LL^T of the Schur complement, per island
   kSparseBodies,      // accelerations of bodies and forces of joints are kept as unknowns, per island: linear in the
                       // depth of trees
-  kAuto,              // per island, the sparse method and order of least predicted cost
+  kAuto,              // the sparse method and order of least predicted cost, per island
 };
 inline constexpr Method kMethods[] = {Method::kDense,          Method::kDenseSchur,    Method::kSparseLdl,
                                       Method::kSuiteSparseLdl, Method::kSparseCholmod, Method::kSparseSupernodal,
@@ -71,8 +71,8 @@ std::optional<Lanes> lanes_from_string(const std::string& name);  // the level w
 enum class Precision {
   kSingle,    // float, float, float, not refined: errors of about 1e-7 times the condition of K
   kDouble,    // double throughout
-  kExtended,  // double-double, double, double-double: errors of a and f of at most 4 eps of their largest entries, up
-              // to a condition of 1e15; derivatives and products are those of kDouble at this solution
+  kExtended,  // double-double, double, double-double: up to a condition of 1e15, errors of a and f of at most
+              // 4 eps of their largest entries; derivatives and products are those of kDouble at this solution
 };
 inline constexpr Precision kPrecisions[] = {Precision::kSingle, Precision::kDouble, Precision::kExtended};
 std::string to_string(Precision precision);  // "single", "double", "extended"
@@ -83,7 +83,7 @@ inline constexpr int kMostThreads = 4096;  // larger numbers of threads are refu
 
 struct Options {  // How to solve.
   Method method = Method::kAuto;
-  std::optional<Order> order;  // for methods with has_order; none: the order of least predicted cost
+  std::optional<Order> order;  // used by methods with has_order; none: the order of least predicted cost
   Lanes lanes = Lanes::kAuto;
   /// Threads of OpenMP inside a call of solve, differentiate, jvp and vjp, kMostThreads at most. They work on islands,
   /// on SIMD batches, and on the robots of a large island. 0 takes as many as OpenMP offers.

@@ -21,6 +21,6 @@ enum class Reason {
   kUncertain,  // rounding errors may change the solution by more than its size, according to estimate_errors
   kLowPrecision,  // the island cannot be solved in the precision of the options; it was solved in double
 };
-std::string to_string(Reason reason);  // in words, for people
+std::string to_string(Reason reason);  // a description in words
 
 }  // namespace manycontact

@@ -30,9 +30,9 @@ struct Joint {
   JointType type = JointType::kRevolute;
   int parent = -1;  // number of the parent joint; -1: the robot's base
   int idx_q = 0, idx_v = 0;
-  SE3<double> placement;                      // of the joint frame in the parent joint's frame
+  SE3<double> placement;                      // placement of the joint frame in the parent joint's frame
   Vec3<double> axis = Vec3<double>::UnitZ();  // unit, in the joint frame (revolute, prismatic)
-  Inertia<double> inertia;                    // of the body, fixed links merged, in the child frame [kg, kg m, kg m^2]
+  Inertia<double> inertia;                    // inertia, fixed links included, in the child frame [kg, kg m, kg m^2]
   /// Limits, one value per velocity coordinate; infinite if the file has none.
   Eigen::VectorXd lower, upper;  // position [rad, m]; unused for floating joints
   Eigen::VectorXd velocity_limit, effort_limit;

@@ -14,9 +14,9 @@ namespace manycontact {
 struct Frame {
   std::string name;
   int joint = -1;            // -1: fixed to the robot's base
-  SE3<double> placement;     // in the joint's frame (in the base frame when joint = -1)
+  SE3<double> placement;     // placement in the joint's frame (in the base frame when joint = -1)
   bool merged = false;       // whether the link is attached to its joint's body by fixed or locked joints
-  Inertia<double> inertia;   // of this link alone, in this frame; it is part of the joint's inertia already
+  Inertia<double> inertia;   // inertia of this link alone, in this frame; it is part of the joint's inertia already
   std::string parent_joint;  // the joint of the file whose child is the link, fixed joints included; empty for the root
 };
 
@@ -57,10 +57,10 @@ struct Model {  // A robot's joints, frames and inertias.
   std::vector<int> dof_parent;   // nv: the next coordinate towards the base, -1 at the base
   std::vector<int> dof_joint;    // nv: its joint
   std::vector<int> dof_depth;    // nv: number of ancestors
-  std::vector<int> subtree_end;  // per joint: one past the last joint of its subtree when numbered depth first
-  std::vector<Tree> trees;       // in the order of their roots
-  std::vector<int> tree_of;      // per joint: the number of its tree
-  std::vector<char> on_path;     // per joint: whether it is on its tree's path
+  std::vector<int> subtree_end;  // one past the last joint of each joint's subtree when numbered depth first
+  std::vector<Tree> trees;       // sorted by their roots
+  std::vector<int> tree_of;      // one entry per joint: the number of its tree
+  std::vector<char> on_path;     // one entry per joint: whether it is on its tree's path
   std::vector<int> M_begin;      // nv+1: start of row i of the packed M (algorithm/crba.hpp). It is empty if the tree
                                  // is so deep that M has 2^31 entries or more.
   /// The same object for models that are identical except for names, masses, placements, armatures, damping, friction

@@ -21,7 +21,7 @@ class RigidBodies {  // all robots of a scene, one of them, or a model alone
   /// the model is not finalized.
   RigidBodies(const Model& model, const SE3<double>& base = {}, const Vec3<double>& gravity = {0, 0, -9.81});
 
-  std::span<const Robot> robots() const;  // in the order of their coordinates
+  std::span<const Robot> robots() const;  // the robots in the order of their coordinates
   const Vec3<double>& gravity() const { return scene_ ? scene_->gravity : gravity_; }  // m/s^2
   int nq() const;                                                                      // number of coordinates of q
   int nv() const;                                                                      // number of coordinates of v

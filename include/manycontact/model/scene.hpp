@@ -61,7 +61,7 @@ inline std::string to_string(ContactType t) { return std::to_string(contact_rows
 struct Attachment {
   int robot = -1;          // -1: the world
   int joint = -1;          // number of the joint in that robot's model; -1: its fixed base
-  SE3<double> placement;   // of the frame on that body
+  SE3<double> placement;   // placement of the frame on that body
   std::string frame = {};  // the robot's frame it was made from, before any offset; empty if unknown
 };
 /// Whether the body of an attachment can move. The world and fixed bases cannot.
@@ -116,7 +116,7 @@ struct Spring {
   std::string name;
   Attachment A, B;       // the frames' origins; B may be in the world
   double stiffness = 0;  // N / m
-  double length = 0;     // at rest [m]
+  double length = 0;     // length at rest [m]
   double damping = 0;    // N s / m
 };
 

@@ -13,19 +13,19 @@ struct Invariants {           // The quantities of a scene at one state.
   double position_drift = 0;  // max |W e| of the active contacts, with e = log6(G) or R_A^T (p_A - p_B') [m, rad]
   double velocity_drift = 0;  // max |J v| [m/s, rad/s]
   double kinetic = 0;         // J, rotors (armature) included
-  double potential = 0;       // J, of gravity, zero at the world's origin, and of springs
-  Vec6<double> momentum = Vec6<double>::Zero();  // of the bodies, about the world's origin: linear [N s], angular [N m
-                                                 // s]
+  double potential = 0;       // J, due to gravity (zero at the world's origin) and springs
+  Vec6<double> momentum = Vec6<double>::Zero();  // momentum of the bodies, about the world's origin: linear
+                                                 // [N s], angular [N m s]
 
   double energy() const { return kinetic + potential; }  // J
 };
 
 /// The workspace of `invariants`.
 struct InvariantsData {
-  explicit InvariantsData(const Scene& scene);  // for this scene
-  std::vector<Kinematics<double>> kin;          // per robot
-  std::vector<ContactSupport> supports;         // per contact
-  std::vector<ContactData<double>> contacts;    // per contact
+  explicit InvariantsData(const Scene& scene);  // makes the workspace for this scene
+  std::vector<Kinematics<double>> kin;          // one entry per robot
+  std::vector<ContactSupport> supports;         // one entry per contact
+  std::vector<ContactData<double>> contacts;    // one entry per contact
 };
 
 /// Computes the quantities at q (nq), v (nv), with the contacts flagged `active`. W and e are those of

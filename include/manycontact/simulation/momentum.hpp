@@ -36,12 +36,12 @@ struct FreeGroup {
   Vec3<double> normal;    // unit, in the world
 
   Vec3<double> reference;       // a point of the world near the bodies; other members refer to it, in world axes
-  Inertia<double> Y;            // of all bodies together
+  Inertia<double> Y;            // inertia of all bodies together
   Vec6<double> momentum;        // linear [N s], angular [N m s]
   Vec3<double> C_next;          // C+ [m]
   Vec3<double> P_next, L_next;  // P+ [N s], L+ [N m s]
   Vec3<double> d;               // the displacement [m]
-  Vec3<double> dv, dw;          // the velocity: of C [m/s], angular [rad/s]
+  Vec3<double> dv, dw;          // the velocity: that of C [m/s], angular [rad/s]
 };
 
 /// The groups of a scene, and the workspace. Bodies are numbered through the scene, robot by robot.
@@ -50,13 +50,13 @@ struct FreeGroups {
   explicit FreeGroups(const Scene& scene);
 
   struct FreeJoint {                 // a joint below which a group may begin: floating, or planar at the world
-    int robot, joint, node, parent;  // node: of the bodies below it; parent: of those above; 0: fixed to the world, or
+    int robot, joint, node, parent;  // node: the bodies below it; parent: the bodies above; 0: fixed to the world, or
                                      // attached to it by ordinary joints
   };
-  std::vector<FreeJoint> joints;  // in the scene's order
-  std::vector<int> first_body;    // per robot
-  std::vector<int> node;          // per body: the node that it belongs to, rigidly or by ordinary joints
-  std::vector<int> group;         // per node: the number of its group
+  std::vector<FreeJoint> joints;  // sorted in the scene's order
+  std::vector<int> first_body;    // one entry per robot: the number of its first body
+  std::vector<int> node;          // one entry per body: the node that it belongs to, rigidly or by ordinary joints
+  std::vector<int> group;         // one entry per node: the number of its group
   std::vector<FreeGroup> groups;  // one entry per node
   bool any = false;               // whether a group is free
   bool nested = false;            // whether a free joint is attached to a body that moves

@@ -84,9 +84,9 @@ struct SceneAtRest {
                            const Eigen::VectorXd& a, const Vec3<double>& gravity, Eigen::VectorXd& tau);
 
   Scene scene;
-  Vec3<double> gravity = Vec3<double>::Zero();  // by follow: the gravity of `of`
+  Vec3<double> gravity = Vec3<double>::Zero();  // gravity of `of`; set by follow
   Eigen::VectorXd zero;                         // nv
-  std::vector<Kinematics<double>> kin;          // per robot
+  std::vector<Kinematics<double>> kin;          // one entry per robot
   std::vector<Vec6<double>> f;                  // workspace
   std::vector<ContactData<double>> contacts;
 };

@@ -27,12 +27,12 @@ struct SimulationBatch {
   std::vector<Vec6<double>> pushes;  // one wrench per external wrench of the scene; initially as there [N, N m]
   double velocity_limit = 1e5;       // m/s, rad/s; a faster state is kTooFast
   Eigen::VectorXd kp, kd;            // gains of PD laws as in PdLaws (nv), or empty
-  BatchMatrix q_ref, v_ref;          // their references, one row per state (nv columns)
+  BatchMatrix q_ref, v_ref;          // references of the PD laws, one row per state (nv columns)
 
   // These members are set by step_batch, one row or entry per state.
   BatchMatrix q, v;                // the states; set_state changes them
   BatchMatrix f;                   // contact forces at the states before the last step, rows as in Solution::f
-  std::vector<StepStatus> status;  // of the last step that was tried
+  std::vector<StepStatus> status;  // status of the last step that was tried
 
   struct Part;  // private: states that are stepped together
   struct Work;  // private: all of these, and a workspace per thread

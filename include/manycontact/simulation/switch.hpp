@@ -12,9 +12,9 @@
 namespace manycontact {
 
 struct VelocityJump {           // The result of an impact.
-  Status status = Status::kOk;  // of its solve; kFailed: only the set of contacts was changed
+  Status status = Status::kOk;  // status of the impact's solve; kFailed: only the set of contacts was changed
   double energy_lost = 0;       // J
-  Eigen::VectorXd impulse;      // on A, rows of the active contacts as in Solution::f [N s, N m s]
+  Eigen::VectorXd impulse;      // impulse on A, rows of the active contacts as in Solution::f [N s, N m s]
 };
 
 /// Sets data.dynamics.active. If a contact closes, replaces data.v by v+. Allocates; costs one solve. Throws

@@ -51,7 +51,7 @@ template <int W, class E = double>
 struct Pack {
   static constexpr int width = W;
   using Element = E;
-  using Bits = typename detail::BitsOf<E>::Int;  // of one element
+  using Bits = typename detail::BitsOf<E>::Int;  // the bits of one element
   using Real = typename detail::PackOf<W, E>::Real;
   using Int = typename detail::PackOf<W, E>::Int;
   /// The result of a comparison: all bits are set if it is true, otherwise 0.
@@ -139,7 +139,7 @@ struct Pack {
     if constexpr (kBytes == 32 && !kDouble) return of((Real)_mm256_max_ps((__m256)a.v, (__m256)b.v));
 #endif
 #ifdef __AVX512F__
-    // for all elements; _mm512_max_pd makes GCC 12 warn about a value that it leaves undefined on purpose
+    // compares all elements; _mm512_max_pd makes GCC 12 warn about a value that it leaves undefined on purpose
     if constexpr (kBytes == 64 && kDouble) return of((Real)_mm512_maskz_max_pd(0xff, (__m512d)a.v, (__m512d)b.v));
     if constexpr (kBytes == 64 && !kDouble) return of((Real)_mm512_maskz_max_ps(0xffff, (__m512)a.v, (__m512)b.v));
 #endif

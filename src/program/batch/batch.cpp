@@ -39,7 +39,7 @@ struct BatchRun {
 struct StateBlock {
   BatchMatrix in, out, q, v, u, a, f, d;
   std::vector<Status> status;
-  std::vector<double> row;  // of a derivative
+  std::vector<double> row;  // a row of derivatives
 
   void resize(const BatchRun& run, std::int64_t n) {
     const Scene& scene = run.part.scene;
@@ -62,7 +62,7 @@ std::string derivatives_path(const std::string& out) {
   return (out.ends_with(suffix) ? out.substr(0, out.size() - suffix.size()) : out) + ".derivatives.npy";
 }
 
-// As many states as fit in 64 MB, 4096 at most and 1 at least: memory does not grow with their number. Processes that
+// The number of states of a block: as many as fit in 64 MB, from 1 to 4096, so that memory is bounded. Processes that
 // share the states get four blocks each, or more.
 std::int64_t block_size(const BatchRun& run, int processes) {
   const Scene& scene = run.part.scene;

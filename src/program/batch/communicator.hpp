@@ -15,19 +15,19 @@ class Communicator {
   virtual int rank() const { return 0; }
   virtual int size() const { return 1; }
 
-  /// Waits for all. Where one met an error, the first of these throws it, and the others end without a word.
+  /// Waits for all. If processes met errors, the first one throws its error, and the others end without a message.
   virtual void agree(std::exception_ptr error) {
     if (error) std::rethrow_exception(error);
   }
-  /// From here to the end of the run, an error of one ends all.
+  /// After this call, until the end of the run, an error of one process ends all processes.
   virtual void begin() {}
   virtual void end() {}
 
   /// Distributes the value of rank 0 to all.
   virtual std::string told(const std::string& text) { return text; }
-  /// Sums over all processes, known to all.
+  /// Sums over all processes; every process gets the sums.
   virtual void sum(std::vector<std::int64_t>& numbers) { (void)numbers; }
-  /// At rank 0: numbers that one process has and that are zero elsewhere; the largest of each entry.
+  /// collect: rank 0 gets numbers that one process has and that are zero elsewhere. largest: the largest of each entry.
   virtual void collect(double* numbers, std::int64_t count) { (void)numbers, (void)count; }
   virtual void largest(std::vector<int>& numbers) { (void)numbers; }
 };

@@ -33,7 +33,7 @@ class NpyInput {
 
   std::string path_;
   int file_ = -1;
-  std::int64_t data_ = 0;  // where the numbers begin
+  std::int64_t data_ = 0;  // position of the numbers in the file
   std::vector<std::int64_t> shape_;
 };
 
@@ -42,7 +42,7 @@ class NpyOutput {
  public:
   NpyOutput(const std::string& path, const std::vector<std::int64_t>& shape);
 
-  /// With its header. Throws InputError where it is no regular file, too.
+  /// Creates the file and writes its header. Throws InputError, also if it exists and is not a regular file.
   void create();
   void join(const std::string& temporary);
   const std::string& temporary() const { return file_->temporary(); }

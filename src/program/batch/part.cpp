@@ -78,7 +78,7 @@ ScenePart part_of(const Scene& scene, int number, int parts) {
     first_row[c] = part.nf;
     part.nf += active[c] ? scene.contacts[c].rows() : 0;
   }
-  for (int c : members.contacts) {  // as they are: add_contact would normalise axes again
+  for (int c : members.contacts) {  // copied unchanged: add_contact would normalise axes again
     Contact contact = scene.contacts[c];
     contact.A.robot = own_robot[contact.A.robot];
     if (contact.B.robot >= 0) contact.B.robot = own_robot[contact.B.robot];

@@ -12,8 +12,8 @@ struct Segment {
 
 struct ScenePart {
   Scene scene;                         // gravity and damping are the whole scene's
-  std::vector<Segment> q, v, u, f;     // f: rows of active contacts, all there are here
-  int nq = 0, nv = 0, nu = 0, nf = 0;  // of the whole scene
+  std::vector<Segment> q, v, u, f;     // f: constraint rows of active contacts, which are all contacts of the part
+  int nq = 0, nv = 0, nu = 0, nf = 0;  // sizes of the whole scene
   int own_nf = 0;
 };
 

@@ -16,7 +16,7 @@ namespace manycontact::cli {
 inline constexpr double kGuessedDampings[] = {1e-12, 1e-9, 1e-6, 1e-3};
 
 struct ChartLimits {
-  double seconds = 16;  // of repeats
+  double seconds = 16;  // time for repeats
   double longest = 20;  // seconds: a call that would take roughly longer is skipped
 };
 
@@ -36,10 +36,10 @@ struct ChartRow {
   bool guessed = false;  // the damping is not the scene's
 
   Outcome outcome = Outcome::kAnswered;
-  Status status = Status::kOk;  // of the last solve; regularised if the damping is guessed and there is a solution
+  Status status = Status::kOk;  // last solve's status; regularised if the damping is guessed and there is a solution
   std::string answered_by;      // "sparse-ldl leaf-to-root": methods and orders that solved islands, several joined
   std::string fallback;         // why another method was used, in the first island where one was
-  std::optional<double> time;   // of solve, us
+  std::optional<double> time;   // time of a solve, us
   std::optional<double> time_derivatives;  // us
   std::optional<double> error_acceleration, error_forces, error_derivatives;
   bool front = false;  // no other result is at least as fast and as accurate, and better in one (acceleration)
@@ -55,7 +55,7 @@ struct Chart {
   std::vector<ChartRow> rows;
   double allowed = 0;  // max(1e-12, 100 eps cond), of values; ten times that of derivatives
   double condition = 0;
-  std::vector<std::string> notes;  // what the errors mean here, where that is not plain
+  std::vector<std::string> notes;  // explanations of errors that are not obvious here
 };
 
 /// Runs everything, with a progress line on standard error.
@@ -66,7 +66,7 @@ Chart make_chart(const SceneFile& file, const ChartLimits& limits);
 /// A row and what computes it.
 struct Candidate {
   ChartRow* row = nullptr;
-  Scene scene;  // with the row's damping
+  Scene scene;  // the scene with the row's damping
   std::unique_ptr<SceneData> data;
 };
 

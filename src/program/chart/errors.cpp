@@ -33,7 +33,7 @@ std::vector<int> rows_of(const Scene& scene, const Island& island, int robot, bo
 // The reference for a robot's derivatives if all of them are zero: its accelerations without contacts, and the forces
 // on it.
 struct Scales {
-  std::vector<double> a, f;  // per robot
+  std::vector<double> a, f;  // one entry per robot
 };
 Scales scales_of(const Scene& scene, const SceneData& data, const ChartTruth& truth) {
   Scales out{{}, largest_forces(scene, data.f_offset, truth.f)};
@@ -41,8 +41,8 @@ Scales scales_of(const Scene& scene, const SceneData& data, const ChartTruth& tr
   return out;
 }
 
-// Where a block of derivatives is zero in truth, differences leave noise, below 1e-20 of the robot's other derivatives:
-// errors are relative to those then.
+// A block of derivatives that is exactly zero has noise from differences, below 1e-20 of the robot's other derivatives.
+// Its errors are relative to those.
 double island_error(const Scene& scene, const ChartTruth::OfIsland& truth, const Scales& scales,
                     const Eigen::MatrixXd& answer) {
   double error = 0;

@@ -15,7 +15,7 @@ namespace {
 constexpr int kWholeUpTo = 60;    // dof: derivatives along all unit vectors
 constexpr int kDirections = 4;    // else along as many random ones in q, v and u
 constexpr int kDenseSize = 150;   // unknowns: dense truth where refinement has no factor
-constexpr double kAtRest = 1e-4;  // of a robot's accelerations against those without contacts: less is as good as none
+constexpr double kAtRest = 1e-4;  // relative to a robot's accelerations without contacts: less counts as none
 
 Eigen::MatrixXd directions(int n, bool whole, std::mt19937& rng) {
   if (whole) return Eigen::MatrixXd::Identity(n, n);

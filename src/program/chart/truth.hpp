@@ -9,15 +9,15 @@
 namespace manycontact::cli {
 
 struct ChartTruth {
-  VecX<Quad> a, f;            // as SceneData's
+  VecX<Quad> a, f;            // accelerations and forces, ordered as in SceneData
   Eigen::VectorXd a_free;     // accelerations without contacts
-  std::vector<char> at_rest;  // per robot: a all but vanishes, errors are relative to a_free
+  std::vector<char> at_rest;  // one entry per robot: a nearly vanishes, and errors are relative to a_free
 
   // Derivatives of [a; f] per island along directions, the columns of `along` (rows [q | v | u] of the island). These
   // are the unit vectors, or four random ones in each of q, v, u. first[k] is the first direction of q, v, u; the last
   // entry is one past the end.
   struct OfIsland {
-    Island island;  // of the contacts that are active
+    Island island;  // island of the active contacts
     Eigen::MatrixXd along;
     MatX<Quad> derivatives;
     int first[4] = {0, 0, 0, 0};

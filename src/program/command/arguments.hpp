@@ -16,10 +16,10 @@ struct UsageError : std::runtime_error {
 
 /// An option a command knows.
 struct Option {
-  std::string name;   // with its dashes
+  std::string name;   // the name with its dashes
   std::string value;  // the placeholder of its value in the usage, empty for a flag
   std::string help;
-  bool required = false;  // for the usage; the command itself refuses to do without
+  bool required = false;  // shown in the usage; the command itself refuses to run without it
 };
 
 class Arguments {
@@ -28,11 +28,11 @@ class Arguments {
   Arguments(const std::vector<Option>& options, const std::vector<std::string>& words);
 
   bool has(const std::string& option) const { return value(option).has_value(); }
-  /// Its value, empty for a flag; none when it was not given.
+  /// The value of the option, empty for a flag; none when it was not given.
   std::optional<std::string> value(const std::string& option) const;
-  /// Its value as a whole number from `least` to `most`, `otherwise` when it was not given. Throws UsageError.
+  /// The value as a whole number from `least` to `most`, `otherwise` when it was not given. Throws UsageError.
   int integer(const std::string& option, int least, int most, int otherwise) const;
-  /// Its value as a finite number above 0, `otherwise` when it was not given. Throws UsageError, also when it was not
+  /// The value as a finite number above 0, `otherwise` when it was not given. Throws UsageError, also when it was not
   /// given and there is no `otherwise`.
   double positive(const std::string& option, std::optional<double> otherwise = {}) const;
   const std::vector<std::string>& rest() const { return rest_; }

@@ -14,8 +14,8 @@ std::string program_beside(const std::string& name);
 int execute_program(const std::string& name, const std::string& command, const std::vector<std::string>& words,
                     const std::string& how);
 
-/// Where memory for addresses is limited (ulimit -v): this program once more, without OpenBLAS' own threads, which
-/// would ask for memory for ever. They start before main() does, so only the environment can keep them from it.
+/// If the address space is limited (ulimit -v), restarts this program without OpenBLAS threads, which would otherwise
+/// request memory for ever. They start before main() does, so that only an environment variable can prevent them.
 void restart_without_blas_threads(char** argv);
 
 }  // namespace manycontact::cli

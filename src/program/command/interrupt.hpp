@@ -5,7 +5,7 @@
 
 namespace manycontact::cli {
 
-/// From here on SIGINT, SIGTERM and SIGHUP end the program without its temporary files, unless they are ignored.
+/// After this call SIGINT, SIGTERM and SIGHUP, unless ignored, remove the temporary files and end the program.
 void hear_signals();
 
 /// While one lives, the first of these signals sets a flag; the second ends the program.

@@ -27,7 +27,7 @@ double sum_over_islands(const SceneData& data, Time&& time) {
 
 double rough_time_of_dense(const Scene& scene, const SceneData& data) {
   if (data.options.method != Method::kDenseSchur) return sum_over_islands(data, dense);
-  double sum = 0;  // of which the whole scene is one island
+  double sum = 0;  // kDenseSchur makes one island of the whole scene
   for (const Island& island : find_islands(scene, data.active)) sum += dense(island);
   return sum;
 }

@@ -58,7 +58,7 @@ void write_sparse(const std::string& path, const Eigen::MatrixXd& b, const std::
 void write_dense(const std::string& path, const Eigen::MatrixXd& b, const std::vector<std::string>& comments);
 void write_dense(const std::string& path, const MatX<Quad>& x, const std::vector<std::string>& comments);
 
-/// What export.json lists of one island.
+/// The members of an island in export.json.
 struct ExportedPage {
   std::string name;  // "island_0"
   int nv = 0, nc = 0, rank = 0;

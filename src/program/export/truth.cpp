@@ -10,9 +10,9 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr int kMostSteps = 40;        // of refinement: each gains digits as long as eps |K| |K^-1| is below 1
+constexpr int kMostSteps = 40;        // refinement steps: each one gains digits as long as eps |K| |K^-1| is below 1
 constexpr double kConverged = 1e-20;  // relative size of the last correction, above which the solution is not accepted
-constexpr double kMostDigits = 32;    // of quadruple precision's 34, less what a residual of many terms loses
+constexpr double kMostDigits = 32;    // the 34 digits of quadruple precision, less what a residual of many terms loses
 
 VecX<Quad> residual(const Eigen::SparseMatrix<double>& K, const Eigen::VectorXd& b, const VecX<Quad>& x) {
   VecX<Quad> r = b.cast<Quad>();
@@ -67,7 +67,7 @@ MatX<Quad> join(MatX<Quad> a, MatX<Quad> f) {
   return x;
 }
 
-// By the dense reference solver, and what its own refinement would still change.
+// Solves with the dense reference solver. The change that one more refinement would make is the error.
 ExactSolution solve_densely(const ExportedSystem& s, const Eigen::MatrixXd& b) {
   const int nv = s.island.nv, nc = s.island.nc;
   const MatX<Quad> K = Eigen::MatrixXd(s.K).cast<Quad>();

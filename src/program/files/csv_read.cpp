@@ -31,7 +31,7 @@ CsvReader::CsvReader(const std::string& path) : path_(path), stream_(path), t_(-
   (void)column("t");
 }
 
-// In a device or a file that is no text, a line may be endless.
+// Reads a line. Its length is limited, since a device, or a file that is not text, may have no line breaks.
 bool CsvReader::read_line(std::string& line) {
   constexpr std::size_t kMost = std::size_t(1) << 26;
   line.clear();
@@ -81,7 +81,7 @@ void CsvReader::fail(const std::string& message) const { throw InputError(path_,
 std::vector<std::string> CsvReader::cells_of(std::string_view line) const {
   if (line.ends_with('\r')) line.remove_suffix(1);
   std::vector<std::string> cells;
-  for (std::size_t at = 0;; ++at) {  // at: where a cell begins
+  for (std::size_t at = 0;; ++at) {  // a cell begins at `at`
     std::string cell;
     if (line.substr(at, 1) == "\"") {
       std::size_t i = at + 1;

@@ -14,8 +14,8 @@ using Json = nlohmann::ordered_json;
 Json json_of(const Eigen::VectorXd& x);
 Json json_of(const std::vector<Eigen::VectorXd>& list);
 
-/// To the file of an option, "-" is standard output: one line per member, so that long lists stay apart; doubles
-/// as short as they read back to the same bits. Throws InputError when it cannot be written.
+/// Writes to the file of an option; "-" is standard output. Each member has a line, so that long lists remain readable.
+/// Doubles have the fewest digits that restore the same bits. Throws InputError when it cannot be written.
 void write_json_file(const Json& json, const std::string& path, const std::string& option = "--json");
 
 }  // namespace manycontact::cli

@@ -21,16 +21,16 @@ bool is_written_straight(const std::string& path);
 /// InputError if the file cannot be written.
 class OutputFile : private std::streambuf {
  public:
-  /// option: for the message; "" where there is none.
+  /// option: used in error messages; "": there is none.
   explicit OutputFile(std::string path, std::string option = "");
-  /// In another process: the file that one has begun under that temporary name, and will publish.
+  /// Opens, in another process, the temporary file that the first process has created and will publish.
   OutputFile(std::string path, std::string option, std::string temporary);
   /// Removes what was not published.
   ~OutputFile() override;
   OutputFile(const OutputFile&) = delete;
 
   const std::string& path() const { return path_; }
-  /// Its name until it is published; empty where it is written straight.
+  /// The temporary name, used until the file is published. Empty if the file is written directly.
   const std::string& temporary() const { return temporary_; }
 
   /// Written one after the other, or at a place of its own. Errors come out of the stream's operators, too.

@@ -11,12 +11,12 @@ struct Inspection {
   const SceneFile& file;
   SceneData data;  // solved by `auto` at the scene's state
   std::vector<IslandKind> kinds;
-  double bytes = 0;  // on the heap, by data after the solve; 0: unknown
+  double bytes = 0;  // heap memory of `data` after the solve; 0: unknown
 
   /// The first island of a kind, whose name, shape and ranks are those of all.
   std::size_t first(const IslandKind& kind) const { return static_cast<std::size_t>(kind.islands.front()); }
   const Island& island(const IslandKind& kind) const { return island_of(data, first(kind)); }
-  /// Analysed in the order that was chosen.
+  /// The pattern, analysed in the order that the solve chose.
   const KktPattern& pattern(std::size_t island) const;
   std::string name(const IslandKind& kind) const;
 };

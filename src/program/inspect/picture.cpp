@@ -116,7 +116,7 @@ void draw_blocks(std::ostream& svg, const std::vector<Block>& blocks, int n) {
   std::vector<std::string> names;
   for (const Block& b : blocks) names.push_back(b.name);
   names = shortened(names, kLongest);
-  double below = -1;  // of the last name
+  double below = -1;  // lower end of the last name
   for (std::size_t k = 0; k < blocks.size(); ++k) {
     const Block& b = blocks[k];
     const double top = kTop + kSide * b.first / n, height = kSide * b.size / n, middle = top + height / 2;

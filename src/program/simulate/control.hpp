@@ -54,7 +54,7 @@ class Control {
   void for_all(double kp, double kd);
   const SceneFile& file_;
   Eigen::VectorXd u_, q_, v_, out_, kp_, kd_, slopes_;  // kp_, kd_: nv
-  std::vector<int> v_of_slope_;  // per column of q_over_time_: coordinate of v that follows its slope, or -1
+  std::vector<int> v_of_slope_;  // coordinate of v that follows the slope of each column of q_over_time_, or -1
   std::optional<TimeTable> torques_, q_over_time_, v_over_time_;
   bool follows_ = false;
   PdLaws pd_;

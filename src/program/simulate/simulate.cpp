@@ -37,7 +37,7 @@ struct Run {
   bool interrupted = false;
   Invariants start, end, largest;  // `largest` has the largest constraint errors of the states written
   double seconds = 0;
-  SpringStep shortest;  // at the start
+  SpringStep shortest;  // the shortest step limit of springs at the start
   Findings at_start;    // also nearly dependent rows of later contacts, and joints without inertia that ended it
   std::optional<Recording> view;
 };
@@ -213,7 +213,7 @@ std::string name_of(const Scene& scene, const SimulationData& sim, const SpringS
   return "joint " + velocity_names(scene)[static_cast<std::size_t>(i)] + ", by its " + list + ",";
 }
 
-// That, if h is too long for it.
+// Returns advice on the step if h is too long for the spring or joint `shortest`.
 std::string spring_advice(const Scene& scene, const SimulationData& sim, const SpringStep& shortest) {
   if (!shortest.any() || shortest.largest >= sim.h) return "";
   const std::string who = name_of(scene, sim, shortest);

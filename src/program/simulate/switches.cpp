@@ -75,8 +75,8 @@ std::string Switches::not_reached() const {
 bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
   std::vector<char> active = sim.dynamics.active;
   std::vector<const Event*> closing;
-  std::vector<char> on(active.size());  // by `on`, now
-  std::set<const Event*> held;          // contacts that are on already
+  std::vector<char> on(active.size());  // contacts that these events switch on
+  std::set<const Event*> held;          // events whose contacts are active already
   bool any = false;
   for (; done_ < events_.size() && events_[done_].t <= sim.time() + tolerance; ++done_) {
     const Event& event = events_[done_];

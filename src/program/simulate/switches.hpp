@@ -37,7 +37,7 @@ class Switches {
   [[nodiscard]] bool apply(Scene& scene, SimulationData& sim, double tolerance);
 
  private:
-  std::vector<Event> events_;  // by time
+  std::vector<Event> events_;  // sorted by time
   std::size_t done_ = 0;
   std::vector<ImpactEvent> blows_;
 };

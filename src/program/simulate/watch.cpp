@@ -186,7 +186,7 @@ double Watch::gained_energy(const Invariants& start, const Invariants& end, doub
 
 void Watch::print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, double gained,
                          const Invariants& start, const Invariants& end, double most_kinetic) const {
-  constexpr double kRounding = 1e-12;  // of the energy
+  constexpr double kRounding = 1e-12;  // relative to the total energy
   if (-spring_work_ > std::max({kGained * most_kinetic, kGained * (start.potential - end.potential),
                                 kRounding * std::abs(start.energy())}))
     wrap(out,

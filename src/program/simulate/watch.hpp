@@ -46,10 +46,10 @@ class Watch {
   template <class Finding>
   std::vector<const Seen<Finding>*> by_time(const std::map<std::vector<int>, Seen<Finding>>& seen) const;
 
-  std::map<std::vector<int>, Seen<Violation>> violations_;  // by contact and kind
-  std::map<std::vector<int>, Seen<LimitPassed>> limits_;    // by robot, coordinate and quantity
-  std::map<std::vector<int>, Seen<TurningRows>> turning_;   // by contact
-  // That nothing gave or took; 0 where it is small [J].
+  std::map<std::vector<int>, Seen<Violation>> violations_;  // key: contact and kind
+  std::map<std::vector<int>, Seen<LimitPassed>> limits_;    // key: robot, coordinate and quantity
+  std::map<std::vector<int>, Seen<TurningRows>> turning_;   // key: contact
+  // Returns the energy that no source or sink explains; 0 if it is small [J].
   double gained_energy(const Invariants& start, const Invariants& end, double most_kinetic) const;
   void print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, double gained,
                     const Invariants& start, const Invariants& end, double most_kinetic) const;
@@ -67,7 +67,7 @@ class Watch {
   double rank_time_ = -1;  // when rows became dependent that were not, -1: never
   std::vector<char> active_;
   std::set<std::vector<char>> judged_;  // sets of active contacts
-  std::string near_dependent_;          // as nearly_dependent()
+  std::string near_dependent_;          // the text of nearly_dependent()
 };
 
 }  // namespace manycontact::cli

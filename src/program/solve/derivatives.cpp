@@ -28,7 +28,7 @@ Names names_of(const Scene& scene, const Island& island) {
 }
 
 struct Largest {
-  double value = 0, error = 0;  // that entry; the largest error bound of an island's
+  double value = 0, error = 0;  // value: the largest entry; error: the largest error bound of an island
   std::string row, column;
 
   template <class Block>

@@ -103,7 +103,7 @@ int run_solve(const Arguments& arguments) {
   solved.compare = arguments.has("--compare");
   if (arguments.has("--quasi-static")) {
     solved.quasi_static_u = quasi_static(file.scene, file.q, &solved.unbalanced);
-    for (const Unbalanced& x : solved.unbalanced)  // those with u="gravity" are in the findings of the file
+    for (const Unbalanced& x : solved.unbalanced)  // robots with u="gravity" are in the findings of the file already
       if (!std::binary_search(file.gravity_robots.begin(), file.gravity_robots.end(), x.robot))
         solved.findings.unbalanced.push_back(x);
   }

@@ -10,10 +10,10 @@
 
 namespace manycontact::cli {
 
-/// Medians, us.
+/// Median times, us.
 struct Times {
   double symbolic = 0;  // analysis: every shape of island as if met for the first time
-  double setup = 0;     // of the SceneData: memory, islands, and that analysis
+  double setup = 0;     // set-up of the SceneData: memory, islands, and that analysis
   double solve = 0;
   double derivatives = 0;  // 0 when not asked for
 };
@@ -24,12 +24,12 @@ struct SolvedScene {
   Times time;
   int repeat = 1;
   std::optional<Eigen::VectorXd> quasi_static_u;
-  bool derivatives = false;                              // derivatives(data) are there
-  std::vector<DerivativeBounds> derivative_errors = {};  // ... and of each island, or empty
-  std::vector<SystemQuality> quality = {};               // of each island, or empty
+  bool derivatives = false;                              // whether derivatives(data) are available
+  std::vector<DerivativeBounds> derivative_errors = {};  // one entry per island, or empty
+  std::vector<SystemQuality> quality = {};               // one entry per island, or empty
   Findings findings = {};
   std::vector<Unbalanced> unbalanced = {};  // robots that quasi_static_u does not keep at rest
-  std::vector<char> unique = {};            // per row of data.f: unique_forces; empty: not asked for
+  std::vector<char> unique = {};            // one entry per row of data.f, by unique_forces; empty: not requested
   bool compare = false;                     // compare with the dense reference solver, however long it takes
 };
 
@@ -41,7 +41,7 @@ SolvedScene solve_scene(const SceneFile& file, const Options& options, int repea
 void write_json(const SolvedScene& solved, const std::string& path);
 
 void print_summary(std::ostream& out, const SolvedScene& solved);
-/// Its parts, in the order of the summary.
+/// These functions print parts of the summary, in its order.
 void print_report(std::ostream& out, const SolvedScene& solved);
 void print_accelerations(std::ostream& out, const SolvedScene& solved);
 void print_forces(std::ostream& out, const SolvedScene& solved);

@@ -43,8 +43,8 @@ std::string status_in_words(const Report& report, double damping) {
 // Islands with the same results share a line.
 struct Alike {
   std::vector<const Island*> islands;
-  std::size_t number;   // of the first
-  IslandReport report;  // of the first, with the largest residuals, condition and errors
+  std::size_t number;   // number of the first island
+  IslandReport report;  // report of the first island, with the largest residuals, condition and errors of all
 };
 
 std::vector<Alike> alike_islands(const SceneData& data) {

@@ -46,7 +46,7 @@ Vec6<double> force_in_axes(const Contact& contact, const Eigen::VectorXd& f, int
   return w;
 }
 
-// Which of these the contacts could share otherwise: those that a row which is not unique has a part in.
+// Returns the components of force that contacts could share otherwise: those to which a non-unique row contributes.
 std::vector<bool> shared_in_axes(const SolvedScene& s, int c) {
   const Contact& contact = s.file.scene.contacts[c];
   const int first = s.data.f_offset[c];
@@ -66,7 +66,7 @@ std::vector<int> active_contacts(const SolvedScene& s) {
   return active;
 }
 
-// Per robot the force of all its contacts, in the world's axes; the last entry is the world's force on all robots.
+// Returns per robot the force of all its contacts, in world axes. The last entry is the world's force on all robots.
 std::vector<Vec3<double>> contact_force_on(const SolvedScene& s) {
   const Scene& scene = s.file.scene;
   const RigidBodies bodies(scene);

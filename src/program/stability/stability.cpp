@@ -23,13 +23,13 @@ namespace fs = std::filesystem;
 struct GainsChoice {
   std::string name;  // "none", "100 20", "recommended"
   bool recommended = false;
-  Gains gains;  // where not recommended
+  Gains gains;  // used if `recommended` is false
 };
 
 // One run of the chart of constraint violations.
 struct DriftPoint {
   Integrator integrator;
-  std::string name;  // of the gains
+  std::string name;  // name of the gains
   Gains gains;
   double h;            // s
   long steps;          // planned
@@ -56,12 +56,12 @@ struct EnergyRun {
 
 struct Stability {
   std::string scene;
-  std::vector<DriftPoint> drift;  // by integrator, gains, step size
+  std::vector<DriftPoint> drift;  // sorted by integrator, gains and step size
   std::vector<EnergyRun> energy;
   double drift_time;  // s
 };
 
-// Critically damped gains of these rates [1/s], from soft to stiff; 0: none.
+// Critically damped gains with these rates [1/s], from soft to stiff; 0: no gains.
 constexpr double kRates[] = {0, 10, 100, 1000};
 constexpr double kSmallestStep = 5e-4, kLargestStep = 0.1;  // s
 constexpr int kStepsPerDecade = 10;
@@ -215,7 +215,7 @@ void write_energy(const Stability& s, const fs::path& path) {
   csv.close();
 }
 
-// What the charts show beside the CSV files.
+// Writes the data that the charts show in addition to the CSV files.
 void write_json(const Stability& s, const fs::path& path) {
   Json runs = Json::array();
   for (const EnergyRun& run : s.energy)

@@ -12,10 +12,10 @@ std::string group_name(const RobotGroup& group);
 std::string joint_types(const Model& model);
 /// The robots, all copies of a group as one: "a, b, beam", "ring x16".
 std::string robot_names(const SceneFile& file, const std::vector<int>& robots);
-/// The same for several islands: "herd0 .. herd63".
+/// Does what robot_names does, for several islands: "herd0 .. herd63".
 std::string islands_name(const SceneFile& file, const std::vector<const Island*>& islands);
 
-/// Per contact of the scene: the index of its element in contact_groups, which its copies share.
+/// Returns for each contact of the scene the index of its element in contact_groups, which its copies share.
 std::vector<int> group_of_contacts(const SceneFile& file);
 
 /// Islands of the scene; with method dense-schur, whose report has a single entry for all of it, too.

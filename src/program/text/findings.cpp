@@ -80,11 +80,11 @@ std::string place(const Finding& finding) {
          std::to_string(finding.line) + ")";
 }
 
-// Returns a line for each text, with the places that it is about; of each kind a few.
+// Prints a line for each text, with the places that it refers to; a few texts per kind.
 void print_files(std::ostream& out, const std::vector<Finding>& findings) {
-  std::map<std::string, std::vector<std::string>> texts;   // by kind, each once
-  std::map<std::string, std::vector<std::string>> places;  // by kind and text
-  std::vector<std::string> kinds;                          // as they are met
+  std::map<std::string, std::vector<std::string>> texts;   // key: kind; each text once
+  std::map<std::string, std::vector<std::string>> places;  // key: kind and text
+  std::vector<std::string> kinds;                          // each kind once, in the order of first occurrence
   for (const Finding& f : findings) {
     if (!texts.count(f.kind)) kinds.push_back(f.kind);
     auto& said_of = places[f.kind + ":" + f.text];
@@ -103,7 +103,7 @@ void print_files(std::ostream& out, const std::vector<Finding>& findings) {
 }
 
 void print_massless(std::ostream& out, const std::vector<MasslessJoint>& list) {
-  std::map<std::string, std::vector<std::string>> joints;  // by reason
+  std::map<std::string, std::vector<std::string>> joints;  // key: reason
   for (const MasslessJoint& w : list) joints[w.why].push_back(w.joint);
   for (const auto& [why, names] : joints)
     wrap(out, join(names, kMostWeightless) + ": " + why, 2, "joints without inertia: ");

@@ -21,7 +21,7 @@ struct NearlyDependent {
 };
 
 struct Findings {
-  std::vector<Finding> files;          // of the robots' files
+  std::vector<Finding> files;          // findings about the robots' files
   std::vector<Unbalanced> unbalanced;  // robots, by the quasi-static torques that were asked for
   std::vector<PlacementError> misplaced;
   std::vector<VelocityError> moving;
@@ -32,7 +32,7 @@ struct Findings {
   std::vector<RankChange> rank_changes;
   std::vector<TurningRows> turning;
   std::vector<NearlyDependent> near_dependent;
-  std::vector<std::string> velocity_names;  // of all, where rank_changes need them
+  std::vector<std::string> velocity_names;  // names of all coordinates, if rank_changes need them
   std::vector<std::string> close_rows;      // islands, in words, where a row could as well be dropped as another kept
   double rank_gap = std::numeric_limits<double>::infinity();  // the islands' least; infinite where none is known
 

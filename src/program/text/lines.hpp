@@ -7,7 +7,7 @@ namespace manycontact::cli {
 
 /// A line of a table, and what it is ranked by.
 struct Line {
-  int group = 0;  // of copies
+  int group = 0;  // the group of copies that the line belongs to
   std::string first, last;
   std::vector<std::string> cells;
   double size = 0;

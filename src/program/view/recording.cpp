@@ -58,7 +58,7 @@ void record_contact(const Contact& contact, const std::optional<Vec3<double>>& f
   append(force ? Vec3<double>(axes * *force) : Vec3<double>::Constant(kUnknown), r.forces);
 }
 
-// Per row of f: whether it depends on others.
+// Returns for each row of f whether it depends on others.
 std::vector<char> dependent_rows(const Report& report, Eigen::Index rows) {
   std::vector<char> out(static_cast<std::size_t>(rows));
   for (const IslandReport& island : report.islands)

@@ -15,7 +15,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr std::size_t kMostTriangles = 4000;  // of a mesh; finer ones are thinned out
+constexpr std::size_t kMostTriangles = 4000;  // triangles of a mesh; finer meshes are thinned out
 
 constexpr const char* kNames[] = {"box", "cylinder", "sphere", "mesh"};
 
@@ -30,8 +30,8 @@ Json json_of(const SE3<double>& at) {
 // The meshes of a scene, each once.
 struct Meshes {
   Json list = Json::array();
-  std::map<std::string, int> index;  // by path; -1: not to be had
-  std::set<std::string> lost;        // as the URDF names them, and why
+  std::map<std::string, int> index;  // key: path; value -1: the mesh cannot be read
+  std::set<std::string> lost;        // names of missing meshes as in the URDF, and the reasons
 };
 
 // The mesh's number in the list; -1 where it cannot be had.
@@ -80,8 +80,8 @@ double reach_of(const Model& model) {
   return longest;
 }
 
-// Where a body that carries no others ends: at its farthest frame, unless its centre of mass is farther out; then as
-// far beyond that.
+// Returns the end of a body that carries no others: its farthest frame. If the centre of mass is farther out, the point
+// at twice its distance.
 Vec3<double> tip_of(const Model& model, int joint) {
   const Inertia<double>& Y = model.joints[static_cast<std::size_t>(joint)].inertia;
   const Vec3<double> centre = Y.m > 0 ? Vec3<double>(Y.h / Y.m) : Vec3<double>::Zero();
@@ -95,7 +95,7 @@ Vec3<double> tip_of(const Model& model, int joint) {
 // fixed base.
 void add_capsules(const Model& model, const std::vector<char>& whole, Json& shapes) {
   const double radius = std::max(0.03 * reach_of(model), 0.005);
-  std::vector<std::vector<Vec3<double>>> ends(whole.size());  // per body, the base first
+  std::vector<std::vector<Vec3<double>>> ends(whole.size());  // one entry per body, the base first
   for (const Joint& joint : model.joints) ends[static_cast<std::size_t>(joint.parent + 1)].push_back(joint.placement.p);
   for (std::size_t body = model.floating_base ? 1 : 0; body < ends.size(); ++body) {
     if (whole[body]) continue;

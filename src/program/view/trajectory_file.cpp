@@ -40,7 +40,7 @@ class Forces {
     more_ = row_.next();
   }
 
-  /// Into a state, where the file has its time. States come in the order of theirs.
+  /// Sets the forces of a state if the file has them at its time. Call it in the order of time.
   void set(ViewState& state) {
     const double early = state.t - 1e-9 * std::abs(state.t);
     if (more_ && row_.t() < early) refuse();
@@ -65,7 +65,7 @@ class Forces {
   }
 
   CsvReader row_;
-  std::vector<Columns> columns_;  // per contact
+  std::vector<Columns> columns_;  // one entry per contact
   bool more_ = false;
 };
 

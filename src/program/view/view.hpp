@@ -15,36 +15,36 @@ namespace manycontact::cli {
 struct ViewState {
   double t = 0;  // s
   Eigen::VectorXd q, v;
-  std::vector<char> active;                                 // per contact
+  std::vector<char> active;                                 // one flag per contact
   std::optional<Eigen::VectorXd> u = {};                    // torques of this state
-  std::optional<std::vector<Eigen::VectorXd>> forces = {};  // per contact, in its reference frame
+  std::optional<std::vector<Eigen::VectorXd>> forces = {};  // one entry per contact, in its reference frame
   std::optional<Eigen::Vector2d> drift = {};                // position, velocity; default: those of `active`
   std::optional<std::vector<Vec6<double>>> pushes = {};     // wrenches; default: the scene's
 };
 
 /// The data that the page draws, one frame after the other.
 struct Recording {
-  /// At most `rate` frames per second. The scene outlives the recording. Throws std::runtime_error where this build
+  /// Records at most `rate` frames per second. The scene outlives the recording. Throws std::runtime_error if the build
   /// cannot make pages.
   explicit Recording(const Scene& scene, double rate = 50);
 
   const Scene* scene;
   double rate;
-  std::vector<double> friction;  // per contact: coefficient of the cone drawn, the contact's mu; 0: none
+  std::vector<double> friction;  // one entry per contact: coefficient of the cone drawn, the contact's mu; 0: none
 
-  // per frame
+  // These members have entries for each frame.
   std::vector<double> t;                              // s
   std::vector<float> kinetic, potential;              // J
   std::vector<float> position_drift, velocity_drift;  // m or rad, and per s
   std::vector<float> positions;                       // 3 per body, m: bodies of all robots, in their order
   std::vector<std::int16_t> quaternions;              // 4 per body, x y z w times 32767
-  std::vector<std::int32_t> islands;                  // per robot: the first robot of its island
+  std::vector<std::int32_t> islands;                  // one per robot: the first robot of its island
   std::vector<float> points, normals, forces;         // 3 per contact, in the world: A's origin, the contact's
                                                       // normal, the force on A [N], NaN: unknown
   std::vector<float> held;                            // 6 per contact: B' and the frame it was attached by
   std::vector<float> pushes, springs;                 // 6 per external wrench, in the world: point of application,
                                                       // force [N]; 6 per spring: its ends
-  std::vector<std::uint8_t> flags;                    // per contact: kActive | kRedundant | kShared
+  std::vector<std::uint8_t> flags;                    // one per contact: kActive | kRedundant | kShared
   static constexpr std::uint8_t kActive = 1, kRedundant = 2, kShared = 4;
 
   // scratch
@@ -60,8 +60,8 @@ void add_state(const ViewState& state, Recording& recording);
 /// Throws InputError when it cannot be written, UsageError when it would be larger than 500 MB.
 std::vector<std::string> write_view(const SceneFile& file, Recording& recording, const std::string& path);
 
-/// For commands that can also write a view: the option, and a recording if it is given. Throws UsageError for standard
-/// output, InputError if the file cannot be written, and std::runtime_error as Recording does.
+/// Option and recording for commands that can also write a view. recording_of throws UsageError for standard output,
+/// InputError if the file cannot be written, and std::runtime_error as Recording does. No option: no recording.
 Option view_option();
 std::optional<Recording> recording_of(const Arguments& arguments, const Scene& scene);
 /// Writes the view if recording_of made a recording, and prints a line on `out`, if there is one.

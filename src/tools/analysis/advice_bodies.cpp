@@ -14,13 +14,13 @@ using text::join;
 
 namespace {
 
-constexpr double kNegligible = 1e-9;  // of the largest acceleration in the scene, or of gravity
+constexpr double kNegligible = 1e-9;  // relative to the largest acceleration in the scene, or to gravity
 
-/// The motion of each robot in the scene's state.
+/// The robots and joints that contacts and springs act on, and the acceleration that counts as zero.
 struct State {
-  std::vector<std::vector<char>> touched;  // per robot and joint: a contact or a spring acts on its body
+  std::vector<std::vector<char>> touched;  // one entry per robot and joint: a contact or a spring acts on its body
   std::vector<char> robot_touched;
-  double negligible = 0;  // an acceleration that counts as none
+  double negligible = 0;  // accelerations up to this count as zero
 };
 
 State read_state(const Scene& scene, const SceneData& data) {

@@ -51,7 +51,7 @@ void advise_rows(const Subject& x, std::vector<std::string>& advice) {
           " redundant, since the preceding rows impose the same constraint: " + join(s.redundant, kMostItems) +
           and_more(x.kind.islands.size() - 1, "island");
   advice.push_back(text);
-  if (any_only_just(ranks, x.island.contacts)) return;  // what is left would be as stuck
+  if (any_only_just(ranks, x.island.contacts)) return;  // the rank decision about the other rows is unreliable
   text = "the remaining rows impose the same constraint: " + join(s.kept, kMostItems);
   if (!s.dropped.empty()) text += "; to be dropped: " + join(s.dropped, kMostItems);
   if (x.scene.damping > 0) text += " (the damping acts on every row: removing some changes the solution by as much)";

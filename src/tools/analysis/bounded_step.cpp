@@ -61,7 +61,7 @@ void NormalMatrix::solve(Eigen::VectorXd& y) {
 // coordinate at its bound is mu (J^T y + x), because J x + e = mu y.
 void BoundedStep::solve(const Eigen::SparseMatrix<double>& J, const Eigen::VectorXd& e, double mu,
                         const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, Eigen::VectorXd& x) {
-  constexpr int kFullExchanges = 3;  // without fewer that are wrong, before one is exchanged at a time
+  constexpr int kFullExchanges = 3;  // rounds with no fewer wrong bounds, after which one is exchanged at a time
   constexpr int kMostRounds = 200;
   const Eigen::Index n = J.cols();
   std::vector<char> free(static_cast<std::size_t>(n), 1);

@@ -1,5 +1,5 @@
 #pragma once
-// min |J x + e|^2 + mu |x|^2 over lower <= x <= upper, J sparse, of one pattern however often it is solved.
+// Solves min |J x + e|^2 + mu |x|^2 over lowest <= x <= highest for a sparse J. All solves share one pattern of J.
 
 #include <Eigen/SparseCore>
 
@@ -22,7 +22,7 @@ class NormalMatrix {
   sparse::UpperCsc pattern_;
   sparse::LdlSymbolic symbolic_;
   sparse::LdlWorkspace work_;
-  std::vector<int> slot_, diagonal_;  // of each pair of entries in a column of J; of each row
+  std::vector<int> slot_, diagonal_;  // one entry per pair of entries in a column of J; one per row
   std::vector<double> A_, L_, D_;
   Eigen::VectorXd permuted_;
 };

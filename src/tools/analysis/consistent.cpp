@@ -18,9 +18,9 @@ namespace {
 
 constexpr int kMostTries = 400;
 constexpr internal::Damping kClosingDamping = {0, 1e-8, 1e4};  // 1/kg
-constexpr double kExact = 1e-14;  // of 1 m and of the coordinates: errors of placement are rounding
+constexpr double kExact = 1e-14;  // relative to 1 m + max |q|: smaller placement errors are rounding errors
 
-// Robots that active contacts are on, a little aside.
+// Returns q with the robots of active contacts moved slightly.
 Eigen::VectorXd aside(const Scene& scene, const std::vector<char>& active, const Eigen::VectorXd& q) {
   const Eigen::VectorXd all = internal::kAside * internal::mixed(scene.nv, 0);
   Eigen::VectorXd dq = Eigen::VectorXd::Zero(scene.nv);

@@ -8,9 +8,9 @@ namespace manycontact {
 
 namespace {
 
-constexpr double kMissed = 1e-8;  // of the worst
+constexpr double kMissed = 1e-8;  // relative to the largest residual: contacts with smaller ones are left out
 
-// J a + a0 + delta f
+// Returns the residual J a + a0 + delta f of a contact.
 Eigen::VectorXd missed_by(const Scene& scene, const SceneData& data, int c) {
   const Contact& contact = scene.contacts[c];
   const ContactData<double>& rows = contact_of(data, c);

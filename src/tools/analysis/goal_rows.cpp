@@ -95,7 +95,7 @@ RigidBodies bodies_of(const Scene& scene, int robot) {
 struct GoalRows::Rows {
   GoalRows& to;
   bool with_jacobian;
-  double root;  // of the goal's weight
+  double root;  // square root of the goal's weight
   GoalLeft left = {};
 
   // Appends a row's error; returns its number.

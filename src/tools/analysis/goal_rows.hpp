@@ -37,8 +37,8 @@ class GoalRows {
   const Scene& scene_;
   const std::vector<Goal>& goals_;
   Eigen::VectorXd q_;
-  std::vector<std::unique_ptr<Kinematics<double>>> kin_;  // of robots that have goals
-  std::map<int, RigidBodyData> of_bodies_;                // for centres of mass: by robot, -1: of the scene
+  std::vector<std::unique_ptr<Kinematics<double>>> kin_;  // one entry per robot, null for robots without goals
+  std::map<int, RigidBodyData> of_bodies_;                // used for centres of mass; key: robot, -1: the whole scene
   std::vector<double> e_;
   std::vector<Eigen::Triplet<double>> J_;
   std::vector<GoalLeft> left_;

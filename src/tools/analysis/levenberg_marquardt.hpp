@@ -12,11 +12,11 @@ struct Damping {
 };
 
 struct Descent {
-  int steps = 0;  // taken
+  int steps = 0;  // steps taken
   int tries = 0;
 };
 
-constexpr double kProgress = 1e-10;  // of |e|: less is none
+constexpr double kProgress = 1e-10;  // relative to |e|: a smaller decrease is no progress
 
 /// Moves q to a minimum of |e|. `errors(q)` returns e. `step(q, e, damping, dq)` fills dq, or returns false if there is
 /// no step. `move(q, dq)` returns the next q. `ends(q, e)` returns whether e is small enough, or the rest of it is left

@@ -52,11 +52,11 @@ RankGap gap_of(const Scene& scene, const SceneData& data, std::size_t island) {
   return out;
 }
 
-// Without some rows: their forces are made nothing by what they ask for. a, f: of the solve, then without them.
+// Changes a solution a, f to that without the rows: accelerations demanded of these rows make their forces zero.
 void leave_out(const std::vector<int>& rows, const Eigen::VectorXd& q, internal::AtRest& rest, Eigen::VectorXd& a,
                Eigen::VectorXd& f) {
   const auto m = static_cast<Eigen::Index>(rows.size());
-  Eigen::MatrixXd X(a.size(), m), F(f.size(), m);  // a and f for an acceleration of 1 asked for by each
+  Eigen::MatrixXd X(a.size(), m), F(f.size(), m);  // responses of a and f to an acceleration of 1 demanded of each row
   Eigen::VectorXd x;
   for (Eigen::Index k = 0; k < m; ++k) {
     (void)rest.least_motion(q, Eigen::VectorXd::Unit(f.size(), rows[static_cast<std::size_t>(k)]), x);

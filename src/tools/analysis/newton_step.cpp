@@ -33,11 +33,11 @@ void NewtonStep::precondition(const Eigen::SparseMatrix<double>& J, double mu, c
     if (!free_[static_cast<std::size_t>(i)]) z[i] = 0;
 }
 
-// With H the Hessian and g the gradient at x = 0, r = -(g + H x), so that the model's fall is (r - g)^T x / 2.
+// H is the Hessian and g the gradient at x = 0. r = -(g + H x), so that the model decreases by (r - g)^T x / 2.
 double NewtonStep::solve(const Eigen::SparseMatrix<double>& J, double size_of_e, const Gradient& gradient,
                          const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, Eigen::VectorXd& x) {
-  constexpr double kDifference = 1e-6;  // of a radian or metre: errors of products are as small
-  constexpr double kSolved = 1e-3;      // of the gradient: then a step leaves a thousandth of it, and curvature
+  constexpr double kDifference = 1e-6;  // step of the differences [rad, m]; errors of the products are of the same size
+  constexpr double kSolved = 1e-3;      // relative to g: the iteration ends when the residual is this small
   const Eigen::Index n = J.cols();
   const Eigen::VectorXd g = gradient(Eigen::VectorXd::Zero(n));
   Eigen::VectorXd r = -g, z, p, Hp;

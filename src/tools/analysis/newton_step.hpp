@@ -8,12 +8,12 @@
 
 namespace manycontact::internal {
 
-/// By conjugate gradients (Steihaug, SIAM J. Numer. Anal. 20, 1983): of the coordinates that no limit stops, with
-/// products of the Hessian by differences of J^T e, and preconditioned by J^T J + |e| 1. A coordinate that reaches its
-/// limit stays there for the rest of the step; a direction of negative curvature is followed as far as that.
+/// A Newton step by conjugate gradients (Steihaug, SIAM J. Numer. Anal. 20, 1983) in the coordinates not at a limit. It
+/// takes products of the Hessian from differences of J^T e, preconditioned by J^T J + |e| 1. A coordinate that reaches
+/// its limit remains there for the rest of the step. A direction of negative curvature is followed up to a limit.
 class NewtonStep {
  public:
-  /// gradient(dq): J^T e at q (+) dq.
+  /// gradient(dq) returns J^T e at q (+) dq.
   using Gradient = std::function<Eigen::VectorXd(const Eigen::VectorXd& dq)>;
 
   explicit NewtonStep(const Eigen::SparseMatrix<double>& J) : normal_(J) {}

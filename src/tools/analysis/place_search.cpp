@@ -100,9 +100,9 @@ int PlaceSearch::gauss_newton(Eigen::VectorXd& q, int most_tries) {
       .tries;
 }
 
-// Newton's steps within a box of the coordinates, of which a radian and a metre are as much.
+// Makes Newton steps within a box (trust region) that has the same size in radians and metres.
 int PlaceSearch::newton(Eigen::VectorXd& q, int most_tries) {
-  constexpr double kPoor = 0.25, kGood = 0.75;  // of the gain expected: the box shrinks, or grows
+  constexpr double kPoor = 0.25, kGood = 0.75;  // actual per expected decrease: below, the box shrinks; above, it grows
   int tries = 0;
   double radius = 1;
   Eigen::VectorXd e = rows_.errors(q), dq;
@@ -130,7 +130,7 @@ int PlaceSearch::newton(Eigen::VectorXd& q, int most_tries) {
   return tries;
 }
 
-// By a millimetre and a milliradian, away from limits: of the coordinates that goals depend on.
+// Moves the coordinates that goals depend on by a millimetre or a milliradian, away from their limits.
 Eigen::VectorXd PlaceSearch::aside(const Eigen::VectorXd& q) {
   look_at(q);
   reach_ = kReach;

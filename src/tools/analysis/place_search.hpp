@@ -54,9 +54,9 @@ class PlaceSearch {
   GoalRows rows_;
   int tries_ = 0;
   bool out_of_steps_ = false;
-  double reach_ = std::numeric_limits<double>::infinity();  // of a step of Gauss and Newton's
+  double reach_ = std::numeric_limits<double>::infinity();  // largest entry of a Gauss-Newton step
   Eigen::SparseMatrix<double> J_;
-  Eigen::VectorXd of_, low_, high_;  // the q that J_ and the bounds of a step are of
+  Eigen::VectorXd of_, low_, high_;  // of_: the q at which J_ was computed; low_, high_: bounds of a step from it
   std::optional<BoundedStep> bounded_;
   std::optional<NewtonStep> newton_;
 };

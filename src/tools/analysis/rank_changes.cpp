@@ -11,10 +11,10 @@ namespace manycontact {
 namespace {
 
 constexpr int kRankProbes = 2;
-constexpr double kNoChange = 1e-8;   // of B's terms: rounding
-constexpr int kFactors = 3;          // of B(z, y), each of which what J is off by may turn
-constexpr double kNoMotion = 1e-9;   // of what was projected: no motion is left
-constexpr double kMostLooked = 1e5;  // contacts times coordinates of an island whose coordinate is looked for
+constexpr double kNoChange = 1e-8;   // relative to the terms of B(z, y): smaller values are rounding errors
+constexpr int kFactors = 3;          // the number of factors of B(z, y), each of which an error of J may change
+constexpr double kNoMotion = 1e-9;   // relative to the projected vector: smaller projections count as no motion
+constexpr double kMostLooked = 1e5;  // contacts times coordinates; the coordinate is not searched for in larger islands
 
 // The data of one probe, for all islands at once.
 class Probe {

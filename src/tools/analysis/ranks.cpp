@@ -33,10 +33,10 @@ struct Examined {
   const ContactData<double>& numbers(int position) const { return contact_of(data, island.contacts[position]); }
 };
 
-// J^T of some contacts of an island, of the columns they act on only, each row of J relative to its own size. A rest of
-// up to tolerance::kRank counts as zero.
+// Returns J^T of some contacts of an island, with only the columns they act on, each row of J relative to its size.
+// Remainders up to tolerance::kRank count as zero.
 Eigen::MatrixXd rows_of(const Examined& x, const std::vector<int>& positions) {
-  std::map<int, int> column;  // of the island -> of the result
+  std::map<int, int> column;  // key: column of the island; value: column of the result
   int rows = 0;
   for (int c : positions) {
     for (int k : x.support.columns[c]) column.emplace(k, 0);

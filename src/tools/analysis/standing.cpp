@@ -52,15 +52,15 @@ double outside(const Point& c, const std::vector<Point>& polygon) {
 
 // The support of a robot.
 struct Ground {
-  bool told = true;    // no other contact supports it
-  bool soles = false;  // one carries moments, on an area that is not given
+  bool told = true;    // no other contact supports the robot
+  bool soles = false;  // a contact transmits moments over an area that is not given
   std::vector<Attachment> feet;
   std::vector<Point> corners;
-  double height = 0;  // of the feet, in the mean
+  double height = 0;  // mean height of the feet
 };
 
 void stand_on(const Contact& contact, const SE3<double>& A, Ground& ground) {
-  constexpr double kUpright = 0.7;  // of a normal's z: others press walls, and friction may carry the robot there
+  constexpr double kUpright = 0.7;  // smallest z of a supporting normal: others press walls
   const Mat3<double> B = contact.B.placement.R;
   if (contact_normal(contact, A.R, B)[2] < kUpright) ground.told = false;
   ground.feet.push_back(contact.A);

@@ -11,8 +11,8 @@ namespace manycontact {
 
 namespace {
 
-constexpr int kNullProbes = 2;    // that a component vanishes in both by accident is one case in 1e18
-constexpr double kNoPart = 1e-9;  // of the largest component of a projection: rounding
+constexpr int kNullProbes = 2;    // a component vanishes in both projections by accident in one case of 1e18
+constexpr double kNoPart = 1e-9;  // relative to the largest component of a projection: smaller ones are rounding errors
 
 }  // namespace
 

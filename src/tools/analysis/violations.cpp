@@ -38,7 +38,7 @@ std::string unit_of(ViolationKind kind) {
 
 namespace {
 
-constexpr double kRoundingOfForces = 1e-9;  // of the largest force on a contact's robots, and of their loads
+constexpr double kRoundingOfForces = 1e-9;  // relative to the largest force on a contact's robots and their loads
 
 // A contact's axes in the world.
 class AxesOf {
@@ -54,10 +54,10 @@ class AxesOf {
   internal::MotionOf kin_;
 };
 
-// The normal force of a contact with a mu.
+// The normal and the tangential force of a contact with a mu.
 struct Pressure {
   double normal = 0, tangential = 0;            // N
-  Vec6<double> in_foot = Vec6<double>::Zero();  // of a 6D contact: force and moment in A's axes
+  Vec6<double> in_foot = Vec6<double>::Zero();  // 6D contacts only: force and moment in A's axes
 };
 
 Pressure pressure(const Contact& contact, const double* f, AxesOf& axes_of) {
@@ -85,7 +85,7 @@ double excess_torque(const double* f, double mu, double X, double Y) {
   return std::max(low - f[5], f[5] - high);
 }
 
-// Per robot, the largest entry of its contacts' forces, or its load, which forces that cancel are computed from.
+// Returns per robot the largest entry of its contacts' forces, or its load if that is larger: its scale of rounding.
 std::vector<double> largest_forces(const Scene& scene, const Eigen::VectorXd& f, const std::vector<int>& f_offset,
                                    const Eigen::VectorXd& loads) {
   std::vector<double> largest(loads.begin(), loads.end());

@@ -103,7 +103,7 @@ class ContactReader {
     contact.B.placement = c.B_offset;
     if (c.ends.to_robot)
       contact.B = attachment(c.ends.B, target, c.B_offset);
-    else if (contact.normal)  // of the world: turned as the copy is
+    else if (contact.normal)  // the world's normal is rotated as the copy is
       contact.normal = turn_of_copy(c.ends.A, i) * *contact.normal;
     if (!c.position_given || !c.orientation_given)
       references_.resolve(!c.position_given, !c.orientation_given, contact);
@@ -119,7 +119,7 @@ class ContactReader {
   SceneFile& out_;
   ReferenceResolver references_;
   EndReader ends_;
-  std::unordered_map<std::string, Where> names_;  // of <contact> elements
+  std::unordered_map<std::string, Where> names_;  // places of <contact> elements, by name
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ Attachment attachment(const End& end, int robot, const Vec3<double>& offset) {
   return {robot, end.frame.joint, end.frame.placement * at, end.frame.name};
 }
 
-// As written, numbered where there is one for each copy; left out: by the frame that it is on.
+// Returns the name in the file, with a number if each copy has one. If there is none, the name of the attached frame.
 std::string name_of(const Element& e, const std::string& otherwise, bool copied, int copy) {
   if (!e.has("name")) return otherwise;
   const std::string name = e.required("name");

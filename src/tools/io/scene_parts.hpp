@@ -74,10 +74,10 @@ void add_robots(const std::vector<Element>& elements, SceneFile& out);
 
 /// Looks up "robot/link" as written. The name of a copied robot means all its copies.
 struct End {
-  int first = -1;        // robot, or first copy
-  int count = 1;         // copies
-  bool copied = false;   // all copies are meant
-  bool shifted = false;  // with +k or -k
+  int first = -1;        // the robot, or the first copy
+  int count = 1;         // number of copies
+  bool copied = false;   // whether all copies are meant
+  bool shifted = false;  // whether +k or -k is given
   long long shift = 0;   // k
   Frame frame;
 };
@@ -99,7 +99,7 @@ class EndReader {
   End read(const Element& e, const char* attribute);
   /// Looks up a name that means all copies if it is that of a copied robot, without +k and -k.
   End read_first(const Element& e, const char* attribute);
-  /// By the attributes frame, to, wrap.
+  /// Reads the attributes frame, to and wrap.
   EndPair read_pair(const Element& e);
   /// The robot `name`, or copies, an attribute names; `frame` is left empty.
   End robot(const Element& e, const char* attribute, const std::string& name) const;

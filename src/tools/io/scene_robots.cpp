@@ -259,7 +259,7 @@ std::string line_of(const Where& given, const Where& seen_from) {
 void add_robots(const std::vector<Element>& elements, SceneFile& out) {
   ModelCache models;
   Growing all;
-  std::unordered_map<std::string, Where> names;  // as written
+  std::unordered_map<std::string, Where> names;  // places of <robot> elements, by the name in the file
   for (const Element& e : elements) {
     RobotElement robot = read_robot(e);
     const auto [at, is_new] = names.emplace(robot.group.name, e.where());

@@ -126,7 +126,7 @@ void read_solver(const Element& e, TaskFile& out) {
   out.guess = static_cast<TaskGuess>(e.choice("guess", {"quasi_static", "zero"}, 0));
 }
 
-// At most one child of that name.
+// Returns the child of that name, if there is one. A second one is an error.
 std::optional<Element> only_child(const Element& e, const char* name) {
   const auto first = e.child(name);
   if (!first) return first;

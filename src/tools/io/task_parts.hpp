@@ -11,7 +11,7 @@ class TermReader {
  public:
   explicit TermReader(const SceneFile& scene) : scene_(scene), ends_(scene) {}
 
-  /// In a phase with these contacts active; `terminal`: of the terminal node.
+  /// Reads a term of a phase with these contacts active. terminal: whether it belongs to the terminal node.
   TaskTerm read(const Element& e, const std::vector<bool>& active, bool terminal);
   /// Indices of the scene's contacts that a name means: one, or all copies.
   std::vector<int> contacts(const Where& where, const std::string& what, const std::string& name) const;

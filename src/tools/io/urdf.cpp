@@ -99,7 +99,7 @@ void set_limits(Joint& out, const UrdfJoint& details = {}) {
   out.effort_limit = all(details.effort);
 }
 
-// Where a link's frame is: on a joint's body (-1: the immovable base).
+// The placement of a link's frame on a joint's body (-1: the immovable base).
 struct Place {
   int joint = -1;
   SE3<double> placement;
@@ -143,10 +143,10 @@ class Builder {
   }
 
  private:
-  // From a link that has its place over a joint to another, from the file's child to its parent if backwards.
+  // A step from a placed link over a joint to another link. backwards: from the file's child to its parent.
   struct Step {
     const urdf::Link* link;
-    const urdf::Joint* joint = nullptr;  // none: to the root
+    const urdf::Joint* joint = nullptr;  // null: the step to the root
     Place from = {};
     bool backwards = false;
   };
@@ -390,9 +390,9 @@ class Builder {
   const urdf::ModelInterface& robot_;
   const UrdfOptions& options_;
   const std::string& path_;
-  UrdfDetails& details_;  // its findings grow
+  UrdfDetails& details_;  // the builder adds to its findings
   Model model_;
-  std::vector<std::string> body_link_;  // per joint: the link it carries
+  std::vector<std::string> body_link_;  // one entry per joint: the link of its body
 };
 
 }  // namespace

@@ -165,9 +165,9 @@ Edge check_joint(const Element& joint, UrdfDetails& details) {
   return {parent, check_end(joint, "child", details), name, joint.line()};
 }
 
-// One root, one parent for every other link, no cycle.
+// Checks that there is one root, one parent for every other link, and no cycle.
 void check_tree(const Element& robot, const UrdfDetails& details, const std::vector<Edge>& edges) {
-  std::unordered_map<std::string, const Edge*> above;  // by child link
+  std::unordered_map<std::string, const Edge*> above;  // key: the child link
   for (const Edge& e : edges) {
     const auto [at, is_new] = above.emplace(e.child, &e);
     Where here = robot.where();

@@ -17,7 +17,7 @@ struct UrdfJoint {
   int line = 1;
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
   double velocity = std::numeric_limits<double>::infinity(), effort = std::numeric_limits<double>::infinity();
-  double damping = 0, friction = 0;  // of joints with one coordinate
+  double damping = 0, friction = 0;  // given for joints with one coordinate
 };
 
 struct UrdfDetails {

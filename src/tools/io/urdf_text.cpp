@@ -63,13 +63,13 @@ void tidy_joint(tinyxml2::XMLElement& joint) {
       e->DeleteAttribute("multiplier");
       e->DeleteAttribute("offset");
     } else if (name == "axis" && !e->Attribute("xyz")) {
-      joint.DeleteChild(e);  // which urdfdom takes for a zero axis
+      joint.DeleteChild(e);  // urdfdom reads an axis without xyz as a zero axis
     } else if (name != "parent" && name != "child") {
       tidy_numbers(*e);
     }
     e = next;
   }
-  if (type != "revolute" && type != "prismatic") return;  // which urdfdom refuses without limits
+  if (type != "revolute" && type != "prismatic") return;  // urdfdom refuses these joints without limits
   tinyxml2::XMLElement& limit = first_child(joint, "limit");
   for (const char* a : {"effort", "velocity"}) limit.SetAttribute(a, "0");
 }
@@ -82,7 +82,7 @@ std::string text_for_urdfdom(XmlFile& file) {
   for (auto* e = robot.FirstChildElement(); e; e = e->NextSiblingElement())
     std::strcmp(e->Value(), "link") == 0 ? tidy_link(*e) : tidy_joint(*e);
   tinyxml2::XMLPrinter printer(nullptr, true);
-  robot.Accept(&printer);  // without the declaration: the text is UTF-8 now
+  robot.Accept(&printer);  // the declaration is left out: the text is UTF-8 now
   return printer.CStr();
 }
 

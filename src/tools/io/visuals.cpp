@@ -9,7 +9,7 @@ namespace manycontact {
 namespace {
 
 using Colour = std::array<double, 4>;
-using Colours = std::map<std::string, Colour>;  // by the name of their <material>
+using Colours = std::map<std::string, Colour>;  // key: the name of the <material>
 
 SE3<double> origin_of(const io::Element& visual) {
   SE3<double> at;

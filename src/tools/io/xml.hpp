@@ -32,7 +32,7 @@ class Element {
   void allow_children(std::initializer_list<const char*> known) const;
 
   bool has(const char* attribute) const { return element_->Attribute(attribute) != nullptr; }
-  std::vector<std::string> attributes() const;  // their names
+  std::vector<std::string> attributes() const;  // names of the attributes
   /// An attribute's text; refuses when it is missing.
   std::string required(const char* attribute) const;
   std::string optional(const char* attribute, const std::string& otherwise) const;

@@ -131,11 +131,11 @@ Decoded utf8_at(std::string_view text, std::size_t at) {
     if ((byte(k) & 0xC0) != 0x80) return {};
     c = c << 6 | (byte(k) & 0x3F);
   }
-  constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};  // of that length: shorter ones are not UTF-8
+  constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};  // least code point; longer forms are not UTF-8
   return c < kLeast[length] ? Decoded() : Decoded{c, length};
 }
 
-// Goes through the text once, and refuses what is not a character or refers to none.
+// Goes through the text once. It refuses characters that XML forbids, and references to such characters.
 class Characters {
  public:
   Characters(const std::string& path, std::string_view text, bool declared)
@@ -203,7 +203,7 @@ class Characters {
     return found;
   }
 
-  // Without references.
+  // Checks a section in which references have no meaning.
   bool check_section(std::string_view begin, std::string_view end) {
     const std::size_t to = end_of(begin, end);
     const bool found = to > at_;

@@ -66,7 +66,7 @@ void sort_groups(const FreeGroups& groups, BoundedEnergy& e) {
   for (int g = static_cast<int>(groups.groups.size()) - 1; g >= 0; --g)
     if (const int cluster = e.of_group[static_cast<std::size_t>(g)]; cluster >= 0)
       e.members[static_cast<std::size_t>(--e.first[static_cast<std::size_t>(cluster) + 1])] = g;
-  std::rotate(e.first.begin(), e.first.begin() + 1, e.first.end());  // where each begins
+  std::rotate(e.first.begin(), e.first.begin() + 1, e.first.end());  // first: where each cluster begins in members
   e.first.back() = static_cast<int>(e.members.size());
 }
 
@@ -126,7 +126,7 @@ void add_work(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
 
 double excess(int c, const BoundedEnergy& e) { return e.after[c] - e.before[c] - e.stored[c]; }
 
-// What is left of the velocities relative to one body, where springs give too much.
+// Scales the velocities relative to the rigid motion of a cluster down if its springs gave too much energy.
 void take_back(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
   find_rigid_motion(scene, d, e);
   e.share = e.kinetic;

@@ -58,7 +58,7 @@ void end_free_joints(const Scene& scene, const Eigen::VectorXd& q, const Eigen::
   });
 }
 
-// With E = exp(h x_angular), J its right Jacobian and dt = J h dx_angular:
+// The derivatives, where E = exp(h x_angular), J is its right Jacobian and dt = J h dx_angular:
 //     dq+ = E^T dq + [h E^T (dx_linear - x_linear x dq_angular); dt]
 //     dv+ = [E^T dx_linear + v+_linear x dt; dx_angular]
 void differentiate_free_joints(const Scene& scene, const Eigen::VectorXd& x, double h, Eigen::MatrixXd& F) {

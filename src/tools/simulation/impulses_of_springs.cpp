@@ -57,7 +57,7 @@ void add_impulses_of_springs(const Scene& scene, SimulationData& d) {
     if (!B.tied) add_impulse(B, d.h, at_B, -impulse);
     if (A.tied || B.tied) continue;
     clusters.join(a, b);
-    s.couple[static_cast<std::size_t>(a)] += (at_B - at_A).cross(impulse);  // what the pair gives, taken back
+    s.couple[static_cast<std::size_t>(a)] += (at_B - at_A).cross(impulse);  // cancels the pair's angular momentum
   }
   for (std::size_t g = 0; g < s.cluster.size(); ++g) {
     const int root = clusters.root(static_cast<int>(g));

@@ -19,7 +19,7 @@ Vec6<double> placement_error(const Contact& contact, const ContactData<double>& 
     e = log6<double>(d.G);
   else
     e.head<3>() = d.G.R.transpose() * d.G.p;
-  if (contact.type == ContactType::k5D)  // of the hinges' axes
+  if (contact.type == ContactType::k5D)  // angular error of the hinges' axes
     e.tail<3>() = Vec3<double>(d.G.R.transpose() * contact.axis).cross(contact.axis);
   for (Eigen::Index i = 0; i < d.W.rows(); ++i) rows[i] = d.W.row(i).dot(e);
   return rows;

@@ -1,4 +1,4 @@
-// Which joints stick and which slide: Newton's method of resisting_joints.hpp.
+// Newton's method of resisting_joints.hpp: finds which joints stick and which slide.
 
 #include <algorithm>
 #include <cmath>

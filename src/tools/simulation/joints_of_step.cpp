@@ -9,7 +9,7 @@ namespace {
 
 void make_scene(const Scene& scene, SimulationData& d) {
   ResistingForces& r = *d.resisting;
-  r.joints.vary = r.made;  // what changes once may change again
+  r.joints.vary = r.made;  // if the inertias change a second time, they may change in every step
   r.made = true;
   d.kept_active.clear();
   r.at_rest.reset(), r.dynamics.reset();
@@ -54,7 +54,7 @@ void account_for_joints(const Scene& scene, SimulationData& d, const Eigen::Vect
     const Joint& joint = robot.model->joints[spring.joint];
     const int i = robot.idx_v + joint.idx_v;
     const double e = d.q[robot.idx_q + joint.idx_q] - spring.rest, moved = h * v_next[i];
-    const double strained = e + moved - j.kept[i] * h * d.v[i];  // as its force has it
+    const double strained = e + moved - j.kept[i] * h * d.v[i];  // the strain in the spring's force
     d.work.springs += (1 - j.kept[i]) * spring.stiffness * (moved * (e + moved / 2) - strained * d.stage_v[i]);
   }
   if (d.pd.kp.size() == 0) return;

@@ -11,7 +11,7 @@ using namespace internal;
 namespace {
 
 constexpr double kParallel = 1e-12;   // sine of the angle between normals of one plane
-constexpr double kNoInertia = 1e-12;  // of the largest principal inertia: about such an axis nothing turns
+constexpr double kNoInertia = 1e-12;  // relative to the trace of I: axes with smaller moments get no angular velocity
 
 bool may_begin_group(const Joint& joint) {
   return joint.type == JointType::kFloating || (joint.type == JointType::kPlanar && joint.parent < 0);
@@ -64,7 +64,7 @@ void join_nodes(const Scene& scene, const std::vector<char>& active, FreeGroups&
   for (std::size_t i = 0; i < groups.group.size(); ++i) groups.group[i] = sets.root(static_cast<int>(i));
 }
 
-// Which groups are tied to the world, and which to a plane of it.
+// Finds the groups that are tied to the world, and those that are tied to a plane of it.
 void find_groups(const Scene& scene, const std::vector<char>& active, const std::vector<Kinematics<double>>& kin,
                  FreeGroups& groups) {
   (void)find_free_groups(scene, active, groups);

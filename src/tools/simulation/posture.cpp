@@ -10,7 +10,7 @@ namespace manycontact {
 
 namespace {
 
-constexpr int kFirstIterations = 6;  // from a start that knows nothing
+constexpr int kFirstIterations = 6;  // inverse iterations from a start vector without information
 
 // Calls do(first, count) for the rows of each of the island's contacts.
 template <class Do>

@@ -10,10 +10,10 @@ namespace manycontact {
 
 namespace internal {
 
-/// Memory of bounded_energy.cpp. Energies are of the clusters of robots that springs and contacts join, at their first
-/// robot [J].
+/// Memory of bounded_energy.cpp. Springs and contacts join robots in clusters. The entry of a cluster's first robot has
+/// the energy of the cluster [J].
 struct BoundedEnergy {
-  Eigen::VectorXd stored;  // what springs may give, kept from step to step; NaN: to be found anew
+  Eigen::VectorXd stored;  // energy that springs may still give, kept from step to step; NaN: must be computed
   std::vector<int> cluster;
   Eigen::VectorXd kinetic, before, after, most;  // before: with what others gave; most: that springs can hold
   Eigen::VectorXd kinetic_before;  // at the start
@@ -22,15 +22,15 @@ struct BoundedEnergy {
   } at_start, at_end;              // energies of springs
   Eigen::VectorXd share, rigid_v;  // left of the motion relative to that of the clusters as one body, and that (nv)
 
-  std::vector<char> tied;           // per cluster: the world constrains it
-  std::vector<int> of_group;        // per free group: its cluster
-  std::vector<int> members, first;  // free groups, cluster by cluster; per cluster where they begin
+  std::vector<char> tied;           // one entry per cluster: it is fixed to the world
+  std::vector<int> of_group;        // one entry per free group: its cluster
+  std::vector<int> members, first;  // free groups sorted by cluster; first: where each cluster begins in members
 };
 
 /// The equations that semi-implicit Euler solves: the scene at rest, with the joints' additions to M.
 struct AtRest {
   Scene& scene;
-  SceneData& data;  // data.dynamics where they add nothing
+  SceneData& data;  // data.dynamics if joints add nothing
 };
 AtRest at_rest_with_joints(SimulationData& data);
 
@@ -47,10 +47,10 @@ struct ResistingForces {
     if (!scene.springs.empty()) springs.emplace(scene);
   }
   internal::ResistingJoints joints;
-  bool made = false;                     // the next two are
-  std::unique_ptr<SceneAtRest> at_rest;  // with the joints' inertias; nullptr: SimulationData::at_rest serves
-  std::unique_ptr<SceneData> dynamics;   // of that
-  std::optional<internal::ResistingSprings> springs;  // nullopt: there are none between points
+  bool made = false;                     // whether at_rest and dynamics are made
+  std::unique_ptr<SceneAtRest> at_rest;  // the scene with the joints' inertias; null: SimulationData::at_rest is used
+  std::unique_ptr<SceneData> dynamics;   // data of that scene
+  std::optional<internal::ResistingSprings> springs;  // nullopt: there are no springs between points
   internal::BoundedEnergy bounded;
 };
 

@@ -54,11 +54,11 @@ Eigen::VectorXd mobilities(const Scene& scene) {
 
 }  // namespace
 
-// Like robots share a model, unless friction changes theirs from solve to solve.
+// Equal robots share a model, unless friction changes it from solve to solve.
 Scene ResistingJoints::with_inertias(const Scene& scene) {
   added = to_add;
   Scene out = scene;
-  std::vector<std::size_t> first;  // of like robots
+  std::vector<std::size_t> first;  // the first robot of each set of equal ones
   models.assign(scene.robots.size(), nullptr);
   for (std::size_t r = 0; r < scene.robots.size(); ++r) {
     const Robot& robot = scene.robots[r];

@@ -17,16 +17,16 @@ namespace manycontact::internal {
 
 namespace {
 
-constexpr double kFelt = 1e-3;           // D J M^-1 J^T below which a row across a spring changes nothing to speak of
-constexpr double kNothing = 1e-12;       // of that, for a row that does nothing
-constexpr double kIdle = 1e-300;         // D of a row that is left out
-constexpr std::size_t kFewRows = 64;     // for a dense factor of them all
-constexpr std::size_t kMostRows = 3000;  // for one of those that take part, where ...
-constexpr double kMostZeros = 8;         // ... no more than one entry of so many is not zero
-constexpr int kFewNumbers = 32;          // unit forces on an island, for a solve of each
-constexpr int kMostCoordinates = 2000;   // of an island, for K^-1 as a matrix
+constexpr double kFelt = 1e-3;           // D J M^-1 J^T below which a row across a spring has negligible effect
+constexpr double kNothing = 1e-12;       // value of D J M^-1 J^T for a row without effect
+constexpr double kIdle = 1e-300;         // value of D for a row that is left out
+constexpr std::size_t kFewRows = 64;     // up to this number, one dense factor of all rows
+constexpr std::size_t kMostRows = 3000;  // up to this number, a dense factor of the rows `used`, if ...
+constexpr double kMostZeros = 8;         // ... at least one in this many entries is nonzero
+constexpr int kFewNumbers = 32;          // up to this number of unit forces on an island, one solve each
+constexpr int kMostCoordinates = 2000;   // velocities of an island, up to which K^-1 is computed as a matrix
 
-// J M^-1 J^T of a body alone, at most: joints and contacts make it less.
+// Returns an upper bound of J M^-1 J^T: that of the body alone. Joints and contacts reduce it.
 double mobility_of_end(const Scene& scene, const Attachment& at) {
   if (!moves(at)) return 0;
   const Inertia<double>& Y = scene.robots[at.robot].model->joints[at.joint].inertia;

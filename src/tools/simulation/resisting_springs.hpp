@@ -26,37 +26,37 @@ namespace manycontact::internal {
 struct ResistingSprings {
   explicit ResistingSprings(const Scene& scene);
 
-  Scene loads;                                      // the scene without them: external wrenches and joints' springs act
+  Scene loads;                                      // the scene without springs between points; the other loads act
   std::shared_ptr<AppliedForces<double>> of_loads;  // nullptr: there are none
-  std::vector<double> mobility;                     // per spring: its bodies' alone, at least what moves [1/kg]
+  std::vector<double> mobility;                     // each spring's upper bound of 1/m: its bodies alone [1/kg]
 
   struct Row {
     int spring;
-    Vec3<double> direction;  // in the world
-    double D, g, k, e;       // k, e: stiffness and stretch along it
-    double turns;            // across a spring: r, 0 ... 1; -1: along it
-    double length;           // across a spring that has one at rest: its length now; 0 of others
-    double keeps = 0;        // s
+    Vec3<double> direction;  // direction in the world
+    double D, g, k, e;       // k, e: stiffness and stretch along `direction`
+    double turns;            // rows across a spring: r, 0 ... 1; rows along it: -1
+    double length;           // rows across a spring with a rest length: its current length; other rows: 0
+    double keeps = 0;        // s, the spring's share of v that is not resisted
   };
   std::vector<Row> rows;
   UnitTorques unit;
   std::vector<UnitForce> ends;  // unit forces on the rows' ends
-  std::vector<int> row;         // of each
-  int numbers = 0;              // of `ends`: those of one number are on different islands
-  std::vector<int> asked;       // per robot: which of `ends` is asked for on its island, -1
-  std::vector<double> gains;    // per contact: alpha, set aside while unit forces are asked for
-  Eigen::VectorXd by_unit;      // nv: what they give by the matrix K^-1
+  std::vector<int> row;         // one entry per entry of `ends`: its row
+  int numbers = 0;              // `ends` are numbered; those of one number are on different islands
+  std::vector<int> asked;       // one entry per island: index in `ends` of the unit force that is solved for; -1: none
+  std::vector<double> gains;    // alpha of each contact, saved while the solves for unit forces use zero
+  Eigen::VectorXd by_unit;      // nv: response to unit forces, computed with the matrix K^-1
 
-  Eigen::VectorXd p, rate;     // per row: impulse; J v'
-  Eigen::VectorXd stretching;  // per row: impulses that take what stretches springs
-  Eigen::VectorXd own;         // per row: its entry on the diagonal of J K^-1 J^T
-  bool is_dense = true;        // J K^-1 J^T: few rows, or most of them on one island
-  Eigen::MatrixXd C, with_D;   // J K^-1 J^T; of the rows `used`, with D^-1
+  Eigen::VectorXd p, rate;     // one entry per row: impulse; J v'
+  Eigen::VectorXd stretching;  // one entry per row: the impulse that removes the stretching velocity
+  Eigen::VectorXd own;         // one entry per row: its diagonal entry of J K^-1 J^T
+  bool is_dense = true;        // J K^-1 J^T is dense: few rows, or most of them on one island
+  Eigen::MatrixXd C, with_D;   // J K^-1 J^T; the part of the rows `used`, with D^-1 added
   std::vector<int> used;       // rows that are not left out
   Eigen::VectorXd of_used;
-  Eigen::LLT<Eigen::MatrixXd> factor;                        // of many rows
-  Eigen::LDLT<Eigen::MatrixXd> pivoted_factor;               // of few, and where that fails
-  std::vector<Eigen::Triplet<double>> entries, own_entries;  // where it is not dense
+  Eigen::LLT<Eigen::MatrixXd> factor;                        // used for many rows
+  Eigen::LDLT<Eigen::MatrixXd> pivoted_factor;               // used for few rows, and if `factor` fails
+  std::vector<Eigen::Triplet<double>> entries, own_entries;  // sparse J K^-1 J^T: of all rows; of `used` rows
   Eigen::SparseMatrix<double> S;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_factor;
   Eigen::VectorXd b, none;

@@ -72,7 +72,7 @@ SpringMobilities spring_mobilities(const Scene& scene, const PdLaws& pd, const s
   const std::vector<UnitForce> forces = all_forces(scene, pd, unit, out.joints);
   if (forces.empty()) return out;
   SceneAtRest rest(scene);
-  rest.follow(scene, 0);  // without gains: placement errors have no part in it
+  rest.follow(scene, 0);  // gains are zero: placement errors have no effect on mobilities
   SceneData data(rest.scene);
   data.active = active;
   unit.place(scene, q);

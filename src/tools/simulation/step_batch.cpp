@@ -14,18 +14,18 @@
 
 namespace manycontact {
 
-/// States as copies in one scene, or, after a step of one of them failed, each with its own data. Between its steps a
-/// part is no more than what `step` continues from; the memory of solves is the thread's. A part whose rows
-/// depend on each other keeps the data that found them.
+/// States as copies in one scene. After a step of one of them failed, each has data of its own. Between steps a part
+/// stores only what `step` continues from; the memory of solves belongs to the thread. A part with dependent rows
+/// keeps the data that found them.
 struct SimulationBatch::Part {
   Eigen::Index first;
   int states;
-  Eigen::VectorXd q, v, left_q, left_v, contact_v;  // as in SimulationData, of all copies
-  Eigen::VectorXd stored;                           // as in BoundedEnergy
+  Eigen::VectorXd q, v, left_q, left_v, contact_v;  // the members of SimulationData, for all copies
+  Eigen::VectorXd stored;                           // the member of BoundedEnergy
   std::vector<char> left_active, kept_active;
   std::vector<signed char> slip;
   long steps = 0;
-  std::unique_ptr<SimulationData> own;  // nullptr: the thread's
+  std::unique_ptr<SimulationData> own;  // null: the part uses the thread's data
   std::vector<SimulationData> alone;    // none, or one for each state
   Eigen::VectorXd u;                    // scratch
 };
@@ -278,7 +278,7 @@ void set_state(const Scene& scene, Eigen::Index k, const ConstVector& q, const C
     set(part.alone[static_cast<std::size_t>(copy)], 0);
   else
     with_data(work, work.of_threads.front(), part, [&](SimulationData& d) {
-      for (int at = copy; at < last; ++at) {  // those left over, too
+      for (int at = copy; at < last; ++at) {  // after the last state, the unused copies are set, too
         set(d, at);
         if (d.steps > 0) renew(scene, work.scene, at, batch.f.cols(), d);
       }

@@ -84,7 +84,7 @@ void begin_forces(const Scene& scene, const ConstVector& u, SimulationData& d) {
   if (d.resisting->springs) take_springs(scene, d);
 }
 
-// Their robots' torques are no numbers, which is all that the solve can tell.
+// Names the springs without direction. The solve only reports that the torques of their robots are not numbers.
 void name_springs_without_direction(const Scene& scene, SimulationData& d) {
   if (!d.applied) return;
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
@@ -145,7 +145,7 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
   end_step(scene, d.dynamics.a, d);
   bound_energy(scene, d);
   d.dynamics.a = d.dynamics.a / h + d.stop;
-  give_up_solution(d.dynamics);  // what it was solved at is not the state
+  give_up_solution(d.dynamics);  // it was solved at another state than the present one
   keep_forces(d);
   d.left_q = d.next_q, d.left_v = d.next_v, d.left_active = d.dynamics.active;
   return true;

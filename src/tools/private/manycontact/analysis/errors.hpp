@@ -58,7 +58,7 @@ std::vector<Deviation> acceleration_deviations(const Scene& scene, const Eigen::
   return out;
 }
 
-/// Per robot: the largest entry of the forces of all contacts on it [N, N m]. f as Solution::f, f_offset as Solution's.
+/// Returns per robot the largest entry of the forces of all contacts on it [N, N m]. f, f_offset: as in Solution.
 template <class S>
 std::vector<double> largest_forces(const Scene& scene, const std::vector<int>& f_offset, const VecX<S>& f) {
   std::vector<double> out(scene.robots.size(), 0.0);
@@ -72,7 +72,7 @@ std::vector<double> largest_forces(const Scene& scene, const std::vector<int>& f
   return out;
 }
 
-/// Per robot: the forces of all contacts on it.
+/// Returns per robot the deviations of the forces of all contacts on it.
 template <class S>
 std::vector<Deviation> force_deviations(const Scene& scene, const std::vector<int>& f_offset, const Eigen::VectorXd& f,
                                         const VecX<S>& truth) {

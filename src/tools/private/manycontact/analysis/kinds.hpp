@@ -7,8 +7,8 @@ namespace manycontact {
 
 /// Islands of one shape with the same ranks, and with the same status, method, order and reason in the last solve.
 struct IslandKind {
-  std::vector<int> islands;  // their numbers, ascending
-  IslandRanks ranks;         // of the first
+  std::vector<int> islands;  // numbers of the islands, ascending
+  IslandRanks ranks;         // ranks of the first island
 };
 
 /// The islands' kinds, in the order of their first islands. After a solve; throws std::logic_error before.

@@ -1,7 +1,7 @@
 #pragma once
-// Which contact rows of an island constrain a motion that the others do not, at the configuration solved last: as many
-// as the solve has found. Without damping that is the rank of J, to about tolerance::kRank of what each row is picked
-// from (row_scale, rank/row_size.hpp), its own length at least.
+// The contact rows of an island that constrain a motion that other rows do not, at the configuration solved last. Their
+// number is that of the solve. Without damping it is the rank of J, to about tolerance::kRank of the scale of each row
+// (row_scale, rank/row_size.hpp), which is at least the norm of the row.
 
 #include "manycontact/analysis/names.hpp"
 #include "manycontact/dynamics/views.hpp"
@@ -36,15 +36,15 @@ struct Lighter {
 };
 
 struct IslandRanks {            // Result of find_ranks for one island.
-  bool known = false;           // of rank and redundant; false: left out, the island is too large
-  int rank = 0;                 // of the island's J
-  std::vector<char> redundant;  // per row of the island: it depends on the rows before it
-  std::vector<BodyPair> pairs;  // by their first contacts
+  bool known = false;           // whether rank and redundant are computed; false: the island is too large
+  int rank = 0;                 // rank of the island's J
+  std::vector<char> redundant;  // one entry per row of the island: it depends on the rows before it
+  std::vector<BodyPair> pairs;  // sorted by their first contacts
   std::vector<Lighter> lighter;
 };
 
-/// After a solve, whatever its status. Dense: the island's rank is left out (`known`) where nv nc^2 is above 2e10,
-/// those of body pairs are always found. Throws std::logic_error before a solve.
+/// Call it after a solve, whatever its status. The rank of islands with nv nc^2 above 2e10 is left out (`known`), since
+/// it takes dense matrices. Ranks of body pairs are always found. Throws std::logic_error before a solve.
 IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t island);
 
 /// An island's rows by name, and its contacts once the redundant rows are taken out, as words.

@@ -15,10 +15,10 @@ enum class VisualShape { kBox, kCylinder, kSphere, kMesh };
 
 struct Visual {  // One shape of a link.
   std::string link;
-  SE3<double> placement;  // in the link's frame
+  SE3<double> placement;  // placement in the link's frame
   VisualShape shape = VisualShape::kBox;
   Vec3<double> size;  // box: its edges; cylinder, along z: radius, length, 0; sphere: radius, 0, 0 [m]; mesh: scales
-  std::string mesh;   // as the URDF names it; find_mesh finds the file
+  std::string mesh;   // the file's name in the URDF; find_mesh finds the file
   std::optional<std::array<double, 4>> colour;  // red, green, blue, opacity, from 0 to 1
 };
 

@@ -26,25 +26,25 @@
 
 namespace manycontact {
 
-/// Room for the derivatives of one scene's groups by n numbers, the first 2 nv of them the step's q and v.
+/// Workspace for derivatives of one scene's groups with respect to n numbers; the first 2 nv are the step's q and v.
 struct FreeMotionDerivatives {
-  /// groups: those of `scene`; n as above.
+  /// groups: those of `scene`; n: as above.
   FreeMotionDerivatives(const Scene& scene, const FreeGroups& groups, Eigen::Index n);
 
-  /// By the n numbers.
+  /// Derivatives of a group with respect to the n numbers.
   struct OfGroup {
-    std::vector<int> robots;        // that have bodies of it
-    Eigen::MatrixXd next;           // 9 x n: of C+, P+, L+; by differentiate_begin
-    Eigen::MatrixXd h_q, h_v, C_q;  // 6, 6, 3 x nv: of P, L and C at the current state; columns of `robots`
-    Eigen::MatrixXd added;          // 9 x n: of C at the end and of the added u, w
+    std::vector<int> robots;        // the robots that have bodies of the group
+    Eigen::MatrixXd next;           // 9 x n: derivatives of C+, P+, L+; set by differentiate_begin
+    Eigen::MatrixXd h_q, h_v, C_q;  // 6, 6, 3 x nv: derivatives of the current P, L and C; columns: those of `robots`
+    Eigen::MatrixXd added;          // 9 x n: derivatives of C at the end and of the added u, w
   };
-  std::vector<OfGroup> groups;  // as FreeGroups::groups; without memory for the world's
-  /// By a joint, of one group, about its reference.
+  std::vector<OfGroup> groups;  // one entry per group of FreeGroups::groups; without memory if tied to the world
+  /// Inertia and momentum of the bodies of one group that a joint carries, about the group's reference.
   struct Carried {
     Inertia<double> Y;
     Vec6<double> h;
   };
-  std::vector<Carried> carried;  // per body of a robot: workspace
+  std::vector<Carried> carried;  // workspace: one entry per body of a robot
   Eigen::MatrixXd turned;        // 3 x n: workspace
 };
 

@@ -20,24 +20,24 @@ namespace manycontact {
 
 struct ClosestPosture {  // The configuration between two states that is nearest to a singular one.
   double share = 1;      // least sigma between the last state and this one, of the largest sigma so far
-  double at = 0;         // where between them: 0 the last, 1 this one
+  double at = 0;         // position between the states: 0: at the last state; 1: at this one
 };
 
 struct PostureData {  // The islands' smallest sigma, and the memory of its solves.
-  /// For this scene; `options`: of the solves.
+  /// Makes the memory for this scene. options: used in the solves.
   explicit PostureData(const Scene& scene, const Options& options = {});
 
   SceneAtRest rest;
   SceneData dynamics;
-  std::vector<char> active;  // contacts at the last state
+  std::vector<char> active;  // contacts active at the last state
   bool known = false;        // w, x, sigma are those of the last state
   Eigen::VectorXd w, x;      // rows of f; nv
   Eigen::VectorXd asked, Jx, scratch;
-  std::vector<double> sigma, largest;  // per island: at the last state; the largest so far
+  std::vector<double> sigma, largest;  // one entry per island: sigma at the last state; its largest value so far
 };
 
-/// Goes on to the state q (nq), with the contacts flagged `active`; of all islands the closest. The first state, and
-/// one whose contacts are others than the last one's, start again.
+/// Continues to the state q (nq), with the contacts flagged `active`. Returns the closest configuration of all islands.
+/// The first state, and a state with other contacts than the last one, start again.
 ClosestPosture follow_posture(const Scene& scene, const std::vector<char>& active, const Eigen::VectorXd& q,
                               PostureData& data);
 

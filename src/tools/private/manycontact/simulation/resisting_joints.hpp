@@ -24,28 +24,28 @@ constexpr double kStickVelocity = 1e-6;
 struct ResistingJoints {
   explicit ResistingJoints(const Scene& scene);
 
-  // Per velocity coordinate.
+  // These members have one entry per velocity coordinate.
   Eigen::VectorXd damping;        // N m s / rad
   Eigen::VectorXd friction;       // N m
   std::vector<signed char> slip;  // 0: sticks; 1, -1: slides that way
-  Eigen::VectorXd added, to_add;  // h d + h^2 k: as solved with, and in this step
-  Eigen::VectorXd mobility;       // 1/m of joints with springs [1/kg, 1/(kg m^2)]; 0 of others
-  Eigen::VectorXd kept, kept_k;   // of springs in joints: the share of v that they do not resist, and that of h^2 k
+  Eigen::VectorXd added, to_add;  // h d + h^2 k: the values of the last factorization, and of this step
+  Eigen::VectorXd mobility;       // 1/m of joints with springs [1/kg, 1/(kg m^2)]; 0 at other coordinates
+  Eigen::VectorXd kept, kept_k;   // joint springs: the share of v that they do not resist; this share of h^2 k
   std::vector<int> rubbing;       // the coordinates with friction
 
-  bool vary = false;                           // like robots do not share models, so that what is added may change
-  std::vector<std::shared_ptr<Model>> models;  // per robot its own; nullptr: the scene's, or shared with other robots
+  bool vary = false;                           // added inertias may change: equal robots have separate models
+  std::vector<std::shared_ptr<Model>> models;  // models with added inertias; null: the scene's, or shared
 
-  // Newton's method, per entry of `rubbing`: v, K (v - v0), and the same after a solve.
+  // Newton's method, per entry of `rubbing`: v and K (v - v0) before and after a solve.
   bool begun = false;
   Eigen::VectorXd speed, force, next_speed, next_force;
-  std::vector<int> island, order;  // whose line search is one; entries island by island
+  std::vector<int> island, order;  // islands, each with one line search; entries of `rubbing` sorted by island
 
-  /// to_add, in steps of h.
+  /// Computes to_add for steps of size h.
   void find(const Scene& scene, const PdLaws& pd, double h);
-  /// The scene with to_add in its armatures, and without dampers and friction.
+  /// Returns the scene with to_add in its armatures, and without dampers and friction.
   Scene with_inertias(const Scene& scene);
-  /// Whether that scene serves for to_add, or another is to be made.
+  /// Whether that scene is valid for to_add. Otherwise another one must be made.
   bool fits(const Scene& scene) const;
 
   /// Before each solve: of joints that stick, the inertia; of `scene`.

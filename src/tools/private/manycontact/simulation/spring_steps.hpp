@@ -11,22 +11,22 @@
 namespace manycontact {
 
 struct SpringMobilities {             // 1/m of bodies on springs and dampers, at one configuration.
-  std::vector<Mat3<double>> springs;  // per spring between points: acceleration of A's end relative to B's by a unit
-                                      // force on A and its opposite on B, in world axes [1/kg]
-  Eigen::VectorXd joints;             // nv: of joints' coordinates that anything resists; 0 of others
+  std::vector<Mat3<double>> springs;  // one entry per spring between points: acceleration of A's end relative to B's by
+                                      // a unit force on A and its opposite on B, in world axes [1/kg]
+  Eigen::VectorXd joints;             // nv: joint coordinates with springs, dampers, PD laws or friction; 0 at others
 };
-/// At q (nq), with the contacts flagged `active`. Zero where nothing moves, or the solve failed. Joints of a robot with
-/// more than a hundred springs and dampers in joints are not asked, for each takes a solve: infinity.
+/// Computes them at q (nq), with the contacts flagged `active`. Zero where nothing moves, or the solve failed. A joint
+/// takes a solve. Joints of a robot with more than a hundred springs and dampers in joints get infinity instead.
 SpringMobilities spring_mobilities(const Scene& scene, const PdLaws& pd, const std::vector<char>& active,
                                    const Eigen::VectorXd& q);
 
-/// The largest stable step of RK4 [s]; of semi-implicit Euler, that which follows a spring. k, c: both over m.
+/// The largest stable step of RK4 [s], or the largest step of semi-implicit Euler that resolves it. k, c: divided by m.
 double largest_spring_step(Integrator integrator, double k, double c);
 
 struct SpringStep {
-  int spring = -1;      // of Scene::springs; -1: not between points
-  int coordinate = -1;  // of the velocities: a joint's springs, dampers, PD law and friction together; -1: none
-  double largest = 0;   // [s]
+  int spring = -1;      // index in Scene::springs; -1: no spring between points
+  int coordinate = -1;  // index in v of a joint with springs, dampers, a PD law or friction; -1: no joint
+  double largest = 0;   // largest step [s]
   bool any() const { return spring >= 0 || coordinate >= 0; }
 };
 
