@@ -4,11 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
+#include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "support/allocations.hpp"
+#include "support/folder.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -91,6 +95,68 @@ TEST(PilesOnAHub, AreSolvedInAnOrderThatStaysSparse) {
   EXPECT_LT(report.factor_nonzeros, 1000000);  // with contacts last 4.4 million
   EXPECT_LE(data.a.cwiseAbs().maxCoeff(), 1e-10);
   EXPECT_NEAR(contact_force(pile.scene, data, 0)[2] / (257 * 9 * 9.81), 1, 1e-10);
+}
+
+// A thousand arms are bolted to a base and have their tools on a workpiece. An order that lets a few contacts wait
+// costs 364,000 entries of L; one that lets all wait for more of their joints 40 million, and its test would not end.
+TEST(ArmsOnAHub, AreAnalysedInAMoment) {
+  const std::string arm = MANYCONTACT_SHARED_DIR "/robots/panda.urdf";
+  if (!std::filesystem::exists(arm)) GTEST_SKIP() << "skipped: no " << arm;
+  constexpr int kArms = 1000;
+  const TemporaryFolder folder;
+  const auto body = [&](const std::string& name, const std::string& mass, const std::string& moment) {
+    (void)folder.write(name, "<robot name=\"b\"><link name=\"b\"><inertial><mass value=\"" + mass +
+                                 "\"/><inertia ixx=\"" + moment + "\" iyy=\"" + moment + "\" izz=\"" + moment +
+                                 "\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link></robot>");
+  };
+  body("plate.urdf", "500", "200");
+  body("box.urdf", "9", "1");
+  std::string scene =
+      "<scene><robot name=\"base\" urdf=\"plate.urdf\" base=\"floating\"/><contact name=\"ground\" type=\"6d\" "
+      "frame=\"base/b\"/><robot name=\"work\" urdf=\"box.urdf\" base=\"floating\" xyz=\"0 0 0.5\"/><contact "
+      "name=\"clamp\" type=\"6d\" frame=\"work/b\" to=\"base/b\"/>";
+  for (int i = 0; i < kArms; ++i) {
+    const std::string name = "a" + std::to_string(i);
+    const double angle = 6.283 * i / kArms;
+    scene += "<robot name=\"" + name + "\" urdf=\"" + arm + "\" base=\"floating\" xyz=\"" +
+             std::to_string(1.2 * std::cos(angle)) + " " + std::to_string(1.2 * std::sin(angle)) + " 0.2\" rpy=\"0 0 " +
+             std::to_string(3.14 + angle) +
+             "\"><joint name=\"panda_joint2\" q=\"0.4\"/><joint name=\"panda_joint4\" q=\"-1.5\"/></robot><contact "
+             "name=\"bolt" +
+             name + "\" type=\"6d\" frame=\"" + name + "/panda_link0\" to=\"base/b\"/><contact name=\"tool" + name +
+             "\" type=\"3d\" frame=\"" + name + "/panda_link7\" offset=\"0 0 0.2\" to=\"work/b\"/>";
+  }
+  const SceneFile file = load_scene(folder.write("scene.xml", scene + "</scene>"));
+  SceneData data(file.scene);
+  const Report& report = solve(file.scene, file.q, file.v, file.u, data);
+  EXPECT_EQ(report.islands[0].order, Order::kContactsEarly);
+  EXPECT_LT(report.factor_nonzeros, 400 * kArms);
+  EXPECT_EQ(report.rank, report.nc);
+}
+
+// Strips of two rows of boxes between a box and the ground, on points in their plane. Each has four rows that depend on
+// others, and hundreds that nearly do: the exponents of their pivots sum up to an integer only together.
+TEST(Strips, HaveTheirRank) {
+  constexpr int kStrips = 4, kLength = 200;
+  PileMaker make;
+  const int hub = make.box(-1, 0, 0);
+  make.join(ContactType::k6D, hub, -1, {-1, 0, -0.5});
+  for (int strip = 0; strip < kStrips; ++strip)
+    for (int i = 0; i < kLength; ++i)
+      for (int j = 0; j < 2; ++j) {
+        const double y = 2.0 * strip;
+        const int box = make.box(i, y, j);
+        if (i == 0) make.join(ContactType::k3D, box, hub, {-0.5, y, 1.0 * j});
+        if (i == kLength - 1) make.join(ContactType::k3D, box, -1, {i + 0.5, y, 1.0 * j});
+        if (j > 0) make.join(ContactType::k3D, box, box - 1, {1.0 * i, y, 0.5});
+        if (i > 0) make.join(ContactType::k3D, box, box - 2, {i - 0.5, y, 1.0 * j});
+      }
+  const Pile pile = make.finish(0);
+  SceneData data(pile.scene);
+  const Report& report = solve(pile.scene, pile.q, pile.v, pile.u, data);
+  EXPECT_EQ(report.status, Status::kRedundant);
+  EXPECT_EQ(report.rank, report.nc - 4 * kStrips);
+  EXPECT_LE(report.residual_dynamics, 1e-13);
 }
 
 // At rest the accelerations vanish, and all terms of the rows between boxes are rounding error. Compared with each

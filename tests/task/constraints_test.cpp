@@ -132,11 +132,15 @@ TEST_F(Constraints, ThatCannotHoldAreReported) {
 // Slightly out of reach a minimisation converges slowly, for hundreds of iterations if allowed, and so does the search
 // for the least violation: that it is the least is neither proved nor reported.
 TEST_F(Constraints, ThatAreOutOfReachAreReportedSoon) {
-  const TaskFile task = with("",
-                             R"(<constraint name="there" type="frame_translation" frame="humanoid/left_hand"
-                                    xyz="0 0 3" lower="0 0 0" upper="0 0 0"/>)");
-  TaskProblem problem = make_problem(task, TaskSolver::kFddp);
-  const TaskSolution s = optimize(task, problem, {TaskSolver::kFddp, 1, {}});
+  TaskFile task = with("",
+                       R"(<constraint name="there" type="frame_translation" frame="humanoid/left_hand"
+                              xyz="0 0 3" lower="0 0 0" upper="0 0 0"/>)");
+  const TaskSolution cut = [&task] {  // the search's iterations count, too
+    TaskProblem problem = make_problem(task, TaskSolver::kFddp);
+    return optimize(task, problem, {TaskSolver::kFddp, 1, {}});
+  }();
+  EXPECT_EQ(cut.iterations.size(), static_cast<std::size_t>(task.iterations)) << cut.reason;
+  const TaskSolution s = solved(task);
   EXPECT_FALSE(s.converged);
   EXPECT_GT(s.constraint_violation, 0.5);
   EXPECT_EQ(s.reason.rfind("no step; constraints are missed: there, by ", 0), 0u) << s.reason;

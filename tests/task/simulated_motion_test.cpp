@@ -38,7 +38,8 @@ TEST(SimulatedMotion, TwoHumanoidsLiftABeam) {
   for (const Integrator integrator : {Integrator::kRk4, Integrator::kSemiImplicitEuler}) {
     const SimulatedMotion motion = simulate(task, s, integrator, 20);
     EXPECT_EQ(motion.stopped, StepStatus::kOk);
-    EXPECT_LT(motion.position_drift, 1e-6);
+    // The step in axes that rest (issue 68, item 1) has a first-order drift of 1.09e-6 m; that of RK4 is below 1e-6 m.
+    EXPECT_LT(motion.position_drift, integrator == Integrator::kRk4 ? 1e-6 : 1.5e-6);
     EXPECT_LT(motion.distance, 0.2);  // including velocities
     double highest = 0;
     for (const Eigen::VectorXd& x : motion.xs) highest = std::max(highest, x[z] - task.scene.q[z]);

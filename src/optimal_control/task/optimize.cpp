@@ -5,7 +5,6 @@
 #include <iomanip>
 #include <map>
 #include <sstream>
-#include <utility>
 
 #include "beside.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
@@ -319,13 +318,16 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
   run.out.blocks = {static_cast<int>(problem.actuation->get_nu())};
   std::vector<task::TorqueBounds> bounds;
   const bool limits = has_constraints(task) && task::bounds_torques_alone(task, bounds);
-  const std::size_t all = std::exchange(run.most, limits ? (run.most + 1) / 2 : run.most);  // the rest: take_limits
-  run();
+  const bool blocks = problem.blocks.size() > problem.parts.size() && task::dense_parts_fit(task);
+  const std::size_t all = run.most, methods = 1 + blocks + limits;  // which share the iterations
+  const std::size_t share = (all + methods - 1) / methods;
   const auto goes_on = [&run] { return !run.out.converged && !run.out.interrupted && run.left() > 0; };
-  const bool by_blocks = problem.blocks.size() > problem.parts.size();
-  if (goes_on() && by_blocks && !run.out.infeasible() && task::dense_parts_fit(task)) take_dense_recursion(run);
+  run.most = share;
+  run();
+  run.most = limits ? std::min(all, 2 * share) : all;
+  if (blocks && goes_on() && !run.out.infeasible()) take_dense_recursion(run);
   run.most = all;
-  if (goes_on() && limits) take_limits(run, bounds);
+  if (limits && goes_on()) take_limits(run, bounds);
   if (!has_constraints(task) && stayed_at_guess(run.out) && run.left() > 0) leave_stationary_guess(run);
   for (const std::string& remark : run.out.remarks) run.out.reason += "; " + remark;
   if (!run.out.converged) tell_failures(run);
