@@ -135,6 +135,11 @@ py::array get_Ru(py::object self) {
   return whole(std::move(self), &ResidualDataAbstract::Ru, &ResidualDataAbstract::whole_Ru);
 }
 
+void check_taken(const char* name, const Eigen::MatrixXd& taken, const Eigen::MatrixXd& J) {
+  if (taken != J)
+    throw py::value_error(std::string(name) + ": entries that this residual's derivatives never have are not zero");
+}
+
 // The whole matrix into the blocks' rows and columns.
 void set_Rx(ResidualDataAbstract& d, const Eigen::MatrixXd& J) {
   const Eigen::MatrixXd now = d.whole_Rx();
@@ -143,6 +148,7 @@ void set_Rx(ResidualDataAbstract& d, const Eigen::MatrixXd& J) {
   for (ResidualBlock& b : d.blocks)
     for (std::size_t i = 0; i < b.rows.size(); ++i)
       for (std::size_t j = 0; j < b.xcols.size(); ++j) b.Rx(i, j) = J(b.rows[i], b.xcols[j]);
+  check_taken("Rx", d.whole_Rx(), J);
 }
 void set_Ru(ResidualDataAbstract& d, const Eigen::MatrixXd& J) {
   const Eigen::MatrixXd now = d.whole_Ru();
@@ -151,6 +157,7 @@ void set_Ru(ResidualDataAbstract& d, const Eigen::MatrixXd& J) {
   for (ResidualBlock& b : d.blocks)
     for (std::size_t i = 0; i < b.rows.size(); ++i)
       for (std::size_t j = 0; j < b.ucols.size(); ++j) b.Ru(i, j) = J(b.rows[i], b.ucols[j]);
+  check_taken("Ru", d.whole_Ru(), J);
 }
 
 template <class T>
