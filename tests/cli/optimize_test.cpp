@@ -254,9 +254,7 @@ TEST_F(Optimize, ReportsAGuessThatIsNotAtRest) {
                                     << "'><cost name='u' type='control' weight='1e-2'/></phase><terminal>"
                                        "<cost name='x' type='state' weight='1'/></terminal></task>";
     const std::string out = run(words(path("task.xml"))).out;
-    int guesses = 0;
-    for (const nlohmann::json& finding : json().at("findings")) guesses += finding.at("kind") == "guess";
-    EXPECT_EQ(guesses, stands ? 0 : 1) << out;
+    EXPECT_EQ(out.find("guess not at rest") == std::string::npos, stands) << out;
     if (!stands)
       expect_contains(out, "guess not at rest: h/root[2] in phase 1: no torques keep it at rest in this configuration");
   }
