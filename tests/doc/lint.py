@@ -265,7 +265,7 @@ def set_faults():
         if f"`{kind}`" not in rows:
             yield f"src/doc/scene_file.md: no row on findings of kind {kind}"
     program = (TOP / "src" / "doc" / "program.md").read_text()
-    for command in (f.name for f in (TOP / "src" / "cli").iterdir() if f.name != "program" and (f / f"{f.name}.cpp").exists()):
+    for command in (f.name for top in ("src/program", "src/optimal_control/program") for f in (TOP / top).iterdir() if f.name != "command" and (f / f"{f.name}.cpp").exists()):
         if f"\n| `{command} " not in program:
             yield f"src/doc/program.md: no chapter on {command}"
 
