@@ -107,8 +107,8 @@ TEST(Contradictions, NoneBesideGravity) {
   }
 }
 
-// A contradiction is compared with gravity, or with the acceleration of an external force: it is less or more than 1e-12
-// of that, a rounding error.
+// A contradiction is compared with gravity, or with the acceleration of an external force: it is less or more than
+// 1e-12 of that, a rounding error.
 TEST(Contradictions, AreComparedWithTheLoads) {
   for (const bool gravity : {true, false})
     for (const double apart : {1e-13, 1e-9}) {

@@ -2,9 +2,9 @@
 // Momentum of bodies without connection to the world.
 //
 // In a robot's own coordinates, semi-implicit Euler loses momentum by an error of first order: inertias change within a
-// step, while bias forces are those of its start. The exact rate of momentum is known, however. Bodies connected to each other by joints and
-// contacts, but not to the world, form a group. Let m be its mass, P its momentum, C its centre of mass and L its
-// angular momentum about C. In a step
+// step, while bias forces are those of its start. The exact rate of momentum is known, however. Bodies connected to
+// each other by joints and contacts, but not to the world, form a group. Let m be its mass, P its momentum, C its
+// centre of mass and L its angular momentum about C. In a step
 //
 //     P+ = P + h F        C+ = C + h P+ / m        L+ = L + h T
 //

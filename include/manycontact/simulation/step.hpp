@@ -11,10 +11,10 @@
 // nothing else. For joints with fixed axes s = -v / h, and the right-hand side is M v + h (tau - h(q, v)).
 //
 // tau = tau(q, v, u, w) is the torque of motors and external wrenches at the start of the step. Dampers and PD laws act
-// with the force of its end, for any h. A spring k between masses m adds h^2 k to M along it. A share of h^2 k v,
-// 1 - r^2, is added to the right-hand side, with r = z / (1 + z), z = h^2 k / m. Oscillations that the step resolves keep
-// their energy, and those that are too fast for it are damped. Joint friction follows Coulomb: it is at most F, and a joint
-// sticks below 1e-6 rad/s or m/s. Afterwards, the momentum of bodies without connection to the world is corrected
+// with the force of its end, for any h. A spring k between masses m adds h^2 k to M along it. A share of h^2 k v, 1 -
+// r^2, is added to the right-hand side, with r = z / (1 + z), z = h^2 k / m. Oscillations that the step resolves keep
+// their energy, and those that are too fast for it are damped. Joint friction follows Coulomb: it is at most F, and a
+// joint sticks below 1e-6 rad/s or m/s. Afterwards, the momentum of bodies without connection to the world is corrected
 // (simulation/momentum.hpp).
 //
 // e is the contact's placement error. c is its velocity after the last step: J v initially, then J of the last

@@ -1,5 +1,5 @@
-// The judge of contradictions, for all systems and for pairs of bodies: rank/contradiction.hpp, and no rounding error of
-// the loads' accelerations, gravity and |J| |tau - h| / diag M, which contacts may cancel in a.
+// The judge of contradictions, for all systems and for pairs of bodies: rank/contradiction.hpp, and no rounding error
+// of the loads' accelerations, gravity and |J| |tau - h| / diag M, which contacts may cancel in a.
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #pragma once
-// The kernels of all modules, compiled once per level of instructions (src/core/simd/levels.cmake) and chosen here when the
-// program runs.
+// The kernels of all modules, compiled once per level of instructions (src/core/simd/levels.cmake) and chosen here when
+// the program runs.
 
 #include <span>
 

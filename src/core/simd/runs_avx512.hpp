@@ -1,4 +1,5 @@
-// Whether this processor has the instructions of the level avx512, which are those of lane_flags_avx512 in levels.cmake.
+// Whether this processor has the instructions of the level avx512, which are those of lane_flags_avx512 in
+// levels.cmake.
 #pragma once
 namespace manycontact::simd {
 inline bool runs_avx512() {

@@ -45,7 +45,8 @@ int run(const Command& command, const std::vector<std::string>& words) {
   }
   if (!command.run) {
     const bool chart = std::string_view(command.beside) == "manycontact-chart";
-    return execute_program(command.beside, command.name, words, chart ? "`./run build --chart` makes it" : "`./run build` makes it");
+    return execute_program(command.beside, command.name, words,
+                           chart ? "`./run build --chart` makes it" : "`./run build` makes it");
   }
   if (command.by_processes && command.by_processes())
     return execute_program("manycontact-mpi", command.name, words,

@@ -1,6 +1,6 @@
 #pragma once
-// Products and factors of dense blocks by columns, compiled once per level of instructions (blocks/level.cpp). Plain memory
-// passes between levels, nothing of Eigen's.
+// Products and factors of dense blocks by columns, compiled once per level of instructions (blocks/level.cpp). Plain
+// memory passes between levels, nothing of Eigen's.
 
 #include <cstddef>
 

@@ -16,7 +16,8 @@ namespace manycontact {
 std::vector<int> factorize_inertia(const Model& model, double* M, double* diagonal,
                                    double least = 64 * std::numeric_limits<double>::epsilon());
 
-/// X <- M^-1 X, L^-T X and L^-1 X, with a factor without such pivots. X: nv rows of `cols` numbers, one after the other.
+/// X <- M^-1 X, L^-T X and L^-1 X, with a factor without such pivots. X: nv rows of `cols` numbers, one after the
+/// other.
 void solve_inertia(const Model& model, const double* factor, int cols, double* X);
 void solve_inertia_transposed(const Model& model, const double* factor, int cols, double* X);
 void solve_inertia_unit(const Model& model, const double* factor, int cols, double* X);

@@ -1,11 +1,11 @@
 #pragma once
 // Forces of joints that resist motion, taken at the end of a semi-implicit Euler step of any length.
 //
-// The damper d, the spring k and the PD law of a joint act by -(d + h k) v+ in addition to their start values, so
-// M gets h d + h^2 k on its diagonal, as of a rotor's inertia. A spring gets its share of h k v back (spring_share.hpp),
-// with 1/m of M^-1 where the joints are 0: the share is a number of the scene, not of its state. Coulomb's friction is the multiplier of v+ = 0 while
-// that is below h F. A joint that sticks gets the inertia h F / kStickVelocity, one that slides the constant force.
-// Which does what is found by Newton's method on
+// The damper d, the spring k and the PD law of a joint act by -(d + h k) v+ in addition to their start values, so M
+// gets h d + h^2 k on its diagonal, as of a rotor's inertia. A spring gets its share of h k v back (spring_share.hpp),
+// with 1/m of M^-1 where the joints are 0: the share is a number of the scene, not of its state. Coulomb's friction is
+// the multiplier of v+ = 0 while that is below h F. A joint that sticks gets the inertia h F / kStickVelocity, one that
+// slides the constant force. Which does what is found by Newton's method on
 //
 //     min  1/2 (v - v0)^T K (v - v0) + h F sum of huber(v),        huber' = clamp(v / kStickVelocity, -1, 1)
 //

@@ -1,10 +1,10 @@
 #pragma once
 // Steps that are too long for a spring, a damper, a PD law or joint friction. One of stiffness k and damping c, which
-// moves the mass m along it, obeys m x'' + c x' + k x = 0. RK4 is stable while |h lambda| < 2.6 for
-// lambda^2 + (c/m) lambda + k/m = 0; semi-implicit Euler, which takes them at the end of a step, is stable for any h. It
-// keeps the energy of springs with h omega << 1, and takes that of springs with h omega > 2 within few steps. m is that of the scene with its contacts,
-// 1/m = g^T M^-1 g of the torques g of a unit force along the spring. It is that of each spring and joint alone:
-// several on one body allow less.
+// moves the mass m along it, obeys m x'' + c x' + k x = 0. RK4 is stable while |h lambda| < 2.6 for lambda^2 + (c/m)
+// lambda + k/m = 0; semi-implicit Euler, which takes them at the end of a step, is stable for any h. It keeps the
+// energy of springs with h omega << 1, and takes that of springs with h omega > 2 within few steps. m is that of the
+// scene with its contacts, 1/m = g^T M^-1 g of the torques g of a unit force along the spring. It is that of each
+// spring and joint alone: several on one body allow less.
 
 #include "manycontact/simulation/step.hpp"
 
