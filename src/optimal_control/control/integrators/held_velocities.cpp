@@ -123,7 +123,7 @@ void HeldVelocities::solve_at(const ConstVectorRef& state, double h, const DataC
   solution.active = of.solution.active;
   kinematics_at_start(of);
   for (std::size_t r = 0; r < scene.robots.size(); ++r) {
-    const Robot& robot = scene.robots[r];
+    const Robot& robot = of.scene.robots[r];  // without the joints' inertias, which change below
     const Model& model = *robot.model;
     inverse_dynamics<double>(model, kin[r], turn_.data() + robot.idx_v, {}, robots_[r].f,
                              tau.segment(robot.idx_v, model.nv));
@@ -136,7 +136,7 @@ void HeldVelocities::solve_at(const ConstVectorRef& state, double h, const DataC
   for (int k = 0; k < kMostSolves; ++k) {
     joints.set_inertias(of.scene, h);
     tau = torques_of_motion_;
-    for (int i = 0; i < scene.nv; ++i) tau[i] -= joints.drag(i, h) / h * v[i] - joints.inertia(i, h) * turn_[i];
+    for (int i = 0; i < scene.nv; ++i) tau[i] -= joints.drag(i, h) / h * v[i];
     joints.add_sliding(1, tau);
     (void)solve_tau(scene, q, slow, tau, solution);
     if (joints.rubbing.empty()) return;
