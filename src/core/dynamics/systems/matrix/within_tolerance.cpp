@@ -254,13 +254,15 @@ bool take_change(const Workspace& work, const IslandWork& d, const std::vector<i
   }
   const Eigen::MatrixXd Nt = N(in_N, Eigen::all).transpose();
   const Eigen::VectorXd left = Nt * J_c;
-  const Eigen::ArrayXd rounding = tolerance::kNullColumn * (Nt.cwiseAbs() * J_c.cwiseAbs()).array();
-  if ((left.array().abs() <= rounding).all()) return true;  // depend in truth
+  const auto rounding = [&](const Eigen::VectorXd& sizes) -> Eigen::ArrayXd {
+    return tolerance::kNullColumn * (Nt.cwiseAbs() * sizes).array();
+  };
+  if ((left.array().abs() <= rounding(J_c.cwiseAbs())).all()) return true;  // depend in truth
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(Nt.rows(), Nt.cols());
   decomposition.setThreshold(tolerance::kRank);
   const Eigen::VectorXd part = decomposition.compute(Nt).solve(left);
   if (!(part.norm() <= error * std::sqrt(static_cast<double>(part.size()))) ||
-      !((Nt * part - left).array().abs() <= rounding).all())
+      !((Nt * part - left).array().abs() <= rounding(J_c.cwiseAbs() + part.cwiseAbs())).all())
     return false;
   for (Eigen::Index i = 0; i < J_c.size(); ++i) {
     change[static_cast<std::size_t>(i)].value = -part[i];
