@@ -98,6 +98,25 @@ TEST(Springs, BalanceAWeightEverywhere) {
   EXPECT_NEAR(sim.v[0], 0.5, 2e-4);
 }
 
+// Robots of joints that turn far in a step, with springs that are next to nothing: they move as without these springs.
+TEST(Springs, TakeNothingOfOtherMotion) {
+  for (int seed = 1; seed <= 20; ++seed)
+    for (const bool tied : {false, true}) {
+      SCOPED_TRACE(std::to_string(seed) + (tied ? " tied" : " free"));
+      RandomScene s = tied ? tied_scene(seed) : free_scene(seed, seed % 2);
+      s.scene.gravity.setZero();
+      s.v *= 20;
+      RandomScene with = s;
+      std::mt19937 rng(static_cast<unsigned>(seed));
+      add_random_forces(with.scene, rng, 0, 2);
+      with.scene.joint_springs.clear();
+      for (Spring& spring : with.scene.springs) spring.stiffness = 1e-9, spring.damping = 0, spring.length = 0.1;
+      const SimulationData other = simulated(s, Integrator::kSemiImplicitEuler, 5e-2, 5);
+      const SimulationData sim = simulated(with, Integrator::kSemiImplicitEuler, 5e-2, 5);
+      EXPECT_LT(difference_of(sim.v, other.v), 1e-5 * size_of(other.v));
+    }
+}
+
 TEST(Springs, WithoutDirectionAreNamed) {
   RandomScene s = oscillator();
   s.q[0] = -2;
@@ -388,7 +407,7 @@ TEST(StiffSprings, OfTreesStayBounded) {
       sim.velocity_limit = 1e9;
       for (int k = 0; k < 300; ++k) {
         ASSERT_EQ(step(s.scene, s.u, sim), StepStatus::kOk) << "step " << k;
-        EXPECT_LE(end_of(s, sim).energy(), (stiffness < 1e6 ? 1 + fastest / 2 : 1.1) * before) << "step " << k;
+        EXPECT_LE(end_of(s, sim).energy(), (stiffness < 1e6 ? 1 + fastest / 2 : 1.01) * before) << "step " << k;
       }
       if (MANYCONTACT_COUNTS_ALLOCATIONS) {
         EXPECT_EQ(allocations([&] { (void)step(s.scene, s.u, sim); }), 0u);

@@ -2,12 +2,15 @@
 //
 // Ends of springs on bodies that rotate far in a step move otherwise than its linear equations foresee, and errors of
 // stiff springs may add up. So each cluster of robots that springs and contacts join has an account of the energy that
-// its springs may give. It begins with their energy. A step takes from it what the energy of the bodies rises by beyond
-// the work of all else. Where that is more than there is, velocities relative to the cluster's motion as one rigid
-// body, which follows from its momentum, are scaled such that the step takes what there is. A cluster that the world
-// constrains rests as a body. There, springs faster than the step may not stretch so far by rotations that energy
-// rises: all moves by a share of the step then. Errors that come and go, as those of explicit steps do, pass through
-// the account.
+// its springs may give, as of a passivity observer (Hannaford and Ryu, IEEE Trans. Robotics and Automation 18, 2002).
+// It begins with their energy. A step takes from it what the energy of the bodies at its end exceeds that after the
+// same step without springs by, less what other forces gave. Errors of the step without springs count by twice the
+// share of the motion that the most energy of springs makes up, and fully beyond half. Where a step takes more than
+// there is, velocities relative to the cluster's motion as one rigid body, which follows from its momentum, are scaled
+// such that it takes what there is. A cluster that the world constrains rests as a body. Errors that come and go, as
+// those of explicit steps do, pass through the account. Springs faster than the step lose energy in its linear
+// equations. Where their ends turn so far that these springs gain energy, a cluster that the world constrains moves by
+// a share of the step.
 
 #include <algorithm>
 #include <cmath>
@@ -26,8 +29,8 @@ namespace {
 
 constexpr double kSmaller = 0.7;  // share of a step, at a time
 constexpr int kMostTrials = 60;
-constexpr double kFast = 10;   // h^2 k / m of springs whose linear step lets energy fall
-constexpr double kFar = 0.01;  // of the kinetic energy: what a step can make of that of springs, stretched by rotations
+constexpr double kFast = 10;        // h^2 k / m of springs whose linear step lets energy fall
+constexpr double kRounding = 1e-9;  // of the energy of springs
 
 int moving_end(const Spring& spring) { return moves(spring.A) ? spring.A.robot : spring.B.robot; }
 
@@ -70,31 +73,11 @@ void sort_groups(const FreeGroups& groups, BoundedEnergy& e) {
   e.first.back() = static_cast<int>(e.members.size());
 }
 
-// Velocities of the clusters as rigid bodies, at the end of the step.
-void find_rigid_motion(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
-  FreeGroups& groups = d.free_groups;
-  find_tied(scene, groups, e);
-  sort_groups(groups, e);
-  measure(scene, d.at_rest.kin, groups);
-  e.rigid_v.setZero(scene.nv);
-  for (const FreeGroups::FreeJoint& j : groups.joints) {
-    const int c = e.cluster[static_cast<std::size_t>(j.robot)];
-    if (j.parent != 0 || e.tied[static_cast<std::size_t>(c)]) continue;
-    const OneBody body = one_body(groups_of(c, e), groups);
-    const Robot& robot = scene.robots[j.robot];
-    const Joint& joint = robot.model->joints[j.joint];
-    const SE3<double>& M = d.at_rest.kin[j.robot].oMi[j.joint];
-    const Vec3<double> from_C = d.at_rest.kin[j.robot].origin(j.joint) + M.p - body.C;
-    auto v = e.rigid_v.segment(robot.idx_v + joint.idx_v, joint.nv());
-    add_motion(joint, M.R.transpose() * (body.V + body.w.cross(from_C)), M.R.transpose() * body.w, v);
-  }
-}
-
 double& at_robot(Eigen::VectorXd& x, const BoundedEnergy& e, int robot) {
   return x[e.cluster[static_cast<std::size_t>(robot)]];
 }
 
-// Kinetic and total energy of each cluster but that of its springs between points; kinematics are at q, v then.
+// Kinetic energy of each cluster, and the energy with that in gravity; kinematics are at q, v then.
 void find_energies(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, SimulationData& d,
                    BoundedEnergy& e, Eigen::VectorXd& energy) {
   kinematics_at(scene, q, v, d.at_rest.kin);
@@ -109,34 +92,65 @@ void find_energies(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Ve
   energy += e.kinetic;
 }
 
-// Adds the most that motors, external wrenches, joints and contacts gave in the step, whose end is x.
-void add_work(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
+// The energy at the end of the step to x less what motors, external wrenches, joints and contacts gave, whose impulses
+// are h f.
+void find_energies_of_step(const Scene& scene, const Eigen::VectorXd& x, const Eigen::VectorXd& f, double h,
+                           SimulationData& d, BoundedEnergy& e, Eigen::VectorXd& energy) {
+  find_energies(scene, d.next_q, d.next_v, d, e, energy);
   const Eigen::VectorXd& added = d.resisting->joints.to_add;
   for (int r = 0; r < scene.nrobots(); ++r)
     for (int i = scene.robots[r].idx_v; i < scene.robots[r].idx_v + scene.robots[r].model->nv; ++i)
-      at_robot(e.before, e, r) += (d.h * d.w[i] - added[i] * d.dynamics.a[i]) * (d.v[i] + d.dynamics.a[i]) / 2;
+      at_robot(energy, e, r) -= (d.h * d.w[i] - added[i] * x[i]) * (d.v[i] + x[i]) / 2;
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
     if (const int first = d.dynamics.f_offset[c]; first >= 0) {
       const int n = scene.contacts[c].rows();
-      const double work =
-          d.h / 2 * d.dynamics.f.segment(first, n).dot(d.wanted.segment(first, n) + d.contact_v.segment(first, n));
-      at_robot(e.before, e, scene.contacts[c].A.robot) += std::max(0.0, work);
+      at_robot(energy, e, scene.contacts[c].A.robot) -=
+          h * f.segment(first, n).dot(d.wanted.segment(first, n) + d.contact_v.segment(first, n)) / 2;
     }
 }
 
-double excess(int c, const BoundedEnergy& e) { return e.after[c] - e.before[c] - e.stored[c]; }
-
-// Scales the velocities relative to the rigid motion of a cluster down if its springs gave too much energy.
-void take_back(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
-  find_rigid_motion(scene, d, e);
-  e.share = e.kinetic;
-  find_energies(scene, d.next_q, e.rigid_v, d, e, e.most);
+// The clusters as rigid bodies, and the kinetic energy of their motion relative to that, after find_energies.
+void find_relative_motion(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
+  find_tied(scene, d.free_groups, e);
+  sort_groups(d.free_groups, e);
+  measure(scene, d.at_rest.kin, d.free_groups);
+  e.bodies.resize(e.cluster.size());
+  e.relative = e.kinetic;
   for (int c = 0; c < scene.nrobots(); ++c) {
-    const double moves = e.share[c] - e.kinetic[c], too_much = excess(c, e);
-    const double left = too_much > 0 && moves > 0 ? std::max(0.0, 1 - too_much / moves) : 1;
-    e.share[c] = std::sqrt(left);
-    d.work.springs -= (1 - left) * moves;
-    e.after[c] -= (1 - left) * moves;
+    const std::span<const int> groups = groups_of(c, e);
+    if (groups.empty() || e.tied[static_cast<std::size_t>(c)]) continue;
+    const OneBody& body = e.bodies[static_cast<std::size_t>(c)] = one_body(groups, d.free_groups);
+    e.relative[c] -= (body.m * body.V.squaredNorm() + body.w.dot(body.I * body.w)) / 2;
+  }
+}
+
+// Velocities of the clusters as rigid bodies.
+void find_rigid_velocities(const Scene& scene, const SimulationData& d, BoundedEnergy& e) {
+  e.rigid_v.setZero(scene.nv);
+  for (const FreeGroups::FreeJoint& j : d.free_groups.joints) {
+    const auto c = static_cast<std::size_t>(e.cluster[static_cast<std::size_t>(j.robot)]);
+    if (j.parent != 0 || e.tied[c]) continue;
+    const OneBody& body = e.bodies[c];
+    const Robot& robot = scene.robots[j.robot];
+    const Joint& joint = robot.model->joints[j.joint];
+    const SE3<double>& M = d.at_rest.kin[j.robot].oMi[j.joint];
+    const Vec3<double> from_C = d.at_rest.kin[j.robot].origin(j.joint) + M.p - body.C;
+    auto v = e.rigid_v.segment(robot.idx_v + joint.idx_v, joint.nv());
+    add_motion(joint, M.R.transpose() * (body.V + body.w.cross(from_C)), M.R.transpose() * body.w, v);
+  }
+}
+
+// Scales the velocities relative to the rigid motion of each cluster down whose springs gave too much energy.
+void take_back(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
+  find_rigid_velocities(scene, d, e);
+  e.share.setOnes(scene.nrobots());
+  for (int c = 0; c < scene.nrobots(); ++c) {
+    const double too_much = e.given[c] - e.account(c, 0);
+    if (!(too_much > 0 && e.relative[c] > 0)) continue;
+    const double taken = std::min(too_much, e.relative[c]);
+    e.share[c] = std::sqrt(1 - taken / e.relative[c]);
+    d.work.springs -= taken;
+    e.given[c] -= taken, e.relative[c] -= taken;
   }
   for (int r = 0; r < scene.nrobots(); ++r) {
     const double share = at_robot(e.share, e, r);
@@ -151,52 +165,55 @@ void take_back(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
       d.contact_v.segment(at, scene.contacts[c].rows()) *= at_robot(e.share, e, scene.contacts[c].A.robot);
 }
 
-// Energies of each cluster's springs: of all, of those faster than the step, and what a step can make of the latter.
-void find_stretched(const Scene& scene, const SimulationData& d, bool at_start, const BoundedEnergy& e,
+// Energies of each cluster's springs: of all, and of those faster than the step.
+void find_stretched(const Scene& scene, const SimulationData& d, bool at_start, BoundedEnergy& e,
                     BoundedEnergy::Stretched& out) {
   const ResistingSprings& s = *d.resisting->springs;
-  for (Eigen::VectorXd* x : {&out.all, &out.fast, &out.useful}) x->setZero(scene.nrobots());
+  for (Eigen::VectorXd* x : {&out.all, &out.fast}) x->setZero(scene.nrobots());
+  if (at_start) e.fast_given.setZero(scene.nrobots());
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const ResistingSprings::Row& row = s.rows[i];
-    if (row.turns >= 0) continue;
     const Spring& spring = scene.springs[static_cast<std::size_t>(row.spring)];
+    const int c = e.cluster[static_cast<std::size_t>(moving_end(spring))];
+    if (row.turns >= 0) continue;
     const double length = (place_of(spring.A, d.at_rest.kin) - place_of(spring.B, d.at_rest.kin)).norm(),
                  stretch = at_start ? row.e : length - spring.length, energy = row.k * stretch * stretch / 2;
-    const double fast = d.h * d.h * row.k * s.own[static_cast<Eigen::Index>(i)];
-    const int c = e.cluster[static_cast<std::size_t>(moving_end(spring))];
     out.all[c] += energy;
-    if (fast > kFast) out.fast[c] += energy, out.useful[c] += energy / (1 + fast);
+    if (!(d.h * d.h * row.k * s.own[static_cast<Eigen::Index>(i)] > kFast)) continue;
+    out.fast[c] += energy;
+    if (at_start) e.fast_given[c] += s.given[static_cast<Eigen::Index>(i)];
   }
 }
 
 bool stretches_too_far(int c, const BoundedEnergy& e) {
-  return e.at_end.fast[c] > e.at_start.fast[c] && e.at_end.useful[c] > kFar * e.kinetic_before[c] &&
-         e.after[c] + e.at_end.all[c] > e.before[c] + e.at_start.all[c];
+  return e.at_end.fast[c] + e.fast_given[c] >
+         e.at_start.fast[c] + kRounding * (e.at_start.fast[c] + std::abs(e.fast_given[c]));
 }
 
-// Ends the step with shares of its motion in clusters whose springs stretch too far.
+// Ends the step with shares of its motion in clusters whose fast springs gain energy.
 void shorten_step(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
   find_stretched(scene, d, true, e, e.at_start);
-  find_stretched(scene, d, false, e, e.at_end);
+  if (e.at_start.fast.isZero(0) && e.fast_given.isZero(0)) return;
   find_tied(scene, d.free_groups, e);
-  double first = 0;
+  find_energies(scene, d.next_q, d.next_v, d, e, e.most);
+  find_stretched(scene, d, false, e, e.at_end);
+  const double first = e.kinetic.sum() + e.at_end.all.sum();
   for (int k = 0; k < kMostTrials; ++k) {
     e.share.setOnes(scene.nrobots());
-    bool any = false;
     for (int c = 0; c < scene.nrobots(); ++c)
-      if (e.tied[static_cast<std::size_t>(c)] && stretches_too_far(c, e)) e.share[c] = kSmaller, any = true;
-    if (k == 0) first = e.after.sum() + e.at_end.all.sum();
-    if (!any) break;
+      if (e.tied[static_cast<std::size_t>(c)] && stretches_too_far(c, e)) e.share[c] = kSmaller;
+    if ((e.share.array() == 1).all()) break;
     for (int r = 0; r < scene.nrobots(); ++r)
       d.dynamics.a.segment(scene.robots[r].idx_v, scene.robots[r].model->nv) *= at_robot(e.share, e, r);
     for (std::size_t c = 0; c < scene.contacts.size(); ++c)
       if (const int at = d.dynamics.f_offset[c]; at >= 0)
         d.contact_v.segment(at, scene.contacts[c].rows()) *= at_robot(e.share, e, scene.contacts[c].A.robot);
     end_step(scene, d.dynamics.a, d);
-    find_energies(scene, d.next_q, d.next_v, d, e, e.after);
+    e.fast_given += e.kinetic.cwiseProduct(e.share.cwiseAbs2()) - e.kinetic;
+    find_energies(scene, d.next_q, d.next_v, d, e, e.most);
     find_stretched(scene, d, false, e, e.at_end);
   }
-  d.work.springs += e.after.sum() + e.at_end.all.sum() - first;
+  d.work.springs += e.kinetic.sum() + e.at_end.all.sum() - first;
 }
 
 // The most that springs can hold at the end of the step: twice the energy that they have if their ends move on as in
@@ -221,31 +238,38 @@ void find_most(const Scene& scene, const SimulationData& d, Eigen::VectorXd& mos
 void begin_bound(const Scene& scene, bool goes_on, SimulationData& d) {
   if (!d.resisting || !d.resisting->springs) return;
   BoundedEnergy& e = d.resisting->bounded;
+  const ResistingSprings& s = *d.resisting->springs;
   find_robot_sets(scene, d.dynamics.active, true, e.cluster);
-  Eigen::VectorXd& now = e.after;
-  now.setZero(scene.nrobots());
+  e.most.setZero(scene.nrobots());  // the springs' energy
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
     const double stretch = d.applied->springs[k].length - scene.springs[k].length;
-    at_robot(now, e, moving_end(scene.springs[k])) += scene.springs[k].stiffness * stretch * stretch / 2;
+    at_robot(e.most, e, moving_end(scene.springs[k])) += scene.springs[k].stiffness * stretch * stretch / 2;
   }
-  if (!goes_on || e.stored.size() == 0) e.stored.setConstant(scene.nrobots(), std::numeric_limits<double>::quiet_NaN());
+  if (!goes_on || e.account.size() == 0)
+    e.account.setConstant(scene.nrobots(), 2, std::numeric_limits<double>::quiet_NaN());
   for (int c = 0; c < scene.nrobots(); ++c)
-    if (std::isnan(e.stored[c])) e.stored[c] = now[c];
+    if (std::isnan(e.account(c, 0))) e.account.row(c).setConstant(e.most[c]);
+  end_step(scene, s.without, d);
+  find_energies_of_step(scene, s.without, s.f_without, 1, d, e, e.without);
   find_energies(scene, d.q, d.v, d, e, e.before);
-  e.kinetic_before = e.kinetic;
-  add_work(scene, d, e);
+  begin_free_motion(scene, d.dynamics.active, d.w, d.h, d.at_rest.kin, d.free_groups);
+  find_relative_motion(scene, d, e);
 }
 
 void bound_energy(const Scene& scene, SimulationData& d) {
   if (!d.resisting || !d.resisting->springs) return;
   BoundedEnergy& e = d.resisting->bounded;
-  find_energies(scene, d.next_q, d.next_v, d, e, e.after);
   shorten_step(scene, d, e);
-  bool any = false;
-  for (int c = 0; c < scene.nrobots(); ++c) any = any || excess(c, e) > 0;
-  if (any) take_back(scene, d, e);
+  find_energies_of_step(scene, d.dynamics.a, d.dynamics.f, d.h, d, e, e.given);
+  for (int c = 0; c < scene.nrobots(); ++c) {
+    const double of_springs = 2 * e.account(c, 1) < e.relative[c] ? 2 * e.account(c, 1) / e.relative[c] : 1;
+    e.given[c] += of_springs * (e.without[c] - e.before[c]) - e.without[c];
+  }
+  find_relative_motion(scene, d, e);
+  if ((e.given.array() > e.account.col(0)).any()) take_back(scene, d, e);
   find_most(scene, d, e.most);
-  e.stored = (e.stored + e.before - e.after).cwiseMax(0).cwiseMin(e.most);
+  e.account.col(0) = (e.account.col(0) - e.given.array()).cwiseMax(0).cwiseMin(e.most.array());
+  e.account.col(1) = e.account.col(1).cwiseMax(e.account.col(0));
 }
 
 }  // namespace manycontact::internal

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "manycontact/simulation/resisting_joints.hpp"
+#include "one_body.hpp"
 #include "resisting_springs.hpp"
 
 namespace manycontact {
@@ -13,12 +14,18 @@ namespace internal {
 /// Memory of bounded_energy.cpp. Springs and contacts join robots in clusters. The entry of a cluster's first robot has
 /// the energy of the cluster [J].
 struct BoundedEnergy {
-  Eigen::VectorXd stored;  // energy that springs may still give, kept from step to step; NaN: must be computed
+  // Kept from step to step: energy that springs may still give, and the most that it has been. NaN where it must be
+  // computed.
+  Eigen::ArrayX2d account;
   std::vector<int> cluster;
-  Eigen::VectorXd kinetic, before, after, most;  // before: with what others gave; most: that springs can hold
-  Eigen::VectorXd kinetic_before;  // at the start
+  // Energy of the bodies at the start, and after the step without springs, less what others gave.
+  Eigen::VectorXd before, without;
+  Eigen::VectorXd given, most;        // what springs gave in this step; the most that they can hold
+  Eigen::VectorXd fast_given;         // what springs faster than the step gave
+  Eigen::VectorXd kinetic, relative;  // kinetic energy at the end; that relative to the clusters' motion as one body
+  std::vector<OneBody> bodies;        // one entry per cluster that is free
   struct Stretched {
-    Eigen::VectorXd all, fast, useful;
+    Eigen::VectorXd all, fast;
   } at_start, at_end;              // energies of springs
   Eigen::VectorXd share, rigid_v;  // left of the motion relative to that of the clusters as one body, and that (nv)
 

@@ -416,8 +416,10 @@ bool solve_with_springs(Eigen::VectorXd& b, SimulationData& d) {
   if (solve_in_batches(b, d)) return true;
   ResistingSprings* s = d.resisting && d.resisting->springs ? &*d.resisting->springs : nullptr;
   if (!solves(b, d.wanted, d)) return false;
-  if (!s || s->rows.empty()) return true;
-  s->unit.look(answer(d));
+  if (!s) return true;
+  s->without = answer(d), s->f_without = at_rest_with_joints(d).data.f;
+  if (s->rows.empty()) return true;
+  s->unit.look(s->without);
   const auto n = static_cast<Eigen::Index>(s->rows.size());
   s->p.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -439,6 +441,7 @@ bool solve_with_springs(Eigen::VectorXd& b, SimulationData& d) {
 void account_for_springs(const Scene& scene, SimulationData& d, const Eigen::VectorXd& v_next) {
   ResistingSprings& s = *d.resisting->springs;
   s.unit.look(v_next);
+  s.given.resize(static_cast<Eigen::Index>(s.rows.size()));
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const ResistingSprings::Row& row = s.rows[i];
     const Spring& spring = scene.springs[static_cast<std::size_t>(row.spring)];
@@ -446,9 +449,10 @@ void account_for_springs(const Scene& scene, SimulationData& d, const Eigen::Vec
                  mean = (before + after) / 2, moved = d.h * after;
     const double k = is_across(row) ? row.k * (1 - row.turns) : row.k;  // what turns with its bodies is not stretched
     const double damper = is_across(row) ? 0 : -d.h * spring.damping * after;
+    double& given = s.given[static_cast<Eigen::Index>(i)];
+    given = (s.p[static_cast<Eigen::Index>(i)] - damper) * mean;
     d.work.dampers += damper * mean;
-    d.work.springs +=
-        (1 - row.keeps) * ((s.p[static_cast<Eigen::Index>(i)] - damper) * mean + k * moved * (row.e + moved / 2));
+    d.work.springs += (1 - row.keeps) * (given + k * moved * (row.e + moved / 2));
   }
 }
 

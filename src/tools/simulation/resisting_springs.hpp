@@ -48,6 +48,7 @@ struct ResistingSprings {
   Eigen::VectorXd by_unit;      // nv: response to unit forces, computed with the matrix K^-1
 
   Eigen::VectorXd p, rate;     // one entry per row: impulse; J v'
+  Eigen::VectorXd given;       // one entry per row: energy that the impulse, but a damper's, gives to the bodies [J]
   Eigen::VectorXd stretching;  // one entry per row: the impulse that removes the stretching velocity
   Eigen::VectorXd own;         // one entry per row: its diagonal entry of J K^-1 J^T
   bool is_dense = true;        // J K^-1 J^T is dense: few rows, or most of them on one island
@@ -60,6 +61,7 @@ struct ResistingSprings {
   Eigen::SparseMatrix<double> S;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_factor;
   Eigen::VectorXd b, none;
+  Eigen::VectorXd without, f_without;  // the solution without springs: v+ (nv), the contacts' impulses
 
   // Groups of bodies that springs join, and the angular momentum that they are to be given back.
   std::vector<int> cluster, members;

@@ -21,7 +21,7 @@ struct SimulationBatch::Part {
   Eigen::Index first;
   int states;
   Eigen::VectorXd q, v, left_q, left_v, contact_v;  // the members of SimulationData, for all copies
-  Eigen::VectorXd stored;                           // the member of BoundedEnergy
+  Eigen::ArrayX2d account;                          // the member of BoundedEnergy
   std::vector<char> left_active, kept_active;
   std::vector<signed char> slip;
   long steps = 0;
@@ -95,8 +95,8 @@ SimulationData taken_out(const Scene& scene, const SimulationData& d, int copy, 
   out.contact_v = d.contact_v.segment(copy * rows, rows);
   if (out.resisting && d.resisting)
     std::copy_n(d.resisting->joints.slip.begin() + copy * scene.nv, scene.nv, out.resisting->joints.slip.begin());
-  if (out.resisting && d.resisting && d.resisting->bounded.stored.size() > 0)
-    out.resisting->bounded.stored = d.resisting->bounded.stored.segment(copy * scene.nrobots(), scene.nrobots());
+  if (out.resisting && d.resisting && d.resisting->bounded.account.rows() > 0)
+    out.resisting->bounded.account = d.resisting->bounded.account.middleRows(copy * scene.nrobots(), scene.nrobots());
   return out;
 }
 
@@ -127,7 +127,7 @@ void exchange(Part& part, SimulationData& d) {
   if (!d.resisting) return;
   part.slip.resize(d.resisting->joints.slip.size(), 0);
   part.slip.swap(d.resisting->joints.slip);
-  part.stored.swap(d.resisting->bounded.stored);
+  part.account.swap(d.resisting->bounded.account);
 }
 
 bool rows_depend(SimulationData& d) {
@@ -250,8 +250,8 @@ namespace {
 void renew(const Scene& scene, const Scene& copies, int copy, Eigen::Index rows, SimulationData& d) {
   d.left_q.segment(copy * scene.nq, scene.nq) = d.q.segment(copy * scene.nq, scene.nq);
   d.left_v.segment(copy * scene.nv, scene.nv) = d.v.segment(copy * scene.nv, scene.nv);
-  if (d.resisting && d.resisting->bounded.stored.size() > 0)
-    d.resisting->bounded.stored.segment(copy * scene.nrobots(), scene.nrobots())
+  if (d.resisting && d.resisting->bounded.account.rows() > 0)
+    d.resisting->bounded.account.middleRows(copy * scene.nrobots(), scene.nrobots())
         .setConstant(std::numeric_limits<double>::quiet_NaN());
   if (d.left_active != d.dynamics.active || rows == 0) return;
   Eigen::VectorXd c = d.contact_v;
