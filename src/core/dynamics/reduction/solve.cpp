@@ -115,6 +115,20 @@ void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t 
   std::sort(report.dependent_rows.begin(), report.dependent_rows.end());
 }
 
+// Derivatives are those at the refined solution: y = Q^T S^-1 f.
+void take_refined(const SceneData& data, Reduction& r) {
+  r.data->a = data.a;
+  each_single(data, r, [&](int from, int to, int rows) { r.data->f.segment(to, rows) = data.f.segment(from, rows); });
+  r.each_pair([&](int c, const PairRows& pair) {
+    const auto& Q = pair.numbers->Q;
+    auto all = r.rows_of_pair.head(Q.rows());
+    each_member(data.f_offset, pair,
+                [&](int from, int first, int rows) { all.segment(first, rows) = data.f.segment(from, rows); });
+    r.data->f.segment(r.data->f_offset[static_cast<std::size_t>(c)], Q.cols()) =
+        Q.transpose().lazyProduct(all.cwiseQuotient(unit_of(pair)));
+  });
+}
+
 void take_report(const Scene& scene, SceneData& data, const Reduction& r, std::span<const double> wanted) {
   for (std::size_t i = 0; i < r.islands.size(); ++i) {
     IslandReport& report = data.report.islands[i];
@@ -192,6 +206,7 @@ const Report& solve_reduced(const Scene& scene, const ConstVector& q, const Cons
   data.serial = w.current = ++w.state;
   if (data.options.precision != Precision::kExtended) return data.report;
   refine_extended(scene, data);
+  take_refined(data, r);
   summarise(data.report);
   return data.report;
 }
