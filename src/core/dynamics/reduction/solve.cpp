@@ -124,8 +124,8 @@ void take_refined(const SceneData& data, Reduction& r) {
     auto all = r.rows_of_pair.head(Q.rows());
     each_member(data.f_offset, pair,
                 [&](int from, int first, int rows) { all.segment(first, rows) = data.f.segment(from, rows); });
-    r.data->f.segment(r.data->f_offset[static_cast<std::size_t>(c)], Q.cols()) =
-        Q.transpose().lazyProduct(all.cwiseQuotient(unit_of(pair)));
+    all.array() /= unit_of(pair).array();
+    r.data->f.segment(r.data->f_offset[static_cast<std::size_t>(c)], Q.cols()) = Q.transpose().lazyProduct(all);
   });
 }
 
