@@ -18,6 +18,8 @@ bool rows_may_turn(const Scene& scene, const SimulationData& data);
 /// Adds to data.wanted what keeps J v of 1D and 2D contacts whose rows turn at q, v, without their alpha, for RK4.
 /// False: no rows turn.
 bool follow_turning_rows(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, SimulationData& data);
+/// Takes alpha out of semi-implicit Euler's data.wanted where rows turn at the start of the step.
+void leave_out_alpha_of_turning_rows(const Scene& scene, SimulationData& data);
 
 /// After a step's first solve, in `of`: data.condition, where data.condition_every asks for it.
 void watch_condition(const Scene& scene, SceneData& of, SimulationData& data);

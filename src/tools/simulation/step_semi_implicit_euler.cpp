@@ -47,6 +47,7 @@ void want_contact_velocities(const Scene& scene, bool goes_on, SimulationData& d
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
     if (const int first = d.dynamics.f_offset[c]; first >= 0)
       d.wanted.segment(first, scene.contacts[c].rows()) *= 1 - scene.contacts[c].beta * d.h;
+  if (rows_may_turn(scene, d)) leave_out_alpha_of_turning_rows(scene, d);
 }
 
 // The same at the end of the step.

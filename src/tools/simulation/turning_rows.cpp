@@ -13,8 +13,11 @@ bool rows_may_turn(const Scene& scene, const SimulationData& d) {
   return false;
 }
 
-bool follow_turning_rows(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, SimulationData& d) {
-  kinematics_at(scene, q, v, d.at_rest.kin);
+namespace {
+
+// use(contact, its rows, turning_of_rows) of active contacts whose rows turn, with data.at_rest.kin at the state.
+template <class Use>
+bool each_turning(const Scene& scene, SimulationData& d, Use&& use) {
   bool any = false;
   for (std::size_t k = 0; k < scene.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[k];
@@ -27,11 +30,26 @@ bool follow_turning_rows(const Scene& scene, const Eigen::VectorXd& q, const Eig
     if (turning.isZero(0)) continue;
     any = true;
     auto wanted = d.wanted.segment(d.dynamics.f_offset[k], contact.rows());
-    wanted += turning.head(contact.rows());
-    if (contact.alpha != 0)
-      wanted.noalias() += rows.W * contact_error<double>(contact, rows.G, contact.alpha);
+    use(contact, rows, turning.head(contact.rows()), wanted);
   }
   return any;
+}
+
+}  // namespace
+
+bool follow_turning_rows(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, SimulationData& d) {
+  kinematics_at(scene, q, v, d.at_rest.kin);
+  return each_turning(scene, d, [](const Contact& contact, const auto& rows, const auto& turning, auto& wanted) {
+    wanted += turning;
+    wanted.noalias() += rows.W * contact_error<double>(contact, rows.G, contact.alpha);
+  });
+}
+
+void leave_out_alpha_of_turning_rows(const Scene& scene, SimulationData& d) {
+  kinematics_at(scene, d.q, d.v, d.at_rest.kin);
+  each_turning(scene, d, [&](const Contact& contact, const auto& rows, const auto&, auto& wanted) {
+    wanted.noalias() += rows.W * contact_error<double>(contact, rows.G, d.h * contact.alpha);
+  });
 }
 
 }  // namespace manycontact::internal

@@ -3,6 +3,7 @@
 #include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/rnea.hpp"
 #include "manycontact/algorithm/rnea_derivatives.hpp"
+#include "manycontact/contact/turning_rows.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
 #include "manycontact/model/applied_forces.hpp"
 #include "manycontact/simulation/free_joints.hpp"
@@ -63,6 +64,7 @@ HeldVelocities::HeldVelocities(const DataCollector& of, std::size_t nw, double h
       h_(h),
       dtau_(scene.nv, 2 * scene.nv + static_cast<Eigen::Index>(nw)) {
   for (const Robot& robot : of.scene.robots) models_.push_back(robot.model);
+  for (const Contact& contact : scene.contacts) contacts.emplace_back(contact, ContactSupport());
   for (const Robot& robot : scene.robots) {
     kin.emplace_back(*robot.model);
     robots_.emplace_back(*robot.model);
@@ -113,6 +115,17 @@ void HeldVelocities::kinematics_at_start(const DataCollector& of) {
   }
 }
 
+// Where rows turn, placement errors along them are not corrected (simulation/internal.hpp).
+void HeldVelocities::leave_out_alpha_of_turning_rows() {
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
+    Contact& contact = scene.contacts[c];
+    if (!solution.active[c] || !leaves_directions(contact)) continue;
+    contact_rows<double>(scene, contact, {}, kin[static_cast<std::size_t>(contact.A.robot)],
+                         contact.B.robot < 0 ? nullptr : &kin[static_cast<std::size_t>(contact.B.robot)], contacts[c]);
+    if (!turning_of_rows(contact, contacts[c]).isZero(0)) contact.alpha = 0;
+  }
+}
+
 void HeldVelocities::solve_at(const ConstVectorRef& state, double h, const DataCollector& of) {
   q = state.head(scene.nq);
   v = state.tail(scene.nv);
@@ -122,6 +135,7 @@ void HeldVelocities::solve_at(const ConstVectorRef& state, double h, const DataC
   copy_what_may_change(of.scene, scene);
   solution.active = of.solution.active;
   kinematics_at_start(of);
+  leave_out_alpha_of_turning_rows();
   for (std::size_t r = 0; r < scene.robots.size(); ++r) {
     const Robot& robot = of.scene.robots[r];  // without the joints' inertias, which change below
     const Model& model = *robot.model;

@@ -34,6 +34,7 @@ struct HeldVelocities {
   Eigen::VectorXd q, v, slow;  // the state; s v
   Eigen::VectorXd tau;         // torques on all coordinates, less ID(q, v, -w x v)
   std::vector<Kinematics<double>> kin;
+  std::vector<ContactData<double>> contacts;  // of `scene`
   FreeGroups groups;
   FreeMotionDerivatives of_groups;
   Eigen::VectorXd x, q_next, v_next;
@@ -50,6 +51,7 @@ struct HeldVelocities {
   std::vector<std::shared_ptr<const Model>> models_;  // models of the robots of `of`
   double h_;
   void kinematics_at_start(const DataCollector& of);
+  void leave_out_alpha_of_turning_rows();
   // Adds the torques of external wrenches and springs to those of the motors at q, v; differentiate_torques adds their
   // derivatives in dtau_dx_.
   void take_torques(const DataCollector& of);
