@@ -5,7 +5,8 @@ set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # packages need not wait for tests
 configure_file(src/package/version.hpp.in ${PROJECT_BINARY_DIR}/include/manycontact/version.hpp @ONLY)
 
 # ---- the library: static, a target per module (manycontact::manycontact), and shared as one (manycontact::shared) ------
-get_target_property(modules manycontact INTERFACE_LINK_LIBRARIES)
+get_property(modules GLOBAL PROPERTY manycontact_modules)
+list(PREPEND modules manycontact_kernels)
 install(TARGETS ${modules} manycontact EXPORT manycontactTargets COMPONENT dev)
 if(MANYCONTACT_SHARED)
   file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/shared.cpp CONTENT "// The library's code comes from its modules.\n")
@@ -33,13 +34,32 @@ endif()
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/manycontact)
 configure_package_config_file(src/package/manycontactConfig.cmake.in manycontactConfig.cmake
-                              INSTALL_DESTINATION ${package_dir})
+                              INSTALL_DESTINATION ${package_dir}
+                              PATH_VARS CMAKE_INSTALL_INCLUDEDIR)
 write_basic_package_version_file(manycontactConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(EXPORT manycontactTargets NAMESPACE manycontact:: DESTINATION ${package_dir})
 install(FILES ${PROJECT_BINARY_DIR}/manycontactConfig.cmake ${PROJECT_BINARY_DIR}/manycontactConfigVersion.cmake
               src/suitesparse.cmake DESTINATION ${package_dir})
+set(without_optimal_control)
+if(NOT MANYCONTACT_OPTIMAL_CONTROL)
+  set(without_optimal_control REGEX "manycontact/(action|control|task|crocoddyl)(\\.hpp)?$" EXCLUDE)
+endif()
 install(DIRECTORY include/ ${PROJECT_BINARY_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-        FILES_MATCHING PATTERN "*.hpp")
+        FILES_MATCHING PATTERN "*.hpp" ${without_optimal_control})
+
+# Headers without a promise, which the project src/optimal_control includes. The closure of their includes is here.
+set(detail_dir ${CMAKE_INSTALL_INCLUDEDIR}/manycontact/detail)
+foreach(header IN ITEMS sparse/dense_kernels sparse/largest sparse/ldl sparse/ldl_schedule sparse/ordering
+                        sparse/panel_kernels sparse/refine sparse/tolerances sparse/union_find sparse/upper_csc
+                        model/applied_forces model/expect_state algorithm/applied_forces contact/turning_rows
+                        rank/least_norm dynamics/follow_kinematics dynamics/keep_dependent dynamics/parallel
+                        dynamics/static_torque analysis/names analysis/text simulation/free_joints
+                        simulation/momentum_derivatives simulation/resisting_joints)
+  file(GLOB file src/core/private/manycontact/${header}.hpp src/tools/private/manycontact/${header}.hpp
+                 sparse/private/manycontact/${header}.hpp)
+  get_filename_component(folder ${header} DIRECTORY)
+  install(FILES ${file} DESTINATION ${detail_dir}/manycontact/${folder})
+endforeach()
 if(NOT PROJECT_IS_TOP_LEVEL)
   return()
 endif()

@@ -5,9 +5,9 @@
 #include <stdexcept>
 
 #include "dynamics/workspace/changes.hpp"
-#include "dynamics/workspace/parallel.hpp"
 #include "manycontact/dynamics/copies.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
+#include "manycontact/dynamics/parallel.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/sparse/blas_threads.hpp"
 #include "resisting_forces.hpp"

@@ -1,6 +1,6 @@
 // Compiled with OpenMP where there is one, and alone: Eigen compiled so would start threads of its own.
 
-#include "parallel.hpp"
+#include "manycontact/dynamics/parallel.hpp"
 
 #ifdef _OPENMP
 #include <omp.h>

@@ -18,7 +18,7 @@
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/kkt/robot_groups.hpp"
 #include "on_demand.hpp"
-#include "parallel.hpp"
+#include "manycontact/dynamics/parallel.hpp"
 #include "pool.hpp"
 #include "scene_identity.hpp"
 

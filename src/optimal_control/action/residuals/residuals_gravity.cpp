@@ -1,7 +1,6 @@
 #include <algorithm>
 
 #include "manycontact/action/residuals/gravity_residuals.hpp"
-#include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/static_torque.hpp"
 #include "residual_parts.hpp"
 
@@ -46,11 +45,14 @@ void add_force_part(GravityData& d, std::size_t i) {
   const Island& island = island_of(d.shared->solution, i);
   const PanelView panel = d.shared->panel(i);
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
+    const Contact& contact = d.shared->scene.contacts[island.contacts[k]];
     const Eigen::MatrixXd& J = contact_of(d.shared->solution, island.contacts[k]).J;
-    const std::vector<int>& support = shape_of(d.shared->solution, i)->support().columns[k];
+    const ContactSupport& support = support_of(d.shared->solution, island.contacts[k]);
+    const auto above_A = static_cast<Eigen::Index>(support.a.size());
     const auto df = panel.middleRows(island.nv + island.row_offset[k], J.rows());
     for (Eigen::Index c = 0; c < J.cols(); ++c) {
-      const int row = support[c];
+      const int row = c < above_A ? first_dof(island, contact.A) + support.a[c]
+                                  : first_dof(island, contact.B) + support.b[c - above_A];
       for (Eigen::Index m = 0; m < J.rows(); ++m) {
         block.Rx.row(row) += J(m, c) * df.row(m).head(block.Rx.cols());
         block.Ru.row(row) += J(m, c) * df.row(m).segment(block.Rx.cols(), block.Ru.cols());

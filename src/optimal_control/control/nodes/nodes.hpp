@@ -5,8 +5,8 @@
 #include <exception>
 #include <mutex>
 
-#include "dynamics/workspace/parallel.hpp"
 #include "manycontact/control/shooting.hpp"
+#include "manycontact/dynamics/parallel.hpp"
 
 namespace manycontact::internal {
 
