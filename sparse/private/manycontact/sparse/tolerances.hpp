@@ -275,9 +275,10 @@ inline constexpr double kHalfTurn = 1e-4;
 /// Used by: `inconsistent`, in all methods.
 inline constexpr double kContradiction = 1e-8;
 
-/// Rounding errors of accelerations that loads cause and contacts cancel, relative to these: some thousand eps.
+/// Rounding errors of accelerations that loads cause and contacts cancel: relative to gravity some thousand eps, and
+/// relative to those of each coordinate's own torque a few eps, as these are huge where a link has nearly no inertia.
 /// Used by: the judge of contradictions.
-inline constexpr double kLoadRounding = 1e-12;
+inline constexpr double kLoadRounding = 1e-12, kTorqueRounding = 1e-15;
 /// ... unless of every row it is rounding of the largest term that its a0 is computed from (contact_drift, [m/s^2] or
 /// [rad/s^2]): 500 eps, of chains of up to hundreds of joints.
 inline constexpr double kDriftRounding = 1e-13;
