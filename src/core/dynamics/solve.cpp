@@ -171,7 +171,6 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   Workspace& w = *data.workspace;
   if (w.reduction) return solve_reduced(scene, q, v, tau, data, prescribed);
   begin_state(scene, q, v, tau, data, prescribed);
-  const OneBlasOfThreads one_blas_thread(w);
   for (const Dropped dropped : {Dropped::kAsBefore, Dropped::kNone, Dropped::kAsFound}) {
     if (dropped == Dropped::kNone) solve_alone_in_single(scene, data);
     solve_alone(scene, data, dropped);
@@ -229,7 +228,6 @@ bool solve_step(const Scene& scene, const ConstVector& q, const ConstVector& tau
   clock.prepared();
   if (!internal::stand_alone(scene, w)) return false;
   internal::begin_state(scene, q, data.v, tau, data, {prescribed.data(), static_cast<std::size_t>(prescribed.size())});
-  const internal::OneBlasOfThreads one_blas_thread(w);
   for (const Dropped dropped : {Dropped::kAsBefore, Dropped::kNone})
     internal::solve_alone(scene, data, dropped, &start);
   if (std::ranges::any_of(w.islands, [](const auto& d) { return !d->answered; })) return false;

@@ -14,8 +14,6 @@ std::string to_string(Method method) {
       return "suitesparse-ldl";
     case Method::kSparseCholmod:
       return "sparse-cholmod";
-    case Method::kSparseSupernodal:
-      return "sparse-supernodal";
     case Method::kSparseBodies:
       return "sparse-bodies";
     case Method::kAuto:

@@ -38,7 +38,7 @@ class CholmodFactor final : public Factor {
 
   double growth() const override { return growth_; }
   int rank() const override { return pattern_->nc; }
-  int nonzeros() const override { return cholmod_->factor_nonzeros(); }
+  int nonzeros() const override { return cholmod_->symbolic().factor_nonzeros(); }
 
  private:
   std::shared_ptr<IslandShape> shape_;

@@ -115,7 +115,7 @@ BlockGroup* group_of_alone(Workspace& w, const IslandWork& d) {
 }
 
 bool can_be_joined(const IslandWork& d, const Options& options) {
-  return !options.order && (d.choice.method == Method::kSparseLdl || d.choice.method == Method::kSparseSupernodal) &&
+  return !options.order && d.choice.method == Method::kSparseLdl &&
          std::all_of(d.shape->scene().robots.begin(), d.shape->scene().robots.end(),
                      [](const Robot& robot) { return robot.model->nv <= kLargestInLanes; });
 }

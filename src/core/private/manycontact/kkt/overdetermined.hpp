@@ -13,8 +13,8 @@ inline bool overdetermined(const Island& island) {
   return island.nc >= tolerance::kOverdetermined && island.nc > tolerance::kTimesOverdetermined * island.nv;
 }
 
-/// Whether the sparse methods with an order, and sparse-supernodal, give way to it too: their factors would take more
-/// memory than anybody means to spend, and are not analysed.
+/// Whether the sparse methods with an order give way to it too: their factors would take more memory than anybody
+/// means to spend, and are not analysed.
 inline bool too_full_for_sparse(const Island& island) {
   return island.nc >= tolerance::kTooFull && overdetermined(island);
 }
