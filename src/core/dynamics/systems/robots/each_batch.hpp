@@ -23,7 +23,7 @@ void each_batch(Workspace& w, RobotsSystem& system, double of_solve, Step&& step
     double* memory = system.memory.data();
     const std::span<RobotsSystem::Robot> robots = std::span(system.members).subspan(batch.first, batch.count);
     const lanes::RobotBlocks::Memory at{memory + batch.at, memory + (next < count ? item(next) : batch).at};
-    step(*batch.group->kernels[thread.number], robots, at, thread);
+    step(batch.group->kernels[thread.number].of(robots.size()), robots, at, thread);
   });
 }
 
