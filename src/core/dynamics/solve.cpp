@@ -1,6 +1,7 @@
 #include "manycontact/dynamics/solve.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -12,7 +13,6 @@
 #include "manycontact/model/torques.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "reduction/reduction.hpp"
-#include "solve_clock.hpp"
 #include "workspace/threads.hpp"
 
 namespace manycontact {
@@ -185,6 +185,25 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   summarise(data.report);
   return data.report;
 }
+
+namespace {
+
+// Measures a solve for its report: it starts when it is constructed; call `prepared` when the islands are set up.
+class SolveClock {
+ public:
+  void prepared() { prepared_ = Clock::now(); }
+  const Report& report(Report& report) const {
+    report.times = {us(prepared_ - start_), us(Clock::now() - prepared_)};
+    return report;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static double us(Clock::duration d) { return std::chrono::duration<double, std::micro>(d).count(); }
+  Clock::time_point start_ = Clock::now(), prepared_ = start_;
+};
+
+}  // namespace
 
 }  // namespace internal
 

@@ -6,7 +6,6 @@
 #include <map>
 
 #include "manycontact/kkt/costs.hpp"
-#include "manycontact/kkt/overdetermined.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {

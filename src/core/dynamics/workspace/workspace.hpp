@@ -17,7 +17,6 @@
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/kkt/robot_groups.hpp"
-#include "on_demand.hpp"
 #include "parallel.hpp"
 #include "pool.hpp"
 #include "scene_identity.hpp"

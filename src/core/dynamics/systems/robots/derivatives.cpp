@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "../../internal.hpp"
-#include "each_batch.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"

@@ -8,7 +8,6 @@
 #include "../../internal.hpp"
 #include "../../workspace/threads.hpp"
 #include "derivatives.hpp"
-#include "each_batch.hpp"
 #include "manycontact/rank/row_units.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
