@@ -60,9 +60,9 @@ void dense_truth(const Scene& scene, const TruthTerms<S>& t, const Island& islan
   }
 }
 
-template void dense_truth<InstantiatedScalar>(const Scene&, const TruthTerms<InstantiatedScalar>&, const Island&,
-                                              const std::vector<int>&, const VecX<InstantiatedScalar>&,
-                                              Truth<InstantiatedScalar>&);
+using Real = InstantiatedScalar;
+template void dense_truth<Real>(const Scene&, const TruthTerms<Real>&, const Island&, const std::vector<int>&,
+                                const VecX<Real>&, Truth<Real>&);
 
 }  // namespace internal
 
@@ -87,10 +87,7 @@ Truth<S> solve_truth(const Scene& scene, const std::vector<char>& active, const 
   return out;
 }
 
-template Truth<InstantiatedScalar> solve_truth<InstantiatedScalar>(const Scene&, const std::vector<char>&,
-                                                                   const VecX<InstantiatedScalar>&,
-                                                                   const VecX<InstantiatedScalar>&,
-                                                                   const VecX<InstantiatedScalar>&,
-                                                                   std::span<const Vec6<InstantiatedScalar>>);
+template Truth<Real> solve_truth<Real>(const Scene&, const std::vector<char>&, const VecX<Real>&, const VecX<Real>&,
+                                       const VecX<Real>&, std::span<const Vec6<Real>>);
 
 }  // namespace manycontact
