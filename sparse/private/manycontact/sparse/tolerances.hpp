@@ -14,7 +14,7 @@ namespace manycontact::tolerance {
 /// leave n eps in the worst case, 1e-13 to 1e-12 for n of 1e3 to 1e4, and earlier pivots pass theirs on; below ten
 /// times that a small number cannot be distinguished from zero. Geometrically: a row of J that keeps less than
 /// sqrt(1e-11) = 3e-6 of its length has no other direction than those before it.
-/// Used by: the judges of LDL, CHOLMOD, the Schur complement, dense-schur and the inertia's own LDL;
+/// Used by: the judges of LDL, CHOLMOD, dense-schur and the inertia's own LDL;
 /// ldl_factor_dependent (as a row that may depend on others, until the null space confirms it); least_norm_solution.
 inline constexpr double kPivotLeft = 1e-11;
 
