@@ -14,6 +14,7 @@
 #include "support/applied.hpp"
 #include "support/measure.hpp"
 #include "support/methods.hpp"
+#include "support/truth.hpp"
 
 namespace manycontact::test {
 namespace {

@@ -12,6 +12,7 @@
 #include "support/methods.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
+#include "support/workspace.hpp"
 
 namespace manycontact::test {
 namespace {

@@ -14,11 +14,11 @@
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
-#include "manycontact/dynamics/shapes.hpp"
 #include "support/allocations.hpp"
 #include "support/methods.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
+#include "support/workspace.hpp"
 
 namespace manycontact::test {
 namespace {

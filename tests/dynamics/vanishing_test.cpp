@@ -6,11 +6,11 @@
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
-#include "manycontact/dynamics/truth.hpp"
 #include "support/chains.hpp"
 #include "support/measure.hpp"
 #include "support/methods.hpp"
 #include "support/random.hpp"
+#include "support/truth.hpp"
 
 namespace manycontact::test {
 namespace {
