@@ -1,61 +1,18 @@
 #include "manycontact/sparse/cholmod.hpp"
 
-#include <cholmod.h>
-
 #include <algorithm>
 #include <cmath>
-#include <new>
-#include <stdexcept>
-#include <string>
+
+#include "cholmod_common.hpp"
 
 namespace manycontact::sparse {
 
 namespace {
-
 constexpr int kColumns = 4;  // columns that CHOLMOD's LDL' solves for at once
-
-// CHOLMOD's parameters, workspace and status: one per thread at a time.
-struct Common : cholmod_common {
-  Common() {
-    cholmod_start(this);
-    print = 0;
-    error_handler = nullptr;
-    final_asis = 1;
-    final_ll = 0;
-    supernodal = CHOLMOD_SIMPLICIAL;
-    nmethods = 1;
-    grow2 = 0;  // columns of L get the memory they need, no more
-  }
-  Common(const Common&) = delete;
-  ~Common() { cholmod_finish(this); }
-
-  // Throws when the last call failed; a matrix with a zero pivot is no failure.
-  void check(bool ran, const char* call) const {
-    if (status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
-    if (!ran || status < CHOLMOD_OK) throw std::runtime_error(std::string("Cholmod: ") + call + " failed");
-  }
-};
-
-// A view of a symmetric matrix, which CHOLMOD's LDL' works on without copying it; Ax: nullptr for the pattern alone.
-cholmod_sparse view(const UpperCsc& A, const double* Ax) {
-  cholmod_sparse out{};
-  out.nrow = out.ncol = A.n;
-  out.nzmax = A.nonzeros();
-  out.p = const_cast<int*>(A.p.data());
-  out.i = const_cast<int*>(A.i.data());
-  out.x = const_cast<double*>(Ax);
-  out.stype = 1;
-  out.itype = CHOLMOD_INT;
-  out.xtype = Ax ? CHOLMOD_REAL : CHOLMOD_PATTERN;
-  out.dtype = CHOLMOD_DOUBLE;
-  out.sorted = out.packed = 1;
-  return out;
 }
 
-}  // namespace
-
 struct CholmodSymbolic::Impl {
-  Common common;
+  CholmodCommon common;
   cholmod_factor* factor = nullptr;  // symbolic, in the natural order
   UpperCsc pattern;
   double nonzeros = 0;
@@ -66,11 +23,11 @@ struct CholmodSymbolic::Impl {
 };
 
 CholmodSymbolic::CholmodSymbolic(const UpperCsc& pattern) : impl_(std::make_unique<Impl>()) {
-  Common& common = impl_->common;
+  CholmodCommon& common = impl_->common;
   impl_->pattern = pattern;
   common.method[0].ordering = CHOLMOD_NATURAL;
   common.postorder = false;
-  cholmod_sparse A = view(pattern, nullptr);
+  cholmod_sparse A = view_of(pattern, nullptr);
   impl_->factor = cholmod_analyze(&A, &common);
   common.check(impl_->factor != nullptr, "symbolic analysis");
   impl_->nonzeros = common.lnz;
@@ -83,7 +40,7 @@ int CholmodSymbolic::factor_nonzeros() const { return static_cast<int>(impl_->no
 struct Cholmod::Impl {
   std::shared_ptr<const CholmodSymbolic> shared;
   const CholmodSymbolic::Impl& symbolic;
-  Common common;
+  CholmodCommon common;
   cholmod_factor* factor = nullptr;
   cholmod_dense *X = nullptr, *Y = nullptr, *E = nullptr;  // solve2's result and workspace
 
@@ -140,7 +97,7 @@ Cholmod& Cholmod::operator=(Cholmod&&) noexcept = default;
 
 bool Cholmod::factorize(const double* Ax) {
   if (symbolic().size() == 0) return true;  // CHOLMOD calls that invalid
-  cholmod_sparse A = view(impl_->symbolic.pattern, Ax);
+  cholmod_sparse A = view_of(impl_->symbolic.pattern, Ax);
   const bool ran = cholmod_factorize(&A, impl_->factor, &impl_->common);
   impl_->common.check(ran, "factorization");
   return impl_->common.status == CHOLMOD_OK && impl_->factor->minor == impl_->factor->n;
