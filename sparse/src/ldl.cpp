@@ -8,7 +8,6 @@ extern "C" {  // LDL 2.2 has no C++ guard of its own
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <tuple>
 
 #include "manycontact/sparse/memory.hpp"
 
@@ -66,28 +65,30 @@ LdlSymbolic ldl_analyze(const UpperCsc& A) {
   std::partial_sum(count.begin(), count.end(), s.Lp.begin() + 1);
   for (int k : count) s.flops += static_cast<double>(k) * (k + 2);
   s.Li.resize(s.Lp[A.n]);
-  s.Rj.reserve(s.Lp[A.n]), s.Rk.reserve(s.Lp[A.n]);
-  s.Rp.assign(1, 0);
   std::vector<int> next(s.Lp.begin(), s.Lp.end() - 1);
   std::fill(flag.begin(), flag.end(), -1);
-  std::vector<std::pair<int, int>> row;
   for (int k = 0; k < A.n; ++k) {
     flag[k] = k;
     for (int q = A.p[k]; q < A.p[k + 1]; ++q)
-      for (int i = A.i[q]; flag[i] != k; i = s.parent[i]) {
-        s.Rj.push_back(i);
-        s.Rk.push_back(next[i]);
-        s.Li[next[i]++] = k;
-        flag[i] = k;
-      }
-    // ascending: columns before those that depend on them
-    row.clear();
-    for (std::size_t p = s.Rp.back(); p < s.Rj.size(); ++p) row.emplace_back(s.Rj[p], s.Rk[p]);
-    std::sort(row.begin(), row.end());
-    for (std::size_t p = 0; p < row.size(); ++p) std::tie(s.Rj[s.Rp.back() + p], s.Rk[s.Rp.back() + p]) = row[p];
-    s.Rp.push_back(static_cast<int>(s.Rj.size()));
+      for (int i = A.i[q]; flag[i] != k; i = s.parent[i]) s.Li[next[i]++] = k, flag[i] = k;
   }
+  list_rows(s);
   return s;
+}
+
+void list_rows(LdlSymbolic& L) {
+  L.Rp.assign(L.n + 1, 0);
+  for (int row : L.Li) ++L.Rp[row + 1];
+  std::partial_sum(L.Rp.begin(), L.Rp.end(), L.Rp.begin());
+  L.Rj.resize(L.Li.size());
+  L.Rk.resize(L.Li.size());
+  std::vector<int> next(L.Rp.begin(), L.Rp.end() - 1);
+  for (int j = 0; j < L.n; ++j)
+    for (int p = L.Lp[j]; p < L.Lp[j + 1]; ++p) {
+      const int at = next[L.Li[p]]++;
+      L.Rj[at] = j;
+      L.Rk[at] = p;
+    }
 }
 
 namespace {

@@ -21,22 +21,6 @@ std::vector<char> nested_like(const LdlSymbolic& leading, const LdlSymbolic& L) 
   return nested;
 }
 
-// Row k's columns and where their entries are, from the columns' rows.
-void find_rows(LdlSymbolic& L) {
-  L.Rp.assign(L.n + 1, 0);
-  for (int row : L.Li) ++L.Rp[row + 1];
-  std::partial_sum(L.Rp.begin(), L.Rp.end(), L.Rp.begin());
-  L.Rj.resize(L.Li.size());
-  L.Rk.resize(L.Li.size());
-  std::vector<int> next(L.Rp.begin(), L.Rp.end() - 1);
-  for (int j = 0; j < L.n; ++j)
-    for (int p = L.Lp[j]; p < L.Lp[j + 1]; ++p) {
-      const int at = next[L.Li[p]]++;
-      L.Rj[at] = j;
-      L.Rk[at] = p;
-    }
-}
-
 // Column k takes the pattern of column k + 1, its parent, which contains its own. Rows so added go no further: the
 // parent has them.
 void nest(const std::vector<char>& nested, LdlSymbolic& L) {
@@ -55,7 +39,7 @@ void nest(const std::vector<char>& nested, LdlSymbolic& L) {
   }
   L.Lp = std::move(Lp);
   L.Li = std::move(Li);
-  find_rows(L);
+  list_rows(L);
 }
 
 }  // namespace

@@ -20,7 +20,6 @@ void add_enumerations(py::module_& m) {
                            {"SPARSE_LDL", Method::kSparseLdl},
                            {"SUITE_SPARSE_LDL", Method::kSuiteSparseLdl},
                            {"SPARSE_CHOLMOD", Method::kSparseCholmod},
-                           {"SPARSE_SUPERNODAL", Method::kSparseSupernodal},
                            {"SPARSE_BODIES", Method::kSparseBodies},
                            {"AUTO", Method::kAuto}});
   add_enumeration<Order>(
@@ -32,10 +31,9 @@ void add_enumerations(py::module_& m) {
                           {"BASELINE", Lanes::kBaseline},
                           {"AVX2", Lanes::kAvx2},
                           {"AVX512", Lanes::kAvx512}});
-  add_enumeration<Precision>(m, "Precision", "precision", "The arithmetic of a solve.",
-                             {{"SINGLE", Precision::kSingle},
-                              {"DOUBLE", Precision::kDouble},
-                              {"EXTENDED", Precision::kExtended}});
+  add_enumeration<Precision>(
+      m, "Precision", "precision", "The arithmetic of a solve.",
+      {{"SINGLE", Precision::kSingle}, {"DOUBLE", Precision::kDouble}, {"EXTENDED", Precision::kExtended}});
   add_enumeration<Reason>(m, "Reason", "reason",
                           "Why another method than the requested one was used, or why there is no solution.",
                           {{"NONE", Reason::kNone},

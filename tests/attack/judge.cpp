@@ -13,10 +13,10 @@
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
-#include "manycontact/dynamics/truth.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/simulation/switch.hpp"
 #include "reference.hpp"
+#include "support/truth.hpp"
 
 namespace manycontact::attack {
 
@@ -636,8 +636,7 @@ Judgement judge_as(const Case& c, const Case& given, const std::string& folder, 
     }
   };
   for (Method method : methods) judge_by(method, Precision::kDouble);
-  for (Precision precision : {Precision::kSingle, Precision::kExtended})
-    judge_by(Method::kAuto, precision);
+  for (Precision precision : {Precision::kSingle, Precision::kExtended}) judge_by(Method::kAuto, precision);
   judge_quasi_static(trial, file, out);
   return out;
 }

@@ -12,7 +12,6 @@
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve.hpp"
-#include "manycontact/dynamics/truth.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/simulation/switch.hpp"
 #include "support/folder.hpp"
@@ -20,6 +19,7 @@
 #include "support/random.hpp"
 #include "support/scenes.hpp"
 #include "support/terms.hpp"
+#include "support/truth.hpp"
 
 namespace manycontact::test {
 namespace {

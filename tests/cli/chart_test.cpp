@@ -9,7 +9,6 @@
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/kkt/options.hpp"
-#include "manycontact/sparse/cholmod.hpp"
 
 namespace manycontact::cli {
 namespace {
@@ -97,7 +96,6 @@ TEST_F(ChartOf, EveryMethodOrderAndDampingHasALine) {
   const std::vector<Row> rows = chart({model("humanoid_hands_and_feet.xml")});
   for (const char* regularisation : {"none", "1e-12", "1e-9", "1e-6", "1e-3"})
     for (Method method : kMethods) {
-      if (method == Method::kSparseSupernodal && !sparse::supernodal_available()) continue;
       const std::vector<Row> lines = of(rows, to_string(method), regularisation);
       std::set<std::string> orders;
       for (const Row& row : lines) {

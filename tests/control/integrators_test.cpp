@@ -2,6 +2,7 @@
 
 #include "control/nodes.hpp"
 #include "derivatives/differences.hpp"
+#include "support/truth.hpp"
 
 namespace manycontact::test {
 namespace {

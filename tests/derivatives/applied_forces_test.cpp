@@ -3,6 +3,7 @@
 #include "derivatives/judge.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "support/applied.hpp"
+#include "support/truth.hpp"
 
 namespace manycontact::test {
 namespace {

@@ -11,9 +11,9 @@
 
 #include "manycontact/algorithm/integrate.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
-#include "manycontact/dynamics/truth.hpp"
 #include "support/islands.hpp"
 #include "support/measure.hpp"
+#include "support/truth.hpp"
 
 namespace manycontact::test {
 

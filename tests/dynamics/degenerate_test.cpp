@@ -10,7 +10,6 @@
 #include "manycontact/contact/jacobian.hpp"
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/dynamics/jvp.hpp"
-#include "manycontact/dynamics/truth.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "support/chains.hpp"
 #include "support/dense.hpp"
@@ -19,6 +18,7 @@
 #include "support/random.hpp"
 #include "support/scenes.hpp"
 #include "support/terms.hpp"
+#include "support/truth.hpp"
 
 namespace manycontact::test {
 namespace {

@@ -7,10 +7,10 @@
 #include "manycontact/algorithm/integrate.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
-#include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
+#include "support/workspace.hpp"
 
 namespace manycontact::test {
 namespace {

@@ -7,7 +7,6 @@
 #include "manycontact/dynamics/batch.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
-#include "manycontact/dynamics/truth.hpp"
 #include "manycontact/io/urdf.hpp"
 #include "manycontact/simulation/step.hpp"
 #include "support/allocations.hpp"
@@ -16,6 +15,7 @@
 #include "support/methods.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
+#include "support/truth.hpp"
 
 namespace manycontact::test {
 namespace {

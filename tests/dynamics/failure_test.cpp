@@ -8,12 +8,12 @@
 
 #include "manycontact/contact/reference.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
-#include "manycontact/dynamics/truth.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "support/islands.hpp"
 #include "support/measure.hpp"
 #include "support/methods.hpp"
 #include "support/random.hpp"
+#include "support/truth.hpp"
 
 namespace manycontact::test {
 namespace {

@@ -202,7 +202,6 @@ TEST(Laws, ContactsDoNoWorkOnRobots) {
     s.u = random_vector(s.scene.nu, rng, 1);
     if (s.scene.nv < 20) expect_law(s, Method::kDense, energy_error);
     expect_law(s, Method::kSparseLdl, energy_error);
-    if (sparse::supernodal_available()) expect_law(s, Method::kSparseSupernodal, energy_error);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "support/measure.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
+#include "support/workspace.hpp"
 
 namespace manycontact::test {
 namespace {

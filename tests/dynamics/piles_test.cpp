@@ -9,10 +9,10 @@
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
-#include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "support/allocations.hpp"
 #include "support/folder.hpp"
+#include "support/workspace.hpp"
 
 namespace manycontact::test {
 namespace {

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "manycontact/dynamics/solve.hpp"
-#include "manycontact/dynamics/truth.hpp"
 #include "support/piles.hpp"
+#include "support/truth.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -15,13 +15,13 @@ double relative_error(const Eigen::VectorXd& x, const Eigen::VectorXd& truth) {
 
 TEST(PilesInQuad, AreTrue) {
   for (const auto& [name, pile] :
-       {std::pair("tower", tower(30)), std::pair("pyramid", pyramid(8)), std::pair("wall", grid(6, ContactType::k3D, true)),
-        std::pair("grid", grid(6, ContactType::k6D, false))}) {
+       {std::pair("tower", tower(30)), std::pair("pyramid", pyramid(8)),
+        std::pair("wall", grid(6, ContactType::k3D, true)), std::pair("grid", grid(6, ContactType::k6D, false))}) {
     SCOPED_TRACE(name);
     SceneData data(pile.scene);
     (void)solve(pile.scene, pile.q, pile.v, pile.u, data);
-    const Truth<Quad> truth = solve_truth<Quad>(pile.scene, data.active, pile.q.cast<Quad>(), pile.v.cast<Quad>(),
-                                                pile.u.cast<Quad>());
+    const Truth<Quad> truth =
+        solve_truth<Quad>(pile.scene, data.active, pile.q.cast<Quad>(), pile.v.cast<Quad>(), pile.u.cast<Quad>());
     EXPECT_EQ(data.report.rank, truth.rank[0]);
     EXPECT_LE(relative_error(data.a, truth.a.cast<double>()), 1e-10);
     EXPECT_LE(relative_error(data.f, truth.f.cast<double>()), 1e-10);

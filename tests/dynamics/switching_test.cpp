@@ -12,6 +12,7 @@
 #include "support/methods.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
+#include "support/workspace.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -136,7 +137,7 @@ TEST(Switching, AllocatesNothingForSetsMetBefore) {
   std::mt19937 rng(2);
   disturb(file, rng);
   for (const Way& way : ways_here()) {
-    if (way.options.method == Method::kDenseSchur || way.options.method == Method::kSparseSupernodal) continue;
+    if (way.options.method == Method::kDenseSchur) continue;
     SCOPED_TRACE(way.name);
     SceneData data(file.scene, way.options);
     const auto with = [&](int contact, bool active) {

@@ -14,12 +14,11 @@
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
-#include "manycontact/dynamics/shapes.hpp"
-#include "manycontact/sparse/blas_threads.hpp"
 #include "support/allocations.hpp"
 #include "support/methods.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
+#include "support/workspace.hpp"
 
 namespace manycontact::test {
 namespace {
@@ -91,7 +90,6 @@ SceneFile file_of(const std::string& name) {
 }
 
 TEST(Threads, InsideACallCountForNothing) {
-  const sparse::OneBlasThread one_blas_thread;
   for (const char* name : {"herd", "ring_of_humanoids", "two_humanoids_carry_beam", "feet_on_corners", "random"}) {
     const SceneFile file = file_of(name);
     for (const Way& way : ways_here()) {

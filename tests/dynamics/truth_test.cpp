@@ -1,6 +1,6 @@
 // True errors are those against the forward path in quadruple precision.
 
-#include "manycontact/dynamics/truth.hpp"
+#include "support/truth.hpp"
 
 #include <gtest/gtest.h>
 

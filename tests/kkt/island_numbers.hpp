@@ -57,16 +57,6 @@ struct IslandNumbers {
   }
   IslandNumbers(const IslandNumbers&) = delete;  // spans point into it
 
-  /// Returns all of them, one after the other.
-  std::vector<double> all_packed() const { return concatenated(packed); }
-  std::vector<double> all_rows() const { return concatenated(rows); }
-
-  static std::vector<double> concatenated(const std::vector<std::vector<double>>& parts) {
-    std::vector<double> all;
-    for (const std::vector<double>& part : parts) all.insert(all.end(), part.begin(), part.end());
-    return all;
-  }
-
   /// [M J^T; J -delta I]
   Eigen::MatrixXd K(double delta) const {
     const int nv = island.nv, nc = island.nc;

@@ -1,4 +1,4 @@
-// CHOLMOD's two factorizations agree with LDL and with dense matrices.
+// CHOLMOD's factorization agrees with LDL and with dense matrices.
 
 #include "manycontact/sparse/cholmod.hpp"
 
@@ -18,7 +18,10 @@ namespace manycontact::test {
 namespace {
 
 using sparse::Cholmod;
-using sparse::CholmodKind;
+
+Cholmod cholmod_of(const sparse::UpperCsc& pattern) {
+  return Cholmod(std::make_shared<const sparse::CholmodSymbolic>(pattern));
+}
 
 // Returns [H G^T; G -C], whose pivots have both signs.
 Eigen::MatrixXd quasi_definite(int n, int m, std::mt19937& rng) {
@@ -30,7 +33,7 @@ Eigen::MatrixXd quasi_definite(int n, int m, std::mt19937& rng) {
   return K;
 }
 
-TEST(Cholmod, SimplicialEqualsLdl) {
+TEST(Cholmod, EqualsLdl) {
   std::mt19937 rng(1);
   const Symmetric A(quasi_definite(25, 15, rng));
   const sparse::LdlSymbolic symbolic = sparse::ldl_analyze(A.pattern);
@@ -38,7 +41,7 @@ TEST(Cholmod, SimplicialEqualsLdl) {
   std::vector<double> L(symbolic.nonzeros()), D(A.n()), scale(A.n());
   ASSERT_EQ(sparse::ldl_factor(A.pattern, symbolic, A.x.data(), work, L.data(), D.data()), A.n());
 
-  Cholmod cholmod(A.pattern, CholmodKind::kSimplicialLdl, false);
+  Cholmod cholmod = cholmod_of(A.pattern);
   for (int again = 0; again < 2; ++again) {
     ASSERT_TRUE(cholmod.factorize(A.x.data()));
     std::vector<double> pivots(A.n());
@@ -54,21 +57,21 @@ TEST(Cholmod, SimplicialEqualsLdl) {
     sparse::ldl_solve(symbolic, L.data(), D.data(), y.data());
     EXPECT_LE(error_of(x, y), 64 * kEps);
   }
-  EXPECT_EQ(cholmod.factor_nonzeros(), symbolic.nonzeros() + A.n());
+  EXPECT_EQ(cholmod.symbolic().factor_nonzeros(), symbolic.nonzeros() + A.n());
 }
 
-TEST(Cholmod, SimplicialReportsAZeroPivot) {
+TEST(Cholmod, ReportsAZeroPivot) {
   const Symmetric A(Eigen::Matrix3d{{1, 2, 1}, {2, 4, 3}, {1, 3, 7}});
-  Cholmod cholmod(A.pattern, CholmodKind::kSimplicialLdl, false);
+  Cholmod cholmod = cholmod_of(A.pattern);
   EXPECT_FALSE(cholmod.factorize(A.x.data()));
   std::vector<double> good = A.x;
   good[A.pattern.slot(1, 1)] = 9;
   EXPECT_TRUE(cholmod.factorize(good.data())) << "a failure must not stay";
 }
 
-TEST(Cholmod, SimplicialPivotRatioOfANearlyDependentSystem) {
+TEST(Cholmod, PivotRatioOfANearlyDependentSystem) {
   const Symmetric A(Eigen::Matrix2d{{1, 1}, {1, 1 + 1e-10}});
-  Cholmod cholmod(A.pattern, CholmodKind::kSimplicialLdl, false);
+  Cholmod cholmod = cholmod_of(A.pattern);
   ASSERT_TRUE(cholmod.factorize(A.x.data()));
   double D[2], terms[2];
   cholmod.pivots(D);
@@ -76,161 +79,58 @@ TEST(Cholmod, SimplicialPivotRatioOfANearlyDependentSystem) {
   EXPECT_NEAR(smallest_pivot_ratio(2, D, terms), 0.5e-10, 1e-15);
 }
 
-TEST(Cholmod, SupernodalEqualsDense) {
-  if (!sparse::supernodal_available()) GTEST_SKIP() << "built without the GPL part";
-  std::mt19937 rng(2);
-  for (double density : {0.03, 0.3, 1.0}) {
-    const Symmetric A(random_positive(80, density, rng));
-    for (bool order_rows : {false, true}) {
-      Cholmod cholmod(A.pattern, CholmodKind::kSupernodalLlt, order_rows);
-      ASSERT_TRUE(cholmod.factorize(A.x.data()));
-      const Eigen::MatrixXd b = random_matrix(80, 5, rng);
-      Eigen::MatrixXd x = b;
-      cholmod.solve(x.data(), 5);
-      EXPECT_LE(error_of(x, solved(A.dense, b)), 64 * kEps) << density << order_rows;
-      // the last pivot is one over its entry of the inverse, the first is its diagonal entry
-      Eigen::VectorXd left(80);
-      cholmod.parts_left(left.data());
-      EXPECT_DOUBLE_EQ(left[0], 1);
-      EXPECT_GT(left.minCoeff(), 0);
-      EXPECT_LE(left.maxCoeff(), 1 + 64 * kEps);
-      if (!order_rows) {
-        EXPECT_NEAR(left[79], 1 / (A.dense.inverse()(79, 79) * A.dense(79, 79)), 1e-10);
-      }
-    }
-  }
-}
-
-TEST(Cholmod, SupernodalRefusesWhatIsNotPositive) {
-  if (!sparse::supernodal_available()) GTEST_SKIP() << "built without the GPL part";
-  std::mt19937 rng(3);
-  const Symmetric A(quasi_definite(25, 15, rng)), B(random_positive(40, 0.2, rng));
-  Cholmod indefinite(A.pattern, CholmodKind::kSupernodalLlt, true);
-  EXPECT_FALSE(indefinite.factorize(A.x.data()));
-  Cholmod positive(B.pattern, CholmodKind::kSupernodalLlt, true);
-  EXPECT_TRUE(positive.factorize(B.x.data()));
-}
-
-TEST(Cholmod, SupernodalIsRefusedWhereItIsNotBuiltIn) {
-  if (sparse::supernodal_available()) GTEST_SKIP() << "built with the GPL part";
-  const Symmetric A(Eigen::MatrixXd::Identity(2, 2));
-  EXPECT_THROW(Cholmod(A.pattern, CholmodKind::kSupernodalLlt, true), std::invalid_argument);
-}
-
-// A factor in CHOLMOD's own order gives the results of the dense matrix in any order.
-TEST(Cholmod, SimplicialInAnOrderOfItsOwn) {
-  std::mt19937 rng(5);
-  const Symmetric A(quasi_definite(25, 15, rng));
-  Cholmod cholmod(A.pattern, CholmodKind::kSimplicialLdl, true);
-  EXPECT_EQ(cholmod.symbolic().size(), 40);
-  ASSERT_TRUE(cholmod.factorize(A.x.data()));
-  EXPECT_LT(cholmod.factor_nonzeros(), Cholmod(A.pattern, CholmodKind::kSimplicialLdl, false).factor_nonzeros());
-  Eigen::VectorXd D(40), scale(40);
-  cholmod.pivots(D.data());
-  EXPECT_EQ((D.array() > 0).count(), 25);
-  EXPECT_NEAR(D.array().abs().log().sum(), eigenvalues(A.dense).array().abs().log().sum(), 1e-11);
-  cholmod.pivot_terms(A.x.data(), scale.data());
-  const double ratio = smallest_pivot_ratio(40, D.data(), scale.data());
-  EXPECT_GT(ratio, 0.01);
-  EXPECT_LE(ratio, 1);
-  // scale is |A_kk| + sum L_kj^2 |D_j|, and A_kk = D_k + sum L_kj^2 D_j. The sums of the first pivot, which is A_kk
-  // itself, are empty.
-  EXPECT_EQ(scale[0], std::abs(D[0]));
-  for (int k = 0; k < 40; ++k) EXPECT_GE(scale[k] * (1 + 8 * kEps), std::abs(D[k])) << k;
-}
-
 // Matrices of one pattern share a symbolic phase; their factors are used alternately and at once.
 TEST(CholmodSymbolic, IsSharedByFactorsAndThreads) {
-  for (CholmodKind kind : {CholmodKind::kSimplicialLdl, CholmodKind::kSupernodalLlt}) {
-    if (kind == CholmodKind::kSupernodalLlt && !sparse::supernodal_available()) continue;
-    std::mt19937 rng(6);
-    const Symmetric A(random_positive(60, 0.1, rng));
-    for (bool order_rows : {false, true}) {
-      const auto symbolic = std::make_shared<const sparse::CholmodSymbolic>(A.pattern, kind, order_rows);
-      const Eigen::VectorXd truth = random_matrix(60, 1, rng);
-      const auto one_of = [&](double scale) {
-        Cholmod cholmod(symbolic);
-        double error = 0;
-        for (int again = 0; again < 20; ++again) {
-          std::vector<double> Ax = A.x;
-          for (double& a : Ax) a *= scale;
-          if (!cholmod.factorize(Ax.data())) return 1.0;
-          Eigen::VectorXd x = scale * (A.dense * truth);
-          cholmod.solve(x.data(), 1);
-          error = std::max(error, error_of(x, truth));
-        }
-        return error;
-      };
-      std::vector<double> errors(4, 1);
-      std::vector<std::thread> threads;
-      for (int t = 0; t < 4; ++t) threads.emplace_back([&, t] { errors[t] = one_of(t + 1); });
-      for (std::thread& t : threads) t.join();
-      for (double error : errors) EXPECT_LE(error, 64 * kEps);
-
-      Cholmod first(symbolic), second(symbolic);
-      std::vector<double> twice = A.x;
-      for (double& a : twice) a *= 2;
-      ASSERT_TRUE(first.factorize(A.x.data()));
-      ASSERT_TRUE(second.factorize(twice.data()));
-      Eigen::VectorXd x = A.dense * truth, y = x;
-      first.solve(x.data(), 1);
-      second.solve(y.data(), 1);
-      EXPECT_LE(error_of(x, truth), 64 * kEps) << "the other's factor was used";
-      EXPECT_LE(error_of(y, Eigen::VectorXd(0.5 * truth)), 64 * kEps);
-      EXPECT_EQ(first.factor_nonzeros(), symbolic->factor_nonzeros());
+  std::mt19937 rng(6);
+  const Symmetric A(random_positive(60, 0.1, rng));
+  const auto symbolic = std::make_shared<const sparse::CholmodSymbolic>(A.pattern);
+  const Eigen::VectorXd truth = random_matrix(60, 1, rng);
+  const auto one_of = [&](double scale) {
+    Cholmod cholmod(symbolic);
+    double error = 0;
+    for (int again = 0; again < 20; ++again) {
+      std::vector<double> Ax = A.x;
+      for (double& a : Ax) a *= scale;
+      if (!cholmod.factorize(Ax.data())) return 1.0;
+      Eigen::VectorXd x = scale * (A.dense * truth);
+      cholmod.solve(x.data(), 1);
+      error = std::max(error, error_of(x, truth));
     }
-  }
+    return error;
+  };
+  std::vector<double> errors(4, 1);
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t) threads.emplace_back([&, t] { errors[t] = one_of(t + 1); });
+  for (std::thread& t : threads) t.join();
+  for (double error : errors) EXPECT_LE(error, 64 * kEps);
+
+  Cholmod first(symbolic), second(symbolic);
+  std::vector<double> twice = A.x;
+  for (double& a : twice) a *= 2;
+  ASSERT_TRUE(first.factorize(A.x.data()));
+  ASSERT_TRUE(second.factorize(twice.data()));
+  Eigen::VectorXd x = A.dense * truth, y = x;
+  first.solve(x.data(), 1);
+  second.solve(y.data(), 1);
+  EXPECT_LE(error_of(x, truth), 64 * kEps) << "the other's factor was used";
+  EXPECT_LE(error_of(y, Eigen::VectorXd(0.5 * truth)), 64 * kEps);
+  EXPECT_EQ(first.symbolic().factor_nonzeros(), symbolic->factor_nonzeros());
 }
 
 // The test checks the header's statements on memory.
-TEST(Cholmod, SimplicialAllocatesNothingAfterItsConstruction) {
+TEST(Cholmod, AllocatesNothingAfterItsConstruction) {
   if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "allocations are not counted in this build";
   std::mt19937 rng(7);
   const Symmetric A(quasi_definite(60, 30, rng));
   Eigen::MatrixXd x = random_matrix(90, 13, rng);
-  for (bool order_rows : {false, true}) {
-    Cholmod cholmod(A.pattern, CholmodKind::kSimplicialLdl, order_rows);
-    bool done = true;
-    for (int again = 0; again < 3; ++again) {
-      EXPECT_EQ(allocations([&] { done = done && cholmod.factorize(A.x.data()); }), 0u);
-      for (int cols : {1, 3, 4, 5, 13, 1, 0})
-        EXPECT_EQ(allocations([&] { cholmod.solve(x.data(), cols); }), 0u) << cols << " columns";
-    }
-    EXPECT_TRUE(done);
+  Cholmod cholmod = cholmod_of(A.pattern);
+  bool done = true;
+  for (int again = 0; again < 3; ++again) {
+    EXPECT_EQ(allocations([&] { done = done && cholmod.factorize(A.x.data()); }), 0u);
+    for (int cols : {1, 3, 4, 5, 13, 1, 0})
+      EXPECT_EQ(allocations([&] { cholmod.solve(x.data(), cols); }), 0u) << cols << " columns";
   }
-}
-
-// For a diagonal matrix no BLAS with memory of its own is called.
-TEST(Cholmod, SupernodalAllocatesItsUpdateMatrixOnly) {
-  if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "allocations are not counted in this build";
-  if (!sparse::supernodal_available()) GTEST_SKIP() << "built without the GPL part";
-  std::mt19937 rng(8);
-  const auto beside_openmp = [](auto&& work) {
-    const std::size_t before = memalign_count(), all = allocations(work);
-    return all - (memalign_count() - before);
-  };
-  for (double density : {0.0, 0.05}) {
-    const Symmetric A(random_positive(90, density, rng));
-    Eigen::MatrixXd x = random_matrix(90, 130, rng);
-    {  // the BLAS and OpenMP allocate memory of their own once
-      Cholmod warm(A.pattern, CholmodKind::kSupernodalLlt, false);
-      ASSERT_TRUE(warm.factorize(A.x.data()));
-      warm.solve(x.data(), 130);
-    }
-    for (bool order_rows : {false, true}) {
-      Cholmod cholmod(A.pattern, CholmodKind::kSupernodalLlt, order_rows);
-      bool positive = true;
-      for (int again = 0; again < 3; ++again) {
-        const std::size_t of_factor = beside_openmp([&] { positive = positive && cholmod.factorize(A.x.data()); });
-        EXPECT_EQ(allocations([&] { cholmod.solve(x.data(), 1); }), 0u);
-        if (density > 0) continue;
-        EXPECT_EQ(of_factor, 2u);
-        for (int cols : {3, 64, 65, 130, 7, 0})
-          EXPECT_EQ(beside_openmp([&] { cholmod.solve(x.data(), cols); }), 0u) << cols << " columns";
-      }
-      EXPECT_TRUE(positive);
-    }
-  }
+  EXPECT_TRUE(done);
 }
 
 // There are more columns than are solved at once.
@@ -238,35 +138,28 @@ TEST(Cholmod, SolvesForManyColumns) {
   std::mt19937 rng(9);
   const Symmetric A(random_positive(30, 0.2, rng));
   const Eigen::MatrixXd truth = random_matrix(30, 150, rng), b = A.dense * truth;
-  for (CholmodKind kind : {CholmodKind::kSimplicialLdl, CholmodKind::kSupernodalLlt}) {
-    if (kind == CholmodKind::kSupernodalLlt && !sparse::supernodal_available()) continue;
-    for (bool order_rows : {false, true}) {
-      Cholmod cholmod(A.pattern, kind, order_rows);
-      ASSERT_TRUE(cholmod.factorize(A.x.data()));
-      for (int cols : {1, 2, 4, 5, 63, 64, 65, 128, 150, 3}) {
-        Eigen::MatrixXd x = b;
-        cholmod.solve(x.data(), cols);
-        EXPECT_LE(error_of(x.leftCols(cols), truth.leftCols(cols)), 64 * kEps) << cols;
-        EXPECT_EQ(x.rightCols(150 - cols), b.rightCols(150 - cols)) << cols;
-      }
-    }
+  Cholmod cholmod = cholmod_of(A.pattern);
+  ASSERT_TRUE(cholmod.factorize(A.x.data()));
+  for (int cols : {1, 2, 4, 5, 63, 64, 65, 128, 150, 3}) {
+    Eigen::MatrixXd x = b;
+    cholmod.solve(x.data(), cols);
+    EXPECT_LE(error_of(x.leftCols(cols), truth.leftCols(cols)), 64 * kEps) << cols;
+    EXPECT_EQ(x.rightCols(150 - cols), b.rightCols(150 - cols)) << cols;
   }
 }
 
 TEST(Cholmod, OfNoRows) {
   const sparse::UpperCsc none = sparse::make_pattern(0, {});
-  for (bool order_rows : {false, true}) {
-    Cholmod cholmod(none, CholmodKind::kSimplicialLdl, order_rows);
-    EXPECT_TRUE(cholmod.factorize(nullptr));
-    cholmod.solve(nullptr, 3);
-    EXPECT_EQ(cholmod.factor_nonzeros(), 0);
-  }
+  Cholmod cholmod = cholmod_of(none);
+  EXPECT_TRUE(cholmod.factorize(nullptr));
+  cholmod.solve(nullptr, 3);
+  EXPECT_EQ(cholmod.symbolic().factor_nonzeros(), 0);
 }
 
 TEST(Cholmod, MovesAndSolvesSeveralColumns) {
   std::mt19937 rng(4);
   const Symmetric A(quasi_definite(10, 5, rng));
-  Cholmod first(A.pattern, CholmodKind::kSimplicialLdl, true);
+  Cholmod first = cholmod_of(A.pattern);
   ASSERT_TRUE(first.factorize(A.x.data()));
   Cholmod second = std::move(first);
   const Eigen::MatrixXd truth = random_matrix(15, 7, rng);

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "manycontact/dynamics/truth.hpp"
 #include "stability/cases.hpp"
+#include "support/truth.hpp"
 
 namespace manycontact::test {
 

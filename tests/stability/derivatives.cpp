@@ -4,10 +4,10 @@
 
 #include "manycontact/algorithm/integrate.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
-#include "manycontact/dynamics/truth.hpp"
 #include "stability/island_system.hpp"
 #include "support/measure.hpp"
 #include "support/random.hpp"
+#include "support/truth.hpp"
 
 namespace manycontact::test {
 

@@ -9,8 +9,8 @@
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/solve.hpp"
-#include "manycontact/dynamics/truth.hpp"
 #include "stability/cases.hpp"
+#include "support/truth.hpp"
 
 namespace manycontact::test {
 namespace {

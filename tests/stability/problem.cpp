@@ -3,10 +3,10 @@
 #include <numbers>
 
 #include "manycontact/contact/reference.hpp"
-#include "manycontact/dynamics/truth.hpp"
 #include "support/dense.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
+#include "support/truth.hpp"
 
 namespace manycontact::test {
 

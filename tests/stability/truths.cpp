@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "manycontact/dynamics/solve.hpp"
-#include "manycontact/dynamics/truth.hpp"
 #include "stability/derivatives.hpp"
 #include "support/measure.hpp"
+#include "support/truth.hpp"
 
 namespace manycontact::test {
 

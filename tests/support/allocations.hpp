@@ -32,9 +32,6 @@ namespace manycontact::test {
 
 /// Returns the count of the whole program, since its start.
 std::size_t allocation_count();
-/// Returns those of memalign or posix_memalign: only OpenMP's runtime, used by CHOLMOD's supernodal module, calls them.
-/// They never fail, since it would end the program.
-std::size_t memalign_count();
 /// Returns allocated blocks that are not freed if allocations are counted, otherwise 0.
 std::ptrdiff_t blocks_held();
 

@@ -22,7 +22,7 @@ using ConstVector = ConstVectorRef;  // former name
 /// accelerations and forces of a failed island are NaN. The reference remains valid as long as `data`; the next solve
 /// overwrites the report.
 ///
-/// With the sparse methods, except sparse-supernodal, a call does not allocate if every island's set of contacts was
+/// With the sparse methods a call does not allocate if every island's set of contacts was
 /// solved before with this data. The result is bitwise independent of the previous contents of `data`. The cost is
 /// linear in the number of separate robots. Thread-safe for distinct `data`; `scene` is only read.
 ///

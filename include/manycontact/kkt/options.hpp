@@ -8,19 +8,18 @@ namespace manycontact {
 
 /// Methods for an island's system.
 enum class Method {
-  kDense,             // rank-revealing, per island: the dense reference solver
-  kDenseSchur,        // the whole scene as one system, LLT of M and of J M^-1 J^T, as in Crocoddyl: the baseline
-  kSparseLdl,         // LDL^T of K by a compiled schedule, per island
-  kSuiteSparseLdl,    // LDL^T of K by SuiteSparse's LDL, for comparison; kAuto never chooses it
-  kSparseCholmod,     // CHOLMOD's simplicial LDL^T of K, per island
-  kSparseSupernodal,  // tree-sparse factor of M, CHOLMOD's supernodal LL^T of the Schur complement, per island
-  kSparseBodies,      // accelerations of bodies and forces of joints are kept as unknowns, per island: linear in the
-                      // depth of trees
-  kAuto,              // the sparse method and order of least predicted cost, per island
+  kDense,           // rank-revealing, per island: the dense reference solver
+  kDenseSchur,      // the whole scene as one system, LLT of M and of J M^-1 J^T, as in Crocoddyl: the baseline
+  kSparseLdl,       // LDL^T of K by a compiled schedule, per island
+  kSuiteSparseLdl,  // LDL^T of K by SuiteSparse's LDL, for comparison; kAuto never chooses it
+  kSparseCholmod,   // CHOLMOD's simplicial LDL^T of K, per island
+  kSparseBodies,    // accelerations of bodies and forces of joints are kept as unknowns, per island: linear in the
+                    // depth of trees
+  kAuto,            // the sparse method and order of least predicted cost, per island
 };
-inline constexpr Method kMethods[] = {Method::kDense,          Method::kDenseSchur,    Method::kSparseLdl,
-                                      Method::kSuiteSparseLdl, Method::kSparseCholmod, Method::kSparseSupernodal,
-                                      Method::kSparseBodies,   Method::kAuto};
+inline constexpr Method kMethods[] = {
+    Method::kDense,         Method::kDenseSchur,   Method::kSparseLdl, Method::kSuiteSparseLdl,
+    Method::kSparseCholmod, Method::kSparseBodies, Method::kAuto};
 std::string to_string(Method method);  // "sparse-ldl"
 /// The method with the given name, as to_string writes it; none if there is no such method.
 std::optional<Method> method_from_string(const std::string& name);
@@ -51,9 +50,9 @@ struct Choice {
 /// The SIMD instructions with which several robots are solved at a time: 2 (baseline), 4 (AVX2 and FMA) or 8 (AVX-512).
 ///
 /// The robots of a batch have the same kinematic structure. Islands of one robot are batched as a whole by sparse-ldl.
-/// Islands of several robots are batched robot by robot by sparse-ldl, if this is cheaper; their derivatives by
-/// sparse-supernodal too. With sparse-bodies, the subtrees between constrained bodies are batched. A level that is not
-/// compiled in, or not supported by the processor, is treated as kOff.
+/// Islands of several robots are batched robot by robot by sparse-ldl, if this is cheaper. With sparse-bodies, the
+/// subtrees between constrained bodies are batched. A level that is not compiled in, or not supported by the processor,
+/// is treated as kOff.
 enum class Lanes {
   kAuto,  // the widest level that this processor supports
   kOff,   // no batches: one robot or subtree at a time
@@ -88,9 +87,7 @@ struct Options {  // How to solve.
   /// Threads of OpenMP inside a call of solve, differentiate, jvp and vjp, kMostThreads at most. They work on islands,
   /// on SIMD batches, and on the robots of a large island. 0 takes as many as OpenMP offers.
   ///
-  /// Results do not depend on the number of threads. For sparse-supernodal this is true only if the BLAS uses one
-  /// thread. With more than one thread, OpenBLAS is limited to one thread during the call, in the whole program. Then
-  /// only one such call may run at a time.
+  /// Results do not depend on the number of threads.
   int threads = 1;
   /// Whether the constraint rows of several contacts between the same two bodies are reduced to at most six independent
   /// rows before the factorization. All methods do so except kDense and kDenseSchur, if Scene::tolerance is zero and

@@ -97,11 +97,10 @@ bool aba(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, c
   return true;
 }
 
-template struct AbaData<InstantiatedScalar>;
-template bool aba<InstantiatedScalar>(const Model&, const SE3<double>&, const ConstVecRef<InstantiatedScalar>&,
-                                      const ConstVecRef<InstantiatedScalar>&, const ConstVecRef<InstantiatedScalar>&,
-                                      const Vec3<double>&, std::span<const Vec6<InstantiatedScalar>>,
-                                      Kinematics<InstantiatedScalar>&, AbaData<InstantiatedScalar>&,
-                                      VecRef<InstantiatedScalar>);
+using Real = InstantiatedScalar;
+template struct AbaData<Real>;
+template bool aba<Real>(const Model&, const SE3<double>&, const ConstVecRef<Real>&, const ConstVecRef<Real>&,
+                        const ConstVecRef<Real>&, const Vec3<double>&, std::span<const Vec6<Real>>, Kinematics<Real>&,
+                        AbaData<Real>&, VecRef<Real>);
 
 }  // namespace manycontact

@@ -138,13 +138,11 @@ void add_applied_forces(const Scene& scene, const S* q, const S* v, std::span<co
   }
 }
 
-template struct AppliedForces<InstantiatedScalar>;
-template void find_applied_wrenches<InstantiatedScalar>(const Scene&, const InstantiatedScalar*,
-                                                        const InstantiatedScalar*,
-                                                        std::span<const Vec6<InstantiatedScalar>>,
-                                                        AppliedForces<InstantiatedScalar>&);
-template void add_applied_forces<InstantiatedScalar>(const Scene&, const InstantiatedScalar*, const InstantiatedScalar*,
-                                                     std::span<const Vec6<InstantiatedScalar>>,
-                                                     AppliedForces<InstantiatedScalar>&, InstantiatedScalar*);
+using Real = InstantiatedScalar;
+template struct AppliedForces<Real>;
+template void find_applied_wrenches<Real>(const Scene&, const Real*, const Real*, std::span<const Vec6<Real>>,
+                                          AppliedForces<Real>&);
+template void add_applied_forces<Real>(const Scene&, const Real*, const Real*, std::span<const Vec6<Real>>,
+                                       AppliedForces<Real>&, Real*);
 
 }  // namespace manycontact

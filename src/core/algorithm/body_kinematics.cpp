@@ -101,12 +101,10 @@ void body_kinematics(const Model& model, const SE3<double>& base, int i, const C
   *terms.h = cross_force(kin.v[i], Y * kin.v[i]);
 }
 
-template struct BodyKinematics<InstantiatedScalar>;
-template void place_trees<InstantiatedScalar>(const Model&, const SE3<double>&, const ConstVecRef<InstantiatedScalar>&,
-                                              BodyKinematics<InstantiatedScalar>&);
-template void body_kinematics<InstantiatedScalar>(const Model&, const SE3<double>&, int,
-                                                  const ConstVecRef<InstantiatedScalar>&,
-                                                  const ConstVecRef<InstantiatedScalar>&,
-                                                  BodyKinematics<InstantiatedScalar>&, BodyTerms<InstantiatedScalar>);
+using Real = InstantiatedScalar;
+template struct BodyKinematics<Real>;
+template void place_trees<Real>(const Model&, const SE3<double>&, const ConstVecRef<Real>&, BodyKinematics<Real>&);
+template void body_kinematics<Real>(const Model&, const SE3<double>&, int, const ConstVecRef<Real>&,
+                                    const ConstVecRef<Real>&, BodyKinematics<Real>&, BodyTerms<Real>);
 
 }  // namespace manycontact

@@ -54,11 +54,9 @@ void unpack_inertia(const Model& model, const S* M, MatRef<S> out) {
   }
 }
 
-template void crba<InstantiatedScalar>(const Model&, const Kinematics<InstantiatedScalar>&,
-                                       std::vector<Inertia<InstantiatedScalar>>&, InstantiatedScalar*);
-template void crba<InstantiatedScalar>(const Model&, const Kinematics<InstantiatedScalar>&,
-                                       std::vector<Inertia<InstantiatedScalar>>&, const int*, InstantiatedScalar*);
-template void unpack_inertia<InstantiatedScalar>(const Model&, const InstantiatedScalar*,
-                                                 MatRef<InstantiatedScalar>);
+using Real = InstantiatedScalar;
+template void crba<Real>(const Model&, const Kinematics<Real>&, std::vector<Inertia<Real>>&, Real*);
+template void crba<Real>(const Model&, const Kinematics<Real>&, std::vector<Inertia<Real>>&, const int*, Real*);
+template void unpack_inertia<Real>(const Model&, const Real*, MatRef<Real>);
 
 }  // namespace manycontact

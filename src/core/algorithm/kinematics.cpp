@@ -150,12 +150,11 @@ void forward_accelerations(const Model& model, const ConstVecRef<S>& v, const S*
   }
 }
 
-template struct Kinematics<InstantiatedScalar>;
-template void forward_kinematics<InstantiatedScalar, double>(const Model&, const SE3<double>&,
-                                                             const ConstVecRef<InstantiatedScalar>&,
-                                                             Kinematics<InstantiatedScalar>&);
-template void forward_accelerations<InstantiatedScalar>(const Model&, const ConstVecRef<InstantiatedScalar>&,
-                                                        const InstantiatedScalar*, const Vec3<double>&,
-                                                        Kinematics<InstantiatedScalar>&);
+using Real = InstantiatedScalar;
+template struct Kinematics<Real>;
+template void forward_kinematics<Real, double>(const Model&, const SE3<double>&, const ConstVecRef<Real>&,
+                                               Kinematics<Real>&);
+template void forward_accelerations<Real>(const Model&, const ConstVecRef<Real>&, const Real*, const Vec3<double>&,
+                                          Kinematics<Real>&);
 
 }  // namespace manycontact

@@ -75,6 +75,15 @@ void check_state(const char* function, const RigidBodies& bodies, const ConstRef
   if (third) expect_numbers(function, what, *third, bodies.nv());
 }
 
+// The data of these robots at a state, which is checked first.
+RigidBodyMemory& at_state(const char* function, const RigidBodies& bodies, const ConstRef& q, const ConstRef* v,
+                          const ConstRef* a, RigidBodyData& data) {
+  check_state(function, bodies, q, v, a);
+  RigidBodyMemory& m = memory_of(function, bodies, data);
+  take(bodies, q, v, a ? a->data() : nullptr, m);
+  return m;
+}
+
 void check_forces(const char* function, const RigidBodies& bodies, ForcesOnBodies fext) {
   if (!fext.empty() && fext.size() != static_cast<std::size_t>(bodies.njoints()))
     throw std::invalid_argument(std::string(function) + ": fext has " + std::to_string(fext.size()) +
@@ -109,38 +118,31 @@ void torques(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, co
 // ---- state ---------------------------------------------------------------------------------------------------------
 
 void forward_kinematics(const RigidBodies& bodies, const ConstRef& q, RigidBodyData& data) {
-  internal::check_state("forward_kinematics", bodies, q, nullptr);
-  internal::take(bodies, q, nullptr, nullptr, memory_of("forward_kinematics", bodies, data));
+  internal::at_state("forward_kinematics", bodies, q, nullptr, nullptr, data);
 }
 
 void forward_kinematics(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, RigidBodyData& data) {
-  internal::check_state("forward_kinematics", bodies, q, &v);
-  internal::take(bodies, q, &v, nullptr, memory_of("forward_kinematics", bodies, data));
+  internal::at_state("forward_kinematics", bodies, q, &v, nullptr, data);
 }
 
 void forward_kinematics(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, const ConstRef& a,
                         RigidBodyData& data) {
-  internal::check_state("forward_kinematics", bodies, q, &v, &a);
-  internal::take(bodies, q, &v, a.data(), memory_of("forward_kinematics", bodies, data));
+  internal::at_state("forward_kinematics", bodies, q, &v, &a, data);
 }
 
 // ---- torques and accelerations -------------------------------------------------------------------------------------
 
 const Eigen::VectorXd& rnea(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, const ConstRef& a,
                             RigidBodyData& data, ForcesOnBodies fext) {
-  internal::check_state("rnea", bodies, q, &v, &a);
   internal::check_forces("rnea", bodies, fext);
-  RigidBodyMemory& m = memory_of("rnea", bodies, data);
-  internal::take(bodies, q, &v, a.data(), m);
+  RigidBodyMemory& m = internal::at_state("rnea", bodies, q, &v, &a, data);
   internal::torques(bodies, q, v, a.data(), fext, m, m.tau);
   return m.tau;
 }
 
 const Eigen::VectorXd& nonlinear_effects(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v,
                                          RigidBodyData& data) {
-  internal::check_state("nonlinear_effects", bodies, q, &v);
-  RigidBodyMemory& m = memory_of("nonlinear_effects", bodies, data);
-  internal::take(bodies, q, &v, nullptr, m);
+  RigidBodyMemory& m = internal::at_state("nonlinear_effects", bodies, q, &v, nullptr, data);
   internal::torques(bodies, q, v, nullptr, {}, m, m.h);
   return m.h;
 }
@@ -183,9 +185,7 @@ const Eigen::VectorXd& aba(const RigidBodies& bodies, const ConstRef& q, const C
 // ---- inertia -------------------------------------------------------------------------------------------------------
 
 const Eigen::MatrixXd& crba(const RigidBodies& bodies, const ConstRef& q, RigidBodyData& data) {
-  internal::check_state("crba", bodies, q, nullptr);
-  RigidBodyMemory& m = memory_of("crba", bodies, data);
-  internal::take(bodies, q, nullptr, nullptr, m);
+  RigidBodyMemory& m = internal::at_state("crba", bodies, q, nullptr, nullptr, data);
   internal::compose(bodies, m);
   const Eigen::Index nv = m.zero.size();
   if (m.M.rows() != nv) m.M.setZero(nv, nv);
@@ -264,10 +264,8 @@ void dense_torques(const RigidBodies& bodies, const ConstRef& v, RigidBodyMemory
 
 const TorqueDerivatives& rnea_derivatives(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v,
                                           const ConstRef& a, RigidBodyData& data, ForcesOnBodies fext) {
-  internal::check_state("rnea_derivatives", bodies, q, &v, &a);
   internal::check_forces("rnea_derivatives", bodies, fext);
-  RigidBodyMemory& m = memory_of("rnea_derivatives", bodies, data);
-  internal::take(bodies, q, &v, a.data(), m);
+  RigidBodyMemory& m = internal::at_state("rnea_derivatives", bodies, q, &v, &a, data);
   differentiate(bodies, fext, m);
   dense_torques(bodies, v, m);
   return m.torque;
@@ -301,9 +299,7 @@ const AccelerationDerivatives& aba_derivatives(const RigidBodies& bodies, const 
 
 // C_ij = S_i^T (B S_j + Yc Sd_j) and C_ji = S_j^T (B S_i + Yc Sd_i) for an ancestor j of i, B and Yc of i's subtree.
 Eigen::MatrixXd coriolis_matrix(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, RigidBodyData& data) {
-  internal::check_state("coriolis_matrix", bodies, q, &v);
-  RigidBodyMemory& m = memory_of("coriolis_matrix", bodies, data);
-  internal::take(bodies, q, &v, nullptr, m);
+  RigidBodyMemory& m = internal::at_state("coriolis_matrix", bodies, q, &v, nullptr, data);
   differentiate(bodies, {}, m);
   Eigen::MatrixXd C = Eigen::MatrixXd::Zero(m.zero.size(), m.zero.size());
   each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int iv) {

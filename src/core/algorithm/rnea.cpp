@@ -35,13 +35,11 @@ void rnea(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, 
   inverse_dynamics<S>(model, kin, qdd.data(), in_tree, f, tau);
 }
 
-template void inverse_dynamics<InstantiatedScalar>(const Model&, const Kinematics<InstantiatedScalar>&,
-                                                   const InstantiatedScalar*, std::span<const Vec6<InstantiatedScalar>>,
-                                                   std::vector<Vec6<InstantiatedScalar>>&, VecRef<InstantiatedScalar>);
-template void rnea<InstantiatedScalar>(const Model&, const SE3<double>&, const ConstVecRef<InstantiatedScalar>&,
-                                       const ConstVecRef<InstantiatedScalar>&, const ConstVecRef<InstantiatedScalar>&,
-                                       const Vec3<double>&, std::span<const Vec6<InstantiatedScalar>>,
-                                       Kinematics<InstantiatedScalar>&, std::vector<Vec6<InstantiatedScalar>>&,
-                                       VecRef<InstantiatedScalar>);
+using Real = InstantiatedScalar;
+template void inverse_dynamics<Real>(const Model&, const Kinematics<Real>&, const Real*, std::span<const Vec6<Real>>,
+                                     std::vector<Vec6<Real>>&, VecRef<Real>);
+template void rnea<Real>(const Model&, const SE3<double>&, const ConstVecRef<Real>&, const ConstVecRef<Real>&,
+                         const ConstVecRef<Real>&, const Vec3<double>&, std::span<const Vec6<Real>>, Kinematics<Real>&,
+                         std::vector<Vec6<Real>>&, VecRef<Real>);
 
 }  // namespace manycontact

@@ -108,11 +108,11 @@ void contact_derivatives(const Contact& c, const ContactSupport& support, const 
   for (std::size_t j = 0; j < d.chain_b.size(); ++j) d.S_b.col(j) = data.bMA.act_inverse(kinB->J.col(d.chain_b[j]));
 }
 
-template struct ContactDerivativesOf<InstantiatedScalar>;
-template void contact_derivatives<InstantiatedScalar>(
-    const Contact&, const ContactSupport&, const Kinematics<InstantiatedScalar>&, const Kinematics<InstantiatedScalar>*,
-    const RneaDerivativesOf<InstantiatedScalar>&, const RneaDerivativesOf<InstantiatedScalar>*,
-    const ConstVecRef<InstantiatedScalar>&, const ContactData<InstantiatedScalar>&,
-    ContactDerivativesOf<InstantiatedScalar>&);
+using Real = InstantiatedScalar;
+template struct ContactDerivativesOf<Real>;
+template void contact_derivatives<Real>(const Contact&, const ContactSupport&, const Kinematics<Real>&,
+                                        const Kinematics<Real>*, const RneaDerivativesOf<Real>&,
+                                        const RneaDerivativesOf<Real>*, const ConstVecRef<Real>&,
+                                        const ContactData<Real>&, ContactDerivativesOf<Real>&);
 
 }  // namespace manycontact

@@ -168,24 +168,17 @@ void contact_rows_between(const Vec3<double>& gravity, const Contact& c, const C
     d.J.noalias() = d.W * d.Jl;
 }
 
-template struct ContactData<InstantiatedScalar>;
-template Vec6<InstantiatedScalar> contact_error<InstantiatedScalar>(const Contact&, const SE3<InstantiatedScalar>&,
-                                                                    const InstantiatedScalar&);
-template void contact_motion<InstantiatedScalar>(const Contact&, ContactData<InstantiatedScalar>&);
-template void contact_rows<InstantiatedScalar>(const Scene&, const Contact&, const ContactSupport&,
-                                               const Kinematics<InstantiatedScalar>&,
-                                               const Kinematics<InstantiatedScalar>*, ContactData<InstantiatedScalar>&);
-template void contact_rows_with_world<InstantiatedScalar>(const Vec3<double>&, const Contact&, const ContactSupport&,
-                                                          const Kinematics<InstantiatedScalar>&,
-                                                          const SE3<InstantiatedScalar>&,
-                                                          const WorldPoint<InstantiatedScalar>&,
-                                                          const SE3<InstantiatedScalar>&,
-                                                          ContactData<InstantiatedScalar>&);
-template void contact_rows_between<InstantiatedScalar>(const Vec3<double>&, const Contact&, const ContactSupport&,
-                                                       const Kinematics<InstantiatedScalar>&,
-                                                       const SE3<InstantiatedScalar>&,
-                                                       const Kinematics<InstantiatedScalar>*,
-                                                       const SE3<InstantiatedScalar>&, const Vec3<InstantiatedScalar>&,
-                                                       ContactData<InstantiatedScalar>&);
+using Real = InstantiatedScalar;
+template struct ContactData<Real>;
+template Vec6<Real> contact_error<Real>(const Contact&, const SE3<Real>&, const Real&);
+template void contact_motion<Real>(const Contact&, ContactData<Real>&);
+template void contact_rows<Real>(const Scene&, const Contact&, const ContactSupport&, const Kinematics<Real>&,
+                                 const Kinematics<Real>*, ContactData<Real>&);
+template void contact_rows_with_world<Real>(const Vec3<double>&, const Contact&, const ContactSupport&,
+                                            const Kinematics<Real>&, const SE3<Real>&, const WorldPoint<Real>&,
+                                            const SE3<Real>&, ContactData<Real>&);
+template void contact_rows_between<Real>(const Vec3<double>&, const Contact&, const ContactSupport&,
+                                         const Kinematics<Real>&, const SE3<Real>&, const Kinematics<Real>*,
+                                         const SE3<Real>&, const Vec3<Real>&, ContactData<Real>&);
 
 }  // namespace manycontact

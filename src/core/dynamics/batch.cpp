@@ -6,7 +6,6 @@
 #include "internal.hpp"
 #include "manycontact/dynamics/copies.hpp"
 #include "manycontact/model/applied_forces.hpp"
-#include "manycontact/sparse/blas_threads.hpp"
 #include "workspace/changes.hpp"
 #include "workspace/parallel.hpp"
 
@@ -216,7 +215,6 @@ void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std:
     at_once = std::min<std::ptrdiff_t>(internal::states_side_by_side(data), of_thread);
   }
   if (at_once > 1) prepare_copies(scene, batch);
-  const sparse::OneBlasThread one_blas_thread;
   batch.failures->resize(batch.threads.size());
   const std::span<internal::Failure> failures(batch.failures->data(), threads);
   internal::run_items(failures, (count + at_once - 1) / at_once, [&](std::ptrdiff_t k, int number) {

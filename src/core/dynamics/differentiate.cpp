@@ -149,7 +149,6 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
     w.derivatives.islands[i].stamp = {};
     internal::prepare_island(scene, data, *w.islands[i], request, w.derivatives.islands[i]);
   }
-  const internal::OneBlasOfThreads one_blas_thread(w);
   internal::differentiate_alone(scene, data);
   internal::each_island(
       w, [](const IslandWork& d) { return d.served_in_lanes(); }, internal::differentiates_by_robots,

@@ -2,24 +2,20 @@
 
 #include <algorithm>
 
+#include "manycontact/model/named.hpp"
 #include "manycontact/sparse/largest.hpp"
 
 namespace manycontact {
 
 std::string to_string(Status status) {
-  switch (status) {
-    case Status::kOk:
-      return "ok";
-    case Status::kRedundant:
-      return "redundant";
-    case Status::kInconsistent:
-      return "inconsistent";
-    case Status::kRegularised:
-      return "regularised";
-    case Status::kFailed:
-      return "failed";
-  }
-  return "?";
+  static constexpr Named<Status> kNames[] = {
+      {Status::kOk, "ok"},
+      {Status::kRedundant, "redundant"},
+      {Status::kInconsistent, "inconsistent"},
+      {Status::kRegularised, "regularised"},
+      {Status::kFailed, "failed"},
+  };
+  return name_of(kNames, status);
 }
 
 void summarise(Report& report) {

@@ -1,6 +1,7 @@
 #include "manycontact/dynamics/solve.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -12,7 +13,6 @@
 #include "manycontact/model/torques.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "reduction/reduction.hpp"
-#include "solve_clock.hpp"
 #include "workspace/threads.hpp"
 
 namespace manycontact {
@@ -171,7 +171,6 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   Workspace& w = *data.workspace;
   if (w.reduction) return solve_reduced(scene, q, v, tau, data, prescribed);
   begin_state(scene, q, v, tau, data, prescribed);
-  const OneBlasOfThreads one_blas_thread(w);
   for (const Dropped dropped : {Dropped::kAsBefore, Dropped::kNone, Dropped::kAsFound}) {
     if (dropped == Dropped::kNone) solve_alone_in_single(scene, data);
     solve_alone(scene, data, dropped);
@@ -186,6 +185,25 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   summarise(data.report);
   return data.report;
 }
+
+namespace {
+
+// Measures a solve for its report: it starts when it is constructed; call `prepared` when the islands are set up.
+class SolveClock {
+ public:
+  void prepared() { prepared_ = Clock::now(); }
+  const Report& report(Report& report) const {
+    report.times = {us(prepared_ - start_), us(Clock::now() - prepared_)};
+    return report;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static double us(Clock::duration d) { return std::chrono::duration<double, std::micro>(d).count(); }
+  Clock::time_point start_ = Clock::now(), prepared_ = start_;
+};
+
+}  // namespace
 
 }  // namespace internal
 
@@ -229,7 +247,6 @@ bool solve_step(const Scene& scene, const ConstVector& q, const ConstVector& tau
   clock.prepared();
   if (!internal::stand_alone(scene, w)) return false;
   internal::begin_state(scene, q, data.v, tau, data, {prescribed.data(), static_cast<std::size_t>(prescribed.size())});
-  const internal::OneBlasOfThreads one_blas_thread(w);
   for (const Dropped dropped : {Dropped::kAsBefore, Dropped::kNone})
     internal::solve_alone(scene, data, dropped, &start);
   if (std::ranges::any_of(w.islands, [](const auto& d) { return !d->answered; })) return false;

@@ -71,18 +71,6 @@ const SceneData& data_solved(const SceneData& data) {
 const IslandSupport& island_support_of(const SceneData& data, std::size_t i) {
   return prepared(data).islands.at(i)->shape->support();
 }
-int factorizations_of(const SceneData& data, std::size_t i) { return solver(data).islands.at(i)->factorizations; }
-std::size_t shapes_analysed(const SceneData& data) { return solver(data).shapes.size(); }
-void wake_threads_for(SceneData& data, double seconds) {
-  (void)prepared(data);
-  if (data.workspace->reduction) wake_threads_for(*data.workspace->reduction->data, seconds);
-  data.workspace->worth_a_thread = seconds;
-}
-void limit_pool(SceneData& data, std::size_t bytes) {
-  (void)prepared(data);
-  if (data.workspace->reduction) limit_pool(*data.workspace->reduction->data, bytes);
-  data.workspace->pool.most = bytes;
-}
 const KktMatrix& assembled_matrix_of(const SceneData& data, std::size_t i) {
   const Workspace& w = prepared(data);
   const MatrixSystem& matrix = w.islands.at(i)->matrix;

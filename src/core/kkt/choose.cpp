@@ -6,7 +6,6 @@
 #include <map>
 
 #include "manycontact/kkt/costs.hpp"
-#include "manycontact/kkt/overdetermined.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
@@ -41,18 +40,6 @@ double cost_ldl(IslandShape& shape, Order order) {
 double cost_cholmod(IslandShape& shape, Order order) {
   const sparse::LdlCounts& L = shape.counts(order);
   return kCholmodCall + kCholmodRow * shape.island().size() + kCholmodEntry * L.nonzeros + kCholmodFlop * L.flops;
-}
-
-double cost_supernodal(IslandShape& shape) {
-  const SchurCounts S = count_schur(shape.scene(), shape.island(), shape.support());
-  double flops = 0;
-  for (std::size_t r = 0; r < S.rows.size(); ++r) {
-    const Model& model = *shape.scene().robots[r].model;
-    const double rows = S.rows[r];
-    for (int i = 0; i < model.nv; ++i) flops += (model.dof_depth[i] + 1.0) * (model.dof_depth[i] + rows);
-    flops += 0.5 * rows * rows * model.nv;
-  }
-  return kSupernodalCall + kSupernodalFlop * flops + kSupernodalRow * shape.island().nc + kSupernodalEntry * S.nonzeros;
 }
 
 double cost_bodies(const BodyPattern& p) {
@@ -133,7 +120,6 @@ PredictedCosts predict_costs(IslandShape& shape) {
   costs.terms = cost_of_terms(shape);
   costs.bodies = cost_bodies(shape);
   costs.dense = cost_dense(shape);
-  costs.supernodal = std::numeric_limits<double>::infinity();
   if (overdetermined(shape.island())) {
     costs.ldl.fill(least_cost_ldl(shape) + full_rows_cost(shape.island(), kLdlEntry, kLdlFlop));
     costs.cholmod.fill(least_cost_ldl(shape) + kCholmodCall +
@@ -142,23 +128,21 @@ PredictedCosts predict_costs(IslandShape& shape) {
   }
   if (is_deep(shape)) {
     costs.ldl.fill(least_cost_ldl(shape));
-    costs.cholmod.fill(costs.supernodal);
+    costs.cholmod.fill(std::numeric_limits<double>::infinity());
     return costs;
   }
   for (Order order : kOrders) {
     costs.ldl[static_cast<std::size_t>(order)] = cost_ldl(shape, order);
     costs.cholmod[static_cast<std::size_t>(order)] = cost_cholmod(shape, order);
   }
-  if (sparse::supernodal_available() && shape.island().nc > 0) costs.supernodal = cost_supernodal(shape);
   return costs;
 }
 
 Choice choose(IslandShape& shape, const Options& options) {
   Choice choice{options.method, Order::kLeafToRoot};
   if (options.method == Method::kSparseBodies) return choice;
-  const bool rows_fill = has_order(options.method) || options.method == Method::kSparseSupernodal;
   if (options.method == Method::kAuto ? overdetermined(shape.island()) && !options.order
-                                      : rows_fill && too_full_for_sparse(shape.island()))
+                                      : has_order(options.method) && too_full_for_sparse(shape.island()))
     return {Method::kDense, Order::kLeafToRoot};
   if (options.method == Method::kAuto && !options.order && is_deep(shape)) return {Method::kSparseBodies};
   const bool ordered = has_order(options.method) || options.method == Method::kAuto;
@@ -173,11 +157,7 @@ Choice choose(IslandShape& shape, const Options& options) {
   }
   if (options.method != Method::kAuto) return choice;
   choice.method = Method::kSparseLdl;
-  double least = cost_ldl(shape, choice.order);
-  if (sparse::supernodal_available() && shape.island().nc > 0)
-    if (const double cost = cost_supernodal(shape); cost < least)
-      choice.method = Method::kSparseSupernodal, least = cost;
-  if (!options.order && bodies_are_cheaper(shape, least))
+  if (!options.order && bodies_are_cheaper(shape, cost_ldl(shape, choice.order)))
     return {Method::kSparseBodies,
             choice.order};  // the order is for the whole K, which solves what sparse-bodies cannot
   return choice;
@@ -206,18 +186,12 @@ std::string why_chosen(const Choice& choice, const PredictedCosts& costs, const 
   const std::string in_order = " in " + to_string(choice.order) + " order";
   std::string text = to_string(choice.method);
   if (has_order(choice.method)) text += in_order + (options.order ? " as asked" : "");
-  const bool supernodal = costs.supernodal < std::numeric_limits<double>::infinity();
-  if (options.method == Method::kAuto && supernodal)
-    text += choice.method == Method::kSparseLdl
-                ? ", at " + number(ldl / costs.supernodal) + " of the predicted cost of sparse-supernodal"
-                : ", at " + number(costs.supernodal / ldl) + " of the predicted cost of sparse-ldl" + in_order;
   if (has_order(choice.method) && !options.order)
     for (Order other : kOrders)
       if (const double cost = costs.ldl[static_cast<std::size_t>(other)]; cost < ldl)
         text += "; " + to_string(other) + " at " + number(cost / ldl) + " of its cost is not enough cheaper";
-  const double least = choice.method == Method::kSparseSupernodal ? costs.supernodal : ldl;
-  if (options.method == Method::kAuto && costs.dense < least)
-    text += "; dense at " + number(costs.dense / least) + " of its cost is not taken, since it allocates";
+  if (options.method == Method::kAuto && costs.dense < ldl)
+    text += "; dense at " + number(costs.dense / ldl) + " of its cost is not taken, since it allocates";
   return text;
 }
 

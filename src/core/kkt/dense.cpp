@@ -188,11 +188,10 @@ void solve(const DenseKkt<S>& kkt, const MatX<S>& b1, const MatX<S>& b2, MatX<S>
   f += df;
 }
 
-template struct DenseKkt<InstantiatedScalar>;
-template void factor<InstantiatedScalar>(DenseKkt<InstantiatedScalar>&);
-template void solve<InstantiatedScalar>(const DenseKkt<InstantiatedScalar>&, const MatX<InstantiatedScalar>&,
-                                        const MatX<InstantiatedScalar>&, MatX<InstantiatedScalar>&,
-                                        MatX<InstantiatedScalar>&);
-template MatX<InstantiatedScalar> kkt_matrix<InstantiatedScalar>(const DenseKkt<InstantiatedScalar>&);
+using Real = InstantiatedScalar;
+template struct DenseKkt<Real>;
+template void factor<Real>(DenseKkt<Real>&);
+template void solve<Real>(const DenseKkt<Real>&, const MatX<Real>&, const MatX<Real>&, MatX<Real>&, MatX<Real>&);
+template MatX<Real> kkt_matrix<Real>(const DenseKkt<Real>&);
 
 }  // namespace manycontact

@@ -20,18 +20,6 @@ void assemble(std::span<const std::span<const double>> M, std::span<const std::s
   K.damping = damping;
 }
 
-namespace {
-
-void gather(const KktMatrix& K, const std::vector<int>& slots, std::vector<double>& out) {
-  out.resize(slots.size());
-  for (std::size_t k = 0; k < slots.size(); ++k) out[k] = K.values[slots[k]];
-}
-
-}  // namespace
-
-void gather_inertia(const KktMatrix& K, std::vector<double>& M) { gather(K, K.pattern->M_slot, M); }
-void gather_rows(const KktMatrix& K, std::vector<double>& J) { gather(K, K.pattern->J_slot, J); }
-
 void KktVectors::resize(int n) {
   for (auto* v : {&b, &x, &r, &scale, &null_component}) v->resize(n);
 }

@@ -1,81 +1,45 @@
 #include "manycontact/kkt/options.hpp"
 
+#include "manycontact/model/named.hpp"
+
 namespace manycontact {
 
-std::string to_string(Method method) {
-  switch (method) {
-    case Method::kDense:
-      return "dense";
-    case Method::kDenseSchur:
-      return "dense-schur";
-    case Method::kSparseLdl:
-      return "sparse-ldl";
-    case Method::kSuiteSparseLdl:
-      return "suitesparse-ldl";
-    case Method::kSparseCholmod:
-      return "sparse-cholmod";
-    case Method::kSparseSupernodal:
-      return "sparse-supernodal";
-    case Method::kSparseBodies:
-      return "sparse-bodies";
-    case Method::kAuto:
-      return "auto";
-  }
-  return "?";
-}
-
-std::string to_string(Order order) {
-  switch (order) {
-    case Order::kLeafToRoot:
-      return "leaf-to-root";
-    case Order::kContactsEarly:
-      return "contacts-early";
-    case Order::kCamd:
-      return "camd";
-  }
-  return "?";
-}
-
-std::string to_string(Lanes lanes) {
-  switch (lanes) {
-    case Lanes::kAuto:
-      return "auto";
-    case Lanes::kOff:
-      return "off";
-    case Lanes::kBaseline:
-      return "baseline";
-    case Lanes::kAvx2:
-      return "avx2";
-    case Lanes::kAvx512:
-      return "avx512";
-  }
-  return "?";
-}
-
-std::string to_string(Precision precision) {
-  switch (precision) {
-    case Precision::kSingle:
-      return "single";
-    case Precision::kDouble:
-      return "double";
-    case Precision::kExtended:
-      return "extended";
-  }
-  return "?";
-}
-
 namespace {
-template <class T, std::size_t N>
-std::optional<T> called(const std::string& name, const T (&all)[N]) {
-  for (T x : all)
-    if (to_string(x) == name) return x;
-  return std::nullopt;
-}
+
+constexpr Named<Method> kMethodNames[] = {
+    {Method::kDense, "dense"},
+    {Method::kDenseSchur, "dense-schur"},
+    {Method::kSparseLdl, "sparse-ldl"},
+    {Method::kSuiteSparseLdl, "suitesparse-ldl"},
+    {Method::kSparseCholmod, "sparse-cholmod"},
+    {Method::kSparseBodies, "sparse-bodies"},
+    {Method::kAuto, "auto"},
+};
+constexpr Named<Order> kOrderNames[] = {
+    {Order::kLeafToRoot, "leaf-to-root"},
+    {Order::kContactsEarly, "contacts-early"},
+    {Order::kCamd, "camd"},
+};
+constexpr Named<Lanes> kLanesNames[] = {
+    {Lanes::kAuto, "auto"}, {Lanes::kOff, "off"},       {Lanes::kBaseline, "baseline"},
+    {Lanes::kAvx2, "avx2"}, {Lanes::kAvx512, "avx512"},
+};
+constexpr Named<Precision> kPrecisionNames[] = {
+    {Precision::kSingle, "single"},
+    {Precision::kDouble, "double"},
+    {Precision::kExtended, "extended"},
+};
+
 }  // namespace
 
-std::optional<Method> method_from_string(const std::string& name) { return called(name, kMethods); }
-std::optional<Order> order_from_string(const std::string& name) { return called(name, kOrders); }
-std::optional<Lanes> lanes_from_string(const std::string& name) { return called(name, kLanes); }
-std::optional<Precision> precision_from_string(const std::string& name) { return called(name, kPrecisions); }
+std::string to_string(Method method) { return name_of(kMethodNames, method); }
+std::string to_string(Order order) { return name_of(kOrderNames, order); }
+std::string to_string(Lanes lanes) { return name_of(kLanesNames, lanes); }
+std::string to_string(Precision precision) { return name_of(kPrecisionNames, precision); }
+
+std::optional<Method> method_from_string(const std::string& name) { return called(kMethodNames, name); }
+std::optional<Order> order_from_string(const std::string& name) { return called(kOrderNames, name); }
+std::optional<Lanes> lanes_from_string(const std::string& name) { return called(kLanesNames, name); }
+std::optional<Precision> precision_from_string(const std::string& name) { return called(kPrecisionNames, name); }
 
 }  // namespace manycontact

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "manycontact/kkt/overdetermined.hpp"
 #include "manycontact/sparse/ordering.hpp"
 
 namespace manycontact {
@@ -69,7 +68,8 @@ std::vector<char> robots_furthest_from_ground(const Scene& scene, const Island& 
   std::vector<int> reached, distance(n, -1);
   for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];
-    const int a = local_robot(island, robot_of(contact)), b = contact.B.robot < 0 ? a : local_robot(island, contact.B.robot);
+    const int a = local_robot(island, robot_of(contact)),
+              b = contact.B.robot < 0 ? a : local_robot(island, contact.B.robot);
     if (joins_robots(contact) && a != b) {
       neighbours[a].push_back(b), neighbours[b].push_back(a);
     } else if (!joins_robots(contact) && distance[a] < 0) {

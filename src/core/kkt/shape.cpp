@@ -131,27 +131,11 @@ int IslandShape::loops() {
   return *loops_;
 }
 
-const std::shared_ptr<const SchurPattern>& IslandShape::schur() {
-  const std::lock_guard lock(mutex_);
-  if (!schur_) schur_ = std::make_shared<const SchurPattern>(analyze_schur(scene_, island_, support()));
-  return schur_;
-}
-
 const std::shared_ptr<const sparse::CholmodSymbolic>& IslandShape::cholmod(Order order) {
   const std::lock_guard lock(mutex_);
   auto& symbolic = cholmod_[static_cast<std::size_t>(order)];
-  if (!symbolic)
-    symbolic =
-        std::make_shared<const sparse::CholmodSymbolic>(pattern(order)->K, sparse::CholmodKind::kSimplicialLdl, false);
+  if (!symbolic) symbolic = std::make_shared<const sparse::CholmodSymbolic>(pattern(order)->K);
   return symbolic;
-}
-
-const std::shared_ptr<const sparse::CholmodSymbolic>& IslandShape::cholmod_schur() {
-  const std::lock_guard lock(mutex_);
-  if (!cholmod_schur_)
-    cholmod_schur_ =
-        std::make_shared<const sparse::CholmodSymbolic>(schur()->S, sparse::CholmodKind::kSupernodalLlt, true);
-  return cholmod_schur_;
 }
 
 namespace {

@@ -1,10 +1,11 @@
 #include "manycontact/model/model.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <stdexcept>
 
-#include "structure.hpp"
+#include "manycontact/model/interned.hpp"
 
 namespace manycontact {
 
@@ -96,7 +97,23 @@ std::vector<int> actuated_coordinates(const Model& model) {
   return out;
 }
 
+// All that patterns, and the branches of the algorithms, depend on.
+std::vector<std::uint64_t> key_of(const Model& model) {
+  std::vector<std::uint64_t> key{model.floating_base};
+  key.reserve(1 + 8 * model.joints.size());
+  for (const Joint& joint : model.joints) {
+    key.insert(key.end(), {static_cast<std::uint64_t>(joint.parent), static_cast<std::uint64_t>(joint.type),
+                           joint.actuated, joint.placement_rotates, static_cast<std::uint64_t>(joint.axis_kind)});
+    for (int k = 0; k < 3 && joint.axis_kind == 3; ++k)
+      key.push_back(std::bit_cast<std::uint64_t>(joint.axis[k] + 0.0));  // -0 is 0
+  }
+  return key;
+}
+
 }  // namespace
+
+/// What models of one structure share; known by its address alone.
+struct ModelStructure {};
 
 void finalize(Model& model) {
   number_subtrees(model);
@@ -138,7 +155,8 @@ void finalize(Model& model) {
     if (x->size() != 0 && x->size() != model.nv)
       throw std::invalid_argument("finalize: damping and friction must have nv entries, or none");
   if (model.armature.size() != model.nv) throw std::invalid_argument("finalize: armature must have nv entries");
-  model.structure = find_structure(model);
+  static Interned<const ModelStructure> structures;
+  model.structure = structures.find(key_of(model), [] { return std::make_shared<const ModelStructure>(); }).object;
 }
 
 std::size_t packed_size(const Model& model) {

@@ -3,35 +3,37 @@
 #include <stdexcept>
 #include <string>
 
-#if defined(MANYCONTACT_LEVEL_avx2) || defined(MANYCONTACT_LEVEL_avx512)
-#include "simd/runs_avx2.hpp"
-#include "simd/runs_avx512.hpp"
-#endif
+#include "simd/runs.hpp"
 
 namespace manycontact {
 
 namespace sparse {
 extern const PanelKernels level_baseline, level_avx2, level_avx512;
 extern const DenseKernels blocks_level_baseline, blocks_level_avx2;
-}
+}  // namespace sparse
 namespace lanes {
 extern const Level level_baseline, level_avx2, level_avx512;
+}
+namespace extended {
+extern const Level level_baseline, level_avx2;
 }
 
 namespace simd {
 
 namespace {
 
-// Each level runs wherever the next one does. AVX-512 gains nothing over AVX2 in Eigen's products of dense blocks.
+// Each level runs wherever the next one does. AVX-512 gains nothing over AVX2 in Eigen's products of dense blocks, nor
+// in double-double, which needs the fused product alone.
 constexpr Level kLevels[] = {
 #ifdef MANYCONTACT_LEVEL_avx512
-    {"avx512", sparse::level_avx512, sparse::blocks_level_avx2, lanes::level_avx512, runs_avx512},
+    {"avx512", sparse::level_avx512, sparse::blocks_level_avx2, lanes::level_avx512, extended::level_avx2, runs_avx512},
 #endif
 #ifdef MANYCONTACT_LEVEL_avx2
-    {"avx2", sparse::level_avx2, sparse::blocks_level_avx2, lanes::level_avx2, runs_avx2},
+    {"avx2", sparse::level_avx2, sparse::blocks_level_avx2, lanes::level_avx2, extended::level_avx2, runs_avx2},
 #endif
 #ifdef MANYCONTACT_LEVEL_baseline
-    {"baseline", sparse::level_baseline, sparse::blocks_level_baseline, lanes::level_baseline, [] { return true; }},
+    {"baseline", sparse::level_baseline, sparse::blocks_level_baseline, lanes::level_baseline, extended::level_baseline,
+     [] { return true; }},
 #endif
 };
 

@@ -19,9 +19,12 @@ namespace manycontact {
 namespace sparse {
 struct PanelKernels;  // manycontact/sparse/panel_kernels.hpp
 struct DenseKernels;  // manycontact/sparse/dense_kernels.hpp
-}
+}  // namespace sparse
 namespace lanes {
 struct Level;  // src/core/dynamics/lanes/lanes.hpp
+}
+namespace extended {
+struct Level;  // src/core/dynamics/extended/equations.hpp
 }
 
 namespace simd {
@@ -31,6 +34,7 @@ struct Level {
   const sparse::PanelKernels& panels;
   const sparse::DenseKernels& blocks;
   const lanes::Level& robots;
+  const extended::Level& equations;
   bool (*runs)();  // whether this processor has the instructions
 };
 

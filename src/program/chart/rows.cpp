@@ -11,7 +11,6 @@
 #include "../text/table.hpp"
 #include "chart.hpp"
 #include "manycontact/dynamics/views.hpp"
-#include "manycontact/sparse/cholmod.hpp"
 #include "truth.hpp"
 
 namespace manycontact::cli {
@@ -76,7 +75,6 @@ std::vector<ChartRow> list_rows(const Scene& scene) {
   std::vector<ChartRow> rows;
   for (std::size_t k = 0; k < dampings.size(); ++k)
     for (Method method : kMethods) {
-      if (method == Method::kSparseSupernodal && !sparse::supernodal_available()) continue;
       std::vector<std::optional<Order>> orders{std::nullopt};
       if (has_order(method)) orders.assign(std::begin(kOrders), std::end(kOrders));
       for (const auto& order : orders) {

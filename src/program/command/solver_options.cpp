@@ -1,6 +1,5 @@
 #include "../text/table.hpp"
 #include "command.hpp"
-#include "manycontact/sparse/cholmod.hpp"
 
 namespace manycontact::cli {
 
@@ -28,8 +27,6 @@ Options solver_options(const Arguments& arguments) {
   if (const auto name = arguments.value("--method")) {
     const auto method = method_from_string(*name);
     if (!method) throw UsageError("unknown method '" + *name + "', expected one of " + names_of(kMethods));
-    if (*method == Method::kSparseSupernodal && !sparse::supernodal_available())
-      throw UsageError("method sparse-supernodal is not in this build, which leaves out CHOLMOD's GPL part");
     options.method = *method;
   }
   if (const auto name = arguments.value("--order")) {

@@ -85,7 +85,7 @@ std::string types_of(const Scene& scene, const std::vector<int>& contacts) {
 void print_costs(std::ostream& out, IslandShape& shape, const Options& options, const Choice& choice) {
   const PredictedCosts costs = predict_costs(shape);
   const double least = std::min({*std::min_element(costs.ldl.begin(), costs.ldl.end()),
-                                 *std::min_element(costs.cholmod.begin(), costs.cholmod.end()), costs.supernodal});
+                                 *std::min_element(costs.cholmod.begin(), costs.cholmod.end())});
   const auto relative = [least](double cost) { return number(cost / least); };
   if (is_deep(shape)) {  // K's patterns are not made
     wrap(out,
@@ -103,9 +103,7 @@ void print_costs(std::ostream& out, IslandShape& shape, const Options& options, 
         {to_string(order), std::to_string(std::llround(nonzeros)), relative(costs.ldl[k]), relative(costs.cholmod[k])});
   }
   table.print(out, 4);
-  std::string others = "dense " + relative(costs.dense);
-  if (std::isfinite(costs.supernodal)) others = "sparse-supernodal " + relative(costs.supernodal) + ", " + others;
-  wrap(out, "in orders of their own: " + others, 4);
+  wrap(out, "in orders of their own: dense " + relative(costs.dense), 4);
   wrap(out, "auto chooses " + why_chosen(choice, costs, options), 4);
 }
 

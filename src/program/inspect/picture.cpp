@@ -175,14 +175,6 @@ void draw_legend(std::ostream& svg, const Inspection& x, int cells, int n) {
                   " rows and columns, in the colour of most "
                   "of its entries; empty where all are zero",
               "start", 11);
-  bool supernodal = false;
-  for (std::size_t i = 0; i < island_count(x.data); ++i)
-    supernodal = supernodal || choice_of(x.data, i).method == Method::kSparseSupernodal;
-  if (supernodal)
-    draw_text(svg, kLeft, y += 18,
-              "auto chooses sparse-supernodal, which factorizes M and J inv(M) J' instead: L is what "
-              "sparse-ldl would compute",
-              "start", 11);
 }
 
 // "contacts-early order" or, when islands differ, "each island in its order".

@@ -54,7 +54,6 @@ void analyse(const Scene& scene, const std::vector<Island>& islands, const Optio
     else
       (void)shape.pattern(choice.order);
     if (choice.method == Method::kSparseCholmod) (void)shape.cholmod(choice.order);
-    if (choice.method == Method::kSparseSupernodal) (void)shape.cholmod_schur();
   }
 }
 

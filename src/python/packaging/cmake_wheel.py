@@ -22,8 +22,8 @@ TOP = PYTHON.parents[1]
 LICENCES = """manycontact: BSD-3-Clause, see LICENSE.
 
 The compiled module is linked with shared libraries of the system that built it, which this wheel does not hold; among
-them SuiteSparse's LDL and CHOLMOD. LDL and CHOLMOD's simplicial part are LGPL-2.1-or-later; CHOLMOD's supernodal part,
-which the method sparse-supernodal calls, is GPL-2.0-or-later. A build with MANYCONTACT_GPL=OFF does not call it.
+them SuiteSparse's LDL and CHOLMOD. LDL and CHOLMOD's simplicial part, which it calls, are LGPL-2.1-or-later; other
+parts of CHOLMOD are GPL-2.0-or-later.
 """
 
 

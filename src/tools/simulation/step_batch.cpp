@@ -9,7 +9,6 @@
 #include "manycontact/dynamics/keep_dependent.hpp"
 #include "manycontact/dynamics/parallel.hpp"
 #include "manycontact/dynamics/views.hpp"
-#include "manycontact/sparse/blas_threads.hpp"
 #include "resisting_forces.hpp"
 
 namespace manycontact {
@@ -236,7 +235,6 @@ void step_batch(const Scene& scene, const ConstBatchRows& u, SimulationBatch& ba
     batch.f = BatchMatrix::Zero(batch.q.rows(), rows);
   Work& work = *batch.work;
   internal::take_all_changes(scene, work.scene);
-  const sparse::OneBlasThread one_blas_thread;
   internal::run_items(std::span<internal::Failure>(work.failures), static_cast<std::ptrdiff_t>(work.parts.size()),
                       [&](std::ptrdiff_t k, int thread) {
                         step_part(scene, u, steps, work, work.of_threads[static_cast<std::size_t>(thread)],

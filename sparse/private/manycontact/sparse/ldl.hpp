@@ -30,6 +30,8 @@ struct LdlWorkspace {
 };
 
 LdlSymbolic ldl_analyze(const UpperCsc& A);
+/// Rp, Rj, Rk from the columns' rows: a row's columns ascend, those before others that depend on them.
+void list_rows(LdlSymbolic& L);
 
 /// L's size as that analysis would find it, in the terms of LdlSymbolic.
 struct LdlCounts {

@@ -14,7 +14,7 @@ namespace manycontact::tolerance {
 /// leave n eps in the worst case, 1e-13 to 1e-12 for n of 1e3 to 1e4, and earlier pivots pass theirs on; below ten
 /// times that a small number cannot be distinguished from zero. Geometrically: a row of J that keeps less than
 /// sqrt(1e-11) = 3e-6 of its length has no other direction than those before it.
-/// Used by: the judges of LDL, CHOLMOD, the Schur complement, dense-schur and the inertia's own LDL;
+/// Used by: the judges of LDL, CHOLMOD, dense-schur and the inertia's own LDL;
 /// ldl_factor_dependent (as a row that may depend on others, until the null space confirms it); least_norm_solution.
 inline constexpr double kPivotLeft = 1e-11;
 
@@ -275,9 +275,10 @@ inline constexpr double kHalfTurn = 1e-4;
 /// Used by: `inconsistent`, in all methods.
 inline constexpr double kContradiction = 1e-8;
 
-/// Rounding errors of accelerations that loads cause and contacts cancel, relative to these: some thousand eps.
+/// Rounding errors of accelerations that loads cause and contacts cancel: relative to gravity some thousand eps, and
+/// relative to those of each coordinate's own torque a few eps, as these are huge where a link has nearly no inertia.
 /// Used by: the judge of contradictions.
-inline constexpr double kLoadRounding = 1e-12;
+inline constexpr double kLoadRounding = 1e-12, kTorqueRounding = 1e-15;
 /// ... unless of every row it is rounding of the largest term that its a0 is computed from (contact_drift, [m/s^2] or
 /// [rad/s^2]): 500 eps, of chains of up to hundreds of joints.
 inline constexpr double kDriftRounding = 1e-13;

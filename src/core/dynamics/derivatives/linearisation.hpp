@@ -2,7 +2,6 @@
 // Motions and contact rows at the solution's accelerations: what derivatives, products with them and quasi-static
 // torques start from.
 
-#include "../workspace/on_demand.hpp"
 #include "manycontact/algorithm/rnea_derivatives.hpp"
 #include "manycontact/contact/derivatives.hpp"
 #include "manycontact/contact/products.hpp"
@@ -12,6 +11,23 @@
 namespace manycontact {
 
 struct Workspace;
+
+/// Memory of each of a scene's robots or contacts that an island needed; SIMD batches have their own.
+template <class T>
+class OnDemand {
+ public:
+  explicit OnDemand(std::size_t count) : made_(count) {}
+  T& operator[](std::size_t k) { return *made_[k]; }
+  const T& operator[](std::size_t k) const { return *made_[k]; }
+  bool has(std::size_t k) const { return made_.at(k) != nullptr; }
+  template <class... Args>
+  void make(std::size_t k, Args&&... args) {
+    made_[k] = std::make_unique<T>(std::forward<Args>(args)...);
+  }
+
+ private:
+  std::vector<std::unique_ptr<T>> made_;
+};
 
 /// Robots of one model take turns in the places of a pool, the islands of a thread being linearised one after the
 /// other, so that these stay in the cache.

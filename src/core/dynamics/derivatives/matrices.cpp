@@ -9,9 +9,9 @@ namespace {
 
 enum Columns { kOfQ, kOfV, kOfU, kOfW };
 
-// use(block, its rows, its columns in the scene, by what, whether it is of forces) for each of an island's blocks.
+// use(value, its row, its column in the scene, by what, whether it is of forces) for each entry of an island's blocks.
 template <class Use>
-void each_block(const Scene& scene, const SceneData& data, const Island& island, const IslandDerivatives& d,
+void each_entry(const Scene& scene, const SceneData& data, const Island& island, const IslandDerivatives& d,
                 Use&& use) {
   std::vector<int> v, u, f, w;  // the scene's coordinate of each of the island's
   const auto list = [](std::vector<int>& out) {
@@ -27,15 +27,19 @@ void each_block(const Scene& scene, const SceneData& data, const Island& island,
     each_torque_block(scene, island, list(u));
   for (int push : d.pushes)
     for (int k = 0; k < 6; ++k) w.push_back(6 * push + k);
-  use(d.da_dq(), v, v, kOfQ, false);
-  use(d.da_dv(), v, v, kOfV, false);
-  use(d.da_du(), v, u, kOfU, false);
-  use(d.da_dw(), v, w, kOfW, false);
+  const auto each = [&](const auto& block, const std::vector<int>& rows, const std::vector<int>& columns, Columns by) {
+    for (Eigen::Index k = 0; k < block.rows(); ++k)
+      for (Eigen::Index j = 0; j < block.cols(); ++j) use(block(k, j), rows[k], columns[j], by, &rows == &f);
+  };
+  each(d.da_dq(), v, v, kOfQ);
+  each(d.da_dv(), v, v, kOfV);
+  each(d.da_du(), v, u, kOfU);
+  each(d.da_dw(), v, w, kOfW);
   if (!d.request.forces) return;
-  use(d.dforces_dq(), f, v, kOfQ, true);
-  use(d.dforces_dv(), f, v, kOfV, true);
-  use(d.dforces_du(), f, u, kOfU, true);
-  use(d.dforces_dw(), f, w, kOfW, true);
+  each(d.dforces_dq(), f, v, kOfQ);
+  each(d.dforces_dv(), f, v, kOfV);
+  each(d.dforces_du(), f, u, kOfU);
+  each(d.dforces_dw(), f, w, kOfW);
 }
 
 // How many columns there are of each, and rows of forces.
@@ -66,12 +70,9 @@ SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data) {
     of_f[by]->setZero(sizes.forces, sizes.columns[by]);
   }
   for (std::size_t i = 0; i < dd.islands.size(); ++i)
-    each_block(scene, data, island_of(data, i), dd.islands[i],
-               [&](const auto& block, const std::vector<int>& rows, const std::vector<int>& columns, Columns by,
-                   bool of_forces) {
-                 Eigen::MatrixXd& to = *(of_forces ? of_f : of_a)[by];
-                 for (Eigen::Index k = 0; k < block.rows(); ++k)
-                   for (Eigen::Index j = 0; j < block.cols(); ++j) to(rows[k], columns[j]) = block(k, j);
+    each_entry(scene, data, island_of(data, i), dd.islands[i],
+               [&](double value, int row, int column, Columns by, bool of_forces) {
+                 (*(of_forces ? of_f : of_a)[by])(row, column) = value;
                });
   return out;
 }
@@ -84,12 +85,9 @@ Eigen::SparseMatrix<double> sparse_derivatives(const Scene& scene, const SceneDa
   for (const Columns by : {kOfQ, kOfV, kOfU, kOfW}) first[by + 1] = first[by] + sizes.columns[by];
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t i = 0; i < dd.islands.size(); ++i)
-    each_block(scene, data, island_of(data, i), dd.islands[i],
-               [&](const auto& block, const std::vector<int>& rows, const std::vector<int>& columns, Columns by,
-                   bool of_forces) {
-                 for (Eigen::Index k = 0; k < block.rows(); ++k)
-                   for (Eigen::Index j = 0; j < block.cols(); ++j)
-                     entries.emplace_back((of_forces ? scene.nv : 0) + rows[k], first[by] + columns[j], block(k, j));
+    each_entry(scene, data, island_of(data, i), dd.islands[i],
+               [&](double value, int row, int column, Columns by, bool of_forces) {
+                 entries.emplace_back((of_forces ? scene.nv : 0) + row, first[by] + column, value);
                });
   Eigen::SparseMatrix<double> out(scene.nv + sizes.forces, first[4]);
   out.setFromTriplets(entries.begin(), entries.end());

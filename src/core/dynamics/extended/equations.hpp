@@ -73,7 +73,4 @@ struct Level {
   std::unique_ptr<Equations> (*make)(const Scene& scene);
 };
 
-/// The fastest level that runs here.
-const Level& level_here();
-
 }  // namespace manycontact::extended

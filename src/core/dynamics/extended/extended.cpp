@@ -9,10 +9,11 @@
 #include "manycontact/rank/row_units.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/tolerances.hpp"
+#include "simd/levels.hpp"
 
 namespace manycontact {
 
-ExtendedWork::ExtendedWork(const Scene& scene) : equations(extended::level_here().make(scene)) {
+ExtendedWork::ExtendedWork(const Scene& scene) : equations(simd::levels().front().equations.make(scene)) {
   for (Eigen::VectorXd* x : {&a, &r_a}) x->setZero(scene.nv);
   Eigen::Index rows = 0;
   for (const Contact& contact : scene.contacts) rows += contact.rows();

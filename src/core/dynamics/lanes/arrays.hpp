@@ -2,6 +2,7 @@
 // Copies between the arrays of robots or contacts and packs S = Pack<W>; rows of contacts whose ends are placed.
 
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "block.hpp"
@@ -9,6 +10,13 @@
 #include "manycontact/spatial/pack.hpp"
 
 namespace manycontact::lanes {
+
+/// A kernel: the work of one robot or contact, or of as many as a SIMD batch of this level has.
+template <class Kernel, template <class> class Work, class... Arguments>
+std::unique_ptr<Kernel> make_kernel(bool batch, Arguments... arguments) {
+  if (batch) return std::make_unique<Work<InstantiatedScalar>>(arguments...);
+  return std::make_unique<Work<Pack<1, InstantiatedScalar::Element>>>(arguments...);
+}
 
 /// Casts one robot's numbers to plain numbers: the sparse kernels then take several rows of a column at a time.
 template <class E>

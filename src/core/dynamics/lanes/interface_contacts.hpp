@@ -10,7 +10,7 @@
 namespace manycontact::lanes {
 
 template <class S>
-class InterfaceContactsOf {
+class InterfaceContactsOf final : public InterfaceContacts {
  public:
   InterfaceContactsOf(const Scene& scene, const Contact& contact, const ContactSupport& support)
       : support_(support),
@@ -21,8 +21,7 @@ class InterfaceContactsOf {
         f_(contact.rows()),
         out_(JoinTerms::size(contact.rows(), support.cols())) {}
 
-  void evaluate(const Vec3<double>& gravity, std::span<InterfaceContacts::Rows> rows) {
-    using Rows = InterfaceContacts::Rows;
+  void evaluate(const Vec3<double>& gravity, std::span<Rows> rows) override {
     const Contact& contact = *rows.front().contact;
     A_.load(rows, contact.A.joint, false, [](const Rows& r) { return std::pair(&r.contact->A, r.A); });
     B_.load(rows, contact.B.joint, false, [](const Rows& r) { return std::pair(&r.contact->B, r.B); });
@@ -44,8 +43,8 @@ class InterfaceContactsOf {
     }
   }
 
-  void differentiate(const Vec3<double>& gravity, std::span<const InterfaceContacts::Derivatives> rows) {
-    using Rows = InterfaceContacts::Derivatives;
+  void differentiate(const Vec3<double>& gravity, std::span<const Derivatives> rows) override {
+    using Rows = Derivatives;
     const Contact& contact = *rows.front().contact;
     A_.load(rows, contact.A.joint, true, [](const Rows& r) { return std::pair(&r.contact->A, r.A); });
     B_.load(rows, contact.B.joint, true, [](const Rows& r) { return std::pair(&r.contact->B, r.B); });
@@ -123,16 +122,16 @@ class InterfaceContactsOf {
   void collect(int n) {
     const int a = static_cast<int>(support_.a.size()), cols = support_.cols();
     const int ld = JoinTerms::padded(cols);
-    using Rows = Eigen::Map<MatX<S>>;
+    using Block = Eigen::Map<MatX<S>>;
     S* next = out_.data();
     const auto take = [&next](int rows, int columns) {
       S* at = next;
       next += rows * columns;
-      return Rows(at, rows, columns);
+      return Block(at, rows, columns);
     };
     take(n, cols) = rows_.J;
     take(n, 6) = rows_.W;
-    Rows dq = take(n, cols), dv = take(n, cols), D_A = take(ld, 6), D_B = take(ld, 6);  // D transposed
+    Block dq = take(n, cols), dv = take(n, cols), D_A = take(ld, 6), D_B = take(ld, 6);  // D transposed
     D_A.setZero(), D_B.setZero();
     for (int k = 0; k < cols; ++k) {
       dq.col(k) = -(rows_.W * terms_.dx_dq.col(k));

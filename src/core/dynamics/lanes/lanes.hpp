@@ -77,8 +77,8 @@ struct Answer {
   rank::Contradiction<double> contradiction;  // set where the plan drops rows
 };
 
-/// Steps of a solve of robots of one plan and of what comes after it. A call takes one robot, or after `reserve_batch`
-/// as many as fit in a SIMD batch, with contacts that are identical except for placements (`alike`).
+/// Steps of a solve of robots of one plan and of what comes after it. A call takes one robot, or of the kernel for a
+/// SIMD batch as many as fit, with contacts that are identical except for placements (`alike`).
 class RobotBlocks {
  public:
   struct Robot {
@@ -105,8 +105,6 @@ class RobotBlocks {
   };
 
   virtual ~RobotBlocks() = default;
-  /// Makes memory for a SIMD batch, used from then on: a robot that is solved alone needs none.
-  virtual void reserve_batch() = 0;
 
   // Robots alone: islands of their own, solved by LDL of K in the plan's order. Between calls the numbers of those last
   // met stay: where the next call is about the same ones at the same solution, they are taken from there.
@@ -170,28 +168,41 @@ class InterfaceContacts {
 struct SubtreePlan;  // lanes/subtrees.hpp
 class SubtreeBatch;
 
-/// Robots alone in single precision, in all calls one of them, or after `reserve_batch` as many as fit. Where the
-/// condition leaves fewer than two digits (tolerance::kWorthless), the solution is not sound.
+/// Robots alone in single precision. Where the condition leaves fewer than two digits (tolerance::kWorthless), the
+/// solution is not sound.
 class SingleBlocks {
  public:
   virtual ~SingleBlocks() = default;
-  virtual void reserve_batch() = 0;
   virtual void solve(const Job& job, std::span<RobotBlocks::Robot> robots, std::span<Answer> answers) = 0;
 };
 struct SingleLevel {
   int width;  // robots of a batch: twice those of doubles
-  std::unique_ptr<SingleBlocks> (*make)(std::shared_ptr<const BlockPlan> plan);
+  std::unique_ptr<SingleBlocks> (*make)(bool batch, const std::shared_ptr<const BlockPlan>& plan);
 };
 
-/// A level of instructions that kernels were compiled for.
+/// A level of instructions that kernels were compiled for: each for one robot or contact, or for a SIMD batch of them.
 struct Level {
   int width;  // robots in a SIMD batch
-  std::unique_ptr<RobotBlocks> (*make)(std::shared_ptr<const BlockPlan> plan);
+  std::unique_ptr<RobotBlocks> (*make)(bool batch, const std::shared_ptr<const BlockPlan>& plan);
   /// contact: any of the kernel's, in its scene.
-  std::unique_ptr<InterfaceContacts> (*make_contacts)(const Scene& scene, const Contact& contact,
+  std::unique_ptr<InterfaceContacts> (*make_contacts)(bool batch, const Scene& scene, const Contact& contact,
                                                       const ContactSupport& support);
-  std::unique_ptr<SubtreeBatch> (*make_subtrees)(std::shared_ptr<const SubtreePlan> plan);
+  /// For batches alone.
+  std::unique_ptr<SubtreeBatch> (*make_subtrees)(const std::shared_ptr<const SubtreePlan>& plan);
   const SingleLevel& single;
+};
+
+/// A thread's kernels: for one item, and for as many as fit in a SIMD batch, if that was asked for.
+template <class Kernel>
+struct OneOrBatch {
+  std::unique_ptr<Kernel> one, batch;
+  Kernel& of(std::size_t count) const { return count == 1 ? *one : *batch; }
+  /// of(batch): a new kernel.
+  template <class Of>
+  void make(bool side_by_side, Of&& of) {
+    if (!one) one = of(false);
+    if (side_by_side && !batch) batch = of(true);
+  }
 };
 
 /// The one that options ask for; nullptr: none, or it does not run here.

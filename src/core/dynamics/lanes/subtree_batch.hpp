@@ -12,13 +12,12 @@
 namespace manycontact::lanes {
 
 template <class S>
-class SubtreeBatchOf {
+class SubtreeBatchOf final : public SubtreeBatch {
  public:
   using Mask = typename S::Mask;
-  using Subtree = SubtreeBatch::Subtree;
 
   explicit SubtreeBatchOf(std::shared_ptr<const SubtreePlan> plan);
-  void solve(std::span<Subtree> subtrees);
+  void solve(std::span<Subtree> subtrees) override;
 
  private:
   void load(std::span<const Subtree> subtrees);

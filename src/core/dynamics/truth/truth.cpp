@@ -60,37 +60,9 @@ void dense_truth(const Scene& scene, const TruthTerms<S>& t, const Island& islan
   }
 }
 
-template void dense_truth<InstantiatedScalar>(const Scene&, const TruthTerms<InstantiatedScalar>&, const Island&,
-                                              const std::vector<int>&, const VecX<InstantiatedScalar>&,
-                                              Truth<InstantiatedScalar>&);
+using Real = InstantiatedScalar;
+template void dense_truth<Real>(const Scene&, const TruthTerms<Real>&, const Island&, const std::vector<int>&,
+                                const VecX<Real>&, Truth<Real>&);
 
 }  // namespace internal
-
-template <class S>
-Truth<S> solve_truth(const Scene& scene, const std::vector<char>& active, const VecX<S>& q, const VecX<S>& v,
-                     const VecX<S>& u, std::span<const Vec6<S>> pushes) {
-  std::vector<Vec6<S>> w(pushes.begin(), pushes.end());
-  for (std::size_t k = w.size(); k < scene.pushes.size(); ++k) w.push_back(scene.pushes[k].wrench.template cast<S>());
-  const internal::TruthTerms<S> terms = internal::truth_terms<S>(scene, active, q, v, w);
-  std::vector<int> f_offset(scene.contacts.size(), -1);
-  int rows = 0;
-  for (std::size_t c = 0; c < scene.contacts.size(); ++c)
-    if (active[c]) f_offset[c] = rows, rows += scene.contacts[c].rows();
-  Truth<S> out;
-  out.a.resize(scene.nv);
-  out.f.resize(rows);
-  out.h.resize(scene.nv);
-  for (int r = 0; r < scene.nrobots(); ++r)
-    out.h.segment(scene.robots[r].idx_v, scene.robots[r].model->nv) = terms.robots[r].h;
-  for (const Island& island : find_islands(scene, active))
-    internal::dense_truth<S>(scene, terms, island, f_offset, u, out);
-  return out;
-}
-
-template Truth<InstantiatedScalar> solve_truth<InstantiatedScalar>(const Scene&, const std::vector<char>&,
-                                                                   const VecX<InstantiatedScalar>&,
-                                                                   const VecX<InstantiatedScalar>&,
-                                                                   const VecX<InstantiatedScalar>&,
-                                                                   std::span<const Vec6<InstantiatedScalar>>);
-
 }  // namespace manycontact

@@ -43,11 +43,9 @@ VecX<S> bias_torques(const Scene& scene, const TruthTerms<S>& t, int robot, cons
   return out;
 }
 
-template TruthTerms<InstantiatedScalar> truth_terms<InstantiatedScalar>(const Scene&, const std::vector<char>&,
-                                                                        const VecX<InstantiatedScalar>&,
-                                                                        const VecX<InstantiatedScalar>&,
-                                                                        std::span<const Vec6<InstantiatedScalar>>);
-template VecX<InstantiatedScalar> bias_torques<InstantiatedScalar>(const Scene&, const TruthTerms<InstantiatedScalar>&,
-                                                                   int, const VecX<InstantiatedScalar>&);
+using Real = InstantiatedScalar;
+template TruthTerms<Real> truth_terms<Real>(const Scene&, const std::vector<char>&, const VecX<Real>&,
+                                            const VecX<Real>&, std::span<const Vec6<Real>>);
+template VecX<Real> bias_torques<Real>(const Scene&, const TruthTerms<Real>&, int, const VecX<Real>&);
 
 }  // namespace manycontact::internal

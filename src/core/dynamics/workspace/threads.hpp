@@ -1,10 +1,7 @@
 #pragma once
 // Threads inside one call on a scene's data, private to module dynamics.
 
-#include <optional>
-
 #include "manycontact/kkt/costs.hpp"
-#include "manycontact/sparse/blas_threads.hpp"
 #include "workspace.hpp"
 
 namespace manycontact::internal {
@@ -48,16 +45,5 @@ void each_island(Workspace& w, Done&& done, WithAllThreads&& with_all_threads, W
     if (!w.done[i]) work(*w.islands[i], i, thread);
   });
 }
-
-/// OpenBLAS in one thread, as long as it lives, where these data have several.
-class OneBlasOfThreads {
- public:
-  explicit OneBlasOfThreads(const Workspace& w) {
-    if (w.threads.size() > 1) one_.emplace();
-  }
-
- private:
-  std::optional<sparse::OneBlasThread> one_;
-};
 
 }  // namespace manycontact::internal

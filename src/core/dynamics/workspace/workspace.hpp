@@ -14,11 +14,10 @@
 #include "../systems/robots/robots.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
+#include "manycontact/dynamics/parallel.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/kkt/robot_groups.hpp"
-#include "on_demand.hpp"
-#include "manycontact/dynamics/parallel.hpp"
 #include "pool.hpp"
 #include "scene_identity.hpp"
 

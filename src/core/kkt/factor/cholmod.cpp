@@ -2,13 +2,29 @@
 
 #include <optional>
 
-#include "columns.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
 #include "pivots.hpp"
 
 namespace manycontact {
 
 namespace {
+
+// B (n x cols, by columns) <- rows of the panel, in order of elimination; and back.
+void take_columns(const KktPattern& p, const double* X, int ld, int first, int cols, std::vector<double>& B) {
+  const std::size_t n = p.size();
+  B.resize(std::max(B.size(), n * cols));
+  for (std::size_t k = 0; k < n; ++k) {
+    const double* row = X + static_cast<std::ptrdiff_t>(p.perm[k]) * ld + first;
+    for (int c = 0; c < cols; ++c) B[c * n + k] = row[c];
+  }
+}
+void put_columns(const KktPattern& p, const std::vector<double>& B, double* X, int ld, int first, int cols) {
+  const std::size_t n = p.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    double* row = X + static_cast<std::ptrdiff_t>(p.perm[k]) * ld + first;
+    for (int c = 0; c < cols; ++c) row[c] = B[c * n + k];
+  }
+}
 
 class CholmodFactor final : public Factor {
  public:
@@ -31,14 +47,14 @@ class CholmodFactor final : public Factor {
   void solve(double* x) override { cholmod_->solve(x, 1); }
 
   void solve_panel(double* X, int ld, int first, int cols, char*) override {
-    internal::take_columns(*pattern_, X, ld, first, cols, columns_);
+    take_columns(*pattern_, X, ld, first, cols, columns_);
     cholmod_->solve(columns_.data(), cols);
-    internal::put_columns(*pattern_, columns_, X, ld, first, cols);
+    put_columns(*pattern_, columns_, X, ld, first, cols);
   }
 
   double growth() const override { return growth_; }
   int rank() const override { return pattern_->nc; }
-  int nonzeros() const override { return cholmod_->factor_nonzeros(); }
+  int nonzeros() const override { return cholmod_->symbolic().factor_nonzeros(); }
 
  private:
   std::shared_ptr<IslandShape> shape_;

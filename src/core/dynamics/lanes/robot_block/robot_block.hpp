@@ -32,8 +32,10 @@ struct Without {
   explicit Without(const Model&) {}
 };
 
+/// S of doubles: all that RobotBlocks does; of floats: what SingleBlocks does. Functions of these override theirs.
 template <class S>
-class RobotBlock {
+class RobotBlock final
+    : public std::conditional_t<std::is_same_v<typename S::Element, float>, SingleBlocks, RobotBlocks> {
  public:
   static constexpr int W = S::width;
   /// Whether all numbers are floats: these solve only robots alone, without redundant rows (single.hpp).
@@ -44,7 +46,6 @@ class RobotBlock {
   using Memory = RobotBlocks::Memory;
 
   explicit RobotBlock(std::shared_ptr<const BlockPlan> plan);
-  // the functions of RobotBlocks
   void solve(const Job& job, Robots robots, std::span<Answer> answers);
   void differentiate(const DerivativeJob& job, Robots robots, double* memory, std::span<const Panel> panels);
   void jvp(const ProductJob& job, Robots robots);
@@ -259,12 +260,11 @@ class RobotBlock {
   std::vector<double> near_q_, per_turn_;  // q, each robot's own; 1/(2 pi) of its angles
   std::array<Vec3<double>, W> origin_;     // each robot's base: all places are seen from there
   std::vector<BodySizes> body_sizes_;
-  std::vector<float> signs_;  // one entry per row of K: 1 or -1
-  std::vector<std::array<StandingEnd<S>, 2>>
-      standing_;                                // one entry per contact on the robots alone: A, B, if fixed
-  std::vector<std::array<SE3<S>, 2>> on_body_;  // and the frames on the bodies where they move
-  Mask usable_;                                 // q, v, tau are finite, quaternions of unit length ...
-  ModelNumbers<S> own_model_;                   // used where the robots are not all of the plan's model
+  std::vector<float> signs_;                             // one entry per row of K: 1 or -1
+  std::vector<std::array<StandingEnd<S>, 2>> standing_;  // one entry per contact on the robots alone: A, B, if fixed
+  std::vector<std::array<SE3<S>, 2>> on_body_;           // and the frames on the bodies where they move
+  Mask usable_;                                          // q, v, tau are finite, quaternions of unit length ...
+  ModelNumbers<S> own_model_;                            // used where the robots are not all of the plan's model
   RobotQuantities<S> robot_;
   std::vector<ContactData<S>> contacts_;
   std::vector<const PairNumbers<double>*> common_pair_;  // one per contact: numbers that all elements have (load_pair)

@@ -148,7 +148,7 @@ void solve_alone_in_single(const Scene& scene, SceneData& data) {
   };
   const auto solve = [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
     const std::span<lanes::Answer> answers(thread.answers.data(), robots.size());
-    group.single[thread.number]->solve(job, robots, answers);
+    group.single[thread.number].of(robots.size()).solve(job, robots, answers);
     for (std::size_t k = 0; k < robots.size(); ++k)
       if (answers[k].sound)
         take_answer(group, Precision::kSingle, answers[k], *w.islands[numbers[k]], data.report.islands[numbers[k]]);
@@ -163,7 +163,7 @@ void solve_alone(const Scene& scene, SceneData& data, Dropped dropped, const Sta
   job.start = start;
   const auto group_of = [&](IslandWork& d) { return group_of_solve(scene, w, d, dropped); };
   each_in_lanes(scene, w, 1, group_of, [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
-    group.kernels[thread.number]->solve(job, robots, {thread.answers.data(), robots.size()});
+    group.kernels[thread.number].of(robots.size()).solve(job, robots, {thread.answers.data(), robots.size()});
     for (std::size_t k = 0; k < robots.size(); ++k) {
       const lanes::Answer& answer = thread.answers[k];
       IslandWork& d = *w.islands[numbers[k]];
@@ -199,7 +199,7 @@ void differentiate_alone(const Scene& scene, SceneData& data) {
           IslandDerivatives& out = w.derivatives.islands[i];
           thread.panels.push_back({out.X.data(), static_cast<int>(out.X.cols()), w.islands[i]->alone.refine_panel, {}});
         }
-        group.kernels[thread.number]->differentiate(job, robots, nullptr, thread.panels);
+        group.kernels[thread.number].of(robots.size()).differentiate(job, robots, nullptr, thread.panels);
       });
 }
 
@@ -210,7 +210,7 @@ void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const doub
                               data.f.data(), data.f_offset, {dq, dv, dtau}, {da, df, nullptr}};
   each_in_lanes(scene, w, costs::kProducts, group_of_answer,
                 [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
-                  group.kernels[thread.number]->jvp(job, robots);
+                  group.kernels[thread.number].of(robots.size()).jvp(job, robots);
                 });
 }
 
@@ -221,7 +221,7 @@ void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const doub
                               data.f.data(), data.f_offset, {wa, wf, nullptr}, {wq, wv, wtau}};
   each_in_lanes(scene, w, costs::kProducts, group_of_answer,
                 [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
-                  group.kernels[thread.number]->vjp(job, robots);
+                  group.kernels[thread.number].of(robots.size()).vjp(job, robots);
                 });
 }
 

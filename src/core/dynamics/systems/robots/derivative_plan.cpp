@@ -142,7 +142,7 @@ void take_memory(const IslandWork& d, std::size_t threads, RobotsDerivatives& by
 
 void prepare_robots_derivatives(const Scene& scene, IslandWork& d, const IslandDerivatives& out, Workspace& w) {
   if (d.island.robots.size() == 1 || d.bodies || w.options.order) return;
-  if (d.choice.method != Method::kSparseLdl && d.choice.method != Method::kSparseSupernodal) return;
+  if (d.choice.method != Method::kSparseLdl) return;
   const double ld = static_cast<double>(out.X.cols());
   const auto most = [&](bool dropping) { return tolerance::kCheaper * cost_at_once(d, ld, dropping); };
   if (!d.robots && (!w.lanes.level || !d.joinable)) return;

@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "../../internal.hpp"
-#include "each_batch.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
@@ -81,7 +80,9 @@ void differentiate_interface(const Scene& scene, const SceneData& data, RobotsSy
           thread.interface_derivatives.push_back(
               {&scene.contacts[coupling.contact], end(coupling.A, coupling.among_A), end(coupling.B, coupling.among_B),
                data.f.data() + data.f_offset[coupling.contact], terms_of(system, coupling).J});
-        batch.group->kernels[thread.number]->differentiate(scene.gravity, thread.interface_derivatives);
+        batch.group->kernels[thread.number]
+            .of(thread.interface_derivatives.size())
+            .differentiate(scene.gravity, thread.interface_derivatives);
         for (const RobotsSystem::Coupling& coupling : couplings) {
           const lanes::JoinTerms terms = terms_of(system, coupling);
           const std::vector<int>& columns = system.owner.shape->support().columns[coupling.number];

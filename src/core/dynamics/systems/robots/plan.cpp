@@ -94,9 +94,8 @@ BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
 
 void make_kernels(Workspace& w, BlockGroup& group, bool side_by_side) {
   const auto make = [&](auto& kernels, auto* of_plan) {
-    while (kernels.size() < w.threads.size()) kernels.push_back(of_plan(group.plan));
-    if (!side_by_side) return;
-    for (const auto& kernel : kernels) kernel->reserve_batch();
+    if (kernels.size() < w.threads.size()) kernels.resize(w.threads.size());
+    for (auto& kernel : kernels) kernel.make(side_by_side, [&](bool batch) { return of_plan(batch, group.plan); });
   };
   make(group.kernels, w.lanes.level->make);
   if (!group.plan->dropped.empty()) return;  // islands with dropped rows are solved in double
@@ -115,7 +114,7 @@ BlockGroup* group_of_alone(Workspace& w, const IslandWork& d) {
 }
 
 bool can_be_joined(const IslandWork& d, const Options& options) {
-  return !options.order && (d.choice.method == Method::kSparseLdl || d.choice.method == Method::kSparseSupernodal) &&
+  return !options.order && d.choice.method == Method::kSparseLdl &&
          std::all_of(d.shape->scene().robots.begin(), d.shape->scene().robots.end(),
                      [](const Robot& robot) { return robot.model->nv <= kLargestInLanes; });
 }
@@ -136,10 +135,11 @@ InterfaceContactGroup& group_of(const Scene& scene, Workspace& w, int c) {
   InterfaceContactGroup& group =
       w.lanes
           .contacts[{structure(contact.A), structure(contact.B), kind_of(contact), contact.A.joint, contact.B.joint}];
-  if (group.kernels.size() >= w.threads.size()) return group;
+  if (group.kernels.size() >= w.threads.size() && group.kernels.back().batch) return group;
   const ContactSupport support = contact_support(scene, contact);
-  while (group.kernels.size() < w.threads.size())
-    group.kernels.push_back(w.lanes.level->make_contacts(scene, contact, support));
+  group.kernels.resize(w.threads.size());
+  for (auto& kernel : group.kernels)
+    kernel.make(true, [&](bool batch) { return w.lanes.level->make_contacts(batch, scene, contact, support); });
   return group;
 }
 

@@ -8,7 +8,6 @@
 #include "../../internal.hpp"
 #include "../../workspace/threads.hpp"
 #include "derivatives.hpp"
-#include "each_batch.hpp"
 #include "manycontact/rank/row_units.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
@@ -104,7 +103,7 @@ void evaluate_interface(const Scene& scene, Workspace& w, RobotsSystem& s) {
           thread.interface_contacts.push_back({&scene.contacts[coupling.contact], join(coupling.A, coupling.among_A),
                                                join(coupling.B, coupling.among_B), s.b.data() + coupling.row,
                                                left_of(w, coupling.contact), 0, 0});
-        batch.group->kernels[thread.number]->evaluate(scene.gravity, thread.interface_contacts);
+        batch.group->kernels[thread.number].of(couplings.size()).evaluate(scene.gravity, thread.interface_contacts);
         for (std::size_t i = 0; i < couplings.size(); ++i) {
           couplings[i].motion = thread.interface_contacts[i].motion;
           couplings[i].smallest_row = thread.interface_contacts[i].smallest_row;
@@ -388,8 +387,7 @@ bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Dropp
 bool RobotsSystem::solve_in_use(const Scene& scene, SceneData& data, IslandReport& report) {
   Workspace& w = *data.workspace;
   if (!factorize(scene, data)) return false;
-  const sparse::Refinement refinement =
-      internal::solve_refined(w, scene.damping, tolerance::kRefinementSteps, *this);
+  const sparse::Refinement refinement = internal::solve_refined(w, scene.damping, tolerance::kRefinementSteps, *this);
   state = 0;  // until the solution is judged
   if (!(refinement.backward_error <= tolerance::kConverged)) return false;
   first_error = refinement.first;

@@ -26,8 +26,8 @@ struct IslandReport;
 /// Robots of one plan. It stays when they are gone, for contact sets to come.
 struct BlockGroup {
   std::shared_ptr<const lanes::BlockPlan> plan;
-  std::vector<std::unique_ptr<lanes::RobotBlocks>> kernels;  // one per thread
-  std::vector<std::unique_ptr<lanes::SingleBlocks>> single;  // the same for robots alone, where the options ask for it
+  std::vector<lanes::OneOrBatch<lanes::RobotBlocks>> kernels;  // one entry per thread
+  std::vector<lanes::OneOrBatch<lanes::SingleBlocks>> single;  // the same of robots alone, where the options ask for it
   std::vector<int> islands;  // scratch of a call: the islands it solves with this plan
   double seconds = 0;        // predicted, of one robot solved alone
 };
@@ -40,7 +40,7 @@ struct InterfaceContactGroup {
     int joint_A, joint_B;
     auto operator<=>(const Key&) const = default;
   };
-  std::vector<std::unique_ptr<lanes::InterfaceContacts>> kernels;  // one per thread
+  std::vector<lanes::OneOrBatch<lanes::InterfaceContacts>> kernels;  // one entry per thread
 };
 
 /// SIMD batches of robots, formed by prepare.

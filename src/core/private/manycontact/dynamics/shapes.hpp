@@ -22,13 +22,5 @@ const SceneData& data_solved(const SceneData& data);
 /// The ways in which `solve` tries to solve an island, in their order: "robot by robot in SIMD batches; sparse-ldl in
 /// leaf-to-root order; sparse-ldl in leaf-to-root order without dependent rows; dense".
 std::string ways_of(const Scene& scene, const SceneData& data, std::size_t i);
-/// How often an island's K, whole or robot by robot, was factorized for the current solution and what was made of it.
-int factorizations_of(const SceneData& data, std::size_t i);
-/// Number of shapes analysed so far.
-std::size_t shapes_analysed(const SceneData& data);
-/// Threads inside a call are woken for so many seconds of predicted work for each; 0: always.
-void wake_threads_for(SceneData& data, double seconds);
-/// Contact sets that are not in use are kept up to so many bytes.
-void limit_pool(SceneData& data, std::size_t bytes);
 
 }  // namespace manycontact

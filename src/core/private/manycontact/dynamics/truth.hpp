@@ -1,7 +1,6 @@
 #pragma once
 // The forward path in any scalar: in quadruple precision (library manycontact_quad) the truth that solutions in double
-// are measured against. solve_truth is dense, uses no structure but the islands and keeps nothing. refine_truth is for
-// islands too large for that: linear cost, K x = b refined with residuals in S and a factor in double.
+// are measured against. Its cost is linear: K x = b is refined with residuals in S and a factor in double.
 
 #include <span>
 
@@ -19,14 +18,8 @@ struct Truth {            // A solution, in S.
   std::vector<bool> regular;
 };
 
-/// Accelerations and forces at q, v, u (sizes of the scene), contacts as flagged in `active`, under these external
-/// wrenches: none given, those of the scene.
-template <class S>
-Truth<S> solve_truth(const Scene& scene, const std::vector<char>& active, const VecX<S>& q, const VecX<S>& v,
-                     const VecX<S>& u, std::span<const Vec6<S>> pushes = {});
-
-/// The same, for the contacts of `data` and the wrenches it was solved with, solved by sparse-ldl at this state or
-/// within 1e-8 of it: per island
+/// Accelerations and forces at q, v, u (sizes of the scene), for the contacts of `data` and the wrenches it was solved
+/// with, solved by sparse-ldl at this state or within 1e-8 of it: per island
 ///
 ///     x <- x + L^-T D^-1 L^-1 (b - K x),   K, b at q, v, u in S, L D L^T in double,
 ///

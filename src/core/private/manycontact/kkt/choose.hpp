@@ -13,12 +13,11 @@ namespace manycontact {
 /// one; most within 1.3. Nearly dependent rows take longer.
 struct PredictedCosts {
   std::array<double, std::size(kOrders)> ldl, cholmod;  // one cost per order
-  double supernodal;                                    // infinite where it is not built in or there are no contacts
   double dense;
   double terms;   // cost of the terms of M and J, which all these need ...
   double bodies;  // ... but not sparse-bodies
 };
-/// Predicts the costs. Deep trees have no joint-space pattern: ldl is least_cost_ldl, cholmod and supernodal infinite.
+/// Predicts the costs. Deep trees have no joint-space pattern: ldl is least_cost_ldl, cholmod infinite.
 PredictedCosts predict_costs(IslandShape& shape);
 
 /// The cost of a factor by sparse-ldl, in the units of PredictedCosts.
@@ -41,11 +40,11 @@ double joint_space_size(const IslandShape& shape);
 inline constexpr double kMostJointSpace = 1 << 22;
 
 /// Chooses what the options leave open: another order than leaf-to-root where it is clearly cheaper
-/// (tolerance::kCheaper), sparse-supernodal where it is cheaper than sparse-ldl. kAuto never takes a dense method:
-/// these allocate, and are cheaper on islands of a few coordinates at most.
+/// (tolerance::kCheaper), sparse-bodies where it is cheaper than sparse-ldl. kAuto takes the dense method for
+/// overdetermined islands alone: it allocates, and is cheaper on islands of a few coordinates at most.
 Choice choose(IslandShape& shape, const Options& options);
 
-/// "sparse-ldl in leaf-to-root order, at 0.4 of sparse-supernodal's predicted cost": the reason of the choice.
+/// "sparse-ldl in leaf-to-root order; camd at 0.95 of its cost is not enough cheaper": the reason of the choice.
 std::string why_chosen(const Choice& choice, const PredictedCosts& costs, const Options& options);
 
 }  // namespace manycontact

@@ -18,9 +18,6 @@ inline constexpr double kTermsRow = 310, kTermsContact = 730, kTermsContactAlone
 // sparse-cholmod, per call, row, entry, multiply-add.
 inline constexpr double kCholmodCall = 8000, kCholmodRow = 50, kCholmodEntry = 26, kCholmodFlop = 1;
 
-// sparse-supernodal: per call, multiply-add of M's factor and of S, contact row, entry of S.
-inline constexpr double kSupernodalCall = 20000, kSupernodalFlop = 2.2, kSupernodalRow = 4500, kSupernodalEntry = 42;
-
 // sparse-bodies: per body with its joint, more where that has several coordinates, contact row, open row squared,
 // update of an open row, multiply-add at the base. Subtrees of one shape share a SIMD batch.
 inline constexpr double kBody = 1180, kBodyJoint = 3900, kBodyRow = 1100, kBodyOpen = 10, kBodyUpdate = 0.5,

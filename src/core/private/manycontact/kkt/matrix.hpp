@@ -30,10 +30,6 @@ struct KktMatrix {
 void assemble(std::span<const std::span<const double>> M, std::span<const std::span<const double>> J, double damping,
               KktMatrix& K);
 
-/// Copies the robots' packed M, one after the other, and the contacts' J by columns out of K's slots.
-void gather_inertia(const KktMatrix& K, std::vector<double>& M);
-void gather_rows(const KktMatrix& K, std::vector<double>& J);
-
 /// Vectors of a system, all in K's order of elimination.
 struct KktVectors {
   std::vector<double> b, x;

@@ -10,7 +10,7 @@
 #include <unordered_map>
 
 #include "manycontact/kkt/bodies/subtrees.hpp"
-#include "manycontact/kkt/schur.hpp"
+#include "manycontact/kkt/pattern.hpp"
 #include "manycontact/model/interned.hpp"
 #include "manycontact/sparse/cholmod.hpp"
 
@@ -34,11 +34,8 @@ class IslandShape {
   const std::shared_ptr<const KktPattern>& pattern(Order order);
   /// The number of independent loops in the graph of robots and ground. Contacts between the same two count once.
   int loops();
-  const std::shared_ptr<const SchurPattern>& schur();
   /// CHOLMOD's analysis of K in that order, rows left as they are.
   const std::shared_ptr<const sparse::CholmodSymbolic>& cholmod(Order order);
-  /// CHOLMOD's analysis of the Schur complement, for its supernodal part.
-  const std::shared_ptr<const sparse::CholmodSymbolic>& cholmod_schur();
   /// The bodies and rows of the body-space system.
   const std::shared_ptr<const BodyPattern>& bodies();
   /// And where these fall apart.
@@ -56,8 +53,6 @@ class IslandShape {
   std::array<std::shared_ptr<const KktPattern>, std::size(kOrders)> patterns_;
   std::array<std::shared_ptr<const sparse::CholmodSymbolic>, std::size(kOrders)> cholmod_;
   std::optional<int> loops_;
-  std::shared_ptr<const SchurPattern> schur_;
-  std::shared_ptr<const sparse::CholmodSymbolic> cholmod_schur_;
 };
 
 /// The shapes met so far. A shape that was met is not analysed again: keys are all that an analysis reads, compared

@@ -1,6 +1,6 @@
 #pragma once
-// A factor of an island's K, whatever its kind. One file each: ldl, dependent_rows,
-// proximal, cholmod, schur, dense, dense_schur.
+// A factor of an island's K, whatever its kind. One file each: ldl, dependent_rows, proximal, cholmod, dense,
+// dense_schur.
 
 #include <algorithm>
 #include <limits>

@@ -26,9 +26,6 @@ std::unique_ptr<Factor> make_proximal_factor();
 /// K = L D L^T by CHOLMOD's simplicial part, in K's order.
 std::unique_ptr<Factor> make_cholmod_factor(std::shared_ptr<IslandShape> shape);
 
-/// M = L^T D L robot by robot, and CHOLMOD's supernodal L L^T of the Schur complement J M^-1 J^T + delta I.
-std::unique_ptr<Factor> make_schur_factor(std::shared_ptr<IslandShape> shape);
-
 /// Dense and rank-revealing (kkt/dense.hpp): the dense reference solver.
 std::unique_ptr<Factor> make_dense_factor();
 

@@ -1,11 +1,10 @@
-// The tree-sparse factor of M and the Schur complement agree with dense algebra.
+// The tree-sparse factor of M agrees with dense algebra.
 
-#include "manycontact/kkt/schur.hpp"
+#include "manycontact/algorithm/inertia_factor.hpp"
 
 #include <gtest/gtest.h>
 
 #include "kkt/island_numbers.hpp"
-#include "manycontact/algorithm/inertia_factor.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "support/dense.hpp"
 
@@ -15,13 +14,13 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-class Schur : public testing::TestWithParam<unsigned> {
+class InertiaFactor : public testing::TestWithParam<unsigned> {
  protected:
   RandomScene s = kkt_scene(GetParam());
   std::deque<IslandNumbers> islands = islands_of(s);
   std::mt19937 rng{GetParam()};
 };
-INSTANTIATE_TEST_SUITE_P(Seed, Schur, testing::Range(1u, 9u));
+INSTANTIATE_TEST_SUITE_P(Seed, InertiaFactor, testing::Range(1u, 9u));
 
 MatrixXd dense_L(const Model& model, const double* packed) {
   MatrixXd L = MatrixXd::Identity(model.nv, model.nv);
@@ -32,7 +31,7 @@ MatrixXd dense_L(const Model& model, const double* packed) {
   return L;
 }
 
-TEST_P(Schur, FactorOfTheInertiaAndItsSolves) {
+TEST_P(InertiaFactor, OfTheInertiaAndItsSolves) {
   for (const IslandNumbers& n : islands)
     for (std::size_t r = 0; r < n.island.robots.size(); ++r) {
       const Model& model = *s.scene.robots[n.island.robots[r]].model;
@@ -58,7 +57,7 @@ TEST_P(Schur, FactorOfTheInertiaAndItsSolves) {
     }
 }
 
-TEST_P(Schur, FactorRefusesWhatIsNotPositive) {
+TEST_P(InertiaFactor, RefusesWhatIsNotPositive) {
   const Model& model = *s.scene.robots[0].model;
   const IslandNumbers& n = islands[0];
   std::vector<double> scratch(model.nv);
@@ -73,7 +72,7 @@ TEST_P(Schur, FactorRefusesWhatIsNotPositive) {
 }
 
 // The matrix is [1 1; 1 1 + gap]: the second pivot is rounding error if the gap is below a few eps.
-TEST(SchurFactor, RefusesAPivotLostInCancellation) {
+TEST(InertiaFactorOfTwo, RefusesAPivotLostInCancellation) {
   std::mt19937 rng(1);
   const Model model = random_model(rng, {.njoints = 2, .types = {JointType::kRevolute}, .branching = 0});
   double scratch[2];
@@ -81,45 +80,6 @@ TEST(SchurFactor, RefusesAPivotLostInCancellation) {
     double packed[] = {1, 1 + gap, 1};  // rows: M00; M11 M10
     EXPECT_EQ(factorize_inertia(model, packed, scratch, tolerance::kPivotLeft).empty(), gap > 1e-10) << gap;
   }
-}
-
-TEST_P(Schur, ComplementEqualsDense) {
-  for (const IslandNumbers& n : islands)
-    for (double delta : {0.0, 0.3}) {
-      const SchurPattern pattern = analyze_schur(s.scene, n.island, n.support);
-      const SchurCounts counts = count_schur(s.scene, n.island, n.support);
-      EXPECT_EQ(counts.nonzeros, pattern.S.nonzeros());
-      for (std::size_t r = 0; r < pattern.robots.size(); ++r) EXPECT_EQ(counts.rows[r], pattern.robots[r].rows);
-      SchurData data;
-      for (int again = 0; again < 2; ++again)
-        ASSERT_TRUE(form_schur(s.scene, n.island, n.support, pattern, n.all_packed(), n.all_rows(), delta, data));
-      MatrixXd S = MatrixXd::Zero(n.island.nc, n.island.nc);
-      for (int j = 0; j < n.island.nc; ++j)
-        for (int k = pattern.S.p[j]; k < pattern.S.p[j + 1]; ++k) {
-          const int i = pattern.S.i[k];
-          S(i, j) = S(j, i) = data.Sx[k];
-        }
-      const MatrixXd dense = n.J * solved(n.M, n.J.transpose()) + delta * MatrixXd::Identity(n.island.nc, n.island.nc);
-      EXPECT_LE(error_of(S, dense), 10 * kEps * condition_1(n.M)) << delta;
-      // contacts without a common robot have no entry in S
-      for (std::size_t c = 0; c < n.island.contacts.size(); ++c)
-        for (std::size_t d = 0; d < c; ++d) {
-          const Contact &a = s.scene.contacts[n.island.contacts[c]], &b = s.scene.contacts[n.island.contacts[d]];
-          const bool meet = a.A.robot == b.A.robot || (b.B.robot >= 0 && a.A.robot == b.B.robot) ||
-                            (a.B.robot >= 0 && (a.B.robot == b.A.robot || a.B.robot == b.B.robot));
-          if (!meet) {
-            EXPECT_EQ(pattern.S.slot(n.island.row_offset[d], n.island.row_offset[c]), -1);
-          }
-        }
-    }
-}
-
-TEST_P(Schur, ComplementSaysWhenAnInertiaIsNotPositive) {
-  IslandNumbers& n = islands[0];
-  n.packed[0][0] = -1;
-  SchurData data;
-  EXPECT_FALSE(form_schur(s.scene, n.island, n.support, analyze_schur(s.scene, n.island, n.support), n.all_packed(),
-                          n.all_rows(), 0, data));
 }
 
 }  // namespace

@@ -1,0 +1,14 @@
+// Whether this processor has the instructions of a level: those of lane_flags_LEVEL in levels.cmake, which asks, too.
+#pragma once
+#if defined(__x86_64__)
+namespace manycontact::simd {
+inline bool runs_avx2() {
+  __builtin_cpu_init();
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+}
+inline bool runs_avx512() {
+  return runs_avx2() && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+         __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd");
+}
+}  // namespace manycontact::simd
+#endif

@@ -1,0 +1,28 @@
+#pragma once
+// What tests read and set in the memory behind a scene's data.
+
+#include "dynamics/internal.hpp"
+
+namespace manycontact::test {
+
+/// Returns how often an island's K, whole or robot by robot, was factorized for the current solution and its results.
+inline int factorizations_of(const SceneData& data, std::size_t i) {
+  return internal::solver_of(data).islands.at(i)->factorizations;
+}
+
+/// Returns the number of shapes analysed so far.
+inline std::size_t shapes_analysed(const SceneData& data) { return internal::solver_of(data).shapes.size(); }
+
+/// Threads inside a call are woken for so many seconds of predicted work for each; 0: always.
+inline void wake_threads_for(SceneData& data, double seconds) {
+  if (data.workspace->reduction) wake_threads_for(*data.workspace->reduction->data, seconds);
+  data.workspace->worth_a_thread = seconds;
+}
+
+/// Contact sets that are not in use are kept up to so many bytes.
+inline void limit_pool(SceneData& data, std::size_t bytes) {
+  if (data.workspace->reduction) limit_pool(*data.workspace->reduction->data, bytes);
+  data.workspace->pool.most = bytes;
+}
+
+}  // namespace manycontact::test
