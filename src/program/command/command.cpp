@@ -91,7 +91,7 @@ std::string help(const Command& command) {
   wrap(out, command.summary, 0);
   if (!command.options.empty()) {
     out << "\n";
-    Table table({{"", Table::kLeft}, {"", Table::kLeft}});
+    Table table("<|<");
     for (const Option& option : command.options) table.add({option.name + " " + option.value, option.help});
     table.print(out);
   }
