@@ -11,17 +11,8 @@ namespace {
 constexpr std::size_t kMostJoints = 48;
 
 const char* type_name(const Joint& joint) {
-  switch (joint.type) {
-    case JointType::kRevolute:
-      return "revolute";
-    case JointType::kPrismatic:
-      return "prismatic";
-    case JointType::kPlanar:
-      return "planar";
-    case JointType::kFloating:
-      break;
-  }
-  return "floating";
+  constexpr const char* kNames[] = {"revolute", "prismatic", "floating", "planar"};
+  return kNames[static_cast<int>(joint.type)];
 }
 
 // Empty where the file gives none.

@@ -6,6 +6,7 @@
 #include "../files/output_file.hpp"
 #include "../files/python.hpp"
 #include "inspect.hpp"
+#include "manycontact/dynamics/shapes.hpp"
 
 namespace manycontact::cli {
 

@@ -1,10 +1,10 @@
 #include "solve.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <iostream>
 
 #include "../command/command.hpp"
+#include "../command/rough_time.hpp"
 #include "../text/table.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/analysis/unique_forces.hpp"
@@ -16,24 +16,15 @@ namespace manycontact::cli {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double microseconds_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-}
-
 // Median time of `repeat` calls, us. Before each, `before`, which is not timed.
 template <class Before, class Call>
 double median_time(int repeat, Before&& before, Call&& call) {
   std::vector<double> times;
   for (int k = 0; k < repeat; ++k) {
     before();
-    const Clock::time_point start = Clock::now();
-    call();
-    times.push_back(microseconds_since(start));
+    times.push_back(time_of(call));
   }
-  std::sort(times.begin(), times.end());
-  return 0.5 * (times[(times.size() - 1) / 2] + times[times.size() / 2]);
+  return median(std::move(times));
 }
 template <class Call>
 double median_time(int repeat, Call&& call) {
