@@ -6,6 +6,7 @@
 
 #include "../files/output_file.hpp"
 #include "../text/table.hpp"
+#include "manycontact/io/input_error.hpp"
 
 namespace manycontact::cli {
 
@@ -67,6 +68,12 @@ void check_folder(const std::string& option, const std::string& folder, const st
     for (const std::string& other : others)
       if (one_file(file, other)) throw UsageError(option + " would write '" + file + "' over '" + other + "'");
   }
+}
+
+void make_folder(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder)) throw InputError(folder, 1, "is not a folder and cannot be made one");
 }
 
 bool is_standard_output(const Arguments& arguments, const std::vector<std::string>& written) {

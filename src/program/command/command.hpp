@@ -54,6 +54,8 @@ void check_files(const Arguments& arguments, const std::vector<std::string>& rea
 /// UsageError where one of the files `names` that an option writes into a folder is one of the others.
 void check_folder(const std::string& option, const std::string& folder, const std::vector<std::string>& names,
                   const std::vector<std::string>& others);
+/// Makes a folder where there is none. Throws InputError.
+void make_folder(const std::string& folder);
 /// Whether one of the options `written` names standard output. Then nothing else is printed there.
 bool is_standard_output(const Arguments& arguments, const std::vector<std::string>& written);
 

@@ -124,12 +124,6 @@ void write_list(const ExportPlan& plan, const SceneFile& file, const Json& islan
     run_python(python, script_path("export.py"), {plan.folder});
 }
 
-void make_folder(const std::string& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!fs::is_directory(folder)) throw InputError(folder, 1, "is not a folder and cannot be made one");
-}
-
 std::string summary(const SceneFile& file, const Json& islands, const ExportPlan& plan) {
   long known = 0;
   for (const Json& page : islands) known += !page["digits"].is_null();

@@ -236,28 +236,32 @@ class Builder {
 
   void check_locks() const {
     for (const auto& [name, position] : options_.locked) {
+      const auto refuse = [&name](const std::string& what) { throw UrdfOptionError(name, true, what); };
+      const std::string joint = "joint " + quote(name);
       const auto found = robot_.joints.find(name);
       if (found == robot_.joints.end())
-        throw UrdfOptionError(name, true,
-                              "the robot has no joint " + quote(name) + " to lock, " + suggestion(name, joint_names()));
+        refuse("the robot has no " + joint + " to lock, " + suggestion(name, joint_names()));
       const auto type = found->second.type;
-      if (type == UrdfJoint::kFixed)
-        throw UrdfOptionError(name, true, "joint " + quote(name) + " is fixed, expected one that moves, to lock");
+      if (type == UrdfJoint::kFixed) refuse(joint + " is fixed, expected one that moves, to lock");
       if (type == UrdfJoint::kFloating || type == UrdfJoint::kPlanar)
-        throw UrdfOptionError(name, true,
-                              "joint " + quote(name) + " has several coordinates, expected one with one, to lock");
-      if (!std::isfinite(position))
-        throw UrdfOptionError(name, true, "joint " + quote(name) + " is locked at no finite position, expected one");
+        refuse(joint + " has several coordinates, expected one with one, to lock");
+      if (!std::isfinite(position)) refuse(joint + " is locked at no finite position, expected one");
     }
   }
 
-  int joint_with_torques(const std::string& name) const {
+  // A joint that an option names.
+  Joint& moving_joint(const std::string& name) {
     const int i = model_.find_joint(name);
     if (i < 0) throw UrdfOptionError(name, false, why_absent(name));
-    if (model_.floating_base && i == 0)
+    return model_.joints[i];
+  }
+
+  Joint& joint_with_torques(const std::string& name) {
+    Joint& joint = moving_joint(name);
+    if (model_.floating_base && &joint == &model_.joints[0])
       throw UrdfOptionError(name, false,
                             "joint " + quote(name) + " is the floating base, which has no torques, expected another");
-    return i;
+    return joint;
   }
 
   // No motors carry a body in the air: a floating joint of the file is passive unless the options specify otherwise.
@@ -270,8 +274,8 @@ class Builder {
       tell("passive", joint.name, robot_.joints.at(joint.name).line,
            "a floating joint of the file, taken as passive: without torques in u; actuated=\"true\" gives it some");
     }
-    for (const std::string& name : options_.actuated) model_.joints[joint_with_torques(name)].actuated = true;
-    for (const std::string& name : options_.passive) model_.joints[joint_with_torques(name)].actuated = false;
+    for (const std::string& name : options_.actuated) joint_with_torques(name).actuated = true;
+    for (const std::string& name : options_.passive) joint_with_torques(name).actuated = false;
   }
 
   void set_armature() {
@@ -280,9 +284,7 @@ class Builder {
     model_.armature.setConstant(options_.armature);
     if (model_.floating_base) model_.armature.head<6>().setZero();
     for (const auto& [name, values] : options_.joint_armature) {
-      const int i = model_.find_joint(name);
-      if (i < 0) throw UrdfOptionError(name, false, why_absent(name));
-      const Joint& joint = model_.joints[i];
+      const Joint& joint = moving_joint(name);
       if (values.size() != 1 && values.size() != static_cast<std::size_t>(joint.nv()))
         throw UrdfOptionError(name, false,
                               "the armature of joint " + quote(name) + " has " + std::to_string(values.size()) +
@@ -312,9 +314,7 @@ class Builder {
     if (!options_.joint_damping.empty() && model_.damping.size() == 0)
       model_.damping = Eigen::VectorXd::Zero(model_.nv);
     for (const auto& [name, damping] : options_.joint_damping) {
-      const int i = model_.find_joint(name);
-      if (i < 0) throw UrdfOptionError(name, false, why_absent(name));
-      const Joint& joint = model_.joints[i];
+      const Joint& joint = moving_joint(name);
       if (joint.nv() != 1)
         throw UrdfOptionError(name, false,
                               "joint " + quote(name) + " has a damping and several coordinates, expected one");
