@@ -4,9 +4,6 @@
 
 int main(int argc, char** argv) {
   using namespace manycontact::cli;
-  Command chart = chart_command(), stability = stability_command(), exporting = export_command();
-  chart.run = run_chart;
-  stability.run = run_stability;
-  exporting.run = run_export;
-  return run_program({chart, stability, exporting}, {argv + (argc > 0), argv + argc});
+  return run_program({command("chart", run_chart), command("stability", run_stability), command("export", run_export)},
+                     {argv + (argc > 0), argv + argc});
 }

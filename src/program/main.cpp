@@ -1,12 +1,16 @@
 // manycontact: the program.
 
+#include "batch/batch.hpp"
 #include "command/execute.hpp"
 #include "command/program.hpp"
 
 int main(int argc, char** argv) {
   using namespace manycontact::cli;
   restart_without_blas_threads(argv);
-  return run_program({solve_command(), inspect_command(), chart_command(), simulate_command(), optimize_command(),
-                      batch_command(), view_command(), stability_command(), export_command()},
+  Command batch = command("batch", run_batch);
+  if (under_mpirun()) batch.run = nullptr, batch.beside = "manycontact-mpi";
+  return run_program({command("solve", run_solve), command("inspect", run_inspect), command("chart"),
+                      command("simulate", run_simulate), command("optimize"), batch, command("view", run_view),
+                      command("stability"), command("export")},
                      {argv + (argc > 0), argv + argc});
 }

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "batch/batch.hpp"
-#include "manycontact/io/input_error.hpp"
 #include "command/program.hpp"
+#include "manycontact/io/input_error.hpp"
 
 namespace manycontact::cli {
 namespace {
@@ -92,10 +92,8 @@ int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);
   MpiCommunicator all;
   communicator = &all;
-  Command batch = batch_command();
-  batch.by_processes = nullptr;
-  batch.run = [](const Arguments& arguments) { return run_batch(arguments, *communicator); };
-  const int status = run_program({batch}, {argv + (argc > 0), argv + argc});
+  const auto run = [](const Arguments& arguments) { return run_batch(arguments, *communicator); };
+  const int status = run_program({command("batch", run)}, {argv + (argc > 0), argv + argc});
   if (all.at_work()) MPI_Abort(MPI_COMM_WORLD, status);  // the others may wait for this one
   MPI_Finalize();
   return status;

@@ -4,7 +4,5 @@
 
 int main(int argc, char** argv) {
   using namespace manycontact::cli;
-  Command optimize = optimize_command();
-  optimize.run = run_optimize;
-  return run_program({optimize}, {argv + (argc > 0), argv + argc});
+  return run_program({command("optimize", run_optimize)}, {argv + (argc > 0), argv + argc});
 }

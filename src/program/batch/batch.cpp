@@ -76,15 +76,9 @@ std::int64_t block_size(const BatchRun& run, int processes) {
   return std::clamp((run.count + shares - 1) / shares, std::int64_t{1}, block);
 }
 
-std::string required(const Arguments& arguments, const std::string& option) {
-  const auto value = arguments.value(option);
-  if (!value) throw UsageError("option " + option + " is missing");
-  return *value;
-}
-
 BatchRun set_up(const Arguments& arguments, const Communicator& communicator) {
-  const std::string path = scene_operand(arguments), states = required(arguments, "--states"),
-                    out = required(arguments, "--out");
+  const std::string path = scene_operand(arguments), states = arguments.required("--states"),
+                    out = arguments.required("--out");
   const int threads = arguments.integer("--threads", 1, kMostThreads, communicator.size() > 1 ? 1 : 0);
   const Options options = solver_options(arguments);
   BatchRun run;
@@ -202,12 +196,12 @@ void print_summary(const BatchRun& run, const std::vector<std::int64_t>& counts)
             << (parts.empty() ? "" : ": ") << join(parts, parts.size()) << "\n";
 }
 
-int run_alone(const Arguments& arguments) {
+}  // namespace
+
+int run_batch(const Arguments& arguments) {
   Communicator communicator;
   return run_batch(arguments, communicator);
 }
-
-}  // namespace
 
 int run_batch(const Arguments& arguments, Communicator& communicator) {
   BatchRun run;
@@ -244,34 +238,5 @@ int run_batch(const Arguments& arguments, Communicator& communicator) {
 }
 
 bool under_mpirun() { return std::getenv("OMPI_COMM_WORLD_SIZE") || std::getenv("PMI_SIZE"); }
-
-const Command& batch_command() {
-  static const Command command{
-      "batch",
-      "SCENE",
-      "Accelerations and contact forces at many states of the scene, and their derivatives.",
-      {{"--states", "FILE.npy", "two-dimensional, float64: a row [q v u] per state, in the scene's order", true},
-       {"--out", "FILE.npy",
-        "a row [a f status] per state; status 0 ok, 1 redundant, 2 inconsistent, 3 regularised, 4 failed", true},
-       {"--derivatives", "",
-        "also FILE.derivatives.npy, FILE being --out's without .npy: per state a matrix with rows [a f], columns [q v "
-        "u]"},
-       {"--threads", "N", "default: all cores; under mpirun 1 per process"},
-       {"--islands", "", "under mpirun: processes share the scene's islands, not the states"},
-       method_option(),
-       order_option(),
-       precision_option()},
-      "Islands that failed have NaN in a, f and the derivatives. A file appears under its name when it is whole. "
-      "The\n"
-      "bytes do not depend on the number of threads or processes.\n"
-      "Under mpirun the program manycontact-mpi (option MANYCONTACT_MPI) works in several processes, which must all "
-      "see\n"
-      "the files.\n"
-      "Exit status, by the worst state: 0 ok, redundant, inconsistent; 1 regularised, failed; 2 bad usage or bad "
-      "input.\n",
-      run_alone,
-      under_mpirun};
-  return command;
-}
 
 }  // namespace manycontact::cli

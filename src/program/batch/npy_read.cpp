@@ -8,8 +8,8 @@
 #include <cerrno>
 #include <cstring>
 #include <limits>
-#include <optional>
 
+#include "../files/json_file.hpp"
 #include "manycontact/io/input_error.hpp"
 #include "npy.hpp"
 
@@ -21,93 +21,39 @@ namespace {
 
 constexpr char kExpected[] = ", expected a .npy file of little-endian float64 numbers in C order ('<f8')";
 
-/// A Python dictionary of strings, True, False and tuples of whole numbers, as headers are.
-class Literal {
- public:
-  explicit Literal(const std::string& text) : text_(text) {}
-
-  bool take(char c) {
-    skip();
-    if (at_ == text_.size() || text_[at_] != c) return false;
-    ++at_;
-    return true;
-  }
-  std::optional<std::string> string() {
-    skip();
-    if (at_ == text_.size() || (text_[at_] != '\'' && text_[at_] != '"')) return std::nullopt;
-    const std::size_t end = text_.find(text_[at_], at_ + 1);
-    if (end == std::string::npos) return std::nullopt;
-    const std::string out = text_.substr(at_ + 1, end - at_ - 1);
-    at_ = end + 1;
-    return out;
-  }
-  std::optional<std::string> word() {
-    skip();
-    const std::size_t start = at_;
-    while (at_ < text_.size() && std::isalpha(static_cast<unsigned char>(text_[at_]))) ++at_;
-    if (start == at_) return std::nullopt;
-    return text_.substr(start, at_ - start);
-  }
-  std::optional<std::int64_t> number() {
-    skip();
-    std::int64_t out = 0;
-    const std::size_t start = at_;
-    while (at_ < text_.size() && std::isdigit(static_cast<unsigned char>(text_[at_]))) {
-      if (out > (std::numeric_limits<std::int64_t>::max() - 9) / 10) return std::nullopt;
-      out = 10 * out + (text_[at_++] - '0');
-    }
-    if (start == at_) return std::nullopt;
-    return out;
-  }
-  bool at_end() {
-    skip();
-    return at_ == text_.size();
-  }
-
- private:
-  void skip() {
-    while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_]))) ++at_;
-  }
-  const std::string& text_;
-  std::size_t at_ = 0;
-};
-
 struct Header {
-  std::optional<std::string> descr, order;
-  std::optional<std::vector<std::int64_t>> shape;
+  std::string descr;
+  bool fortran_order = false;
+  std::vector<std::int64_t> shape;
 };
 
-std::optional<std::vector<std::int64_t>> tuple(Literal& text) {
-  std::vector<std::int64_t> out;
-  if (!text.take('(')) return std::nullopt;
-  while (!text.take(')')) {
-    if (!out.empty() && !text.take(',')) return std::nullopt;
-    if (!out.empty() && text.take(')')) break;
-    const auto number = text.number();
-    if (!number) return std::nullopt;
-    out.push_back(*number);
+// The same dictionary as JSON: tuples are lists there, no comma is last in them, and strings have double quotes.
+std::string as_json(const std::string& python) {
+  std::string out;
+  for (const char c : python) {
+    const bool ends = c == ')' || c == '}';
+    if (ends) out.resize(out.find_last_not_of(" \t\n") + 1);
+    if (ends && out.ends_with(',')) out.pop_back();
+    out += c == '\'' ? '"' : c == '(' ? '[' : c == ')' ? ']' : c;
   }
+  for (const auto& [word, other] : {std::pair("True", "true"), std::pair("False", "false")})
+    if (const std::size_t at = out.find(word); at != std::string::npos)
+      out.replace(at, std::string_view(word).size(), other);
   return out;
 }
 
 // Whether `text` is a header: the three keys, each once, in any order.
-bool parse(const std::string& header, Header& out) {
-  Literal text(header);
-  if (!text.take('{')) return false;
-  for (int k = 0; k < 3; ++k) {
-    const auto key = text.string();
-    if (!key || !text.take(':')) return false;
-    if (*key == "descr" && !out.descr)
-      out.descr = text.string();
-    else if (*key == "fortran_order" && !out.order)
-      out.order = text.word();
-    else if (*key == "shape" && !out.shape)
-      out.shape = tuple(text);
-    else
-      return false;
-    if (!text.take(',') && k < 2) return false;
-  }
-  return text.take('}') && text.at_end() && out.descr && out.shape && (out.order == "True" || out.order == "False");
+bool parse(const std::string& text, Header& out) {
+  const Json json = Json::parse(as_json(text), nullptr, false);
+  if (!json.is_object() || json.size() != 3) return false;
+  for (const char* key : {"descr", "fortran_order", "shape"})
+    if (!json.contains(key) || text.find(key) != text.rfind(key)) return false;
+  const Json& shape = json["shape"];
+  if (!json["descr"].is_string() || !json["fortran_order"].is_boolean() || !shape.is_array()) return false;
+  for (const Json& n : shape)
+    if (!n.is_number_unsigned() || n.get<std::uint64_t>() > std::numeric_limits<std::int64_t>::max()) return false;
+  out = {json["descr"], json["fortran_order"], shape.get<std::vector<std::int64_t>>()};
+  return true;
 }
 
 // Numbers of that shape, -1 when too many for a file.
@@ -167,9 +113,9 @@ void NpyInput::read_header() {
 void NpyInput::parse_header(const std::string& text) {
   Header header;
   if (!parse(text, header)) refuse("has a header that is none of NumPy's");
-  if (*header.descr != "<f8") refuse("has numbers of type '" + *header.descr + "'");
-  if (*header.order == "True") refuse("is in Fortran's order");
-  shape_ = *header.shape;
+  if (header.descr != "<f8") refuse("has numbers of type '" + header.descr + "'");
+  if (header.fortran_order) refuse("is in Fortran's order");
+  shape_ = header.shape;
   if (shape_.size() != 2 && shape_.size() != 3)
     refuse("has " + std::to_string(shape_.size()) + " dimensions, not two or three");
 }

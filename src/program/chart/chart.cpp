@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <iostream>
 #include <set>
 
@@ -15,8 +14,6 @@
 namespace manycontact::cli {
 
 namespace {
-
-namespace fs = std::filesystem;
 
 // The scene's name as a file name, unlike those given before.
 std::string file_name(const std::string& scene, std::set<std::string>& taken) {
@@ -63,9 +60,7 @@ int run_chart(const Arguments& arguments) {
   for (const std::string& path : arguments.rest()) files.push_back(load_scene(path));
   const std::vector<std::string> names = picture_names(files);
   for (const SceneFile& file : files) check_folder("--out", *out, files_written(names), file.files);
-  std::error_code error;
-  fs::create_directories(*out, error);
-  if (!fs::is_directory(*out)) throw InputError(*out, 1, "is not a folder and cannot be made one");
+  make_folder(*out);
 
   const Python python = find_python();
   std::vector<Chart> charts;

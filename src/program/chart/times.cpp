@@ -1,7 +1,6 @@
 // Times of the chart's candidates.
 
 #include <algorithm>
-#include <chrono>
 #include <exception>
 #include <numeric>
 #include <optional>
@@ -20,24 +19,6 @@ constexpr int kRounds = 201;
 constexpr double kTurn = 200;        // us of repeats in one turn, at least one call
 constexpr double kNoWarmUp = 300e3;  // us: a call so long is not repeated to warm up
 constexpr double kLarge = 4e6;       // bytes of derivatives not kept between turns
-
-using Clock = std::chrono::steady_clock;
-
-double microseconds_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-}
-
-template <class Call>
-double time_of(Call&& call) {
-  const Clock::time_point start = Clock::now();
-  call();
-  return microseconds_since(start);
-}
-
-double median(std::vector<double> times) {
-  std::sort(times.begin(), times.end());
-  return 0.5 * (times[(times.size() - 1) / 2] + times[times.size() / 2]);
-}
 
 // One turn: a call to warm up, and the median of those after it.
 template <class Call>

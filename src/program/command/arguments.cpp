@@ -40,6 +40,12 @@ std::optional<std::string> Arguments::value(const std::string& option) const {
   return std::nullopt;
 }
 
+std::string Arguments::required(const std::string& option) const {
+  const std::optional<std::string> text = value(option);
+  if (!text) throw UsageError("option " + option + " is missing");
+  return *text;
+}
+
 int Arguments::integer(const std::string& option, int least, int most, int otherwise) const {
   const std::optional<std::string> text = value(option);
   if (!text) return otherwise;
@@ -53,12 +59,12 @@ int Arguments::integer(const std::string& option, int least, int most, int other
 
 double Arguments::positive(const std::string& option, std::optional<double> otherwise) const {
   const std::optional<std::string> text = value(option);
-  if (!text && !otherwise) throw UsageError("option " + option + " is missing");
-  if (!text) return *otherwise;
+  if (!text && otherwise) return *otherwise;
+  const std::string given = required(option);
   double number = 0;
-  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), number);
-  if (error != std::errc() || end != text->data() + text->size() || !std::isfinite(number) || number <= 0)
-    throw UsageError("option " + option + " is '" + *text + "', expected a number above 0");
+  const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), number);
+  if (error != std::errc() || end != given.data() + given.size() || !std::isfinite(number) || number <= 0)
+    throw UsageError("option " + option + " is '" + given + "', expected a number above 0");
   return number;
 }
 

@@ -30,6 +30,8 @@ class Arguments {
   bool has(const std::string& option) const { return value(option).has_value(); }
   /// The value of the option, empty for a flag; none when it was not given.
   std::optional<std::string> value(const std::string& option) const;
+  /// The value; throws UsageError when it was not given.
+  std::string required(const std::string& option) const;
   /// The value as a whole number from `least` to `most`, `otherwise` when it was not given. Throws UsageError.
   int integer(const std::string& option, int least, int most, int otherwise) const;
   /// The value as a finite number above 0, `otherwise` when it was not given. Throws UsageError, also when it was not

@@ -6,6 +6,7 @@
 
 #include "../files/output_file.hpp"
 #include "../text/table.hpp"
+#include "manycontact/io/input_error.hpp"
 
 namespace manycontact::cli {
 
@@ -69,6 +70,12 @@ void check_folder(const std::string& option, const std::string& folder, const st
   }
 }
 
+void make_folder(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder)) throw InputError(folder, 1, "is not a folder and cannot be made one");
+}
+
 bool is_standard_output(const Arguments& arguments, const std::vector<std::string>& written) {
   return std::any_of(written.begin(), written.end(), [&](const std::string& option) {
     const auto file = arguments.value(option);
@@ -91,7 +98,7 @@ std::string help(const Command& command) {
   wrap(out, command.summary, 0);
   if (!command.options.empty()) {
     out << "\n";
-    Table table({{"", Table::kLeft}, {"", Table::kLeft}});
+    Table table("<|<");
     for (const Option& option : command.options) table.add({option.name + " " + option.value, option.help});
     table.print(out);
   }

@@ -1,6 +1,8 @@
 #pragma once
 // A command of the program: what it takes, and what runs it.
 
+#include <string_view>
+
 #include "arguments.hpp"
 #include "manycontact/kkt/options.hpp"
 
@@ -17,24 +19,22 @@ struct Command {
   std::string operands;  // operands other than options, for the usage
   std::string summary;   // one line
   std::vector<Option> options;
-  std::string help;                  // after the options
-  int (*run)(const Arguments&);      // null: another program in this folder executes it
-  bool (*by_processes)() = nullptr;  // whether the program manycontact-mpi does it this time
-  const char* beside = nullptr;      // the program's name
+  std::string help;    // after the options
+  std::string beside;  // the program in this folder that executes it if `run` is null
+  int (*run)(const Arguments&) = nullptr;
 };
 
-const Command& solve_command();
-const Command& inspect_command();
-const Command& simulate_command();
-const Command& batch_command();
-const Command& view_command();
+/// A command as commands.txt has it. Without `run` another program executes it, which needs more packages or time to
+/// build.
+Command command(const std::string& name, int (*run)(const Arguments&) = nullptr);
+/// commands.txt, which is embedded in the program.
+std::string_view commands_text();
 
-/// Commands of the programs manycontact-chart and manycontact-optimize, which need more packages or time to build;
-/// their `run` is null here.
-const Command& chart_command();
-const Command& stability_command();
-const Command& export_command();
-const Command& optimize_command();
+int run_solve(const Arguments& arguments);
+int run_inspect(const Arguments& arguments);
+int run_simulate(const Arguments& arguments);
+int run_batch(const Arguments& arguments);
+int run_view(const Arguments& arguments);
 int run_chart(const Arguments& arguments);
 int run_stability(const Arguments& arguments);
 int run_export(const Arguments& arguments);
@@ -54,14 +54,15 @@ void check_files(const Arguments& arguments, const std::vector<std::string>& rea
 /// UsageError where one of the files `names` that an option writes into a folder is one of the others.
 void check_folder(const std::string& option, const std::string& folder, const std::vector<std::string>& names,
                   const std::vector<std::string>& others);
+/// Makes a folder where there is none. Throws InputError.
+void make_folder(const std::string& folder);
 /// Whether one of the options `written` names standard output. Then nothing else is printed there.
 bool is_standard_output(const Arguments& arguments, const std::vector<std::string>& written);
 
-/// --method, --order and --precision, and their values. Throws UsageError.
-Option method_option();
-Option order_option();
-Option precision_option();
+/// The values of --method, --order and --precision. Throws UsageError.
 Options solver_options(const Arguments& arguments);
+/// The text with {methods}, {orders} and {precisions} replaced by their names.
+std::string with_names(std::string text);
 
 /// "usage: manycontact solve SCENE [--method M] ...", one line.
 std::string usage(const Command& command);

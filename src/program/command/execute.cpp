@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
@@ -10,6 +11,29 @@
 namespace manycontact::cli {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// A word of a shell's command.
+std::string quoted(const std::string& word) {
+  std::string out = "'";
+  for (char c : word) out += c == '\'' ? "'\\''" : std::string(1, c);
+  return out + "'";
+}
+
+}  // namespace
+
+Printed run_and_read(const std::vector<std::string>& words, const std::string& redirection) {
+  std::string command = "exec";
+  for (const std::string& word : words) command += " " + quoted(word);
+  std::FILE* pipe = popen((command + redirection).c_str(), "r");
+  Printed out;
+  if (!pipe) return out;
+  char part[1 << 16];
+  for (std::size_t n = 0; (n = std::fread(part, 1, sizeof part, pipe)) > 0;) out.text.append(part, n);
+  out.status = pclose(pipe);
+  return out;
+}
 
 std::string program_beside(const std::string& name) {
   return (fs::read_symlink("/proc/self/exe").parent_path() / name).string();

@@ -14,6 +14,14 @@ std::string program_beside(const std::string& name);
 int execute_program(const std::string& name, const std::string& command, const std::vector<std::string>& words,
                     const std::string& how);
 
+/// The output of a program that has ended, and its status as waitpid has it; -1: it could not be started.
+struct Printed {
+  std::string text;
+  int status = -1;
+};
+/// Runs `words` as a command and reads what it prints. redirection: appended as the shell has it.
+Printed run_and_read(const std::vector<std::string>& words, const std::string& redirection = "");
+
 /// If the address space is limited (ulimit -v), restarts this program without OpenBLAS threads, which would otherwise
 /// request memory for ever. They start before main() does, so that only an environment variable can prevent them.
 void restart_without_blas_threads(char** argv);

@@ -44,13 +44,13 @@ int run(const Command& command, const std::vector<std::string>& words) {
     return kExitOk;
   }
   if (!command.run) {
-    const bool chart = std::string_view(command.beside) == "manycontact-chart";
-    return execute_program(command.beside, command.name, words,
-                           chart ? "`./run build --chart` makes it" : "`./run build` makes it");
+    const std::string& program = command.beside;
+    return execute_program(program, command.name, words,
+                           program == "manycontact-mpi"
+                               ? "under mpirun that one is needed, `./run build --mpi` makes it"
+                           : program == "manycontact-chart" ? "`./run build --chart` makes it"
+                                                            : "`./run build` makes it");
   }
-  if (command.by_processes && command.by_processes())
-    return execute_program("manycontact-mpi", command.name, words,
-                           "under mpirun that one is needed, `./run build --mpi` makes it");
   try {
     return command.run(Arguments(command.options, words));
   } catch (const UsageError& error) {

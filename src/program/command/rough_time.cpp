@@ -1,5 +1,7 @@
 #include "rough_time.hpp"
 
+#include <algorithm>
+
 namespace manycontact::cli {
 
 namespace {
@@ -24,6 +26,11 @@ double sum_over_islands(const SceneData& data, Time&& time) {
 }
 
 }  // namespace
+
+double median(std::vector<double> times) {
+  std::sort(times.begin(), times.end());
+  return 0.5 * (times[(times.size() - 1) / 2] + times[times.size() / 2]);
+}
 
 double rough_time_of_dense(const Scene& scene, const SceneData& data) {
   if (data.options.method != Method::kDenseSchur) return sum_over_islands(data, dense);

@@ -14,13 +14,14 @@ std::string names_of(const Values& values) {
 
 }  // namespace
 
-Option method_option() { return {"--method", "M", "one of " + names_of(kMethods)}; }
-
-Option order_option() {
-  return {"--order", "O", "of elimination, for sparse-ldl and sparse-cholmod: " + names_of(kOrders)};
+std::string with_names(std::string text) {
+  for (const auto& [name, values] :
+       {std::pair("{methods}", names_of(kMethods)), std::pair("{orders}", names_of(kOrders)),
+        std::pair("{precisions}", names_of(kPrecisions))})
+    for (std::size_t at = 0; (at = text.find(name, at)) != std::string::npos;)
+      text.replace(at, std::string_view(name).size(), values);
+  return text;
 }
-
-Option precision_option() { return {"--precision", "P", "arithmetic of the solution: " + names_of(kPrecisions)}; }
 
 Options solver_options(const Arguments& arguments) {
   Options options;

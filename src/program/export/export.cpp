@@ -2,10 +2,10 @@
 
 #include <iostream>
 
-#include "../files/json_file.hpp"
-#include "../files/output_file.hpp"
 #include "../command/command.hpp"
 #include "../command/progress.hpp"
+#include "../files/json_file.hpp"
+#include "../files/output_file.hpp"
 #include "../files/python.hpp"
 #include "../text/table.hpp"
 #include "manycontact/analysis/load_scene.hpp"
@@ -58,45 +58,47 @@ void write_names(const Scene& scene, const SceneData& data, const Island& island
   file.close();
 }
 
-std::vector<std::string> header(const ExportPlan& plan, const std::string& what, const ExportedPage& page) {
-  return {
-      what + " of " + printable(plan.scene) + ", " + page.name,
-      "nv " + std::to_string(page.nv) + ", nc " + std::to_string(page.nc) + ", rank of J " + std::to_string(page.rank)};
+// The lines above the numbers of a file. page: the island's members in export.json.
+std::vector<std::string> header(const ExportPlan& plan, const std::string& what, const Json& page) {
+  return {what + " of " + printable(plan.scene) + ", " + page["name"].get<std::string>(),
+          "nv " + page["nv"].dump() + ", nc " + page["nc"].dump() + ", rank of J " + page["rank"].dump()};
 }
 
 // Solutions of the island's systems into their files.
-void write_truth(const ExportPlan& plan, const ExactSolution& of_scene, const ExportedSystem& s, ExportedPage& page) {
-  page.of_scene = page.rank < page.nc;
-  if (!page.of_scene && of_scene.x.cols() > 0)
-    write_dense(plan.path(page.name + "_scene_x.mtx"), of_scene.x, header(plan, "x = [a; -f] of the scene", page));
-  const ExactSolution x = page.of_scene ? of_scene : solve_exactly(s, s.b);
-  page.solution = x.x.cols() > 0;
-  page.digits = x.digits;
-  if (page.solution) write_dense(plan.path(page.name + "_x.mtx"), x.x, header(plan, "x = [a; -f]", page));
-  if (s.db.size() == 0 || page.of_scene) return;
-  const ExactSolution dx = solve_exactly(s, s.db);
-  page.derivatives = dx.x.cols() > 0;
-  page.derivative_digits = dx.digits;
-  if (page.derivatives) write_dense(plan.path(page.name + "_dx.mtx"), dx.x, header(plan, "dx = [da; -df]", page));
+void write_truth(const ExportPlan& plan, const ExactSolution& of_scene, const ExportedSystem& s, Json& page) {
+  const auto write = [&](const std::string& kind, const std::string& what, const ExactSolution& x) {
+    if (x.x.cols() > 0) write_dense(plan.path(page["name"].get<std::string>() + kind), x.x, header(plan, what, page));
+    return x.x.cols() > 0 ? Json(x.digits) : Json();
+  };
+  const bool dependent = page["rank"] < page["nc"];
+  page["x_is_of_the_scene"] = dependent;
+  if (!dependent) write("_scene_x.mtx", "x = [a; -f] of the scene", of_scene);
+  page["digits"] = write("_x.mtx", "x = [a; -f]", dependent ? of_scene : solve_exactly(s, s.b));
+  if (s.db.size() > 0 && !dependent)
+    page["derivative_digits"] = write("_dx.mtx", "dx = [da; -df]", solve_exactly(s, s.db));
 }
 
-ExportedPage write_island(const ExportPlan& plan, const SceneFile& file, const SceneData& data,
-                          const Truth<Quad>& truth, std::size_t i) {
+// The island's files. Returns its members in export.json.
+Json write_island(const ExportPlan& plan, const SceneFile& file, const SceneData& data, const Truth<Quad>& truth,
+                  std::size_t i) {
   const ExportedSystem s = system_of(file.scene, data, i, plan.derivatives);
   const IslandReport& report = data.report.islands[i];
-  ExportedPage page;
-  page.name = name_of(i);
-  page.nv = s.island.nv;
-  page.nc = s.island.nc;
-  page.rank = report.rank;
-  page.nonzeros = s.K.nonZeros();
-  page.columns = s.db.cols();
-  page.status = report.status;
-  page.condition = report.condition;
-  write_symmetric(plan.path(page.name + ".mtx"), s.K, header(plan, "K = [M J^T; J -delta I]", page));
-  write_dense(plan.path(page.name + "_b.mtx"), Eigen::MatrixXd(s.b), header(plan, "b = [tau - h; -a0]", page));
-  write_names(file.scene, data, s.island, plan.path(page.name + "_names.txt"));
-  if (s.db.size() > 0) write_sparse(plan.path(page.name + "_db.mtx"), s.db, header(plan, "db = -[dr1; dr2]", page));
+  const std::string name = name_of(i);
+  Json page = {{"name", name},
+               {"nv", s.island.nv},
+               {"nc", s.island.nc},
+               {"rank", report.rank},
+               {"nonzeros", s.K.nonZeros()},
+               {"status", to_string(report.status)},
+               {"condition", report.condition},
+               {"x_is_of_the_scene", false},
+               {"digits", nullptr},
+               {"derivative_columns", s.db.cols()},
+               {"derivative_digits", nullptr}};
+  write_symmetric(plan.path(name + ".mtx"), s.K, header(plan, "K = [M J^T; J -delta I]", page));
+  write_dense(plan.path(name + "_b.mtx"), Eigen::MatrixXd(s.b), header(plan, "b = [tau - h; -a0]", page));
+  write_names(file.scene, data, s.island, plan.path(name + "_names.txt"));
+  if (s.db.size() > 0) write_sparse(plan.path(name + "_db.mtx"), s.db, header(plan, "db = -[dr1; dr2]", page));
   if (plan.truth) write_truth(plan, of_island(truth, file.scene, data, s.island, i), s, page);
   return page;
 }
@@ -107,27 +109,13 @@ std::string command_of(const ExportPlan& plan) {
 }
 
 // The list of the systems, and the page about it.
-void write_list(const ExportPlan& plan, const SceneFile& file, const std::vector<ExportedPage>& islands) {
-  const auto digits = [](bool known, double n) { return known ? Json(n) : Json(); };
-  Json list = Json::array();
-  for (const ExportedPage& i : islands)
-    list.push_back({{"name", i.name},
-                    {"nv", i.nv},
-                    {"nc", i.nc},
-                    {"rank", i.rank},
-                    {"nonzeros", i.nonzeros},
-                    {"status", to_string(i.status)},
-                    {"condition", i.condition},
-                    {"x_is_of_the_scene", i.of_scene},
-                    {"digits", digits(i.solution, i.digits)},
-                    {"derivative_columns", i.columns},
-                    {"derivative_digits", digits(i.derivatives, i.derivative_digits)}});
+void write_list(const ExportPlan& plan, const SceneFile& file, const Json& islands) {
   write_json_file({{"scene", file.scene.name},
                    {"file", file.path},
                    {"version", MANYCONTACT_VERSION},
                    {"command", command_of(plan)},
                    {"robots", file.scene.nrobots()},
-                   {"islands", list}},
+                   {"islands", islands}},
                   plan.path("export.json"), "--out");
   const Python python = find_python();
   if (python.path.empty())
@@ -136,15 +124,9 @@ void write_list(const ExportPlan& plan, const SceneFile& file, const std::vector
     run_python(python, script_path("export.py"), {plan.folder});
 }
 
-void make_folder(const std::string& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!fs::is_directory(folder)) throw InputError(folder, 1, "is not a folder and cannot be made one");
-}
-
-std::string summary(const SceneFile& file, const std::vector<ExportedPage>& islands, const ExportPlan& plan) {
+std::string summary(const SceneFile& file, const Json& islands, const ExportPlan& plan) {
   long known = 0;
-  for (const ExportedPage& page : islands) known += page.solution;
+  for (const Json& page : islands) known += !page["digits"].is_null();
   const long all = static_cast<long>(islands.size());
   std::string text = printable(file.scene.name) + ": " + count(all, "system");
   if (plan.truth) text += ", " + (known == all ? "all" : std::to_string(known)) + " with solutions";
@@ -170,7 +152,7 @@ int run_export(const Arguments& arguments) {
   estimate_condition(file.scene, data);
 
   const Truth<Quad> truth = plan.truth ? solve_scene(file, data) : Truth<Quad>{};
-  std::vector<ExportedPage> pages;
+  Json pages = Json::array();
   Progress progress("islands", static_cast<double>(island_count(data)));
   for (std::size_t i = 0; i < island_count(data); ++i) {
     pages.push_back(write_island(plan, file, data, truth, i));

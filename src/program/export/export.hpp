@@ -58,14 +58,4 @@ void write_sparse(const std::string& path, const Eigen::MatrixXd& b, const std::
 void write_dense(const std::string& path, const Eigen::MatrixXd& b, const std::vector<std::string>& comments);
 void write_dense(const std::string& path, const MatX<Quad>& x, const std::vector<std::string>& comments);
 
-/// The members of an island in export.json.
-struct ExportedPage {
-  std::string name;  // "island_0"
-  int nv = 0, nc = 0, rank = 0;
-  Eigen::Index nonzeros = 0, columns = 0;
-  Status status = Status::kOk;
-  double condition = 0;
-  bool solution = false, of_scene = false, derivatives = false;  // files that are there; x solves the scene, not K
-  double digits = 0, derivative_digits = 0;
-};
 }  // namespace manycontact::cli

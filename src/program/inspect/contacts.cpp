@@ -54,16 +54,7 @@ void print_contacts(std::ostream& out, const SceneFile& file) {
   InvariantsData room(scene);
   (void)invariants(scene, all, file.q, file.v, room);
 
-  Table table({{"contact", Table::kLeft, 24},
-               {"type, axes", Table::kLeft},
-               {"frame A", Table::kLeft, 24},
-               {"to B'", Table::kLeft, 20},
-               {"A at [m]"},
-               {"gains"},
-               {"mu"},
-               {"normal"},
-               {"off by", Table::kLeft},
-               {"", Table::kLeft}});
+  Table table("contact<24|type, axes<|frame A<24|to B'<20|A at [m]|gains|mu|normal|off by<|<");
   std::size_t elements = 0;
   for (const ContactGroup& group : file.contact_groups) {
     if (group.count == 0 || ++elements > kMostElements) continue;
@@ -90,7 +81,7 @@ void print_contacts(std::ostream& out, const SceneFile& file) {
          "Contacts: frame A constrained to B', alpha [1/s^2] and beta [1/s], the placement error of A\n"
          "and its velocity; of copies the first, and the largest of each\n";
   table.print(out);
-  if (elements > kMostElements) out << "  ... and " << elements - kMostElements << " more elements of the file\n";
+  print_more(out, elements, kMostElements, "elements of the file");
 }
 
 }  // namespace manycontact::cli

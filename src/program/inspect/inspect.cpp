@@ -26,29 +26,6 @@ namespace {
 
 constexpr std::size_t kMostKinds = 8, kMostPairs = 24;
 
-int run_inspect(const Arguments& arguments) {
-  const std::string path = scene_operand(arguments);
-  check_files(arguments, {path}, {"--picture"});
-  const SceneFile file = load_scene(path);
-  check_files(arguments, file.files, {"--picture"});
-  const Inspection inspection = inspect_scene(file);
-  const std::string picture = arguments.value("--picture").value_or("");
-  if (!picture.empty()) write_picture(inspection, picture);
-  if (is_standard_output(arguments, {"--picture"})) return kExitOk;
-  print_heading(std::cout, file, inspection.data);
-  print_notes(std::cout, file);
-  print_joints(std::cout, file);
-  print_contacts(std::cout, file);
-  print_applied_forces(std::cout, file);
-  print_islands(std::cout, inspection);
-  print_contact_groups(std::cout, inspection);
-  print_costs(std::cout, inspection);
-  print_memory(std::cout, inspection);
-  print_findings(std::cout, file.scene, find(file, inspection.data));
-  print_advice(std::cout, inspection);
-  return kExitOk;
-}
-
 /// The bytes in use on the heap, or 0 if the system does not report them.
 double heap() {
 #ifdef MANYCONTACT_HEAP
@@ -60,10 +37,6 @@ double heap() {
 }
 
 std::string rank_text(const IslandRanks& ranks) { return ranks.known ? std::to_string(ranks.rank) : "?"; }
-
-void print_more(std::ostream& out, std::size_t all, std::size_t shown, const std::string& what) {
-  if (shown < all) out << "  ... and " << all - shown << " more " << what << "\n";
-}
 
 // Names of the contacts of a scene that are switched off.
 std::vector<std::string> inactive(const Inspection& x) {
@@ -95,7 +68,7 @@ void print_costs(std::ostream& out, IslandShape& shape, const Options& options, 
     wrap(out, "auto chooses " + why_chosen(choice, costs, options), 4);
     return;
   }
-  Table table({{"order", Table::kLeft}, {"L: non-zeros"}, {"sparse-ldl"}, {"sparse-cholmod"}});
+  Table table("order<|L: non-zeros|sparse-ldl|sparse-cholmod");
   for (Order order : kOrders) {
     const auto k = static_cast<std::size_t>(order);
     const double nonzeros = shape.counts(order).nonzeros + shape.island().size();
@@ -131,7 +104,7 @@ Inspection inspect_scene(const SceneFile& file) {
 void print_islands(std::ostream& out, const Inspection& x) {
   out << "\n"
          "Islands: robots coupled by contacts, one system each; rank of the constraint rows at the scene's q\n";
-  Table table({{"islands"}, {"robots", Table::kLeft, 34}, {"velocities"}, {"rows"}, {"rank"}, {"K: n"}, {"non-zeros"}});
+  Table table("islands|robots<34|velocities|rows|rank|K: n|non-zeros");
   for (std::size_t k = 0; k < x.kinds.size() && k < kMostKinds; ++k) {
     const Island& island = x.island(x.kinds[k]);
     table.add(
@@ -150,13 +123,7 @@ void print_islands(std::ostream& out, const Inspection& x) {
 
 void print_contact_groups(std::ostream& out, const Inspection& x) {
   const Scene& scene = x.file.scene;
-  Table table({{"groups"},
-               {"between", Table::kLeft, 22},
-               {"and", Table::kLeft, 22},
-               {"contacts", Table::kLeft, 22},
-               {"types", Table::kLeft, 14},
-               {"rows"},
-               {"rank"}});
+  Table table("groups|between<22|and<22|contacts<22|types<14|rows|rank");
   std::size_t all = 0;
   for (const IslandKind& kind : x.kinds)
     for (const auto& alike : alike_pairs(scene, kind.ranks.pairs)) {
@@ -212,16 +179,30 @@ void print_advice(std::ostream& out, const Inspection& x) {
   for (const std::string& item : advice) wrap(out, item, 2, "- ");
 }
 
-const Command& inspect_command() {
-  static const Command command{
-      "inspect",
-      "SCENE",
-      "Lists modelled and ignored elements, islands, ranks of the contacts, predicted costs, and advice.",
-      {{"--picture", "FILE.svg",
-        "also draw the patterns of K and of its factor L; - is standard output, and then that alone"}},
-      "Exit status: 0; 2 bad usage, bad input or output.\n",
-      run_inspect};
-  return command;
+int run_inspect(const Arguments& arguments) {
+  const std::string path = scene_operand(arguments);
+  check_files(arguments, {path}, {"--picture"});
+  const SceneFile file = load_scene(path);
+  check_files(arguments, file.files, {"--picture"});
+  const auto picture = arguments.value("--picture");
+  const Python python = picture ? find_python() : Python();
+  if (picture && python.path.empty())
+    throw std::runtime_error("--picture needs python3, which is not installed (Debian: python3)");
+  const Inspection inspection = inspect_scene(file);
+  if (picture) write_picture(inspection, python, *picture);
+  if (is_standard_output(arguments, {"--picture"})) return kExitOk;
+  print_heading(std::cout, file, inspection.data);
+  print_notes(std::cout, file);
+  print_joints(std::cout, file);
+  print_contacts(std::cout, file);
+  print_applied_forces(std::cout, file);
+  print_islands(std::cout, inspection);
+  print_contact_groups(std::cout, inspection);
+  print_costs(std::cout, inspection);
+  print_memory(std::cout, inspection);
+  print_findings(std::cout, file.scene, find(file, inspection.data));
+  print_advice(std::cout, inspection);
+  return kExitOk;
 }
 
 }  // namespace manycontact::cli

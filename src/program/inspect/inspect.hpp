@@ -1,6 +1,7 @@
 #pragma once
 // `manycontact inspect`: the structure of a scene, and possible simplifications.
 
+#include "../files/python.hpp"
 #include "../text/describe.hpp"
 #include "manycontact/analysis/kinds.hpp"
 #include "manycontact/kkt/pattern.hpp"
@@ -33,7 +34,7 @@ void print_costs(std::ostream& out, const Inspection& inspection);
 void print_memory(std::ostream& out, const Inspection& inspection);
 void print_advice(std::ostream& out, const Inspection& inspection);
 
-/// The patterns of K and L as an SVG file, "-" is standard output. Throws InputError when it cannot be written.
-void write_picture(const Inspection& inspection, const std::string& path);
+/// The patterns of K and L as an SVG file, "-" is standard output. Throws as OutputFile and run_python do.
+void write_picture(const Inspection& inspection, const Python& python, const std::string& path);
 
 }  // namespace manycontact::cli

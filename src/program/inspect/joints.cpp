@@ -11,17 +11,8 @@ namespace {
 constexpr std::size_t kMostJoints = 48;
 
 const char* type_name(const Joint& joint) {
-  switch (joint.type) {
-    case JointType::kRevolute:
-      return "revolute";
-    case JointType::kPrismatic:
-      return "prismatic";
-    case JointType::kPlanar:
-      return "planar";
-    case JointType::kFloating:
-      break;
-  }
-  return "floating";
+  constexpr const char* kNames[] = {"revolute", "prismatic", "floating", "planar"};
+  return kNames[static_cast<int>(joint.type)];
 }
 
 // Empty where the file gives none.
@@ -32,15 +23,7 @@ std::string bound(const Eigen::VectorXd& limits, int k) {
 }  // namespace
 
 void print_joints(std::ostream& out, const SceneFile& file) {
-  Table table({{"robot", Table::kLeft, 24},
-               {"joint", Table::kLeft, 30},
-               {"type", Table::kLeft},
-               {"lower"},
-               {"upper"},
-               {"velocity"},
-               {"effort"},
-               {"armature"},
-               {"", Table::kLeft}});
+  Table table("robot<24|joint<30|type<|lower|upper|velocity|effort|armature|<");
   std::size_t all = 0;
   std::map<const Model*, bool> shown;
   for (const RobotGroup& group : file.robot_groups) {
@@ -61,7 +44,7 @@ void print_joints(std::ostream& out, const SceneFile& file) {
   if (table.empty()) return;
   out << "\nJoints: limits of the robots' files [rad or m, rad/s or m/s, N m or N], armature [kg m^2 or kg]\n";
   table.print(out);
-  if (all > kMostJoints) out << "  ... and " << all - kMostJoints << " more\n";
+  print_more(out, all, kMostJoints);
 }
 
 }  // namespace manycontact::cli

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "../files/csv_read.hpp"
 #include "../command/command.hpp"
+#include "../files/csv_read.hpp"
 #include "manycontact/io/input_error.hpp"
 #include "manycontact/model/suggestion.hpp"
 #include "simulate.hpp"
@@ -157,7 +157,8 @@ const Eigen::VectorXd& Control::at(double t, const Eigen::VectorXd& q, const Eig
   for (const Robot& robot : file_.scene.robots)
     for (const Joint& joint : robot.model->joints)
       if (const int k = robot.model->torque_of(joint), i = robot.idx_v + joint.idx_v; k >= 0 && joint.nv() == 1)
-        out_[robot.idx_u + k] += kp_[i] * (pd_.q_ref[i] - q[robot.idx_q + joint.idx_q]) + kd_[i] * (pd_.v_ref[i] - v[i]);
+        out_[robot.idx_u + k] +=
+            kp_[i] * (pd_.q_ref[i] - q[robot.idx_q + joint.idx_q]) + kd_[i] * (pd_.v_ref[i] - v[i]);
   return out_;
 }
 

@@ -258,7 +258,7 @@ void print_summary(std::ostream& out, const SceneFile& file, const SimulationDat
   out << printable(file.scene.name) << ": " << count(sim.steps, "step") << " of " << number(sim.h) << " s, "
       << to_string(sim.integrator) << ", to t = " << number(sim.time(), 6) << " s in " << number(run.seconds)
       << " s, status " << to_string(sim.worst) << "\n";
-  Table table({{"", Table::kLeft}, {"start"}, {"end"}, {"largest"}, {"", Table::kLeft}});
+  Table table("<|start|end|largest|<");
   const auto short_of = [](double x) { return x == 0 ? std::string("0") : scientific(x); };
   table.add({"drift, position", short_of(run.start.position_drift), short_of(run.end.position_drift),
              short_of(run.largest.position_drift), "m, rad"});
@@ -330,14 +330,32 @@ Around around_of(const Arguments& arguments, const SceneFile& file) {
   return out;
 }
 
+}  // namespace
+
+Gains two_numbers(const std::string& option, const std::string& names, const std::string& text,
+                  const std::string& otherwise) {
+  double x[2];
+  const char *at = text.data(), *end = at + text.size();
+  for (int k = 0; k < 2; ++k) {
+    while (at != end && (*at == ' ' || (k == 1 && *at == ','))) ++at;
+    const auto [next, error] = std::from_chars(at, end, x[k]);
+    if (error != std::errc() || !std::isfinite(x[k]) || x[k] < 0) at = nullptr;
+    if (!at) break;
+    at = next;
+  }
+  while (at && at != end && *at == ' ') ++at;
+  if (at != end)
+    throw UsageError("option " + option + " is '" + text + "', expected '" + names + "', neither below 0" + otherwise);
+  return {x[0], x[1]};
+}
+
 int run_simulate(const Arguments& arguments) {
   const std::string path = scene_operand(arguments);
   Run run = run_of(arguments);
   const std::optional<Gains> gains = gains_of(arguments, run);
   const Options options = solver_options(arguments);
   const double damping = arguments.positive("--damping", 0);
-  const auto out = arguments.value("--out");
-  if (!out) throw UsageError("option --out is missing");
+  const std::string out = arguments.required("--out");
   check_files(arguments,
               {path, arguments.value("--torques").value_or("-"), arguments.value("--reference").value_or("-"),
                arguments.value("--pushes").value_or("-")},
@@ -351,7 +369,7 @@ int run_simulate(const Arguments& arguments) {
   if (damping > 0) file.scene.damping = damping;
   if (arguments.has("--passive")) file.u.setZero();
   Around around = around_of(arguments, file);
-  CsvFile csv(*out);
+  CsvFile csv(out);
   run.view = recording_of(arguments, file.scene);
   SimulationData sim(file.scene, file.q, file.v, run.integrator, run.h, options);
   sim.condition_every = kConditionEvery;
@@ -381,70 +399,6 @@ int run_simulate(const Arguments& arguments) {
             << " s: " << printable(run.interrupted ? kInterrupted : failure(file.scene, sim, run.stopped))
             << (advice.empty() ? "" : "; " + printable(advice)) << "\n";
   return kExitUnsound;
-}
-
-}  // namespace
-
-Gains two_numbers(const std::string& option, const std::string& names, const std::string& text,
-                  const std::string& otherwise) {
-  double x[2];
-  const char *at = text.data(), *end = at + text.size();
-  for (int k = 0; k < 2; ++k) {
-    while (at != end && (*at == ' ' || (k == 1 && *at == ','))) ++at;
-    const auto [next, error] = std::from_chars(at, end, x[k]);
-    if (error != std::errc() || !std::isfinite(x[k]) || x[k] < 0) at = nullptr;
-    if (!at) break;
-    at = next;
-  }
-  while (at && at != end && *at == ' ') ++at;
-  if (at != end)
-    throw UsageError("option " + option + " is '" + text + "', expected '" + names + "', neither below 0" + otherwise);
-  return {x[0], x[1]};
-}
-
-const Command& simulate_command() {
-  static const Command command{
-      "simulate",
-      "SCENE",
-      "Simulates the scene with its contacts, and torques that are constant, given over time or from a PD law: "
-      "trajectory, constraint errors, energy, momentum.",
-      {{"--time", "T", "s; the last step ends at T or just after", true},
-       {"--step", "H", "s", true},
-       {"--out", "FILE",
-        "CSV: t, q, v, largest drift over the contacts (m or rad, and per s), energy, momentum; - is standard output",
-        true},
-       {"--integrator", "I", "semi-implicit-euler (the default) or rk4, both on the manifold"},
-       {"--gains", "G", "of all contacts: 'alpha beta', or 'recommended' for the step; default the scene's"},
-       {"--damping", "D", "of the contacts instead of the scene's; bounds forces near singular configurations"},
-       {"--every", "N", "writes every Nth state, and the last"},
-       {"--passive", "", "without torques"},
-       {"--torques", "FILE",
-        "CSV: t and columns u:robot/joint, constant from row to row; other joints, and times before the first row, "
-        "have the scene's"},
-       {"--pushes", "FILE",
-        "CSV: t and columns w:push[0] ... w:push[5], force and torque of the scene's <push>, constant from row to row; "
-        "other pushes, and times before the first row, have the scene's"},
-       {"--pd", "G",
-        "'kp kd', or 'kp kd; robot/joint kp kd; ...' for joints with their own gains: adds kp (q_ref - q) + kd (v_ref "
-        "- v) on actuated joints, at the end of each step, towards the scene's q or"},
-       {"--reference", "FILE",
-        "CSV: t and columns q:robot/joint, v:robot/joint, as of --out; missing velocities are slopes of positions"},
-       {"--switch", "LIST",
-        "contacts that open and close: '0.2 left off, 0.5 left on' (or here: constrained at the current placement); on "
-        "for an active contact stops its frames' velocity"},
-       {"--forces", "FILE", "CSV: t, contact forces on A in their reference frames, at the states of --out"},
-       {"--json", "FILE",
-        "JSON: status, energy, violations of contacts and joint limits, and when they first occurred"},
-       view_option(),
-       {"--progress", "", "shows progress even where standard error is not a terminal"},
-       method_option(),
-       order_option(),
-       precision_option()},
-      "Exit status: 0 ok, redundant, inconsistent; 1 regularised, or stopped before the end; 2 bad usage, bad input\n"
-      "or output. It stops if the solver fails, the state is not finite or faster than 1e5 m/s or rad/s, by Ctrl-C.\n"
-      "The motion so far is written.\n",
-      run_simulate};
-  return command;
 }
 
 }  // namespace manycontact::cli

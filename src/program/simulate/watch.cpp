@@ -28,28 +28,62 @@ double torque_power(const Scene& scene, const Eigen::VectorXd& u, const Eigen::V
   return power;
 }
 
-double share(const LimitPassed& l) { return std::abs(l.value - l.limit); }
+double size_of(const Violation& x) { return x.by; }
+double size_of(const LimitPassed& x) { return std::abs(x.value - x.limit); }
+double size_of(const TurningRows& x) { return x.rate; }
 
-// A line for the copies that a key has in common: since when, who, and the worst of them. `seen`: by time.
-template <class List, class Key, class Size, class Member, class Names>
-void print_copies(std::ostream& out, const Scene& scene, const List& seen, const std::string& most, Key&& key,
-                  Size&& size, Member&& member, Names&& names) {
+// Who or what a finding is about, with one number for copies where `group` has it.
+std::vector<int> key_of(const Violation& x, const std::vector<int>& group) {
+  return {group.empty() ? x.contact : group[x.contact], static_cast<int>(x.kind)};
+}
+std::vector<int> key_of(const LimitPassed& x, const std::vector<int>& group) {
+  return {group.empty() ? x.robot : group[x.robot], x.dof, static_cast<int>(x.quantity)};
+}
+std::vector<int> key_of(const TurningRows& x, const std::vector<int>& group) {
+  return {group.empty() ? x.contact : group[x.contact]};
+}
+
+int member_of(const LimitPassed& x) { return x.robot; }
+int member_of(const auto& x) { return x.contact; }
+
+// Adds what a step starting at t found.
+template <class Found, class Seen>
+void take(const std::vector<Found>& found, double t, std::map<std::vector<int>, Seen>& seen) {
+  for (const Found& x : found) {
+    const auto [at, fresh] = seen.try_emplace(key_of(x, {}), Seen{t, x});
+    if (!fresh && size_of(x) > size_of(at->second.worst)) at->second.worst = x;
+  }
+}
+
+template <class Seen>
+std::vector<const Seen*> by_time(const std::map<std::vector<int>, Seen>& seen) {
+  std::vector<const Seen*> out;
+  for (const auto& [key, x] : seen) out.push_back(&x);
+  std::stable_sort(out.begin(), out.end(), [](const auto* a, const auto* b) { return a->first < b->first; });
+  return out;
+}
+
+// A line for the copies of a group: since when, who, and the worst of them. names: of several members.
+template <class Seen, class Names>
+void print_copies(std::ostream& out, const Scene& scene, const std::map<std::vector<int>, Seen>& seen,
+                  const std::string& most, const std::vector<int>& group, Names&& names) {
   std::map<std::vector<int>, std::size_t> line_of;
-  std::vector<List> lines;
-  for (const auto* x : seen) {
-    const auto [at, fresh] = line_of.try_emplace(key(x->worst), lines.size());
+  std::vector<std::vector<const Seen*>> lines;
+  for (const Seen* x : by_time(seen)) {
+    const auto [at, fresh] = line_of.try_emplace(key_of(x->worst, group), lines.size());
     if (fresh) lines.emplace_back();
     lines[at->second].push_back(x);
   }
   for (std::size_t k = 0; k < lines.size() && k < kMostShown; ++k) {
-    const List& alike = lines[k];
-    const auto* worst = *std::max_element(
-        alike.begin(), alike.end(), [&](const auto* a, const auto* b) { return size(a->worst) < size(b->worst); });
+    const Seen* worst = *std::max_element(lines[k].begin(), lines[k].end(), [](const Seen* a, const Seen* b) {
+      return size_of(a->worst) < size_of(b->worst);
+    });
     std::set<int> members;
-    for (const auto* x : alike) members.insert(member(x->worst));
-    const std::string who = members.size() > 1 ? names({members.begin(), members.end()}) + "; " : "";
+    for (const Seen* x : lines[k]) members.insert(member_of(x->worst));
+    const std::string who = members.size() > 1 ? names(scene, {members.begin(), members.end()}) + "; " : "";
     wrap(out,
-         "from t = " + number(alike.front()->first, 4) + " s on, " + who + most + ": " + in_words(scene, worst->worst),
+         "from t = " + number(lines[k].front()->first, 4) + " s on, " + who + most + ": " +
+             in_words(scene, worst->worst),
          2);
   }
   if (lines.size() > kMostShown) out << "  ... and " << lines.size() - kMostShown << " more, later\n";
@@ -95,19 +129,9 @@ void Watch::look(const Scene& scene, double t, const Eigen::VectorXd& q, const E
       loads[static_cast<Eigen::Index>(r)] +=
           robot.model->mass() * v.segment(robot.idx_v, robot.model->nv).cwiseAbs().maxCoeff() / sim.h;
   }
-  for (const Violation& x : violations(scene, q, sim.f, sim.f_offset, loads)) {
-    const auto [at, fresh] = violations_.try_emplace({x.contact, static_cast<int>(x.kind)}, Seen<Violation>{t, x});
-    if (!fresh && x.by > at->second.worst.by) at->second.worst = x;
-  }
-  for (const LimitPassed& x : limits_passed(scene, q, v, u)) {
-    const auto [at, fresh] =
-        limits_.try_emplace({x.robot, x.dof, static_cast<int>(x.quantity)}, Seen<LimitPassed>{t, x});
-    if (!fresh && share(x) > share(at->second.worst)) at->second.worst = x;
-  }
-  for (const TurningRows& x : turning_rows(scene, sim.dynamics.active, q, v)) {
-    const auto [at, fresh] = turning_.try_emplace({x.contact}, Seen<TurningRows>{t, x});
-    if (!fresh && x.rate > at->second.worst.rate) at->second.worst = x;
-  }
+  take(violations(scene, q, sim.f, sim.f_offset, loads), t, violations_);
+  take(limits_passed(scene, q, v, u), t, limits_);
+  take(turning_rows(scene, sim.dynamics.active, q, v), t, turning_);
   if (first_condition_ == 0 && std::isfinite(sim.condition)) first_condition_ = sim.condition;
   if (sim.condition > largest_condition_) largest_condition_ = sim.condition, condition_time_ = t;
   if (active_ != sim.dynamics.active) active_ = sim.dynamics.active, most_rank_ = -1;
@@ -125,37 +149,14 @@ void Watch::judge_rows(const Scene& scene, const Eigen::VectorXd& u, const Simul
   if (!rows.empty()) near_dependent_ = "nearly dependent rows: " + join(rows, 2);
 }
 
-template <class Finding>
-std::vector<const Watch::Seen<Finding>*> Watch::by_time(const std::map<std::vector<int>, Seen<Finding>>& seen) const {
-  std::vector<const Seen<Finding>*> out;
-  for (const auto& [key, x] : seen) out.push_back(&x);
-  std::stable_sort(out.begin(), out.end(), [](const auto* a, const auto* b) { return a->first < b->first; });
-  return out;
-}
-
 void Watch::print(std::ostream& out, const SceneFile& file, const SimulationData& sim, const Invariants& start,
                   const Invariants& end, double most_kinetic) const {
   const Scene& scene = file.scene;
-  const std::vector<int> contact_group = group_of_contacts(file);
-  print_copies(
-      out, scene, by_time(violations_), "at most",
-      [&](const Violation& x) {
-        return std::vector<int>{contact_group[x.contact], static_cast<int>(x.kind)};
-      },
-      [](const Violation& x) { return x.by; }, [](const Violation& x) { return x.contact; },
-      [&](const std::vector<int>& contacts) { return contact_names(scene, contacts); });
-  print_copies(
-      out, scene, by_time(limits_), "farthest",
-      [&](const LimitPassed& x) {
-        return std::vector<int>{file.robot_group[x.robot], x.dof, static_cast<int>(x.quantity)};
-      },
-      share, [](const LimitPassed& x) { return x.robot; },
-      [&](const std::vector<int>& robots) { return robot_names(scene, robots); });
-  print_copies(
-      out, scene, by_time(turning_), "at most",
-      [&](const TurningRows& x) { return std::vector<int>{contact_group[x.contact]}; },
-      [](const TurningRows& x) { return x.rate; }, [](const TurningRows& x) { return x.contact; },
-      [&](const std::vector<int>& contacts) { return contact_names(scene, contacts); });
+  const auto contacts = [](const Scene& of, const std::vector<int>& list) { return contact_names(of, list); };
+  const auto robots = [](const Scene& of, const std::vector<int>& list) { return robot_names(of, list); };
+  print_copies(out, scene, violations_, "at most", group_of_contacts(file), contacts);
+  print_copies(out, scene, limits_, "farthest", file.robot_group, robots);
+  print_copies(out, scene, turning_, "at most", group_of_contacts(file), contacts);
   const double gained = gained_energy(start, end, most_kinetic);
   const bool gains = std::any_of(scene.contacts.begin(), scene.contacts.end(),
                                  [](const Contact& c) { return c.alpha != 0 || c.beta != 0; });
@@ -210,15 +211,15 @@ void Watch::print_energy(std::ostream& out, const Scene& scene, const Simulation
 void Watch::add_to(Json& json, const Scene& scene) const {
   const auto list = [&](const char* key, const auto& seen) {
     json[key] = Json::array();
-    for (const auto* x : seen) {
+    for (const auto* x : by_time(seen)) {
       Json entry = json_of(scene, x->worst);
       entry["first_time"] = x->first;
       json[key].push_back(entry);
     }
   };
-  list("violations", by_time(violations_));
-  list("limits_passed", by_time(limits_));
-  list("turning_rows", by_time(turning_));
+  list("violations", violations_);
+  list("limits_passed", limits_);
+  list("turning_rows", turning_);
   json["work_of_torques"] = work_;
   json["work_of_friction"] = friction_work_;
   json["work_of_pushes"] = push_work_;

@@ -43,9 +43,6 @@ class Watch {
     double first = 0;
     Finding worst;
   };
-  template <class Finding>
-  std::vector<const Seen<Finding>*> by_time(const std::map<std::vector<int>, Seen<Finding>>& seen) const;
-
   std::map<std::vector<int>, Seen<Violation>> violations_;  // key: contact and kind
   std::map<std::vector<int>, Seen<LimitPassed>> limits_;    // key: robot, coordinate and quantity
   std::map<std::vector<int>, Seen<TurningRows>> turning_;   // key: contact

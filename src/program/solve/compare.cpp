@@ -42,7 +42,7 @@ void print_against_dense(std::ostream& out, const SolvedScene& s) {
   const Eigen::VectorXd gravity = Eigen::VectorXd::Constant(scene.nv, scene.gravity.norm());
   const Deviation a = worst_known(acceleration_deviations(scene, s.data.a, dense.data.a, gravity));
   const Deviation f = worst_known(force_deviations(scene, s.data.f_offset, s.data.f, dense.data.f));
-  Table table({{"largest difference", Table::kLeft}, {"absolute"}, {"relative"}, {"", Table::kLeft}});
+  Table table("largest difference<|absolute|relative|<");
   table.add({"accelerations", scientific(a.absolute), scientific(a.relative), "to the robot's largest, or gravity"});
   if (s.data.f.size() > 0)
     table.add({"forces", scientific(f.absolute), scientific(f.relative), "to the largest on the robot"});

@@ -70,8 +70,7 @@ void print_derivatives(std::ostream& out, const SolvedScene& s) {
     f[1].look(d.dforces_dv(), of.dforces_dv, n.f, n.v);
     f[2].look(d.dforces_du(), of.dforces_du, n.f, n.u);
   }
-  Table table(
-      {{"of", Table::kLeft}, {"entry"}, {"relative error"}, {"row", Table::kLeft, 36}, {"column", Table::kLeft, 36}});
+  Table table("of<|entry|relative error|row<36|column<36");
   const char* by[] = {"dq", "dv", "du"};
   std::string rounding;
   const auto add = [&](const char* of, const Largest& x, const char* by) {

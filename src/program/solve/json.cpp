@@ -105,17 +105,30 @@ Json report(const SolvedScene& s) {
           {"island_list", list}};
 }
 
+// The blocks of derivatives by name.
+struct Block {
+  const char* name;
+  Eigen::MatrixXd SceneDerivatives::*matrix;
+  double DerivativeBounds::*bound;
+};
+constexpr Block kBlocks[] = {
+    {"da_dq", &SceneDerivatives::da_dq, &DerivativeBounds::da_dq},
+    {"da_dv", &SceneDerivatives::da_dv, &DerivativeBounds::da_dv},
+    {"da_du", &SceneDerivatives::da_du, &DerivativeBounds::da_du},
+    {"dforces_dq", &SceneDerivatives::dforces_dq, &DerivativeBounds::dforces_dq},
+    {"dforces_dv", &SceneDerivatives::dforces_dv, &DerivativeBounds::dforces_dv},
+    {"dforces_du", &SceneDerivatives::dforces_du, &DerivativeBounds::dforces_du},
+};
+
 // The value over all islands; null if it is not known.
 Json largest_of(const std::vector<DerivativeBounds>& errors) {
   DerivativeBounds most;
   Json out;
-  const auto add = [&](const char* name, double DerivativeBounds::*of) {
-    for (const DerivativeBounds& x : errors) most.*of = sparse::larger_or_nan(most.*of, x.*of);
-    out[name] = std::isfinite(most.*of) ? Json(most.*of) : Json(nullptr);
-  };
-  add("da_dq", &DerivativeBounds::da_dq), add("da_dv", &DerivativeBounds::da_dv);
-  add("da_du", &DerivativeBounds::da_du), add("dforces_dq", &DerivativeBounds::dforces_dq);
-  add("dforces_dv", &DerivativeBounds::dforces_dv), add("dforces_du", &DerivativeBounds::dforces_du);
+  for (const Block& block : kBlocks) {
+    double& of = most.*block.bound;
+    for (const DerivativeBounds& x : errors) of = sparse::larger_or_nan(of, x.*block.bound);
+    out[block.name] = std::isfinite(of) ? Json(of) : Json(nullptr);
+  }
   return out;
 }
 
@@ -129,12 +142,7 @@ Json document(const SolvedScene& s) {
   for (const char unique : s.unique) json["forces_unique"].push_back(unique != 0);
   if (s.derivatives) {
     const SceneDerivatives d = dense_derivatives(s.file.scene, s.data);
-    json["da_dq"] = matrix(d.da_dq);
-    json["da_dv"] = matrix(d.da_dv);
-    json["da_du"] = matrix(d.da_du);
-    json["dforces_dq"] = matrix(d.dforces_dq);
-    json["dforces_dv"] = matrix(d.dforces_dv);
-    json["dforces_du"] = matrix(d.dforces_du);
+    for (const Block& block : kBlocks) json[block.name] = matrix(d.*block.matrix);
     json["derivative_errors"] = largest_of(s.derivative_errors);
     if (!s.file.scene.pushes.empty()) {
       json["push_names"] = push_names(s.file.scene);

@@ -1,10 +1,10 @@
 #include "solve.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <iostream>
 
 #include "../command/command.hpp"
+#include "../command/rough_time.hpp"
 #include "../text/table.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/analysis/unique_forces.hpp"
@@ -16,24 +16,15 @@ namespace manycontact::cli {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double microseconds_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-}
-
 // Median time of `repeat` calls, us. Before each, `before`, which is not timed.
 template <class Before, class Call>
 double median_time(int repeat, Before&& before, Call&& call) {
   std::vector<double> times;
   for (int k = 0; k < repeat; ++k) {
     before();
-    const Clock::time_point start = Clock::now();
-    call();
-    times.push_back(microseconds_since(start));
+    times.push_back(time_of(call));
   }
-  std::sort(times.begin(), times.end());
-  return 0.5 * (times[(times.size() - 1) / 2] + times[times.size() / 2]);
+  return median(std::move(times));
 }
 template <class Call>
 double median_time(int repeat, Call&& call) {
@@ -85,6 +76,30 @@ void check_size_of_json(const Scene& scene) {
                      number(kMost) + " are written; the library has them by islands (differentiate)");
 }
 
+}  // namespace
+
+SolvedScene solve_scene(const SceneFile& file, const Options& options, int repeat, bool derivatives) {
+  const Scene& scene = file.scene;
+  Times time;
+  SolvedScene s{file, set_up(scene, options, repeat, time.setup), {}, repeat, {}, derivatives};
+  time.symbolic = time_of_analysis(scene, s.data, repeat);
+  const auto once = [&] { (void)solve(scene, file.q, file.v, file.u, s.data); };
+  once();
+  time.solve = median_time(repeat, once);
+  if (derivatives) {
+    DerivativeRequest request;
+    request.pushes = !scene.pushes.empty();
+    const auto again = [&] { (void)differentiate(scene, s.data, request); };
+    again();
+    time.derivatives = median_time(repeat, again);
+    s.derivative_errors = estimate_derivative_errors(scene, s.data);
+  }
+  s.time = time;
+  estimate_condition(scene, s.data);
+  estimate_errors(scene, s.data);
+  return s;
+}
+
 int run_solve(const Arguments& arguments) {
   const std::string path = scene_operand(arguments);
   Options options = solver_options(arguments);
@@ -111,51 +126,6 @@ int run_solve(const Arguments& arguments) {
   else
     print_summary(std::cout, solved);
   return solved.data.report.status <= Status::kInconsistent ? kExitOk : kExitUnsound;
-}
-
-}  // namespace
-
-SolvedScene solve_scene(const SceneFile& file, const Options& options, int repeat, bool derivatives) {
-  const Scene& scene = file.scene;
-  Times time;
-  SolvedScene s{file, set_up(scene, options, repeat, time.setup), {}, repeat, {}, derivatives};
-  time.symbolic = time_of_analysis(scene, s.data, repeat);
-  const auto once = [&] { (void)solve(scene, file.q, file.v, file.u, s.data); };
-  once();
-  time.solve = median_time(repeat, once);
-  if (derivatives) {
-    DerivativeRequest request;
-    request.pushes = !scene.pushes.empty();
-    const auto again = [&] { (void)differentiate(scene, s.data, request); };
-    again();
-    time.derivatives = median_time(repeat, again);
-    s.derivative_errors = estimate_derivative_errors(scene, s.data);
-  }
-  s.time = time;
-  estimate_condition(scene, s.data);
-  estimate_errors(scene, s.data);
-  return s;
-}
-
-const Command& solve_command() {
-  static const Command command{
-      "solve",
-      "SCENE",
-      "Accelerations and contact forces of the scene, with status and accuracy.",
-      {method_option(),
-       order_option(),
-       precision_option(),
-       {"--derivatives", "", "also those of accelerations and forces with respect to q, v and u"},
-       {"--quasi-static", "", "also the torques that keep the scene at rest"},
-       {"--quality", "", "also backward errors, growth, signature and scaling of each island's equations"},
-       {"--repeat", "N", "times are medians over N solves, after one to warm up"},
-       {"--threads", "N", "inside a solve, for large scenes; default 1. Results do not depend on it"},
-       {"--compare", "",
-        "compares with the dense method however long that takes; else up to about a quarter of a second"},
-       {"--json", "FILE", "write JSON instead of the summary; - is standard output"}},
-      "Exit status: 0 ok, redundant, inconsistent; 1 regularised, failed; 2 bad usage, bad input or output.\n",
-      run_solve};
-  return command;
 }
 
 }  // namespace manycontact::cli

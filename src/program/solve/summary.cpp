@@ -146,21 +146,8 @@ void print_one_kind(std::ostream& out, const SolvedScene& s, const Alike& kind) 
 }
 
 void print_kinds(std::ostream& out, const SolvedScene& s, const std::vector<Alike>& kinds, std::size_t shown) {
-  Table table({{"islands"},
-               {"robots", Table::kLeft, 22},
-               {"nv"},
-               {"rows"},
-               {"rank"},
-               {"method", Table::kLeft},
-               {"order", Table::kLeft},
-               {"status", Table::kLeft}});
-  Table worth({{"islands"},
-               {"robots", Table::kLeft, 22},
-               {"factor"},
-               {"refined"},
-               {"residual: dynamics"},
-               {"contacts"},
-               {"condition"}});
+  Table table("islands|robots<22|nv|rows|rank|method<|order<|status<");
+  Table worth("islands|robots<22|factor|refined|residual: dynamics|contacts|condition");
   for (std::size_t k = 0; k < shown; ++k) {
     const IslandReport& r = kinds[k].report;
     const std::string n = std::to_string(kinds[k].islands.size()), name = islands_name(s.file, kinds[k].islands);
@@ -172,7 +159,7 @@ void print_kinds(std::ostream& out, const SolvedScene& s, const std::vector<Alik
   table.print(out);
   out << "\n";
   worth.print(out);
-  if (shown < kinds.size()) out << "  ... and " << kinds.size() - shown << " more kinds of island\n";
+  print_more(out, kinds.size(), shown, "kinds of island");
   out << "  factor: non-zeros; refined: steps; residuals are relative; condition: of K, 1-norm\n\n";
 }
 
@@ -198,14 +185,7 @@ void print_several_kinds(std::ostream& out, const SolvedScene& s, const std::vec
 // How well K x = b is solved, and how hard it is.
 void print_quality(std::ostream& out, const SolvedScene& s, const std::vector<Alike>& kinds) {
   constexpr std::size_t kShown = 10;
-  Table table({{"islands"},
-               {"robots", Table::kLeft, 22},
-               {"backward error: entries"},
-               {"norms"},
-               {"growth"},
-               {"condition"},
-               {"scaled"},
-               {"signature"}});
+  Table table("islands|robots<22|backward error: entries|norms|growth|condition|scaled|signature");
   for (std::size_t k = 0; k < std::min(kinds.size(), kShown); ++k) {
     const SystemQuality& of = s.quality[kinds[k].number];
     table.add(
@@ -216,7 +196,7 @@ void print_quality(std::ostream& out, const SolvedScene& s, const std::vector<Al
   }
   out << "\nEquations K x = b\n";
   table.print(out);
-  if (kinds.size() > kShown) out << "  ... and " << kinds.size() - kShown << " more kinds of island\n";
+  print_more(out, kinds.size(), kShown, "kinds of island");
   out << "  scaled: the condition with a largest entry of 1 in each row and column; signature: signs of K's "
          "eigenvalues\n";
 }

@@ -90,7 +90,7 @@ std::vector<Vec3<double>> contact_force_on(const SolvedScene& s) {
 void print_total(std::ostream& out, const SolvedScene& s) {
   double mass = 0;
   for (const Robot& robot : s.file.scene.robots) mass += robot.model->floating_base ? robot.model->mass() : 0;
-  Table table({{"", Table::kLeft}, {""}, {""}, {""}});
+  Table table("<|||");
   const auto row = [&table](const std::string& what, const Vec3<double>& f) {
     table.add({what, decimal(f[0]), decimal(f[1]), decimal(f[2])});
   };
@@ -126,14 +126,7 @@ void print_accelerations(std::ostream& out, const SolvedScene& s) {
              size);
   }
   out << "\nAccelerations [m/s^2, rad/s^2] and the sum of the contact forces on each robot [N]\n";
-  print_lines(out,
-              Table({{"robot", Table::kLeft, 24},
-                     {"base linear"},
-                     {"base angular"},
-                     {"joints, largest"},
-                     {"at", Table::kLeft, 22},
-                     {"force"}}),
-              lines, kMostRobots);
+  print_lines(out, Table("robot<24|base linear|base angular|joints, largest|at<22|force"), lines, kMostRobots);
   if (nothing_accelerates(s.data.report)) out << "  no accelerations except rounding errors\n";
 }
 
@@ -155,17 +148,7 @@ void print_forces(std::ostream& out, const SolvedScene& s) {
   if (lines.empty()) return;
   for (Line& line : lines) line.cells.resize(8);
   out << "\nContact forces on frame A [N, N m], in its own axes (local) or the world's\n";
-  print_lines(out,
-              Table({{"contact", Table::kLeft, 24},
-                     {"type", Table::kLeft},
-                     {"axes", Table::kLeft},
-                     {"fx"},
-                     {"fy"},
-                     {"fz"},
-                     {"mx"},
-                     {"my"},
-                     {"mz"}}),
-              lines, kMostContacts);
+  print_lines(out, Table("contact<24|type<|axes<|fx|fy|fz|mx|my|mz"), lines, kMostContacts);
   if (any_shared)
     wrap(out,
          "contacts could share these in other ways with the same accelerations: shown are those of least norm, with a "
@@ -188,7 +171,7 @@ void print_quasi_static(std::ostream& out, const SolvedScene& s) {
   out << "\nQuasi-static torques, which " << (s.unbalanced.empty() ? "keep" : "do not keep")
       << " the scene at rest [N m, N]\n";
   if (lines.empty()) out << "  no joint is actuated\n";
-  print_lines(out, Table({{"joint", Table::kLeft, 60}, {"torque"}}), lines, kMostTorques);
+  print_lines(out, Table("joint<60|torque"), lines, kMostTorques);
 }
 
 }  // namespace manycontact::cli

@@ -26,17 +26,6 @@ struct GainsChoice {
   Gains gains;  // used if `recommended` is false
 };
 
-// One run of the chart of constraint violations.
-struct DriftPoint {
-  Integrator integrator;
-  std::string name;  // name of the gains
-  Gains gains;
-  double h;            // s
-  long steps;          // planned
-  Invariants largest;  // constraint violation over the run
-  StepStatus stopped;  // kOk: it ran to the end
-};
-
 struct EnergyRow {
   long step;
   double error;  // largest |E - E(0)| so far, J
@@ -48,17 +37,10 @@ struct EnergyRun {
   Integrator integrator;
   std::string gains;
   double h;
-  std::vector<EnergyRow> rows;
-  StepStatus stopped;
-  long steps;      // done
-  double kinetic;  // largest, J
-};
-
-struct Stability {
-  std::string scene;
-  std::vector<DriftPoint> drift;  // sorted by integrator, gains and step size
-  std::vector<EnergyRun> energy;
-  double drift_time;  // s
+  EnergyRow last = {};  // of the steps in energy.csv
+  StepStatus stopped = StepStatus::kOk;
+  long steps = 0;      // done
+  double kinetic = 0;  // largest, J
 };
 
 // Critically damped gains with these rates [1/s], from soft to stiff; 0: no gains.
@@ -87,33 +69,42 @@ Gains gains_for(const GainsChoice& choice, Integrator integrator, double h) {
   return choice.recommended ? recommended_gains(integrator, h) : choice.gains;
 }
 
-// The largest constraint violation over `time`; stops if a step fails.
-DriftPoint measure_drift(SceneFile file, const Options& options, Integrator integrator, const GainsChoice& choice,
-                         double h, double time, const std::function<void(long)>& each) {
+const char* to_string(StepStatus status) {
+  constexpr const char* kNames[] = {"", "solver failed", "not finite", "too fast"};
+  return kNames[static_cast<int>(status)];
+}
+
+// A row of the largest constraint violation over `time`; stops if a step fails.
+void measure_drift(SceneFile file, const Options& options, Integrator integrator, const GainsChoice& choice, double h,
+                   double time, const std::function<void(long)>& each, CsvFile& csv) {
   const Gains gains = gains_for(choice, integrator, h);
   const long steps = static_cast<long>(std::ceil(time / h - 1e-6));
   set_gains(file.scene, gains);
   SimulationData sim(file.scene, file.q, file.v, integrator, h, options);
   InvariantsData room(file.scene);
-  DriftPoint point{integrator, choice.name, gains, h, steps, {}, StepStatus::kOk};
-  while (sim.steps < point.steps && point.stopped == StepStatus::kOk) {
-    point.stopped = step(file.scene, file.u, sim);
+  Invariants largest;
+  StepStatus stopped = StepStatus::kOk;
+  while (sim.steps < steps && stopped == StepStatus::kOk) {
+    stopped = step(file.scene, file.u, sim);
     const Invariants at = invariants(file.scene, sim.dynamics.active, sim.q, sim.v, room);
-    point.largest.position_drift = std::max(point.largest.position_drift, at.position_drift);
-    point.largest.velocity_drift = std::max(point.largest.velocity_drift, at.velocity_drift);
+    largest.position_drift = std::max(largest.position_drift, at.position_drift);
+    largest.velocity_drift = std::max(largest.velocity_drift, at.velocity_drift);
     each(sim.steps);
   }
-  return point;
+  csv << to_string(integrator) << choice.name << gains.alpha << gains.beta << h << static_cast<double>(steps)
+      << largest.position_drift << largest.velocity_drift << to_string(stopped)
+      << largest_stable_step(integrator, gains);
+  csv.end_row();
 }
 
-// Largest energy error so far, at steps spaced evenly in their logarithm.
+// Rows of the largest energy error so far, at steps spaced evenly in their logarithm.
 EnergyRun measure_energy(SceneFile file, const Options& options, Integrator integrator, const GainsChoice& choice,
-                         double h, long steps, const std::function<void(long)>& each) {
+                         double h, long steps, const std::function<void(long)>& each, CsvFile& csv) {
   set_gains(file.scene, gains_for(choice, integrator, h));
   SimulationData sim(file.scene, file.q, file.v, integrator, h, options);
   InvariantsData room(file.scene);
   const double start = invariants(file.scene, sim.dynamics.active, sim.q, sim.v, room).energy();
-  EnergyRun out{integrator, choice.name, h, {}, StepStatus::kOk, 0, 0};
+  EnergyRun out{integrator, choice.name, h};
   double largest = 0, next = 1;
   const double growth = std::pow(static_cast<double>(steps), 1.0 / kEnergyRows);
   while (sim.steps < steps && out.stopped == StepStatus::kOk) {
@@ -124,7 +115,9 @@ EnergyRun measure_energy(SceneFile file, const Options& options, Integrator inte
     out.kinetic = std::max(out.kinetic, at.kinetic);
     each(sim.steps);
     if (static_cast<double>(sim.steps) < next && sim.steps != steps) continue;
-    out.rows.push_back({sim.steps, largest, at.position_drift});
+    out.last = {sim.steps, largest, at.position_drift};
+    csv << to_string(integrator) << choice.name << h << static_cast<double>(sim.steps) << largest << at.position_drift;
+    csv.end_row();
     while (growth > 1 && next <= static_cast<double>(sim.steps)) next *= growth;
   }
   out.steps = sim.steps;
@@ -144,107 +137,67 @@ double total_work(const Plan& plan) {
   return work + 2.0 * 5 * static_cast<double>(plan.energy_steps);
 }
 
-Stability measure(const SceneFile& file, const Options& options, const Plan& plan) {
+void begin_csv(std::initializer_list<const char*> names, CsvFile& csv) {
+  for (const char* name : names) csv << name;
+  csv.end_row();
+}
+
+// Writes drift.csv and energy.csv.
+std::vector<EnergyRun> measure(const SceneFile& file, const Options& options, const Plan& plan,
+                               const fs::path& folder) {
   const std::vector<GainsChoice> choices = gains_choices();
-  Stability out{file.scene.name, {}, {}, plan.drift_time};
+  std::vector<EnergyRun> out;
   Progress progress("", total_work(plan), plan.progress);
   double done = 0;
-  for (Integrator integrator : kIntegrators) {
-    const double cost = integrator == Integrator::kRk4 ? 4 : 1;
-    for (const GainsChoice& choice : choices) {
-      const std::string label = "drift, " + to_string(integrator) + ", gains " + choice.name;
+  const auto cost = [](Integrator integrator) { return integrator == Integrator::kRk4 ? 4 : 1; };
+  const auto show = [&](const std::string& chart, Integrator integrator, const GainsChoice& choice) {
+    return [&, integrator, label = chart + ", " + to_string(integrator) + ", gains " + choice.name](long k) {
+      progress.update(done + cost(integrator) * static_cast<double>(k), label);
+    };
+  };
+  CsvFile drift((folder / "drift.csv").string()), energy((folder / "energy.csv").string());
+  begin_csv({"integrator", "gains", "alpha", "beta", "step_s", "steps", "largest_position_drift",
+             "largest_velocity_drift", "stopped", "largest_stable_step_s"},
+            drift);
+  begin_csv({"integrator", "gains", "step_s", "step", "largest_energy_error_J", "position_drift"}, energy);
+  for (Integrator integrator : kIntegrators)
+    for (const GainsChoice& choice : choices)
       for (double h : step_sizes()) {
-        out.drift.push_back(measure_drift(file, options, integrator, choice, h, plan.drift_time, [&](long k) {
-          progress.update(done + cost * static_cast<double>(k), label);
-        }));
-        done += cost * plan.drift_time / h;
+        measure_drift(file, options, integrator, choice, h, plan.drift_time, show("drift", integrator, choice), drift);
+        done += cost(integrator) * plan.drift_time / h;
       }
-    }
-  }
   for (Integrator integrator : kIntegrators)
     for (const GainsChoice& choice : {choices.front(), choices.back()}) {
-      const double cost = integrator == Integrator::kRk4 ? 4 : 1;
-      const std::string label = "energy, " + to_string(integrator) + ", gains " + choice.name;
-      out.energy.push_back(
-          measure_energy(file, options, integrator, choice, plan.energy_step, plan.energy_steps,
-                         [&](long k) { progress.update(done + cost * static_cast<double>(k), label); }));
-      done += cost * static_cast<double>(plan.energy_steps);
+      out.push_back(measure_energy(file, options, integrator, choice, plan.energy_step, plan.energy_steps,
+                                   show("energy", integrator, choice), energy));
+      done += cost(integrator) * static_cast<double>(plan.energy_steps);
     }
+  drift.close();
+  energy.close();
   return out;
 }
 
-const char* to_string(StepStatus status) {
-  switch (status) {
-    case StepStatus::kOk:
-      return "";
-    case StepStatus::kSolverFailed:
-      return "solver failed";
-    case StepStatus::kNotFinite:
-      return "not finite";
-    case StepStatus::kTooFast:
-      return "too fast";
-  }
-  return "";
-}
-
-void write_drift(const Stability& s, const fs::path& path) {
-  CsvFile csv(path.string());
-  for (const char* name : {"integrator", "gains", "alpha", "beta", "step_s", "steps", "largest_position_drift",
-                           "largest_velocity_drift", "stopped", "largest_stable_step_s"})
-    csv << name;
-  csv.end_row();
-  for (const DriftPoint& p : s.drift) {
-    csv << to_string(p.integrator) << p.name << p.gains.alpha << p.gains.beta << p.h << static_cast<double>(p.steps)
-        << p.largest.position_drift << p.largest.velocity_drift << to_string(p.stopped)
-        << largest_stable_step(p.integrator, p.gains);
-    csv.end_row();
-  }
-  csv.close();
-}
-
-void write_energy(const Stability& s, const fs::path& path) {
-  CsvFile csv(path.string());
-  for (const char* name : {"integrator", "gains", "step_s", "step", "largest_energy_error_J", "position_drift"})
-    csv << name;
-  csv.end_row();
-  for (const EnergyRun& run : s.energy)
-    for (const EnergyRow& row : run.rows) {
-      csv << to_string(run.integrator) << run.gains << run.h << static_cast<double>(row.step) << row.error << row.drift;
-      csv.end_row();
-    }
-  csv.close();
-}
-
 // Writes the data that the charts show in addition to the CSV files.
-void write_json(const Stability& s, const fs::path& path) {
+void write_json(const std::string& scene, const Plan& plan, const std::vector<EnergyRun>& energy,
+                const fs::path& path) {
   Json runs = Json::array();
-  for (const EnergyRun& run : s.energy)
+  for (const EnergyRun& run : energy)
     runs.push_back({{"integrator", to_string(run.integrator)},
                     {"gains", run.gains},
                     {"step_s", run.h},
                     {"steps", run.steps},
                     {"stopped", to_string(run.stopped)},
                     {"largest_kinetic_energy_J", run.kinetic}});
-  write_json_file({{"scene", s.scene}, {"drift_time_s", s.drift_time}, {"energy_runs", runs}}, path.string(), "--out");
+  write_json_file({{"scene", scene}, {"drift_time_s", plan.drift_time}, {"energy_runs", runs}}, path.string(), "--out");
 }
 
-// Whether any run has an energy error to draw.
-bool has_energy_error(const Stability& s) {
-  return std::any_of(s.energy.begin(), s.energy.end(),
-                     [](const EnergyRun& run) { return !run.rows.empty() && run.rows.back().error > 0; });
-}
-
-void print_summary(std::ostream& out, const Stability& s) {
-  Table table({{"integrator", Table::kLeft},
-               {"gains", Table::kLeft},
-               {"steps"},
-               {"energy error J"},
-               {"drift"},
-               {"", Table::kLeft}});
-  for (const EnergyRun& run : s.energy)
-    table.add({to_string(run.integrator), run.gains, std::to_string(run.steps),
-               run.rows.empty() ? "" : scientific(run.rows.back().error),
-               run.rows.empty() ? "" : scientific(run.rows.back().drift), to_string(run.stopped)});
+void print_summary(std::ostream& out, const std::vector<EnergyRun>& energy) {
+  Table table("integrator<|gains<|steps|energy error J|drift|<");
+  for (const EnergyRun& run : energy) {
+    const bool any = run.last.step > 0;
+    table.add({to_string(run.integrator), run.gains, std::to_string(run.steps), any ? scientific(run.last.error) : "",
+               any ? scientific(run.last.drift) : "", to_string(run.stopped)});
+  }
   table.print(out);
 }
 
@@ -258,31 +211,28 @@ int run_stability(const Arguments& arguments) {
   plan.energy_steps = arguments.integer("--steps", 1, 1000000000, static_cast<int>(plan.energy_steps));
   plan.progress = arguments.has("--progress");
   const Options options = solver_options(arguments);
-  const auto folder = arguments.value("--out");
-  if (!folder) throw UsageError("option --out is missing");
+  const std::string folder = arguments.required("--out");
 
   SceneFile file = load_scene(path);
-  check_folder("--out", *folder,
+  check_folder("--out", folder,
                {"drift.csv", "drift.svg", "drift.png", "energy.csv", "energy.svg", "energy.png", "stability.json"},
                file.files);
   if (file.scene.contacts.empty()) throw InputError(path, 1, "there are no contacts, expected some to drift");
   file.u.setZero();
   std::error_code error;
-  fs::create_directories(*folder, error);
-  if (error) throw InputError(*folder, 1, "cannot be created: " + error.message() + ", expected a folder for --out");
-  const Stability s = measure(file, options, plan);
-  write_drift(s, fs::path(*folder) / "drift.csv");
-  write_energy(s, fs::path(*folder) / "energy.csv");
-  write_json(s, fs::path(*folder) / "stability.json");
-  print_summary(std::cout, s);
+  fs::create_directories(folder, error);
+  if (error) throw InputError(folder, 1, "cannot be created: " + error.message() + ", expected a folder for --out");
+  const std::vector<EnergyRun> runs = measure(file, options, plan, folder);
+  write_json(file.scene.name, plan, runs, fs::path(folder) / "stability.json");
+  print_summary(std::cout, runs);
   const Python python = find_python();
   if (!python.draws) {
-    std::cerr << "manycontact: " << kNoCharts << "; drift.csv and energy.csv are in " << printable(*folder) << "\n";
+    std::cerr << "manycontact: " << kNoCharts << "; drift.csv and energy.csv are in " << printable(folder) << "\n";
     return kExitUnsound;
   }
-  run_python(python, script_path("stability.py"), {*folder});
-  const bool energy = has_energy_error(s);
-  std::cout << "charts: drift" << (energy ? " and energy" : "") << ", .png and .svg, in " << printable(*folder) << "\n";
+  run_python(python, script_path("stability.py"), {folder});
+  const bool energy = std::any_of(runs.begin(), runs.end(), [](const EnergyRun& run) { return run.last.error > 0; });
+  std::cout << "charts: drift" << (energy ? " and energy" : "") << ", .png and .svg, in " << printable(folder) << "\n";
   if (!energy) std::cout << "no energy chart: no run that took a step has an energy error\n";
   return kExitOk;
 }

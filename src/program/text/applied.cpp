@@ -39,34 +39,23 @@ struct At {
   }
 };
 
-void print_more(std::ostream& out, std::size_t all) {
-  if (all > kMostListed) out << "  ... and " << all - kMostListed << " more\n";
-}
-
 void print_pushes(std::ostream& out, const Scene& scene, const At& at) {
   if (scene.pushes.empty()) return;
   out << "\nPushes: where they act [m], force [N] and torque [N m]\n";
-  Table table({{"push", Table::kLeft}, {"on", Table::kLeft}, {"at"}, {"force"}, {"torque"}, {"axes", Table::kLeft}});
+  Table table("push<|on<|at|force|torque|axes<");
   for (std::size_t k = 0; k < std::min(scene.pushes.size(), kMostListed); ++k) {
     const Push& push = scene.pushes[k];
     table.add({push.name, name_of(scene, push.at), three(at.place(push.at)), three(push.wrench.head<3>()),
                three(push.wrench.tail<3>()), push.reference_frame == ReferenceFrame::kLocal ? "local" : "world"});
   }
   table.print(out);
-  print_more(out, scene.pushes.size());
+  print_more(out, scene.pushes.size(), kMostListed);
 }
 
 void print_springs(std::ostream& out, const Scene& scene, const At& at) {
   if (scene.springs.empty()) return;
   out << "\nSprings: ends [m], length and length at rest [m], force [N], above 0 where it pulls the ends together\n";
-  Table table({{"spring", Table::kLeft},
-               {"on", Table::kLeft},
-               {"at"},
-               {"to", Table::kLeft},
-               {"at"},
-               {"length"},
-               {"at rest"},
-               {"force"}});
+  Table table("spring<|on<|at|to<|at|length|at rest|force");
   for (std::size_t k = 0; k < std::min(scene.springs.size(), kMostListed); ++k) {
     const Spring& spring = scene.springs[k];
     const auto& now = at.forces.springs[k];
@@ -75,14 +64,14 @@ void print_springs(std::ostream& out, const Scene& scene, const At& at) {
                number(spring.stiffness * now.length + now.t)});
   }
   table.print(out);
-  print_more(out, scene.springs.size());
+  print_more(out, scene.springs.size(), kMostListed);
 }
 
 void print_joint_springs(std::ostream& out, const SceneFile& file) {
   const Scene& scene = file.scene;
   if (scene.joint_springs.empty()) return;
   out << "\nSprings in joints: at and at rest [rad, m], torque [N m, N]\n";
-  Table table({{"joint", Table::kLeft}, {"at"}, {"at rest"}, {"torque"}});
+  Table table("joint<|at|at rest|torque");
   for (std::size_t k = 0; k < std::min(scene.joint_springs.size(), kMostListed); ++k) {
     const JointSpring& spring = scene.joint_springs[k];
     const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
@@ -92,7 +81,7 @@ void print_joint_springs(std::ostream& out, const SceneFile& file) {
         {robot.name + "/" + joint.name, number(q), number(spring.rest), number(-spring.stiffness * (q - spring.rest))});
   }
   table.print(out);
-  print_more(out, scene.joint_springs.size());
+  print_more(out, scene.joint_springs.size(), kMostListed);
 }
 
 }  // namespace

@@ -97,14 +97,7 @@ void print_heading(std::ostream& out, const SceneFile& file, const SceneData& da
               std::to_string(model.nv), number(model.mass(), 4), joint_types(model)});
   }
   out << "\n";
-  print_lines(out,
-              Table({{"robot", Table::kLeft, 24},
-                     {"urdf", Table::kLeft, 24},
-                     {"base", Table::kLeft},
-                     {"velocities"},
-                     {"mass [kg]"},
-                     {"joints", Table::kLeft}}),
-              lines, kMostRobotLines, false);
+  print_lines(out, Table("robot<24|urdf<24|base<|velocities|mass [kg]|joints<"), lines, kMostRobotLines, false);
 }
 
 void print_notes(std::ostream& out, const SceneFile& file) {

@@ -36,20 +36,12 @@ void print_contacts(std::ostream& out, const Scene& scene, const List& list, con
 }
 
 std::string amount(const Scene& scene, const Violation& v) {
-  const Contact& contact = scene.contacts[v.contact];
   const std::string by = "by " + number(v.by) + " " + unit_of(v.kind);
-  switch (v.kind) {
-    case ViolationKind::kPulls:
-      return by;
-    case ViolationKind::kSlips:
-      return by + " more than mu " + number(*contact.mu) + " allows" +
-             (std::isfinite(v.needs) ? "; mu " + number(v.needs) + " would be sufficient" : "");
-    case ViolationKind::kTips:
-      return by + " outside its box";
-    case ViolationKind::kTurns:
-      break;
-  }
-  return by + " beyond the limit of friction";
+  if (v.kind == ViolationKind::kTips) return by + " outside its box";
+  if (v.kind == ViolationKind::kTurns) return by + " beyond the limit of friction";
+  if (v.kind == ViolationKind::kPulls) return by;
+  return by + " more than mu " + number(*scene.contacts[v.contact].mu) + " allows" +
+         (std::isfinite(v.needs) ? "; mu " + number(v.needs) + " would be sufficient" : "");
 }
 
 void print_limits(std::ostream& out, const Scene& scene, std::vector<LimitPassed> limits) {
@@ -198,9 +190,14 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
   if (f.empty()) return;
   out << "\nWarnings\n";
   print_files(out, f.files);
-  std::vector<std::string> unbalanced;
-  for (const Unbalanced& x : f.unbalanced) unbalanced.push_back(name_of(scene, x) + ": " + in_words(x));
-  print_some(out, unbalanced, "rest: ", "robots");
+  const auto in_words_of = [](const auto& list, auto&& say) {
+    std::vector<std::string> texts;
+    for (const auto& x : list)
+      if (std::string text = say(x); !text.empty()) texts.push_back(std::move(text));
+    return texts;
+  };
+  print_some(out, in_words_of(f.unbalanced, [&](const auto& x) { return name_of(scene, x) + ": " + in_words(x); }),
+             "rest: ", "robots");
   print_contacts(
       out, scene, f.misplaced, "out of place", [](const PlacementError& e) { return std::max(e.position, e.angle); },
       [&](const PlacementError& e) {
@@ -229,16 +226,12 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
       out, scene, f.contradictions, "contradicted",
       [](const Contradiction& c) { return std::max(c.linear, c.angular); }, contradicted_by);
   print_massless(out, f.massless);
-  std::vector<std::string> turning;
-  for (const TurningRows& rows_of : f.turning) turning.push_back(in_words(scene, rows_of));
-  print_some(out, turning, "rows that turn: ");
-  std::vector<std::string> changes;
-  for (const RankChange& c : f.rank_changes)
-    if (c.singular) changes.push_back(in_words(scene, f.velocity_names, c));
-  print_some(out, changes, "rank changes: ");
-  std::vector<std::string> rows;
-  for (const NearlyDependent& n : f.near_dependent) rows.push_back(n.text);
-  print_some(out, rows, "nearly dependent: ");
+  print_some(out, in_words_of(f.turning, [&](const auto& x) { return in_words(scene, x); }), "rows that turn: ");
+  print_some(out,
+             in_words_of(f.rank_changes,
+                         [&](const RankChange& c) { return c.singular ? in_words(scene, f.velocity_names, c) : ""; }),
+             "rank changes: ");
+  print_some(out, in_words_of(f.near_dependent, [](const auto& n) { return n.text; }), "nearly dependent: ");
   print_some(out, f.close_rows, "nearly dependent: ");
 }
 
@@ -262,54 +255,45 @@ Json json_of(const Scene& scene, const LimitPassed& limit) {
           {"limit", limit.limit}};
 }
 
-namespace {
-
-// All findings in words.
-Json all_in_words(const Scene& scene, const Findings& f) {
-  Json list = Json::array();
-  const auto say = [&list](const std::string& kind, const std::string& name, const std::string& text) {
-    list.push_back({{"kind", kind}, {"name", name}, {"text", text}});
+void add_findings(const Scene& scene, const Findings& f, Json& to) {
+  for (const char* key : {"violations", "placement_errors", "velocity_errors", "limits_passed", "contradictions",
+                          "rank_changes", "turning_rows", "near_dependent", "massless_joints", "findings"})
+    to[key] = Json::array();
+  const auto say = [&to](const std::string& kind, const std::string& name, const std::string& text) {
+    to["findings"].push_back({{"kind", kind}, {"name", name}, {"text", text}});
+  };
+  const auto contact_name = [&scene](const auto& x) {
+    return scene.contacts[static_cast<std::size_t>(x.contact)].name;
   };
   for (const Finding& x : f.files) {
     say(x.kind, x.name, x.text);
-    list.back()["file"] = x.file;
-    list.back()["line"] = x.line;
+    to["findings"].back().update({{"file", x.file}, {"line", x.line}});
   }
   for (const Unbalanced& x : f.unbalanced) say("rest", name_of(scene, x), in_words(x));
-  for (const PlacementError& e : f.misplaced)
-    say("place", scene.contacts[e.contact].name, "out of place by " + in_words(e));
-  for (const VelocityError& e : f.moving)
-    say("velocity", scene.contacts[e.contact].name, "moves although constrained by " + in_words(e));
-  for (const Violation& v : f.violations) say(to_string(v.kind), scene.contacts[v.contact].name, in_words(scene, v));
-  for (const LimitPassed& x : f.limits) say("beyond_limit", joint_name(scene, x), in_words(scene, x));
-  for (const Contradiction& c : f.contradictions)
-    say("contradicted", scene.contacts[c.contact].name, "contradicted " + contradicted_by(c));
-  for (const MasslessJoint& w : f.massless) say("no_inertia", w.joint, w.why);
-  for (const RankChange& c : f.rank_changes)
-    if (c.singular) say("rank_changes", contact_names(scene, c.contacts), in_words(scene, f.velocity_names, c));
-  for (const TurningRows& x : f.turning) say("turning_rows", scene.contacts[x.contact].name, in_words(scene, x));
-  for (const NearlyDependent& n : f.near_dependent) say("near_dependent", n.rows.front(), n.text);
-  for (const std::string& text : f.close_rows) say("near_dependent", "", text);
-  return list;
-}
-
-}  // namespace
-
-void add_findings(const Scene& scene, const Findings& f, Json& to) {
-  for (const char* key : {"violations", "placement_errors", "velocity_errors", "limits_passed", "contradictions"})
-    to[key] = Json::array();
-  for (const Violation& v : f.violations) to["violations"].push_back(json_of(scene, v));
-  for (const PlacementError& e : f.misplaced)
-    to["placement_errors"].push_back(
-        {{"contact", scene.contacts[e.contact].name}, {"position", e.position}, {"angle", e.angle}});
-  for (const VelocityError& e : f.moving)
-    to["velocity_errors"].push_back(
-        {{"contact", scene.contacts[e.contact].name}, {"linear", e.linear}, {"angular", e.angular}});
-  for (const LimitPassed& limit : f.limits) to["limits_passed"].push_back(json_of(scene, limit));
-  for (const Contradiction& c : f.contradictions)
-    to["contradictions"].push_back(
-        {{"contact", scene.contacts[c.contact].name}, {"linear", c.linear}, {"angular", c.angular}});
-  to["rank_changes"] = Json::array();
+  for (const PlacementError& e : f.misplaced) {
+    to["placement_errors"].push_back({{"contact", contact_name(e)}, {"position", e.position}, {"angle", e.angle}});
+    say("place", contact_name(e), "out of place by " + in_words(e));
+  }
+  for (const VelocityError& e : f.moving) {
+    to["velocity_errors"].push_back({{"contact", contact_name(e)}, {"linear", e.linear}, {"angular", e.angular}});
+    say("velocity", contact_name(e), "moves although constrained by " + in_words(e));
+  }
+  for (const Violation& v : f.violations) {
+    to["violations"].push_back(json_of(scene, v));
+    say(to_string(v.kind), contact_name(v), in_words(scene, v));
+  }
+  for (const LimitPassed& x : f.limits) {
+    to["limits_passed"].push_back(json_of(scene, x));
+    say("beyond_limit", joint_name(scene, x), in_words(scene, x));
+  }
+  for (const Contradiction& c : f.contradictions) {
+    to["contradictions"].push_back({{"contact", contact_name(c)}, {"linear", c.linear}, {"angular", c.angular}});
+    say("contradicted", contact_name(c), "contradicted " + contradicted_by(c));
+  }
+  for (const MasslessJoint& w : f.massless) {
+    to["massless_joints"].push_back(w.joint);
+    say("no_inertia", w.joint, w.why);
+  }
   for (const RankChange& c : f.rank_changes) {
     Json names = Json::array();
     for (const int contact : c.contacts) names.push_back(scene.contacts[contact].name);
@@ -318,22 +302,23 @@ void add_findings(const Scene& scene, const Findings& f, Json& to) {
          {"singular", c.singular},
          {"rank", c.rank},
          {"rows", c.rows},
-         {"coordinate",
-          c.coordinate < 0 ? Json(nullptr) : Json(f.velocity_names[static_cast<std::size_t>(c.coordinate)])}});
+         {"coordinate", c.coordinate < 0 ? Json(nullptr) : Json(f.velocity_names[c.coordinate])}});
+    if (c.singular) say("rank_changes", contact_names(scene, c.contacts), in_words(scene, f.velocity_names, c));
   }
-  to["turning_rows"] = Json::array();
-  for (const TurningRows& x : f.turning) to["turning_rows"].push_back(json_of(scene, x));
-  to["near_dependent"] = Json::array();
-  for (const NearlyDependent& n : f.near_dependent)
+  for (const TurningRows& x : f.turning) {
+    to["turning_rows"].push_back(json_of(scene, x));
+    say("turning_rows", contact_name(x), in_words(scene, x));
+  }
+  for (const NearlyDependent& n : f.near_dependent) {
     to["near_dependent"].push_back({{"rows", n.rows},
                                     {"left", n.found.left},
                                     {"times_loads", std::isfinite(n.found.times) ? Json(n.found.times) : Json(nullptr)},
                                     {"coordinate", n.coordinate},
                                     {"acceleration", n.found.acceleration},
                                     {"without", n.found.without}});
-  to["massless_joints"] = Json::array();
-  for (const MasslessJoint& w : f.massless) to["massless_joints"].push_back(w.joint);
-  to["findings"] = all_in_words(scene, f);
+    say("near_dependent", n.rows.front(), n.text);
+  }
+  for (const std::string& text : f.close_rows) say("near_dependent", "", text);
 }
 
 }  // namespace manycontact::cli

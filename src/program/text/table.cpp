@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <set>
 #include <sstream>
 
@@ -34,9 +35,9 @@ std::string without_middle(const std::string& text, int widest) {
   return head(text, widest - 2 - back) + ".." + tail(text, back);
 }
 
-std::string padded(const std::string& text, int to, Table::Align align) {
+std::string padded(const std::string& text, int to, bool left) {
   const std::string blanks(static_cast<std::size_t>(std::max(0, to - width(text))), ' ');
-  return align == Table::kLeft ? text + blanks : blanks + text;
+  return left ? text + blanks : blanks + text;
 }
 
 std::string print_as(const char* format, int digits, double x) {
@@ -91,6 +92,19 @@ void wrap(std::ostream& out, const std::string& text, int indent, const std::str
   out << line << "\n";
 }
 
+void print_more(std::ostream& out, std::size_t all, std::size_t shown, const std::string& what) {
+  if (shown < all) out << "  ... and " << all - shown << " more" << (what.empty() ? "" : " ") << what << "\n";
+}
+
+Table::Table(const std::string& columns) {
+  std::istringstream titles(columns + "|");
+  for (std::string title; std::getline(titles, title, '|');) {
+    const std::size_t mark = title.find('<');
+    const bool left = mark != std::string::npos;
+    columns_.push_back({title.substr(0, mark), left, left ? std::atoi(title.c_str() + mark + 1) : 0});
+  }
+}
+
 void Table::add(std::vector<std::string> cells) {
   cells.resize(columns_.size());
   for (std::string& cell : cells) cell = printable(std::move(cell));
@@ -120,7 +134,7 @@ void Table::print(std::ostream& out, int indent) const {
     bool first = true;
     for (std::size_t k = 0; k < columns_.size(); ++k) {
       if (widths[k] == 0) continue;
-      text += (first ? "" : "  ") + padded(cell(k), widths[k], columns_[k].align);
+      text += (first ? "" : "  ") + padded(cell(k), widths[k], columns_[k].left);
       first = false;
     }
     out << text.substr(0, text.find_last_not_of(' ') + 1) << "\n";

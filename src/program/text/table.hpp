@@ -29,16 +29,14 @@ std::vector<std::string> shortened(const std::vector<std::string>& texts, int wi
 /// it.
 void wrap(std::ostream& out, const std::string& text, int indent, const std::string& bullet = "");
 
+/// "  ... and 3 more groups" where not all are shown.
+void print_more(std::ostream& out, std::size_t all, std::size_t shown, const std::string& what = "");
+
 class Table {
  public:
-  enum Align { kLeft, kRight };
-  struct Column {
-    std::string title;
-    Align align = kRight;
-    int widest = 0;  // longer cells lose their middle (shortened); 0: any width
-  };
-
-  explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
+  /// Titles of the columns, "robot<24|mass [kg]|joints<": with `<` cells are aligned on the left, and with a number
+  /// longer ones lose their middle (shortened).
+  explicit Table(const std::string& columns);
   /// A row; a missing cell is empty.
   void add(std::vector<std::string> cells);
   bool empty() const { return rows_.empty(); }
@@ -46,6 +44,11 @@ class Table {
   void print(std::ostream& out, int indent = 2) const;
 
  private:
+  struct Column {
+    std::string title;
+    bool left = false;
+    int widest = 0;  // 0: any width
+  };
   std::vector<Column> columns_;
   std::vector<std::vector<std::string>> rows_;
 };

@@ -1,5 +1,5 @@
-// The parts of the page in src/program/view/page, and three.js, included in the program by the assembler. CMake defines
-// where they are.
+// The text of commands, the parts of the page in src/program/view/page, and three.js, included in the program by the
+// assembler. CMake defines where they are.
 
 #include <stdexcept>
 
@@ -10,6 +10,7 @@
       "_begin\n.globl " #NAME "_end");                                                                              \
   extern "C" const char NAME##_begin[], NAME##_end[]
 
+EMBED(manycontact_commands_text, MANYCONTACT_COMMANDS);
 EMBED(manycontact_page_html, MANYCONTACT_PAGE_HTML);
 EMBED(manycontact_page_css, MANYCONTACT_PAGE_CSS);
 EMBED(manycontact_page_script, MANYCONTACT_PAGE_SCRIPT);
@@ -18,6 +19,8 @@ EMBED(manycontact_three, MANYCONTACT_THREE);
 #endif
 
 namespace manycontact::cli {
+
+std::string_view commands_text() { return {manycontact_commands_text_begin, manycontact_commands_text_end}; }
 
 PageParts page_parts() {
   return {{manycontact_page_html_begin, manycontact_page_html_end},

@@ -3,7 +3,6 @@
 #include <sys/wait.h>
 
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 
@@ -12,28 +11,12 @@
 
 namespace manycontact::cli {
 
-namespace {
-
-std::string shell_quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? "'\\''" : std::string(1, c);
-  return out + "'";
-}
-
-}  // namespace
-
 Mesh load_mesh(const std::string& path) {
   constexpr std::uintmax_t kLargest = std::uintmax_t(1) << 28;
   std::error_code error;
   if (const std::uintmax_t size = std::filesystem::file_size(path, error); !error && size > kLargest)
     throw InputError(path, 1, "is larger than 256 MB, expected a mesh of moderate size");
-  const std::string reader = shell_quoted(program_beside("manycontact-mesh"));
-  std::FILE* pipe = popen(("exec " + reader + " " + shell_quoted(path) + " 2>/dev/null").c_str(), "r");
-  std::string out;
-  std::array<char, 1 << 16> block;
-  for (std::size_t n = 1; pipe && n > 0; out.append(block.data(), n))
-    n = std::fread(block.data(), 1, block.size(), pipe);
-  const int status = pipe ? pclose(pipe) : -1;
+  const auto [out, status] = run_and_read({program_beside("manycontact-mesh"), path}, " 2>/dev/null");
   if (WIFEXITED(status) && WEXITSTATUS(status) == 3) throw InputError(path, 1, out);
   if (WIFEXITED(status) && WEXITSTATUS(status) >= 126)
     throw InputError(path, 1,

@@ -1,4 +1,4 @@
-# embedded.cpp puts into the program: the page's template and style, its scripts as one, and three.js, Debian's
+# embedded.cpp puts into the program: the text of commands, the page's template and style, its scripts as one, and three.js, Debian's
 # libjs-three. Without three.js everything is built all the same, and `view` reports that it is missing.
 set(page_dir ${PROJECT_SOURCE_DIR}/src/program/view/page)
 set(page_script ${PROJECT_BINARY_DIR}/view_page.js)
@@ -10,8 +10,9 @@ add_custom_command(OUTPUT ${page_script} COMMAND ${CMAKE_COMMAND} -E cat ${page_
 find_file(MANYCONTACT_THREE_JS three.min.js PATHS /usr/share/javascript/three /usr/share/nodejs/three/build
           NO_DEFAULT_PATH DOC "three.js (UMD, minified) for the pages of `manycontact view`")
 mark_as_advanced(MANYCONTACT_THREE_JS)
-set(embedded ${page_dir}/page.html ${page_dir}/page.css ${page_script})
-set(embedded_definitions MANYCONTACT_PAGE_HTML="${page_dir}/page.html" MANYCONTACT_PAGE_CSS="${page_dir}/page.css"
+set(commands_text ${PROJECT_SOURCE_DIR}/src/program/command/commands.txt)
+set(embedded ${commands_text} ${page_dir}/page.html ${page_dir}/page.css ${page_script})
+set(embedded_definitions MANYCONTACT_COMMANDS="${commands_text}" MANYCONTACT_PAGE_HTML="${page_dir}/page.html" MANYCONTACT_PAGE_CSS="${page_dir}/page.css"
                          MANYCONTACT_PAGE_SCRIPT="${page_script}")
 if(MANYCONTACT_THREE_JS)
   list(APPEND embedded ${MANYCONTACT_THREE_JS})

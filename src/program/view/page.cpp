@@ -6,8 +6,8 @@
 #include <cstring>
 #include <ostream>
 
-#include "../files/output_file.hpp"
 #include "../command/command.hpp"
+#include "../files/output_file.hpp"
 #include "../text/table.hpp"
 
 namespace manycontact::cli {

@@ -60,9 +60,8 @@ void add_state(const ViewState& state, Recording& recording);
 /// Throws InputError when it cannot be written, UsageError when it would be larger than 500 MB.
 std::vector<std::string> write_view(const SceneFile& file, Recording& recording, const std::string& path);
 
-/// Option and recording for commands that can also write a view. recording_of throws UsageError for standard output,
+/// Recording for commands that can also write a view. recording_of throws UsageError for standard output,
 /// InputError if the file cannot be written, and std::runtime_error as Recording does. No option: no recording.
-Option view_option();
 std::optional<Recording> recording_of(const Arguments& arguments, const Scene& scene);
 /// Writes the view if recording_of made a recording, and prints a line on `out`, if there is one.
 void finish_view(const Arguments& arguments, const SceneFile& file, std::optional<Recording>& recording,

@@ -27,18 +27,14 @@ State read_state(const Scene& scene, const SceneData& data) {
   State s;
   for (const Robot& robot : scene.robots) s.touched.emplace_back(robot.model->joints.size(), 0);
   s.robot_touched.assign(scene.robots.size(), 0);
+  const auto touch = [&s](const Attachment& a) {
+    if (a.robot < 0) return;
+    s.robot_touched[a.robot] = 1;
+    if (a.joint >= 0) s.touched[a.robot][a.joint] = 1;
+  };
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
-    for (const Attachment* a : {&scene.contacts[c].A, &scene.contacts[c].B}) {
-      if (data.f_offset[c] < 0 || a->robot < 0) continue;
-      s.robot_touched[a->robot] = 1;
-      if (a->joint >= 0) s.touched[a->robot][a->joint] = 1;
-    }
-  for (const Spring& spring : scene.springs)
-    for (const Attachment* a : {&spring.A, &spring.B}) {
-      if (a->robot < 0) continue;
-      s.robot_touched[a->robot] = 1;
-      if (a->joint >= 0) s.touched[a->robot][a->joint] = 1;
-    }
+    if (data.f_offset[c] >= 0) touch(scene.contacts[c].A), touch(scene.contacts[c].B);
+  for (const Spring& spring : scene.springs) touch(spring.A), touch(spring.B);
   double largest = scene.gravity.norm();
   for (double a : data.a) largest = std::isnan(a) ? largest : std::max(largest, std::abs(a));
   s.negligible = kNegligible * largest;

@@ -58,51 +58,41 @@ void advise_rows(const Subject& x, std::vector<std::string>& advice) {
   advice.push_back(text);
 }
 
-std::string advice_on(const Scene& scene, const BodyPair& p) {
-  const std::string contacts = contact_names(scene, p.contacts);
-  const std::string rows = count(p.rows, "row") + " of rank " + std::to_string(p.rank);
+// What takes the place of a pair's rows.
+struct Replacement {
+  std::string text;  // empty: nothing to say
+  int rows = -1;     // -1: no contact type takes their place
+};
+
+Replacement replacement(const Scene& scene, const BodyPair& p) {
+  const std::string start =
+      contact_names(scene, p.contacts) + ", " + count(p.rows, "row") + " of rank " + std::to_string(p.rank) + ": ";
   const std::string frame = "`" + p.place_A + "`" + (p.B.joint < 0 ? "" : " to `" + p.place_B + "`");
-  const std::string start = contacts + ", " + rows + ": ";
   switch (p.holds) {
     case Holds::kOneContact:
-      return start + "`" + scene.contacts[p.alone].name + "` alone imposes the same constraint";
+      return {start + "`" + scene.contacts[p.alone].name + "` alone imposes the same constraint",
+              scene.contacts[p.alone].rows()};
     case Holds::kSixD:
-      return start + "one 6D contact on " + frame + " imposes the same constraint";
+      return {start + "one 6D contact on " + frame + " imposes the same constraint", 6};
     case Holds::kThreeD:
-      return start + "one 3D contact on " + frame + ", at their common point, imposes the same constraint";
+      return {start + "one 3D contact on " + frame + ", at their common point, imposes the same constraint", 3};
     case Holds::kLine:
-      return start +
-             "points on a line constrain five motions, all but the rotation about the line, and no single type does";
+      return {start +
+              "points on a line constrain five motions, all but the rotation about the line, and no single "
+              "type does"};
     case Holds::kEach:
+      return {"", p.rows};
     case Holds::kFewerRows:
       break;
   }
-  return "";
-}
-
-// Rows of a pair once the advice is followed, -1 when no contact type takes the place of the rows.
-int rows_needed(const Scene& scene, const BodyPair& p) {
-  switch (p.holds) {
-    case Holds::kEach:
-      return p.rows;
-    case Holds::kOneContact:
-      return scene.contacts[p.alone].rows();
-    case Holds::kSixD:
-      return 6;
-    case Holds::kThreeD:
-      return 3;
-    case Holds::kLine:
-    case Holds::kFewerRows:
-      return -1;
-  }
-  return -1;
+  return {};
 }
 
 // One contact that does for all between the same two bodies; and what that would leave.
 void advise_pairs(const Subject& x, std::vector<std::string>& advice) {
   const IslandRanks& ranks = x.kind.ranks;
   for (const auto& alike : alike_pairs(x.scene, ranks.pairs)) {
-    const std::string text = advice_on(x.scene, ranks.pairs[alike.front()]);
+    const std::string text = replacement(x.scene, ranks.pairs[alike.front()]).text;
     if (!text.empty() && !any_only_just(ranks, ranks.pairs[alike.front()].contacts))
       advice.push_back(text + and_more(alike.size() * x.kind.islands.size() - 1, "group"));
   }
@@ -110,7 +100,7 @@ void advise_pairs(const Subject& x, std::vector<std::string>& advice) {
   int rows = 0, sum = 0;
   bool all = true;
   for (const BodyPair& p : ranks.pairs) {
-    const int needed = rows_needed(x.scene, p);
+    const int needed = replacement(x.scene, p).rows;
     all = all && needed >= 0;
     rows += needed;
     sum += p.rank;

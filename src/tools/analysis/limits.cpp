@@ -7,15 +7,8 @@
 namespace manycontact {
 
 std::string to_string(LimitKind quantity) {
-  switch (quantity) {
-    case LimitKind::kPosition:
-      return "position";
-    case LimitKind::kVelocity:
-      return "velocity";
-    case LimitKind::kEffort:
-      break;
-  }
-  return "effort";
+  constexpr const char* kNames[] = {"position", "velocity", "effort"};
+  return kNames[static_cast<int>(quantity)];
 }
 
 namespace {

@@ -13,50 +13,34 @@ namespace manycontact {
 
 Goal pose_goal(const Attachment& frame, const SE3<double>& M, double weight) {
   const Vec3<double> p = M.p;
-  Goal goal = pose_goal(frame, Partial{p[0], p[1], p[2]}, {}, weight);
-  goal.axes = M.R;
-  return goal;
+  return {.name = frame.frame, .weight = weight, .frame = frame, .position = {p[0], p[1], p[2]}, .axes = M.R};
 }
 
 Goal pose_goal(const Attachment& frame, const Partial& position, const Partial& rpy, double weight) {
-  Goal goal;
-  goal.name = frame.frame;
-  goal.weight = weight;
-  goal.frame = frame;
-  goal.position = position;
-  goal.rpy = rpy;
-  return goal;
+  return {.name = frame.frame, .weight = weight, .frame = frame, .position = position, .rpy = rpy};
 }
 
 Goal center_of_mass_goal(const Scene& scene, const Partial& position, const std::string& robot, double weight) {
-  Goal goal;
-  goal.target = Goal::Target::kCenterOfMass;
-  goal.name = robot.empty() ? "centre of mass" : "centre of mass of " + robot;
-  goal.weight = weight;
-  goal.position = position;
-  if (!robot.empty()) goal.robot = RigidBodies(scene, robot).first();
-  return goal;
+  return {.target = Goal::Target::kCenterOfMass,
+          .name = robot.empty() ? "centre of mass" : "centre of mass of " + robot,
+          .weight = weight,
+          .position = position,
+          .robot = robot.empty() ? -1 : RigidBodies(scene, robot).first()};
 }
 
 Goal joint_goal(const Scene& scene, const std::string& joint, double value, double weight) {
   const BodyJoint found = joint_called(scene, joint);
-  Goal goal;
-  goal.target = Goal::Target::kJoint;
-  goal.name = joint;
-  goal.weight = weight;
-  goal.robot = found.robot;
-  goal.joint = found.joint;
-  goal.value = value;
-  return goal;
+  return {.target = Goal::Target::kJoint,
+          .name = joint,
+          .weight = weight,
+          .robot = found.robot,
+          .joint = found.joint,
+          .value = value};
 }
 
 Goal contact_goal(const Scene& scene, const std::string& contact, double weight) {
-  Goal goal;
-  goal.target = Goal::Target::kContact;
-  goal.name = contact;
-  goal.weight = weight;
-  goal.contact = contact_called(scene, contact);
-  return goal;
+  return {
+      .target = Goal::Target::kContact, .name = contact, .weight = weight, .contact = contact_called(scene, contact)};
 }
 
 bool PlacedScene::met(double error) const {

@@ -31,6 +31,14 @@ struct Examined {
 
   const Contact& contact(int position) const { return scene.contacts[island.contacts[position]]; }
   const ContactData<double>& numbers(int position) const { return contact_of(data, island.contacts[position]); }
+  /// Positions of all contacts; empty where the island is too deep for rows in joint space.
+  std::vector<int> all() const {
+    std::vector<int> out(island.contacts.size());
+    std::iota(out.begin(), out.end(), 0);
+    const bool too_deep = std::any_of(out.begin(), out.end(),
+                                      [this](int k) { return numbers(k).J.size() == 0 && contact(k).rows() > 0; });
+    return too_deep ? std::vector<int>() : out;
+  }
 };
 
 // Returns J^T of some contacts of an island, with only the columns they act on, each row of J relative to its size.
@@ -255,10 +263,8 @@ IslandRanks internal::ranks_of_island(const Scene& scene, const SceneData& data,
   const Island& island = island_of(data, number);
   const Examined x{scene, data, island, island_support_of(data, number)};
   IslandRanks out;
-  for (int c : island.contacts)
-    if (contact_of(data, c).J.size() == 0 && scene.contacts[c].rows() > 0) return out;  // too deep for joint space
-  std::vector<int> all(island.contacts.size());
-  std::iota(all.begin(), all.end(), 0);
+  const std::vector<int> all = x.all();
+  if (all.size() != island.contacts.size()) return out;
   const double least = rank_all(x, number, all, out);
   for (const auto& [bodies, positions] : sort_by_bodies(scene, island))
     out.pairs.push_back(examine(x, positions, least));
@@ -276,10 +282,8 @@ IslandRanks internal::ranks_of_island(const Scene& scene, const SceneData& data,
 internal::RowRemainders internal::row_remainders(const Scene& scene, const SceneData& data, std::size_t number) {
   const Island& island = island_of(data, number);
   const Examined x{scene, data, island, island_support_of(data, number)};
-  for (int c : island.contacts)
-    if (contact_of(data, c).J.size() == 0 && scene.contacts[c].rows() > 0) return {};  // too deep for joint space
-  std::vector<int> all(island.contacts.size());
-  std::iota(all.begin(), all.end(), 0);
+  const std::vector<int> all = x.all();
+  if (all.size() != island.contacts.size()) return {};
   return remainders_of(scene, data.report.islands[number], rows_of(x, all));
 }
 

@@ -10,30 +10,13 @@
 namespace manycontact {
 
 std::string to_string(ViolationKind kind) {
-  switch (kind) {
-    case ViolationKind::kPulls:
-      return "pulls";
-    case ViolationKind::kSlips:
-      return "slips";
-    case ViolationKind::kTips:
-      return "tips";
-    case ViolationKind::kTurns:
-      break;
-  }
-  return "turns";
+  constexpr const char* kNames[] = {"pulls", "slips", "tips", "turns"};
+  return kNames[static_cast<int>(kind)];
 }
 
 std::string unit_of(ViolationKind kind) {
-  switch (kind) {
-    case ViolationKind::kPulls:
-    case ViolationKind::kSlips:
-      return "N";
-    case ViolationKind::kTips:
-      return "m";
-    case ViolationKind::kTurns:
-      break;
-  }
-  return "N m";
+  constexpr const char* kUnits[] = {"N", "N", "m", "N m"};
+  return kUnits[static_cast<int>(kind)];
 }
 
 namespace {

@@ -40,47 +40,35 @@ class ContactReader {
                         "box"});
     e.allow_children({});
     ContactElement c;
-    c.contact.name = e.required("name");
-    if (c.contact.name.empty()) e.where("name").fail("name of <contact> is empty, expected a name");
+    c.contact.name = e.not_empty("name");
     c.contact.type = static_cast<ContactType>(e.choice("type", {"1d", "2d", "3d", "5d", "6d"}, -1));
-    c.contact.reference_frame =
-        static_cast<ReferenceFrame>(e.choice("reference_frame", {"local", "world", "local_world_aligned"}, 0));
-    c.contact.active = e.choice("active", {"false", "true"}, 1) == 1;
+    c.contact.reference_frame = read_reference_frame(e);
+    c.contact.active = e.flag("active", true);
     if (const auto gains = e.numbers<2>("gains")) c.contact.alpha = (*gains)[0], c.contact.beta = (*gains)[1];
     read_axis(e, c.contact);
     if (e.has("mu")) c.contact.mu = e.required_number("mu");
-    if (const auto normal = e.numbers<3>("normal")) c.contact.normal = Vec3<double>(normal->data());
-    if (const auto box = e.numbers<2>("box")) c.contact.box = Eigen::Vector2d(box->data());
+    e.read("normal", c.contact.normal);
+    (void)e.read("box", c.contact.box);
     c.ends = ends_.read_pair(e);
-    (void)read_offset(e, "offset", c.A_offset.p);
+    (void)e.read("offset", c.A_offset.p);
     (void)read_quaternion(e, "offset_quat_xyzw", c.A_offset.R);
     read_target(e, c);
     return c;
   }
 
   static void read_axis(const Element& e, Contact& contact) {
-    const auto axis = e.numbers<3>("axis");
-    if (!axis) return;
-    if (!has_axis(contact.type))
+    if (e.read("axis", contact.axis) && !has_axis(contact.type))
       e.where("axis").fail("a " + e.required("type") + " contact has an axis, expected one with type 1d or 5d only");
-    contact.axis = Vec3<double>(axis->data());
-  }
-
-  static bool read_offset(const Element& e, const char* attribute, Vec3<double>& p) {
-    const auto xyz = e.numbers<3>(attribute);
-    if (xyz) p = Vec3<double>(xyz->data());
-    return xyz.has_value();
   }
 
   // B': on another body, or in the world.
   void read_target(const Element& e, ContactElement& c) {
     const bool to_robot = c.ends.to_robot;
     for (const char* a : {"to_offset", "to_offset_quat_xyzw", "wrap"})
-      if (!to_robot && e.has(a)) e.where(a).fail(e.label(a) + " needs a target, expected also a 'to' attribute");
+      if (!to_robot && e.has(a)) e.refuse(a, " needs a target, expected also a 'to' attribute");
     for (const char* a : {"xyz", "quat_xyzw"})
-      if (to_robot && e.has(a))
-        e.where(a).fail(e.label(a) + " places a contact in the world, expected it without 'to', or to_offset");
-    c.position_given = read_offset(e, to_robot ? "to_offset" : "xyz", c.B_offset.p);
+      if (to_robot && e.has(a)) e.refuse(a, " places a contact in the world, expected it without 'to', or to_offset");
+    c.position_given = e.read(to_robot ? "to_offset" : "xyz", c.B_offset.p);
     c.orientation_given = read_quaternion(e, to_robot ? "to_offset_quat_xyzw" : "quat_xyzw", c.B_offset.R);
   }
 

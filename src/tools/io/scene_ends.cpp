@@ -28,8 +28,7 @@ End EndReader::read(const Element& e, const char* attribute) {
 End EndReader::read_first(const Element& e, const char* attribute) {
   const End end = read(e, attribute);
   if (end.shifted)
-    e.where(attribute).fail(e.label(attribute) + " is " + quote(e.required(attribute)) +
-                            ", expected it without +k or -k" +
+    e.refuse(attribute, " is " + quote(e.required(attribute)) + ", expected it without +k or -k" +
                             (e.name() == "contact" || e.name() == "spring" ? ", which belongs in 'to'" : ""));
   return end;
 }
@@ -38,13 +37,12 @@ EndPair EndReader::read_pair(const Element& e) {
   EndPair out;
   out.A = read_first(e, "frame");
   out.to_robot = e.has("to");
-  out.wrap = e.choice("wrap", {"false", "true"}, 0) == 1;
+  out.wrap = e.flag("wrap", false);
   if (!out.to_robot) return out;
   out.B = read(e, "to");
   const Where here = e.where("to");
   const std::string to = e.label("to") + " is " + quote(e.required("to"));
-  if (e.has("wrap") && !out.B.shifted)
-    e.where("wrap").fail(e.label("wrap") + " needs a next copy, expected 'to' like robot+1/link");
+  if (e.has("wrap") && !out.B.shifted) e.refuse("wrap", " needs a next copy, expected 'to' like robot+1/link");
   if (out.B.copied && !out.A.copied)
     here.fail(to + ", all copies of a robot, expected one of them, for 'frame' is on one robot");
   if (out.B.copied && out.B.count != out.A.count)

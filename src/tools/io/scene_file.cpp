@@ -14,22 +14,14 @@ namespace {
 constexpr std::size_t kDeepestInclude = 16, kMostFiles = 1000;
 
 Vec3<double> gravity_of(const Element& root) {
-  const auto g = root.numbers<3>("gravity");
-  return g ? Vec3<double>(g->data()) : Scene().gravity;
+  Vec3<double> g = Scene().gravity;
+  (void)root.read("gravity", g);
+  return g;
 }
 
-bool consistent(const Element& root) { return root.choice("consistent", {"false", "true"}, 0) == 1; }
+bool consistent(const Element& root) { return root.flag("consistent", false); }
 
-int restarts(const Element& root) {
-  constexpr int kMost = 1000000;
-  if (!root.has("restarts")) return 0;
-  const int out = parse_count(root.required("restarts"));
-  if (out < 0 || out > kMost)
-    root.where("restarts")
-        .fail("restarts of <scene> is " + quote(root.required("restarts")) +
-              ", expected a whole number from 0 to 1000000");
-  return out;
-}
+int restarts(const Element& root) { return root.has("restarts") ? root.count("restarts", 0, 1000000) : 0; }
 
 // Reads a scene file and those it includes, each in the place of its <include>.
 class IncludeReader {
@@ -41,14 +33,9 @@ class IncludeReader {
     const Element root = out_.files.back()->root();
     root.allow_attributes({"name", "gravity", "damping", "tolerance", "moment_length", "consistent", "restarts"});
     root.allow_children({"robot", "contact", "push", "spring", "pose", "include"});
-    for (const char* name : {"damping", "tolerance"})
-      if (root.number(name, 0) < 0)
-        root.where(name).fail(std::string(name) + " of <scene> is " + show(root.number(name, 0)) +
-                              ", expected 0 or more");
-    if (!(root.number("moment_length", 1) > 0))
-      root.where("moment_length")
-          .fail("moment_length of <scene> is " + show(root.number("moment_length", 1)) + ", expected a length above 0");
-    (void)consistent(root);  // or refused
+    for (const char* name : {"damping", "tolerance"}) (void)root.number_from_0(name, 0);  // or refused
+    (void)root.positive("moment_length", 1, "a length");
+    (void)consistent(root);
     (void)restarts(root);
     open_.push_back(canonical(path));
     for (auto e = root.child(); e; e = e->next(nullptr)) {
@@ -80,8 +67,7 @@ class IncludeReader {
     e.allow_attributes({"file"});
     e.allow_children({});
     const Where here = e.where("file");
-    const std::filesystem::path written = e.required("file");
-    if (written.empty()) here.fail("file of <include> is empty, expected a scene file");
+    const std::filesystem::path written = e.not_empty("file", "a scene file");
     const std::string path =
         written.is_absolute() ? written.string() : (std::filesystem::path(*here.file).parent_path() / written).string();
     if (std::count(open_.begin(), open_.end(), canonical(path)))

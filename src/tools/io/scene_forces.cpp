@@ -7,8 +7,9 @@ namespace manycontact::io {
 namespace {
 
 Vec3<double> three(const Element& e, const char* attribute) {
-  const auto x = e.numbers<3>(attribute);
-  return x ? Vec3<double>(x->data()) : Vec3<double>(Vec3<double>::Zero());
+  Vec3<double> x = Vec3<double>::Zero();
+  (void)e.read(attribute, x);
+  return x;
 }
 
 Attachment attachment(const End& end, int robot, const Vec3<double>& offset) {
@@ -20,8 +21,7 @@ Attachment attachment(const End& end, int robot, const Vec3<double>& offset) {
 // Returns the name in the file, with a number if each copy has one. If there is none, the name of the attached frame.
 std::string name_of(const Element& e, const std::string& otherwise, bool copied, int copy) {
   if (!e.has("name")) return otherwise;
-  const std::string name = e.required("name");
-  if (name.empty()) e.where("name").fail(e.label("name") + " is empty, expected a name");
+  const std::string name = e.not_empty("name");
   return copied ? name + std::to_string(copy) : name;
 }
 
@@ -38,12 +38,6 @@ void add_or_fail(const Element& e, Add&& add) {
   }
 }
 
-double number_from_0(const Element& e, const char* attribute, double otherwise) {
-  const double x = e.number(attribute, otherwise);
-  if (x < 0) e.where(attribute).fail(e.label(attribute) + " is " + show(x) + ", expected 0 or more");
-  return x;
-}
-
 }  // namespace
 
 void add_pushes(const std::vector<Element>& elements, SceneFile& out) {
@@ -56,8 +50,7 @@ void add_pushes(const std::vector<Element>& elements, SceneFile& out) {
       Push push;
       push.at = attachment(end, end.first + i, three(e, "offset"));
       push.name = name_of(e, frame_name(out, push.at), end.copied, i);
-      push.reference_frame =
-          static_cast<ReferenceFrame>(e.choice("reference_frame", {"local", "world", "local_world_aligned"}, 0));
+      push.reference_frame = read_reference_frame(e);
       const Vec3<double> force = three(e, "force"), torque = three(e, "torque");
       push.wrench << force, torque;
       add_or_fail(e, [&] { add_push(out.scene, std::move(push)); });
@@ -75,12 +68,12 @@ void add_springs(const std::vector<Element>& elements, SceneFile& out) {
       e.fail(pair.to_robot ? "<spring> has both 'to' and xyz, expected one of them"
                            : "<spring> has neither 'to' nor xyz, expected a frame or a point of the world");
     for (const char* a : {"to_offset", "wrap"})
-      if (!pair.to_robot && e.has(a)) e.where(a).fail(e.label(a) + " needs a target, expected also a 'to' attribute");
+      if (!pair.to_robot && e.has(a)) e.refuse(a, " needs a target, expected also a 'to' attribute");
     Spring like;
     (void)e.required_number("stiffness");
-    like.stiffness = number_from_0(e, "stiffness", 0);
-    like.length = number_from_0(e, "length", 0);
-    like.damping = number_from_0(e, "damping", 0);
+    like.stiffness = e.number_from_0("stiffness", 0);
+    like.length = e.number_from_0("length", 0);
+    like.damping = e.number_from_0("damping", 0);
     for (int i = 0; i < pair.A.count; ++i) {
       const std::optional<int> target = pair.target(i);
       if (!target) continue;
@@ -106,9 +99,9 @@ void add_joint_springs(const std::vector<Element>& robots, SceneFile& out) {
     const RobotGroup& group = out.robot_groups[g];
     for (auto joint = robots[g].child("joint"); joint; joint = joint->next("joint")) {
       if (joint->has("rest") && !joint->has("stiffness"))
-        joint->where("rest").fail(joint->label("rest") + " needs a spring, expected also a 'stiffness' attribute");
+        joint->refuse("rest", " needs a spring, expected also a 'stiffness' attribute");
       if (!joint->has("stiffness")) continue;
-      const double stiffness = number_from_0(*joint, "stiffness", 0), rest = joint->number("rest", 0);
+      const double stiffness = joint->number_from_0("stiffness", 0), rest = joint->number("rest", 0);
       for (int i = 0; i < group.count; ++i)
         add_or_fail(*joint, [&] {
           add_joint_spring(out.scene, out.scene.robots[group.first + i].name, joint->required("name"), stiffness, rest);

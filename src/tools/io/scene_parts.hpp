@@ -48,7 +48,7 @@ class ModelCache {
   std::shared_ptr<const Model> get(const RobotElement& robot, std::vector<Finding>& findings);
 
  private:
-  std::map<std::string, std::shared_ptr<const Model>> models_;
+  std::map<std::string, std::vector<std::pair<UrdfOptions, std::shared_ptr<const Model>>>> models_;  // key: path
 };
 
 /// Relative URDF paths start in the folder of the element's file.
@@ -125,6 +125,9 @@ void add_joint_springs(const std::vector<Element>& robots, SceneFile& out);
 void read_pose(const Element& e, const Scene& scene, EndReader& ends, std::vector<ScenePose>& out);
 /// Adds all poses.
 void add_poses(const std::vector<Element>& elements, SceneFile& out);
+
+/// The attribute reference_frame, `local` when it is missing.
+ReferenceFrame read_reference_frame(const Element& e);
 
 /// The quaternion x, y, z, w made unit; refuses one that is not within 1e-6 of it.
 void normalise_quaternion(const Where& where, const std::string& what, Eigen::Ref<Eigen::Vector4d> quat);

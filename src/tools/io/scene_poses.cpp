@@ -10,19 +10,15 @@ void read_three(const Element& e, const char* together, const std::array<const c
   for (std::size_t k = 0; k < 3; ++k) {
     if (all) *out[k] = (*all)[k];
     if (!e.has(apart[k])) continue;
-    if (all) e.where(apart[k]).fail(e.label(apart[k]) + " is given with " + together + ", expected one of them");
+    if (all) e.refuse(apart[k], std::string(" is given with ") + together + ", expected one of them");
     *out[k] = e.required_number(apart[k]);
   }
 }
 
-}  // namespace
-
-namespace {
-
 // The robot, or copies, whose centre of mass a pose is of.
 End read_center(const Element& e, EndReader& ends) {
   for (const char* a : {"frame", "offset", "rpy", "roll", "pitch", "yaw"})
-    if (e.has(a)) e.where(a).fail(e.label(a) + " is given with com, expected only x, y, z of the centre of mass");
+    if (e.has(a)) e.refuse(a, " is given with com, expected only x, y, z of the centre of mass");
   return ends.robot(e, "com", e.required("com"));
 }
 
@@ -50,7 +46,7 @@ void read_pose(const Element& e, const Scene& scene, EndReader& ends, std::vecto
     e.fail("<pose> of " + quote(e.required(pose.center_of_mass ? "com" : "frame")) +
            " requires nothing, expected xyz, rpy or any of x, y, z, roll, pitch, yaw");
   SE3<double> offset;
-  if (const auto xyz = e.numbers<3>("offset")) offset.p = Vec3<double>(xyz->data());
+  (void)e.read("offset", offset.p);
   for (int i = 0; i < end.count; ++i) {
     const int robot = end.first + i;
     pose.name = scene.robots[robot].name + (pose.center_of_mass ? "" : "/" + end.frame.name);

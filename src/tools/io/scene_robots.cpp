@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -24,25 +25,15 @@ std::map<std::string, Element> by_joint(const Element& robot, const char* child,
   return out;
 }
 
-void check_armature(const Where& where, const std::string& what, double armature) {
-  if (armature < 0) where.fail(what + " is " + show(armature) + ", expected 0 or more");
-}
-
 void read_name(const Element& e, RobotGroup& group) {
   group.line = e.line();
-  group.name = e.required("name");
-  if (group.name.empty()) e.where("name").fail("name of <robot> is empty, expected a name");
+  group.name = e.not_empty("name");
   if (group.name.find_first_of("/+") != std::string::npos)
     e.where("name").fail("name of <robot> is " + quote(group.name) + ", expected one without '/' and '+'");
   group.copied = e.has("copies");
-  if (group.copied) {
-    const std::string text = e.required("copies");
-    group.count = parse_count(text);
-    if (group.count < 1 || group.count > kMostCopies)
-      e.where("copies").fail("copies of <robot> is " + quote(text) + ", expected a whole number from 1 to 1000000");
-  }
+  if (group.copied) group.count = e.count("copies", 1, kMostCopies);
   for (const char* a : {"arrange", "spacing"})
-    if (e.has(a) && !group.copied) e.where(a).fail(e.label(a) + " needs copies, expected also a 'copies' attribute");
+    if (e.has(a) && !group.copied) e.refuse(a, " needs copies, expected also a 'copies' attribute");
 }
 
 void read_options(const Element& e, RobotElement& robot) {
@@ -52,18 +43,17 @@ void read_options(const Element& e, RobotElement& robot) {
   options.refuse_mimic = e.choice("mimic", {"ignore", "refuse"}, 0) == 1;
   options.refuse_inertia = e.choice("inertia", {"tell", "refuse"}, 0) == 1;
   options.model_dynamics = e.choice("dynamics", {"ignore", "model"}, 0) == 1;
-  options.armature = e.number("armature", 0);
-  check_armature(e.where("armature"), e.label("armature"), options.armature);
+  options.armature = e.number_from_0("armature", 0);
   robot.joints = by_joint(e, "joint", "name");
   for (const auto& [name, joint] : robot.joints) {
     joint.allow_attributes({"name", "q", "v", "u", "armature", "actuated", "stiffness", "rest", "damping"});
-    if (joint.has("actuated"))
-      (joint.choice("actuated", {"false", "true"}, -1) == 0 ? options.passive : options.actuated).insert(name);
+    if (joint.has("actuated")) (joint.flag("actuated", true) ? options.actuated : options.passive).insert(name);
     if (joint.has("damping")) options.joint_damping[name] = joint.required_number("damping");
     if (!joint.has("armature")) continue;
     const std::string what = "armature of joint " + quote(name);
     const auto values = parse_numbers(joint.where("armature"), what, joint.required("armature"));
-    for (const double a : values) check_armature(joint.where("armature"), what, a);
+    for (const double a : values)
+      if (a < 0) joint.where("armature").fail(what + " is " + show(a) + ", expected 0 or more");
     options.joint_armature[name] = values;
   }
   robot.locks = by_joint(e, "lock", "joint");
@@ -81,8 +71,7 @@ RobotElement read_robot(const Element& e) {
   e.allow_children({"joint", "lock", "q", "v", "u"});
   RobotElement robot(e);
   read_name(e, robot.group);
-  const std::filesystem::path urdf = e.required("urdf");
-  if (urdf.empty()) e.where("urdf").fail("urdf of <robot> is empty, expected a path");
+  const std::filesystem::path urdf = e.not_empty("urdf", "a path");
   robot.group.urdf = (std::filesystem::path(*e.where().file).parent_path() / urdf).string();
   read_options(e, robot);
   for (const char* vector : {"q", "v", "u"})
@@ -107,21 +96,9 @@ std::shared_ptr<const Model> ModelCache::get(const RobotElement& robot, std::vec
   const UrdfOptions& o = robot.options;
   std::error_code failed;
   const auto canonical = std::filesystem::weakly_canonical(robot.group.urdf, failed);
-  std::string key = failed ? robot.group.urdf : canonical.string();
-  key += std::string(1, '\0') + (o.floating_base ? "f" : "-") + (o.refuse_mimic ? "r" : "-") +
-         (o.model_dynamics ? "d" : "-") + (o.refuse_inertia ? "i" : "-") + show(o.armature) + std::string(1, '\0') +
-         o.root;
-  for (const auto& [name, values] : o.joint_armature) {
-    key += std::string(1, '\0') + "a" + name + std::string(1, '\0');
-    for (const double a : values) key += " " + show(a);
-  }
-  for (const auto& [name, d] : o.joint_damping)
-    key += std::string(1, '\0') + "c" + name + std::string(1, '\0') + show(d);
-  for (const auto& name : o.passive) key += std::string(1, '\0') + "p" + name;
-  for (const auto& name : o.actuated) key += std::string(1, '\0') + "m" + name;
-  for (const auto& [name, at] : o.locked) key += std::string(1, '\0') + "l" + name + std::string(1, '\0') + show(at);
-  std::shared_ptr<const Model>& model = models_[key];
-  if (model) return model;
+  auto& of_file = models_[failed ? robot.group.urdf : canonical.string()];
+  const auto known = std::find_if(of_file.begin(), of_file.end(), [&](const auto& of) { return of.first == o; });
+  if (known != of_file.end()) return known->second;
 
   const Element& e = robot.element;
   const std::string problem = file_problem(robot.group.urdf, true);
@@ -129,7 +106,7 @@ std::shared_ptr<const Model> ModelCache::get(const RobotElement& robot, std::vec
     e.where("urdf").fail("the robot file " + quote(robot.group.urdf) + " " + problem + ", expected a URDF file");
   try {
     std::vector<Finding> found;
-    model = std::make_shared<const Model>(load_urdf(robot.group.urdf, o, &found));
+    of_file.emplace_back(o, std::make_shared<const Model>(load_urdf(robot.group.urdf, o, &found)));
     for (Finding& finding : found) {
       finding.name = robot.group.name + "/" + finding.name;
       findings.push_back(std::move(finding));
@@ -139,7 +116,7 @@ std::shared_ptr<const Model> ModelCache::get(const RobotElement& robot, std::vec
     const auto joint = blamed.find(error.joint);
     (joint == blamed.end() ? e : joint->second).fail(error.what());
   }
-  return model;
+  return of_file.back().second;
 }
 
 void Arrangement::place(int i, Vec3<double>& translation, double& yaw) const {
@@ -162,10 +139,8 @@ namespace {
 Arrangement read_arrangement(const Element& e, int count) {
   Arrangement out;
   out.kind = e.choice("arrange", {"line", "circle", "grid"}, 0);
-  out.spacing = e.number("spacing", 1);
+  out.spacing = e.number_from_0("spacing", 1);
   out.count = count;
-  if (out.spacing < 0)
-    e.where("spacing").fail(e.label("spacing") + " is " + show(out.spacing) + ", expected 0 or more");
   return out;
 }
 

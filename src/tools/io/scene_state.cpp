@@ -13,10 +13,13 @@ void normalise_quaternion(const Where& where, const std::string& what, Eigen::Re
   quat /= norm;
 }
 
+ReferenceFrame read_reference_frame(const Element& e) {
+  return static_cast<ReferenceFrame>(e.choice("reference_frame", {"local", "world", "local_world_aligned"}, 0));
+}
+
 bool read_quaternion(const Element& e, const char* attribute, Mat3<double>& R) {
-  const auto xyzw = e.numbers<4>(attribute);
-  if (!xyzw) return false;
-  Eigen::Vector4d quat(xyzw->data());
+  Eigen::Vector4d quat;
+  if (!e.read(attribute, quat)) return false;
   normalise_quaternion(e.where(attribute), e.label(attribute), quat);
   R = rotation_of_quaternion(quat[0], quat[1], quat[2], quat[3]);
   return true;
@@ -24,7 +27,7 @@ bool read_quaternion(const Element& e, const char* attribute, Mat3<double>& R) {
 
 SE3<double> read_base(const Element& robot) {
   SE3<double> base;
-  if (const auto xyz = robot.numbers<3>("xyz")) base.p = Vec3<double>(xyz->data());
+  (void)robot.read("xyz", base.p);
   if (const auto rpy = robot.numbers<3>("rpy")) base.R = rotation_of_rpy((*rpy)[0], (*rpy)[1], (*rpy)[2]);
   return base;
 }
@@ -60,7 +63,7 @@ class StateReader {
     const Element& e = robot_.element;
     if (!model_.floating_base || (!e.has("xyz") && !e.has("rpy"))) return state;
     const char* placed = e.has("xyz") ? "xyz" : "rpy";
-    if (base_given) e.where(placed).fail(e.label(placed) + " and q both place the floating base, expected one of them");
+    if (base_given) e.refuse(placed, " and q both place the floating base, expected one of them");
     state.q.head<7>() = pose_of_placement(read_base(e));
     return state;
   }

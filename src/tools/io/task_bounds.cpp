@@ -8,19 +8,14 @@ namespace manycontact::io {
 
 namespace {
 
-bool is_cone(TaskResidual residual) {
-  return residual == TaskResidual::kFrictionCone || residual == TaskResidual::kWrenchCone ||
-         residual == TaskResidual::kCop;
-}
-
 // n numbers, of which some may be "inf" or "-inf"; all `otherwise` when the attribute is missing.
 Eigen::VectorXd read_bound(const Element& e, const char* attribute, int n, double otherwise) {
   if (!e.has(attribute)) return Eigen::VectorXd::Constant(n, otherwise);
   const std::string text = e.required(attribute);
   const auto parts = words(text);
   if (static_cast<int>(parts.size()) != n)
-    e.where(attribute).fail(e.label(attribute) + " has " + std::to_string(parts.size()) + " number" +
-                            (parts.size() == 1 ? "" : "s") + ", expected " + std::to_string(n));
+    e.refuse(attribute, " has " + std::to_string(parts.size()) + " number" + (parts.size() == 1 ? "" : "s") +
+                            ", expected " + std::to_string(n));
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Eigen::VectorXd out(n);
   for (int i = 0; i < n; ++i)
@@ -34,7 +29,7 @@ Eigen::VectorXd read_bound(const Element& e, const char* attribute, int n, doubl
 
 void read_bounds(const Element& e, TaskTerm& term) {
   const bool given = e.has("lower") || e.has("upper");
-  if (!given && is_cone(term.residual)) return;
+  if (!given && takes(term.residual, "normal")) return;
   if (!given) e.fail("<" + e.name() + "> has no bounds, expected lower, upper or both");
   term.lower = read_bound(e, "lower", term.nr, -std::numeric_limits<double>::infinity());
   term.upper = read_bound(e, "upper", term.nr, std::numeric_limits<double>::infinity());
@@ -47,11 +42,10 @@ void read_bounds(const Element& e, TaskTerm& term) {
 }
 
 void read_activation(const Element& e, TaskTerm& term) {
-  term.weight = e.number("weight", 1);
-  if (term.weight < 0) e.where("weight").fail(e.label("weight") + " is " + show(term.weight) + ", expected 0 or more");
+  term.weight = e.number_from_0("weight", 1);
   const bool weighted = e.has("weights");
   const int otherwise =
-      static_cast<int>(is_cone(term.residual)
+      static_cast<int>(takes(term.residual, "normal")
                            ? (weighted ? TaskActivation::kWeightedQuadraticBarrier : TaskActivation::kQuadraticBarrier)
                            : (weighted ? TaskActivation::kWeightedQuad : TaskActivation::kQuad));
   term.activation = static_cast<TaskActivation>(e.choice(
@@ -65,23 +59,18 @@ void read_activation(const Element& e, TaskTerm& term) {
         parse_numbers(e.where("weights"), e.label("weights"), e.required("weights"), static_cast<std::size_t>(term.nr));
     term.weights = Eigen::Map<const Eigen::VectorXd>(list.data(), term.nr);
     if (term.weights.minCoeff() < 0)
-      e.where("weights").fail(e.label("weights") + " has " + show(term.weights.minCoeff()) +
-                              " among its numbers, expected 0 or more");
+      e.refuse("weights", " has " + show(term.weights.minCoeff()) + " among its numbers, expected 0 or more");
   } else if (weighted) {
-    e.where("weights").fail(e.label("weights") + " does not go with activation " + with +
-                            ", expected it with weighted ones only");
+    e.refuse("weights", " does not go with activation " + with + ", expected it with weighted ones only");
   }
   if (a == TaskActivation::kQuadraticBarrier || a == TaskActivation::kWeightedQuadraticBarrier)
     read_bounds(e, term);
   else
     for (const char* bound : {"lower", "upper"})
-      if (e.has(bound))
-        e.where(bound).fail(e.label(bound) + " does not go with activation " + with +
-                            ", expected it with barriers only");
+      if (e.has(bound)) e.refuse(bound, " does not go with activation " + with + ", expected it with barriers only");
   if (e.has("eps") && a != TaskActivation::kSmooth1Norm)
-    e.where("eps").fail(e.label("eps") + " does not go with activation " + with + ", expected it with smooth_1norm");
-  term.eps = e.number("eps", 1);
-  if (!(term.eps > 0)) e.where("eps").fail(e.label("eps") + " is " + show(term.eps) + ", expected a number above 0");
+    e.refuse("eps", " does not go with activation " + with + ", expected it with smooth_1norm");
+  term.eps = e.positive("eps", 1);
 }
 
 }  // namespace manycontact::io

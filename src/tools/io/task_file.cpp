@@ -65,24 +65,23 @@ void read_pushes(const Element& e, const Scene& scene, TaskPhase& phase) {
       for (const Push& push : scene.pushes) known.push_back(push.name);
       child->where("name").fail("there is no push " + quote(name) + " in the scene, " + suggestion(name, known));
     }
-    const auto force = child->numbers<3>("force"), torque = child->numbers<3>("torque");
+    std::optional<Vec3<double>> force, torque;
+    child->read("force", force), child->read("torque", torque);
     for (const int k : numbers) {
-      Vec6<double>& w = phase.pushes[static_cast<std::size_t>(k)];
-      if (force) w.head<3>() = Vec3<double>(force->data());
-      if (torque) w.tail<3>() = Vec3<double>(torque->data());
+      if (force) phase.pushes[k].head<3>() = *force;
+      if (torque) phase.pushes[k].tail<3>() = *torque;
     }
   }
 }
 
 // An impact is that of contacts which close: open in the phase before, null for the first.
 void read_impact(const Element& e, const TaskPhase* before, TaskPhase& phase) {
-  phase.impact = e.choice("impact", {"false", "true"}, 0) == 1;
+  phase.impact = e.flag("impact", false);
   if (!phase.impact) return;
-  if (!before) e.where("impact").fail(e.label("impact") + " is true in the first phase, expected it in a later one");
+  if (!before) e.refuse("impact", " is true in the first phase, expected it in a later one");
   for (std::size_t c = 0; c < phase.active.size(); ++c)
     if (phase.active[c] && !before->active[c]) return;
-  e.where("impact").fail(e.label("impact") +
-                         " is true, and all its contacts were closed before, expected one that closes");
+  e.refuse("impact", " is true, and all its contacts were closed before, expected one that closes");
 }
 
 TaskPhase read_phase(const Element& e, const Scene& scene, const TaskPhase* before, TermReader& reader) {
@@ -90,16 +89,13 @@ TaskPhase read_phase(const Element& e, const Scene& scene, const TaskPhase* befo
   e.allow_children({"cost", "constraint", "push"});
   TaskPhase phase;
   phase.line = e.line();
-  const std::string nodes = e.required("nodes");
-  phase.nodes = parse_count(nodes);
-  if (phase.nodes < 1 || phase.nodes > kMostNodes)
-    e.where("nodes").fail(e.label("nodes") + " is " + quote(nodes) + ", expected a whole number from 1 to 1000000");
+  phase.nodes = e.count("nodes", 1, kMostNodes);
   phase.active.assign(scene.contacts.size(), false);
   const std::string contacts = scene.contacts.empty() ? e.optional("contacts", "") : e.required("contacts");
   for (const std::string_view name : words(contacts))
     for (const int c : reader.contacts(e.where("contacts"), e.label("contacts"), std::string(name))) {
       if (phase.active[static_cast<std::size_t>(c)])
-        e.where("contacts").fail(e.label("contacts") + " names " + quote(name) + " twice, expected once");
+        e.refuse("contacts", " names " + quote(name) + " twice, expected once");
       phase.active[static_cast<std::size_t>(c)] = true;
     }
   phase.at_scene = e.choice("at", {"closing", "scene"}, 0) == 1;
@@ -117,12 +113,9 @@ void read_solver(const Element& e, TaskFile& out) {
   if (e.has("iterations")) {
     const std::string text = e.required("iterations");
     out.iterations = parse_count(text);
-    if (out.iterations < 1)
-      e.where("iterations").fail(e.label("iterations") + " is " + quote(text) + ", expected a whole number above 0");
+    if (out.iterations < 1) e.refuse("iterations", " is " + quote(text) + ", expected a whole number above 0");
   }
-  out.tolerance = e.number("tolerance", out.tolerance);
-  if (!(out.tolerance > 0))
-    e.where("tolerance").fail(e.label("tolerance") + " is " + show(out.tolerance) + ", expected a number above 0");
+  out.tolerance = e.positive("tolerance", out.tolerance);
   out.guess = static_cast<TaskGuess>(e.choice("guess", {"quasi_static", "zero"}, 0));
 }
 
@@ -141,14 +134,11 @@ void read_head(const Element& root, TaskFile& out) {
   root.allow_children({"phase", "terminal", "solver"});
   const std::filesystem::path path(out.path);
   out.name = root.optional("name", path.stem().string());
-  out.step = root.required_number("step");
-  if (!(out.step > 0))
-    root.where("step").fail(root.label("step") + " is " + show(out.step) + ", expected a number above 0");
+  out.step = root.positive("step");
   out.integrator =
       static_cast<TaskIntegrator>(root.choice("integrator", {"euler", "rk2", "rk3", "rk4", "symplectic"}, 0));
 
-  const std::string scene = root.required("scene");
-  if (scene.empty()) root.where("scene").fail("scene of <task> is empty, expected a scene file");
+  const std::string scene = root.not_empty("scene", "a scene file");
   const std::string scene_path = (path.parent_path() / scene).string();
   const std::string problem = file_problem(scene_path, true);
   if (!problem.empty())

@@ -18,7 +18,6 @@ class TermReader {
 
  private:
   void read_subject(const Element& e, TaskTerm& term);
-  void read_robots(const Element& e, TaskTerm& term) const;
   void read_contact(const Element& e, const std::vector<bool>& active, TaskTerm& term) const;
   void read_reference(const Element& e, const char* attribute, TaskTerm& term);
   void read_numbers(const Element& e, TaskTerm& term);
@@ -32,6 +31,10 @@ class TermReader {
 /// Refuses attributes that belong to other residuals.
 void check_attributes(const Element& e, TaskResidual residual);
 
+/// Whether an attribute belongs to a residual, such as `frame` or `contact`.
+bool takes(TaskResidual residual, const char* attribute);
+/// The rows of a residual; 0 where they are those of the robot or the contact.
+int fixed_rows(TaskResidual residual);
 TaskResidual read_residual(const Element& e);
 void read_activation(const Element& e, TaskTerm& term);
 void read_bounds(const Element& e, TaskTerm& term);

@@ -1,5 +1,6 @@
 // Names of residuals and of their attributes.
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 
@@ -12,36 +13,49 @@ namespace {
 struct Kind {
   const char* name;
   const char* alias;  // the name of the class in module action in lower case, if different; or null
+  bool of_state;      // of neither controls nor accelerations nor forces
+  int rows;           // 0: those of the robot or the contact
   std::vector<const char*> attributes;
 };
 
 const std::array<Kind, 16>& kinds() {
   static const std::array<Kind, 16> list{{
-      {"state", nullptr, {"robot", "reference"}},
-      {"control", nullptr, {"robot", "reference"}},
-      {"joint_effort", nullptr, {"robot", "reference"}},
-      {"joint_acceleration", nullptr, {"robot", "reference"}},
-      {"com", "com_position", {"robot", "reference"}},
-      {"centroidal_momentum", nullptr, {"robot", "reference"}},
-      {"frame_placement", nullptr, {"frame", "xyz", "quat_xyzw"}},
-      {"frame_translation", nullptr, {"frame", "xyz"}},
-      {"frame_rotation", nullptr, {"frame", "quat_xyzw"}},
-      {"frame_velocity", nullptr, {"frame", "reference_frame", "twist"}},
-      {"contact_force", nullptr, {"contact", "reference"}},
-      {"friction_cone", "contact_friction_cone", {"contact", "mu", "normal"}},
-      {"wrench_cone", "contact_wrench_cone", {"contact", "mu", "normal", "box"}},
-      {"cop", "contact_cop_position", {"contact", "normal", "box"}},
-      {"control_grav", nullptr, {}},
-      {"contact_control_grav", nullptr, {}},
+      {"state", nullptr, true, 0, {"robot", "reference"}},
+      {"control", nullptr, false, 0, {"robot", "reference"}},
+      {"joint_effort", nullptr, false, 0, {"robot", "reference"}},
+      {"joint_acceleration", nullptr, false, 0, {"robot", "reference"}},
+      {"com", "com_position", true, 3, {"robot", "reference"}},
+      {"centroidal_momentum", nullptr, true, 6, {"robot", "reference"}},
+      {"frame_placement", nullptr, true, 6, {"frame", "xyz", "quat_xyzw"}},
+      {"frame_translation", nullptr, true, 3, {"frame", "xyz"}},
+      {"frame_rotation", nullptr, true, 3, {"frame", "quat_xyzw"}},
+      {"frame_velocity", nullptr, true, 6, {"frame", "reference_frame", "twist"}},
+      {"contact_force", nullptr, false, 0, {"contact", "reference"}},
+      {"friction_cone", "contact_friction_cone", false, 5, {"contact", "mu", "normal"}},
+      {"wrench_cone", "contact_wrench_cone", false, 17, {"contact", "mu", "normal", "box"}},
+      {"cop", "contact_cop_position", false, 4, {"contact", "normal", "box"}},
+      {"control_grav", nullptr, false, 0, {}},
+      {"contact_control_grav", nullptr, false, 0, {}},
   }};
   return list;
 }
 
+const Kind& kind_of(TaskResidual residual) { return kinds()[static_cast<std::size_t>(residual)]; }
+
 }  // namespace
 
-const char* to_string(TaskResidual residual) { return kinds()[static_cast<std::size_t>(residual)].name; }
+const char* to_string(TaskResidual residual) { return kind_of(residual).name; }
+
+bool of_state_alone(TaskResidual residual) { return kind_of(residual).of_state; }
 
 namespace io {
+
+int fixed_rows(TaskResidual residual) { return kind_of(residual).rows; }
+
+bool takes(TaskResidual residual, const char* attribute) {
+  const std::vector<const char*>& all = kind_of(residual).attributes;
+  return std::any_of(all.begin(), all.end(), [&](const char* a) { return std::strcmp(a, attribute) == 0; });
+}
 
 TaskResidual read_residual(const Element& e) {
   const std::string text = e.required("type");
@@ -51,22 +65,17 @@ TaskResidual read_residual(const Element& e) {
     if (text == kind.name || (kind.alias && text == kind.alias)) return static_cast<TaskResidual>(i);
     known.push_back(kind.name);
   }
-  e.where("type").fail(e.label("type") + " is " + quote(text) + ", " + suggestion(text, known));
+  e.refuse("type", " is " + quote(text) + ", " + suggestion(text, known));
 }
 
 void check_attributes(const Element& e, TaskResidual residual) {
-  const Kind& own = kinds()[static_cast<std::size_t>(residual)];
-  const auto has = [](const Kind& kind, const char* name) {
-    for (const char* a : kind.attributes)
-      if (std::strcmp(a, name) == 0) return true;
-    return false;
-  };
+  const Kind& own = kind_of(residual);
   for (const Kind& kind : kinds())
     for (const char* name : kind.attributes) {
-      if (!e.has(name) || has(own, name)) continue;
+      if (!e.has(name) || takes(residual, name)) continue;
       std::string expected = own.attributes.empty() ? "none" : "";
       for (const char* a : own.attributes) expected += (expected.empty() ? "" : ", ") + std::string(a);
-      e.where(name).fail(e.label(name) + " does not go with type " + own.name + ", expected of such: " + expected);
+      e.refuse(name, std::string(" does not go with type ") + own.name + ", expected of such: " + expected);
     }
 }
 

@@ -4,40 +4,6 @@
 
 namespace manycontact::io {
 
-namespace {
-
-bool needs_contact(TaskResidual r) {
-  return r == TaskResidual::kContactForce || r == TaskResidual::kFrictionCone || r == TaskResidual::kWrenchCone ||
-         r == TaskResidual::kCop;
-}
-
-bool needs_frame(TaskResidual r) {
-  return r == TaskResidual::kFramePlacement || r == TaskResidual::kFrameTranslation ||
-         r == TaskResidual::kFrameRotation || r == TaskResidual::kFrameVelocity;
-}
-
-// A terminal node has a state, and neither controls nor accelerations nor forces.
-double read_positive(const Element& e, const char* attribute) {
-  const double x = e.required_number(attribute);
-  if (!(x > 0)) e.where(attribute).fail(e.label(attribute) + " is " + show(x) + ", expected a number above 0");
-  return x;
-}
-
-}  // namespace
-
-}  // namespace manycontact::io
-
-namespace manycontact {
-
-bool of_state_alone(TaskResidual r) {
-  return r == TaskResidual::kState || r == TaskResidual::kCom || r == TaskResidual::kCentroidalMomentum ||
-         io::needs_frame(r);
-}
-
-}  // namespace manycontact
-
-namespace manycontact::io {
-
 TaskTerm TermReader::read(const Element& e, const std::vector<bool>& active, bool terminal) {
   const bool cost = e.name() == "cost";
   if (cost)
@@ -50,15 +16,14 @@ TaskTerm TermReader::read(const Element& e, const std::vector<bool>& active, boo
   e.allow_children({"pose"});
   TaskTerm term;
   term.line = e.line();
-  term.name = e.required("name");
-  if (term.name.empty()) e.where("name").fail(e.label("name") + " is empty, expected a name");
+  term.name = e.not_empty("name");
   term.residual = read_residual(e);
   check_attributes(e, term.residual);
   if (terminal && !of_state_alone(term.residual))
     e.where("type").fail(std::string(to_string(term.residual)) +
                          " in <terminal>, where there are neither controls nor accelerations nor forces, expected a " +
                          e.name() + " of the state");
-  if (needs_contact(term.residual))
+  if (takes(term.residual, "contact"))
     read_contact(e, active, term);
   else
     read_subject(e, term);
@@ -71,22 +36,15 @@ TaskTerm TermReader::read(const Element& e, const std::vector<bool>& active, boo
   return term;
 }
 
+// The frame of a residual of frames, else the robot, if there is one.
 void TermReader::read_subject(const Element& e, TaskTerm& term) {
-  if (!needs_frame(term.residual)) return read_robots(e, term);
-  const End end = ends_.read(e, "frame");
-  if (end.shifted)
-    e.where("frame").fail(e.label("frame") + " is " + quote(e.required("frame")) + ", expected it without +k or -k");
-  term.frame = end.frame.name;
-  term.copied = end.copied;
-  term.robots.resize(static_cast<std::size_t>(end.count));
-  std::iota(term.robots.begin(), term.robots.end(), end.first);
-}
-
-void TermReader::read_robots(const Element& e, TaskTerm& term) const {
-  if (!e.has("robot")) return;
-  const std::string name = e.required("robot");
-  const End end = ends_.robot(e, "robot", name);
-  if (end.shifted) e.where("robot").fail(e.label("robot") + " is " + quote(name) + ", expected it without +k or -k");
+  const bool of_frame = takes(term.residual, "frame");
+  const char* attribute = of_frame ? "frame" : "robot";
+  if (!of_frame && !e.has("robot")) return;
+  const std::string name = e.required(attribute);
+  const End end = of_frame ? ends_.read(e, attribute) : ends_.robot(e, attribute, name);
+  if (end.shifted) e.refuse(attribute, " is " + quote(name) + ", expected it without +k or -k");
+  if (of_frame) term.frame = end.frame.name;
   term.copied = end.copied;
   term.robots.resize(static_cast<std::size_t>(end.count));
   std::iota(term.robots.begin(), term.robots.end(), end.first);
@@ -119,16 +77,15 @@ void TermReader::read_contact(const Element& e, const std::vector<bool>& active,
       here.fail(e.label("contact") + ": " + quote(name) + " is not active in this phase, expected one of its contacts");
   if (term.contacts.empty()) here.fail(e.label("contact") + ": " + quote(name) + " has no copies, expected some");
   const ContactType type = scene_.scene.contacts[static_cast<std::size_t>(term.contacts[0])].type;
-  const bool wrench = term.residual == TaskResidual::kWrenchCone || term.residual == TaskResidual::kCop;
-  if (wrench && type != ContactType::k6D)
+  if (takes(term.residual, "box") && type != ContactType::k6D)
     here.fail(std::string(to_string(term.residual)) + " of contact " + quote(name) + ", of type " + to_string(type) +
               ", expected a 6d contact");
 }
 
 int TermReader::rows(const TaskTerm& term) const {
+  if (const int fixed = fixed_rows(term.residual); fixed > 0) return fixed;
   const Scene& scene = scene_.scene;
-  const Model* model =
-      term.robots.empty() ? nullptr : scene.robots[static_cast<std::size_t>(term.robots[0])].model.get();
+  const Model* model = term.robots.empty() ? nullptr : scene.robots[term.robots[0]].model.get();
   const int nv = model ? model->nv : scene.nv, nu = model ? model->nu() : scene.nu;
   switch (term.residual) {
     case TaskResidual::kState:
@@ -136,29 +93,11 @@ int TermReader::rows(const TaskTerm& term) const {
     case TaskResidual::kControl:
     case TaskResidual::kJointEffort:
       return nu;
-    case TaskResidual::kJointAcceleration:
-      return nv;
-    case TaskResidual::kCom:
-    case TaskResidual::kFrameTranslation:
-    case TaskResidual::kFrameRotation:
-      return 3;
-    case TaskResidual::kCentroidalMomentum:
-    case TaskResidual::kFramePlacement:
-    case TaskResidual::kFrameVelocity:
-      return 6;
     case TaskResidual::kContactForce:
-      return scene.contacts[static_cast<std::size_t>(term.contacts[0])].rows();
-    case TaskResidual::kFrictionCone:
-      return 5;
-    case TaskResidual::kWrenchCone:
-      return 17;
-    case TaskResidual::kCop:
-      return 4;
-    case TaskResidual::kControlGrav:
-    case TaskResidual::kContactControlGrav:
-      return scene.nv;
+      return scene.contacts[term.contacts[0]].rows();
+    default:
+      return nv;
   }
-  return 0;
 }
 
 int TermReader::reference_size(const TaskTerm& term) const {
@@ -186,7 +125,7 @@ void TermReader::normalise_bases(const Element& e, TaskTerm& term) const {
 void TermReader::read_reference(const Element& e, const char* attribute, TaskTerm& term) {
   const auto pose = e.child("pose");
   if (term.residual == TaskResidual::kState && e.optional(attribute, "") == "pose") {
-    if (!pose) e.where(attribute).fail(e.label(attribute) + " is pose, expected <pose> elements in it");
+    if (!pose) e.refuse(attribute, " is pose, expected <pose> elements in it");
     for (auto next = pose; next; next = next->next("pose")) read_pose(*next, scene_.scene, ends_, term.poses);
     return;
   }
@@ -201,30 +140,25 @@ void TermReader::read_reference(const Element& e, const char* attribute, TaskTer
 void TermReader::read_numbers(const Element& e, TaskTerm& term) {
   const TaskResidual r = term.residual;
   if (r == TaskResidual::kCom) (void)e.required("reference");
-  read_reference(e, r == TaskResidual::kFrameVelocity ? "twist" : "reference", term);
-  if (r == TaskResidual::kFramePlacement || r == TaskResidual::kFrameTranslation) {
+  read_reference(e, takes(r, "twist") ? "twist" : "reference", term);
+  if (takes(r, "xyz")) {
     (void)e.required("xyz");
-    term.placement.p = Vec3<double>(e.numbers<3>("xyz")->data());
+    (void)e.read("xyz", term.placement.p);
   }
-  if (r == TaskResidual::kFramePlacement || r == TaskResidual::kFrameRotation) {
+  if (takes(r, "quat_xyzw")) {
     (void)e.required("quat_xyzw");
     (void)read_quaternion(e, "quat_xyzw", term.placement.R);
   }
-  if (r == TaskResidual::kFrameVelocity)
-    term.reference_frame =
-        static_cast<ReferenceFrame>(e.choice("reference_frame", {"local", "world", "local_world_aligned"}, 0));
-  if (r == TaskResidual::kFrictionCone || r == TaskResidual::kWrenchCone) term.mu = read_positive(e, "mu");
-  if (const auto normal = e.numbers<3>("normal")) {
-    term.normal = Vec3<double>(normal->data());
-    if (!(term.normal->stableNorm() > kZeroDirection))
-      e.where("normal").fail(e.label("normal") + " is zero, expected a direction");
-  }
-  if (r == TaskResidual::kWrenchCone || r == TaskResidual::kCop) {
+  if (takes(r, "reference_frame")) term.reference_frame = read_reference_frame(e);
+  if (takes(r, "mu")) term.mu = e.positive("mu");
+  e.read("normal", term.normal);
+  if (term.normal && !(term.normal->stableNorm() > kZeroDirection))
+    e.refuse("normal", " is zero, expected a direction");
+  if (takes(r, "box")) {
     (void)e.required("box");
-    term.box = Eigen::Vector2d(e.numbers<2>("box")->data());
+    (void)e.read("box", term.box);
     if (!(term.box.minCoeff() > 0))
-      e.where("box").fail(e.label("box") + " has a side of " + show(term.box.minCoeff()) +
-                          ", expected numbers above 0");
+      e.refuse("box", " has a side of " + show(term.box.minCoeff()) + ", expected numbers above 0");
   }
 }
 

@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "urdf_check.hpp"
+#include "urdf_robot.hpp"
 
 namespace manycontact::io {
 namespace {

@@ -2,25 +2,13 @@
 
 #include <map>
 
-#include "manycontact/spatial/rpy.hpp"
-#include "xml.hpp"
+#include "urdf_robot.hpp"
 
 namespace manycontact {
 namespace {
 
 using Colour = std::array<double, 4>;
 using Colours = std::map<std::string, Colour>;  // key: the name of the <material>
-
-SE3<double> origin_of(const io::Element& visual) {
-  SE3<double> at;
-  const auto origin = visual.child("origin");
-  if (!origin) return at;
-  const auto xyz = origin->numbers<3>("xyz").value_or(std::array<double, 3>{});
-  const auto rpy = origin->numbers<3>("rpy").value_or(std::array<double, 3>{});
-  at.p = {xyz[0], xyz[1], xyz[2]};
-  at.R = rotation_of_rpy(rpy[0], rpy[1], rpy[2]);
-  return at;
-}
 
 std::optional<Colour> colour_of(const io::Element& parent, const Colours& named) {
   const auto material = parent.child("material");
@@ -78,7 +66,7 @@ std::vector<Visual> load_visuals(const std::string& urdf) {
       const auto geometry = visual->child("geometry");
       if (!geometry || !read_shape(*geometry, out)) continue;
       out.link = link->required("name");
-      out.placement = origin_of(*visual);
+      out.placement = io::read_origin(*visual);
       out.colour = colour_of(*visual, named);
       visuals.push_back(std::move(out));
     }

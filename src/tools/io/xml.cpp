@@ -97,6 +97,12 @@ std::string Element::required(const char* attribute) const {
   return text;
 }
 
+std::string Element::not_empty(const char* attribute, const char* what) const {
+  std::string text = required(attribute);
+  if (text.empty()) refuse(attribute, std::string(" is empty, expected ") + what);
+  return text;
+}
+
 std::string Element::optional(const char* attribute, const std::string& otherwise) const {
   const char* text = element_->Attribute(attribute);
   return text ? text : otherwise;
@@ -120,6 +126,27 @@ double Element::number(const char* attribute, double otherwise) const {
 double Element::required_number(const char* attribute) const {
   const std::string text = required(attribute);
   return parse_number(where(attribute), label(attribute), text);
+}
+
+double Element::number_from_0(const char* attribute, double otherwise) const {
+  const double x = number(attribute, otherwise);
+  if (x < 0) refuse(attribute, " is " + show(x) + ", expected 0 or more");
+  return x;
+}
+
+double Element::positive(const char* attribute, std::optional<double> otherwise, const char* what) const {
+  const double x = otherwise ? number(attribute, *otherwise) : required_number(attribute);
+  if (!(x > 0)) refuse(attribute, " is " + show(x) + ", expected " + what + " above 0");
+  return x;
+}
+
+int Element::count(const char* attribute, int least, int most) const {
+  const std::string text = required(attribute);
+  const int n = parse_count(text);
+  if (n < least || n > most)
+    refuse(attribute, " is " + quote(text) + ", expected a whole number from " + std::to_string(least) + " to " +
+                          std::to_string(most));
+  return n;
 }
 
 double Element::number_or_infinity(const char* attribute, double otherwise) const {

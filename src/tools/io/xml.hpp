@@ -3,6 +3,7 @@
 
 #include <tinyxml2.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <initializer_list>
@@ -26,6 +27,11 @@ class Element {
   Where where(const char* attribute) const;
   [[noreturn]] void fail(const std::string& message) const { where().fail(message); }
 
+  /// Refuses an attribute's value: its label and `what` are the message, on its line.
+  [[noreturn]] void refuse(const char* attribute, const std::string& what) const {
+    where(attribute).fail(label(attribute) + what);
+  }
+
   /// Refuses attributes that are not among these. (tinyxml2 refuses one given twice.)
   void allow_attributes(std::initializer_list<const char*> known) const;
   /// Refuses text, and children that are not among these.
@@ -35,10 +41,20 @@ class Element {
   std::vector<std::string> attributes() const;  // names of the attributes
   /// An attribute's text; refuses when it is missing.
   std::string required(const char* attribute) const;
+  /// The same; also refuses an empty one. what: what is expected.
+  std::string not_empty(const char* attribute, const char* what = "a name") const;
   std::string optional(const char* attribute, const std::string& otherwise) const;
   /// The index of an attribute's text among `choices`; `otherwise` when it is missing (-1: then refuses).
   int choice(const char* attribute, std::initializer_list<const char*> choices, int otherwise) const;
+  bool flag(const char* attribute, bool otherwise) const {
+    return choice(attribute, {"false", "true"}, otherwise) == 1;
+  }
   double number(const char* attribute, double otherwise) const;
+  double number_from_0(const char* attribute, double otherwise) const;
+  /// A number above 0; required without `otherwise`. what: what is expected.
+  double positive(const char* attribute, std::optional<double> otherwise = {}, const char* what = "a number") const;
+  /// A required whole number from `least` to `most`.
+  int count(const char* attribute, int least, int most) const;
   double required_number(const char* attribute) const;
   /// A number or an infinity ("-Inf", "1e999"), as limits are written.
   double number_or_infinity(const char* attribute, double otherwise) const;
@@ -50,6 +66,18 @@ class Element {
     std::array<double, n> out{};
     std::copy(list.begin(), list.end(), out.begin());
     return out;
+  }
+  /// The same numbers into `out`; false, and nothing done, when the attribute is missing.
+  template <int n>
+  bool read(const char* attribute, Eigen::Matrix<double, n, 1>& out) const {
+    const auto list = numbers<static_cast<std::size_t>(n)>(attribute);
+    if (list) out = Eigen::Matrix<double, n, 1>(list->data());
+    return list.has_value();
+  }
+  /// The same for what may be missing.
+  template <int n>
+  void read(const char* attribute, std::optional<Eigen::Matrix<double, n, 1>>& out) const {
+    if (has(attribute)) (void)read(attribute, out.emplace());
   }
   /// The text inside, comments left out; refuses elements inside.
   std::string text() const;

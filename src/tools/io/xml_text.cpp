@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cstdint>
 #include <string_view>
+#include <utility>
 
 #include "manycontact/io/input_error.hpp"
 #include "manycontact/model/suggestion.hpp"
@@ -61,26 +62,12 @@ std::uint32_t windows1252(unsigned char byte) {
 }
 
 std::uint32_t latin9(unsigned char byte) {  // ISO-8859-15: Latin-1 but for eight
-  switch (byte) {
-    case 0xA4:
-      return 0x20AC;
-    case 0xA6:
-      return 0x160;
-    case 0xA8:
-      return 0x161;
-    case 0xB4:
-      return 0x17D;
-    case 0xB8:
-      return 0x17E;
-    case 0xBC:
-      return 0x152;
-    case 0xBD:
-      return 0x153;
-    case 0xBE:
-      return 0x178;
-    default:
-      return byte;
-  }
+  constexpr std::pair<unsigned char, std::uint32_t> kOthers[] = {{0xA4, 0x20AC}, {0xA6, 0x160}, {0xA8, 0x161},
+                                                                 {0xB4, 0x17D},  {0xB8, 0x17E}, {0xBC, 0x152},
+                                                                 {0xBD, 0x153},  {0xBE, 0x178}};
+  for (const auto& [from, to] : kOthers)
+    if (byte == from) return to;
+  return byte;
 }
 
 std::string decode_bytes(std::string_view bytes, std::uint32_t (*character)(unsigned char)) {
@@ -143,8 +130,7 @@ class Characters {
 
   void check() {
     while (at_ < text_.size()) {
-      if (skip("<!--", "-->")) continue;
-      if (check_section("<![CDATA[", "]]>")) continue;
+      if (section("<!--", "-->", false) || section("<![CDATA[", "]]>", true)) continue;
       if (text_.compare(at_, 2, "&#") == 0) check_reference();
       check_character();
     }
@@ -190,25 +176,14 @@ class Characters {
     at_ += count;
   }
 
-  std::size_t end_of(std::string_view begin, std::string_view end) const {
-    if (text_.compare(at_, begin.size(), begin) != 0) return at_;
+  // Passes over a section, if one begins here. `checks`: references have no meaning in it, but characters are checked.
+  bool section(std::string_view begin, std::string_view end, bool checks) {
+    if (text_.compare(at_, begin.size(), begin) != 0) return false;
     const std::size_t found = text_.find(end, at_ + begin.size());
-    return found == std::string_view::npos ? text_.size() : found + end.size();
-  }
-
-  bool skip(std::string_view begin, std::string_view end) {
-    const std::size_t to = end_of(begin, end);
-    const bool found = to > at_;
-    advance(to - at_);
-    return found;
-  }
-
-  // Checks a section in which references have no meaning.
-  bool check_section(std::string_view begin, std::string_view end) {
-    const std::size_t to = end_of(begin, end);
-    const bool found = to > at_;
-    while (at_ < to) check_character();
-    return found;
+    const std::size_t to = found == std::string_view::npos ? text_.size() : found + end.size();
+    while (checks && at_ < to) check_character();
+    if (!checks) advance(to - at_);
+    return true;
   }
 
   const std::string& path_;

@@ -2,15 +2,7 @@
 
 namespace manycontact {
 
-std::string to_string(Integrator integrator) {
-  switch (integrator) {
-    case Integrator::kSemiImplicitEuler:
-      return "semi-implicit-euler";
-    case Integrator::kRk4:
-      return "rk4";
-  }
-  return "?";
-}
+std::string to_string(Integrator integrator) { return integrator == Integrator::kRk4 ? "rk4" : "semi-implicit-euler"; }
 
 std::optional<Integrator> integrator_from_string(const std::string& name) {
   for (Integrator integrator : kIntegrators)

@@ -19,8 +19,6 @@ namespace {
 
 constexpr double kFelt = 1e-3;           // D J M^-1 J^T below which a row across a spring has negligible effect
 constexpr double kNothing = 1e-12;       // value of D J M^-1 J^T for a row without effect
-constexpr double kIdle = 1e-300;         // value of D for a row that is left out
-constexpr std::size_t kFewRows = 64;     // up to this number, one dense factor of all rows
 constexpr std::size_t kMostRows = 3000;  // up to this number, a dense factor of the rows `used`, if ...
 constexpr double kMostZeros = 8;         // ... at least one in this many entries is nonzero
 constexpr int kFewNumbers = 32;          // up to this number of unit forces on an island, one solve each
@@ -212,8 +210,6 @@ bool each_response(SimulationData& d, ResistingSprings& s, Use&& use) {
   return true;
 }
 
-bool is_across(const ResistingSprings::Row& row) { return row.turns >= 0; }
-
 // J K^-1 J^T into C, or into entries where it is not dense.
 bool find_responses(SimulationData& d, ResistingSprings& s) {
   const auto n = static_cast<Eigen::Index>(s.rows.size());
@@ -240,76 +236,6 @@ void keep_along(const SimulationData& d, ResistingSprings& s) {
     row.keeps = spring_share(stiff * s.own[static_cast<Eigen::Index>(i)]);
     row.g -= row.keeps * stiff / row.D * rate_at_start(d, row);
   }
-}
-
-// The rows along springs, or all.
-bool takes_part(const ResistingSprings::Row& row, bool all) { return all || !is_across(row); }
-
-// Few rows: those that take no part are decoupled.
-void factorize_few(bool all, ResistingSprings& s) {
-  s.with_D = s.C;
-  for (std::size_t i = 0; i < s.rows.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    if (!takes_part(s.rows[i], all)) s.with_D.row(k).setZero(), s.with_D.col(k).setZero();
-    s.with_D(k, k) += 1 / s.rows[i].D;
-  }
-  s.pivoted_factor.compute(s.with_D);
-}
-
-void factorize_dense(bool all, ResistingSprings& s) {
-  s.used.clear();
-  for (std::size_t i = 0; i < s.rows.size(); ++i)
-    if (takes_part(s.rows[i], all) && s.rows[i].D != kIdle) s.used.push_back(static_cast<int>(i));
-  const auto n = static_cast<Eigen::Index>(s.used.size());
-  const auto row = [&](Eigen::Index k) { return s.used[static_cast<std::size_t>(k)]; };
-  s.with_D.resize(n, n);
-  for (Eigen::Index j = 0; j < n; ++j) {
-    for (Eigen::Index i = 0; i < n; ++i) s.with_D(i, j) = s.C(row(i), row(j));
-    s.with_D(j, j) += 1 / s.rows[static_cast<std::size_t>(row(j))].D;
-  }
-  s.factor.compute(s.with_D);
-  if (s.factor.info() != Eigen::Success) s.pivoted_factor.compute(s.with_D);
-}
-
-void solve_dense(ResistingSprings& s, Eigen::VectorXd& x) {
-  const auto n = static_cast<Eigen::Index>(s.used.size());
-  s.of_used.resize(n);
-  for (Eigen::Index k = 0; k < n; ++k) s.of_used[k] = x[s.used[static_cast<std::size_t>(k)]];
-  s.factor.info() == Eigen::Success ? (void)s.factor.solveInPlace(s.of_used)
-                                    : (void)s.pivoted_factor.solveInPlace(s.of_used);
-  x.setZero();
-  for (Eigen::Index k = 0; k < n; ++k) x[s.used[static_cast<std::size_t>(k)]] = s.of_used[k];
-}
-
-bool factorize_sparse(bool all, ResistingSprings& s) {
-  const auto n = static_cast<Eigen::Index>(s.rows.size());
-  const auto has = [&](Eigen::Index i) { return takes_part(s.rows[static_cast<std::size_t>(i)], all); };
-  s.own_entries.clear();
-  for (const auto& e : s.entries)
-    if (has(e.row()) && has(e.col())) s.own_entries.push_back(e);
-  for (std::size_t i = 0; i < s.rows.size(); ++i)
-    s.own_entries.emplace_back(static_cast<int>(i), static_cast<int>(i), 1 / s.rows[i].D);
-  s.S.resize(n, n);
-  s.S.setFromTriplets(s.own_entries.begin(), s.own_entries.end());
-  s.sparse_factor.compute(s.S);
-  return s.sparse_factor.info() == Eigen::Success;
-}
-
-// D^-1 + J K^-1 J^T of the rows along springs, or of all. False where there is no factor.
-bool factorize_rows(bool all, ResistingSprings& s) {
-  if (!s.is_dense) return factorize_sparse(all, s);
-  s.rows.size() <= kFewRows ? factorize_few(all, s) : factorize_dense(all, s);
-  return true;
-}
-
-// x of (D^-1 + J K^-1 J^T) x = x, of the rows last factorized.
-void solve_rows(ResistingSprings& s, Eigen::VectorXd& x) {
-  if (s.rows.size() <= kFewRows)
-    s.pivoted_factor.solveInPlace(x);
-  else if (s.is_dense)
-    solve_dense(s, x);
-  else
-    x = s.sparse_factor.solve(x).eval();
 }
 
 // D across springs by what they pull with at the end of the step, as far as it is known by the rows along them: a

@@ -68,6 +68,15 @@ struct ResistingSprings {
   std::vector<Vec3<double>> couple;
 };
 
+constexpr double kIdle = 1e-300;      // value of D for a row that is left out
+constexpr std::size_t kFewRows = 64;  // up to this number, one dense factor of all rows
+
+inline bool is_across(const ResistingSprings::Row& row) { return row.turns >= 0; }
+/// Factorizes D^-1 + J K^-1 J^T of the rows along springs, or of all. False where there is no factor.
+[[nodiscard]] bool factorize_rows(bool all, ResistingSprings& s);
+/// x of (D^-1 + J K^-1 J^T) x = x, of the rows last factorized.
+void solve_rows(ResistingSprings& s, Eigen::VectorXd& x);
+
 /// Adds external wrenches and joints' springs at the start of the step to data.w; data.applied is at the state then.
 void add_loads(const Scene& scene, SimulationData& data);
 /// After it: the rows. Where a spring has no direction, data.w is NaN.

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <map>
 
-#include "program/text/table.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "optimize.hpp"
+#include "program/text/table.hpp"
 
 namespace manycontact::cli {
 
@@ -68,7 +68,7 @@ void print_torques(std::ostream& out, const OptimizedTask& motion) {
                     [](const Torque& a, const Torque& b) {
                       return std::make_pair(a.share(), std::abs(a.u)) > std::make_pair(b.share(), std::abs(b.u));
                     });
-  Table table({{"largest torques", Table::kLeft, 40}, {"Nm or N"}, {"limit"}, {"of it"}, {"at [s]"}});
+  Table table("largest torques<40|Nm or N|limit|of it|at [s]");
   for (std::size_t i = 0; i < shown; ++i) {
     const Torque& torque = list[i];
     const bool limited = std::isfinite(torque.limit);
@@ -93,12 +93,7 @@ void print_forces(std::ostream& out, const OptimizedTask& motion) {
                     friction_of(phase_at(task, nodes[t]), c), bores[g]);
     }
   }
-  Table table({{"contact forces", Table::kLeft, 40},
-               {"nodes"},
-               {"least normal [N]"},
-               {"most"},
-               {"tangential/normal"},
-               {"cone"}});
+  Table table("contact forces<40|nodes|least normal [N]|most|tangential/normal|cone");
   for (const auto& [g, bore] : bores) {
     const ContactGroup& group = task.scene.contact_groups[g];
     table.add({printable(group.copied ? group.name + " x" + std::to_string(group.count) : group.name),

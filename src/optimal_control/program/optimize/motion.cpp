@@ -2,10 +2,10 @@
 
 #include <set>
 
-#include "program/text/table.hpp"
 #include "manycontact/algorithm/energy.hpp"
 #include "manycontact/algorithm/frames.hpp"
 #include "optimize.hpp"
+#include "program/text/table.hpp"
 
 namespace manycontact::cli {
 
@@ -47,7 +47,7 @@ void print_motion(std::ostream& out, const OptimizedTask& motion) {
   const Scene& scene = motion.task.scene.scene;
   const Eigen::VectorXd &first = motion.solution.xs.front(), &last = motion.solution.xs.back();
   if (!first.allFinite() || !last.allFinite()) return;
-  Table table({{"moved", Table::kLeft, 40}, {"from [m]"}, {"to [m]"}, {"by [m]"}});
+  Table table("moved<40|from [m]|to [m]|by [m]");
   std::size_t rows = 0, left_out = 0;
   const auto add = [&](const std::string& name, const Vec3<double>& from, const Vec3<double>& to) {
     if (rows++ < kMostRows)

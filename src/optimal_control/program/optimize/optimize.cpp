@@ -6,12 +6,12 @@
 #include <iomanip>
 #include <iostream>
 
+#include "manycontact/analysis/load_scene.hpp"
 #include "program/command/command.hpp"
 #include "program/command/interrupt.hpp"
 #include "program/files/python.hpp"
 #include "program/text/table.hpp"
 #include "program/view/view.hpp"
-#include "manycontact/analysis/load_scene.hpp"
 
 namespace manycontact::cli {
 
@@ -71,8 +71,8 @@ int run_optimize(const Arguments& arguments) {
   const std::optional<TaskSolver> solver = solver_of(arguments);
   const int threads = arguments.integer("--threads", 1, kMostThreads, 0);
   if (arguments.has("--simulate")) (void)arguments.positive("--simulate");  // before hours of work
-  const auto out = arguments.value("--out"), json = arguments.value("--json"), charts = arguments.value("--charts");
-  if (!out) throw UsageError("option --out is missing");
+  const std::string out = arguments.required("--out");
+  const auto json = arguments.value("--json"), charts = arguments.value("--charts");
   check_files(arguments, {path}, kFiles);
 
   TaskFile task = read_task(path);
@@ -81,7 +81,7 @@ int run_optimize(const Arguments& arguments) {
   if (charts) check_charts(arguments, path, task, *charts);
   const TaskSolver chosen = solver.value_or(task.solver);
   TaskProblem problem = make_problem(task, chosen);
-  check_writable(*out, "--out");
+  check_writable(out, "--out");
   for (const char* option : {"--json", "--torques", "--forces"})
     if (const auto file = arguments.value(option)) check_writable(*file, option);
   if (charts) prepare_charts(*charts);
@@ -97,7 +97,7 @@ int run_optimize(const Arguments& arguments) {
   OptimizedTask motion{task, problem, solution, simulated(arguments, task, solution), cost_by_term(task, problem)};
   motion.findings = plan_findings(task, solution, motion.costs);
   for (PlanFinding& finding : guess_findings(task)) motion.findings.push_back(std::move(finding));
-  write_trajectory(motion, *out);
+  write_trajectory(motion, out);
   if (const auto file = arguments.value("--torques")) write_torques(motion, *file);
   if (const auto file = arguments.value("--forces")) write_forces(motion, *file);
   if (json) write_json(motion, *json);

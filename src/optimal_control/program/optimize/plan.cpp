@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <map>
 
-#include "program/text/table.hpp"
 #include "optimize.hpp"
+#include "program/text/table.hpp"
 
 namespace manycontact::cli {
 
@@ -25,7 +25,7 @@ void print_kind(std::ostream& out, const std::string& title, const std::vector<c
 }  // namespace
 
 void print_costs(std::ostream& out, const OptimizedTask& motion) {
-  Table table({{"costs", Table::kLeft, 40}, {"type", Table::kLeft}, {"cost"}, {"of all"}, {"missed by"}, {"at node"}});
+  Table table("costs<40|type<|cost|of all|missed by|at node");
   for (std::size_t k = 0; k < std::min(kMostCosts, motion.costs.size()); ++k) {
     const PlanCost& cost = motion.costs[k];
     table.add({printable(cost.name), to_string(cost.residual), number(cost.cost, 4),

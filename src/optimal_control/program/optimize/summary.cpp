@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "program/text/table.hpp"
 #include "optimize.hpp"
+#include "program/text/table.hpp"
 
 namespace manycontact::cli {
 
@@ -15,7 +15,7 @@ void print_constraints(std::ostream& out, const TaskSolution& s) {
   if (s.violations.empty()) return;
   out << "constraints are missed by " << scientific(s.constraint_violation) << " at most, after "
       << count(static_cast<long>(s.outer_iterations), "outer iteration") << "\n";
-  Table table({{"constraints", Table::kLeft, 40}, {"missed by"}, {"at node"}});
+  Table table("constraints<40|missed by|at node");
   for (const TaskViolation& v : s.violations)
     table.add({printable(v.constraint), scientific(v.by), std::to_string(v.node)});
   table.print(out);
