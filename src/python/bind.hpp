@@ -1,0 +1,196 @@
+#pragma once
+// Classes and functions of the module. Their docstrings and the names and default values of parameters are in
+// docs/*.txt.
+//
+//   Class<Joint, std::shared_ptr<Joint>>(m, "Joint").read("name", &Joint::name, "type", &Joint::type);
+//   def(m, "velocity_names", &velocity_names);
+
+#include <functional>
+#include <memory>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "texts.hpp"
+
+namespace manycontact::python {
+
+/// Python runs in other threads meanwhile.
+using Unlocked = py::call_guard<py::gil_scoped_release>;
+
+/// each(a, b), each(c, d) of a, b, c, d for N = 2.
+template <std::size_t N, class Each, class... Given>
+void in_groups(Each&& each, const Given&... given) {
+  static_assert(sizeof...(Given) % N == 0);
+  const auto all = std::tie(given...);
+  const auto group = [&]<std::size_t First, std::size_t... K>(std::index_sequence<K...>) {
+    each(std::get<First + K>(all)...);
+  };
+  [&]<std::size_t... Group>(std::index_sequence<Group...>) {
+    (group.template operator()<N * Group>(std::make_index_sequence<N>()), ...);
+  }
+  (std::make_index_sequence<sizeof...(Given) / N>());
+}
+
+template <class T>
+class Handle;  // in handle.hpp
+
+/// What a class of Python's contains, and an object of it.
+template <class Held>
+struct ValueOf {
+  using Type = Held;
+  static const Held& get(const Held& x) { return x; }
+  static Held make(Held x) { return x; }
+};
+template <class T>
+struct ValueOf<Handle<T>> {
+  using Type = T;
+  static const T& get(const Handle<T>& x) { return x.get(); }
+  static Handle<T> make(T x) { return Handle<T>(std::move(x)); }
+};
+
+/// A class, its members and methods, each with its entry in docs/*.txt.
+template <class T, class... Options>
+class Class {
+ public:
+  using type = T;
+
+  template <class... Extra>
+  Class(py::module_& m, const char* name, const Extra&... extra)
+      : name_(name), class_(m, name, text_of(name).doc, extra...) {}
+
+  template <class F, class... Extra>
+  Class& def(const char* name, F&& f, const Extra&... extra) {
+    class_.def(name, std::forward<F>(f), Described{text(name)}, extra...);
+    return *this;
+  }
+  template <class F, class... Extra>
+  Class& def_static(const char* name, F&& f, const Extra&... extra) {
+    class_.def_static(name, std::forward<F>(f), Described{text(name)}, extra...);
+    return *this;
+  }
+  /// init: py::init<...>() or py::init(function).
+  template <class Init, class... Extra>
+  requires(!std::is_convertible_v<Init, const char*>) Class& def(Init&& init, const Extra&... extra) {
+    class_.def(std::forward<Init>(init), Described{text("__init__")}, extra...);
+    return *this;
+  }
+  /// Constructors of T by the types of their arguments: void(int, double), ...
+  template <class... Signatures, class... Extra>
+  Class& constructors(const Extra&... extra) {
+    const auto add = [&]<class... Arguments>(void (*)(Arguments...)) { def(py::init<Arguments...>(), extra...); };
+    (add(static_cast<Signatures*>(nullptr)), ...);
+    return *this;
+  }
+  /// "name", &T::method, ...
+  template <class... Given>
+  Class& methods(Given... given) {
+    in_groups<2>([this](const char* name, auto method) { def(name, method); }, given...);
+    return *this;
+  }
+  /// The same, while Python runs in other threads.
+  template <class... Given>
+  Class& unlocked(Given... given) {
+    in_groups<2>([this](const char* name, auto method) { def(name, method, Unlocked()); }, given...);
+    return *this;
+  }
+  /// A constructor from the members of a structure, or the first of these.
+  template <class... Members>
+  Class& from_members() {
+    return def(py::init(
+        [](Members... members) { return ValueOf<T>::make(typename ValueOf<T>::Type{std::move(members)...}); }));
+  }
+  template <class Get, class Set>
+  Class& pickle(Get&& get, Set&& set) {
+    class_.def(py::pickle(std::forward<Get>(get), std::forward<Set>(set)));
+    return *this;
+  }
+
+  /// Attributes that cannot be assigned: "name", &T::name, ... with members, methods or functions of the object.
+  template <class... Given>
+  Class& read(Given... given) {
+    in_groups<2>(
+        [this]<class M>(const char* name, M member) {
+          if constexpr (std::is_member_object_pointer_v<M>)
+            class_.def_readonly(name, member, text(name).doc);
+          else
+            class_.def_property_readonly(name, member, text(name).doc);
+        },
+        given...);
+    return *this;
+  }
+  /// The same of what `at` gives of the object, as copies.
+  template <class At, class... Given>
+  Class& read_at(At at, Given... given) {
+    in_groups<2>(
+        [this, at](const char* name, auto member) {
+          read(name, [at, member](const T& object) { return std::invoke(member, std::invoke(at, object)); });
+        },
+        given...);
+    return *this;
+  }
+  /// Members that can be assigned.
+  template <class... Given>
+  Class& write(Given... given) {
+    in_groups<2>([this](const char* name, auto member) { class_.def_readwrite(name, member, text(name).doc); },
+                 given...);
+    return *this;
+  }
+  /// "name", get, set, ...
+  template <class... Given>
+  Class& property(Given... given) {
+    in_groups<3>([this](const char* name, auto get, auto set) { class_.def_property(name, get, set, text(name).doc); },
+                 given...);
+    return *this;
+  }
+  /// An object with attributes of its own: get(owner) and set(owner, object), in Python as a Handle.
+  template <class Owner, class Get, class Set>
+  Class& handle(const char* name, Get get, Set set) {
+    using Held = std::decay_t<decltype(get(std::declval<const Owner&>()))>;
+    const auto found = [=](const Owner& owner) {
+      return Handle<Held>([=]() -> const Held& { return get(owner); }, [=](Held x) { set(owner, std::move(x)); });
+    };
+    return property(name, found, [=](const Owner& owner, const Held& x) { set(owner, x); });
+  }
+  /// Matrices as arrays on them, see view_property in objects.hpp.
+  template <class... Given>
+  Class& views(Given... given) {
+    in_groups<2>([this](const char* name, auto member) { view_property(*this, name, member); }, given...);
+    return *this;
+  }
+  /// Members of an object that is in another one, see handle_field in handle.hpp.
+  template <class... Given>
+  Class& fields(Given... given) {
+    in_groups<2>([this](const char* name, auto member) { handle_field(*this, name, member); }, given...);
+    return *this;
+  }
+
+ private:
+  const Text& text(const char* member) const { return text_of(name_ + "." + member); }
+
+  std::string name_;
+  py::class_<T, Options...> class_;
+};
+
+/// A class whose objects C++ and Python share.
+template <class T, class... Bases, class... Extra>
+Class<T, Bases..., std::shared_ptr<T>> shared(py::module_& m, const char* name, const Extra&... extra) {
+  return {m, name, extra...};
+}
+
+/// A function of the module, by the entry with its name, or that called `entry`.
+template <class F, class... Extra>
+void def_as(py::module_& m, const char* name, const char* entry, F&& f, const Extra&... extra) {
+  m.def(name, std::forward<F>(f), Described{text_of(entry)}, extra...);
+}
+template <class F, class... Extra>
+void def(py::module_& m, const char* name, F&& f, const Extra&... extra) {
+  def_as(m, name, name, std::forward<F>(f), extra...);
+}
+/// "name", &function, ...
+template <class... Given>
+void functions(py::module_& m, Given... given) {
+  in_groups<2>([&m](const char* name, auto function) { def(m, name, function); }, given...);
+}
+
+}  // namespace manycontact::python
