@@ -17,13 +17,13 @@ using Vector = Eigen::VectorXd;
 
 void add_errors(py::module_& m) {
   value<PlacementError>(m, "PlacementError")
-      .read("contact", &PlacementError::contact, "position", &PlacementError::position, "angle", &PlacementError::angle)
+      .read<&PlacementError::contact, &PlacementError::position, &PlacementError::angle>()
       .def("__repr__", [](const PlacementError& e) {
         return "<PlacementError of contact " + std::to_string(e.contact) + ": " + text::number(e.position) + " m, " +
                text::number(e.angle) + " rad>";
       });
   value<VelocityError>(m, "VelocityError")
-      .read("contact", &VelocityError::contact, "linear", &VelocityError::linear, "angular", &VelocityError::angular)
+      .read<&VelocityError::contact, &VelocityError::linear, &VelocityError::angular>()
       .def("__repr__", [](const VelocityError& e) {
         return "<VelocityError of contact " + std::to_string(e.contact) + ": " + text::number(e.linear) + " m/s, " +
                text::number(e.angular) + " rad/s>";
@@ -40,8 +40,7 @@ void add_errors(py::module_& m) {
 
 void add_violations(py::module_& m) {
   enumeration<ViolationKind>(m, "ViolationKind");
-  value<Violation>(m, "Violation")
-      .read("contact", &Violation::contact, "kind", &Violation::kind, "by", &Violation::by, "needs", &Violation::needs);
+  value<Violation>(m, "Violation").read<&Violation::contact, &Violation::kind, &Violation::by, &Violation::needs>();
   def(m, "violations", [](const Scene& scene, const Raw& q, const Data& data) {
     const auto Q = checked("q", q, scene.nq);
     const SceneData& d = data.at_rest();
@@ -50,8 +49,7 @@ void add_violations(py::module_& m) {
   });
   enumeration<LimitKind>(m, "LimitKind");
   value<LimitPassed>(m, "LimitPassed")
-      .read("robot", &LimitPassed::robot, "dof", &LimitPassed::dof, "quantity", &LimitPassed::quantity, "value",
-            &LimitPassed::value, "limit", &LimitPassed::limit);
+      .read<&LimitPassed::robot, &LimitPassed::dof, &LimitPassed::quantity, &LimitPassed::value, &LimitPassed::limit>();
   def(m, "limits_passed", [](const Scene& scene, const Raw& q, const Raw& v, const Raw& u) {
     const auto Q = checked("q", q, scene.nq), V = checked("v", v, scene.nv), U = checked("u", u, scene.nu);
     return limits_passed(scene, Q, V, U);
@@ -95,20 +93,19 @@ void add_redistribution(py::module_& m) {
 
 void add_rank_changes(py::module_& m) {
   value<RankChange>(m, "RankChange")
-      .read("island", &RankChange::island, "singular", &RankChange::singular, "rank", &RankChange::rank, "rows",
-            &RankChange::rows, "contacts", &RankChange::contacts, "coordinate", &RankChange::coordinate);
+      .read<&RankChange::island, &RankChange::singular, &RankChange::rank, &RankChange::rows, &RankChange::contacts,
+            &RankChange::coordinate>();
   def(m, "rank_changes", at_solution(&rank_changes));
 }
 
 void add_near_dependent(py::module_& m) {
   value<NearDependent>(m, "NearDependent")
-      .read("island", &NearDependent::island, "rows", &NearDependent::rows, "left", &NearDependent::left, "times",
-            &NearDependent::times, "coordinate", &NearDependent::coordinate, "acceleration",
-            &NearDependent::acceleration, "without", &NearDependent::without);
+      .read<&NearDependent::island, &NearDependent::rows, &NearDependent::left, &NearDependent::times,
+            &NearDependent::coordinate, &NearDependent::acceleration, &NearDependent::without>();
   def(m, "near_dependent", at_solution(&near_dependent));
   auto gap = value<RankGap>(m, "RankGap");
-  gap.read("known", &RankGap::known, "least_kept", &RankGap::least_kept, "most_dropped", &RankGap::most_dropped, "kept",
-           &RankGap::kept, "dropped", &RankGap::dropped, "gap", &RankGap::gap);
+  gap.read<&RankGap::known, &RankGap::least_kept, &RankGap::most_dropped, &RankGap::kept, &RankGap::dropped,
+           &RankGap::gap>();
   def(m, "rank_gap", [](const Scene& scene, const Data& data, std::size_t island) {
     return data.use([&](SceneData& d) {
       if (island >= d.report.islands.size()) throw py::value_error("rank_gap: there is no such island");
@@ -119,9 +116,8 @@ void add_near_dependent(py::module_& m) {
 
 void add_consistent(py::module_& m) {
   value<ConsistentState>(m, "ConsistentState")
-      .read("q", &ConsistentState::q, "v", &ConsistentState::v, "status", &ConsistentState::status, "steps",
-            &ConsistentState::steps, "misplaced", &ConsistentState::misplaced, "moving", &ConsistentState::moving,
-            "consistent", &ConsistentState::consistent);
+      .read<&ConsistentState::q, &ConsistentState::v, &ConsistentState::status, &ConsistentState::steps,
+            &ConsistentState::misplaced, &ConsistentState::moving, &ConsistentState::consistent>();
   def(m, "make_consistent",
       [](const Scene& scene, const Raw& q, const Raw& v, const py::object& active, const Options& options) {
         const auto Q = checked("q", q, scene.nq), V = checked("v", v, scene.nv);

@@ -2,8 +2,10 @@
 // Classes and functions of the module. Their docstrings and the names and default values of parameters are in
 // docs/*.txt.
 //
-//   Class<Joint, std::shared_ptr<Joint>>(m, "Joint").read("name", &Joint::name, "type", &Joint::type);
-//   def(m, "velocity_names", &velocity_names);
+//   shared<Joint>(m, "Joint").read<&Joint::name, &Joint::type>().read("mass", &mass_of);
+//   functions<&velocity_names>(m);
+//
+// Members are called as in C++, unless a name is given.
 
 #include <functional>
 #include <memory>
@@ -49,6 +51,13 @@ struct ValueOf<Handle<T>> {
   static Handle<T> make(T x) { return Handle<T>(std::move(x)); }
 };
 
+/// The name of a member, method or function in Python: its own, without Crocoddyl's get_.
+template <auto member>
+std::string python_name_of() {
+  const std::string name = name_of<member>();
+  return std::is_member_function_pointer_v<decltype(member)> && name.starts_with("get_") ? name.substr(4) : name;
+}
+
 /// A class, its members and methods, each with its entry in docs/*.txt.
 template <class T, class... Options>
 class Class {
@@ -88,10 +97,20 @@ class Class {
     in_groups<2>([this](const char* name, auto method) { def(name, method); }, given...);
     return *this;
   }
+  template <auto... member>
+  Class& methods() {
+    (..., methods(python_name_of<member>().c_str(), member));
+    return *this;
+  }
   /// The same, while Python runs in other threads.
   template <class... Given>
   Class& unlocked(Given... given) {
     in_groups<2>([this](const char* name, auto method) { def(name, method, Unlocked()); }, given...);
+    return *this;
+  }
+  template <auto... member>
+  Class& unlocked() {
+    (..., unlocked(python_name_of<member>().c_str(), member));
     return *this;
   }
   /// A constructor from the members of a structure, or the first of these.
@@ -119,21 +138,24 @@ class Class {
         given...);
     return *this;
   }
+  template <auto... member>
+  Class& read() {
+    (..., read(python_name_of<member>().c_str(), member));
+    return *this;
+  }
   /// The same of what `at` gives of the object, as copies.
-  template <class At, class... Given>
-  Class& read_at(At at, Given... given) {
-    in_groups<2>(
-        [this, at](const char* name, auto member) {
-          read(name, [at, member](const T& object) { return std::invoke(member, std::invoke(at, object)); });
-        },
-        given...);
+  template <auto... member, class At>
+  Class& read_at(At at) {
+    const auto add = [&](const std::string& name, auto m) {
+      read(name.c_str(), [at, m](const T& object) { return std::invoke(m, std::invoke(at, object)); });
+    };
+    (..., add(python_name_of<member>(), member));
     return *this;
   }
   /// Members that can be assigned.
-  template <class... Given>
-  Class& write(Given... given) {
-    in_groups<2>([this](const char* name, auto member) { class_.def_readwrite(name, member, text(name).doc); },
-                 given...);
+  template <auto... member>
+  Class& write() {
+    (..., class_.def_readwrite(name_of<member>().c_str(), member, text(name_of<member>()).doc));
     return *this;
   }
   /// "name", get, set, ...
@@ -141,6 +163,12 @@ class Class {
   Class& property(Given... given) {
     in_groups<3>([this](const char* name, auto get, auto set) { class_.def_property(name, get, set, text(name).doc); },
                  given...);
+    return *this;
+  }
+  template <auto get, auto set, auto... more>
+  Class& property() {
+    property(python_name_of<get>().c_str(), get, set);
+    if constexpr (sizeof...(more) > 0) property<more...>();
     return *this;
   }
   /// An object with attributes of its own: get(owner) and set(owner, object), in Python as a Handle.
@@ -153,20 +181,20 @@ class Class {
     return property(name, found, [=](const Owner& owner, const Held& x) { set(owner, x); });
   }
   /// Matrices as arrays on them, see view_property in objects.hpp.
-  template <class... Given>
-  Class& views(Given... given) {
-    in_groups<2>([this](const char* name, auto member) { view_property(*this, name, member); }, given...);
+  template <auto... member>
+  Class& views() {
+    (..., view_property(*this, name_of<member>().c_str(), member));
     return *this;
   }
   /// Members of an object that is in another one, see handle_field in handle.hpp.
-  template <class... Given>
-  Class& fields(Given... given) {
-    in_groups<2>([this](const char* name, auto member) { handle_field(*this, name, member); }, given...);
+  template <auto... member>
+  Class& fields() {
+    (..., handle_field(*this, name_of<member>().c_str(), member));
     return *this;
   }
 
  private:
-  const Text& text(const char* member) const { return text_of(name_ + "." + member); }
+  const Text& text(const std::string& member) const { return text_of(name_ + "." + member); }
 
   std::string name_;
   py::class_<T, Options...> class_;
@@ -187,7 +215,11 @@ template <class F, class... Extra>
 void def(py::module_& m, const char* name, F&& f, const Extra&... extra) {
   def_as(m, name, name, std::forward<F>(f), extra...);
 }
-/// "name", &function, ...
+/// &function, ...; or "name", &function, ...
+template <auto... function>
+void functions(py::module_& m) {
+  (..., def(m, name_of<function>().c_str(), function));
+}
 template <class... Given>
 void functions(py::module_& m, Given... given) {
   in_groups<2>([&m](const char* name, auto function) { def(m, name, function); }, given...);

@@ -101,19 +101,19 @@ py::object kkt_matrix(const Scene& scene, const Data& data, int island) {
 void add_derivative_classes(py::module_& m) {
   value<DerivativeRequest>(m, "DerivativeRequest")
       .from_members<bool, bool, bool, bool, bool, bool>()
-      .write("q", &DerivativeRequest::q, "v", &DerivativeRequest::v, "u", &DerivativeRequest::u, "forces",
-             &DerivativeRequest::forces, "tau", &DerivativeRequest::tau, "pushes", &DerivativeRequest::pushes);
+      .write<&DerivativeRequest::q, &DerivativeRequest::v, &DerivativeRequest::u, &DerivativeRequest::forces,
+             &DerivativeRequest::tau, &DerivativeRequest::pushes>();
 
   using D = IslandDerivatives;
   const auto get = [](const IslandBlocks& b) -> const D& { return b.get(); };
   Class<IslandBlocks>(m, "IslandDerivatives")
-      .read("da_dq", block_property(&D::da_dq), "da_dv", block_property(&D::da_dv), "da_du", block_property(&D::da_du),
-            "dforces_dq", block_property(&D::dforces_dq), "dforces_dv", block_property(&D::dforces_dv), "dforces_du",
-            block_property(&D::dforces_du))
       .read(
-          "da_dw", [](const IslandBlocks& b) { return read_only(copy(b.get().da_dw())); }, "dforces_dw",
+          "da_dq", block_property(&D::da_dq), "da_dv", block_property(&D::da_dv), "da_du", block_property(&D::da_du),
+          "dforces_dq", block_property(&D::dforces_dq), "dforces_dv", block_property(&D::dforces_dv), "dforces_du",
+          block_property(&D::dforces_du), "da_dw",
+          [](const IslandBlocks& b) { return read_only(copy(b.get().da_dw())); }, "dforces_dw",
           [](const IslandBlocks& b) { return read_only(copy(b.get().dforces_dw())); })
-      .read_at(get, "pushes", &D::pushes, "nv", &D::nv, "nc", &D::nc, "nu", &D::nu);
+      .read_at<&D::pushes, &D::nv, &D::nc, &D::nu>(get);
 
   struct Islands : Derivatives {};
   Class<Islands>(m, "IslandDerivativesList")
@@ -127,12 +127,12 @@ void add_derivative_classes(py::module_& m) {
 
   using B = DerivativeBounds;
   Class<B>(m, "DerivativeBounds")
-      .read("da_dq", &B::da_dq, "da_dv", &B::da_dv, "da_du", &B::da_du, "dforces_dq", &B::dforces_dq, "dforces_dv",
-            &B::dforces_dv, "dforces_du", &B::dforces_du, "da_dw", &B::da_dw, "dforces_dw", &B::dforces_dw);
+      .read<&B::da_dq, &B::da_dv, &B::da_du, &B::dforces_dq, &B::dforces_dv, &B::dforces_du, &B::da_dw,
+            &B::dforces_dw>();
   using S = SceneDerivatives;
   shared<S>(m, "SceneDerivatives")
-      .views("da_dq", &S::da_dq, "da_dv", &S::da_dv, "da_du", &S::da_du, "dforces_dq", &S::dforces_dq, "dforces_dv",
-             &S::dforces_dv, "dforces_du", &S::dforces_du, "da_dw", &S::da_dw, "dforces_dw", &S::dforces_dw);
+      .views<&S::da_dq, &S::da_dv, &S::da_du, &S::dforces_dq, &S::dforces_dv, &S::dforces_du, &S::da_dw,
+             &S::dforces_dw>();
 }
 
 void add_differentiate(py::module_& m) {

@@ -88,8 +88,7 @@ void add_data(py::module_& m) {
           [](const Data& d, py::handle values) { set_flags("SceneData.active", values, d.at_rest().active); }, "pushes",
           [](const Shared& d) { return wrenches_view(d->at_rest().pushes, py::cast(d)); },
           [](const Data& d, py::handle values) { set_wrenches("SceneData.pushes", values, d.at_rest().pushes); })
-      .read_at(&Data::at_rest, "a", &S::a, "f", &S::f, "v", &S::v, "tau", &S::tau, "serial", &S::serial, "f_offset",
-               &S::f_offset, "report", &S::report);
+      .read_at<&S::a, &S::f, &S::v, &S::tau, &S::serial, &S::f_offset, &S::report>(&Data::at_rest);
 }
 
 // A solve at q and v with the torques called `name`.
@@ -141,8 +140,7 @@ int robot_number(const Scene& scene, const std::string& name) {
 
 void add_views(py::module_& m) {
   auto island = value<Island>(m, "Island");
-  island.read("robots", &Island::robots, "contacts", &Island::contacts, "dof_offset", &Island::dof_offset, "row_offset",
-              &Island::row_offset, "nv", &Island::nv, "nc", &Island::nc);
+  island.read<&Island::robots, &Island::contacts, &Island::dof_offset, &Island::row_offset, &Island::nv, &Island::nc>();
   def(m, "island_count", [](const Data& data) { return island_count(data.at_rest()); });
   def(m, "island_of", [](const Data& data, std::size_t i) {
     if (i >= island_count(data.at_rest())) throw py::value_error("island_of: there is no such island");

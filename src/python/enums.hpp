@@ -68,15 +68,6 @@ struct EnumCaster : py::detail::type_caster_base<E> {
   E named_{};
 };
 
-/// "kSparseLdl" of the value Method::kSparseLdl, from the compiler; "" where the enumeration has no such value.
-template <auto V>
-std::string enumerator() {
-  std::string_view text = __PRETTY_FUNCTION__;  // "... [with auto V = manycontact::Method::kSparseLdl; ...]"
-  text.remove_prefix(text.find("V = ") + 4);
-  text = text.substr(0, text.find_first_of(";]"));
-  return text.front() == '(' ? "" : std::string(text.substr(text.rfind(':') + 1));
-}
-
 /// "SPARSE_LDL" of "kSparseLdl"; other names are Python's.
 std::string python_name(const std::string& enumerator);
 
@@ -103,9 +94,9 @@ void enumeration(py::module_& m, const char* name, const char* prefix = "") {
     Names<E>::members.push_back({value, word, python});
   };
   if constexpr (sizeof...(values) > 0)
-    (add(values, enumerator<values>()), ...);
+    (add(values, name_of<values>()), ...);
   else
-    [&]<int... I>(std::integer_sequence<int, I...>) { (add(static_cast<E>(I), enumerator<static_cast<E>(I)>()), ...); }
+    [&]<int... I>(std::integer_sequence<int, I...>) { (add(static_cast<E>(I), name_of<static_cast<E>(I)>()), ...); }
   (std::make_integer_sequence<int, kMost>());
   const std::string doc =
       std::string(entry.doc) + "\n\nFunctions also accept names, such as '" + Names<E>::members.front().word + "'.";

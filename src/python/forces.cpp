@@ -91,19 +91,16 @@ Eigen::MatrixXd rows_of_wrenches(const std::vector<Vec6<double>>& w) {
 }
 
 void add_force_classes(py::module_& m) {
-  value<Handle<Push>>(m, "Push").from_members<std::string, Attachment, ReferenceFrame, Vec6<double>>().fields(
-      "name", &Push::name, "at", &Push::at, "reference_frame", &Push::reference_frame, "wrench", &Push::wrench);
+  value<Handle<Push>>(m, "Push")
+      .from_members<std::string, Attachment, ReferenceFrame, Vec6<double>>()
+      .fields<&Push::name, &Push::at, &Push::reference_frame, &Push::wrench>();
   add_items<Handle<Push>>(m, "PushList");
   value<Handle<Spring>>(m, "Spring")
       .from_members<std::string, Attachment, Attachment, double, double, double>()
-      .fields("name", &Spring::name, "A", &Spring::A, "B", &Spring::B, "stiffness", &Spring::stiffness, "length",
-              &Spring::length, "damping", &Spring::damping);
+      .fields<&Spring::name, &Spring::A, &Spring::B, &Spring::stiffness, &Spring::length, &Spring::damping>();
   add_items<Handle<Spring>>(m, "SpringList");
 }
 
-void add_forces(py::module_& m) {
-  functions(m, "add_push", &add_push, "add_spring", &add_spring, "add_joint_spring", &add_joint_spring, "push_names",
-            &push_names);
-}
+void add_forces(py::module_& m) { functions<&add_push, &add_spring, &add_joint_spring, &push_names>(m); }
 
 }  // namespace manycontact::python

@@ -67,14 +67,13 @@ void add_joints(py::module_& m) {
   enumeration<JointType>(m, "JointType");
 
   auto joint = shared<Joint>(m, "Joint");
-  add_value(joint).read(
-      "name", &Joint::name, "type", &Joint::type, "parent", &Joint::parent, "idx_q", &Joint::idx_q, "idx_v",
-      &Joint::idx_v, "nq", &Joint::nq, "nv", &Joint::nv, "placement", &Joint::placement, "axis", &Joint::axis, "mass",
-      [](const Joint& j) { return j.inertia.m; }, "lower", &Joint::lower, "upper", &Joint::upper, "velocity_limit",
-      &Joint::velocity_limit, "effort_limit", &Joint::effort_limit);
+  add_value(joint)
+      .read<&Joint::name, &Joint::type, &Joint::parent, &Joint::idx_q, &Joint::idx_v, &Joint::nq, &Joint::nv,
+            &Joint::placement, &Joint::axis, &Joint::lower, &Joint::upper, &Joint::velocity_limit,
+            &Joint::effort_limit>()
+      .read("mass", [](const Joint& j) { return j.inertia.m; });
 
-  value<Frame, std::shared_ptr<Frame>>(m, "Frame")
-      .read("name", &Frame::name, "joint", &Frame::joint, "placement", &Frame::placement);
+  value<Frame, std::shared_ptr<Frame>>(m, "Frame").read<&Frame::name, &Frame::joint, &Frame::placement>();
 
   add_items<std::shared_ptr<Joint>>(m, "JointList");
   add_items<std::shared_ptr<Frame>>(m, "FrameList");
@@ -82,8 +81,7 @@ void add_joints(py::module_& m) {
 
 void add_findings(py::module_& m) {
   value<Finding>(m, "Finding")
-      .read("kind", &Finding::kind, "name", &Finding::name, "text", &Finding::text, "file", &Finding::file, "line",
-            &Finding::line)
+      .read<&Finding::kind, &Finding::name, &Finding::text, &Finding::file, &Finding::line>()
       .def("__repr__", [](const Finding& f) {
         return f.file + ":" + std::to_string(f.line) + ": " + f.kind + ": " + f.name + ": " + f.text;
       });
@@ -142,9 +140,9 @@ std::shared_ptr<Model> varied(const Model& of, const OneOrMany& mass, const OneO
 
 void add_robot_models(py::module_& m) {
   value<Model, std::shared_ptr<Model>>(m, "Model")
+      .read<&Model::name, &Model::floating_base, &Model::nq, &Model::nv, &Model::nu, &Model::armature>()
       .read(
-          "name", &Model::name, "floating_base", &Model::floating_base, "nq", &Model::nq, "nv", &Model::nv, "nu",
-          &Model::nu, "joints",
+          "joints",
           [](const std::shared_ptr<Model>& x) {
             auto joints = items_of(x, &Model::joints, &Model::find_joint);
             joints.none = [x](const std::string& name) { return no_joint(*x, name); };
@@ -155,10 +153,8 @@ void add_robot_models(py::module_& m) {
             auto frames = items_of(x, &Model::frames, &Model::find_frame);
             frames.none = [x](const std::string& name) { return no_frame(x->name, *x, name); };
             return frames;
-          },
-          "armature", &Model::armature)
-      .methods("varied", &varied, "find_frame", &Model::find_frame, "find_joint", &Model::find_joint, "mass",
-               &Model::mass)
+          })
+      .methods<&varied, &Model::find_frame, &Model::find_joint, &Model::mass>()
       .def("__repr__", [](const Model& x) { return "<Model '" + x.name + "', nv = " + std::to_string(x.nv) + ">"; });
 
   def(m, "load_urdf",

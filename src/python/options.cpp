@@ -20,8 +20,8 @@ void add_how_to_solve(py::module_& m) {
   using Held = Handle<Options>;
   value<Held>(m, "Options")
       .from_members<Method, std::optional<Order>, Lanes, int, bool, Precision>()
-      .fields("method", &Options::method, "order", &Options::order, "lanes", &Options::lanes, "threads",
-              &Options::threads, "reduce_pairs", &Options::reduce_pairs, "precision", &Options::precision)
+      .fields<&Options::method, &Options::order, &Options::lanes, &Options::threads, &Options::reduce_pairs,
+              &Options::precision>()
       .def("__repr__", [](const Held& h) {
         const Options& o = h.get();
         return "Options('" + to_string(o.method) + "'" + (o.order ? ", '" + to_string(*o.order) + "'" : "") +
@@ -36,18 +36,15 @@ void add_reports(py::module_& m) {
   using Island = std::shared_ptr<IslandReport>;
   using I = IslandReport;
   value<I, Island>(m, "IslandReport")
-      .read("status", &I::status, "method", &I::method, "order", &I::order, "precision", &I::precision, "reason",
-            &I::reason, "changed_order", &I::changed_order, "nv", &I::nv, "nc", &I::nc, "rank", &I::rank,
-            "dependent_rows", &I::dependent_rows, "factor_nonzeros", &I::factor_nonzeros, "refinement_steps",
-            &I::refinement_steps, "residual_dynamics", &I::residual_dynamics, "residual_contact", &I::residual_contact,
-            "backward_error", &I::backward_error, "condition", &I::condition, "error_acceleration",
-            &I::error_acceleration, "error_forces", &I::error_forces, "remedy", [](const I& r) { return remedy(r); });
+      .read<&I::status, &I::method, &I::order, &I::precision, &I::reason, &I::changed_order, &I::nv, &I::nc, &I::rank,
+            &I::dependent_rows, &I::factor_nonzeros, &I::refinement_steps, &I::residual_dynamics, &I::residual_contact,
+            &I::backward_error, &I::condition, &I::error_acceleration, &I::error_forces>()
+      .read("remedy", [](const I& r) { return remedy(r); });
   using Q = SystemQuality;
   value<Q>(m, "SystemQuality")
-      .read("componentwise_backward_error", &Q::componentwise_backward_error, "normwise_backward_error",
-            &Q::normwise_backward_error, "growth", &Q::growth, "condition", &Q::condition, "scaled_condition",
-            &Q::scaled_condition, "positive", &Q::positive, "negative", &Q::negative, "zero", &Q::zero);
-  value<SolveTimes>(m, "SolveTimes").read("setup", &SolveTimes::setup, "solve", &SolveTimes::solve);
+      .read<&Q::componentwise_backward_error, &Q::normwise_backward_error, &Q::growth, &Q::condition,
+            &Q::scaled_condition, &Q::positive, &Q::negative, &Q::zero>();
+  value<SolveTimes>(m, "SolveTimes").read<&SolveTimes::setup, &SolveTimes::solve>();
 
   add_items<Island>(m, "IslandReportList", false);
   using Whole = std::shared_ptr<Report>;
@@ -56,11 +53,10 @@ void add_reports(py::module_& m) {
     return Items<Island>{[r] { return r->islands.size(); }, [r](std::size_t k) { return Island(r, &r->islands[k]); }};
   };
   value<R, Whole>(m, "Report")
-      .read("status", &R::status, "method", &R::method, "islands", islands, "nv", &R::nv, "nc", &R::nc, "rank",
-            &R::rank, "factor_nonzeros", &R::factor_nonzeros, "refinement_steps", &R::refinement_steps,
-            "residual_dynamics", &R::residual_dynamics, "residual_contact", &R::residual_contact, "backward_error",
-            &R::backward_error, "condition", &R::condition, "error_acceleration", &R::error_acceleration,
-            "error_forces", &R::error_forces, "times", &R::times, "remedy", [](const R& r) { return remedy(r); })
+      .read<&R::status, &R::method, &R::nv, &R::nc, &R::rank, &R::factor_nonzeros, &R::refinement_steps,
+            &R::residual_dynamics, &R::residual_contact, &R::backward_error, &R::condition, &R::error_acceleration,
+            &R::error_forces, &R::times>()
+      .read("islands", islands, "remedy", [](const R& r) { return remedy(r); })
       .def("__repr__", [](const Report& r) {
         return "<Report: " + to_string(r.status) + ", " + std::to_string(r.islands.size()) +
                (r.islands.size() == 1 ? " island" : " islands") + ", nv = " + std::to_string(r.nv) +

@@ -20,9 +20,8 @@ Partial partial(const char* name, const Given& given) {
 void add_goals(py::module_& m) {
   Class<Goal> goal(m, "Goal");
   add_copy(goal);
-  goal.read("name", &Goal::name).write("weight", &Goal::weight).def("__repr__", [](const Goal& g) {
-    return "<Goal '" + g.name + "'>";
-  });
+  goal.read<&Goal::name>().write<&Goal::weight>().def("__repr__",
+                                                      [](const Goal& g) { return "<Goal '" + g.name + "'>"; });
   def(m, "pose_goal",
       [](const Scene& scene, const FrameName& frame, const std::optional<SE3<double>>& placement, const Given& position,
          const Given& rpy, double weight) {
@@ -36,7 +35,7 @@ void add_goals(py::module_& m) {
   def(m, "center_of_mass_goal", [](const Scene& scene, const Given& position, const std::string& robot, double weight) {
     return center_of_mass_goal(scene, partial("position", position), robot, weight);
   });
-  functions(m, "joint_goal", &joint_goal, "contact_goal", &contact_goal);
+  functions<&joint_goal, &contact_goal>(m);
 }
 
 }  // namespace
@@ -44,11 +43,10 @@ void add_goals(py::module_& m) {
 void add_place(py::module_& m) {
   add_goals(m);
   auto left = value<GoalLeft>(m, "GoalLeft");
-  left.read("position", &GoalLeft::position, "angle", &GoalLeft::angle);
+  left.read<&GoalLeft::position, &GoalLeft::angle>();
   value<PlacedScene>(m, "PlacedScene")
-      .read(
-          "q", [](const PlacedScene& x) { return x.q; }, "iterations", &PlacedScene::iterations, "out_of_steps",
-          &PlacedScene::out_of_steps, "left", &PlacedScene::left)
+      .read("q", [](const PlacedScene& x) { return x.q; })
+      .read<&PlacedScene::iterations, &PlacedScene::out_of_steps, &PlacedScene::left>()
       .def("met", &PlacedScene::met);
   def(m, "place",
       [](const Scene& scene, const ConstVectorRef& q, const std::vector<Goal>& goals, int iterations, double tolerance,

@@ -43,10 +43,10 @@ void add_bodies(py::module_& m) {
         const RigidBodies view(*model, base, gravity);
         return std::make_shared<Bodies>(Bodies{std::move(model), view});
       }))
-      .read_at([](const Bodies& b) -> const RigidBodies& { return *b.view; }, "nq", &RigidBodies::nq, "nv",
-               &RigidBodies::nv, "njoints", &RigidBodies::njoints);
+      .read_at<&RigidBodies::nq, &RigidBodies::nv, &RigidBodies::njoints>(
+          [](const Bodies& b) -> const RigidBodies& { return *b.view; });
   shared<RigidBodyData>(m, "RigidBodyData").constructors<void(const RigidBodies&)>(py::keep_alive<1, 2>());
-  functions(m, "frame_names", &frame_names, "joint_names", &joint_names, "frame_called", &frame_called);
+  functions<&frame_names, &joint_names, &frame_called>(m);
   m.attr("frame_id") = m.attr("frame_called");
   def(m, "joint_called", [](const RigidBodies& bodies, const std::string& name) {
     const BodyJoint joint = joint_called(bodies, name);
@@ -165,11 +165,9 @@ void add_body_frames(py::module_& m) {
 }
 
 void add_wholes(py::module_& m) {
-  functions(m, "total_mass", &total_mass, "center_of_mass", &center_of_mass, "center_of_mass_velocity",
-            &center_of_mass_velocity, "center_of_mass_acceleration", &center_of_mass_acceleration,
-            "center_of_mass_jacobian", &center_of_mass_jacobian, "centroidal_momentum", &centroidal_momentum,
-            "centroidal_momentum_matrix", &centroidal_momentum_matrix, "centroidal_momentum_rate",
-            &centroidal_momentum_rate, "kinetic_energy", &kinetic_energy, "potential_energy", &potential_energy);
+  functions<&total_mass, &center_of_mass, &center_of_mass_velocity, &center_of_mass_acceleration,
+            &center_of_mass_jacobian, &centroidal_momentum, &centroidal_momentum_matrix, &centroidal_momentum_rate,
+            &kinetic_energy, &potential_energy>(m);
 }
 
 void add_contact_rows(py::module_& m) {

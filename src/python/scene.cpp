@@ -17,8 +17,8 @@ void add_attachments(py::module_& m) {
   using Held = Handle<Attachment>;
   value<Held>(m, "Attachment")
       .from_members<int, int, Placement, std::string>()
-      .read_at(&Held::get, "robot", &Attachment::robot, "joint", &Attachment::joint, "frame", &Attachment::frame)
-      .fields("placement", &Attachment::placement);
+      .read_at<&Attachment::robot, &Attachment::joint, &Attachment::frame>(&Held::get)
+      .fields<&Attachment::placement>();
 }
 
 Handle<Contact> make_contact(const std::string& name, ContactType type, ReferenceFrame frame, const Attachment& A,
@@ -40,10 +40,9 @@ void add_contacts(py::module_& m) {
   using Held = Handle<Contact>;
   value<Held>(m, "Contact")
       .def(py::init(&make_contact))
-      .fields("name", &Contact::name, "type", &Contact::type, "reference_frame", &Contact::reference_frame, "A",
-              &Contact::A, "B", &Contact::B, "axis", &Contact::axis, "alpha", &Contact::alpha, "beta", &Contact::beta,
-              "mu", &Contact::mu, "normal", &Contact::normal, "box", &Contact::box, "active", &Contact::active)
-      .read_at(&Held::get, "rows", &Contact::rows);
+      .fields<&Contact::name, &Contact::type, &Contact::reference_frame, &Contact::A, &Contact::B, &Contact::axis,
+              &Contact::alpha, &Contact::beta, &Contact::mu, &Contact::normal, &Contact::box, &Contact::active>()
+      .read_at<&Contact::rows>(&Held::get);
   add_items<Held>(m, "ContactList");
 }
 
@@ -86,14 +85,14 @@ Items<Handle<Robot>> robots_of(const std::shared_ptr<Scene>& scene) {
 void add_robots(py::module_& m) {
   using Held = Handle<Robot>;
   value<Held>(m, "Robot")
-      .read_at(&Held::get, "name", &Robot::name)
+      .read_at<&Robot::name>(&Held::get)
       .property(
           "model", [](const Held& r) { return std::const_pointer_cast<Model>(r.get().model); },
           [](const Held& r, const std::shared_ptr<Model>& model) {
             r.change([&](Robot& robot) { robot.model = model; });
           })
-      .read_at(&Held::get, "idx_q", &Robot::idx_q, "idx_v", &Robot::idx_v, "idx_u", &Robot::idx_u)
-      .fields("base", &Robot::base);
+      .read_at<&Robot::idx_q, &Robot::idx_v, &Robot::idx_u>(&Held::get)
+      .fields<&Robot::base>();
   add_items<Held>(m, "RobotList");
 }
 
@@ -129,18 +128,17 @@ void add_scene(py::module_& m) {
         scene.name = name;
         return scene;
       }))
-      .write("name", &S::name)
+      .write<&S::name>()
       .property(
           "gravity", [](py::object self) { return view(self.cast<S&>().gravity, self, true); },
-          [](S& s, const Eigen::Vector3d& g) { s.gravity = g; })
-      .property(
-          "damping", [](const S& s) { return s.damping; }, set_number("Scene.damping", &S::damping, true), "tolerance",
-          [](const S& s) { return s.tolerance; }, set_number("Scene.tolerance", &S::tolerance, true), "moment_length",
+          [](S& s, const Eigen::Vector3d& g) { s.gravity = g; }, "damping", [](const S& s) { return s.damping; },
+          set_number("Scene.damping", &S::damping, true), "tolerance", [](const S& s) { return s.tolerance; },
+          set_number("Scene.tolerance", &S::tolerance, true), "moment_length",
           [](const S& s) { return s.moment_length; }, set_number("Scene.moment_length", &S::moment_length, false))
       .read("robots", &robots_of, "contacts", &contacts_of, "pushes", &pushes_of, "springs", &springs_of)
-      .methods("contact", &contact_of, "change_contact", &change_contact)
-      .read("nq", &S::nq, "nv", &S::nv, "nu", &S::nu, "robot_index", &S::robot_index, "contact_index",
-            &S::contact_index)
+      .methods("contact", &contact_of)
+      .methods<&change_contact>()
+      .read<&S::nq, &S::nv, &S::nu, &S::robot_index, &S::contact_index>()
       .def("__repr__", [](const S& s) {
         return "<Scene '" + s.name + "': " + std::to_string(s.robots.size()) + " robots, nv = " + std::to_string(s.nv) +
                ", " + std::to_string(s.contacts.size()) + " contacts>";
@@ -152,18 +150,18 @@ void add_configurations(py::module_& m) {
     if (!model) throw py::value_error("add_robot: a model is expected, not None");
     return add_robot(scene, name, std::move(model), base);
   });
-  functions(m, "attach", &attach, "add_contact", &add_contact, "configuration_names", &configuration_names,
-            "velocity_names", &velocity_names, "torque_names", &torque_names, "q_index", &q_index, "v_index", &v_index,
-            "u_index", &u_index, "resolve_references", &resolve_references);
+  functions<&attach, &add_contact, &configuration_names, &velocity_names, &torque_names, &q_index, &v_index, &u_index,
+            &resolve_references>(m);
 }
 
 void add_files(py::module_& m) {
   using F = SceneFile;
   value<F, std::shared_ptr<F>>(m, "SceneFile")
-      .read("path", &F::path, "files", &F::files, "scene",
-            [](const std::shared_ptr<F>& f) { return std::shared_ptr<Scene>(f, &f->scene); })
-      .views("q", &F::q, "v", &F::v, "u", &F::u)
-      .read("findings", [](const F& f) { return f.findings; });
+      .read<&F::path, &F::files>()
+      .read(
+          "scene", [](const std::shared_ptr<F>& f) { return std::shared_ptr<Scene>(f, &f->scene); }, "findings",
+          [](const F& f) { return f.findings; })
+      .views<&F::q, &F::v, &F::u>();
   def(
       m, "load_scene", [](const std::string& path) { return std::make_shared<F>(load_scene(path)); }, Unlocked());
   def(

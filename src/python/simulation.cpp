@@ -115,31 +115,28 @@ void add_steps(py::module_& m) {
 
   value<Handle<PdLaws>>(m, "PdLaws")
       .from_members<Vector, Vector, Vector, Vector>()
-      .fields("kp", &PdLaws::kp, "kd", &PdLaws::kd, "q_ref", &PdLaws::q_ref, "v_ref", &PdLaws::v_ref);
-  value<StepWork>(m, "StepWork")
-      .read("pd", &StepWork::pd, "dampers", &StepWork::dampers, "friction", &StepWork::friction, "springs",
-            &StepWork::springs);
+      .fields<&PdLaws::kp, &PdLaws::kd, &PdLaws::q_ref, &PdLaws::v_ref>();
+  value<StepWork>(m, "StepWork").read<&StepWork::pd, &StepWork::dampers, &StepWork::friction, &StepWork::springs>();
 
   using S = SimulationData;
   const auto at = &Simulation::at_rest;
   Class<Simulation>(m, "SimulationData")
       .constructors<void(const Scene&, const Vector&, const Vector&, Integrator, double, const Options&)>()
-      .property("q", got(&S::q), put("q", &S::q), "v", got(&S::v), put("v", &S::v))
-      .read_at(at, "integrator", &S::integrator, "steps", &S::steps, "solves", &S::solves, "time", &S::time, "h", &S::h,
-               "worst", &S::worst)
-      .property("velocity_limit", got(&S::velocity_limit),
-                [](const Simulation& s, double limit) { s.at_rest().velocity_limit = limit; })
+      .property("q", got(&S::q), put("q", &S::q), "v", got(&S::v), put("v", &S::v), "velocity_limit",
+                got(&S::velocity_limit), [](const Simulation& s, double limit) { s.at_rest().velocity_limit = limit; })
+      .read_at<&S::integrator, &S::steps, &S::solves, &S::time, &S::h, &S::worst>(at)
       .handle<Simulation>(
           "pd", [](const Simulation& s) -> const PdLaws& { return s.at_rest().pd; },
           [](const Simulation& s, PdLaws laws) { s.at_rest().pd = std::move(laws); })
-      .read_at(at, "pd_torque", &S::pd_torque, "work", &S::work, "unsettled", &S::unsettled)
+      .read_at<&S::pd_torque, &S::work, &S::unsettled>(at)
       .read("dynamics", [](const Simulation& s) { return s.dynamics; });
 
   value<Trajectory>(m, "Trajectory")
       .read(
           "t", [](const Trajectory& x) { return read_only(py::array_t<double>(x.t.size(), x.t.data())); }, "q",
           [](const Trajectory& x) { return stack(x.q, x.q.front().size()); }, "v",
-          [](const Trajectory& x) { return stack(x.v, x.v.front().size()); }, "status", &Trajectory::status);
+          [](const Trajectory& x) { return stack(x.v, x.v.front().size()); })
+      .read<&Trajectory::status>();
 }
 
 void add_step_functions(py::module_& m) {
@@ -154,8 +151,7 @@ void add_step_functions(py::module_& m) {
                              contact);
          });
   value<VelocityJump>(m, "VelocityJump")
-      .read("status", &VelocityJump::status, "energy_lost", &VelocityJump::energy_lost, "impulse",
-            &VelocityJump::impulse);
+      .read<&VelocityJump::status, &VelocityJump::energy_lost, &VelocityJump::impulse>();
   def(m, "switch_contacts", [](Scene& scene, py::handle active, const Simulation& simulation, bool here) {
     std::vector<char> flags(scene.contacts.size());
     set_flags("active", active, flags);
@@ -231,13 +227,12 @@ void add_batch_of_simulations(py::module_& m) {
                       threads, options)};
       }))
       .read("q", got(&B::q), "v", got(&B::v), "f", got(&B::f))
-      .property("q_ref", got(&B::q_ref), put("q_ref", &B::q_ref), "v_ref", got(&B::v_ref), put("v_ref", &B::v_ref),
-                "kp", got(&B::kp), put(&B::kp), "kd", got(&B::kd), put(&B::kd))
       .property(
-          "active",
+          "q_ref", got(&B::q_ref), put("q_ref", &B::q_ref), "v_ref", got(&B::v_ref), put("v_ref", &B::v_ref), "kp",
+          got(&B::kp), put(&B::kp), "kd", got(&B::kd), put(&B::kd), "active",
           [](Many& m) { return m.use([](B& b) { return std::vector<bool>(b.active.begin(), b.active.end()); }); },
-          [](Many& m, py::handle x) { m.use([&](B& b) { set_flags("SimulationBatch.active", x, b.active); }); })
-      .property("velocity_limit", got(&B::velocity_limit), put(&B::velocity_limit));
+          [](Many& m, py::handle x) { m.use([&](B& b) { set_flags("SimulationBatch.active", x, b.active); }); },
+          "velocity_limit", got(&B::velocity_limit), put(&B::velocity_limit));
   def(m, "step_batch", &step_many);
   def(m, "set_state", [](const Scene& scene, Eigen::Index k, const Vector& q, const Vector& v, Many& many) {
     check_numbers("set_state: q", q.data(), q.size());
@@ -248,9 +243,8 @@ void add_batch_of_simulations(py::module_& m) {
 
 void add_invariants(py::module_& m) {
   value<Invariants>(m, "Invariants")
-      .read("position_drift", &Invariants::position_drift, "velocity_drift", &Invariants::velocity_drift, "kinetic",
-            &Invariants::kinetic, "potential", &Invariants::potential, "energy", &Invariants::energy, "momentum",
-            &Invariants::momentum);
+      .read<&Invariants::position_drift, &Invariants::velocity_drift, &Invariants::kinetic, &Invariants::potential,
+            &Invariants::energy, &Invariants::momentum>();
   def(m, "invariants", [](const Scene& scene, const std::vector<bool>& active, const Vector& q, const Vector& v) {
     if (active.size() != scene.contacts.size() || q.size() != scene.nq || v.size() != scene.nv)
       throw py::value_error("invariants: active, q or v do not fit the scene");
@@ -261,7 +255,7 @@ void add_invariants(py::module_& m) {
 
   value<Gains>(m, "Gains")
       .from_members<double, double>()
-      .write("alpha", &Gains::alpha, "beta", &Gains::beta)
+      .write<&Gains::alpha, &Gains::beta>()
       .def("__iter__", [](const Gains& g) { return py::iter(py::make_tuple(g.alpha, g.beta)); })
       .def("__repr__", [](const Gains& g) {
         return "Gains(" + std::string(py::str(py::float_(g.alpha))) + ", " + std::string(py::str(py::float_(g.beta))) +

@@ -5,6 +5,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace py = pybind11;
 
@@ -25,6 +26,16 @@ const Text& text_of(const std::string& key);
 
 /// Throws where an entry of docs/*.txt was not asked for.
 void expect_all_texts_taken();
+
+/// "status" of &Report::status, "kSparseLdl" of Method::kSparseLdl, from the compiler; "" where an enumeration has no
+/// such member.
+template <auto V>
+std::string name_of() {
+  std::string_view text = __PRETTY_FUNCTION__;  // "... [with auto V = manycontact::Method::kSparseLdl; ...]"
+  text.remove_prefix(text.find("V = ") + 4);
+  text = text.substr(0, text.find_first_of(";]"));
+  return text.front() == '(' ? "" : std::string(text.substr(text.rfind(':') + 1));
+}
 
 /// The names in which default values are evaluated.
 void set_names_of_defaults(const py::module_& m);

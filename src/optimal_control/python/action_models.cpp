@@ -17,24 +17,24 @@ using Gains2 = Eigen::Vector2d;
 void add_contact_models(py::module_& m) {
   using Abstract = ContactModelAbstract;
   shared<Abstract>(m, "ContactModelAbstract")
-      .read("state", &Abstract::get_state, "nc", &Abstract::get_nc, "nu", &Abstract::get_nu)
-      .property("id", &Abstract::get_id, &Abstract::set_id, "type", &Abstract::get_type, &Abstract::set_type, "gains",
-                &Abstract::get_gains, &Abstract::set_gains)
+      .read<&Abstract::get_state, &Abstract::get_nc, &Abstract::get_nu>()
+      .property<&Abstract::get_id, &Abstract::set_id, &Abstract::get_type, &Abstract::set_type, &Abstract::get_gains,
+                &Abstract::set_gains>()
       .def("__str__", &text_of<Abstract>);
 
   shared<ContactModel1D, ContactModelAbstract>(m, "ContactModel1D")
       .constructors<void(State, std::size_t, double, ReferenceFrame, const Eigen::Matrix3d&, std::size_t,
                          const Gains2&),
                     void(State, std::size_t, double, std::size_t, const Gains2&)>()
-      .property("axis", &ContactModel1D::get_axis, &ContactModel1D::set_axis, "reference",
-                &ContactModel1D::get_reference, [](ContactModel1D& c, double x) { c.set_reference(x); });
+      .property<&ContactModel1D::get_axis, &ContactModel1D::set_axis>()
+      .property("reference", &ContactModel1D::get_reference, [](ContactModel1D& c, double x) { c.set_reference(x); });
   shared<ContactModel2D, ContactModelAbstract>(m, "ContactModel2D")
       .constructors<void(State, std::size_t, const Eigen::Vector2d&, std::size_t, const Gains2&, ReferenceFrame)>()
-      .property("reference", &ContactModel2D::get_reference, &ContactModel2D::set_reference);
+      .property<&ContactModel2D::get_reference, &ContactModel2D::set_reference>();
   shared<ContactModel3D, ContactModelAbstract>(m, "ContactModel3D")
       .constructors<void(State, std::size_t, const Eigen::Vector3d&, ReferenceFrame, std::size_t, const Gains2&),
                     void(State, std::size_t, const Eigen::Vector3d&, ReferenceFrame, const Gains2&)>()
-      .property("reference", &ContactModel3D::get_reference, &ContactModel3D::set_reference);
+      .property<&ContactModel3D::get_reference, &ContactModel3D::set_reference>();
   shared<ContactModel6D, ContactModelAbstract>(m, "ContactModel6D")
       .constructors<void(State, std::size_t, const SE3<double>&, ReferenceFrame, std::size_t, const Gains2&),
                     void(State, std::size_t, const SE3<double>&, ReferenceFrame, const Gains2&)>()
@@ -44,23 +44,22 @@ void add_contact_models(py::module_& m) {
   shared<ContactModelBetweenBodies, ContactModelAbstract>(m, "ContactModelBetweenBodies")
       .constructors<void(State, ContactType, std::size_t, std::size_t, const SE3<double>&, ReferenceFrame, std::size_t,
                          const Gains2&, const Eigen::Vector3d&)>()
-      .read("to", &ContactModelBetweenBodies::get_to);
+      .read<&ContactModelBetweenBodies::get_to>();
   shared<ContactModelOfScene, ContactModelAbstract>(m, "ContactModelOfScene")
       .constructors<void(State, const Contact&, std::size_t)>();
 
   shared<ContactDataAbstract>(m, "ContactDataAbstract")
-      .read("f", &ContactDataAbstract::f, "Jc", &ContactDataAbstract::Jc, "a0", &ContactDataAbstract::a0, "v_columns",
-            &ContactDataAbstract::v_columns, "active", &ContactDataAbstract::active);
+      .read<&ContactDataAbstract::f, &ContactDataAbstract::Jc, &ContactDataAbstract::a0,
+            &ContactDataAbstract::v_columns, &ContactDataAbstract::active>();
 
-  shared<ContactItem>(m, "ContactItem")
-      .read("name", &ContactItem::name, "contact", &ContactItem::contact, "active", &ContactItem::active);
+  shared<ContactItem>(m, "ContactItem").read<&ContactItem::name, &ContactItem::contact, &ContactItem::active>();
   using Multiple = ContactModelMultiple;
   shared<Multiple>(m, "ContactModelMultiple")
       .constructors<void(State, std::size_t), void(State)>()
-      .methods("addContact", &Multiple::addContact, "removeContact", &Multiple::removeContact, "changeContactStatus",
-               &Multiple::changeContactStatus, "getContactStatus", &Multiple::getContactStatus)
-      .read("contacts", &Multiple::get_contacts, "nc", &Multiple::get_nc, "nc_total", &Multiple::get_nc_total, "nu",
-            &Multiple::get_nu, "active_set", &Multiple::get_active_set, "inactive_set", &Multiple::get_inactive_set)
+      .methods<&Multiple::addContact, &Multiple::removeContact, &Multiple::changeContactStatus,
+               &Multiple::getContactStatus>()
+      .read<&Multiple::get_contacts, &Multiple::get_nc, &Multiple::get_nc_total, &Multiple::get_nu,
+            &Multiple::get_active_set, &Multiple::get_inactive_set>()
       .def("__str__", &text_of<Multiple>);
   def(m, "contacts_of_scene", &contacts_of_scene);
 }
@@ -68,8 +67,8 @@ void add_contact_models(py::module_& m) {
 void add_impulses(py::module_& m) {
   using Abstract = ImpulseModelAbstract;
   shared<Abstract>(m, "ImpulseModelAbstract")
-      .read("nc", &Abstract::get_nc)
-      .property("id", &Abstract::get_id, &Abstract::set_id, "type", &Abstract::get_type, &Abstract::set_type)
+      .read<&Abstract::get_nc>()
+      .property<&Abstract::get_id, &Abstract::set_id, &Abstract::get_type, &Abstract::set_type>()
       .def("__str__", &text_of<Abstract>);
   shared<ImpulseModel3D, Abstract>(m, "ImpulseModel3D").constructors<void(State, std::size_t, ReferenceFrame)>();
   shared<ImpulseModel6D, Abstract>(m, "ImpulseModel6D").constructors<void(State, std::size_t, ReferenceFrame)>();
@@ -79,9 +78,9 @@ void add_impulses(py::module_& m) {
   using Multiple = ImpulseModelMultiple;
   shared<Multiple>(m, "ImpulseModelMultiple")
       .constructors<void(State)>()
-      .methods("addImpulse", &Multiple::addImpulse, "removeImpulse", &Multiple::removeImpulse, "changeImpulseStatus",
-               &Multiple::changeImpulseStatus, "getImpulseStatus", &Multiple::getImpulseStatus)
-      .read("nc", &Multiple::get_nc)
+      .methods<&Multiple::addImpulse, &Multiple::removeImpulse, &Multiple::changeImpulseStatus,
+               &Multiple::getImpulseStatus>()
+      .read<&Multiple::get_nc>()
       .def("__str__", &text_of<Multiple>);
 }
 
@@ -108,14 +107,14 @@ void add_base(py::module_& m) {
   auto model = shared<Abstract, PyActionModel<Abstract, AbstractData>>(m, "DifferentialActionModelAbstract");
   data.constructors<void(const Abstract*)>();
   add_action_data(data);
-  data.views("xout", &AbstractData::xout);
+  data.views<&AbstractData::xout>();
   using D = AbstractData;
   data.read("Fx_sparse", sparse(&D::Fx_sparse), "Fu_sparse", sparse(&D::Fu_sparse), "Lxx_sparse",
             sparse(&D::Lxx_sparse), "Lxu_sparse", sparse(&D::Lxu_sparse), "Luu_sparse", sparse(&D::Luu_sparse));
 
   model.constructors<void(std::shared_ptr<StateAbstract>, std::size_t, std::size_t, std::size_t, std::size_t)>();
   add_action_model<AbstractData>(model);
-  model.property("storage", &Abstract::get_storage, &Abstract::set_storage);
+  model.property<&Abstract::get_storage, &Abstract::set_storage>();
 }
 
 void add_forward_dynamics(py::module_& m) {
@@ -134,13 +133,11 @@ void add_forward_dynamics(py::module_& m) {
   shared<Model, Abstract>(m, "DifferentialActionModelContactFwdDynamics")
       .constructors<void(State, Actuation, Contacts, Costs, double, bool),
                     void(State, Actuation, Contacts, Costs, Constraints, double, bool)>()
-      .read("actuation", &Model::get_actuation, "contacts", &Model::get_contacts, "costs", &Model::get_costs,
-            "constraints", &Model::get_constraints)
-      .property("armature", &Model::get_armature, &Model::set_armature, "JMinvJt_damping", &Model::get_damping_factor,
-                &Model::set_damping_factor)
-      .read("enable_force", &Model::get_enable_force)
+      .read<&Model::get_actuation, &Model::get_contacts, &Model::get_costs, &Model::get_constraints,
+            &Model::get_enable_force>()
+      .property<&Model::get_armature, &Model::set_armature>()
       .property(
-          "options",
+          "JMinvJt_damping", &Model::get_damping_factor, &Model::set_damping_factor, "options",
           [](const std::shared_ptr<Model>& x) {
             return Handle<Options>([x]() -> const Options& { return x->get_options(); },
                                    [x](const Options& options) { x->set_options(options); });
@@ -153,8 +150,8 @@ void add_forward_dynamics(py::module_& m) {
   using NumDiff = DifferentialActionModelNumDiff;
   shared<NumDiff, Abstract>(m, "DifferentialActionModelNumDiff")
       .constructors<void(std::shared_ptr<Abstract>, bool)>()
-      .read("model", &NumDiff::get_model)
-      .property("disturbance", &NumDiff::get_disturbance, &NumDiff::set_disturbance);
+      .read<&NumDiff::get_model>()
+      .property<&NumDiff::get_disturbance, &NumDiff::set_disturbance>();
 }
 
 }  // namespace

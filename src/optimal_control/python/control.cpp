@@ -26,7 +26,7 @@ void add_node_base(py::module_& m) {
   auto model = shared<Node, PyActionModel<Node, NodeData>>(m, "ActionModelAbstract");
   data.constructors<void(const Node*)>();
   add_action_data(data);
-  data.views("xnext", &NodeData::xnext);
+  data.views<&NodeData::xnext>();
 
   model.constructors<void(std::shared_ptr<StateAbstract>, std::size_t, std::size_t, std::size_t, std::size_t,
                           std::size_t, std::size_t)>();
@@ -40,7 +40,7 @@ void add_integrators(py::module_& m) {
   using Control = std::shared_ptr<ControlParametrizationModelAbstract>;
   enumeration<RKType, two, three, four>(m, "RKType");
   shared<ControlParametrizationModelAbstract>(m, "ControlParametrizationModelAbstract")
-      .read("nw", &ControlParametrizationModelAbstract::get_nw, "nu", &ControlParametrizationModelAbstract::get_nu);
+      .read<&ControlParametrizationModelAbstract::get_nw, &ControlParametrizationModelAbstract::get_nu>();
   using P = ControlParametrizationModelAbstract;
   shared<ControlParametrizationModelPolyZero, P>(m, "ControlParametrizationModelPolyZero")
       .constructors<void(std::size_t)>();
@@ -51,8 +51,8 @@ void add_integrators(py::module_& m) {
 
   using Integrated = IntegratedActionModelAbstract;
   shared<Integrated, Node>(m, "IntegratedActionModelAbstract")
-      .read("differential", &Integrated::get_differential, "control", &Integrated::get_control)
-      .property("dt", &Integrated::get_dt, &Integrated::set_dt);
+      .read<&Integrated::get_differential, &Integrated::get_control>()
+      .property<&Integrated::get_dt, &Integrated::set_dt>();
   shared<IntegratedActionModelEuler, Integrated>(m, "IntegratedActionModelEuler")
       .constructors<void(Model, double, bool), void(Model, Control, double, bool)>();
   shared<IntegratedActionModelRK, Integrated>(m, "IntegratedActionModelRK")
@@ -79,7 +79,7 @@ void add_impulse(py::module_& m) {
   shared<Model, Node>(m, "ActionModelImpulseFwdDynamics")
       .constructors<void(State, Impulses, Costs, double, double, bool),
                     void(State, Impulses, Costs, Constraints, double, double, bool)>()
-      .read("impulses", &Model::get_impulses, "costs", &Model::get_costs, "constraints", &Model::get_constraints)
+      .read<&Model::get_impulses, &Model::get_costs, &Model::get_constraints>()
       .property("r_coeff", &Model::get_restitution_coefficient, &Model::set_restitution_coefficient);
   using Data = ActionDataImpulseFwdDynamics;
   shared<Data, NodeData>(m, "ActionDataImpulseFwdDynamics")
@@ -95,21 +95,21 @@ void add_examples(py::module_& m) {
                     void(const Matrix&, const Matrix&, const Matrix&, const Matrix&, const Matrix&, const Vector&,
                          const Vector&, const Vector&),
                     void(std::size_t, std::size_t, bool)>()
-      .read("A", &Lqr::get_A, "B", &Lqr::get_B, "Q", &Lqr::get_Q, "R", &Lqr::get_R);
+      .read<&Lqr::get_A, &Lqr::get_B, &Lqr::get_Q, &Lqr::get_R>();
   using Unicycle = ActionModelUnicycle;
   shared<Unicycle, Node>(m, "ActionModelUnicycle")
       .constructors<void()>()
-      .property("costWeights", &Unicycle::get_cost_weights, &Unicycle::set_cost_weights, "dt", &Unicycle::get_dt,
-                &Unicycle::set_dt);
+      .property("costWeights", &Unicycle::get_cost_weights, &Unicycle::set_cost_weights)
+      .property<&Unicycle::get_dt, &Unicycle::set_dt>();
   using NumDiff = ActionModelNumDiff;
   shared<NumDiff, Node>(m, "ActionModelNumDiff")
       .constructors<void(std::shared_ptr<Node>, bool)>()
-      .read("model", &NumDiff::get_model)
-      .property("disturbance", &NumDiff::get_disturbance, &NumDiff::set_disturbance);
+      .read<&NumDiff::get_model>()
+      .property<&NumDiff::get_disturbance, &NumDiff::set_disturbance>();
   // Nodes of the library's own making, with what all have.
   shared<ActionModelParts, Node>(m, "ActionModelParts");
   shared<ActionModelAugmentedLagrangian, Node>(m, "ActionModelAugmentedLagrangian")
-      .read("model", &ActionModelAugmentedLagrangian::get_model);
+      .read<&ActionModelAugmentedLagrangian::get_model>();
 }
 
 }  // namespace

@@ -29,11 +29,11 @@ void add_cone(py::module_& m, const char* name, auto... arguments) {
   Class<Cone> c(m, name);
   add_copy(c)
       .template constructors<void(Arguments...)>()
-      .methods("update", &Cone::update)
-      .read("A", &Cone::get_A, "lb", &Cone::get_lb, "ub", &Cone::get_ub);
+      .methods<&Cone::update>()
+      .read<&Cone::get_A, &Cone::get_lb, &Cone::get_ub>();
   add_updated(c, "R", &Cone::get_R, &Cone::set_R);
   if constexpr (requires { &Cone::get_mu; }) {
-    c.read("nf", &Cone::get_nf);
+    c.read<&Cone::get_nf>();
     add_updated(c, "mu", &Cone::get_mu, &Cone::set_mu, "inner_appr", &Cone::get_inner_appr, &Cone::set_inner_appr,
                 "min_nforce", &Cone::get_min_nforce, &Cone::set_min_nforce, "max_nforce", &Cone::get_max_nforce,
                 &Cone::set_max_nforce);
@@ -108,9 +108,9 @@ void add_cost_data(py::module_& m) {
   data.def(py::init([](CostModelAbstract& model, const std::shared_ptr<Shared>& shared) {
         return std::make_shared<CostDataAbstract>(&model, shared->collector());
       }))
-      .write("cost", &CostDataAbstract::cost)
-      .read("activation", &CostDataAbstract::activation, "residual", &CostDataAbstract::residual, "shared",
-            [](const CostDataAbstract& d) { return Scope::shared_of(&d); });
+      .write<&CostDataAbstract::cost>()
+      .read<&CostDataAbstract::activation, &CostDataAbstract::residual>()
+      .read("shared", [](const CostDataAbstract& d) { return Scope::shared_of(&d); });
   using D = CostDerivatives;
   using Own = CostDataAbstract;
   add_derivatives(data, "Lx", &D::Lx, &Own::Lx, "Lu", &D::Lu, &Own::Lu, "Lxx", &D::Lxx, &Own::Lxx, "Lxu", &D::Lxu,
@@ -130,22 +130,19 @@ void add_cost_models(py::module_& m) {
   abstract
       .def("createData",
            [](Abstract& c, const std::shared_ptr<Shared>& shared) { return c.createData(shared->collector()); })
-      .read("state", &Abstract::get_state, "activation", &Abstract::get_activation, "residual", &Abstract::get_residual,
-            "nu", &Abstract::get_nu)
+      .read<&Abstract::get_state, &Abstract::get_activation, &Abstract::get_residual, &Abstract::get_nu>()
       .def("__str__", &text_of<Abstract>);
   shared<CostModelResidual, PyCost<CostModelResidual>, Abstract>(m, "CostModelResidual")
       .constructors<void(State, Activation, Residual), void(State, Residual)>();
   shared<CostItem>(m, "CostItem")
-      .read("name", &CostItem::name, "cost", &CostItem::cost)
-      .write("weight", &CostItem::weight)
-      .read("active", &CostItem::active);
+      .read<&CostItem::name, &CostItem::cost, &CostItem::active>()
+      .write<&CostItem::weight>();
   using Sum = CostModelSum;
   shared<Sum>(m, "CostModelSum")
       .constructors<void(State, std::size_t), void(State)>()
-      .methods("addCost", &Sum::addCost, "removeCost", &Sum::removeCost, "changeCostStatus", &Sum::changeCostStatus,
-               "getCostStatus", &Sum::getCostStatus)
-      .read("state", &Sum::get_state, "costs", &Sum::get_costs, "nu", &Sum::get_nu, "nr", &Sum::get_nr, "active_set",
-            &Sum::get_active_set, "inactive_set", &Sum::get_inactive_set)
+      .methods<&Sum::addCost, &Sum::removeCost, &Sum::changeCostStatus, &Sum::getCostStatus>()
+      .read<&Sum::get_state, &Sum::get_costs, &Sum::get_nu, &Sum::get_nr, &Sum::get_active_set,
+            &Sum::get_inactive_set>()
       .def("__str__", &text_of<Sum>);
 }
 
@@ -157,18 +154,15 @@ void add_constraints(py::module_& m) {
         return std::make_shared<One>(std::move(state), std::move(residual), lower.x, upper.x, T_act);
       }))
       .constructors<void(State, Residual, bool)>()
-      .read("residual", &One::get_residual, "ng", &One::get_ng, "nh", &One::get_nh, "lb", &One::get_lb, "ub",
-            &One::get_ub)
+      .read<&One::get_residual, &One::get_ng, &One::get_nh, &One::get_lb, &One::get_ub>()
       .def("__str__", &text_of<One>);
   using Manager = ConstraintModelManager;
   shared<Manager>(m, "ConstraintModelManager")
       .constructors<void(State, std::size_t), void(State)>()
-      .methods("addConstraint", &Manager::addConstraint, "removeConstraint", &Manager::removeConstraint,
-               "changeConstraintStatus", &Manager::changeConstraintStatus, "getConstraintStatus",
-               &Manager::getConstraintStatus)
-      .read("ng", &Manager::get_ng, "nh", &Manager::get_nh, "ng_T", &Manager::get_ng_T, "nh_T", &Manager::get_nh_T,
-            "lb", &Manager::get_lb, "ub", &Manager::get_ub, "active_set", &Manager::get_active_set, "inactive_set",
-            &Manager::get_inactive_set)
+      .methods<&Manager::addConstraint, &Manager::removeConstraint, &Manager::changeConstraintStatus,
+               &Manager::getConstraintStatus>()
+      .read<&Manager::get_ng, &Manager::get_nh, &Manager::get_ng_T, &Manager::get_nh_T, &Manager::get_lb,
+            &Manager::get_ub, &Manager::get_active_set, &Manager::get_inactive_set>()
       .def("__str__", &text_of<Manager>);
 }
 

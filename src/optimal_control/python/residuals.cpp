@@ -141,8 +141,7 @@ void add_residual_base(py::module_& m) {
   using Abstract = ResidualModelAbstract;
   value<Dependence>(m, "Dependence")
       .from_members<bool, bool, bool, bool, bool>()
-      .write("q", &Dependence::q, "v", &Dependence::v, "u", &Dependence::u, "acceleration", &Dependence::acceleration,
-             "forces", &Dependence::forces);
+      .write<&Dependence::q, &Dependence::v, &Dependence::u, &Dependence::acceleration, &Dependence::forces>();
 
   auto data = shared<ResidualDataAbstract>(m, "ResidualDataAbstract");
   using D = ResidualDataAbstract;
@@ -150,7 +149,7 @@ void add_residual_base(py::module_& m) {
   data.property("Rx", whole(&D::Rx, &D::whole_Rx), set_whole("Rx", &D::Rx, &D::whole_Rx, &B::Rx, &B::xcols), "Ru",
                 whole(&D::Ru, &D::whole_Ru), set_whole("Ru", &D::Ru, &D::whole_Ru, &B::Ru, &B::ucols))
       .read("shared", [](const D& d) { return Scope::shared_of(&d); })
-      .views("r", &D::r);
+      .views<&D::r>();
 
   auto model = shared<Abstract, PyResidual>(m, "ResidualModelAbstract");
   data.def(py::init([](const Abstract& model, const std::shared_ptr<Shared>& shared) {
@@ -159,9 +158,8 @@ void add_residual_base(py::module_& m) {
   model.constructors<void(State, std::size_t, std::size_t, Dependence)>()
       .def("createData",
            [](Abstract& x, const std::shared_ptr<Shared>& shared) { return x.createData(shared->collector()); })
-      .read("state", &Abstract::get_state, "nr", &Abstract::get_nr, "nu", &Abstract::get_nu, "q_dependent",
-            &Abstract::get_q_dependent, "v_dependent", &Abstract::get_v_dependent, "u_dependent",
-            &Abstract::get_u_dependent)
+      .read<&Abstract::get_state, &Abstract::get_nr, &Abstract::get_nu, &Abstract::get_q_dependent,
+            &Abstract::get_v_dependent, &Abstract::get_u_dependent>()
       .def("__str__", &text_of<Abstract>);
 }
 
@@ -169,9 +167,9 @@ void add_residual_base(py::module_& m) {
 template <class T, class Reference>
 void residual_of_frame(py::module_& m, const char* name) {
   auto c = residual<T, void(State, Index, const Reference&, Index), void(State, Index, const Reference&)>(m, name);
-  c.property("id", &T::get_id, &T::set_id);
+  c.property<&T::get_id, &T::set_id>();
   if constexpr (std::is_base_of_v<ContactResidual, T>)
-    c.property("axes", &T::get_axes, &T::set_axes, "contact", &T::get_contact, &T::set_contact);
+    c.property<&T::get_axes, &T::set_axes, &T::get_contact, &T::set_contact>();
 }
 
 void add_residuals_of_states(py::module_& m) {
@@ -192,7 +190,7 @@ void add_residuals_of_states(py::module_& m) {
   using F = ResidualModelFrameVelocity;
   residual<F, void(State, Index, V6, ReferenceFrame, Index), void(State, Index, V6, ReferenceFrame)>(
       m, "ResidualModelFrameVelocity")
-      .property("id", &F::get_id, &F::set_id, "type", &F::get_type, &F::set_type);
+      .property<&F::get_id, &F::set_id, &F::get_type, &F::set_type>();
   residual<ResidualModelContactForce, void(State, Index, V6, Index, Index), void(State, Index, V6, Index)>(
       m, "ResidualModelContactForce");
   residual<ResidualModelControlGrav, void(State, Index), void(State)>(m, "ResidualModelControlGrav");

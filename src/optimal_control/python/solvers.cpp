@@ -20,17 +20,15 @@ void add_problem(py::module_& m) {
   using Model = std::shared_ptr<ActionModelAbstract>;
   shared<P>(m, "ShootingProblem")
       .constructors<void(const Eigen::VectorXd&, const P::Models&, Model)>(Unlocked())
-      .unlocked("calc", &P::calc, "calcDiff", &P::calcDiff, "rollout", &P::rollout_us, "quasiStatic",
-                &P::quasiStatic_xs)
+      .unlocked<&P::calc, &P::calcDiff>()
+      .unlocked("rollout", &P::rollout_us, "quasiStatic", &P::quasiStatic_xs)
       .def("circularAppend", py::overload_cast<Model>(&P::circularAppend), Unlocked())
       .def("circularAppend", py::overload_cast<Model, std::shared_ptr<ActionDataAbstract>>(&P::circularAppend),
            Unlocked())
       .def("updateModel", &P::updateModel, Unlocked())
-      .read("T", &P::get_T)
-      .property("x0", &P::get_x0, &P::set_x0)
-      .read("runningModels", &P::get_runningModels, "terminalModel", &P::get_terminalModel, "runningDatas",
-            &P::get_runningDatas, "terminalData", &P::get_terminalData, "nx", &P::get_nx, "ndx", &P::get_ndx, "nu_max",
-            &P::get_nu_max)
+      .read<&P::get_T, &P::get_runningModels, &P::get_terminalModel, &P::get_runningDatas, &P::get_terminalData,
+            &P::get_nx, &P::get_ndx, &P::get_nu_max>()
+      .property<&P::get_x0, &P::set_x0>()
       .property("nthreads", &P::get_nthreads, [](P& p, int n) { p.set_nthreads(checked_threads(n)); })
       .def("__str__", &text_of<P>);
 }
@@ -172,30 +170,28 @@ void add_solver_base(py::module_& m) {
     c(of);
   });
   solver.def("solve", &solve_problem)
-      .unlocked("computeDirection", &S::computeDirection, "tryStep", &S::tryStep, "stoppingCriteria",
-                &S::stoppingCriteria, "expectedImprovement", &S::expectedImprovement, "resizeData", &S::resizeData)
-      .methods("setCandidate", &S::setCandidate, "setCallbacks", &set_callbacks, "getCallbacks", &callbacks_of,
-               "interrupt", &S::interrupt)
-      .read("reason", &S::reason, "problem", &S::get_problem)
-      .property("xs", &S::get_xs, &S::set_xs, "us", &S::get_us, &S::set_us)
-      .read("fs", &S::get_fs, "isFeasible", &S::get_is_feasible, "cost", &S::get_cost, "merit", &S::get_merit, "stop",
-            &S::get_stop, "d", &S::get_d, "dV", &S::get_dV, "dV_exp", &S::get_dVexp, "ffeas", &S::get_ffeas, "gfeas",
-            &S::get_gfeas, "hfeas", &S::get_hfeas, "stepLength", &S::get_steplength, "iter", &S::get_iter)
-      .property("preg", &S::get_preg, &S::set_preg, "th_acceptStep", &S::get_th_acceptstep, &S::set_th_acceptstep,
-                "th_stop", &S::get_th_stop, &S::set_th_stop, "th_gapTol", &S::get_th_gaptol, &S::set_th_gaptol);
+      .unlocked<&S::computeDirection, &S::tryStep, &S::stoppingCriteria, &S::expectedImprovement, &S::resizeData>()
+      .methods<&S::setCandidate, &S::interrupt>()
+      .methods("setCallbacks", &set_callbacks, "getCallbacks", &callbacks_of)
+      .read<&S::reason, &S::get_problem, &S::get_fs, &S::get_cost, &S::get_merit, &S::get_stop, &S::get_d, &S::get_dV,
+            &S::get_ffeas, &S::get_gfeas, &S::get_hfeas, &S::get_iter>()
+      .property<&S::get_xs, &S::set_xs, &S::get_us, &S::set_us, &S::get_preg, &S::set_preg, &S::get_th_stop,
+                &S::set_th_stop>()
+      .read("isFeasible", &S::get_is_feasible, "dV_exp", &S::get_dVexp, "stepLength", &S::get_steplength)
+      .property("th_acceptStep", &S::get_th_acceptstep, &S::set_th_acceptstep, "th_gapTol", &S::get_th_gaptol,
+                &S::set_th_gaptol);
 }
 
 void add_solver_classes(py::module_& m) {
   using D = SolverDDP;
   shared<D, PySolver<D>, SolverAbstract>(m, "SolverDDP")
       .constructors<void(Problem)>(Unlocked())
-      .unlocked("calcDiff", &D::calcDiff, "backwardPass", &D::backwardPass, "allocateData", &D::allocateData,
-                "increaseRegularization", &D::increaseRegularization, "decreaseRegularization",
-                &D::decreaseRegularization, "forwardPass", &D::forwardPass)
-      .read("Vxx", &D::get_Vxx, "Vx", &D::get_Vx, "Qxx", &D::get_Qxx, "Qxu", &D::get_Qxu, "Quu", &D::get_Quu, "Qx",
-            &D::get_Qx, "Qu", &D::get_Qu, "K", &D::get_K, "k", &D::get_k)
-      .property("alphas", &D::get_alphas, &D::set_alphas, "reg_min", &D::get_reg_min, &D::set_reg_min, "reg_max",
-                &D::get_reg_max, &D::set_reg_max, "th_grad", &D::get_th_grad, &D::set_th_grad);
+      .unlocked<&D::calcDiff, &D::backwardPass, &D::allocateData, &D::increaseRegularization,
+                &D::decreaseRegularization, &D::forwardPass>()
+      .read<&D::get_Vxx, &D::get_Vx, &D::get_Qxx, &D::get_Qxu, &D::get_Quu, &D::get_Qx, &D::get_Qu, &D::get_K,
+            &D::get_k>()
+      .property<&D::get_alphas, &D::set_alphas, &D::get_reg_min, &D::set_reg_min, &D::get_reg_max, &D::set_reg_max,
+                &D::get_th_grad, &D::set_th_grad>();
   shared<SolverFDDP, PySolver<SolverFDDP>, D>(m, "SolverFDDP")
       .constructors<void(Problem)>(Unlocked())
       .property("th_acceptNegStep", &SolverFDDP::get_th_acceptnegstep, &SolverFDDP::set_th_acceptnegstep);
@@ -205,8 +201,8 @@ void add_solver_classes(py::module_& m) {
   shared<SolverKKT, SolverAbstract>(m, "SolverKKT")
       .constructors<void(Problem)>(Unlocked())
       .def("calcDiff", &SolverKKT::calcDiff, Unlocked())
-      .read("kkt", &SolverKKT::get_kkt, "kktref", &SolverKKT::get_kktref, "primaldual", &SolverKKT::get_primaldual,
-            "dxs", &SolverKKT::get_dxs, "dus", &SolverKKT::get_dus, "lambdas", &SolverKKT::get_lambdas);
+      .read<&SolverKKT::get_kkt, &SolverKKT::get_kktref, &SolverKKT::get_primaldual, &SolverKKT::get_dxs,
+            &SolverKKT::get_dus, &SolverKKT::get_lambdas>();
   shared<SolverSparse, PySolver<SolverSparse>, SolverFDDP>(m, "SolverSparse")
       .constructors<void(Problem, bool)>(Unlocked())
       .def("blocks", &SolverSparse::blocks);
@@ -214,11 +210,9 @@ void add_solver_classes(py::module_& m) {
   shared<A, SolverAbstract>(m, "SolverAugmentedLagrangian")
       .constructors<void(Problem)>(Unlocked())
       .def("reset", &A::reset)
-      .property("multipliers", &A::get_multipliers, &A::set_multipliers)
-      .read("violation", &A::get_violation, "kkt_residual", &A::get_kkt_residual, "outer_iter", &A::get_outer_iter)
-      .property("penalty", &A::get_penalty, &A::set_penalty, "penalty_init", &A::get_penalty_init, &A::set_penalty_init,
-                "th_constraint", &A::get_th_constraint, &A::set_th_constraint, "th_kkt", &A::get_th_kkt,
-                &A::set_th_kkt);
+      .property<&A::get_multipliers, &A::set_multipliers, &A::get_penalty, &A::set_penalty, &A::get_penalty_init,
+                &A::set_penalty_init, &A::get_th_constraint, &A::set_th_constraint, &A::get_th_kkt, &A::set_th_kkt>()
+      .read<&A::get_violation, &A::get_kkt_residual, &A::get_outer_iter>();
   def(m, "kkt_residual", &kkt_residual, Unlocked());
 }
 
@@ -226,14 +220,13 @@ void add_callbacks(py::module_& m) {
   enumeration<VerboseLevel, _0, _1, _2, _3, _4>(m, "VerboseLevel");
   shared<CallbackVerbose, CallbackAbstract>(m, "CallbackVerbose")
       .constructors<void(VerboseLevel, int)>()
-      .property("level", &CallbackVerbose::get_level, &CallbackVerbose::set_level, "precision",
-                &CallbackVerbose::get_precision, &CallbackVerbose::set_precision);
+      .property<&CallbackVerbose::get_level, &CallbackVerbose::set_level, &CallbackVerbose::get_precision,
+                &CallbackVerbose::set_precision>();
   using L = CallbackLogger;
   shared<L, CallbackAbstract>(m, "CallbackLogger")
       .constructors<void()>()
-      .read("xs", &L::xs, "us", &L::us, "fs", &L::fs, "iters", &L::iters, "costs", &L::costs, "stops", &L::stops,
-            "grads", &L::grads, "pregs", &L::pregs, "steps", &L::steps, "ffeass", &L::ffeass, "gfeass", &L::gfeass,
-            "hfeass", &L::hfeass, "feasible", &L::feasible);
+      .read<&L::xs, &L::us, &L::fs, &L::iters, &L::costs, &L::stops, &L::grads, &L::pregs, &L::steps, &L::ffeass,
+            &L::gfeass, &L::hfeass, &L::feasible>();
 }
 
 }  // namespace

@@ -23,21 +23,21 @@ void add_states(py::module_& m) {
   enumeration<Jcomponent, both, first, second>(m, "Jcomponent");
 
   shared<Multibody>(m, "Multibody")
-      .read("nq", &Multibody::nq, "nv", &Multibody::nv, "armature", &Multibody::armature, "effortLimit",
-            &Multibody::effortLimit, "frame_names",
+      .read<&Multibody::nq, &Multibody::nv, &Multibody::armature, &Multibody::effortLimit>()
+      .read("frame_names",
             [](const Multibody& x) {
               std::vector<std::string> names;
               for (const auto& frame : x.frames) names.push_back(frame.name);
               return names;
             })
-      .methods("getFrameId", &Multibody::getFrameId, "existFrame", &Multibody::existFrame);
+      .methods<&Multibody::getFrameId, &Multibody::existFrame>();
 
   using S = StateAbstract;
   auto state = shared<S>(m, "StateAbstract");
-  state.read("nx", &S::get_nx, "ndx", &S::get_ndx, "nq", &S::get_nq, "nv", &S::get_nv);
+  state.read<&S::get_nx, &S::get_ndx, &S::get_nq, &S::get_nv>();
   add_bounds(state, "lb", &S::get_lb, &S::set_lb, "ub", &S::get_ub, &S::set_ub);
-  state.read("has_limits", &S::get_has_limits)
-      .methods("zero", &S::zero, "rand", &S::rand)
+  state.read<&S::get_has_limits>()
+      .methods<&S::zero, &S::rand>()
       .def("diff",
            [](const S& s, const ConstVectorRef& x0, const ConstVectorRef& x1) {
              judge("diff", "x0", s, x0), judge("diff", "x1", s, x1);
@@ -109,18 +109,18 @@ void add_actuations(py::module_& m) {
   auto data = shared<ActuationDataAbstract>(m, "ActuationDataAbstract");
   auto model = shared<Abstract, PyActuation<Abstract>>(m, "ActuationModelAbstract");
   data.constructors<void(const Abstract*)>();
-  data.views("tau", &ActuationDataAbstract::tau, "u", &ActuationDataAbstract::u);
+  data.views<&ActuationDataAbstract::tau, &ActuationDataAbstract::u>();
   add_matrices(data, "dtau_dx", &ActuationDataAbstract::dtau_dx, "dtau_du", &ActuationDataAbstract::dtau_du, "Mtau",
                &ActuationDataAbstract::Mtau);
   model.constructors<void(State_, std::size_t)>()
-      .read("nu", &Abstract::get_nu, "state", &Abstract::get_state)
+      .read<&Abstract::get_nu, &Abstract::get_state>()
       .def("createData", &Abstract::createData)
       .def("calc",
            py::overload_cast<const ActuationData&, const ConstVectorRef&, const ConstVectorRef&>(&Abstract::calc))
       .def("calcDiff",
            py::overload_cast<const ActuationData&, const ConstVectorRef&, const ConstVectorRef&>(&Abstract::calcDiff))
-      .methods("commands", &Abstract::commands, "torqueTransform", &Abstract::torqueTransform, "__str__",
-               &text_of<Abstract>);
+      .methods<&Abstract::commands, &Abstract::torqueTransform>()
+      .methods("__str__", &text_of<Abstract>);
   shared<ActuationModelSelection, Abstract>(m, "ActuationModelSelection");
   shared<ActuationModelFull, PyActuation<ActuationModelFull>, ActuationModelSelection>(m, "ActuationModelFull")
       .constructors<void(State)>();
@@ -150,16 +150,16 @@ void add_activation_base(py::module_& m) {
   auto data = shared<ActivationDataAbstract>(m, "ActivationDataAbstract");
   auto model = shared<Abstract, PyActivation>(m, "ActivationModelAbstract");
   data.def(py::init([](const Abstract& model) { return std::make_shared<ActivationDataAbstract>(model.get_nr()); }))
-      .write("a_value", &ActivationDataAbstract::a_value)
+      .write<&ActivationDataAbstract::a_value>()
       .property(
           "Arr", [](py::object self) { return view(self.cast<ActivationDataAbstract&>().Arr.diagonal(), self, true); },
           [](ActivationDataAbstract& d, py::handle values) { assign(d.Arr.diagonal(), values); });
-  data.views("Ar", &ActivationDataAbstract::Ar);
+  data.views<&ActivationDataAbstract::Ar>();
 
   model.constructors<void(std::size_t)>()
-      .read("nr", &Abstract::get_nr)
-      .methods("createData", &Abstract::createData, "calc", &Abstract::calc, "calcDiff", &Abstract::calcDiff, "__str__",
-               &text_of<Abstract>);
+      .read<&Abstract::get_nr>()
+      .methods<&Abstract::createData, &Abstract::calc, &Abstract::calcDiff>()
+      .methods("__str__", &text_of<Abstract>);
 
   Class<ActivationBounds> bounds(m, "ActivationBounds");
   add_copy(bounds)
@@ -170,14 +170,14 @@ void add_activation_base(py::module_& m) {
                         return b;
                       }))
       .def(py::init([](const Bounds& lb, const Bounds& ub, double beta) { return ActivationBounds(lb.x, ub.x, beta); }))
-      .read("lb", &ActivationBounds::lb, "ub", &ActivationBounds::ub, "beta", &ActivationBounds::beta);
+      .read<&ActivationBounds::lb, &ActivationBounds::ub, &ActivationBounds::beta>();
 }
 
 void add_activations(py::module_& m) {
   shared<ActivationModelQuad, ActivationModelAbstract>(m, "ActivationModelQuad").constructors<void(std::size_t)>();
   shared<ActivationModelWeightedQuad, ActivationModelAbstract>(m, "ActivationModelWeightedQuad")
       .constructors<void(const Vector&)>()
-      .property("weights", &ActivationModelWeightedQuad::get_weights, &ActivationModelWeightedQuad::set_weights);
+      .property<&ActivationModelWeightedQuad::get_weights, &ActivationModelWeightedQuad::set_weights>();
   shared<ActivationModelQuadraticBarrier, ActivationModelAbstract>(m, "ActivationModelQuadraticBarrier")
       .constructors<void(const ActivationBounds&)>()
       .property(

@@ -30,9 +30,8 @@ TaskSolution optimize_task(const TaskFile& task, const std::shared_ptr<TaskProbl
 
 void add_simulated_motion(py::module_& m) {
   value<SimulatedMotion>(m, "SimulatedMotion")
-      .read("stopped", &SimulatedMotion::stopped, "xs", &SimulatedMotion::xs, "energy_lost",
-            &SimulatedMotion::energy_lost, "position_drift", &SimulatedMotion::position_drift, "velocity_drift",
-            &SimulatedMotion::velocity_drift, "distance", &SimulatedMotion::distance);
+      .read<&SimulatedMotion::stopped, &SimulatedMotion::xs, &SimulatedMotion::energy_lost,
+            &SimulatedMotion::position_drift, &SimulatedMotion::velocity_drift, &SimulatedMotion::distance>();
   def_as(
       m, "simulate", "simulate_solution",
       [](const TaskFile& task, const TaskSolution& solution, Integrator integrator, int substeps) {
@@ -44,39 +43,30 @@ void add_simulated_motion(py::module_& m) {
 void add_task_files(py::module_& m) {
   enumeration<TaskSolver>(m, "TaskSolver");
   value<TaskFile, std::shared_ptr<TaskFile>>(m, "TaskFile")
-      .read(
-          "path", &TaskFile::path, "name", &TaskFile::name, "scene",
-          [](const std::shared_ptr<TaskFile>& t) { return std::shared_ptr<SceneFile>(t, &t->scene); }, "step",
-          &TaskFile::step)
-      .write("solver", &TaskFile::solver, "iterations", &TaskFile::iterations, "tolerance", &TaskFile::tolerance)
-      .read("nodes", &TaskFile::nodes);
+      .read<&TaskFile::path, &TaskFile::name, &TaskFile::step, &TaskFile::nodes>()
+      .read("scene", [](const std::shared_ptr<TaskFile>& t) { return std::shared_ptr<SceneFile>(t, &t->scene); })
+      .write<&TaskFile::solver, &TaskFile::iterations, &TaskFile::tolerance>();
   shared<TaskProblem>(m, "TaskProblem")
-      .read("state", &TaskProblem::state, "actuation", &TaskProblem::actuation, "models", &TaskProblem::models,
-            "problem", &TaskProblem::problem)
-      .write("xs", &TaskProblem::xs, "us", &TaskProblem::us, "multipliers", &TaskProblem::multipliers)
-      .read("parts", &TaskProblem::parts, "blocks", &TaskProblem::blocks);
+      .read<&TaskProblem::state, &TaskProblem::actuation, &TaskProblem::models, &TaskProblem::problem,
+            &TaskProblem::parts, &TaskProblem::blocks>()
+      .write<&TaskProblem::xs, &TaskProblem::us, &TaskProblem::multipliers>();
 }
 
 void add_task_solutions(py::module_& m) {
   value<TaskIteration>(m, "TaskIteration")
-      .read("cost", &TaskIteration::cost, "stop", &TaskIteration::stop, "regularisation",
-            &TaskIteration::regularisation, "step_length", &TaskIteration::step_length, "gaps", &TaskIteration::gaps,
-            "feasible", &TaskIteration::feasible);
-  value<TaskViolation>(m, "TaskViolation")
-      .read("constraint", &TaskViolation::constraint, "by", &TaskViolation::by, "node", &TaskViolation::node);
+      .read<&TaskIteration::cost, &TaskIteration::stop, &TaskIteration::regularisation, &TaskIteration::step_length,
+            &TaskIteration::gaps, &TaskIteration::feasible>();
+  value<TaskViolation>(m, "TaskViolation").read<&TaskViolation::constraint, &TaskViolation::by, &TaskViolation::node>();
   auto gains = value<TaskGains>(m, "TaskGains");
-  gains.read("dx", &TaskGains::dx, "u", &TaskGains::u, "K", &TaskGains::K);
+  gains.read<&TaskGains::dx, &TaskGains::u, &TaskGains::K>();
   auto times = value<TaskTimes>(m, "TaskTimes");
-  times.read("calc", &TaskTimes::calc, "calc_diff", &TaskTimes::calc_diff, "direction", &TaskTimes::direction, "total",
-             &TaskTimes::total);
+  times.read<&TaskTimes::calc, &TaskTimes::calc_diff, &TaskTimes::direction, &TaskTimes::total>();
   value<TaskSolution>(m, "TaskSolution")
-      .read("converged", &TaskSolution::converged, "cost", &TaskSolution::cost, "reason", &TaskSolution::reason,
-            "remarks", &TaskSolution::remarks, "multipliers", &TaskSolution::multipliers, "iterations",
-            &TaskSolution::iterations, "polishing_iterations", &TaskSolution::polishing_iterations, "xs",
-            &TaskSolution::xs, "us", &TaskSolution::us, "gains", &TaskSolution::gains, "solver", &TaskSolution::solver,
-            "direction", &TaskSolution::direction, "blocks", &TaskSolution::blocks, "times", &TaskSolution::times,
-            "kkt_residual", &TaskSolution::kkt_residual, "constraint_violation", &TaskSolution::constraint_violation,
-            "violations", &TaskSolution::violations, "outer_iterations", &TaskSolution::outer_iterations);
+      .read<&TaskSolution::converged, &TaskSolution::cost, &TaskSolution::reason, &TaskSolution::remarks,
+            &TaskSolution::multipliers, &TaskSolution::iterations, &TaskSolution::polishing_iterations,
+            &TaskSolution::xs, &TaskSolution::us, &TaskSolution::gains, &TaskSolution::solver, &TaskSolution::direction,
+            &TaskSolution::blocks, &TaskSolution::times, &TaskSolution::kkt_residual,
+            &TaskSolution::constraint_violation, &TaskSolution::violations, &TaskSolution::outer_iterations>();
 }
 
 }  // namespace

@@ -39,53 +39,49 @@ void add_thrusters(py::module_& m) {
   c.def(py::init([](const SE3<double>& pose, double ctorque, ThrusterType type, double min, double max) {
      return Held(Thruster(pose, ctorque, type, min, max));
    })).def("__repr__", [](const Held& x) { return text_of(x.get()); });
-  c.fields("pose", &Thruster::pose, "ctorque", &Thruster::ctorque, "type", &Thruster::type, "min_thrust",
-           &Thruster::min_thrust, "max_thrust", &Thruster::max_thrust);
+  c.fields<&Thruster::pose, &Thruster::ctorque, &Thruster::type, &Thruster::min_thrust, &Thruster::max_thrust>();
   add_items<Held>(m, "ThrusterList", false);
   using Model = ActuationModelFloatingBaseThrusters;
   shared<Model, ActuationModelAbstract>(m, "ActuationModelFloatingBaseThrusters")
       .constructors<void(std::shared_ptr<StateMultibody>, const std::vector<Thruster>&)>()
       .property("thrusters", &thrusters_of, &Model::set_thrusters)
+      .read<&Model::get_nthrusters>()
       .read(
-          "nthrusters", &Model::get_nthrusters, "Wthrust", [](const Model& x) { return x.get_Wthrust(); }, "S",
-          [](const Model& x) { return x.get_S(); });
+          "Wthrust", [](const Model& x) { return x.get_Wthrust(); }, "S", [](const Model& x) { return x.get_S(); });
 }
 
 void add_squashing(py::module_& m) {
   using Data = std::shared_ptr<SquashingDataAbstract>;
   using Abstract = SquashingModelAbstract;
   shared<SquashingDataAbstract>(m, "SquashingDataAbstract")
-      .read("u", &SquashingDataAbstract::u, "du_ds", &SquashingDataAbstract::du_ds);
+      .read<&SquashingDataAbstract::u, &SquashingDataAbstract::du_ds>();
   shared<Abstract>(m, "SquashingModelAbstract")
-      .methods("createData", &Abstract::createData, "calc", &Abstract::calc, "calcDiff", &Abstract::calcDiff)
-      .read("ns", &Abstract::get_ns)
-      .property("s_lb", &Abstract::get_s_lb, &Abstract::set_s_lb, "s_ub", &Abstract::get_s_ub, &Abstract::set_s_ub);
+      .methods<&Abstract::createData, &Abstract::calc, &Abstract::calcDiff>()
+      .read<&Abstract::get_ns>()
+      .property<&Abstract::get_s_lb, &Abstract::set_s_lb, &Abstract::get_s_ub, &Abstract::set_s_ub>();
   using Smooth = SquashingModelSmoothSat;
   shared<Smooth, Abstract>(m, "SquashingModelSmoothSat")
       .constructors<void(const ConstVectorRef&, const ConstVectorRef&, std::size_t)>()
-      .property("smooth", &Smooth::get_smooth, &Smooth::set_smooth)
-      .read("d", &Smooth::get_d);
+      .property<&Smooth::get_smooth, &Smooth::set_smooth>()
+      .read<&Smooth::get_d>();
   using Model = ActuationSquashingModel;
   shared<Model, ActuationModelAbstract>(m, "ActuationSquashingModel")
       .constructors<void(std::shared_ptr<ActuationModelAbstract>, std::shared_ptr<Abstract>, std::size_t)>()
-      .read("squashing", &Model::get_squashing, "actuation", &Model::get_actuation);
+      .read<&Model::get_squashing, &Model::get_actuation>();
 }
 
 void add_box_qp(py::module_& m) {
   shared<BoxQPSolution>(m, "BoxQPSolution")
-      .read("Hff_inv", &BoxQPSolution::Hff_inv, "x", &BoxQPSolution::x, "free_idx", &BoxQPSolution::free_idx,
-            "clamped_idx", &BoxQPSolution::clamped_idx);
+      .read<&BoxQPSolution::Hff_inv, &BoxQPSolution::x, &BoxQPSolution::free_idx, &BoxQPSolution::clamped_idx>();
   shared<BoxQP>(m, "BoxQP")
       .constructors<void(std::size_t, std::size_t, double, double, double)>()
       .def("solve", [](BoxQP& x, const Matrix& H, const Vector& q, const Vector& lb, const Vector& ub,
                        const Vector& xinit) { return BoxQPSolution(x.solve(H, q, lb, ub, xinit)); })
-      .read(
-          "is_sound", &BoxQP::is_sound, "solution", [](const BoxQP& x) { return BoxQPSolution(x.get_solution()); },
-          "iter", &BoxQP::get_iter)
-      .property("nx", &BoxQP::get_nx, &BoxQP::set_nx, "maxiter", &BoxQP::get_maxiter, &BoxQP::set_maxiter,
-                "th_acceptstep", &BoxQP::get_th_acceptstep, &BoxQP::set_th_acceptstep, "th_grad", &BoxQP::get_th_grad,
-                &BoxQP::set_th_grad, "reg", &BoxQP::get_reg, &BoxQP::set_reg, "alphas", &BoxQP::get_alphas,
-                &BoxQP::set_alphas);
+      .read<&BoxQP::is_sound, &BoxQP::get_iter>()
+      .read("solution", [](const BoxQP& x) { return BoxQPSolution(x.get_solution()); })
+      .property<&BoxQP::get_nx, &BoxQP::set_nx, &BoxQP::get_maxiter, &BoxQP::set_maxiter, &BoxQP::get_th_acceptstep,
+                &BoxQP::set_th_acceptstep, &BoxQP::get_th_grad, &BoxQP::set_th_grad, &BoxQP::get_reg, &BoxQP::set_reg,
+                &BoxQP::get_alphas, &BoxQP::set_alphas>();
 }
 
 void add_differential_lqr(py::module_& m) {
@@ -96,7 +92,7 @@ void add_differential_lqr(py::module_& m) {
                          const Vector&, const Vector&, const Vector&),
                     void(std::size_t, std::size_t, bool)>()
       .def_static("Random", &Lqr::Random)
-      .read("Aq", &Lqr::get_Aq, "Av", &Lqr::get_Av, "B", &Lqr::get_B, "f", &Lqr::get_f);
+      .read<&Lqr::get_Aq, &Lqr::get_Av, &Lqr::get_B, &Lqr::get_f>();
 }
 
 // A part with the values of another one, and derivatives by central differences.
@@ -104,7 +100,7 @@ template <class Twin, class Part>
 void add_twin(py::module_& m, const char* name) {
   shared<Twin, Part>(m, name)
       .def(py::init([](const std::shared_ptr<Part>& part) { return std::make_shared<Twin>(part); }))
-      .property("disturbance", &Twin::get_disturbance, &Twin::set_disturbance);
+      .property<&Twin::get_disturbance, &Twin::set_disturbance>();
 }
 
 // A part by itself, with the motion of its robots: what an action model has for it.
@@ -161,8 +157,9 @@ class Alone {
 template <class Twin, class Part>
 auto add_alone(py::module_& m, const char* name) {
   using One = Alone<Twin, Part>;
-  return shared<One>(m, name).template constructors<void(const std::shared_ptr<Part>&)>().property(
-      "disturbance", &One::get_disturbance, &One::set_disturbance);
+  return shared<One>(m, name)
+      .template constructors<void(const std::shared_ptr<Part>&)>()
+      .property<&One::get_disturbance, &One::set_disturbance>();
 }
 
 void add_twins_of_parts(py::module_& m) {
