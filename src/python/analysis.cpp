@@ -16,15 +16,13 @@ namespace {
 using Vector = Eigen::VectorXd;
 
 void add_errors(py::module_& m) {
-  value<PlacementError>(m, "PlacementError")
-      .read<&PlacementError::contact, &PlacementError::position, &PlacementError::angle>()
-      .def("__repr__", [](const PlacementError& e) {
+  value<PlacementError>(m).read<&PlacementError::contact, &PlacementError::position, &PlacementError::angle>().def(
+      "__repr__", [](const PlacementError& e) {
         return "<PlacementError of contact " + std::to_string(e.contact) + ": " + text::number(e.position) + " m, " +
                text::number(e.angle) + " rad>";
       });
-  value<VelocityError>(m, "VelocityError")
-      .read<&VelocityError::contact, &VelocityError::linear, &VelocityError::angular>()
-      .def("__repr__", [](const VelocityError& e) {
+  value<VelocityError>(m).read<&VelocityError::contact, &VelocityError::linear, &VelocityError::angular>().def(
+      "__repr__", [](const VelocityError& e) {
         return "<VelocityError of contact " + std::to_string(e.contact) + ": " + text::number(e.linear) + " m/s, " +
                text::number(e.angular) + " rad/s>";
       });
@@ -39,16 +37,16 @@ void add_errors(py::module_& m) {
 }
 
 void add_violations(py::module_& m) {
-  enumeration<ViolationKind>(m, "ViolationKind");
-  value<Violation>(m, "Violation").read<&Violation::contact, &Violation::kind, &Violation::by, &Violation::needs>();
+  enumeration<ViolationKind>(m);
+  value<Violation>(m).read<&Violation::contact, &Violation::kind, &Violation::by, &Violation::needs>();
   def(m, "violations", [](const Scene& scene, const Raw& q, const Data& data) {
     const auto Q = checked("q", q, scene.nq);
     const SceneData& d = data.at_rest();
     if (d.f_offset.size() != scene.contacts.size()) throw py::value_error("violations: the data are of another scene");
     return violations(scene, Q, d.f, d.f_offset);
   });
-  enumeration<LimitKind>(m, "LimitKind");
-  value<LimitPassed>(m, "LimitPassed")
+  enumeration<LimitKind>(m);
+  value<LimitPassed>(m)
       .read<&LimitPassed::robot, &LimitPassed::dof, &LimitPassed::quantity, &LimitPassed::value, &LimitPassed::limit>();
   def(m, "limits_passed", [](const Scene& scene, const Raw& q, const Raw& v, const Raw& u) {
     const auto Q = checked("q", q, scene.nq), V = checked("v", v, scene.nv), U = checked("u", u, scene.nu);
@@ -92,20 +90,20 @@ void add_redistribution(py::module_& m) {
 }
 
 void add_rank_changes(py::module_& m) {
-  value<RankChange>(m, "RankChange")
+  value<RankChange>(m)
       .read<&RankChange::island, &RankChange::singular, &RankChange::rank, &RankChange::rows, &RankChange::contacts,
             &RankChange::coordinate>();
   def(m, "rank_changes", at_solution(&rank_changes));
 }
 
 void add_near_dependent(py::module_& m) {
-  value<NearDependent>(m, "NearDependent")
+  value<NearDependent>(m)
       .read<&NearDependent::island, &NearDependent::rows, &NearDependent::left, &NearDependent::times,
             &NearDependent::coordinate, &NearDependent::acceleration, &NearDependent::without>();
   def(m, "near_dependent", at_solution(&near_dependent));
-  auto gap = value<RankGap>(m, "RankGap");
-  gap.read<&RankGap::known, &RankGap::least_kept, &RankGap::most_dropped, &RankGap::kept, &RankGap::dropped,
-           &RankGap::gap>();
+  value<RankGap>(m)
+      .read<&RankGap::known, &RankGap::least_kept, &RankGap::most_dropped, &RankGap::kept, &RankGap::dropped,
+            &RankGap::gap>();
   def(m, "rank_gap", [](const Scene& scene, const Data& data, std::size_t island) {
     return data.use([&](SceneData& d) {
       if (island >= d.report.islands.size()) throw py::value_error("rank_gap: there is no such island");
@@ -115,7 +113,7 @@ void add_near_dependent(py::module_& m) {
 }
 
 void add_consistent(py::module_& m) {
-  value<ConsistentState>(m, "ConsistentState")
+  value<ConsistentState>(m)
       .read<&ConsistentState::q, &ConsistentState::v, &ConsistentState::status, &ConsistentState::steps,
             &ConsistentState::misplaced, &ConsistentState::moving, &ConsistentState::consistent>();
   def(m, "make_consistent",

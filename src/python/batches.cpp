@@ -118,7 +118,7 @@ Products batch_of_products(const Scene& scene, py::handle q, py::handle v, py::h
 
 void add_batch_data(py::module_& m) {
   using Batch = std::shared_ptr<BatchData>;
-  shared<BatchData>(m, "BatchData")
+  shared<BatchData>(m)
       .def(py::init([](const Scene& scene, int threads, const Options& options) {
         return std::make_shared<BatchData>(scene, checked_threads(threads), options);
       }))

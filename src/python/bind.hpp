@@ -2,10 +2,10 @@
 // Classes and functions of the module. Their docstrings and the names and default values of parameters are in
 // docs/*.txt.
 //
-//   shared<Joint>(m, "Joint").read<&Joint::name, &Joint::type>().read("mass", &mass_of);
+//   shared<Joint>(m).read<&Joint::name, &Joint::type>().read("mass", &mass_of);
 //   functions<&velocity_names>(m);
 //
-// Members are called as in C++, unless a name is given.
+// Classes and members are called as in C++, unless a name is given.
 
 #include <functional>
 #include <memory>
@@ -65,8 +65,9 @@ class Class {
   using type = T;
 
   template <class... Extra>
-  Class(py::module_& m, const char* name, const Extra&... extra)
-      : name_(name), class_(m, name, text_of(name).doc, extra...) {}
+  Class(py::module_& m, const std::string& name, const Extra&... extra)
+      : name_(name), class_(m, name.c_str(), text_of(name).doc, extra...) {}
+  explicit Class(py::module_& m) : Class(m, type_name<T>()) {}
 
   template <class F, class... Extra>
   Class& def(const char* name, F&& f, const Extra&... extra) {
@@ -202,7 +203,8 @@ class Class {
 
 /// A class whose objects C++ and Python share.
 template <class T, class... Bases, class... Extra>
-Class<T, Bases..., std::shared_ptr<T>> shared(py::module_& m, const char* name, const Extra&... extra) {
+Class<T, Bases..., std::shared_ptr<T>> shared(py::module_& m, const std::string& name = type_name<T>(),
+                                              const Extra&... extra) {
   return {m, name, extra...};
 }
 

@@ -99,7 +99,7 @@ py::object kkt_matrix(const Scene& scene, const Data& data, int island) {
 }
 
 void add_derivative_classes(py::module_& m) {
-  value<DerivativeRequest>(m, "DerivativeRequest")
+  value<DerivativeRequest>(m)
       .from_members<bool, bool, bool, bool, bool, bool>()
       .write<&DerivativeRequest::q, &DerivativeRequest::v, &DerivativeRequest::u, &DerivativeRequest::forces,
              &DerivativeRequest::tau, &DerivativeRequest::pushes>();
@@ -126,11 +126,11 @@ void add_derivative_classes(py::module_& m) {
   Class<Derivatives>(m, "DerivativeData").read("islands", [](const Derivatives& x) { return Islands{{x.data}}; });
 
   using B = DerivativeBounds;
-  Class<B>(m, "DerivativeBounds")
+  Class<B>(m)
       .read<&B::da_dq, &B::da_dv, &B::da_du, &B::dforces_dq, &B::dforces_dv, &B::dforces_du, &B::da_dw,
             &B::dforces_dw>();
   using S = SceneDerivatives;
-  shared<S>(m, "SceneDerivatives")
+  shared<S>(m)
       .views<&S::da_dq, &S::da_dv, &S::da_du, &S::dforces_dq, &S::dforces_dv, &S::dforces_du, &S::da_dw,
              &S::dforces_dw>();
 }

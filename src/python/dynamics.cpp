@@ -139,8 +139,8 @@ int robot_number(const Scene& scene, const std::string& name) {
 }
 
 void add_views(py::module_& m) {
-  auto island = value<Island>(m, "Island");
-  island.read<&Island::robots, &Island::contacts, &Island::dof_offset, &Island::row_offset, &Island::nv, &Island::nc>();
+  value<Island>(m)
+      .read<&Island::robots, &Island::contacts, &Island::dof_offset, &Island::row_offset, &Island::nv, &Island::nc>();
   def(m, "island_count", [](const Data& data) { return island_count(data.at_rest()); });
   def(m, "island_of", [](const Data& data, std::size_t i) {
     if (i >= island_count(data.at_rest())) throw py::value_error("island_of: there is no such island");

@@ -75,12 +75,13 @@ std::string python_name(const std::string& enumerator);
 /// unscoped enumeration; none for a scoped one, whose members are numbered from 0. Members without a C++ word
 /// (to_string) are called by Python names.
 template <class E, E... values>
-void enumeration(py::module_& m, const char* name, const char* prefix = "") {
+void enumeration(py::module_& m, const char* prefix = "") {
   static_assert(std::is_base_of_v<EnumCaster<E>, py::detail::type_caster<E>>, "it has no MANYCONTACT_ENUMERATION");
   constexpr bool has_words = requires(E x) {
     { to_string(x) } -> std::convertible_to<std::string>;
   };
   constexpr int kMost = 32;
+  const std::string name = type_name<E>();
   const Text& entry = text_of(name);
   Names<E>::what = entry.parameters;
   Names<E>::members.clear();
@@ -100,7 +101,7 @@ void enumeration(py::module_& m, const char* name, const char* prefix = "") {
   (std::make_integer_sequence<int, kMost>());
   const std::string doc =
       std::string(entry.doc) + "\n\nFunctions also accept names, such as '" + Names<E>::members.front().word + "'.";
-  py::enum_<E> e(m, name, doc.c_str());
+  py::enum_<E> e(m, name.c_str(), doc.c_str());
   for (const auto& member : Names<E>::members) e.value(member.python.c_str(), member.value);
   const auto text_of_member = [](E x) -> std::string {
     if constexpr (has_words) return to_string(x);

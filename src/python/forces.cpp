@@ -91,11 +91,11 @@ Eigen::MatrixXd rows_of_wrenches(const std::vector<Vec6<double>>& w) {
 }
 
 void add_force_classes(py::module_& m) {
-  value<Handle<Push>>(m, "Push")
+  value<Handle<Push>>(m)
       .from_members<std::string, Attachment, ReferenceFrame, Vec6<double>>()
       .fields<&Push::name, &Push::at, &Push::reference_frame, &Push::wrench>();
   add_items<Handle<Push>>(m, "PushList");
-  value<Handle<Spring>>(m, "Spring")
+  value<Handle<Spring>>(m)
       .from_members<std::string, Attachment, Attachment, double, double, double>()
       .fields<&Spring::name, &Spring::A, &Spring::B, &Spring::stiffness, &Spring::length, &Spring::damping>();
   add_items<Handle<Spring>>(m, "SpringList");

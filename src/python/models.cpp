@@ -64,25 +64,23 @@ Items<std::shared_ptr<T>> items_of(const std::shared_ptr<Model>& model, std::vec
 }
 
 void add_joints(py::module_& m) {
-  enumeration<JointType>(m, "JointType");
+  enumeration<JointType>(m);
 
-  auto joint = shared<Joint>(m, "Joint");
-  add_value(joint)
+  value<Joint, std::shared_ptr<Joint>>(m)
       .read<&Joint::name, &Joint::type, &Joint::parent, &Joint::idx_q, &Joint::idx_v, &Joint::nq, &Joint::nv,
             &Joint::placement, &Joint::axis, &Joint::lower, &Joint::upper, &Joint::velocity_limit,
             &Joint::effort_limit>()
       .read("mass", [](const Joint& j) { return j.inertia.m; });
 
-  value<Frame, std::shared_ptr<Frame>>(m, "Frame").read<&Frame::name, &Frame::joint, &Frame::placement>();
+  value<Frame, std::shared_ptr<Frame>>(m).read<&Frame::name, &Frame::joint, &Frame::placement>();
 
   add_items<std::shared_ptr<Joint>>(m, "JointList");
   add_items<std::shared_ptr<Frame>>(m, "FrameList");
 }
 
 void add_findings(py::module_& m) {
-  value<Finding>(m, "Finding")
-      .read<&Finding::kind, &Finding::name, &Finding::text, &Finding::file, &Finding::line>()
-      .def("__repr__", [](const Finding& f) {
+  value<Finding>(m).read<&Finding::kind, &Finding::name, &Finding::text, &Finding::file, &Finding::line>().def(
+      "__repr__", [](const Finding& f) {
         return f.file + ":" + std::to_string(f.line) + ": " + f.kind + ": " + f.name + ": " + f.text;
       });
 }
@@ -139,7 +137,7 @@ std::shared_ptr<Model> varied(const Model& of, const OneOrMany& mass, const OneO
 }
 
 void add_robot_models(py::module_& m) {
-  value<Model, std::shared_ptr<Model>>(m, "Model")
+  value<Model, std::shared_ptr<Model>>(m)
       .read<&Model::name, &Model::floating_base, &Model::nq, &Model::nv, &Model::nu, &Model::armature>()
       .read(
           "joints",

@@ -8,17 +8,17 @@ namespace manycontact::python {
 namespace {
 
 void add_enumerations(py::module_& m) {
-  enumeration<Status>(m, "Status");
-  enumeration<Method>(m, "Method");
-  enumeration<Order>(m, "Order");
-  enumeration<Lanes>(m, "Lanes");
-  enumeration<Precision>(m, "Precision");
-  enumeration<Reason>(m, "Reason");
+  enumeration<Status>(m);
+  enumeration<Method>(m);
+  enumeration<Order>(m);
+  enumeration<Lanes>(m);
+  enumeration<Precision>(m);
+  enumeration<Reason>(m);
 }
 
 void add_how_to_solve(py::module_& m) {
   using Held = Handle<Options>;
-  value<Held>(m, "Options")
+  value<Held>(m)
       .from_members<Method, std::optional<Order>, Lanes, int, bool, Precision>()
       .fields<&Options::method, &Options::order, &Options::lanes, &Options::threads, &Options::reduce_pairs,
               &Options::precision>()
@@ -35,16 +35,16 @@ void add_how_to_solve(py::module_& m) {
 void add_reports(py::module_& m) {
   using Island = std::shared_ptr<IslandReport>;
   using I = IslandReport;
-  value<I, Island>(m, "IslandReport")
+  value<I, Island>(m)
       .read<&I::status, &I::method, &I::order, &I::precision, &I::reason, &I::changed_order, &I::nv, &I::nc, &I::rank,
             &I::dependent_rows, &I::factor_nonzeros, &I::refinement_steps, &I::residual_dynamics, &I::residual_contact,
             &I::backward_error, &I::condition, &I::error_acceleration, &I::error_forces>()
       .read("remedy", [](const I& r) { return remedy(r); });
   using Q = SystemQuality;
-  value<Q>(m, "SystemQuality")
+  value<Q>(m)
       .read<&Q::componentwise_backward_error, &Q::normwise_backward_error, &Q::growth, &Q::condition,
             &Q::scaled_condition, &Q::positive, &Q::negative, &Q::zero>();
-  value<SolveTimes>(m, "SolveTimes").read<&SolveTimes::setup, &SolveTimes::solve>();
+  value<SolveTimes>(m).read<&SolveTimes::setup, &SolveTimes::solve>();
 
   add_items<Island>(m, "IslandReportList", false);
   using Whole = std::shared_ptr<Report>;
@@ -52,7 +52,7 @@ void add_reports(py::module_& m) {
   const auto islands = [](const Whole& r) {
     return Items<Island>{[r] { return r->islands.size(); }, [r](std::size_t k) { return Island(r, &r->islands[k]); }};
   };
-  value<R, Whole>(m, "Report")
+  value<R, Whole>(m)
       .read<&R::status, &R::method, &R::nv, &R::nc, &R::rank, &R::factor_nonzeros, &R::refinement_steps,
             &R::residual_dynamics, &R::residual_contact, &R::backward_error, &R::condition, &R::error_acceleration,
             &R::error_forces, &R::times>()

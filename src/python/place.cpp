@@ -42,11 +42,9 @@ void add_goals(py::module_& m) {
 
 void add_place(py::module_& m) {
   add_goals(m);
-  auto left = value<GoalLeft>(m, "GoalLeft");
-  left.read<&GoalLeft::position, &GoalLeft::angle>();
-  value<PlacedScene>(m, "PlacedScene")
-      .read("q", [](const PlacedScene& x) { return x.q; })
-      .read<&PlacedScene::iterations, &PlacedScene::out_of_steps, &PlacedScene::left>()
+  value<GoalLeft>(m).read<&GoalLeft::position, &GoalLeft::angle>();
+  value<PlacedScene>(m)
+      .read<&PlacedScene::q, &PlacedScene::iterations, &PlacedScene::out_of_steps, &PlacedScene::left>()
       .def("met", &PlacedScene::met);
   def(m, "place",
       [](const Scene& scene, const ConstVectorRef& q, const std::vector<Goal>& goals, int iterations, double tolerance,

@@ -45,7 +45,7 @@ void add_bodies(py::module_& m) {
       }))
       .read_at<&RigidBodies::nq, &RigidBodies::nv, &RigidBodies::njoints>(
           [](const Bodies& b) -> const RigidBodies& { return *b.view; });
-  shared<RigidBodyData>(m, "RigidBodyData").constructors<void(const RigidBodies&)>(py::keep_alive<1, 2>());
+  shared<RigidBodyData>(m).constructors<void(const RigidBodies&)>(py::keep_alive<1, 2>());
   functions<&frame_names, &joint_names, &frame_called>(m);
   m.attr("frame_id") = m.attr("frame_called");
   def(m, "joint_called", [](const RigidBodies& bodies, const std::string& name) {

@@ -15,7 +15,7 @@ using Placement = SE3<double>;
 
 void add_attachments(py::module_& m) {
   using Held = Handle<Attachment>;
-  value<Held>(m, "Attachment")
+  value<Held>(m)
       .from_members<int, int, Placement, std::string>()
       .read_at<&Attachment::robot, &Attachment::joint, &Attachment::frame>(&Held::get)
       .fields<&Attachment::placement>();
@@ -32,13 +32,13 @@ Handle<Contact> make_contact(const std::string& name, ContactType type, Referenc
 }
 
 void add_contacts(py::module_& m) {
-  enumeration<ContactType>(m, "ContactType", "CONTACT_");
-  enumeration<ReferenceFrame>(m, "ReferenceFrame");
+  enumeration<ContactType>(m, "CONTACT_");
+  enumeration<ReferenceFrame>(m);
   for (const char* name : {"LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED"}) m.attr(name) = m.attr("ReferenceFrame").attr(name);
   add_attachments(m);
 
   using Held = Handle<Contact>;
-  value<Held>(m, "Contact")
+  value<Held>(m)
       .def(py::init(&make_contact))
       .fields<&Contact::name, &Contact::type, &Contact::reference_frame, &Contact::A, &Contact::B, &Contact::axis,
               &Contact::alpha, &Contact::beta, &Contact::mu, &Contact::normal, &Contact::box, &Contact::active>()
@@ -84,7 +84,7 @@ Items<Handle<Robot>> robots_of(const std::shared_ptr<Scene>& scene) {
 
 void add_robots(py::module_& m) {
   using Held = Handle<Robot>;
-  value<Held>(m, "Robot")
+  value<Held>(m)
       .read_at<&Robot::name>(&Held::get)
       .property(
           "model", [](const Held& r) { return std::const_pointer_cast<Model>(r.get().model); },
@@ -122,7 +122,7 @@ auto set_number(const char* name, double Scene::*member, bool zero) {
 
 void add_scene(py::module_& m) {
   using S = Scene;
-  value<S, std::shared_ptr<S>>(m, "Scene")
+  value<S, std::shared_ptr<S>>(m)
       .def(py::init([](const std::string& name) {
         Scene scene;
         scene.name = name;
@@ -156,7 +156,7 @@ void add_configurations(py::module_& m) {
 
 void add_files(py::module_& m) {
   using F = SceneFile;
-  value<F, std::shared_ptr<F>>(m, "SceneFile")
+  value<F, std::shared_ptr<F>>(m)
       .read<&F::path, &F::files>()
       .read(
           "scene", [](const std::shared_ptr<F>& f) { return std::shared_ptr<Scene>(f, &f->scene); }, "findings",

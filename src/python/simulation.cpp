@@ -110,13 +110,13 @@ Trajectory simulate(const Scene& scene, py::handle u, Simulation& simulation, lo
 }
 
 void add_steps(py::module_& m) {
-  enumeration<Integrator>(m, "Integrator");
-  enumeration<StepStatus>(m, "StepStatus");
+  enumeration<Integrator>(m);
+  enumeration<StepStatus>(m);
 
-  value<Handle<PdLaws>>(m, "PdLaws")
+  value<Handle<PdLaws>>(m)
       .from_members<Vector, Vector, Vector, Vector>()
       .fields<&PdLaws::kp, &PdLaws::kd, &PdLaws::q_ref, &PdLaws::v_ref>();
-  value<StepWork>(m, "StepWork").read<&StepWork::pd, &StepWork::dampers, &StepWork::friction, &StepWork::springs>();
+  value<StepWork>(m).read<&StepWork::pd, &StepWork::dampers, &StepWork::friction, &StepWork::springs>();
 
   using S = SimulationData;
   const auto at = &Simulation::at_rest;
@@ -131,7 +131,7 @@ void add_steps(py::module_& m) {
       .read_at<&S::pd_torque, &S::work, &S::unsettled>(at)
       .read("dynamics", [](const Simulation& s) { return s.dynamics; });
 
-  value<Trajectory>(m, "Trajectory")
+  value<Trajectory>(m)
       .read(
           "t", [](const Trajectory& x) { return read_only(py::array_t<double>(x.t.size(), x.t.data())); }, "q",
           [](const Trajectory& x) { return stack(x.q, x.q.front().size()); }, "v",
@@ -150,8 +150,7 @@ void add_step_functions(py::module_& m) {
            return std::visit([&](const auto& c) -> Vector { return contact_force(scene, simulation.at_rest(), c); },
                              contact);
          });
-  value<VelocityJump>(m, "VelocityJump")
-      .read<&VelocityJump::status, &VelocityJump::energy_lost, &VelocityJump::impulse>();
+  value<VelocityJump>(m).read<&VelocityJump::status, &VelocityJump::energy_lost, &VelocityJump::impulse>();
   def(m, "switch_contacts", [](Scene& scene, py::handle active, const Simulation& simulation, bool here) {
     std::vector<char> flags(scene.contacts.size());
     set_flags("active", active, flags);
@@ -242,7 +241,7 @@ void add_batch_of_simulations(py::module_& m) {
 }
 
 void add_invariants(py::module_& m) {
-  value<Invariants>(m, "Invariants")
+  value<Invariants>(m)
       .read<&Invariants::position_drift, &Invariants::velocity_drift, &Invariants::kinetic, &Invariants::potential,
             &Invariants::energy, &Invariants::momentum>();
   def(m, "invariants", [](const Scene& scene, const std::vector<bool>& active, const Vector& q, const Vector& v) {
@@ -253,7 +252,7 @@ void add_invariants(py::module_& m) {
     return invariants(scene, std::vector<char>(active.begin(), active.end()), q, v, data);
   });
 
-  value<Gains>(m, "Gains")
+  value<Gains>(m)
       .from_members<double, double>()
       .write<&Gains::alpha, &Gains::beta>()
       .def("__iter__", [](const Gains& g) { return py::iter(py::make_tuple(g.alpha, g.beta)); })

@@ -37,6 +37,15 @@ std::string name_of() {
   return text.front() == '(' ? "" : std::string(text.substr(text.rfind(':') + 1));
 }
 
+/// "Joint" of manycontact::Joint and of Handle<Joint>.
+template <class T>
+std::string type_name() {
+  std::string_view text = __PRETTY_FUNCTION__;  // "... [with T = manycontact::Joint; ...]"
+  text.remove_prefix(text.find("T = ") + 4);
+  text = text.substr(0, text.find_first_of(";>]"));
+  return std::string(text.substr(text.rfind(':') + 1));
+}
+
 /// The names in which default values are evaluated.
 void set_names_of_defaults(const py::module_& m);
 

@@ -176,7 +176,7 @@ Class<Held, Options...>& add_value(Class<Held, Options...>& c) {
 
 /// A class of such structures.
 template <class T, class... Options>
-Class<T, Options...> value(py::module_& m, const char* name) {
+Class<T, Options...> value(py::module_& m, const std::string& name = type_name<T>()) {
   Class<T, Options...> c(m, name);
   add_value(c);
   return c;

@@ -16,45 +16,44 @@ using Gains2 = Eigen::Vector2d;
 
 void add_contact_models(py::module_& m) {
   using Abstract = ContactModelAbstract;
-  shared<Abstract>(m, "ContactModelAbstract")
+  shared<Abstract>(m)
       .read<&Abstract::get_state, &Abstract::get_nc, &Abstract::get_nu>()
       .property<&Abstract::get_id, &Abstract::set_id, &Abstract::get_type, &Abstract::set_type, &Abstract::get_gains,
                 &Abstract::set_gains>()
       .def("__str__", &text_of<Abstract>);
 
-  shared<ContactModel1D, ContactModelAbstract>(m, "ContactModel1D")
+  shared<ContactModel1D, ContactModelAbstract>(m)
       .constructors<void(State, std::size_t, double, ReferenceFrame, const Eigen::Matrix3d&, std::size_t,
                          const Gains2&),
                     void(State, std::size_t, double, std::size_t, const Gains2&)>()
       .property<&ContactModel1D::get_axis, &ContactModel1D::set_axis>()
       .property("reference", &ContactModel1D::get_reference, [](ContactModel1D& c, double x) { c.set_reference(x); });
-  shared<ContactModel2D, ContactModelAbstract>(m, "ContactModel2D")
+  shared<ContactModel2D, ContactModelAbstract>(m)
       .constructors<void(State, std::size_t, const Eigen::Vector2d&, std::size_t, const Gains2&, ReferenceFrame)>()
       .property<&ContactModel2D::get_reference, &ContactModel2D::set_reference>();
-  shared<ContactModel3D, ContactModelAbstract>(m, "ContactModel3D")
+  shared<ContactModel3D, ContactModelAbstract>(m)
       .constructors<void(State, std::size_t, const Eigen::Vector3d&, ReferenceFrame, std::size_t, const Gains2&),
                     void(State, std::size_t, const Eigen::Vector3d&, ReferenceFrame, const Gains2&)>()
       .property<&ContactModel3D::get_reference, &ContactModel3D::set_reference>();
-  shared<ContactModel6D, ContactModelAbstract>(m, "ContactModel6D")
+  shared<ContactModel6D, ContactModelAbstract>(m)
       .constructors<void(State, std::size_t, const SE3<double>&, ReferenceFrame, std::size_t, const Gains2&),
                     void(State, std::size_t, const SE3<double>&, ReferenceFrame, const Gains2&)>()
       .property(
           "reference", [](const ContactModel6D& c) -> SE3<double> { return c.get_reference(); },
           &ContactModel6D::set_reference);
-  shared<ContactModelBetweenBodies, ContactModelAbstract>(m, "ContactModelBetweenBodies")
+  shared<ContactModelBetweenBodies, ContactModelAbstract>(m)
       .constructors<void(State, ContactType, std::size_t, std::size_t, const SE3<double>&, ReferenceFrame, std::size_t,
                          const Gains2&, const Eigen::Vector3d&)>()
       .read<&ContactModelBetweenBodies::get_to>();
-  shared<ContactModelOfScene, ContactModelAbstract>(m, "ContactModelOfScene")
-      .constructors<void(State, const Contact&, std::size_t)>();
+  shared<ContactModelOfScene, ContactModelAbstract>(m).constructors<void(State, const Contact&, std::size_t)>();
 
-  shared<ContactDataAbstract>(m, "ContactDataAbstract")
+  shared<ContactDataAbstract>(m)
       .read<&ContactDataAbstract::f, &ContactDataAbstract::Jc, &ContactDataAbstract::a0,
             &ContactDataAbstract::v_columns, &ContactDataAbstract::active>();
 
-  shared<ContactItem>(m, "ContactItem").read<&ContactItem::name, &ContactItem::contact, &ContactItem::active>();
+  shared<ContactItem>(m).read<&ContactItem::name, &ContactItem::contact, &ContactItem::active>();
   using Multiple = ContactModelMultiple;
-  shared<Multiple>(m, "ContactModelMultiple")
+  shared<Multiple>(m)
       .constructors<void(State, std::size_t), void(State)>()
       .methods<&Multiple::addContact, &Multiple::removeContact, &Multiple::changeContactStatus,
                &Multiple::getContactStatus>()
@@ -66,17 +65,17 @@ void add_contact_models(py::module_& m) {
 
 void add_impulses(py::module_& m) {
   using Abstract = ImpulseModelAbstract;
-  shared<Abstract>(m, "ImpulseModelAbstract")
+  shared<Abstract>(m)
       .read<&Abstract::get_nc>()
       .property<&Abstract::get_id, &Abstract::set_id, &Abstract::get_type, &Abstract::set_type>()
       .def("__str__", &text_of<Abstract>);
-  shared<ImpulseModel3D, Abstract>(m, "ImpulseModel3D").constructors<void(State, std::size_t, ReferenceFrame)>();
-  shared<ImpulseModel6D, Abstract>(m, "ImpulseModel6D").constructors<void(State, std::size_t, ReferenceFrame)>();
-  shared<ImpulseModelBetweenBodies, Abstract>(m, "ImpulseModelBetweenBodies")
+  shared<ImpulseModel3D, Abstract>(m).constructors<void(State, std::size_t, ReferenceFrame)>();
+  shared<ImpulseModel6D, Abstract>(m).constructors<void(State, std::size_t, ReferenceFrame)>();
+  shared<ImpulseModelBetweenBodies, Abstract>(m)
       .constructors<void(State, ContactType, std::size_t, std::size_t, const SE3<double>&, ReferenceFrame,
                          const Eigen::Vector3d&)>();
   using Multiple = ImpulseModelMultiple;
-  shared<Multiple>(m, "ImpulseModelMultiple")
+  shared<Multiple>(m)
       .constructors<void(State)>()
       .methods<&Multiple::addImpulse, &Multiple::removeImpulse, &Multiple::changeImpulseStatus,
                &Multiple::getImpulseStatus>()
@@ -101,10 +100,10 @@ auto sparse(const Eigen::SparseMatrix<double>& (AbstractData::*get)() const) {
 }
 
 void add_base(py::module_& m) {
-  enumeration<MatrixStorage>(m, "MatrixStorage");
+  enumeration<MatrixStorage>(m);
 
-  auto data = shared<AbstractData>(m, "DifferentialActionDataAbstract");
-  auto model = shared<Abstract, PyActionModel<Abstract, AbstractData>>(m, "DifferentialActionModelAbstract");
+  auto data = shared<AbstractData>(m);
+  auto model = shared<Abstract, PyActionModel<Abstract, AbstractData>>(m);
   data.constructors<void(const Abstract*)>();
   add_action_data(data);
   data.views<&AbstractData::xout>();
@@ -125,12 +124,11 @@ void add_forward_dynamics(py::module_& m) {
   using Costs = std::shared_ptr<CostModelSum>;
   using Constraints = std::shared_ptr<ConstraintModelManager>;
 
-  shared<Data, AbstractData>(m, "DifferentialActionDataContactFwdDynamics")
-      .read(
-          "report", [](const Data& d) { return d.report(); }, "costs", [](const Data& d) { return d.costs->costs; },
-          "contacts", [](const Data& d) { return d.multibody->contacts->contacts; });
+  shared<Data, AbstractData>(m).read(
+      "report", [](const Data& d) { return d.report(); }, "costs", [](const Data& d) { return d.costs->costs; },
+      "contacts", [](const Data& d) { return d.multibody->contacts->contacts; });
 
-  shared<Model, Abstract>(m, "DifferentialActionModelContactFwdDynamics")
+  shared<Model, Abstract>(m)
       .constructors<void(State, Actuation, Contacts, Costs, double, bool),
                     void(State, Actuation, Contacts, Costs, Constraints, double, bool)>()
       .read<&Model::get_actuation, &Model::get_contacts, &Model::get_costs, &Model::get_constraints,
@@ -144,11 +142,10 @@ void add_forward_dynamics(py::module_& m) {
           },
           [](Model& x, const Options& options) { x.set_options(options); });
   using Free = DifferentialActionModelFreeFwdDynamics;
-  shared<Free, Model>(m, "DifferentialActionModelFreeFwdDynamics")
-      .constructors<void(State, Actuation, Costs, Constraints)>();
+  shared<Free, Model>(m).constructors<void(State, Actuation, Costs, Constraints)>();
 
   using NumDiff = DifferentialActionModelNumDiff;
-  shared<NumDiff, Abstract>(m, "DifferentialActionModelNumDiff")
+  shared<NumDiff, Abstract>(m)
       .constructors<void(std::shared_ptr<Abstract>, bool)>()
       .read<&NumDiff::get_model>()
       .property<&NumDiff::get_disturbance, &NumDiff::set_disturbance>();

@@ -25,8 +25,8 @@ void add_updated(Class<Cone>& c, Given... given) {
 
 // A cone, pickled as the class and the arguments of its constructor.
 template <class Cone, class... Arguments>
-void add_cone(py::module_& m, const char* name, auto... arguments) {
-  Class<Cone> c(m, name);
+void add_cone(py::module_& m, auto... arguments) {
+  Class<Cone> c(m);
   add_copy(c)
       .template constructors<void(Arguments...)>()
       .methods<&Cone::update>()
@@ -49,12 +49,11 @@ void add_cones(py::module_& m) {
   using Box = const Eigen::Vector2d&;
   using F = FrictionCone;
   using W = WrenchCone;
-  add_cone<F, R, double, std::size_t, bool, double, double>(m, "FrictionCone", &F::get_R, &F::get_mu, &F::get_nf,
-                                                            &F::get_inner_appr, &F::get_min_nforce, &F::get_max_nforce);
-  add_cone<W, R, double, Box, std::size_t, bool, double, double>(m, "WrenchCone", &W::get_R, &W::get_mu, &W::get_box,
-                                                                 &W::get_nf, &W::get_inner_appr, &W::get_min_nforce,
-                                                                 &W::get_max_nforce);
-  add_cone<CoPSupport, R, Box>(m, "CoPSupport", &CoPSupport::get_R, &CoPSupport::get_box);
+  add_cone<F, R, double, std::size_t, bool, double, double>(m, &F::get_R, &F::get_mu, &F::get_nf, &F::get_inner_appr,
+                                                            &F::get_min_nforce, &F::get_max_nforce);
+  add_cone<W, R, double, Box, std::size_t, bool, double, double>(
+      m, &W::get_R, &W::get_mu, &W::get_box, &W::get_nf, &W::get_inner_appr, &W::get_min_nforce, &W::get_max_nforce);
+  add_cone<CoPSupport, R, Box>(m, &CoPSupport::get_R, &CoPSupport::get_box);
 }
 
 using CostData = std::shared_ptr<CostDataAbstract>;
@@ -104,7 +103,7 @@ void add_derivatives(Class<CostDataAbstract, CostData>& c, Given... given) {
 }
 
 void add_cost_data(py::module_& m) {
-  auto data = shared<CostDataAbstract>(m, "CostDataAbstract");
+  auto data = shared<CostDataAbstract>(m);
   data.def(py::init([](CostModelAbstract& model, const std::shared_ptr<Shared>& shared) {
         return std::make_shared<CostDataAbstract>(&model, shared->collector());
       }))
@@ -122,7 +121,7 @@ void add_cost_models(py::module_& m) {
   using Activation = std::shared_ptr<ActivationModelAbstract>;
   using Residual = std::shared_ptr<ResidualModelAbstract>;
   using Abstract = CostModelAbstract;
-  auto abstract = shared<Abstract, PyCost<Abstract>>(m, "CostModelAbstract");
+  auto abstract = shared<Abstract, PyCost<Abstract>>(m);
   add_cost_data(m);
   abstract.constructors<void(State, Activation, Residual), void(State, Activation, std::size_t), void(State, Residual),
                         void(State, Activation), void(State, std::size_t), void(State)>();
@@ -132,13 +131,11 @@ void add_cost_models(py::module_& m) {
            [](Abstract& c, const std::shared_ptr<Shared>& shared) { return c.createData(shared->collector()); })
       .read<&Abstract::get_state, &Abstract::get_activation, &Abstract::get_residual, &Abstract::get_nu>()
       .def("__str__", &text_of<Abstract>);
-  shared<CostModelResidual, PyCost<CostModelResidual>, Abstract>(m, "CostModelResidual")
+  shared<CostModelResidual, PyCost<CostModelResidual>, Abstract>(m)
       .constructors<void(State, Activation, Residual), void(State, Residual)>();
-  shared<CostItem>(m, "CostItem")
-      .read<&CostItem::name, &CostItem::cost, &CostItem::active>()
-      .write<&CostItem::weight>();
+  shared<CostItem>(m).read<&CostItem::name, &CostItem::cost, &CostItem::active>().write<&CostItem::weight>();
   using Sum = CostModelSum;
-  shared<Sum>(m, "CostModelSum")
+  shared<Sum>(m)
       .constructors<void(State, std::size_t), void(State)>()
       .methods<&Sum::addCost, &Sum::removeCost, &Sum::changeCostStatus, &Sum::getCostStatus>()
       .read<&Sum::get_state, &Sum::get_costs, &Sum::get_nu, &Sum::get_nr, &Sum::get_active_set,
@@ -149,7 +146,7 @@ void add_cost_models(py::module_& m) {
 void add_constraints(py::module_& m) {
   using Residual = std::shared_ptr<ResidualModelAbstract>;
   using One = ConstraintModelResidual;
-  shared<One>(m, "ConstraintModelResidual")
+  shared<One>(m)
       .def(py::init([](State state, Residual residual, const Bounds& lower, const Bounds& upper, bool T_act) {
         return std::make_shared<One>(std::move(state), std::move(residual), lower.x, upper.x, T_act);
       }))
@@ -157,7 +154,7 @@ void add_constraints(py::module_& m) {
       .read<&One::get_residual, &One::get_ng, &One::get_nh, &One::get_lb, &One::get_ub>()
       .def("__str__", &text_of<One>);
   using Manager = ConstraintModelManager;
-  shared<Manager>(m, "ConstraintModelManager")
+  shared<Manager>(m)
       .constructors<void(State, std::size_t), void(State)>()
       .methods<&Manager::addConstraint, &Manager::removeConstraint, &Manager::changeConstraintStatus,
                &Manager::getConstraintStatus>()

@@ -124,8 +124,8 @@ auto set_whole(const char* name, Eigen::MatrixXd ResidualDataAbstract::*member,
 // A residual with a reference. Cones are the residual's own, which setting their members changes; other references are
 // copies.
 template <class T, class... Signatures>
-auto residual(py::module_& m, const char* name) {
-  auto c = shared<T, ResidualModelAbstract>(m, name);
+auto residual(py::module_& m) {
+  auto c = shared<T, ResidualModelAbstract>(m);
   c.template constructors<Signatures...>();
   if constexpr (requires(T & r) { r.get_reference(); }) {
     using X = std::decay_t<decltype(std::declval<T&>().get_reference())>;
@@ -139,11 +139,11 @@ auto residual(py::module_& m, const char* name) {
 
 void add_residual_base(py::module_& m) {
   using Abstract = ResidualModelAbstract;
-  value<Dependence>(m, "Dependence")
+  value<Dependence>(m)
       .from_members<bool, bool, bool, bool, bool>()
       .write<&Dependence::q, &Dependence::v, &Dependence::u, &Dependence::acceleration, &Dependence::forces>();
 
-  auto data = shared<ResidualDataAbstract>(m, "ResidualDataAbstract");
+  auto data = shared<ResidualDataAbstract>(m);
   using D = ResidualDataAbstract;
   using B = ResidualBlock;
   data.property("Rx", whole(&D::Rx, &D::whole_Rx), set_whole("Rx", &D::Rx, &D::whole_Rx, &B::Rx, &B::xcols), "Ru",
@@ -151,7 +151,7 @@ void add_residual_base(py::module_& m) {
       .read("shared", [](const D& d) { return Scope::shared_of(&d); })
       .views<&D::r>();
 
-  auto model = shared<Abstract, PyResidual>(m, "ResidualModelAbstract");
+  auto model = shared<Abstract, PyResidual>(m);
   data.def(py::init([](const Abstract& model, const std::shared_ptr<Shared>& shared) {
     return std::make_shared<ResidualDataAbstract>(&model, shared->collector());
   }));
@@ -165,11 +165,11 @@ void add_residual_base(py::module_& m) {
 
 // (state, id, reference, nu) and (state, id, reference).
 template <class T, class Reference>
-void residual_of_frame(py::module_& m, const char* name) {
-  auto c = residual<T, void(State, Index, const Reference&, Index), void(State, Index, const Reference&)>(m, name);
-  c.property<&T::get_id, &T::set_id>();
+void residual_of_frame(py::module_& m) {
+  auto c = residual<T, void(State, Index, const Reference&, Index), void(State, Index, const Reference&)>(m);
+  c.template property<&T::get_id, &T::set_id>();
   if constexpr (std::is_base_of_v<ContactResidual, T>)
-    c.property<&T::get_axes, &T::set_axes, &T::get_contact, &T::set_contact>();
+    c.template property<&T::get_axes, &T::set_axes, &T::get_contact, &T::set_contact>();
 }
 
 void add_residuals_of_states(py::module_& m) {
@@ -177,34 +177,29 @@ void add_residuals_of_states(py::module_& m) {
   using V = const Vector&;
   using V3 = const Eigen::Vector3d&;
   using V6 = const Vec6<double>&;
-  residual<ResidualModelState, void(State, V, Index), void(State, V), void(State, Index), void(State)>(
-      m, "ResidualModelState");
-  residual<ResidualModelControl, void(State, V), void(State, Index), void(State)>(m, "ResidualModelControl");
+  residual<ResidualModelState, void(State, V, Index), void(State, V), void(State, Index), void(State)>(m);
+  residual<ResidualModelControl, void(State, V), void(State, Index), void(State)>(m);
   residual<ResidualModelJointEffort, void(State, Actuation, V, Index), void(State, Actuation, V),
-           void(State, Actuation, Index), void(State, Actuation)>(m, "ResidualModelJointEffort");
-  residual<ResidualModelJointAcceleration, void(State, V, Index), void(State, Index), void(State)>(
-      m, "ResidualModelJointAcceleration");
-  residual<ResidualModelCoMPosition, void(State, V3, Index, int), void(State, V3)>(m, "ResidualModelCoMPosition");
-  residual<ResidualModelCentroidalMomentum, void(State, V6, Index, int), void(State, V6)>(
-      m, "ResidualModelCentroidalMomentum");
+           void(State, Actuation, Index), void(State, Actuation)>(m);
+  residual<ResidualModelJointAcceleration, void(State, V, Index), void(State, Index), void(State)>(m);
+  residual<ResidualModelCoMPosition, void(State, V3, Index, int), void(State, V3)>(m);
+  residual<ResidualModelCentroidalMomentum, void(State, V6, Index, int), void(State, V6)>(m);
   using F = ResidualModelFrameVelocity;
-  residual<F, void(State, Index, V6, ReferenceFrame, Index), void(State, Index, V6, ReferenceFrame)>(
-      m, "ResidualModelFrameVelocity")
+  residual<F, void(State, Index, V6, ReferenceFrame, Index), void(State, Index, V6, ReferenceFrame)>(m)
       .property<&F::get_id, &F::set_id, &F::get_type, &F::set_type>();
-  residual<ResidualModelContactForce, void(State, Index, V6, Index, Index), void(State, Index, V6, Index)>(
-      m, "ResidualModelContactForce");
-  residual<ResidualModelControlGrav, void(State, Index), void(State)>(m, "ResidualModelControlGrav");
-  residual<ResidualModelContactControlGrav, void(State, Index), void(State)>(m, "ResidualModelContactControlGrav");
-  residual<ResidualModelImpulseCoM, void(State)>(m, "ResidualModelImpulseCoM");
+  residual<ResidualModelContactForce, void(State, Index, V6, Index, Index), void(State, Index, V6, Index)>(m);
+  residual<ResidualModelControlGrav, void(State, Index), void(State)>(m);
+  residual<ResidualModelContactControlGrav, void(State, Index), void(State)>(m);
+  residual<ResidualModelImpulseCoM, void(State)>(m);
 }
 
 void add_residuals_of_frames(py::module_& m) {
-  residual_of_frame<ResidualModelFramePlacement, SE3<double>>(m, "ResidualModelFramePlacement");
-  residual_of_frame<ResidualModelFrameTranslation, Eigen::Vector3d>(m, "ResidualModelFrameTranslation");
-  residual_of_frame<ResidualModelFrameRotation, Eigen::Matrix3d>(m, "ResidualModelFrameRotation");
-  residual_of_frame<ResidualModelContactFrictionCone, FrictionCone>(m, "ResidualModelContactFrictionCone");
-  residual_of_frame<ResidualModelContactWrenchCone, WrenchCone>(m, "ResidualModelContactWrenchCone");
-  residual_of_frame<ResidualModelContactCoPPosition, CoPSupport>(m, "ResidualModelContactCoPPosition");
+  residual_of_frame<ResidualModelFramePlacement, SE3<double>>(m);
+  residual_of_frame<ResidualModelFrameTranslation, Eigen::Vector3d>(m);
+  residual_of_frame<ResidualModelFrameRotation, Eigen::Matrix3d>(m);
+  residual_of_frame<ResidualModelContactFrictionCone, FrictionCone>(m);
+  residual_of_frame<ResidualModelContactWrenchCone, WrenchCone>(m);
+  residual_of_frame<ResidualModelContactCoPPosition, CoPSupport>(m);
 }
 
 }  // namespace
@@ -224,7 +219,7 @@ std::shared_ptr<Shared> Scope::shared_of(const void* data) {
 void add_residual_models(py::module_& m) {
   add_shared(m);
   add_residual_base(m);
-  enumeration<ConeAxes>(m, "ConeAxes");
+  enumeration<ConeAxes>(m);
   add_residuals_of_states(m);
   add_residuals_of_frames(m);
 }

@@ -18,7 +18,7 @@ using Problem = std::shared_ptr<ShootingProblem>;
 void add_problem(py::module_& m) {
   using P = ShootingProblem;
   using Model = std::shared_ptr<ActionModelAbstract>;
-  shared<P>(m, "ShootingProblem")
+  shared<P>(m)
       .constructors<void(const Eigen::VectorXd&, const P::Models&, Model)>(Unlocked())
       .unlocked<&P::calc, &P::calcDiff>()
       .unlocked("rollout", &P::rollout_us, "quasiStatic", &P::quasiStatic_xs)
@@ -160,10 +160,10 @@ const py::custom_type_setup kCollected([](PyHeapTypeObject* type) {
 });
 
 void add_solver_base(py::module_& m) {
-  enumeration<StopReason>(m, "StopReason");
+  enumeration<StopReason>(m);
 
   using S = SolverAbstract;
-  auto callback = shared<CallbackAbstract, PyCallback>(m, "CallbackAbstract");
+  auto callback = shared<CallbackAbstract, PyCallback>(m);
   auto solver = shared<S>(m, "SolverAbstract", kCollected);
   callback.constructors<void()>().def("__call__", [](CallbackAbstract& c, SolverAbstract& of) {
     if (dynamic_cast<PyCallback*>(&c)) PyCallback::throw_undefined();  // it has none, or calls super()'s
@@ -184,7 +184,7 @@ void add_solver_base(py::module_& m) {
 
 void add_solver_classes(py::module_& m) {
   using D = SolverDDP;
-  shared<D, PySolver<D>, SolverAbstract>(m, "SolverDDP")
+  shared<D, PySolver<D>, SolverAbstract>(m)
       .constructors<void(Problem)>(Unlocked())
       .unlocked<&D::calcDiff, &D::backwardPass, &D::allocateData, &D::increaseRegularization,
                 &D::decreaseRegularization, &D::forwardPass>()
@@ -192,22 +192,21 @@ void add_solver_classes(py::module_& m) {
             &D::get_k>()
       .property<&D::get_alphas, &D::set_alphas, &D::get_reg_min, &D::set_reg_min, &D::get_reg_max, &D::set_reg_max,
                 &D::get_th_grad, &D::set_th_grad>();
-  shared<SolverFDDP, PySolver<SolverFDDP>, D>(m, "SolverFDDP")
+  shared<SolverFDDP, PySolver<SolverFDDP>, D>(m)
       .constructors<void(Problem)>(Unlocked())
       .property("th_acceptNegStep", &SolverFDDP::get_th_acceptnegstep, &SolverFDDP::set_th_acceptnegstep);
-  shared<SolverBoxDDP, PySolver<SolverBoxDDP>, D>(m, "SolverBoxDDP").constructors<void(Problem)>(Unlocked());
-  shared<SolverBoxFDDP, PySolver<SolverBoxFDDP>, SolverFDDP>(m, "SolverBoxFDDP")
-      .constructors<void(Problem)>(Unlocked());
-  shared<SolverKKT, SolverAbstract>(m, "SolverKKT")
+  shared<SolverBoxDDP, PySolver<SolverBoxDDP>, D>(m).constructors<void(Problem)>(Unlocked());
+  shared<SolverBoxFDDP, PySolver<SolverBoxFDDP>, SolverFDDP>(m).constructors<void(Problem)>(Unlocked());
+  shared<SolverKKT, SolverAbstract>(m)
       .constructors<void(Problem)>(Unlocked())
       .def("calcDiff", &SolverKKT::calcDiff, Unlocked())
       .read<&SolverKKT::get_kkt, &SolverKKT::get_kktref, &SolverKKT::get_primaldual, &SolverKKT::get_dxs,
             &SolverKKT::get_dus, &SolverKKT::get_lambdas>();
-  shared<SolverSparse, PySolver<SolverSparse>, SolverFDDP>(m, "SolverSparse")
+  shared<SolverSparse, PySolver<SolverSparse>, SolverFDDP>(m)
       .constructors<void(Problem, bool)>(Unlocked())
       .def("blocks", &SolverSparse::blocks);
   using A = SolverAugmentedLagrangian;
-  shared<A, SolverAbstract>(m, "SolverAugmentedLagrangian")
+  shared<A, SolverAbstract>(m)
       .constructors<void(Problem)>(Unlocked())
       .def("reset", &A::reset)
       .property<&A::get_multipliers, &A::set_multipliers, &A::get_penalty, &A::set_penalty, &A::get_penalty_init,
@@ -217,13 +216,13 @@ void add_solver_classes(py::module_& m) {
 }
 
 void add_callbacks(py::module_& m) {
-  enumeration<VerboseLevel, _0, _1, _2, _3, _4>(m, "VerboseLevel");
-  shared<CallbackVerbose, CallbackAbstract>(m, "CallbackVerbose")
+  enumeration<VerboseLevel, _0, _1, _2, _3, _4>(m);
+  shared<CallbackVerbose, CallbackAbstract>(m)
       .constructors<void(VerboseLevel, int)>()
       .property<&CallbackVerbose::get_level, &CallbackVerbose::set_level, &CallbackVerbose::get_precision,
                 &CallbackVerbose::set_precision>();
   using L = CallbackLogger;
-  shared<L, CallbackAbstract>(m, "CallbackLogger")
+  shared<L, CallbackAbstract>(m)
       .constructors<void()>()
       .read<&L::xs, &L::us, &L::fs, &L::iters, &L::costs, &L::stops, &L::grads, &L::pregs, &L::steps, &L::ffeass,
             &L::gfeass, &L::hfeass, &L::feasible>();

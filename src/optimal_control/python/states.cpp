@@ -20,9 +20,9 @@ void judge(const char* function, const char* what, const StateAbstract& state, c
 }
 
 void add_states(py::module_& m) {
-  enumeration<Jcomponent, both, first, second>(m, "Jcomponent");
+  enumeration<Jcomponent, both, first, second>(m);
 
-  shared<Multibody>(m, "Multibody")
+  shared<Multibody>(m)
       .read<&Multibody::nq, &Multibody::nv, &Multibody::armature, &Multibody::effortLimit>()
       .read("frame_names",
             [](const Multibody& x) {
@@ -33,7 +33,7 @@ void add_states(py::module_& m) {
       .methods<&Multibody::getFrameId, &Multibody::existFrame>();
 
   using S = StateAbstract;
-  auto state = shared<S>(m, "StateAbstract");
+  auto state = shared<S>(m);
   state.read<&S::get_nx, &S::get_ndx, &S::get_nq, &S::get_nv>();
   add_bounds(state, "lb", &S::get_lb, &S::set_lb, "ub", &S::get_ub, &S::set_ub);
   state.read<&S::get_has_limits>()
@@ -50,7 +50,7 @@ void add_states(py::module_& m) {
            })
       .methods("Jdiff", &S::Jdiff_Js, "Jintegrate", &S::Jintegrate_Js);
 
-  shared<StateMultibody, StateAbstract>(m, "StateMultibody")
+  shared<StateMultibody, StateAbstract>(m)
       .constructors<void(const Scene&)>()
       .def(py::init([](std::shared_ptr<Model> model) {
         return std::make_shared<StateMultibody>(std::shared_ptr<const Model>(std::move(model)));
@@ -106,8 +106,8 @@ void add_matrices(Class<ActuationDataAbstract, ActuationData>& c, Given... given
 void add_actuations(py::module_& m) {
   using Abstract = ActuationModelAbstract;
   using State_ = std::shared_ptr<StateAbstract>;
-  auto data = shared<ActuationDataAbstract>(m, "ActuationDataAbstract");
-  auto model = shared<Abstract, PyActuation<Abstract>>(m, "ActuationModelAbstract");
+  auto data = shared<ActuationDataAbstract>(m);
+  auto model = shared<Abstract, PyActuation<Abstract>>(m);
   data.constructors<void(const Abstract*)>();
   data.views<&ActuationDataAbstract::tau, &ActuationDataAbstract::u>();
   add_matrices(data, "dtau_dx", &ActuationDataAbstract::dtau_dx, "dtau_du", &ActuationDataAbstract::dtau_du, "Mtau",
@@ -121,11 +121,9 @@ void add_actuations(py::module_& m) {
            py::overload_cast<const ActuationData&, const ConstVectorRef&, const ConstVectorRef&>(&Abstract::calcDiff))
       .methods<&Abstract::commands, &Abstract::torqueTransform>()
       .methods("__str__", &text_of<Abstract>);
-  shared<ActuationModelSelection, Abstract>(m, "ActuationModelSelection");
-  shared<ActuationModelFull, PyActuation<ActuationModelFull>, ActuationModelSelection>(m, "ActuationModelFull")
-      .constructors<void(State)>();
-  shared<ActuationModelFloatingBase, PyActuation<ActuationModelFloatingBase>, ActuationModelSelection>(
-      m, "ActuationModelFloatingBase")
+  shared<ActuationModelSelection, Abstract>(m);
+  shared<ActuationModelFull, PyActuation<ActuationModelFull>, ActuationModelSelection>(m).constructors<void(State)>();
+  shared<ActuationModelFloatingBase, PyActuation<ActuationModelFloatingBase>, ActuationModelSelection>(m)
       .constructors<void(State)>();
 }
 
@@ -147,8 +145,8 @@ struct PyActivation : ActivationModelAbstract {
 
 void add_activation_base(py::module_& m) {
   using Abstract = ActivationModelAbstract;
-  auto data = shared<ActivationDataAbstract>(m, "ActivationDataAbstract");
-  auto model = shared<Abstract, PyActivation>(m, "ActivationModelAbstract");
+  auto data = shared<ActivationDataAbstract>(m);
+  auto model = shared<Abstract, PyActivation>(m);
   data.def(py::init([](const Abstract& model) { return std::make_shared<ActivationDataAbstract>(model.get_nr()); }))
       .write<&ActivationDataAbstract::a_value>()
       .property(
@@ -174,28 +172,22 @@ void add_activation_base(py::module_& m) {
 }
 
 void add_activations(py::module_& m) {
-  shared<ActivationModelQuad, ActivationModelAbstract>(m, "ActivationModelQuad").constructors<void(std::size_t)>();
-  shared<ActivationModelWeightedQuad, ActivationModelAbstract>(m, "ActivationModelWeightedQuad")
+  shared<ActivationModelQuad, ActivationModelAbstract>(m).constructors<void(std::size_t)>();
+  shared<ActivationModelWeightedQuad, ActivationModelAbstract>(m)
       .constructors<void(const Vector&)>()
       .property<&ActivationModelWeightedQuad::get_weights, &ActivationModelWeightedQuad::set_weights>();
-  shared<ActivationModelQuadraticBarrier, ActivationModelAbstract>(m, "ActivationModelQuadraticBarrier")
+  shared<ActivationModelQuadraticBarrier, ActivationModelAbstract>(m)
       .constructors<void(const ActivationBounds&)>()
       .property(
           "bounds", [](const ActivationModelQuadraticBarrier& a) { return ActivationBounds(a.get_bounds()); },
           &ActivationModelQuadraticBarrier::set_bounds);
-  shared<ActivationModelWeightedQuadraticBarrier, ActivationModelQuadraticBarrier>(
-      m, "ActivationModelWeightedQuadraticBarrier")
+  shared<ActivationModelWeightedQuadraticBarrier, ActivationModelQuadraticBarrier>(m)
       .constructors<void(const ActivationBounds&, const Vector&)>();
-  shared<ActivationModelSmooth1Norm, ActivationModelAbstract>(m, "ActivationModelSmooth1Norm")
-      .constructors<void(std::size_t, double)>();
-  shared<ActivationModelSmooth2Norm, ActivationModelAbstract>(m, "ActivationModelSmooth2Norm")
-      .constructors<void(std::size_t, double)>();
-  shared<ActivationModel2NormBarrier, ActivationModelAbstract>(m, "ActivationModel2NormBarrier")
-      .constructors<void(std::size_t, double, bool)>();
-  shared<ActivationModelQuadFlatExp, ActivationModelAbstract>(m, "ActivationModelQuadFlatExp")
-      .constructors<void(std::size_t, double)>();
-  shared<ActivationModelQuadFlatLog, ActivationModelAbstract>(m, "ActivationModelQuadFlatLog")
-      .constructors<void(std::size_t, double)>();
+  shared<ActivationModelSmooth1Norm, ActivationModelAbstract>(m).constructors<void(std::size_t, double)>();
+  shared<ActivationModelSmooth2Norm, ActivationModelAbstract>(m).constructors<void(std::size_t, double)>();
+  shared<ActivationModel2NormBarrier, ActivationModelAbstract>(m).constructors<void(std::size_t, double, bool)>();
+  shared<ActivationModelQuadFlatExp, ActivationModelAbstract>(m).constructors<void(std::size_t, double)>();
+  shared<ActivationModelQuadFlatLog, ActivationModelAbstract>(m).constructors<void(std::size_t, double)>();
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ TaskSolution optimize_task(const TaskFile& task, const std::shared_ptr<TaskProbl
 }
 
 void add_simulated_motion(py::module_& m) {
-  value<SimulatedMotion>(m, "SimulatedMotion")
+  value<SimulatedMotion>(m)
       .read<&SimulatedMotion::stopped, &SimulatedMotion::xs, &SimulatedMotion::energy_lost,
             &SimulatedMotion::position_drift, &SimulatedMotion::velocity_drift, &SimulatedMotion::distance>();
   def_as(
@@ -41,27 +41,25 @@ void add_simulated_motion(py::module_& m) {
 }
 
 void add_task_files(py::module_& m) {
-  enumeration<TaskSolver>(m, "TaskSolver");
-  value<TaskFile, std::shared_ptr<TaskFile>>(m, "TaskFile")
+  enumeration<TaskSolver>(m);
+  value<TaskFile, std::shared_ptr<TaskFile>>(m)
       .read<&TaskFile::path, &TaskFile::name, &TaskFile::step, &TaskFile::nodes>()
       .read("scene", [](const std::shared_ptr<TaskFile>& t) { return std::shared_ptr<SceneFile>(t, &t->scene); })
       .write<&TaskFile::solver, &TaskFile::iterations, &TaskFile::tolerance>();
-  shared<TaskProblem>(m, "TaskProblem")
+  shared<TaskProblem>(m)
       .read<&TaskProblem::state, &TaskProblem::actuation, &TaskProblem::models, &TaskProblem::problem,
             &TaskProblem::parts, &TaskProblem::blocks>()
       .write<&TaskProblem::xs, &TaskProblem::us, &TaskProblem::multipliers>();
 }
 
 void add_task_solutions(py::module_& m) {
-  value<TaskIteration>(m, "TaskIteration")
+  value<TaskIteration>(m)
       .read<&TaskIteration::cost, &TaskIteration::stop, &TaskIteration::regularisation, &TaskIteration::step_length,
             &TaskIteration::gaps, &TaskIteration::feasible>();
-  value<TaskViolation>(m, "TaskViolation").read<&TaskViolation::constraint, &TaskViolation::by, &TaskViolation::node>();
-  auto gains = value<TaskGains>(m, "TaskGains");
-  gains.read<&TaskGains::dx, &TaskGains::u, &TaskGains::K>();
-  auto times = value<TaskTimes>(m, "TaskTimes");
-  times.read<&TaskTimes::calc, &TaskTimes::calc_diff, &TaskTimes::direction, &TaskTimes::total>();
-  value<TaskSolution>(m, "TaskSolution")
+  value<TaskViolation>(m).read<&TaskViolation::constraint, &TaskViolation::by, &TaskViolation::node>();
+  value<TaskGains>(m).read<&TaskGains::dx, &TaskGains::u, &TaskGains::K>();
+  value<TaskTimes>(m).read<&TaskTimes::calc, &TaskTimes::calc_diff, &TaskTimes::direction, &TaskTimes::total>();
+  value<TaskSolution>(m)
       .read<&TaskSolution::converged, &TaskSolution::cost, &TaskSolution::reason, &TaskSolution::remarks,
             &TaskSolution::multipliers, &TaskSolution::iterations, &TaskSolution::polishing_iterations,
             &TaskSolution::xs, &TaskSolution::us, &TaskSolution::gains, &TaskSolution::solver, &TaskSolution::direction,

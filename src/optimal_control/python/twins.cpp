@@ -33,7 +33,7 @@ Items<Handle<Thruster>> thrusters_of(const std::shared_ptr<ActuationModelFloatin
 }
 
 void add_thrusters(py::module_& m) {
-  enumeration<ThrusterType, CW, CCW>(m, "ThrusterType");
+  enumeration<ThrusterType, CW, CCW>(m);
   using Held = Handle<Thruster>;
   Class<Held> c(m, "Thruster");
   c.def(py::init([](const SE3<double>& pose, double ctorque, ThrusterType type, double min, double max) {
@@ -42,38 +42,34 @@ void add_thrusters(py::module_& m) {
   c.fields<&Thruster::pose, &Thruster::ctorque, &Thruster::type, &Thruster::min_thrust, &Thruster::max_thrust>();
   add_items<Held>(m, "ThrusterList", false);
   using Model = ActuationModelFloatingBaseThrusters;
-  shared<Model, ActuationModelAbstract>(m, "ActuationModelFloatingBaseThrusters")
+  shared<Model, ActuationModelAbstract>(m)
       .constructors<void(std::shared_ptr<StateMultibody>, const std::vector<Thruster>&)>()
       .property("thrusters", &thrusters_of, &Model::set_thrusters)
-      .read<&Model::get_nthrusters>()
-      .read(
-          "Wthrust", [](const Model& x) { return x.get_Wthrust(); }, "S", [](const Model& x) { return x.get_S(); });
+      .read<&Model::get_nthrusters, &Model::get_Wthrust, &Model::get_S>();
 }
 
 void add_squashing(py::module_& m) {
-  using Data = std::shared_ptr<SquashingDataAbstract>;
   using Abstract = SquashingModelAbstract;
-  shared<SquashingDataAbstract>(m, "SquashingDataAbstract")
-      .read<&SquashingDataAbstract::u, &SquashingDataAbstract::du_ds>();
-  shared<Abstract>(m, "SquashingModelAbstract")
+  shared<SquashingDataAbstract>(m).read<&SquashingDataAbstract::u, &SquashingDataAbstract::du_ds>();
+  shared<Abstract>(m)
       .methods<&Abstract::createData, &Abstract::calc, &Abstract::calcDiff>()
       .read<&Abstract::get_ns>()
       .property<&Abstract::get_s_lb, &Abstract::set_s_lb, &Abstract::get_s_ub, &Abstract::set_s_ub>();
   using Smooth = SquashingModelSmoothSat;
-  shared<Smooth, Abstract>(m, "SquashingModelSmoothSat")
+  shared<Smooth, Abstract>(m)
       .constructors<void(const ConstVectorRef&, const ConstVectorRef&, std::size_t)>()
       .property<&Smooth::get_smooth, &Smooth::set_smooth>()
       .read<&Smooth::get_d>();
   using Model = ActuationSquashingModel;
-  shared<Model, ActuationModelAbstract>(m, "ActuationSquashingModel")
+  shared<Model, ActuationModelAbstract>(m)
       .constructors<void(std::shared_ptr<ActuationModelAbstract>, std::shared_ptr<Abstract>, std::size_t)>()
       .read<&Model::get_squashing, &Model::get_actuation>();
 }
 
 void add_box_qp(py::module_& m) {
-  shared<BoxQPSolution>(m, "BoxQPSolution")
+  shared<BoxQPSolution>(m)
       .read<&BoxQPSolution::Hff_inv, &BoxQPSolution::x, &BoxQPSolution::free_idx, &BoxQPSolution::clamped_idx>();
-  shared<BoxQP>(m, "BoxQP")
+  shared<BoxQP>(m)
       .constructors<void(std::size_t, std::size_t, double, double, double)>()
       .def("solve", [](BoxQP& x, const Matrix& H, const Vector& q, const Vector& lb, const Vector& ub,
                        const Vector& xinit) { return BoxQPSolution(x.solve(H, q, lb, ub, xinit)); })
@@ -86,7 +82,7 @@ void add_box_qp(py::module_& m) {
 
 void add_differential_lqr(py::module_& m) {
   using Lqr = DifferentialActionModelLQR;
-  shared<Lqr, DifferentialActionModelAbstract>(m, "DifferentialActionModelLQR")
+  shared<Lqr, DifferentialActionModelAbstract>(m)
       .constructors<void(const Matrix&, const Matrix&, const Matrix&, const Matrix&, const Matrix&, const Matrix&),
                     void(const Matrix&, const Matrix&, const Matrix&, const Matrix&, const Matrix&, const Matrix&,
                          const Vector&, const Vector&, const Vector&),
@@ -97,8 +93,8 @@ void add_differential_lqr(py::module_& m) {
 
 // A part with the values of another one, and derivatives by central differences.
 template <class Twin, class Part>
-void add_twin(py::module_& m, const char* name) {
-  shared<Twin, Part>(m, name)
+void add_twin(py::module_& m) {
+  shared<Twin, Part>(m)
       .def(py::init([](const std::shared_ptr<Part>& part) { return std::make_shared<Twin>(part); }))
       .property<&Twin::get_disturbance, &Twin::set_disturbance>();
 }
@@ -155,9 +151,9 @@ class Alone {
 };
 
 template <class Twin, class Part>
-auto add_alone(py::module_& m, const char* name) {
+auto add_alone(py::module_& m) {
   using One = Alone<Twin, Part>;
-  return shared<One>(m, name)
+  return shared<One>(m, type_name<Twin>())
       .template constructors<void(const std::shared_ptr<Part>&)>()
       .property<&One::get_disturbance, &One::set_disturbance>();
 }
@@ -165,14 +161,14 @@ auto add_alone(py::module_& m, const char* name) {
 void add_twins_of_parts(py::module_& m) {
   using U = std::optional<Vector>;
   using Cost = Alone<CostModelNumDiff, CostModelAbstract>;
-  add_alone<CostModelNumDiff, CostModelAbstract>(m, "CostModelNumDiff")
+  add_alone<CostModelNumDiff, CostModelAbstract>(m)
       .def("calc", [](Cost& c, const Vector& x, const U& u) { return c.at(x, u, false).cost; })
       .def("calcDiff", [](Cost& c, const Vector& x, const U& u) {
         const CostDataAbstract& d = c.at(x, u, true);
         return std::make_tuple(Vector(d.Lx), Vector(d.Lu), Matrix(d.Lxx), Matrix(d.Lxu), Matrix(d.Luu));
       });
   using Constraint = Alone<ConstraintModelNumDiff, ConstraintModelAbstract>;
-  add_alone<ConstraintModelNumDiff, ConstraintModelAbstract>(m, "ConstraintModelNumDiff")
+  add_alone<ConstraintModelNumDiff, ConstraintModelAbstract>(m)
       .def("calc",
            [](Constraint& c, const Vector& x, const U& u) {
              const ConstraintDataAbstract& d = c.at(x, u, false);
@@ -183,7 +179,7 @@ void add_twins_of_parts(py::module_& m) {
         return std::make_tuple(Matrix(d.Gx), Matrix(d.Gu), Matrix(d.Hx), Matrix(d.Hu));
       });
   using Contact = Alone<ContactModelNumDiff, ContactModelAbstract>;
-  add_alone<ContactModelNumDiff, ContactModelAbstract>(m, "ContactModelNumDiff")
+  add_alone<ContactModelNumDiff, ContactModelAbstract>(m)
       .def("calc", [](Contact& c, const Vector& x) { return Vector(c.at(x, {}, false).a0); })
       .def("calcDiff", [](Contact& c, const Vector& x) { return Matrix(c.at(x, {}, true).da0_dx); });
 }
@@ -195,12 +191,11 @@ void add_twins(py::module_& m) {
   add_squashing(m);
   add_box_qp(m);
   add_differential_lqr(m);
-  add_twin<StateNumDiff, StateAbstract>(m, "StateNumDiff");
-  add_twin<ActivationModelNumDiff, ActivationModelAbstract>(m, "ActivationModelNumDiff");
-  add_twin<ActuationModelNumDiff, ActuationModelAbstract>(m, "ActuationModelNumDiff");
-  add_twin<ResidualModelNumDiff, ResidualModelAbstract>(m, "ResidualModelNumDiff");
-  add_twin<ControlParametrizationModelNumDiff, ControlParametrizationModelAbstract>(
-      m, "ControlParametrizationModelNumDiff");
+  add_twin<StateNumDiff, StateAbstract>(m);
+  add_twin<ActivationModelNumDiff, ActivationModelAbstract>(m);
+  add_twin<ActuationModelNumDiff, ActuationModelAbstract>(m);
+  add_twin<ResidualModelNumDiff, ResidualModelAbstract>(m);
+  add_twin<ControlParametrizationModelNumDiff, ControlParametrizationModelAbstract>(m);
   add_twins_of_parts(m);
 }
 

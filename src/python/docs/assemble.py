@@ -55,37 +55,45 @@ def entries(text, known):
         parameters, rest = parameters_at(rest)
         whole, *members = re.split(r"^\.(?=\w+)", rest, flags=re.M)
         for name in names.split(", "):
-            if "," not in names or whole.strip():
+            if "," not in names:
                 yield name, parameters, docstring(whole, known)
             for member in members:
-                key, text = re.match(r"(\w+)(.*)", member, re.S).groups()
-                given, text = parameters_at(text)
-                first, _, more = text.removeprefix(":").partition("\n")
-                yield f"{name}.{key}", given, "\n".join(filter(None, [first.strip(), textwrap.dedent(more).strip("\n")])) if first.strip() else textwrap.dedent(more).strip()
+                key, rest = re.match(r"(\w+)(.*)", member, re.S).groups()
+                given, rest = parameters_at(rest)
+                first, _, more = rest.removeprefix(":").partition("\n")
+                yield f"{name}.{key}", given, f"{first.strip()}\n{textwrap.dedent(more)}".strip()
 
 
 def table(docs):
     known = shared(docs / "shared.txt")
     files = sorted(path for path in docs.rglob("*.txt") if path.name != "shared.txt")
-    rows = sorted((row for path in files for row in entries(path.read_text(), known)), key=lambda row: row[0])
-    lines = (f'    {{"{key}", R"({chr(10).join(given)})", R"({doc})"}},\n' for key, given, doc in rows)
-    return (
-        '#include "texts.hpp"\n\nnamespace manycontact::python {\n\nnamespace {\n\nconst Text all[] = {\n'
-        + "".join(lines)
-        + "};\n\n}  // namespace\n\nstd::span<const Text> texts() { return all; }\n\n}  // namespace manycontact::python\n"
+    rows = [row for path in files for row in entries(path.read_text(), known)]
+    rows.sort(key=lambda row: row[0])
+    return "".join(
+        [
+            '#include "texts.hpp"\n\nnamespace manycontact::python {\n\nnamespace {\n\nconst Text all[] = {\n',
+            *(f'    {{"{key}", R"({chr(10).join(given)})", R"({doc})"}},\n' for key, given, doc in rows),
+            "};\n\n}  // namespace\n\nstd::span<const Text> texts() { return all; }\n\n",
+            "}  // namespace manycontact::python\n",
+        ]
     )
 
 
 def aggregate():
     """C++ finds the number of a structure's members: as many empty braces as it has make one of it, and no more."""
-    lines = ["#pragma once\n#include <tuple>\n\nnamespace manycontact::python {\n\ntemplate <class A, class T>\nauto tied(T& x) {\n"]
-    braces = ", ".join(["{}"] * (MOST_MEMBERS + 1))
-    lines.append(f'  static_assert(!requires {{ A{{{braces}}}; }}, "it has more members than assemble.py knows");\n')
+    lines = ["#pragma once\n#include <tuple>\n\nnamespace manycontact::python {\n\n"]
+    lines.append("template <class A, class T>\nauto tied(T& x) {\n")
+
+    def is_made_of(n):
+        return f"requires {{ A{{{', '.join(['{}'] * n)}}}; }}"
+
+    known = "it has more members than assemble.py knows"
+    lines.append(f'  static_assert(!{is_made_of(MOST_MEMBERS + 1)}, "{known}");\n  ')
     for n in range(MOST_MEMBERS, 0, -1):
         names = ", ".join(f"m{k}" for k in range(n))
-        lines.append(f"  {'' if n == MOST_MEMBERS else 'else '}if constexpr (requires {{ A{{{', '.join(['{}'] * n)}}}; }}) {{\n")
-        lines.append(f"    auto& [{names}] = x;\n    return std::tie({names});\n  }}\n")
-    return "".join(lines) + "  else\n    return std::tie();\n}\n\n}  // namespace manycontact::python\n"
+        lines.append(f"if constexpr ({is_made_of(n)}) {{\n    auto& [{names}] = x;\n")
+        lines.append(f"    return std::tie({names});\n  }} else ")
+    return "".join(lines) + "{\n    return std::tie();\n  }\n}\n\n}  // namespace manycontact::python\n"
 
 
 if __name__ == "__main__":
