@@ -4,8 +4,6 @@
 #include <mutex>
 #include <span>
 
-#include "docs/derivatives.hpp"
-#include "docs/solve.hpp"
 #include "manycontact/dynamics/batch.hpp"
 #include "objects.hpp"
 
@@ -44,12 +42,6 @@ struct NewRows {
   }
   py::array_t<double> array;
 };
-
-py::array_t<std::int8_t> status_array(const std::vector<Status>& status) {
-  py::array_t<std::int8_t> out(static_cast<py::ssize_t>(status.size()));
-  for (std::size_t i = 0; i < status.size(); ++i) out.mutable_data()[i] = static_cast<std::int8_t>(status[i]);
-  return out;
-}
 
 constexpr Eigen::Index kFirstChunk = 256;
 constexpr auto kShort = std::chrono::milliseconds(50), kLong = std::chrono::milliseconds(200);
@@ -99,7 +91,7 @@ Solutions batch_of_solutions(const Scene& scene, py::handle q, py::handle v, py:
       solve_batch(scene, states, batch, A.part(k, count), F.part(k, count), worth);
   });
   if (derivatives) D.array = D.array.reshape({n, rows, Eigen::Index(2 * scene.nv + scene.nu)});
-  return {A.array, F.array, D.array, status_array(status)};
+  return {A.array, F.array, D.array, numbers_of(status)};
 }
 
 struct Products {
@@ -121,65 +113,44 @@ Products batch_of_products(const Scene& scene, py::handle q, py::handle v, py::h
               batch, WQ.part(k, count), WV.part(k, count), WU.part(k, count), WW.part(k, count),
               std::span(status).subspan(static_cast<std::size_t>(k), static_cast<std::size_t>(count)));
   });
-  return {WQ.array, WV.array, WU.array, WW.array, status_array(status)};
+  return {WQ.array, WV.array, WU.array, WW.array, numbers_of(status)};
 }
 
 void add_batch_data(py::module_& m) {
   using Batch = std::shared_ptr<BatchData>;
-  py::class_<BatchData, Batch>(m, "BatchData", "The workspace of the threads that solve many states of one scene.")
+  shared<BatchData>(m)
       .def(py::init([](const Scene& scene, int threads, const Options& options) {
-             return std::make_shared<BatchData>(scene, checked_threads(threads), options);
-           }),
-           py::arg("scene"), py::arg("threads") = 0, py::arg_v("options", Options(), "Options()"),
-           "Make data for a scene; threads=0 uses as many threads as OpenMP offers.")
-      .def_property(
-          "options",
-          [](const Batch& b) {
-            return Handle<Options>([b]() -> const Options& { return b->options; },
-                                   [b](const Options& options) { b->options = options; });
-          },
-          [](BatchData& b, const Options& options) { b.options = options; }, "Options of the solves.")
-      .def_property(
+        return std::make_shared<BatchData>(scene, checked_threads(threads), options);
+      }))
+      .handle<Batch>(
+          "options", [](const Batch& b) -> const Options& { return b->options; },
+          [](const Batch& b, const Options& options) { b->options = options; })
+      .property(
           "active", [](py::object self) { return flags_view(self.cast<BatchData&>().active, self); },
-          [](BatchData& b, py::handle values) { set_flags("BatchData.active", values, b.active); },
-          "One bool per contact of the scene, as in SceneData.active.")
-      .def_property(
-          "pushes", [](py::object self) { return wrenches_view(self.cast<BatchData&>().pushes, self); },
-          [](BatchData& b, py::handle values) { set_wrenches("BatchData.pushes", values, b.pushes); },
-          "One wrench (6) per push of the scene, the same for all states, as in SceneData.pushes.");
+          [](BatchData& b, py::handle values) { set_flags("BatchData.active", values, b.active); }, "pushes",
+          [](py::object self) { return wrenches_view(self.cast<BatchData&>().pushes, self); },
+          [](BatchData& b, py::handle values) { set_wrenches("BatchData.pushes", values, b.pushes); });
 }
 
 void add_batch_functions(py::module_& m) {
-  m.def(
-      "solve_batch",
-      [](const Scene& scene, py::object Q, py::object V, py::object U, BatchData& batch) {
-        const Solutions s = batch_of_solutions(scene, Q, V, U, batch, false);
-        return std::make_tuple(s.a, s.f, s.status);
-      },
-      py::arg("scene"), py::arg("Q"), py::arg("V"), py::arg("U"), py::arg("batch"), doc::solve_batch);
-  m.def(
-      "differentiate_batch",
-      [](const Scene& scene, py::object Q, py::object V, py::object U, BatchData& batch) {
-        const Solutions s = batch_of_solutions(scene, Q, V, U, batch, true);
-        return std::make_tuple(s.a, s.f, s.derivatives, s.status);
-      },
-      py::arg("scene"), py::arg("Q"), py::arg("V"), py::arg("U"), py::arg("batch"), doc::differentiate_batch);
-  m.def(
-      "vjp_batch",
+  def(m, "solve_batch", [](const Scene& scene, py::object Q, py::object V, py::object U, BatchData& batch) {
+    const Solutions s = batch_of_solutions(scene, Q, V, U, batch, false);
+    return std::make_tuple(s.a, s.f, s.status);
+  });
+  def(m, "differentiate_batch", [](const Scene& scene, py::object Q, py::object V, py::object U, BatchData& batch) {
+    const Solutions s = batch_of_solutions(scene, Q, V, U, batch, true);
+    return std::make_tuple(s.a, s.f, s.derivatives, s.status);
+  });
+  def(m, "vjp_batch",
       [](const Scene& scene, py::object Q, py::object V, py::object U, py::object WA, py::object WF, BatchData& batch) {
         const Products p = batch_of_products(scene, Q, V, U, WA, WF, batch);
         return std::make_tuple(p.q, p.v, p.u, p.status);
-      },
-      py::arg("scene"), py::arg("Q"), py::arg("V"), py::arg("U"), py::arg("WA"), py::arg("WF"), py::arg("batch"),
-      doc::vjp_batch);
-  m.def(
-      "vjp_batch_with_pushes",
+      });
+  def(m, "vjp_batch_with_pushes",
       [](const Scene& scene, py::object Q, py::object V, py::object U, py::object WA, py::object WF, BatchData& batch) {
         const Products p = batch_of_products(scene, Q, V, U, WA, WF, batch);
         return std::make_tuple(p.q, p.v, p.u, p.w, p.status);
-      },
-      py::arg("scene"), py::arg("Q"), py::arg("V"), py::arg("U"), py::arg("WA"), py::arg("WF"), py::arg("batch"),
-      doc::vjp_batch_with_pushes);
+      });
 }
 
 }  // namespace

@@ -65,4 +65,24 @@ class Data {
   std::shared_ptr<State> state_;
 };
 
+/// f(scene, data) as a function of Python's that returns convert(result).
+template <class F, class Convert = std::identity>
+auto with_data(F f, Convert convert = {}) {
+  return [=](const Scene& scene, const Data& data) {
+    const auto work = [&](SceneData& d) { return f(scene, d); };
+    if constexpr (std::is_void_v<decltype(data.use(work))>)
+      data.use(work);
+    else
+      return convert(data.use(work));
+  };
+}
+/// The same of f(scene, q, data).
+template <class F, class Convert = std::identity>
+auto at_solution(F f, Convert convert = {}) {
+  return [=](const Scene& scene, const Raw& q, const Data& data) {
+    const auto Q = checked("q", q, scene.nq);
+    return convert(data.use([&](SceneData& d) { return f(scene, Q, d); }));
+  };
+}
+
 }  // namespace manycontact::python

@@ -1,11 +1,8 @@
 // Derivatives and products with them.
 
-#include "docs/derivatives.hpp"
-
 #include <optional>
 
 #include "data.hpp"
-#include "docs/solve.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/views.hpp"
@@ -102,172 +99,72 @@ py::object kkt_matrix(const Scene& scene, const Data& data, int island) {
 }
 
 void add_derivative_classes(py::module_& m) {
-  py::class_<DerivativeRequest> request(
-      m, "DerivativeRequest",
-      "The variables to differentiate with respect to. Columns that are not requested cost nothing.");
-  add_value(request)
-      .def(py::init([](bool q, bool v, bool u, bool forces, bool tau, bool pushes) {
-             return DerivativeRequest{q, v, u, forces, tau, pushes};
-           }),
-           py::kw_only(), py::arg("q") = true, py::arg("v") = true, py::arg("u") = true, py::arg("forces") = true,
-           py::arg("tau") = false, py::arg("pushes") = false, "Make a request; see the attributes.")
-      .def_readwrite("q", &DerivativeRequest::q, "Whether to differentiate with respect to q.")
-      .def_readwrite("v", &DerivativeRequest::v, "Whether to differentiate with respect to v.")
-      .def_readwrite("u", &DerivativeRequest::u, "Whether to differentiate with respect to u.")
-      .def_readwrite("forces", &DerivativeRequest::forces, "Whether to compute dforces_*.")
-      .def_readwrite("tau", &DerivativeRequest::tau,
-                     "Whether u means the torques of all nv coordinates instead of the nu actuated ones.")
-      .def_readwrite("pushes", &DerivativeRequest::pushes,
-                     "Whether to differentiate with respect to the wrenches of pushes.");
+  value<DerivativeRequest>(m)
+      .from_members<bool, bool, bool, bool, bool, bool>()
+      .write<&DerivativeRequest::q, &DerivativeRequest::v, &DerivativeRequest::u, &DerivativeRequest::forces,
+             &DerivativeRequest::tau, &DerivativeRequest::pushes>();
 
-  py::class_<IslandBlocks>(
-      m, "IslandDerivatives",
-      "Derivatives of one island, in its order: robots ascending, contacts ascending (see island_of).\n"
-      "\n"
-      "The arrays share the library's memory; they keep their numbers when the scene is solved and\n"
-      "differentiated again.\n"
-      "Reading an attribute raises ValueError if the scene was solved again but not differentiated.")
-      .def_property_readonly("da_dq", block_property(&IslandDerivatives::da_dq),
-                             "Derivative of the accelerations with respect to q (nv, nv), on the tangent space.")
-      .def_property_readonly("da_dv", block_property(&IslandDerivatives::da_dv),
-                             "Derivative of the accelerations with respect to v (nv, nv).")
-      .def_property_readonly("da_du", block_property(&IslandDerivatives::da_du),
-                             "Derivative of the accelerations with respect to u (nv, nu).")
-      .def_property_readonly("dforces_dq", block_property(&IslandDerivatives::dforces_dq),
-                             "Derivative of the contact forces with respect to q (nc, nv), on the tangent space.")
-      .def_property_readonly("dforces_dv", block_property(&IslandDerivatives::dforces_dv),
-                             "Derivative of the contact forces with respect to v (nc, nv).")
-      .def_property_readonly("dforces_du", block_property(&IslandDerivatives::dforces_du),
-                             "Derivative of the contact forces with respect to u (nc, nu).")
-      .def_property_readonly(
-          "da_dw", [](const IslandBlocks& b) { return read_only(copy(b.get().da_dw())); },
-          "Derivative of the accelerations with respect to the wrenches of `pushes` (nv, 6 per push), if requested;\n"
-          "a copy.")
-      .def_property_readonly(
-          "dforces_dw", [](const IslandBlocks& b) { return read_only(copy(b.get().dforces_dw())); },
-          "Derivative of the contact forces with respect to the wrenches of `pushes` (nc, 6 per push), if requested;\n"
-          "a copy.")
-      .def_property_readonly(
-          "pushes", [](const IslandBlocks& b) { return b.get().pushes; },
-          "Numbers of the scene's pushes on the island's robots, if requested.")
-      .def_property_readonly(
-          "nv", [](const IslandBlocks& b) { return b.get().nv; }, "Number of velocity coordinates.")
-      .def_property_readonly(
-          "nc", [](const IslandBlocks& b) { return b.get().nc; }, "Number of constraint rows.")
-      .def_property_readonly(
-          "nu", [](const IslandBlocks& b) { return b.get().nu; }, "Number of actuated coordinates of the island.");
+  using D = IslandDerivatives;
+  const auto get = [](const IslandBlocks& b) -> const D& { return b.get(); };
+  Class<IslandBlocks>(m, "IslandDerivatives")
+      .read(
+          "da_dq", block_property(&D::da_dq), "da_dv", block_property(&D::da_dv), "da_du", block_property(&D::da_du),
+          "dforces_dq", block_property(&D::dforces_dq), "dforces_dv", block_property(&D::dforces_dv), "dforces_du",
+          block_property(&D::dforces_du), "da_dw",
+          [](const IslandBlocks& b) { return read_only(copy(b.get().da_dw())); }, "dforces_dw",
+          [](const IslandBlocks& b) { return read_only(copy(b.get().dforces_dw())); })
+      .read_at<&D::pushes, &D::nv, &D::nc, &D::nu>(get);
 
   struct Islands : Derivatives {};
-  py::class_<Islands>(m, "IslandDerivativesList", "A sequence of IslandDerivatives.")
+  Class<Islands>(m, "IslandDerivativesList")
       .def("__len__", [](const Islands& x) { return x.get().islands.size(); })
-      .def(
-          "__getitem__",
-          [](const Islands& x, py::ssize_t i) {
-            const auto n = static_cast<py::ssize_t>(x.get().islands.size());
-            if (i < -n || i >= n) throw py::index_error("there are " + std::to_string(n) + " islands");
-            return IslandBlocks{x.data, static_cast<std::size_t>(i < 0 ? i + n : i)};
-          },
-          py::arg("island"));
-  py::class_<Derivatives>(m, "DerivativeData", "The result of differentiate: blocks per island.")
-      .def_property_readonly(
-          "islands", [](const Derivatives& x) { return Islands{{x.data}}; },
-          "One IslandDerivatives per island of the report.");
+      .def("__getitem__", [](const Islands& x, py::ssize_t i) {
+        const auto n = static_cast<py::ssize_t>(x.get().islands.size());
+        if (i < -n || i >= n) throw py::index_error("there are " + std::to_string(n) + " islands");
+        return IslandBlocks{x.data, static_cast<std::size_t>(i < 0 ? i + n : i)};
+      });
+  Class<Derivatives>(m, "DerivativeData").read("islands", [](const Derivatives& x) { return Islands{{x.data}}; });
 
-  py::class_<DerivativeBounds> bounds(
-      m, "DerivativeBounds",
-      "Bounds of the largest errors of an island's derivatives, each relative to the largest entry of its\n"
-      "matrix.\n"
-      "\n"
-      "A bound is above 1 if all entries may be rounding errors, and inf if no bound is known.");
-  bounds.def_readonly("da_dq", &DerivativeBounds::da_dq, "Bound for da_dq.")
-      .def_readonly("da_dv", &DerivativeBounds::da_dv, "Bound for da_dv.")
-      .def_readonly("da_du", &DerivativeBounds::da_du, "Bound for da_du.")
-      .def_readonly("dforces_dq", &DerivativeBounds::dforces_dq, "Bound for dforces_dq.")
-      .def_readonly("dforces_dv", &DerivativeBounds::dforces_dv, "Bound for dforces_dv.")
-      .def_readonly("dforces_du", &DerivativeBounds::dforces_du, "Bound for dforces_du.")
-      .def_readonly("da_dw", &DerivativeBounds::da_dw, "Bound for da_dw.")
-      .def_readonly("dforces_dw", &DerivativeBounds::dforces_dw, "Bound for dforces_dw.");
-
-  py::class_<SceneDerivatives, std::shared_ptr<SceneDerivatives>> dense(
-      m, "SceneDerivatives", "The derivatives of the whole scene, in the order of its v, u and of data.f.");
-  member_view(dense, "da_dq", &SceneDerivatives::da_dq, "Derivative of the accelerations with respect to q (nv, nv).");
-  member_view(dense, "da_dv", &SceneDerivatives::da_dv, "Derivative of the accelerations with respect to v (nv, nv).");
-  member_view(dense, "da_du", &SceneDerivatives::da_du, "Derivative of the accelerations with respect to u (nv, nu).");
-  member_view(dense, "dforces_dq", &SceneDerivatives::dforces_dq,
-              "Derivative of the contact forces with respect to q (rows of f, nv).");
-  member_view(dense, "dforces_dv", &SceneDerivatives::dforces_dv,
-              "Derivative of the contact forces with respect to v (rows of f, nv).");
-  member_view(dense, "dforces_du", &SceneDerivatives::dforces_du,
-              "Derivative of the contact forces with respect to u (rows of f, nu).");
-  member_view(dense, "da_dw", &SceneDerivatives::da_dw,
-              "Derivative of the accelerations with respect to wrenches of pushes (nv, 6 per push), if requested.");
-  member_view(dense, "dforces_dw", &SceneDerivatives::dforces_dw,
-              "Derivative of the contact forces with respect to wrenches of pushes (rows of f, 6 per push), if\n"
-              "requested.");
+  using B = DerivativeBounds;
+  Class<B>(m)
+      .read<&B::da_dq, &B::da_dv, &B::da_du, &B::dforces_dq, &B::dforces_dv, &B::dforces_du, &B::da_dw,
+            &B::dforces_dw>();
+  using S = SceneDerivatives;
+  shared<S>(m)
+      .views<&S::da_dq, &S::da_dv, &S::da_du, &S::dforces_dq, &S::dforces_dv, &S::dforces_du, &S::da_dw,
+             &S::dforces_dw>();
 }
 
 void add_differentiate(py::module_& m) {
-  m.def(
-      "estimate_derivative_errors",
-      [](const Scene& scene, const Data& data) {
-        return data.use([&](SceneData& d) { return estimate_derivative_errors(scene, d); });
-      },
-      py::arg("scene"), py::arg("data"), doc::estimate_derivative_errors);
-  m.def(
-      "differentiate",
-      [](const Scene& scene, const std::shared_ptr<Data>& data, const DerivativeRequest& request) {
-        data->use([&](SceneData& d) { (void)differentiate(scene, d, request); });
-        return Derivatives{data};
-      },
-      py::arg("scene"), py::arg("data").none(false), py::arg_v("request", DerivativeRequest(), "DerivativeRequest()"),
-      doc::differentiate);
-  m.def(
-      "dense_derivatives",
-      [](const Scene& scene, const Data& data) {
-        return std::make_shared<SceneDerivatives>(data.use([&](SceneData& d) { return dense_derivatives(scene, d); }));
-      },
-      py::arg("scene"), py::arg("data"), doc::dense_derivatives);
-  m.def(
-      "sparse_derivatives",
-      [](const Scene& scene, const Data& data) {
-        return scipy_csc(data.use([&](SceneData& d) { return sparse_derivatives(scene, d); }));
-      },
-      py::arg("scene"), py::arg("data"), doc::sparse_derivatives);
-  m.def(
-      "release_derivatives", [](const Data& data) { data.use([](SceneData& d) { release_derivatives(d); }); },
-      py::arg("data"), doc::release_derivatives);
-  m.def("matrix_of", &kkt_matrix, py::arg("scene"), py::arg("data"), py::arg("island") = -1, doc::matrix_of);
-  m.def(
-      "jvp",
+  def(m, "estimate_derivative_errors", with_data(&estimate_derivative_errors));
+  def(m, "differentiate", [](const Scene& scene, const std::shared_ptr<Data>& data, const DerivativeRequest& request) {
+    data->use([&](SceneData& d) { (void)differentiate(scene, d, request); });
+    return Derivatives{data};
+  });
+  def(m, "dense_derivatives", with_data(&dense_derivatives, [](SceneDerivatives d) {
+        return std::make_shared<SceneDerivatives>(std::move(d));
+      }));
+  def(m, "sparse_derivatives", with_data(&sparse_derivatives, scipy_csc));
+  def(m, "release_derivatives", [](const Data& data) { data.use([](SceneData& d) { release_derivatives(d); }); });
+  def(m, "matrix_of", &kkt_matrix);
+  def(m, "jvp",
       [](const Scene& scene, const Data& data, const Vector& dq, const Vector& dv, const Vector& du,
          const std::optional<Vector>& dw) {
         Vector da(scene.nv), df(data.at_rest().f.size());
-        data.use([&](SceneData& d) {
-          if (dw)
-            jvp(scene, d, dq, dv, du, *dw, da, df);
-          else
-            jvp(scene, d, dq, dv, du, da, df);
-        });
+        data.use(
+            [&](SceneData& d) { dw ? jvp(scene, d, dq, dv, du, *dw, da, df) : jvp(scene, d, dq, dv, du, da, df); });
         return std::make_pair(std::move(da), std::move(df));
-      },
-      py::arg("scene"), py::arg("data"), py::arg("dq"), py::arg("dv"), py::arg("du"), py::arg("dw") = py::none(),
-      doc::jvp);
-  m.def(
-      "vjp",
-      [](const Scene& scene, const Data& data, const Vector& wa, const Vector& wf) {
-        Vector wq(scene.nv), wv(scene.nv), wu(scene.nu);
-        data.use([&](SceneData& d) { vjp(scene, d, wa, wf, wq, wv, wu); });
-        return std::make_tuple(std::move(wq), std::move(wv), std::move(wu));
-      },
-      py::arg("scene"), py::arg("data"), py::arg("wa"), py::arg("wf"), doc::vjp);
-  m.def(
-      "vjp_with_pushes",
-      [](const Scene& scene, const Data& data, const Vector& wa, const Vector& wf) {
-        Vector wq(scene.nv), wv(scene.nv), wu(scene.nu), ww(static_cast<Eigen::Index>(6 * scene.pushes.size()));
-        data.use([&](SceneData& d) { vjp(scene, d, wa, wf, wq, wv, wu, ww); });
-        return std::make_tuple(std::move(wq), std::move(wv), std::move(wu), std::move(ww));
-      },
-      py::arg("scene"), py::arg("data"), py::arg("wa"), py::arg("wf"), doc::vjp_with_pushes);
+      });
+  def(m, "vjp", [](const Scene& scene, const Data& data, const Vector& wa, const Vector& wf) {
+    Vector wq(scene.nv), wv(scene.nv), wu(scene.nu);
+    data.use([&](SceneData& d) { vjp(scene, d, wa, wf, wq, wv, wu); });
+    return std::make_tuple(std::move(wq), std::move(wv), std::move(wu));
+  });
+  def(m, "vjp_with_pushes", [](const Scene& scene, const Data& data, const Vector& wa, const Vector& wf) {
+    Vector wq(scene.nv), wv(scene.nv), wu(scene.nu), ww(static_cast<Eigen::Index>(6 * scene.pushes.size()));
+    data.use([&](SceneData& d) { vjp(scene, d, wa, wf, wq, wv, wu, ww); });
+    return std::make_tuple(std::move(wq), std::move(wv), std::move(wu), std::move(ww));
+  });
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <variant>
 
 #include "data.hpp"
-#include "docs/solve.hpp"
 #include "manycontact/algorithm/frames.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
 #include "manycontact/dynamics/views.hpp"
@@ -35,6 +34,26 @@ void set_flags(const std::string& name, py::handle values, std::vector<char>& fl
   for (std::size_t k = 0; k < flags.size(); ++k) flags[k] = static_cast<char>(numbers.at(static_cast<py::ssize_t>(k)));
 }
 
+std::vector<char> flags_of(const Scene& scene, const py::object& active) {
+  std::vector<char> flags;
+  for (const Contact& contact : scene.contacts) flags.push_back(contact.active);
+  if (!active.is_none()) set_flags("active", active, flags);
+  return flags;
+}
+
+Eigen::Map<const Vector> checked(const char* name, const Raw& given) {
+  check_numbers(name, given.array.data(), given.array.size());
+  return given.vector();
+}
+
+Eigen::Map<const Vector> checked(const char* name, const Raw& given, Eigen::Index size) {
+  const auto x = checked(name, given);
+  if (x.size() != size)
+    throw py::value_error(std::string(name) + ": " + std::to_string(size) + " numbers are expected, not " +
+                          std::to_string(x.size()));
+  return x;
+}
+
 Vector Data::force_of(const Scene& scene, int contact) const {
   const SceneData& d = at_rest();
   State& s = *state_;
@@ -53,117 +72,62 @@ namespace {
 
 // ---- data and solve ------------------------------------------------------------------------------------------------
 
-Handle<Options> options_in(const std::shared_ptr<Data>& data) {
-  return {[data]() -> const Options& { return data->at_rest().options; },
-          [data](const Options& options) { data->at_rest().options = options; }};
+void add_data(py::module_& m) {
+  using Shared = std::shared_ptr<Data>;
+  using S = SceneData;
+  const auto make = [](const Scene& scene, const Options& options) {
+    return Data(std::make_shared<SceneData>(scene, options));
+  };
+  shared<Data>(m, "SceneData")
+      .def(py::init(make))
+      .handle<Shared>(
+          "options", [](const Shared& d) -> const Options& { return d->at_rest().options; },
+          [](const Shared& d, const Options& options) { d->at_rest().options = options; })
+      .property(
+          "active", [](const Shared& d) { return flags_view(d->at_rest().active, py::cast(d)); },
+          [](const Data& d, py::handle values) { set_flags("SceneData.active", values, d.at_rest().active); }, "pushes",
+          [](const Shared& d) { return wrenches_view(d->at_rest().pushes, py::cast(d)); },
+          [](const Data& d, py::handle values) { set_wrenches("SceneData.pushes", values, d.at_rest().pushes); })
+      .read_at<&S::a, &S::f, &S::v, &S::tau, &S::serial, &S::f_offset, &S::report>(&Data::at_rest);
 }
 
-void add_data(py::module_& m) {
-  py::class_<Data, std::shared_ptr<Data>>(
-      m, "SceneData", "The variable part of a scene: inputs, the solution, and the workspace. Use one per thread.")
-      .def(py::init([](const Scene& scene, const Options& options) {
-             return Data(std::make_shared<SceneData>(scene, options));
-           }),
-           py::arg("scene"), py::arg_v("options", Options(), "Options()"))
-      .def_property(
-          "options", &options_in, [](const Data& d, const Options& options) { d.at_rest().options = options; },
-          "Options of the solves.")
-      .def_property(
-          "active", [](const std::shared_ptr<Data>& d) { return flags_view(d->at_rest().active, py::cast(d)); },
-          [](const Data& d, py::handle values) { set_flags("SceneData.active", values, d.at_rest().active); },
-          "One bool per contact of the scene; data.active[i] = False switches a contact off.")
-      .def_property(
-          "pushes", [](const std::shared_ptr<Data>& d) { return wrenches_view(d->at_rest().pushes, py::cast(d)); },
-          [](const Data& d, py::handle values) { set_wrenches("SceneData.pushes", values, d.at_rest().pushes); },
-          "One wrench (6) per push of the scene [N, N m]; data.pushes[i] = ... changes one.")
-      .def_property_readonly(
-          "a", [](const Data& d) { return d.at_rest().a; }, "Accelerations (nv) [m/s^2, rad/s^2]; a copy.")
-      .def_property_readonly(
-          "f", [](const Data& d) { return d.at_rest().f; },
-          "Contact forces on A (one entry per constraint row of the active contacts), in each contact's reference\n"
-          "frame [N, N m]; a copy.")
-      .def_property_readonly(
-          "v", [](const Data& d) { return d.at_rest().v; }, "Velocity (nv) of the last solve; a copy.")
-      .def_property_readonly(
-          "tau", [](const Data& d) { return d.at_rest().tau; }, "Torques (nv) of the last solve; a copy.")
-      .def_property_readonly(
-          "serial", [](const Data& d) { return d.at_rest().serial; }, "Number of the solve; 0: there is no solution.")
-      .def_property_readonly(
-          "f_offset", [](const Data& d) { return d.at_rest().f_offset; },
-          "Per contact: its first row in f, or -1 if it is not active.")
-      .def_property_readonly(
-          "report", [](const Data& d) { return d.at_rest().report; }, "Report of the last solve; a copy.");
+// A solve at q and v with the torques called `name`.
+template <class Solve>
+auto solution(Solve solve, const char* name) {
+  return [=](const Scene& scene, const Raw& q, const Raw& v, const Raw& torques, const Data& data) {
+    const auto Q = checked("q", q), V = checked("v", v), T = checked(name, torques);
+    return Report(data.use([&](SceneData& d) -> const Report& { return solve(scene, Q, V, T, d); }));
+  };
+}
+
+// An estimate that the report of the data contains.
+auto reported(void (*estimate)(const Scene&, SceneData&)) {
+  return with_data([estimate](const Scene& scene, SceneData& data) {
+    estimate(scene, data);
+    return data.report;
+  });
 }
 
 void add_solutions(py::module_& m) {
-  m.def(
-      "solve",
-      [](const Scene& scene, const Raw& q, const Raw& v, const Raw& u, const Data& data) {
-        check_numbers("q", q.array.data(), q.array.size());
-        check_numbers("v", v.array.data(), v.array.size());
-        check_numbers("u", u.array.data(), u.array.size());
-        const auto Q = q.vector(), V = v.vector(), U = u.vector();
-        return Report(data.use([&](SceneData& d) -> const Report& { return solve(scene, Q, V, U, d); }));
-      },
-      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("u"), py::arg("data"), doc::solve);
-  m.def(
-      "solve_tau",
-      [](const Scene& scene, const Raw& q, const Raw& v, const Raw& tau, const Data& data) {
-        check_numbers("q", q.array.data(), q.array.size());
-        check_numbers("v", v.array.data(), v.array.size());
-        check_numbers("tau", tau.array.data(), tau.array.size());
-        const auto Q = q.vector(), V = v.vector(), T = tau.vector();
-        return Report(data.use([&](SceneData& d) -> const Report& { return solve_tau(scene, Q, V, T, d); }));
-      },
-      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("tau"), py::arg("data"), doc::solve_tau);
-  m.def(
-      "prepare", [](const Scene& scene, const Data& data) { data.use([&](SceneData& d) { prepare(scene, d); }); },
-      py::arg("scene"), py::arg("data"), doc::prepare);
-  m.def(
-      "estimate_condition",
-      [](const Scene& scene, const Data& data) {
-        return data.use([&](SceneData& d) {
-          estimate_condition(scene, d);
-          return d.report;
-        });
-      },
-      py::arg("scene"), py::arg("data"), doc::estimate_condition);
-  m.def(
-      "system_quality",
-      [](const Scene& scene, const Data& data) {
-        return data.use([&](SceneData& d) { return system_quality(scene, d); });
-      },
-      py::arg("scene"), py::arg("data"), doc::system_quality);
-  m.def(
-      "estimate_errors",
-      [](const Scene& scene, const Data& data) {
-        return data.use([&](SceneData& d) {
-          estimate_errors(scene, d);
-          return d.report;
-        });
-      },
-      py::arg("scene"), py::arg("data"), doc::estimate_errors);
-  m.def(
-      "quasi_static",
-      [](const Scene& scene, const Raw& q, const std::shared_ptr<Data>& data) -> Vector {
-        check_numbers("q", q.array.data(), q.array.size());
-        const auto Q = q.vector();
-        if (data) return data->use([&](SceneData& d) { return quasi_static(scene, Q, d); });
-        const py::gil_scoped_release unlocked;
-        return quasi_static(scene, Q);
-      },
-      py::arg("scene"), py::arg("q"), py::arg("data") = py::none(), doc::quasi_static);
-  m.def("lanes_here", &lanes_here, doc::lanes_here);
-  m.def(
-      "force_names", [](const Scene& scene, const Data& data) { return force_names(scene, data.at_rest()); },
-      py::arg("scene"), py::arg("data"), doc::force_names);
-  m.def(
-      "contact_force",
+  def(m, "solve", solution(&solve, "u"));
+  def(m, "solve_tau", solution(&solve_tau, "tau"));
+  def(m, "prepare", with_data(&prepare));
+  def(m, "estimate_condition", reported(&estimate_condition));
+  def(m, "system_quality", with_data(&system_quality));
+  def(m, "estimate_errors", reported(&estimate_errors));
+  def(m, "quasi_static", [](const Scene& scene, const Raw& q, const std::shared_ptr<Data>& data) -> Vector {
+    const auto Q = checked("q", q);
+    if (data) return data->use([&](SceneData& d) { return quasi_static(scene, Q, d); });
+    const py::gil_scoped_release unlocked;
+    return quasi_static(scene, Q);
+  });
+  def(m, "lanes_here", &lanes_here);
+  def(m, "force_names", [](const Scene& scene, const Data& data) { return force_names(scene, data.at_rest()); });
+  def(m, "contact_force",
       [](const Scene& scene, const Data& data, const std::variant<int, std::string>& contact) -> Vector {
         const int* number = std::get_if<int>(&contact);
         return data.force_of(scene, number ? *number : contact_called(scene, std::get<std::string>(contact)));
-      },
-      py::arg("scene"), py::arg("data"), py::arg("contact"), doc::contact_force);
+      });
 }
 
 // ---- views ---------------------------------------------------------------------------------------------------------
@@ -175,32 +139,18 @@ int robot_number(const Scene& scene, const std::string& name) {
 }
 
 void add_views(py::module_& m) {
-  py::class_<Island> island(m, "Island", "Robots that are coupled by active contacts.");
-  add_value(island)
-      .def_readonly("robots", &Island::robots, "Numbers of the robots in the scene, ascending.")
-      .def_readonly("contacts", &Island::contacts, "Numbers of the active contacts in the scene, ascending.")
-      .def_readonly("dof_offset", &Island::dof_offset, "Per robot: its first velocity coordinate in the island.")
-      .def_readonly("row_offset", &Island::row_offset, "Per contact: its first constraint row in the island.")
-      .def_readonly("nv", &Island::nv, "Number of velocity coordinates.")
-      .def_readonly("nc", &Island::nc, "Number of constraint rows.");
-  m.def(
-      "island_count", [](const Data& data) { return island_count(data.at_rest()); }, py::arg("data"),
-      doc::island_count);
-  m.def(
-      "island_of",
-      [](const Data& data, std::size_t i) {
-        if (i >= island_count(data.at_rest())) throw py::value_error("island_of: there is no such island");
-        return island_of(data.at_rest(), i);
-      },
-      py::arg("data"), py::arg("island"), doc::island_of);
-  m.def(
-      "update_kinematics",
-      [](const Scene& scene, const Vector& q, const Vector& v, const Data& data) {
-        data.use([&](SceneData& d) { update_kinematics(scene, q, v, d); });
-      },
-      py::arg("scene"), py::arg("q"), py::arg("v"), py::arg("data"), doc::update_kinematics);
-  m.def(
-      "frame_placement",
+  value<Island>(m)
+      .read<&Island::robots, &Island::contacts, &Island::dof_offset, &Island::row_offset, &Island::nv, &Island::nc>();
+  def(m, "island_count", [](const Data& data) { return island_count(data.at_rest()); });
+  def(m, "island_of", [](const Data& data, std::size_t i) {
+    if (i >= island_count(data.at_rest())) throw py::value_error("island_of: there is no such island");
+    return island_of(data.at_rest(), i);
+  });
+  def(m, "update_kinematics", [](const Scene& scene, const Vector& q, const Vector& v, const Data& data) {
+    data.use([&](SceneData& d) { update_kinematics(scene, q, v, d); });
+  });
+  def_as(
+      m, "frame_placement", "scene_frame_placement",
       [](const Scene& scene, const Data& data, const std::string& robot, const std::string& frame) {
         const int r = robot_number(scene, robot);
         const Robot& owner = scene.robots[r];
@@ -209,11 +159,8 @@ void add_views(py::module_& m) {
         data.use([&](SceneData& d) { d.serial != 0 ? complete(scene, d) : prepare(scene, d); });  // or refuse the scene
         const Frame& f = owner.model->frames[number];
         return frame_placement<double>(kinematics_of(data.at_rest(), r), owner.base, f.joint, f.placement);
-      },
-      py::arg("scene"), py::arg("data"), py::arg("robot"), py::arg("frame"), doc::scene_frame_placement);
-  m.def(
-      "complete", [](const Scene& scene, const Data& data) { data.use([&](SceneData& d) { complete(scene, d); }); },
-      py::arg("scene"), py::arg("data"), doc::complete);
+      });
+  def(m, "complete", with_data(&complete));
 }
 
 }  // namespace

@@ -5,10 +5,10 @@
 
 #include <pybind11/pybind11.h>
 
-#include <algorithm>
-#include <cctype>
 #include <concepts>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "manycontact/action/residuals/contact_residuals.hpp"
@@ -21,16 +21,14 @@
 #include "manycontact/model/scene.hpp"
 #include "manycontact/simulation/step.hpp"
 #include "manycontact/task/optimize.hpp"
+#include "texts.hpp"
 
 namespace py = pybind11;
 
 namespace manycontact::python {
 
 /// Lower case, with '-' between words.
-inline std::string plain(std::string name) {
-  for (char& c : name) c = c == '_' || c == ' ' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return name;
-}
+std::string plain(std::string name);
 
 /// The names of the members of an enumeration, set by add_enumeration.
 template <class E>
@@ -70,26 +68,41 @@ struct EnumCaster : py::detail::type_caster_base<E> {
   E named_{};
 };
 
-/// The argument `what` ("method") is used in errors. Members without a C++ word (to_string) are called by Python names.
-template <class E>
-void add_enumeration(py::module_& m, const char* name, const char* what, const std::string& doc,
-                     const std::vector<std::pair<const char*, E>>& members) {
+/// "SPARSE_LDL" of "kSparseLdl"; other names are Python's.
+std::string python_name(const std::string& enumerator);
+
+/// The entry of the enumeration in docs/*.txt has the word that errors use for a member. Values: all members of an
+/// unscoped enumeration; none for a scoped one, whose members are numbered from 0. Members without a C++ word
+/// (to_string) are called by Python names.
+template <class E, E... values>
+void enumeration(py::module_& m, const char* prefix = "") {
   static_assert(std::is_base_of_v<EnumCaster<E>, py::detail::type_caster<E>>, "it has no MANYCONTACT_ENUMERATION");
   constexpr bool has_words = requires(E x) {
     { to_string(x) } -> std::convertible_to<std::string>;
   };
-  Names<E>::what = what;
+  constexpr int kMost = 32;
+  const std::string name = type_name<E>();
+  const Text& entry = text_of(name);
+  Names<E>::what = entry.parameters;
   Names<E>::members.clear();
-  for (const auto& [python, value] : members) {
+  const auto add = [&](E value, const std::string& enumerator) {
+    if (enumerator.empty()) return;
+    const std::string python = prefix + python_name(enumerator);
     std::string word = python;
     if constexpr (has_words) word = to_string(value);
     if (!has_words || word.find(' ') != std::string::npos) word = plain(python);
     if (word.starts_with('-')) word.erase(0, 1);  // "0" of _0
     Names<E>::members.push_back({value, word, python});
-  }
-  const std::string text = doc + "\n\nFunctions also accept names, such as '" + Names<E>::members.front().word + "'.";
-  py::enum_<E> e(m, name, text.c_str());
-  for (const auto& [python, value] : members) e.value(python, value);
+  };
+  if constexpr (sizeof...(values) > 0)
+    (add(values, name_of<values>()), ...);
+  else
+    [&]<int... I>(std::integer_sequence<int, I...>) { (add(static_cast<E>(I), name_of<static_cast<E>(I)>()), ...); }
+  (std::make_integer_sequence<int, kMost>());
+  const std::string doc =
+      std::string(entry.doc) + "\n\nFunctions also accept names, such as '" + Names<E>::members.front().word + "'.";
+  py::enum_<E> e(m, name.c_str(), doc.c_str());
+  for (const auto& member : Names<E>::members) e.value(member.python.c_str(), member.value);
   const auto text_of_member = [](E x) -> std::string {
     if constexpr (has_words) return to_string(x);
     for (const auto& member : Names<E>::members)

@@ -1,7 +1,7 @@
 // External wrenches and springs of scenes.
 
-#include "docs/scene.hpp"
-#include "handle.hpp"
+#include <array>
+
 #include "manycontact/model/suggestion.hpp"
 #include "objects.hpp"
 
@@ -9,13 +9,30 @@ namespace manycontact::python {
 
 namespace {
 
-// Returns the item as `add` would store it in a scene of the same robots. Throws if it does not fit.
+std::array<Attachment*, 2> ends(Contact& x) { return {&x.A, &x.B}; }
+std::array<Attachment*, 2> ends(Spring& x) { return {&x.A, &x.B}; }
+std::array<Attachment*, 1> ends(Push& x) { return {&x.at}; }
+
+// Returns the item as `add` would store it in the scene, by its robots alone. Throws if it does not fit.
 template <class T>
 T judged(const Scene& scene, T item, std::vector<T> Scene::*list, int (*add)(Scene&, T)) {
   Scene around;
-  around.robots = scene.robots;
+  std::vector<int> numbers;
+  for (Attachment* at : ends(item)) {
+    if (at->robot < 0 || at->robot >= scene.nrobots()) continue;
+    const auto known = std::find(numbers.begin(), numbers.end(), at->robot);
+    const auto number = static_cast<int>(known - numbers.begin());
+    if (known == numbers.end()) {
+      numbers.push_back(at->robot);
+      around.robots.push_back(scene.robots[static_cast<std::size_t>(at->robot)]);
+    }
+    at->robot = number;
+  }
   add(around, std::move(item));
-  return std::move((around.*list).front());
+  T taken = std::move((around.*list).front());
+  for (Attachment* at : ends(taken))
+    if (at->robot >= 0) at->robot = numbers[static_cast<std::size_t>(at->robot)];
+  return taken;
 }
 
 template <class T>
@@ -44,6 +61,9 @@ Items<Handle<T>> items_of(const std::shared_ptr<Scene>& scene, std::vector<T> Sc
 
 }  // namespace
 
+Items<Handle<Contact>> contacts_of(const std::shared_ptr<Scene>& scene) {
+  return items_of(scene, &Scene::contacts, &Scene::contact_index, &add_contact, "contact");
+}
 Items<Handle<Push>> pushes_of(const std::shared_ptr<Scene>& scene) {
   return items_of(scene, &Scene::pushes, &Scene::push_index, &add_push, "push");
 }
@@ -64,60 +84,23 @@ void set_wrenches(const char* name, py::handle values, std::vector<Vec6<double>>
   for (std::size_t k = 0; k < w.size(); ++k) w[k] = Eigen::Map<const Vec6<double>>(x.data() + 6 * k);
 }
 
+Eigen::MatrixXd rows_of_wrenches(const std::vector<Vec6<double>>& w) {
+  Eigen::MatrixXd out(static_cast<Eigen::Index>(w.size()), 6);
+  for (std::size_t i = 0; i < w.size(); ++i) out.row(static_cast<Eigen::Index>(i)) = w[i].transpose();
+  return out;
+}
+
 void add_force_classes(py::module_& m) {
-  py::class_<Handle<Push>> push(
-      m, "Push",
-      "An external wrench on a body, at a frame; see attach().\n"
-      "\n"
-      "Assigning to the attributes of scene.pushes['wind'] changes the scene. SceneData.pushes contains the\n"
-      "wrenches of\n"
-      "a solve.");
-  push.def(
-      py::init([](const std::string& name, const Attachment& at, ReferenceFrame frame, const Vec6<double>& wrench) {
-        return Handle<Push>(Push{name, at, frame, wrench});
-      }),
-      py::kw_only(), py::arg("name"), py::arg("at"),
-      py::arg_v("reference_frame", ReferenceFrame::kLocal, "ReferenceFrame.LOCAL"),
-      py::arg("wrench") = Vec6<double>(Vec6<double>::Zero()),
-      "Make a push. wrench contains force and torque about the frame's origin (6) [N, N m], in the frame's axes\n"
-      "(LOCAL)\n"
-      "or the world's (WORLD and LOCAL_WORLD_ALIGNED are the same).");
-  handle_field(push, "name", &Push::name, "Name.");
-  handle_field(push, "at", &Push::at, "Attachment. Its placement may change while data are in use, but not its body.");
-  handle_field(push, "reference_frame", &Push::reference_frame, "ReferenceFrame: axes of the wrench.");
-  handle_field(push, "wrench", &Push::wrench, "Force and torque (6) [N, N m]; initial value of new data.");
-  add_value(push);
-  add_items<Handle<Push>>(m, "PushList", "A scene's pushes, by number or name.", true);
-
-  py::class_<Handle<Spring>> spring(
-      m, "Spring",
-      "A spring and damper between two points.\n"
-      "\n"
-      "It pulls A towards B with the force stiffness (s - length) + damping ds/dt, where s is the distance of\n"
-      "the points.");
-  spring.def(py::init([](const std::string& name, const Attachment& A, const Attachment& B, double stiffness,
-                         double length, double damping) {
-               return Handle<Spring>(Spring{name, A, B, stiffness, length, damping});
-             }),
-             py::kw_only(), py::arg("name"), py::arg("A"), py::arg_v("B", Attachment(), "Attachment()"),
-             py::arg("stiffness"), py::arg("length") = 0.0, py::arg("damping") = 0.0,
-             "Make a spring: stiffness [N/m], length at rest [m], damping [N s/m]. B may be in the world.");
-  handle_field(spring, "name", &Spring::name, "Name.");
-  handle_field(spring, "A", &Spring::A, "Attachment of one end.");
-  handle_field(spring, "B", &Spring::B, "Attachment of the other end.");
-  handle_field(spring, "stiffness", &Spring::stiffness, "Stiffness [N/m].");
-  handle_field(spring, "length", &Spring::length, "Length at rest [m].");
-  handle_field(spring, "damping", &Spring::damping, "Damping [N s/m].");
-  add_value(spring);
-  add_items<Handle<Spring>>(m, "SpringList", "A scene's springs between points, by number or name.", true);
+  value<Handle<Push>>(m)
+      .from_members<std::string, Attachment, ReferenceFrame, Vec6<double>>()
+      .fields<&Push::name, &Push::at, &Push::reference_frame, &Push::wrench>();
+  add_items<Handle<Push>>(m, "PushList");
+  value<Handle<Spring>>(m)
+      .from_members<std::string, Attachment, Attachment, double, double, double>()
+      .fields<&Spring::name, &Spring::A, &Spring::B, &Spring::stiffness, &Spring::length, &Spring::damping>();
+  add_items<Handle<Spring>>(m, "SpringList");
 }
 
-void add_forces(py::module_& m) {
-  m.def("add_push", &add_push, py::arg("scene"), py::arg("push"), doc::add_push);
-  m.def("add_spring", &add_spring, py::arg("scene"), py::arg("spring"), doc::add_spring);
-  m.def("add_joint_spring", &add_joint_spring, py::arg("scene"), py::arg("robot"), py::arg("joint"),
-        py::arg("stiffness"), py::arg("rest") = 0.0, doc::add_joint_spring);
-  m.def("push_names", &push_names, py::arg("scene"), doc::push_names);
-}
+void add_forces(py::module_& m) { functions<&add_push, &add_spring, &add_joint_spring, &push_names>(m); }
 
 }  // namespace manycontact::python

@@ -15,6 +15,7 @@
 #include <type_traits>
 
 #include "arrays.hpp"
+#include "bind.hpp"
 #include "manycontact/action/thrusters.hpp"
 #include "manycontact/kkt/options.hpp"
 #include "manycontact/model/scene.hpp"
@@ -69,8 +70,8 @@ template <class M>
 inline constexpr bool is_handled = std::is_base_of_v<HandleCaster<M>, py::detail::type_caster<M>>;
 
 /// A member as a property; one that has attributes itself as a Handle.
-template <class T, class M, class... Extra>
-void handle_field(py::class_<Handle<T>, Extra...>& c, const char* name, M T::*member, const char* doc = "") {
+template <class T, class M>
+void handle_field(Class<Handle<T>>& c, const char* name, M T::*member) {
   const auto get = [member](const Handle<T>& h) {
     if constexpr (is_handled<M>)
       return Handle<M>([h, member]() -> const M& { return h.get().*member; },
@@ -78,8 +79,7 @@ void handle_field(py::class_<Handle<T>, Extra...>& c, const char* name, M T::*me
     else
       return M(h.get().*member);
   };
-  c.def_property(
-      name, get, [member](const Handle<T>& h, const M& x) { h.change([&](T& object) { object.*member = x; }); }, doc);
+  c.property(name, get, [member](const Handle<T>& h, const M& x) { h.change([&](T& object) { object.*member = x; }); });
 }
 
 /// A list of an object's items without copies: items are looked up when they are requested.
@@ -91,46 +91,38 @@ struct Items {
   std::function<std::string(const std::string&)> none = {};  // the message for an unknown name
 };
 
-/// item: its class' name.
 template <class Item>
-void add_items(py::module_& m, const char* name, const char* doc, bool named) {
+void add_items(py::module_& m, const char* name, bool named = true) {
   using List = Items<Item>;
-  py::class_<List> c(m, name, doc);
+  Class<List> c(m, name);
+  const auto at = [](const List& x, py::ssize_t i) {
+    const auto n = static_cast<py::ssize_t>(x.size());
+    if (i < -n || i >= n) throw py::index_error("there are " + std::to_string(n) + " items");
+    return x.at(static_cast<std::size_t>(i < 0 ? i + n : i));
+  };
+  const auto part = [](const List& x, const py::slice& slice) {
+    std::size_t start = 0, stop = 0, step = 0, count = 0;
+    if (!slice.compute(x.size(), &start, &stop, &step, &count)) throw py::error_already_set();
+    std::vector<Item> items;
+    for (std::size_t k = 0; k < count; ++k, start += step) items.push_back(x.at(start));
+    return items;
+  };
   c.def("__len__", [](const List& x) { return x.size(); })
-      .def(
-          "__getitem__",
-          [](const List& x, py::ssize_t i) {
-            const auto n = static_cast<py::ssize_t>(x.size());
-            if (i < -n || i >= n) throw py::index_error("there are " + std::to_string(n) + " items");
-            return x.at(static_cast<std::size_t>(i < 0 ? i + n : i));
-          },
-          py::arg("number"))
-      .def(
-          "__getitem__",
-          [](const List& x, const py::slice& slice) {
-            std::size_t start = 0, stop = 0, step = 0, count = 0;
-            if (!slice.compute(x.size(), &start, &stop, &step, &count)) throw py::error_already_set();
-            std::vector<Item> items;
-            for (std::size_t k = 0; k < count; ++k, start += step) items.push_back(x.at(start));
-            return items;
-          },
-          py::arg("numbers"))
+      .def("__getitem__", at, py::arg("number"))
+      .def("__getitem__", part, py::arg("numbers"))
       .def("__iter__", [](const List& x) {
         py::list items;
         for (std::size_t k = 0; k < x.size(); ++k) items.append(py::cast(x.at(k)));
         return py::iter(items);
       });
   if (!named) return;
-  c.def(
-       "__getitem__",
-       [](const List& x, const std::string& item) {
-         const int k = x.number(item);
-         if (k < 0) throw py::value_error(x.none(item));
-         return x.at(static_cast<std::size_t>(k));
-       },
-       py::arg("name"))
-      .def(
-          "__contains__", [](const List& x, const std::string& item) { return x.number(item) >= 0; }, py::arg("name"));
+  const auto called = [](const List& x, const std::string& item) {
+    const int k = x.number(item);
+    if (k < 0) throw py::value_error(x.none(item));
+    return x.at(static_cast<std::size_t>(k));
+  };
+  const auto contains = [](const List& x, const std::string& item) { return x.number(item) >= 0; };
+  c.def("__getitem__", called, py::arg("name")).def("__contains__", contains, py::arg("name"));
 }
 
 }  // namespace manycontact::python

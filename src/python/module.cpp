@@ -72,6 +72,7 @@ PYBIND11_MODULE(_manycontact, m) {
       "file, line and message.";
   py::register_exception_translator(translate);
 
+  set_names_of_defaults(m);
   add_models(m);
   add_scenes(m);
   add_rigid_bodies(m);
@@ -90,6 +91,7 @@ PYBIND11_MODULE(_manycontact, m) {
   add_twins(m);
   add_solvers(m);
   add_task(m);
+  expect_all_texts_taken();
   refuse_empty_objects(m);
   m.attr("__name__") = own_name;
 }

@@ -9,14 +9,12 @@
 #include <sstream>
 
 #include "arrays.hpp"
+#include "bind.hpp"
 #include "enums.hpp"
 #include "handle.hpp"
 #include "values.hpp"
 
 namespace manycontact::python {
-
-/// Python runs in other threads meanwhile.
-using Unlocked = py::call_guard<py::gil_scoped_release>;
 
 /// A Python object that C++ keeps; let go from any thread.
 std::shared_ptr<void> keep(py::handle object);
@@ -34,26 +32,42 @@ std::string text_of(const T& x) {
 
 /// A class's member matrix as a property: an array on it, which keeps the object; assignment writes into it. Only for
 /// members that keep their size.
-template <class Class, class M>
-void member_view(Class& c, const char* name, M member, const char* doc) {
-  using T = typename Class::type;
-  c.def_property(
+template <class T, class... Options, class M>
+void view_property(Class<T, Options...>& c, const char* name, M member) {
+  c.property(
       name, [member](py::object self) { return view(self.cast<T&>().*member, self, true); },
-      [member](T& self, py::handle values) { assign(self.*member, values); }, doc);
+      [member](T& self, py::handle values) { assign(self.*member, values); });
 }
 
 /// A scene's, by number or name.
+Items<Handle<Contact>> contacts_of(const std::shared_ptr<Scene>& scene);
 Items<Handle<Push>> pushes_of(const std::shared_ptr<Scene>& scene);
 Items<Handle<Spring>> springs_of(const std::shared_ptr<Scene>& scene);
+
+/// The numbers of `given`, which are finite; the second function expects `size` of them.
+Eigen::Map<const Eigen::VectorXd> checked(const char* name, const Raw& given);
+Eigen::Map<const Eigen::VectorXd> checked(const char* name, const Raw& given, Eigen::Index size);
+
+/// The numbers of members of an enumeration, such as Status, as an array.
+template <class E>
+py::array_t<std::int8_t> numbers_of(const std::vector<E>& members) {
+  py::array_t<std::int8_t> out(static_cast<py::ssize_t>(members.size()));
+  for (std::size_t i = 0; i < members.size(); ++i) out.mutable_data()[i] = static_cast<std::int8_t>(members[i]);
+  return out;
+}
 
 /// (n, 6) on wrenches of `owner`; and from such an array, as many.
 py::array wrenches_view(const std::vector<Vec6<double>>& w, py::handle owner);
 void set_wrenches(const char* name, py::handle values, std::vector<Vec6<double>>& w);
+/// The same as a copy.
+Eigen::MatrixXd rows_of_wrenches(const std::vector<Vec6<double>>& w);
 
 /// An array of bools that views flags 0 or 1, and keeps their owner alive.
 py::array_t<bool> flags_view(std::vector<char>& flags, py::handle owner);
 /// values -> flags, of as many: bools, numpy's, or the whole numbers 0 and 1. name: for errors.
 void set_flags(const std::string& name, py::handle values, std::vector<char>& flags);
+/// Flags of a scene's contacts. None: as the scene has them.
+std::vector<char> flags_of(const Scene& scene, const py::object& active);
 
 /// A sparse matrix as scipy.sparse.csc_matrix, which takes over its memory.
 py::object scipy_csc(Eigen::SparseMatrix<double>&& given);

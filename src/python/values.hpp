@@ -8,10 +8,10 @@
 #include <unordered_map>
 #include <vector>
 
+#include "aggregate.hpp"
 #include "handle.hpp"
 #include "manycontact/dynamics/report.hpp"
 #include "manycontact/model/model.hpp"
-#include "members.hpp"
 
 namespace manycontact::python {
 
@@ -33,6 +33,12 @@ template <class V>
 inline constexpr bool is_map<std::unordered_map<std::string, V>> = true;
 using SharedModel = std::shared_ptr<const Model>;
 
+/// The members of a plain structure as a tuple of references, found by the compiler: none can be forgotten.
+template <class T>
+auto members(T& x) {
+  return tied<std::remove_const_t<T>>(x);
+}
+
 template <class T>
 bool equal(const T& a, const T& b) {
   if constexpr (is_matrix<T>) {
@@ -52,9 +58,8 @@ bool equal(const T& a, const T& b) {
     return a.has_value() == b.has_value() && (!a || equal(*a, *b));
   } else if constexpr (std::is_aggregate_v<T>) {
     const auto x = members(a), y = members(b);
-    return [&]<std::size_t... I>(std::index_sequence<I...>) {
-      return (equal(std::get<I>(x), std::get<I>(y)) && ...);
-    }(std::make_index_sequence<std::tuple_size_v<decltype(x)>>());
+    return [&]<std::size_t... I>(std::index_sequence<I...>) { return (equal(std::get<I>(x), std::get<I>(y)) && ...); }
+    (std::make_index_sequence<std::tuple_size_v<decltype(x)>>());
   } else if constexpr (std::equality_comparable<T>) {
     return a == b;
   } else {
@@ -136,32 +141,17 @@ void unpack(py::handle from, T& x) {
     constexpr std::size_t n = std::tuple_size_v<decltype(to)>;
     const auto state = from.cast<py::tuple>();
     if (state.size() != n) throw py::value_error("pickle: written by another version of manycontact");
-    [&]<std::size_t... I>(std::index_sequence<I...>) {
-      (unpack(state[I], std::get<I>(to)), ...);
-    }(std::make_index_sequence<n>());
+    [&]<std::size_t... I>(std::index_sequence<I...>) { (unpack(state[I], std::get<I>(to)), ...); }
+    (std::make_index_sequence<n>());
     if constexpr (std::is_same_v<T, Model>) finalize(x);
   } else {
     throw py::type_error("it has a member that cannot be pickled");
   }
 }
 
-/// The members of a class of Python's, and an object of it.
-template <class Held>
-struct ValueOf {
-  using Type = Held;
-  static const Held& get(const Held& x) { return x; }
-  static Held make(Held x) { return x; }
-};
-template <class T>
-struct ValueOf<Handle<T>> {
-  using Type = T;
-  static const T& get(const Handle<T>& x) { return x.get(); }
-  static Handle<T> make(T x) { return Handle<T>(std::move(x)); }
-};
-
 /// copy and deepcopy. Shared constants, such as models, remain shared.
-template <class Held, class... Extra>
-py::class_<Held, Extra...>& add_copy(py::class_<Held, Extra...>& c) {
+template <class Held, class... Options>
+Class<Held, Options...>& add_copy(Class<Held, Options...>& c) {
   using Value = ValueOf<Held>;
   return c.def("__copy__", [](const Held& x) { return Value::make(Value::get(x)); })
       .def(
@@ -169,19 +159,27 @@ py::class_<Held, Extra...>& add_copy(py::class_<Held, Extra...>& c) {
 }
 
 /// copy, deepcopy, == and pickle of a structure.
-template <class Held, class... Extra>
-py::class_<Held, Extra...>& add_value(py::class_<Held, Extra...>& c) {
+template <class Held, class... Options>
+Class<Held, Options...>& add_value(Class<Held, Options...>& c) {
   using Value = ValueOf<Held>;
+  const auto unpacked = [](const py::object& state) {
+    typename Value::Type x{};
+    unpack(state, x);
+    return Value::make(std::move(x));
+  };
   return add_copy(c)
       .def(
           "__eq__", [](const Held& x, const Held& y) { return equal(Value::get(x), Value::get(y)); }, py::is_operator(),
           py::arg("other"))
-      .def(py::pickle([](const Held& x) { return pack(Value::get(x)); },
-                      [](const py::object& state) {
-                        typename Value::Type x{};
-                        unpack(state, x);
-                        return Value::make(std::move(x));
-                      }));
+      .pickle([](const Held& x) { return pack(Value::get(x)); }, unpacked);
+}
+
+/// A class of such structures.
+template <class T, class... Options>
+Class<T, Options...> value(py::module_& m, const std::string& name = type_name<T>()) {
+  Class<T, Options...> c(m, name);
+  add_value(c);
+  return c;
 }
 
 }  // namespace manycontact::python

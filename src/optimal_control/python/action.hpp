@@ -25,6 +25,14 @@ MANYCONTACT_KEEPS_PYTHON(manycontact::ActionModelAbstract)
 MANYCONTACT_KEEPS_PYTHON(manycontact::ActionDataAbstract)
 MANYCONTACT_KEEPS_PYTHON(manycontact::CallbackAbstract)
 
+/// What Python defines, or else T, where the method is pure virtual in T if T is abstract.
+#define MANYCONTACT_OVERRIDE(result, T, name, ...)        \
+  if constexpr (std::is_abstract_v<T>) {                  \
+    PYBIND11_OVERRIDE_PURE(result, T, name, __VA_ARGS__); \
+  } else {                                                \
+    PYBIND11_OVERRIDE(result, T, name, __VA_ARGS__);      \
+  }
+
 namespace manycontact::python {
 
 /// The data that a createData of Python's returned.
@@ -36,87 +44,74 @@ std::shared_ptr<Data> made(std::shared_ptr<Data> data) {
 
 /// A member of action data that the library's models resize: an array on it in data of models written in Python, which
 /// keep their size, else a copy that cannot be written into. Assignment writes into it in either.
-template <class Class, class M>
-void resized_member(Class& c, const char* name, M member, const char* doc) {
-  using T = typename Class::type;
-  c.def_property(
-      name,
-      [member](py::object self) {
-        T& data = self.cast<T&>();
-        if (typeid(data) == typeid(T)) return view(data.*member, self, true);
-        py::array out = copy(data.*member);
-        py::detail::array_proxy(out.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
-        return out;
-      },
-      [member](T& data, py::handle values) { assign(data.*member, values); }, doc);
+template <class T, class... Options, class... Given>
+void add_resized(Class<T, Options...>& c, Given... given) {
+  const auto add = [&c](const char* name, auto member) {
+    c.property(
+        name,
+        [member](py::object self) {
+          T& data = self.cast<T&>();
+          return typeid(data) == typeid(T) ? view(data.*member, self, true) : read_only(copy(data.*member));
+        },
+        [member](T& data, py::handle values) { assign(data.*member, values); });
+  };
+  in_groups<2>(add, given...);
+}
+
+/// ValueError unless `values` has the shape of `matrix`. name: for errors.
+template <class M>
+void expect_shape(const char* name, const Eigen::MatrixXd& values, const M& matrix) {
+  if (values.rows() != matrix.rows() || values.cols() != matrix.cols())
+    throw py::value_error(std::string(name) + ": a matrix of shape (" + std::to_string(matrix.rows()) + ", " +
+                          std::to_string(matrix.cols()) + ") is expected");
 }
 
 /// Members that the data of action models, differential or not, have in common.
-template <class Class>
-void add_action_data(Class& c) {
-  using T = typename Class::type;
-  c.def_readwrite("cost", &T::cost, "Cost; set by calc.");
-  member_view(c, "Fu", &T::Fu, "Derivative of the dynamics with respect to u; set by calcDiff.");
-  member_view(c, "Fx", &T::Fx, "Derivative of the dynamics with respect to x, on the tangent space; set by calcDiff.");
-  member_view(c, "Lx", &T::Lx, "Gradient of the cost (ndx); set by calcDiff.");
-  member_view(c, "Lu", &T::Lu, "Gradient of the cost (nu); set by calcDiff.");
-  member_view(c, "Lxx", &T::Lxx, "Hessian of the cost (ndx, ndx); set by calcDiff.");
-  member_view(c, "Lxu", &T::Lxu, "Hessian of the cost (ndx, nu); set by calcDiff.");
-  member_view(c, "Luu", &T::Luu, "Hessian of the cost (nu, nu); set by calcDiff.");
-  resized_member(c, "r", &T::r, "Residuals (nr); set by calc.");
-  resized_member(c, "g", &T::g, "Inequality constraints (ng), g_lb <= g <= g_ub; set by calc.");
-  resized_member(c, "h", &T::h, "Equality constraints (nh), h = 0; set by calc.");
-  resized_member(c, "Gx", &T::Gx, "Derivative of g (ng, ndx); set by calcDiff.");
-  resized_member(c, "Gu", &T::Gu, "Derivative of g (ng, nu); set by calcDiff.");
-  resized_member(c, "Hx", &T::Hx, "Derivative of h (nh, ndx); set by calcDiff.");
-  resized_member(c, "Hu", &T::Hu, "Derivative of h (nh, nu); set by calcDiff.");
+template <class T, class... Options>
+void add_action_data(Class<T, Options...>& c) {
+  c.template write<&T::cost>()
+      .template views<&T::Fu, &T::Fx, &T::Lx, &T::Lu, &T::Lxx, &T::Lxu, &T::Luu>();
+  add_resized(c, "r", &T::r, "g", &T::g, "h", &T::h, "Gx", &T::Gx, "Gu", &T::Gu, "Hx", &T::Hx, "Hu", &T::Hu);
+}
+
+/// calc(data, x, u=None) and calcDiff(data, x, u=None).
+template <class Data, class T, class... Options, class... Extra>
+void add_calc(Class<T, Options...>& c, const Extra&... extra) {
+  using Shared = std::shared_ptr<Data>;
+  using Control = std::optional<Eigen::VectorXd>;
+  c.def(
+      "calc",
+      [](T& model, const Shared& data, const ConstVectorRef& x, const Control& u) {
+        u ? model.calc(data, x, *u) : model.calc(data, x);
+      },
+      extra...);
+  c.def(
+      "calcDiff",
+      [](T& model, const Shared& data, const ConstVectorRef& x, const Control& u) {
+        u ? model.calcDiff(data, x, *u) : model.calcDiff(data, x);
+      },
+      extra...);
+}
+
+/// A property of bounds, which may be infinite.
+template <class T, class... Options, class... Given>
+void add_bounds(Class<T, Options...>& c, Given... given) {
+  const auto add = [&c](const char* name, auto get, auto set) {
+    c.property(name, get, [set](T& x, const Bounds& b) { (x.*set)(b.x); });
+  };
+  in_groups<3>(add, given...);
 }
 
 /// Members that action models, differential or not, have in common. `Data` is that of the abstract class.
-template <class Data, class Class>
-void add_action_model(Class& c) {
-  using T = typename Class::type;
-  using Shared = std::shared_ptr<Data>;
-  using Control = std::optional<Eigen::VectorXd>;
-  c.def_property_readonly("state", &T::get_state, "StateAbstract that it was made for.")
-      .def_property_readonly("nu", &T::get_nu, "Number of controls.")
-      .def_property_readonly("nr", &T::get_nr, "Number of rows of the residual.")
-      .def_property_readonly("ng", &T::get_ng, "Number of inequality constraints.")
-      .def_property_readonly("nh", &T::get_nh, "Number of equality constraints.")
-      .def_property_readonly("ng_T", &T::get_ng_T, "Number of inequality constraints in a terminal node.")
-      .def_property_readonly("nh_T", &T::get_nh_T, "Number of equality constraints in a terminal node.")
-      .def_property_readonly("has_control_limits", &T::get_has_control_limits,
-                             "Whether any limit of controls is finite.")
-      .def_property(
-          "u_lb", &T::get_u_lb, [](T& x, const Bounds& b) { x.set_u_lb(b.x); },
-          "Lower limits of controls (nu); -inf: none.")
-      .def_property(
-          "u_ub", &T::get_u_ub, [](T& x, const Bounds& b) { x.set_u_ub(b.x); },
-          "Upper limits of controls (nu); inf: none.")
-      .def_property(
-          "g_lb", &T::get_g_lb, [](T& x, const Bounds& b) { x.set_g_lb(b.x); }, "Lower bounds of g (ng).")
-      .def_property(
-          "g_ub", &T::get_g_ub, [](T& x, const Bounds& b) { x.set_g_ub(b.x); }, "Upper bounds of g (ng).")
-      .def("createData", &T::createData, Unlocked(), "Create data of this model.")
-      .def(
-          "calc",
-          [](T& x, const Shared& data, const ConstVectorRef& state, const Control& u) {
-            u ? x.calc(data, state, *u) : x.calc(data, state);
-          },
-          py::arg("data").none(false), py::arg("x"), py::arg("u") = py::none(), Unlocked(),
-          "Compute dynamics, cost and constraints at x (nx), u (nu); without u those of a terminal node.")
-      .def(
-          "calcDiff",
-          [](T& x, const Shared& data, const ConstVectorRef& state, const Control& u) {
-            u ? x.calcDiff(data, state, *u) : x.calcDiff(data, state);
-          },
-          py::arg("data").none(false), py::arg("x"), py::arg("u") = py::none(), Unlocked(),
-          "Compute the derivatives at the last calc.")
-      .def("quasiStatic", &T::quasiStatic_x, py::arg("data").none(false), py::arg("x"), py::arg("maxiter") = 100,
-           py::arg("tol") = 1e-9, Unlocked(), "Compute controls (nu) that keep x (nx) at rest.")
-      .def("checkData", &T::checkData, py::arg("data"), Unlocked(),
-           "Return whether the data were created by a model of this kind, with the same sizes.")
-      .def("__str__", &text_of<T>);
+template <class Data, class T, class... Options>
+void add_action_model(Class<T, Options...>& c) {
+  c.read("state", &T::get_state, "nu", &T::get_nu, "nr", &T::get_nr, "ng", &T::get_ng, "nh", &T::get_nh, "ng_T",
+         &T::get_ng_T, "nh_T", &T::get_nh_T, "has_control_limits", &T::get_has_control_limits);
+  add_bounds(c, "u_lb", &T::get_u_lb, &T::set_u_lb, "u_ub", &T::get_u_ub, &T::set_u_ub, "g_lb", &T::get_g_lb,
+             &T::set_g_lb, "g_ub", &T::get_g_ub, &T::set_g_ub);
+  c.unlocked("createData", &T::createData);
+  add_calc<Data>(c, Unlocked());
+  c.unlocked("quasiStatic", &T::quasiStatic_x, "checkData", &T::checkData).methods("__str__", &text_of<T>);
 }
 
 /// A class to derive from: Python's calc(data, x, u=None), calcDiff(data, x, u=None), createData(). In OpenMP's threads

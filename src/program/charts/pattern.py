@@ -172,9 +172,6 @@ def draw_legend(scene, cells, n):
     if cells < n:
         y += 22
         out += text(LEFT, y, f"a cell represents {number(n / cells)} rows and columns, in the colour of most of its entries; empty where all are zero", "start", 11)
-    if scene["supernodal"]:
-        y += 18
-        out += text(LEFT, y, "auto chooses sparse-supernodal, which factorizes M and J inv(M) J' instead: L is what sparse-ldl would compute", "start", 11)
     return out
 
 

@@ -36,7 +36,6 @@ std::vector<int> rows_in_scene(const Scene& scene, const SceneData& data, const 
 void add_islands(const Inspection& x, Json& to) {
   const SceneData& solved = data_solved(x.data);
   std::map<const KktPattern*, std::size_t> numbers;
-  to["supernodal"] = false;
   to["patterns"] = to["islands"] = Json::array();
   for (std::size_t i = 0; i < island_count(x.data); ++i) {
     const auto [at, fresh] = numbers.emplace(&x.pattern(i), numbers.size());
@@ -44,7 +43,6 @@ void add_islands(const Inspection& x, Json& to) {
     to["islands"].push_back({{"pattern", at->second},
                              {"rows", rows_in_scene(scene_solved(x.file.scene, x.data), solved, island_of(solved, i))},
                              {"order", to_string(choice_of(x.data, i).order)}});
-    if (choice_of(x.data, i).method == Method::kSparseSupernodal) to["supernodal"] = true;
   }
 }
 

@@ -1,0 +1,230 @@
+#pragma once
+// Classes and functions of the module. Their docstrings and the names and default values of parameters are in
+// docs/*.txt.
+//
+//   shared<Joint>(m).read<&Joint::name, &Joint::type>().read("mass", &mass_of);
+//   functions<&velocity_names>(m);
+//
+// Classes and members are called as in C++, unless a name is given.
+
+#include <functional>
+#include <memory>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "texts.hpp"
+
+namespace manycontact::python {
+
+/// Python runs in other threads meanwhile.
+using Unlocked = py::call_guard<py::gil_scoped_release>;
+
+/// each(a, b), each(c, d) of a, b, c, d for N = 2.
+template <std::size_t N, class Each, class... Given>
+void in_groups(Each&& each, const Given&... given) {
+  static_assert(sizeof...(Given) % N == 0);
+  const auto all = std::tie(given...);
+  const auto group = [&]<std::size_t First, std::size_t... K>(std::index_sequence<K...>) {
+    each(std::get<First + K>(all)...);
+  };
+  [&]<std::size_t... Group>(std::index_sequence<Group...>) {
+    (group.template operator()<N * Group>(std::make_index_sequence<N>()), ...);
+  }
+  (std::make_index_sequence<sizeof...(Given) / N>());
+}
+
+template <class T>
+class Handle;  // in handle.hpp
+
+/// What a class of Python's contains, and an object of it.
+template <class Held>
+struct ValueOf {
+  using Type = Held;
+  static const Held& get(const Held& x) { return x; }
+  static Held make(Held x) { return x; }
+};
+template <class T>
+struct ValueOf<Handle<T>> {
+  using Type = T;
+  static const T& get(const Handle<T>& x) { return x.get(); }
+  static Handle<T> make(T x) { return Handle<T>(std::move(x)); }
+};
+
+/// The name of a member, method or function in Python: its own, without Crocoddyl's get_.
+template <auto member>
+std::string python_name_of() {
+  const std::string name = name_of<member>();
+  return std::is_member_function_pointer_v<decltype(member)> && name.starts_with("get_") ? name.substr(4) : name;
+}
+
+/// A class, its members and methods, each with its entry in docs/*.txt.
+template <class T, class... Options>
+class Class {
+ public:
+  using type = T;
+
+  template <class... Extra>
+  Class(py::module_& m, const std::string& name, const Extra&... extra)
+      : name_(name), class_(m, name.c_str(), text_of(name).doc, extra...) {}
+  explicit Class(py::module_& m) : Class(m, type_name<T>()) {}
+
+  template <class F, class... Extra>
+  Class& def(const char* name, F&& f, const Extra&... extra) {
+    class_.def(name, std::forward<F>(f), Described{text(name)}, extra...);
+    return *this;
+  }
+  template <class F, class... Extra>
+  Class& def_static(const char* name, F&& f, const Extra&... extra) {
+    class_.def_static(name, std::forward<F>(f), Described{text(name)}, extra...);
+    return *this;
+  }
+  /// init: py::init<...>() or py::init(function).
+  template <class Init, class... Extra>
+  requires(!std::is_convertible_v<Init, const char*>) Class& def(Init&& init, const Extra&... extra) {
+    class_.def(std::forward<Init>(init), Described{text("__init__")}, extra...);
+    return *this;
+  }
+  /// Constructors of T by the types of their arguments: void(int, double), ...
+  template <class... Signatures, class... Extra>
+  Class& constructors(const Extra&... extra) {
+    const auto add = [&]<class... Arguments>(void (*)(Arguments...)) { def(py::init<Arguments...>(), extra...); };
+    (add(static_cast<Signatures*>(nullptr)), ...);
+    return *this;
+  }
+  /// "name", &T::method, ...
+  template <class... Given>
+  Class& methods(Given... given) {
+    in_groups<2>([this](const char* name, auto method) { def(name, method); }, given...);
+    return *this;
+  }
+  template <auto... member>
+  Class& methods() {
+    (..., methods(python_name_of<member>().c_str(), member));
+    return *this;
+  }
+  /// The same, while Python runs in other threads.
+  template <class... Given>
+  Class& unlocked(Given... given) {
+    in_groups<2>([this](const char* name, auto method) { def(name, method, Unlocked()); }, given...);
+    return *this;
+  }
+  template <auto... member>
+  Class& unlocked() {
+    (..., unlocked(python_name_of<member>().c_str(), member));
+    return *this;
+  }
+  /// A constructor from the members of a structure, or the first of these.
+  template <class... Members>
+  Class& from_members() {
+    return def(py::init(
+        [](Members... members) { return ValueOf<T>::make(typename ValueOf<T>::Type{std::move(members)...}); }));
+  }
+  template <class Get, class Set>
+  Class& pickle(Get&& get, Set&& set) {
+    class_.def(py::pickle(std::forward<Get>(get), std::forward<Set>(set)));
+    return *this;
+  }
+
+  /// Attributes that cannot be assigned: "name", &T::name, ... with members, methods or functions of the object.
+  template <class... Given>
+  Class& read(Given... given) {
+    in_groups<2>(
+        [this]<class M>(const char* name, M member) {
+          if constexpr (std::is_member_object_pointer_v<M>)
+            class_.def_readonly(name, member, text(name).doc);
+          else
+            class_.def_property_readonly(name, member, text(name).doc);
+        },
+        given...);
+    return *this;
+  }
+  template <auto... member>
+  Class& read() {
+    (..., read(python_name_of<member>().c_str(), member));
+    return *this;
+  }
+  /// The same of what `at` gives of the object, as copies.
+  template <auto... member, class At>
+  Class& read_at(At at) {
+    const auto add = [&](const std::string& name, auto m) {
+      read(name.c_str(), [at, m](const T& object) { return std::invoke(m, std::invoke(at, object)); });
+    };
+    (..., add(python_name_of<member>(), member));
+    return *this;
+  }
+  /// Members that can be assigned.
+  template <auto... member>
+  Class& write() {
+    (..., class_.def_readwrite(name_of<member>().c_str(), member, text(name_of<member>()).doc));
+    return *this;
+  }
+  /// "name", get, set, ...
+  template <class... Given>
+  Class& property(Given... given) {
+    in_groups<3>([this](const char* name, auto get, auto set) { class_.def_property(name, get, set, text(name).doc); },
+                 given...);
+    return *this;
+  }
+  template <auto get, auto set, auto... more>
+  Class& property() {
+    property(python_name_of<get>().c_str(), get, set);
+    if constexpr (sizeof...(more) > 0) property<more...>();
+    return *this;
+  }
+  /// An object with attributes of its own: get(owner) and set(owner, object), in Python as a Handle.
+  template <class Owner, class Get, class Set>
+  Class& handle(const char* name, Get get, Set set) {
+    using Held = std::decay_t<decltype(get(std::declval<const Owner&>()))>;
+    const auto found = [=](const Owner& owner) {
+      return Handle<Held>([=]() -> const Held& { return get(owner); }, [=](Held x) { set(owner, std::move(x)); });
+    };
+    return property(name, found, [=](const Owner& owner, const Held& x) { set(owner, x); });
+  }
+  /// Matrices as arrays on them, see view_property in objects.hpp.
+  template <auto... member>
+  Class& views() {
+    (..., view_property(*this, name_of<member>().c_str(), member));
+    return *this;
+  }
+  /// Members of an object that is in another one, see handle_field in handle.hpp.
+  template <auto... member>
+  Class& fields() {
+    (..., handle_field(*this, name_of<member>().c_str(), member));
+    return *this;
+  }
+
+ private:
+  const Text& text(const std::string& member) const { return text_of(name_ + "." + member); }
+
+  std::string name_;
+  py::class_<T, Options...> class_;
+};
+
+/// A class whose objects C++ and Python share.
+template <class T, class... Bases, class... Extra>
+Class<T, Bases..., std::shared_ptr<T>> shared(py::module_& m, const std::string& name = type_name<T>(),
+                                              const Extra&... extra) {
+  return {m, name, extra...};
+}
+
+/// A function of the module, by the entry with its name, or that called `entry`.
+template <class F, class... Extra>
+void def_as(py::module_& m, const char* name, const char* entry, F&& f, const Extra&... extra) {
+  m.def(name, std::forward<F>(f), Described{text_of(entry)}, extra...);
+}
+template <class F, class... Extra>
+void def(py::module_& m, const char* name, F&& f, const Extra&... extra) {
+  def_as(m, name, name, std::forward<F>(f), extra...);
+}
+/// &function, ...; or "name", &function, ...
+template <auto... function>
+void functions(py::module_& m) {
+  (..., def(m, name_of<function>().c_str(), function));
+}
+template <class... Given>
+void functions(py::module_& m, Given... given) {
+  in_groups<2>([&m](const char* name, auto function) { def(m, name, function); }, given...);
+}
+
+}  // namespace manycontact::python
