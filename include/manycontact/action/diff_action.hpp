@@ -77,6 +77,8 @@ class NodeAbstract : public Printable {
   NodeAbstract(const char* kind, std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr, std::size_t ng,
                std::size_t nh, std::size_t ng_T, std::size_t nh_T);
   void update_has_control_limits();  // called after the bounds have changed
+  /// Throws std::invalid_argument "name::function: ..." for wrong sizes of x and, if it is given, of u.
+  void check_sizes(const char* name, const char* function, const ConstVectorRef& x, const ConstVectorRef* u) const;
   const char* kind_;
   std::size_t nu_, nr_, ng_, nh_, ng_T_, nh_T_;  // values at construction; with stacks of costs or constraints,
                                                  // getters return current values
@@ -85,31 +87,90 @@ class NodeAbstract : public Printable {
   bool has_control_limits_ = false;
 };
 
-class DifferentialActionModelAbstract : public NodeAbstract {  // A node in continuous time.
+/// The functions of a node, in continuous or in discrete time, whose data are of class Data.
+template <class Data>
+class NodeOf : public NodeAbstract {
+ public:
+  using DataPtr = std::shared_ptr<Data>;
+
+  /// Computes accelerations or the next state, cost and constraints. x: nx, u: nu. Throws std::invalid_argument for
+  /// wrong sizes.
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
+  /// Computes cost and constraints of a terminal node, which depend on the state alone; its next state is x.
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x) { calc(data, x, unone_); }
+  /// Computes the derivatives at the last calc. x, u: as in calc.
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x) { calcDiff(data, x, unone_); }
+  virtual DataPtr createData() = 0;  // one for each thread
+  virtual bool checkData(const DataPtr& data) { return data != nullptr; }
+  /// Computes controls u (nu) that keep x at rest; in continuous time v must be 0. By default it makes Gauss-Newton
+  /// steps on xout, in discrete time on xnext (-) x: at most maxiter, until one is shorter than tol.
+  virtual void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
+                           double tol = 1e-9) = 0;
+  Eigen::VectorXd quasiStatic_x(const DataPtr& data, const Eigen::VectorXd& x, std::size_t maxiter = 100,
+                                double tol = 1e-9) {
+    Eigen::VectorXd u = Eigen::VectorXd::Zero(nu_);
+    quasiStatic(data, u, x, maxiter, tol);
+    return u;
+  }
+
+ protected:
+  using NodeAbstract::NodeAbstract;
+};
+
+/// A node of this library, with data of its own class. Functions with and without u, of a running and of a terminal
+/// node, are one. Model is the derived class, with its name kName for messages, and Base that of all nodes.
+template <class Model, class Base, class Data>
+class NodeWithData : public Base {
+ public:
+  using DataPtr = typename Base::DataPtr;
+
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    evaluate(own("calc", data, x, &u), x, &u);
+  }
+  void calc(const DataPtr& data, const ConstVectorRef& x) override { evaluate(own("calc", data, x), x, nullptr); }
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    differentiate(own("calcDiff", data, x, &u), x, &u);
+  }
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override {
+    differentiate(own("calcDiff", data, x), x, nullptr);
+  }
+  DataPtr createData() override { return std::make_shared<Data>(static_cast<Model*>(this)); }
+  bool checkData(const DataPtr& data) override { return dynamic_cast<Data*>(data.get()) && Base::checkData(data); }
+  void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
+                   double tol = 1e-9) override {
+    const ConstVectorRef given = u;
+    (void)own("quasiStatic", data, x, &given);
+    Base::quasiStatic(data, u, x, maxiter, tol);
+  }
+
+ protected:
+  using Base::Base;
+  /// The data as their class. Throws std::invalid_argument for those of another model, and for wrong sizes of x and u.
+  Data& own(const char* function, const DataPtr& data, const ConstVectorRef& x,
+            const ConstVectorRef* u = nullptr) const {
+    this->check_sizes(Model::kName, function, x, u);
+    Data* own = dynamic_cast<Data*>(data.get());
+    return own ? *own : internal::own_data<Data>((std::string(Model::kName) + "::" + function).c_str(), data);
+  }
+
+ private:
+  /// Computes what calc and calcDiff do; u is null in a terminal node.
+  virtual void evaluate(Data& data, const ConstVectorRef& x, const ConstVectorRef* u) = 0;
+  virtual void differentiate(Data& data, const ConstVectorRef& x, const ConstVectorRef* u) = 0;
+};
+
+class DifferentialActionModelAbstract : public NodeOf<DifferentialActionDataAbstract> {  // A node in continuous time.
  public:
   using DifferentialActionDataAbstract = manycontact::DifferentialActionDataAbstract;
-  using DataPtr = std::shared_ptr<DifferentialActionDataAbstract>;
 
   /// Throws std::invalid_argument for null pointers and numbers out of range.
   DifferentialActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr = 0,
                                   std::size_t ng = 0, std::size_t nh = 0);
 
-  /// Computes accelerations, cost and constraints. x: nx, u: nu. Throws std::invalid_argument for wrong sizes.
-  virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
-  /// Computes cost and constraints of a terminal node, which depend on the state alone.
-  virtual void calc(const DataPtr& data, const ConstVectorRef& x);
-  /// Computes the derivatives at the last calc.
-  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
-  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x);
-  virtual std::shared_ptr<DifferentialActionDataAbstract> createData();
-  virtual bool checkData(const DataPtr& data);
-
-  /// Computes controls u (nu) that keep x at rest, with v = 0. By default it makes Gauss-Newton steps on xout: at most
-  /// maxiter, until |xout| <= tol.
-  virtual void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
-                           double tol = 1e-9);
-  Eigen::VectorXd quasiStatic_x(const DataPtr& data, const Eigen::VectorXd& x, std::size_t maxiter = 100,
-                                double tol = 1e-9);
+  DataPtr createData() override { return std::make_shared<DifferentialActionDataAbstract>(this); }
+  void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
+                   double tol = 1e-9) override;
 
   std::size_t get_ng_T() const override { return get_ng(); }
   std::size_t get_nh_T() const override { return get_nh(); }

@@ -8,6 +8,20 @@
 
 namespace manycontact {
 
+/// The data of the differential model and of the controls at one stage of a step.
+struct IntegratorStage {
+  const std::shared_ptr<DifferentialActionDataAbstract>& differential;
+  const std::shared_ptr<ControlParametrizationDataAbstract>& control;
+};
+
+struct IntegratedActionDataAbstract
+    : ActionDataAbstract {  // The common base of the data of this library's integrators.
+  using ActionDataAbstract::ActionDataAbstract;
+  virtual std::size_t stages() const { return 1; }         // number of stages of a step
+  virtual IntegratorStage stage(std::size_t i) const = 0;  // the data of one stage
+  Eigen::VectorXd dx;                                      // ndx: the step, set by calc
+};
+
 class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differential model integrated over one step.
  public:
   using DifferentialActionModelAbstract = manycontact::DifferentialActionModelAbstract;
@@ -38,9 +52,16 @@ class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differe
   const std::shared_ptr<ControlParametrizationModelAbstract>& get_control() const { return control_; }
   double get_dt() const { return time_step_; }  // the step [s]
   void set_dt(double dt);                       // throws std::invalid_argument if it is negative or not finite [s]
+  virtual double get_weight(std::size_t) const { return 1; }  // weight of a stage in the cost, relative to the step
+  bool checkData(const DataPtr& data) override;
+  void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
+                   double tol = 1e-9) override;
 
  protected:
   void print_as(const char* name, std::ostream& os) const;  // prints it with another name
+  /// Compute what calc and calcDiff do in a terminal node.
+  void calc_terminal(const ConstVectorRef& x, IntegratedActionDataAbstract& data) const;
+  void calcDiff_terminal(const ConstVectorRef& x, IntegratedActionDataAbstract& data) const;
   std::shared_ptr<DifferentialActionModelAbstract> differential_;
   std::shared_ptr<ControlParametrizationModelAbstract> control_;
   double time_step_, time_step2_;  // h, h^2

@@ -125,37 +125,32 @@ void ActionModelAugmentedLagrangian::add_derivatives(ActionDataAbstract& data, b
 }
 
 void ActionModelAugmentedLagrangian::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  ActionDataAugmentedLagrangian& d =
-      own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::calc", data);
+  auto& d = own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::calc", data);
   model_->calc(d.inner, x, u);
   add_values(d, false);
 }
 
 void ActionModelAugmentedLagrangian::calc(const DataPtr& data, const ConstVectorRef& x) {
-  ActionDataAugmentedLagrangian& d =
-      own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::calc", data);
+  auto& d = own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::calc", data);
   model_->calc(d.inner, x);
   add_values(d, true);
 }
 
 void ActionModelAugmentedLagrangian::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  ActionDataAugmentedLagrangian& d =
-      own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::calcDiff", data);
+  auto& d = own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::calcDiff", data);
   model_->calcDiff(d.inner, x, u);
   add_derivatives(d, false);
 }
 
 void ActionModelAugmentedLagrangian::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
-  ActionDataAugmentedLagrangian& d =
-      own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::calcDiff", data);
+  auto& d = own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::calcDiff", data);
   model_->calcDiff(d.inner, x);
   add_derivatives(d, true);
 }
 
 void ActionModelAugmentedLagrangian::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x,
                                                  std::size_t maxiter, double tol) {
-  ActionDataAugmentedLagrangian& d =
-      own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::quasiStatic", data);
+  auto& d = own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::quasiStatic", data);
   model_->quasiStatic(d.inner, u, x, maxiter, tol);
 }
 
