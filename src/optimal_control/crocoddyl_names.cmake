@@ -1,5 +1,5 @@
 # Writes OUTPUT, manycontact/crocoddyl/names.hpp: a using-declaration in namespace crocoddyl of every name that headers
-# in INCLUDE declare in namespace manycontact. It relies on their format: such a declaration begins in the first column.
+# in INCLUDE, and tpl.hpp in WRITTEN, declare in namespace manycontact. It relies on their format: such a declaration begins in the first column.
 cmake_minimum_required(VERSION 3.22)
 set(roots manycontact/action.hpp manycontact/control.hpp manycontact/manycontact.hpp)
 # Names that crocoddyl.hpp defines. They are left out, so that `using namespace crocoddyl` makes no name ambiguous.
@@ -11,11 +11,15 @@ set(read manycontact/spatial/pack.hpp)  # it has numbers of SIMD batches alone
 set(names)
 while(open)
   list(POP_FRONT open header)
-  if(header IN_LIST read OR NOT EXISTS ${INCLUDE}/${header})
+  set(place ${INCLUDE}/${header})
+  if(header MATCHES "/tpl.hpp$")
+    set(place ${WRITTEN}/${header})
+  endif()
+  if(header IN_LIST read OR NOT EXISTS ${place})
     continue()
   endif()
   list(APPEND read ${header})
-  file(READ ${INCLUDE}/${header} text)
+  file(READ ${place} text)
   string(REGEX MATCHALL "#include \"[^\"]+" included "${text}")
   list(TRANSFORM included REPLACE "#include \"" "")
   list(APPEND open ${included})

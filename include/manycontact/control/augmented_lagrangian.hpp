@@ -104,12 +104,12 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   double get_kkt_scale() const { return kkt_scale_; }  // the unit of gradients, as in SolverDDP
   void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }  // see get_measures_scale
   /// They throw std::invalid_argument for numbers out of range.
-  void set_penalty(double penalty);              // above 0
-  void set_penalty_init(double penalty);         // above 0; of new solvers, and after reset()
-  void set_penalty_factor(double factor);        // above 1
-  void set_penalty_max(double penalty);          // above 0
-  void set_th_constraint(double th_constraint);  // above 0
-  void set_th_kkt(double th_kkt);                // above 0
+  void set_penalty(double penalty);        // above 0
+  void set_penalty_init(double penalty);   // above 0; of new solvers, and after reset()
+  void set_penalty_factor(double factor);  // above 1
+  void set_penalty_max(double penalty);    // above 0
+  void set_th_constraint(double x) { internal::kTolerance.set(th_constraint_, x, "SolverAugmentedLagrangian"); }
+  void set_th_kkt(double x) { internal::kTolerance.set(th_kkt_, x, "SolverAugmentedLagrangian"); }
 
  private:
   class Relay;  // callback of the unconstrained solver

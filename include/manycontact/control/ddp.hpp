@@ -134,19 +134,19 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   const std::vector<Eigen::VectorXd>& get_Vx() const { return Vx_; }  // gradients of the value function (T + 1)
   const std::vector<Eigen::VectorXd>& get_k() const { return k_; }    // feed-forward terms (T)
   /// They throw std::invalid_argument for numbers out of range.
-  void set_reg_incfactor(double reg_factor);           // above 1
-  void set_reg_decfactor(double reg_factor);           // above 1
-  void set_reg_min(double regmin);                     // not negative
-  void set_reg_max(double regmax);                     // not negative
+  void set_reg_incfactor(double x) { internal::kAboveOne.set(reg_incfactor_, x, "SolverDDP::set_reg_incfactor"); }
+  void set_reg_decfactor(double x) { internal::kAboveOne.set(reg_decfactor_, x, "SolverDDP::set_reg_decfactor"); }
+  void set_reg_min(double x) { internal::kNotNegative.set(reg_min_, x, "SolverDDP::set_reg_min"); }
+  void set_reg_max(double x) { internal::kNotNegative.set(reg_max_, x, "SolverDDP::set_reg_max"); }
   void set_alphas(const std::vector<double>& alphas);  // positive and decreasing
-  void set_th_stepdec(double th_step);                 // must be in (0, 1]
-  void set_th_stepinc(double th_step);                 // must be in (0, 1]
-  void set_th_grad(double th_grad);                    // not negative
+  void set_th_stepdec(double x) { internal::kShare.set(th_stepdec_, x, "SolverDDP::set_th_stepdec"); }
+  void set_th_stepinc(double x) { internal::kShare.set(th_stepinc_, x, "SolverDDP::set_th_stepinc"); }
+  void set_th_grad(double x) { internal::kNotNegative.set(th_grad_, x, "SolverDDP::set_th_grad"); }
   /// Requires also a KKT residual (kkt_residual.hpp) of at most th_kkt; initially infinite. When th_stop is met, a
   /// solve continues until this is so, for at most maxiter further steps. (The stopping value is a difference of costs,
   /// in their unit.) If no step reduces the cost, the KKT residual alone decides whether the candidate is optimal.
   /// th_kkt is above 0.
-  void set_th_kkt(double th_kkt);
+  void set_th_kkt(double x) { internal::kTolerance.set(th_kkt_, x, "SolverDDP::set_th_kkt"); }
 
  protected:
   /// Whether control limits are used.

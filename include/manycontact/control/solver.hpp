@@ -109,11 +109,11 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   /// Sets the candidate controls (T); throws std::invalid_argument for wrong sizes.
   void set_us(const std::vector<Eigen::VectorXd>& us);
   /// They throw std::invalid_argument for numbers out of range.
-  void set_preg(double preg);
-  void set_dreg(double dreg);                                            // not negative
-  void set_th_acceptstep(double th_acceptstep);                          // must be in (0, 1]
-  void set_th_stop(double th_stop);                                      // above 0
-  void set_th_gaptol(double th_gaptol);                                  // not negative
+  void set_preg(double x) { internal::kNotNegative.set(preg_, x, "Solver::set_preg"); }
+  void set_dreg(double x) { internal::kNotNegative.set(dreg_, x, "Solver::set_dreg"); }
+  void set_th_acceptstep(double x) { internal::kShare.set(th_acceptstep_, x, "Solver::set_th_acceptstep"); }
+  void set_th_stop(double x) { internal::kPositive.set(th_stop_, x, "Solver::set_th_stop"); }
+  void set_th_gaptol(double x) { internal::kNotNegative.set(th_gaptol_, x, "Solver::set_th_gaptol"); }
   void set_feasnorm(FeasibilityNorm feasnorm) { feasnorm_ = feasnorm; }  // norm of infeasibilities
 
  protected:

@@ -12,10 +12,8 @@
 #include "manycontact/analysis/names.hpp"
 #include "manycontact/analysis/near_dependent.hpp"
 #include "manycontact/analysis/text.hpp"
-#include "manycontact/control/euler.hpp"
+#include "manycontact/control/integrated_action.hpp"
 #include "manycontact/control/parts.hpp"
-#include "manycontact/control/rk.hpp"
-#include "manycontact/control/symplectic.hpp"
 #include "nodes.hpp"
 
 namespace manycontact {
@@ -150,16 +148,11 @@ struct Adder {
     if (const auto* whole = dynamic_cast<const ActionModelParts*>(&model)) {
       const auto& parts = static_cast<const ActionDataParts&>(data).parts;
       for (std::size_t i = 0; i < parts.size(); ++i) node(*whole->get_parts()[i].model, *parts[i]);
-    } else if (const auto* rk = dynamic_cast<const IntegratedActionModelRK*>(&model)) {
-      const auto& stages = static_cast<const IntegratedActionDataRK&>(data).differential;
-      for (std::size_t i = 0; i < stages.size(); ++i)
-        dynamics(*rk->get_differential(), *stages[i], rk->get_dt() * rk->get_weights()[i], i == 0);
-    } else if (const auto* symplectic = dynamic_cast<const IntegratedActionModelSymplectic*>(&model)) {
-      dynamics(*symplectic->get_differential(), *static_cast<const IntegratedActionDataSymplectic&>(data).differential,
-               symplectic->get_dt(), true);
-    } else if (const auto* euler = dynamic_cast<const IntegratedActionModelEuler*>(&model)) {
-      dynamics(*euler->get_differential(), *static_cast<const IntegratedActionDataEuler&>(data).differential,
-               terminal ? 1 : euler->get_dt(), true);
+    } else if (const auto* own = dynamic_cast<const IntegratedActionModelAbstract*>(&model)) {
+      const auto& stages = dynamic_cast<const IntegratedActionDataAbstract&>(data);
+      for (std::size_t i = 0; i < (terminal ? 1 : stages.stages()); ++i)
+        dynamics(*own->get_differential(), *stages.stage(i).differential,
+                 terminal ? 1 : own->get_dt() * own->get_weight(i), i == 0);
     }
   }
 };

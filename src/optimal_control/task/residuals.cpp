@@ -1,5 +1,3 @@
-#include <numeric>
-
 #include "manycontact/action/residuals/centroidal_residuals.hpp"
 #include "manycontact/action/residuals/contact_residuals.hpp"
 #include "manycontact/action/residuals/frame_residuals.hpp"
@@ -97,14 +95,11 @@ Residual of_coordinates(const TaskTerm& term, const Parts& p) {
   Residual out{term.name, whole(term, p), 1, {}, {}};
   const Scene& scene = p.task.scene.scene;
   const bool all = term.residual != TaskResidual::kControl || static_cast<int>(p.nu()) == scene.nu;
-  std::vector<int> rows;
   if (term.robots.empty() || (scene.nrobots() == 1 && term.robots.size() == 1)) {
-    if (all) return out;
-    rows.resize(static_cast<std::size_t>(scene.nu));
-    std::iota(rows.begin(), rows.end(), 0);
-    out.model = std::make_shared<ResidualModelRows>(out.model, std::move(rows));
+    if (!all) out.model = std::make_shared<ResidualModelRows>(out.model, internal::range(0, scene.nu));
     return out;
   }
+  std::vector<int> rows;
   for (const int r : term.robots) {  // one robot's after the other's, as the term's numbers are repeated
     const std::vector<int> own = rows_of(term.residual, scene, {r});
     rows.insert(rows.end(), own.begin(), own.end());

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 
 #include "manycontact/task/parts.hpp"
 
@@ -16,10 +15,7 @@ constexpr double kNone = std::numeric_limits<double>::infinity();
 void add_term(const TaskFile& task, const TaskTerm& term, TorqueBounds& out) {
   const Scene& scene = task.scene.scene;
   std::vector<int> rows;
-  if (term.robots.empty()) {
-    rows.resize(static_cast<std::size_t>(scene.nu));
-    std::iota(rows.begin(), rows.end(), 0);
-  }
+  if (term.robots.empty()) rows = internal::range(0, scene.nu);
   for (const int r : term.robots) {
     const std::vector<int> own = rows_of(term.residual, scene, {r});
     rows.insert(rows.end(), own.begin(), own.end());

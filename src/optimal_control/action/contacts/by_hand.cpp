@@ -1,7 +1,5 @@
 // Standalone evaluation of contacts and impulses, as in Crocoddyl: at a given motion.
 
-#include <numeric>
-
 #include "../named.hpp"
 #include "contact_columns.hpp"
 #include "manycontact/action/collector.hpp"
@@ -70,12 +68,9 @@ void make_room(const Contact& contact, std::size_t nv, std::size_t nu, ContactDa
   data.f.setZero(nc);
   data.f.type = contact.type;
   data.f.axis = contact.axis;
-  data.v_columns.resize(nv);
-  std::iota(data.v_columns.begin(), data.v_columns.end(), 0);
-  data.own_x_columns.resize(2 * nv);
-  std::iota(data.own_x_columns.begin(), data.own_x_columns.end(), 0);
-  data.own_u_columns.resize(nu);
-  std::iota(data.own_u_columns.begin(), data.own_u_columns.end(), 0);
+  data.v_columns = internal::range(0, static_cast<int>(n));
+  data.own_x_columns = internal::range(0, static_cast<int>(2 * n));
+  data.own_u_columns = internal::range(0, static_cast<int>(nu));
   data.f_x_columns = &data.own_x_columns;
   data.f_u_columns = &data.own_u_columns;
   data.own_df_dx.setZero(nc, 2 * n);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 
 #include "manycontact/action/cost.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
@@ -79,9 +78,7 @@ void CostGroups::lay_out(const std::vector<const CostDataAbstract*>& costs, int 
 
 void CostGroups::lay_out_own(int ndx, int nu, CostDerivatives& out) {
   if (own.empty() || !has_blocks(out.storage)) return;
-  std::vector<int> x(static_cast<std::size_t>(ndx)), u(static_cast<std::size_t>(nu));
-  std::iota(x.begin(), x.end(), 0);
-  std::iota(u.begin(), u.end(), 0);
+  const std::vector<int> x = internal::range(0, ndx), u = internal::range(0, nu);
   for (OwnCost& o : own) {
     o.xx = out.Lxx_blocks.plan(x, x);
     o.xu = out.Lxu_blocks.plan(x, u);

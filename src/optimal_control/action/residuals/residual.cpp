@@ -1,6 +1,5 @@
 #include "manycontact/action/residual.hpp"
 
-#include <numeric>
 #include <ostream>
 
 #include "residual_parts.hpp"
@@ -28,12 +27,6 @@ Eigen::MatrixXd whole(const std::vector<ResidualBlock>& blocks, Eigen::Index nr,
   for (const ResidualBlock& b : blocks)
     for (std::size_t i = 0; i < b.rows.size(); ++i)
       for (std::size_t j = 0; j < (b.*cols).size(); ++j) out(b.rows[i], (b.*cols)[j]) = (b.*J)(i, j);
-  return out;
-}
-
-std::vector<int> all(std::size_t n) {
-  std::vector<int> out(n);
-  std::iota(out.begin(), out.end(), 0);
   return out;
 }
 
@@ -111,6 +104,7 @@ std::shared_ptr<ResidualDataAbstract> ResidualModelAbstract::createData(DataColl
 
 void ResidualModelAbstract::lay_out(ResidualDataAbstract& data) const {
   data.blocks.clear();
+  const auto all = [](std::size_t n) { return internal::range(0, static_cast<int>(n)); };
   data.blocks.emplace_back(all(nr_), all(state_->get_ndx()), all(get_u_dependent() ? nu_ : 0));
 }
 

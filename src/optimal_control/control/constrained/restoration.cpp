@@ -120,10 +120,9 @@ AL::Restoration AL::violationAlone(double met, std::size_t maxiter) {
   ShootingProblem::Datas datas;
   augments_all_ = true;
   for (std::size_t t = 0; t < nodes_.size(); ++t) {
-    std::vector<int> rows(static_cast<std::size_t>(nodes_[t].rows));
-    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<int>(i);
     const Copy copy =
-        augment(nodes_[t].own, problem_->by_state_alone(t), rows, Eigen::VectorXd::Zero(nodes_[t].rows), out.augmented);
+        augment(nodes_[t].own, problem_->by_state_alone(t), internal::range(0, static_cast<int>(nodes_[t].rows)),
+                Eigen::VectorXd::Zero(nodes_[t].rows), out.augmented);
     models.push_back(copy.model);
     datas.push_back(copy.data);
   }

@@ -471,43 +471,10 @@ void SolverDDP::measureScale() {
   dreg_ *= scale_ / before;
 }
 
-void SolverDDP::set_reg_incfactor(double regfactor) {
-  require(regfactor > 1, "SolverDDP::set_reg_incfactor", "a number above 1 is expected");
-  reg_incfactor_ = regfactor;
-}
-void SolverDDP::set_reg_decfactor(double regfactor) {
-  require(regfactor > 1, "SolverDDP::set_reg_decfactor", "a number above 1 is expected");
-  reg_decfactor_ = regfactor;
-}
-void SolverDDP::set_reg_min(double regmin) {
-  require(regmin >= 0, "SolverDDP::set_reg_min", "a number that is not negative is expected");
-  reg_min_ = regmin;
-}
-void SolverDDP::set_reg_max(double regmax) {
-  require(regmax >= 0, "SolverDDP::set_reg_max", "a number that is not negative is expected");
-  reg_max_ = regmax;
-}
 void SolverDDP::set_alphas(const std::vector<double>& alphas) {
   internal::check_alphas("SolverDDP::set_alphas", alphas);
   alphas_ = alphas;
 }
-void SolverDDP::set_th_stepdec(double th_stepdec) {
-  require(th_stepdec > 0 && th_stepdec <= 1, "SolverDDP::set_th_stepdec", "a number in (0, 1] is expected");
-  th_stepdec_ = th_stepdec;
-}
-void SolverDDP::set_th_stepinc(double th_stepinc) {
-  require(th_stepinc > 0 && th_stepinc <= 1, "SolverDDP::set_th_stepinc", "a number in (0, 1] is expected");
-  th_stepinc_ = th_stepinc;
-}
-void SolverDDP::set_th_kkt(double th_kkt) {
-  require(th_kkt > 0, "SolverDDP::set_th_kkt", "a positive tolerance is expected");
-  th_kkt_ = th_kkt;
-}
-void SolverDDP::set_th_grad(double th_grad) {
-  require(th_grad >= 0, "SolverDDP::set_th_grad", "a number that is not negative is expected");
-  th_grad_ = th_grad;
-}
-
 // Work on each part's share of the vectors, which is put back.
 template <class Work>
 void SolverDDP::each_feed_forward(Vectors& whole, Work&& work) {

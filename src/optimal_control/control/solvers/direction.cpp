@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "fit.hpp"
 #include "manycontact/control/solver.hpp"
@@ -17,9 +16,7 @@ namespace {
 
 // 0, 1, ... count - 1
 void count_up(std::size_t count, std::vector<int>& out) {
-  if (out.size() == count) return;
-  out.resize(count);
-  std::iota(out.begin(), out.end(), 0);
+  if (out.size() != count) out = internal::range(0, static_cast<int>(count));
 }
 
 }  // namespace

@@ -135,25 +135,4 @@ void SolverAbstract::set_us(const std::vector<Eigen::VectorXd>& us) {
   check_us("Solver::set_us", us);
   us_ = us;
 }
-void SolverAbstract::set_preg(double preg) {
-  require(preg >= 0, "Solver::set_preg", "a number that is not negative is expected");
-  preg_ = preg;
-}
-void SolverAbstract::set_dreg(double dreg) {
-  require(dreg >= 0, "Solver::set_dreg", "a number that is not negative is expected");
-  dreg_ = dreg;
-}
-void SolverAbstract::set_th_acceptstep(double th_acceptstep) {
-  require(th_acceptstep > 0 && th_acceptstep <= 1, "Solver::set_th_acceptstep", "a number in (0, 1] is expected");
-  th_acceptstep_ = th_acceptstep;
-}
-void SolverAbstract::set_th_stop(double th_stop) {
-  require(th_stop > 0, "Solver::set_th_stop", "a positive number is expected");
-  th_stop_ = th_stop;
-}
-void SolverAbstract::set_th_gaptol(double th_gaptol) {
-  require(th_gaptol >= 0, "Solver::set_th_gaptol", "a number that is not negative is expected");
-  th_gaptol_ = th_gaptol;
-}
-
 }  // namespace manycontact
