@@ -8,9 +8,7 @@ using NumDiff = DifferentialActionModelNumDiff;
 
 template class NodeNumDiff<DifferentialActionModelAbstract, DifferentialActionDataAbstract>;
 
-namespace {
 constexpr const char* kNumDiff = "DifferentialActionModelNumDiff";
-}  // namespace
 
 void internal::Step::set_disturbance(double disturbance) {
   require(disturbance > 0 && std::isfinite(disturbance), where_,

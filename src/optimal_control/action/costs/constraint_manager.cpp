@@ -3,10 +3,8 @@
 
 namespace manycontact {
 
-namespace {
 constexpr const char* kConstraintModelManager = "ConstraintModelManager";
 using Part = ConstraintDataManager::Part;
-}  // namespace
 
 static std::ostream& operator<<(std::ostream& os, const ConstraintItem& item) { return os << *item.constraint; }
 

@@ -6,9 +6,7 @@ namespace manycontact {
 
 template class NodeNumDiff<ActionModelAbstract, ActionDataAbstract>;
 
-namespace {
 constexpr const char* kNumDiffSetDisturbance = "ActionModelNumDiff::set_disturbance";
-}
 
 ActionModelNumDiff::ActionModelNumDiff(std::shared_ptr<ActionModelAbstract> model, bool with_gauss_approx)
     : NodeNumDiff("ActionModelNumDiff", std::move(model), with_gauss_approx, &ActionDataAbstract::xnext,
