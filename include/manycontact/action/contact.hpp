@@ -93,9 +93,8 @@ class ContactModelAbstract : public Printable {
   void set_gains(const Eigen::Vector2d& gains);
   void set_id(FrameIndex id);                                              // selects another frame
   void set_type(ReferenceFrame type) { contact_.reference_frame = type; }  // selects another reference frame
-  /// The contact in the form of a scene.
-  const Contact& get_contact() const { return contact_; }
-  void print(std::ostream& os) const override;  // prints type and sizes
+  const Contact& get_contact() const { return contact_; }                  // the contact in the form of a scene
+  void print(std::ostream& os) const override;                             // prints type and sizes
 
  private:
   friend class ContactModel1D;
@@ -168,8 +167,8 @@ class ContactModel2D final : public ContactModelAbstract {
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel2D(std::move(state), id, xref, kDefaultNu, gains) {}
   Eigen::Vector2d get_reference() const;  // the reference of the residual or contact
-  /// Sets the reference; a wrong size throws std::invalid_argument.
-  void set_reference(const Eigen::Vector2d& reference);
+  void set_reference(
+      const Eigen::Vector2d& reference);  // sets the reference; a wrong size throws std::invalid_argument
 };
 
 /// Constrains a point's position. xref: in the world [m].

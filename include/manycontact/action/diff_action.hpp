@@ -51,21 +51,21 @@ class NodeAbstract : public Printable {
 
   void print(std::ostream& os) const override;  // prints type and sizes
 
-  std::size_t get_nu() const { return nu_; }              // number of controls
-  virtual std::size_t get_nr() const { return nr_; }      // number of rows of the residual
-  virtual std::size_t get_ng() const { return ng_; }      // number of inequality constraints
-  virtual std::size_t get_nh() const { return nh_; }      // number of equality constraints
-  virtual std::size_t get_ng_T() const { return ng_T_; }  // number of inequality constraints in a terminal node
-  virtual std::size_t get_nh_T() const { return nh_T_; }  // number of equality constraints in a terminal node
+  std::size_t get_nu() const { return nu_; }                                              // number of controls
+  virtual std::size_t get_nr() const { return sized_by() ? sized_by()->get_nr() : nr_; }  // rows of the residual
+  virtual std::size_t get_ng() const { return sized_by() ? sized_by()->get_ng() : ng_; }  // inequality constraints
+  virtual std::size_t get_nh() const { return sized_by() ? sized_by()->get_nh() : nh_; }  // equality constraints
+  virtual std::size_t get_ng_T() const { return sized_by() ? sized_by()->get_ng_T() : ng_T_; }  // in a terminal node
+  virtual std::size_t get_nh_T() const { return sized_by() ? sized_by()->get_nh_T() : nh_T_; }  // in a terminal node
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
-  virtual const Eigen::VectorXd& get_g_lb() const { return g_lb_; }           // lower bounds of g
-  virtual const Eigen::VectorXd& get_g_ub() const { return g_ub_; }           // upper bounds of g
-  /// Bounds of g in a terminal node.
-  virtual const Eigen::VectorXd& get_g_lb_T() const { return get_g_lb(); }
-  virtual const Eigen::VectorXd& get_g_ub_T() const { return get_g_ub(); }  // upper bounds of g in a terminal node
-  const Eigen::VectorXd& get_u_lb() const { return u_lb_; }                 // lower limits of controls; infinite: none
-  const Eigen::VectorXd& get_u_ub() const { return u_ub_; }                 // upper limits of controls; infinite: none
-  bool get_has_control_limits() const { return has_control_limits_; }       // whether any limit of controls is finite
+  /// Lower and upper bounds of g, and those in a terminal node.
+  virtual const Eigen::VectorXd& get_g_lb() const { return sized_by() ? sized_by()->get_g_lb() : g_lb_; }
+  virtual const Eigen::VectorXd& get_g_ub() const { return sized_by() ? sized_by()->get_g_ub() : g_ub_; }
+  virtual const Eigen::VectorXd& get_g_lb_T() const { return sized_by() ? sized_by()->get_g_lb_T() : get_g_lb(); }
+  virtual const Eigen::VectorXd& get_g_ub_T() const { return sized_by() ? sized_by()->get_g_ub_T() : get_g_ub(); }
+  const Eigen::VectorXd& get_u_lb() const { return u_lb_; }            // lower limits of controls; infinite: none
+  const Eigen::VectorXd& get_u_ub() const { return u_ub_; }            // upper limits of controls; infinite: none
+  bool get_has_control_limits() const { return has_control_limits_; }  // whether any limit of controls is finite
   /// They throw std::invalid_argument for a wrong size: max(ng, ng_T), or nu.
   virtual void set_g_lb(const Eigen::VectorXd& g_lb);
   virtual void set_g_ub(const Eigen::VectorXd& g_ub);  // throws std::invalid_argument for a wrong size
@@ -76,6 +76,8 @@ class NodeAbstract : public Printable {
   /// kind: the name that is printed. Throws std::invalid_argument for a null pointer.
   NodeAbstract(const char* kind, std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr, std::size_t ng,
                std::size_t nh, std::size_t ng_T, std::size_t nh_T);
+  /// The node inside this one that has its sizes and bounds of g; null: none.
+  virtual const NodeAbstract* sized_by() const { return nullptr; }
   void update_has_control_limits();  // called after the bounds have changed
   /// Throws std::invalid_argument "name::function: ..." for wrong sizes of x and, if it is given, of u.
   void check_sizes(const char* name, const char* function, const ConstVectorRef& x, const ConstVectorRef* u) const;
@@ -172,10 +174,9 @@ class DifferentialActionModelAbstract : public NodeOf<DifferentialActionDataAbst
   void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
                    double tol = 1e-9) override;
 
-  std::size_t get_ng_T() const override { return get_ng(); }
-  std::size_t get_nh_T() const override { return get_nh(); }
-  /// The kind of matrices that data created afterwards contain.
-  MatrixStorage get_storage() const { return storage_; }
+  std::size_t get_ng_T() const override { return sized_by() ? NodeAbstract::get_ng_T() : get_ng(); }
+  std::size_t get_nh_T() const override { return sized_by() ? NodeAbstract::get_nh_T() : get_nh(); }
+  MatrixStorage get_storage() const { return storage_; }  // the kind of matrices that data created afterwards contain
   void set_storage(MatrixStorage storage) { storage_ = storage; }  // affects data created afterwards
 
  protected:

@@ -23,10 +23,8 @@ class SquashingModelAbstract {  // A function u(s).
   /// Throws std::invalid_argument for ns = 0.
   explicit SquashingModelAbstract(std::size_t ns);
   virtual ~SquashingModelAbstract() = default;
-  /// Computes data->u from s (ns).
-  virtual void calc(const DataPtr& data, const ConstVectorRef& s) = 0;
-  /// Computes data->du_ds.
-  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& s) = 0;
+  virtual void calc(const DataPtr& data, const ConstVectorRef& s) = 0;      // computes data->u from s (ns)
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& s) = 0;  // computes data->du_ds
   /// Creates data of this model; one per thread.
   virtual std::shared_ptr<SquashingDataAbstract> createData() { return std::make_shared<SquashingDataAbstract>(this); }
 

@@ -61,9 +61,8 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   /// Starts from the current multipliers and penalty: those of the last solve, or as set. maxiter: number of iterations
   /// of all minimisations and searches together. Returns true if converged: violation <= get_th_constraint(), KKT
   /// residual <= get_th_kkt() and stopping value < get_th_stop().
-  bool solve(const std::vector<Eigen::VectorXd>& init_xs = DEFAULT_VECTOR,
-             const std::vector<Eigen::VectorXd>& init_us = DEFAULT_VECTOR, std::size_t maxiter = 100,
-             bool is_feasible = false, double init_reg = NAN) override;
+  bool solve(const Vectors& init_xs = DEFAULT_VECTOR, const Vectors& init_us = DEFAULT_VECTOR,
+             std::size_t maxiter = 100, bool is_feasible = false, double init_reg = NAN) override;
   /// These functions are those of the unconstrained solver, on the augmented Lagrangian. They are final, since they
   /// would not be called: derive from the unconstrained solver instead (MakeSolver).
   void computeDirection(bool recalc = true) final { inner_->computeDirection(recalc); }
@@ -74,13 +73,12 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
 
   /// The multipliers of each node's [g; h]: T + 1 vectors, empty for nodes without constraints. They are >= 0 at an
   /// upper bound, and <= 0 at a lower one.
-  std::vector<Eigen::VectorXd> get_multipliers() const;
+  Vectors get_multipliers() const;
   /// Sets the multipliers, as get_multipliers returns them. Throws std::invalid_argument for wrong sizes.
-  void set_multipliers(const std::vector<Eigen::VectorXd>& multipliers);
+  void set_multipliers(const Vectors& multipliers);
   /// The multipliers of the dynamics, as in kkt_residual, after a solve.
-  const std::vector<Eigen::VectorXd>& get_dynamics_multipliers() const { return inner_->get_Vx(); }
-  /// Resets the multipliers to zero and the penalty to its initial value.
-  void reset();
+  const Vectors& get_dynamics_multipliers() const { return inner_->get_Vx(); }
+  void reset();  // resets the multipliers to zero and the penalty to its initial value
   /// Calls the problem's circularAppend. Multipliers move with their nodes; those of the new node are zero.
   void circularAppend(std::shared_ptr<ActionModelAbstract> model);
   void circularAppend(std::shared_ptr<ActionModelAbstract> model, std::shared_ptr<ActionDataAbstract> data);
@@ -149,7 +147,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   double jacobianSize(Restoration& own);
   double violationSlope(Restoration& own);
   bool isStationary(Restoration& own);
-  bool movesInLineFrom(const std::vector<Eigen::VectorXd>& us_before);
+  bool movesInLineFrom(const Vectors& us_before);
   void takeCostOf(double violation);
   StopReason restore(std::size_t maxiter);
   bool reportRestoration(const SolverAbstract& solver);
@@ -157,8 +155,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   void decorate();
   bool is_decorated() const;
   void collectParts();
-  void start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us,
-             bool is_feasible);
+  void start(const Vectors& init_xs, const Vectors& init_us, bool is_feasible);
   void minimise(std::size_t maxiter, double init_reg);
   void descend(std::size_t last, double init_reg);
   void takeCandidate();

@@ -104,9 +104,8 @@ struct ActionDataImpulseFwdDynamics : ActionDataAbstract {  // Data of ActionMod
   DataCollector* multibody;  // collector of `dynamics`; its contacts are the impulses by name
   std::shared_ptr<CostDataSum> costs;
   std::shared_ptr<ConstraintDataManager> constraints;
-  std::shared_ptr<DifferentialActionDataAbstract> terms;  // derivatives of costs and constraints
-  /// Status, rank and residuals of the last calc.
-  const Report& report() const { return dynamics->report(); }
+  std::shared_ptr<DifferentialActionDataAbstract> terms;       // derivatives of costs and constraints
+  const Report& report() const { return dynamics->report(); }  // status, rank and residuals of the last calc
 
   // Maintained by the model.
   internal::Stage stage = internal::Stage::kFresh;

@@ -35,15 +35,6 @@ class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differe
   explicit IntegratedActionModelAbstract(std::shared_ptr<DifferentialActionModelAbstract> model,
                                          double time_step = 1e-3, bool with_cost_residual = true);
 
-  std::size_t get_nr() const override { return differential_->get_nr(); }
-  std::size_t get_ng() const override { return differential_->get_ng(); }
-  std::size_t get_nh() const override { return differential_->get_nh(); }
-  std::size_t get_ng_T() const override { return differential_->get_ng_T(); }
-  std::size_t get_nh_T() const override { return differential_->get_nh_T(); }
-  const Eigen::VectorXd& get_g_lb() const override { return differential_->get_g_lb(); }
-  const Eigen::VectorXd& get_g_ub() const override { return differential_->get_g_ub(); }
-  const Eigen::VectorXd& get_g_lb_T() const override { return differential_->get_g_lb_T(); }
-  const Eigen::VectorXd& get_g_ub_T() const override { return differential_->get_g_ub_T(); }
   void set_g_lb(const Eigen::VectorXd& g_lb) override { differential_->set_g_lb(g_lb); }
   void set_g_ub(const Eigen::VectorXd& g_ub) override { differential_->set_g_ub(g_ub); }
   /// The model in continuous time.
@@ -58,6 +49,7 @@ class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differe
                    double tol = 1e-9) override;
 
  protected:
+  const NodeAbstract* sized_by() const override { return differential_.get(); }
   void print_as(const char* name, std::ostream& os) const;  // prints it with another name
   /// Compute what calc and calcDiff do in a terminal node.
   void calc_terminal(const ConstVectorRef& x, IntegratedActionDataAbstract& data) const;

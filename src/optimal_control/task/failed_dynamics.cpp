@@ -11,7 +11,7 @@ namespace {
 
 std::string robots_of(const Scene& scene, const Island& island) {
   std::string out;
-  for (const int r : island.robots) out += (out.empty() ? "" : ", ") + scene.robots[static_cast<std::size_t>(r)].name;
+  for (const int r : island.robots) out += (out.empty() ? "" : ", ") + scene.robots[r].name;
   return out;
 }
 

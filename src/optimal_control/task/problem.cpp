@@ -238,7 +238,7 @@ void finish_by_parts(const TaskFile& task, const std::vector<Part>& parts, TaskP
     out.parts.push_back(own.robots);
     for (const std::vector<int>& block : own.blocks) {
       out.blocks.emplace_back();
-      for (const int r : block) out.blocks.back().push_back(own.robots[static_cast<std::size_t>(r)]);
+      for (const int r : block) out.blocks.back().push_back(own.robots[r]);
     }
   }
   Nodes nodes;

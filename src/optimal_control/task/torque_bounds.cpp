@@ -70,7 +70,7 @@ void limit_torques(const TaskFile& task, const std::vector<TorqueBounds>& bounds
   const std::vector<TaskNode> nodes = timeline(task);
   for (std::size_t t = 0; t < problem.us.size(); ++t) {
     if (nodes[t].impact) continue;
-    TorqueBounds own = bounds[static_cast<std::size_t>(nodes[t].phase)];
+    TorqueBounds own = bounds[nodes[t].phase];
     ActionModelAbstract& model = *problem.problem->model(t);
     if (task.solver == TaskSolver::kBoxFddp) {
       own.lower = own.lower.cwiseMax(model.get_u_lb());

@@ -30,6 +30,65 @@ struct Scratch {
 
 const ResidualBlock& block_of(const CostGroup::Member& member) { return member.cost->residual->blocks[member.block]; }
 
+// A user's calcDiff may have resized them.
+void check_sizes(const CostDataAbstract& d, const CostDerivatives& out, bool terminal) {
+  const Eigen::Index nx = out.Lx.size(), nu = out.Lu.size();
+  const auto is = [](const Eigen::MatrixXd& M, Eigen::Index rows, Eigen::Index cols) {
+    return M.rows() == rows && M.cols() == cols;
+  };
+  const bool of_x = d.Lx.size() == nx && is(d.Lxx, nx, nx);
+  require(of_x && (terminal || (d.Lu.size() == nu && is(d.Lxu, nx, nu) && is(d.Luu, nu, nu))), "CostModelSum::calcDiff",
+          "a cost's calcDiff left Lx, Lu, Lxx, Lxu or Luu of another size, theirs is expected");
+}
+
+// The lower triangle of a symmetric matrix of which the upper one is known; ld: a multiple of eight.
+void mirror(double* H, int n, int ld) {
+  using Tile = Eigen::Matrix<double, 8, 8, Eigen::RowMajor>;
+  using Place = Eigen::Map<Tile, 0, Eigen::OuterStride<>>;
+  for (int i = 0; i < n; i += 8) {
+    Place(H + i * ld + i, Eigen::OuterStride<>(ld)).triangularView<Eigen::StrictlyLower>() =
+        Tile(Place(H + i * ld + i, Eigen::OuterStride<>(ld))).transpose();
+    for (int j = i + 8; j < n; j += 8)
+      Place(H + j * ld + i, Eigen::OuterStride<>(ld)) = Place(H + i * ld + j, Eigen::OuterStride<>(ld)).transpose();
+  }
+}
+
+using Columns = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
+
+void add_dense(const Columns& values, const std::vector<CostGroup::Run>& rows, const std::vector<int>& cols,
+               Eigen::MatrixXd& out) {
+  for (std::size_t j = 0; j < cols.size(); ++j)
+    for (const CostGroup::Run& run : rows)
+      out.col(cols[j]).segment(run.first, run.count) += values.col(j).segment(run.at, run.count);
+}
+
+void add_gradient(const double* gradient, int ld, const std::vector<int>& cols, Eigen::VectorXd& out) {
+  for (std::size_t j = 0; j < cols.size(); ++j) out[cols[j]] += gradient[j * ld];
+}
+
+// Omits rows with zero weight, such as those of inactive barriers. Returns the number of the others.
+int gather(const CostGroup& g, const std::vector<double>& weights, int nx, int nu, int ld, Scratch& work) {
+  int depth = 0;
+  for (const CostGroup::Member& member : g.members) {
+    const double w = weights[member.index];
+    if (w == 0) continue;
+    const ResidualBlock& b = block_of(member);
+    const auto& Ar = member.cost->activation->Ar;
+    const auto& Arr = member.cost->activation->Arr.diagonal();
+    for (std::size_t i = 0; i < b.rows.size(); ++i) {
+      const double first = w * Ar[b.rows[i]], second = w * Arr[b.rows[i]];
+      if (first == 0 && second == 0) continue;
+      double *l = work.L.data() + depth * ld, *r = work.R.data() + depth * ld;
+      std::copy_n(b.Rx.data() + i * b.Rx.cols(), nx, l);
+      std::copy_n(b.Ru.data() + i * b.Ru.cols(), nu, l + nx);
+      for (int j = 0; j < nx + nu; ++j) r[j] = second * l[j];
+      r[nx + nu] = first;
+      ++depth;
+    }
+  }
+  return depth;
+}
+
 }  // namespace
 
 void CostGroups::lay_out(const std::vector<const CostDataAbstract*>& costs, int ndx, int nu, CostDerivatives& out) {
@@ -102,7 +161,7 @@ void CostGroups::add_squares(const std::vector<double>& weights, bool terminal, 
   const bool dense = has_dense(out.storage), blocks = has_blocks(out.storage);
   double *xx = out.Lxx_blocks.matrix.valuePtr(), *uu = out.Luu_blocks.matrix.valuePtr();
   for (const CostSquare& s : squares) {
-    const double w = weights[static_cast<std::size_t>(s.index)];
+    const double w = weights[s.index];
     if (w == 0 || (terminal && !s.by_x)) continue;
     const ActivationDataAbstract& a = *s.cost->activation;
     const double J = s.J ? s.J->data()[s.at] : s.constant, square = w * a.Arr.diagonal()[s.row] * J * J;
@@ -111,21 +170,6 @@ void CostGroups::add_squares(const std::vector<double>& weights, bool terminal, 
     if (blocks) (s.by_x ? xx : uu)[s.entry] += square;
   }
 }
-
-namespace {
-
-// A user's calcDiff may have resized them.
-void check_sizes(const CostDataAbstract& d, const CostDerivatives& out, bool terminal) {
-  const Eigen::Index nx = out.Lx.size(), nu = out.Lu.size();
-  const auto is = [](const Eigen::MatrixXd& M, Eigen::Index rows, Eigen::Index cols) {
-    return M.rows() == rows && M.cols() == cols;
-  };
-  const bool of_x = d.Lx.size() == nx && is(d.Lxx, nx, nx);
-  require(of_x && (terminal || (d.Lu.size() == nu && is(d.Lxu, nx, nu) && is(d.Luu, nu, nu))), "CostModelSum::calcDiff",
-          "a cost's calcDiff left Lx, Lu, Lxx, Lxu or Luu of another size, theirs is expected");
-}
-
-}  // namespace
 
 void CostGroups::add_own(const std::vector<double>& weights, bool terminal, CostDerivatives& out) const {
   const bool dense = has_dense(out.storage), blocks = has_blocks(out.storage);
@@ -143,58 +187,6 @@ void CostGroups::add_own(const std::vector<double>& weights, bool terminal, Cost
     if (blocks) out.Lxu_blocks.add(o.xu, w, d.Lxu), out.Luu_blocks.add(o.uu, w, d.Luu);
   }
 }
-
-namespace {
-
-// The lower triangle of a symmetric matrix of which the upper one is known; ld: a multiple of eight.
-void mirror(double* H, int n, int ld) {
-  using Tile = Eigen::Matrix<double, 8, 8, Eigen::RowMajor>;
-  using Place = Eigen::Map<Tile, 0, Eigen::OuterStride<>>;
-  for (int i = 0; i < n; i += 8) {
-    Place(H + i * ld + i, Eigen::OuterStride<>(ld)).triangularView<Eigen::StrictlyLower>() =
-        Tile(Place(H + i * ld + i, Eigen::OuterStride<>(ld))).transpose();
-    for (int j = i + 8; j < n; j += 8)
-      Place(H + j * ld + i, Eigen::OuterStride<>(ld)) = Place(H + i * ld + j, Eigen::OuterStride<>(ld)).transpose();
-  }
-}
-
-using Columns = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
-
-void add_dense(const Columns& values, const std::vector<CostGroup::Run>& rows, const std::vector<int>& cols,
-               Eigen::MatrixXd& out) {
-  for (std::size_t j = 0; j < cols.size(); ++j)
-    for (const CostGroup::Run& run : rows)
-      out.col(cols[j]).segment(run.first, run.count) += values.col(j).segment(run.at, run.count);
-}
-
-void add_gradient(const double* gradient, int ld, const std::vector<int>& cols, Eigen::VectorXd& out) {
-  for (std::size_t j = 0; j < cols.size(); ++j) out[cols[j]] += gradient[j * ld];
-}
-
-// Omits rows with zero weight, such as those of inactive barriers. Returns the number of the others.
-int gather(const CostGroup& g, const std::vector<double>& weights, int nx, int nu, int ld, Scratch& work) {
-  int depth = 0;
-  for (const CostGroup::Member& member : g.members) {
-    const double w = weights[member.index];
-    if (w == 0) continue;
-    const ResidualBlock& b = block_of(member);
-    const auto& Ar = member.cost->activation->Ar;
-    const auto& Arr = member.cost->activation->Arr.diagonal();
-    for (std::size_t i = 0; i < b.rows.size(); ++i) {
-      const double first = w * Ar[b.rows[i]], second = w * Arr[b.rows[i]];
-      if (first == 0 && second == 0) continue;
-      double *l = work.L.data() + depth * ld, *r = work.R.data() + depth * ld;
-      std::copy_n(b.Rx.data() + i * b.Rx.cols(), nx, l);
-      std::copy_n(b.Ru.data() + i * b.Ru.cols(), nu, l + nx);
-      for (int j = 0; j < nx + nu; ++j) r[j] = second * l[j];
-      r[nx + nu] = first;
-      ++depth;
-    }
-  }
-  return depth;
-}
-
-}  // namespace
 
 void CostGroups::add(const std::vector<double>& weights, bool terminal, CostDerivatives& out) {
   add_squares(weights, terminal, out);

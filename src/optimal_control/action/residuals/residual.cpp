@@ -15,8 +15,8 @@ ResidualBlock::ResidualBlock(std::vector<int> r, std::vector<int> x, std::vector
 ResidualDataAbstract::ResidualDataAbstract(const ResidualModelAbstract* model, DataCollector* s)
     : shared(s), r(Eigen::VectorXd::Zero(model->get_nr())), ndx_(model->get_state()->get_ndx()), nu_(model->get_nu()) {
   if (!model->whole_ && !(shared && shared->whole)) return;
-  Rx.setZero(r.size(), static_cast<Eigen::Index>(ndx_));
-  Ru.setZero(r.size(), static_cast<Eigen::Index>(nu_));
+  Rx.setZero(r.size(), ndx_);
+  Ru.setZero(r.size(), nu_);
 }
 
 namespace {
@@ -45,7 +45,7 @@ ResidualModelAbstract::ResidualModelAbstract(std::shared_ptr<StateAbstract> stat
       nr_(nr),
       nu_(internal::nu_or_default(state_, nu)),
       on_(on),
-      unone_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(nu_))) {}
+      unone_(Eigen::VectorXd::Zero(nu_)) {}
 
 ResidualModelAbstract::ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu,
                                              bool q_dependent, bool v_dependent, bool u_dependent)

@@ -36,7 +36,7 @@ AL::Copy AL::augment_parts(const ActionModelParts& whole, const ActionDataParts&
   const std::vector<std::vector<int>> of_parts = internal::constraint_rows(parts, terminal);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     std::vector<int> own;
-    for (const int k : of_parts[i]) own.push_back(rows[static_cast<std::size_t>(k)]);
+    for (const int k : of_parts[i]) own.push_back(rows[k]);
     const Copy part = augment({parts[i].model, datas[i]}, terminal, own, multipliers, out);
     parts[i].model = part.model;
     datas[i] = part.data;
@@ -154,8 +154,7 @@ void AL::reset() {
   resizeData();
   set_penalty(rho_init_ * scale_);
   for (std::size_t t = 0; t < nodes_.size(); ++t)
-    for (const Augmented& own : nodes_[t].augmented)
-      own.model->set_multipliers(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(own.rows.size())));
+    for (const Augmented& own : nodes_[t].augmented) own.model->set_multipliers(Eigen::VectorXd::Zero(own.rows.size()));
 }
 
 namespace {

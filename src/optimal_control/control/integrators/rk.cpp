@@ -44,47 +44,6 @@ std::vector<double> weights(RKType type) {
   return {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
 }
 
-}  // namespace
-
-IntegratedActionModelRK::IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model,
-                                                 std::shared_ptr<ControlParametrizationModelAbstract> control,
-                                                 RKType rktype, double time_step, bool with_cost_residual)
-    : NodeWithData(std::move(model), std::move(control), time_step, with_cost_residual),
-      c_(times(rktype)),
-      b_(weights(rktype)) {}
-
-IntegratedActionModelRK::IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model, RKType rktype,
-                                                 double time_step, bool with_cost_residual)
-    : NodeWithData(std::move(model), time_step, with_cost_residual), c_(times(rktype)), b_(weights(rktype)) {}
-
-void IntegratedActionModelRK::evaluate(IntegratedActionDataRK& d, const ConstVectorRef& x, const ConstVectorRef* u) {
-  if (!u) return calc_terminal(x, d);
-  const Eigen::Index nv = state_->get_nv();
-  d.dx.setZero();
-  d.cost = 0;
-  for (std::size_t i = 0; i < c_.size(); ++i) {
-    if (i == 0) {
-      d.y[i] = x;
-    } else {
-      d.dx_rk[i] = time_step_ * c_[i] * d.ki[i - 1];
-      state_->integrate(x, d.dx_rk[i], d.y[i]);
-    }
-    control_->calc(d.control[i], c_[i], *u);
-    d.ws[i] = d.control[i]->w;
-    differential_->calc(d.differential[i], d.y[i], d.ws[i]);
-    d.ki[i].head(nv) = d.y[i].tail(nv);
-    d.ki[i].tail(nv) = d.differential[i]->xout;
-    d.integral[i] = d.differential[i]->cost;
-    if (b_[i] == 0) continue;
-    d.dx += time_step_ * b_[i] * d.ki[i];
-    d.cost += time_step_ * b_[i] * d.integral[i];
-  }
-  state_->integrate(x, d.dx, d.xnext);
-  internal::copy_values(*d.differential[0], with_cost_residual_, d);
-}
-
-namespace {
-
 // k_i and y_i by x and u.
 void differentiate_stage(const StateAbstract& state, const ControlParametrizationModelAbstract& control,
                          const ConstVectorRef& x, double step, std::size_t i, IntegratedActionDataRK& d) {
@@ -139,6 +98,43 @@ void add_stage_cost(const ControlParametrizationModelAbstract& control, double w
 }
 
 }  // namespace
+
+IntegratedActionModelRK::IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model,
+                                                 std::shared_ptr<ControlParametrizationModelAbstract> control,
+                                                 RKType rktype, double time_step, bool with_cost_residual)
+    : NodeWithData(std::move(model), std::move(control), time_step, with_cost_residual),
+      c_(times(rktype)),
+      b_(weights(rktype)) {}
+
+IntegratedActionModelRK::IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model, RKType rktype,
+                                                 double time_step, bool with_cost_residual)
+    : NodeWithData(std::move(model), time_step, with_cost_residual), c_(times(rktype)), b_(weights(rktype)) {}
+
+void IntegratedActionModelRK::evaluate(IntegratedActionDataRK& d, const ConstVectorRef& x, const ConstVectorRef* u) {
+  if (!u) return calc_terminal(x, d);
+  const Eigen::Index nv = state_->get_nv();
+  d.dx.setZero();
+  d.cost = 0;
+  for (std::size_t i = 0; i < c_.size(); ++i) {
+    if (i == 0) {
+      d.y[i] = x;
+    } else {
+      d.dx_rk[i] = time_step_ * c_[i] * d.ki[i - 1];
+      state_->integrate(x, d.dx_rk[i], d.y[i]);
+    }
+    control_->calc(d.control[i], c_[i], *u);
+    d.ws[i] = d.control[i]->w;
+    differential_->calc(d.differential[i], d.y[i], d.ws[i]);
+    d.ki[i].head(nv) = d.y[i].tail(nv);
+    d.ki[i].tail(nv) = d.differential[i]->xout;
+    d.integral[i] = d.differential[i]->cost;
+    if (b_[i] == 0) continue;
+    d.dx += time_step_ * b_[i] * d.ki[i];
+    d.cost += time_step_ * b_[i] * d.integral[i];
+  }
+  state_->integrate(x, d.dx, d.xnext);
+  internal::copy_values(*d.differential[0], with_cost_residual_, d);
+}
 
 void IntegratedActionModelRK::differentiate(IntegratedActionDataRK& d, const ConstVectorRef& x,
                                             const ConstVectorRef* u) {

@@ -64,7 +64,7 @@ SymplecticData::IntegratedActionDataSymplectic(SymplecticModel* model)
   internal::check_dense(SymplecticModel::kName, *differential);
   dx.setZero(ndx);
   F.setZero(ndx, ndx + static_cast<Eigen::Index>(nw));
-  Lwu.setZero(static_cast<Eigen::Index>(nw), model->get_nu());
+  Lwu.setZero(nw, model->get_nu());
   held = std::make_unique<HeldVelocities>(dynamics_of(*differential), nw, model->get_dt());
 }
 

@@ -38,7 +38,7 @@ void stack(const std::vector<ActionPart>& parts, std::vector<int> ActionPart::*c
 }  // namespace
 
 void gather(const VectorXd& whole, const std::vector<int>& index, VectorXd& part) {
-  part.resize(static_cast<Index>(index.size()));
+  part.resize(index.size());
   take(whole, index, part);
 }
 void scatter(const VectorXd& part, const std::vector<int>& index, VectorXd& whole) { put(part, index, whole); }
@@ -71,8 +71,7 @@ ActionModelParts::ActionModelParts(std::shared_ptr<StateMultibody> state, Scene 
   check_parts();
   const VectorXd& effort = state->get_model()->effortLimit;
   for (const Robot& robot : own.robots)
-    for (int k = 0; k < robot.model->nu(); ++k)
-      u_ub_[robot.idx_u + k] = effort[robot.idx_v + robot.model->actuated[static_cast<std::size_t>(k)]];
+    for (int k = 0; k < robot.model->nu(); ++k) u_ub_[robot.idx_u + k] = effort[robot.idx_v + robot.model->actuated[k]];
   u_lb_ = -u_ub_;
   update_has_control_limits();
 }
@@ -124,8 +123,8 @@ DataPtr ActionModelParts::createData(std::vector<DataPtr> parts) {
                                                 : std::make_shared<ActionDataParts>(this, WithoutMatrices{});
   data->parts = std::move(parts);
   for (const ActionPart& part : parts_) {
-    data->x.emplace_back(VectorXd::Zero(static_cast<Index>(part.x.size())));
-    data->u.emplace_back(VectorXd::Zero(static_cast<Index>(part.model->get_nu())));
+    data->x.emplace_back(VectorXd::Zero(part.x.size()));
+    data->u.emplace_back(VectorXd::Zero(part.model->get_nu()));
   }
   if (couplings_) data->couplings = std::make_shared<CouplingData>(*couplings_, parts_);
   return data;
@@ -144,7 +143,7 @@ bool ActionModelParts::checkData(const DataPtr& data) {
 void ActionModelParts::take_values(const ConstVectorRef& x, const ConstVectorRef* u, ActionDataParts& d) const {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     take(x, parts_[i].x, d.x[i]);
-    if (u) take(*u, parts_[i].u, d.u[i].head(static_cast<Index>(parts_[i].u.size())));
+    if (u) take(*u, parts_[i].u, d.u[i].head(parts_[i].u.size()));
   }
 }
 

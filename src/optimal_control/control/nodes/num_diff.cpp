@@ -21,9 +21,4 @@ std::shared_ptr<ActionDataAbstract> ActionModelNumDiff::createData() {
   return std::make_shared<ActionDataNumDiff>(this);
 }
 
-Eigen::VectorXd ActionModelNumDiff::change(const ActionDataAbstract& at, const Eigen::VectorXd& plus,
-                                           const Eigen::VectorXd& minus, bool) const {
-  return state_->diff_dx(at.xnext, plus) - state_->diff_dx(at.xnext, minus);
-}
-
 }  // namespace manycontact

@@ -34,8 +34,8 @@ void Direction::resize() {
   internal::fit_all(T + 1, problem.get_ndx(), fs_, Vx_);
   internal::fit_all(T, problem.get_ndx(), dx_);
   internal::fit_controls(problem, us_, us_try_, k_, feed_forward_);
-  internal::fit(step_, static_cast<Eigen::Index>(problem.get_ndx()));
-  internal::fit(xnext_, static_cast<Eigen::Index>(problem.get_nx()));
+  internal::fit(step_, problem.get_ndx());
+  internal::fit(xnext_, problem.get_nx());
 }
 
 std::vector<int> Direction::blocks() const {
