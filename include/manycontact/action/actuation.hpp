@@ -90,9 +90,8 @@ class ActuationModelAbstract : public Printable {  // A function tau(x, u): the 
 class ActuationModelSelection : public ActuationModelAbstract {
  public:
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  using ActuationModelAbstract::calc;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  using ActuationModelAbstract::calcDiff;
+  using ActuationModelAbstract::calc, ActuationModelAbstract::calcDiff;
   void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) override;
   void torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;

@@ -63,9 +63,8 @@ class ActuationSquashingModel : public ActuationModelAbstract {
   ActuationSquashingModel(std::shared_ptr<ActuationModelAbstract> actuation,
                           std::shared_ptr<SquashingModelAbstract> squashing, std::size_t nu);
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  using ActuationModelAbstract::calc;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  using ActuationModelAbstract::calcDiff;
+  using ActuationModelAbstract::calc, ActuationModelAbstract::calcDiff;
   /// Computes u = Mtau tau, with Mtau at the controls that the actuation alone would use.
   void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
