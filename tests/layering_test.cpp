@@ -157,6 +157,7 @@ std::vector<std::string> own_headers(const std::string& file) {
 
 // Headers that the build writes, and that are installed too.
 const std::set<std::string> written_by_the_build = {"manycontact/abi.hpp", "manycontact/version.hpp",
+                                                    "manycontact/action/tpl.hpp", "manycontact/control/tpl.hpp",
                                                     "manycontact/crocoddyl/names.hpp"};
 
 // Returns the place of each installed header of the sources.
@@ -306,8 +307,9 @@ TEST(CrocoddylNames, AreThoseOfTheHeaders) {
                                             "ContactModelMultiple",
                                             "ImpulseModelMultiple",
                                             "LoopTime",
+                                            "Range",
                                             "Reevaluation",
-                                            "Step"};  // the last three are internal
+                                            "Step"};  // the last four are internal
   int seen = 0;
   for (const char* folder : {"action", "control"})
     for (const auto& entry : fs::recursive_directory_iterator(headers / folder)) {

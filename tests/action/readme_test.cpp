@@ -182,9 +182,13 @@ TEST(ActionReadme, EveryClassHasItsTplName) {
                                      "SpatialForce",
                                      "ContactForce",
                                      "Step",
+                                     "Range",
+                                     "NodeOf",
+                                     "NodeWithData",
                                      "Reevaluation",
                                      "OwnCost"};
-  const std::string tpl = read(kHeaders / "tpl.hpp");
+  const fs::path build = fs::path(MANYCONTACT_BINARY).parent_path().parent_path();
+  const std::string tpl = read(build / "include/manycontact/action/tpl.hpp");
   std::size_t count = 0;
   for (const fs::path& header : headers())
     for (const std::string& name : matches(read(header), R"((?:^|\n)(?:class|struct) (\w+)(?: :| \{))")) {

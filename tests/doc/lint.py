@@ -150,7 +150,7 @@ class Names:
             return True
         if name.endswith(".hpp"):
             return any(f"{root}{name}" in self.files for root in ("include/", "include/manycontact/", *(() if user else (*(f"src/{folder}/private/{name}" for folder in ("core", "tools", "optimal_control") for name in ("", "manycontact/")), "", "src/", "src/core/", "src/tools/", "src/optimal_control/", "sparse/private/", "sparse/"))))\
-                or name == "manycontact/version.hpp" or (not user and any(f.endswith("/" + name) for f in self.files))
+                or name in ("manycontact/version.hpp", "manycontact/action/tpl.hpp") or (not user and any(f.endswith("/" + name) for f in self.files))
         roots = ("", "src/", "src/core/", "src/tools/", "src/optimal_control/", "models/", str(page.parent.relative_to(TOP)) + "/")
         return any(root + name in self.files for root in roots) or (not user and any(f.endswith("/" + name) for f in self.files))
 

@@ -68,10 +68,9 @@ class ActivationModelQuad : public NamedActivation {
 /// The activation 1/2 sum w_i r_i^2.
 class ActivationModelWeightedQuad : public NamedActivation {
  public:
-  /// weights: one per row.
-  explicit ActivationModelWeightedQuad(const Eigen::VectorXd& weights);
-  const Eigen::VectorXd& get_weights() const { return weights_; }  // one weight per row
-  void set_weights(const Eigen::VectorXd& weights);                // throws std::invalid_argument for a wrong size
+  explicit ActivationModelWeightedQuad(const Eigen::VectorXd& weights);  // weights: one per row
+  const Eigen::VectorXd& get_weights() const { return weights_; }        // one weight per row
+  void set_weights(const Eigen::VectorXd& weights);  // throws std::invalid_argument for a wrong size
 
  private:
   double value(const ConstVectorRef& r) const override;

@@ -58,8 +58,7 @@ class ActuationModelAbstract : public Printable {  // A function tau(x, u): the 
 
   /// Computes data->tau (nv) from x (nx) and u (nu).
   virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
-  /// Does nothing without controls.
-  virtual void calc(const DataPtr&, const ConstVectorRef&) {}
+  virtual void calc(const DataPtr&, const ConstVectorRef&) {}  // does nothing without controls
   /// Computes data->dtau_dx and data->dtau_du.
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
   virtual void calcDiff(const DataPtr&, const ConstVectorRef&) {}
@@ -91,9 +90,8 @@ class ActuationModelAbstract : public Printable {  // A function tau(x, u): the 
 class ActuationModelSelection : public ActuationModelAbstract {
  public:
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  using ActuationModelAbstract::calc;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  using ActuationModelAbstract::calcDiff;
+  using ActuationModelAbstract::calc, ActuationModelAbstract::calcDiff;
   void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) override;
   void torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;

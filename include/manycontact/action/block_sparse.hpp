@@ -10,17 +10,13 @@ namespace manycontact {
 
 class BlockSparse {  // A sparse matrix made of dense blocks.
  public:
-  /// Removes all blocks.
-  void clear() { planned_.clear(); }
+  void clear() { planned_.clear(); }  // removes all blocks
   /// Adds a block to the pattern; returns its number. rows[i], cols[j]: places of the block's rows and columns.
   std::size_t plan(const std::vector<int>& rows, const std::vector<int>& cols);
-  /// The number of blocks.
-  std::size_t size() const { return planned_.size(); }
-  /// Computes the pattern of all blocks.
-  void finish(int rows, int cols);
+  std::size_t size() const { return planned_.size(); }  // the number of blocks
+  void finish(int rows, int cols);                      // computes the pattern of all blocks
 
-  /// Sets all values to zero.
-  void set_zero();
+  void set_zero();  // sets all values to zero
   /// The index of a block's first number among the values of the matrix.
   std::size_t entry(std::size_t block) const { return static_cast<std::size_t>(planned_[block].slots[0]); }
   /// Computes matrix += weight * values at the places of a block. values: rows x cols of the block.

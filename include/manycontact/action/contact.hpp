@@ -1,7 +1,8 @@
 #pragma once
 // Contacts with Crocoddyl's names and constructors (sobec's for 1D and 3D), contacts between two bodies, and stacks of
 // contacts. The equations are those of contact/rows.hpp, which the action model evaluates; classes here define
-// contacts.
+// contacts. Without nu their constructors use nu = nv of the state. They throw std::invalid_argument for a frame that
+// does not exist, or numbers that are not finite.
 
 #include "manycontact/action/named_parts.hpp"
 #include "manycontact/contact/rows.hpp"
@@ -93,9 +94,8 @@ class ContactModelAbstract : public Printable {
   void set_gains(const Eigen::Vector2d& gains);
   void set_id(FrameIndex id);                                              // selects another frame
   void set_type(ReferenceFrame type) { contact_.reference_frame = type; }  // selects another reference frame
-  /// The contact in the form of a scene.
-  const Contact& get_contact() const { return contact_; }
-  void print(std::ostream& os) const override;  // prints type and sizes
+  const Contact& get_contact() const { return contact_; }                  // the contact in the form of a scene
+  void print(std::ostream& os) const override;                             // prints type and sizes
 
  private:
   friend class ContactModel1D;
@@ -122,12 +122,11 @@ enum class Vector3MaskType { x = 0, y = 1, z = 2 };
 /// Constrains one component of a point's position, along an axis of the reference frame.
 class ContactModel1D final : public ContactModelAbstract {
  public:
-  /// The component along rotation^T e_z has the value xref [m]. nu: that of the action, by default the state's nv. They
-  /// throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+  /// The component along rotation^T e_z has the value xref [m]. nu: that of the action, by default the state's nv.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
                  const Eigen::Matrix3d& rotation, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  /// Along the z axis of the reference frame, with nu = nv.
+  /// Along the z axis of the reference frame.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel1D(std::move(state), id, xref, type, Eigen::Matrix3d::Identity(), kDefaultNu, gains) {}
@@ -139,18 +138,14 @@ class ContactModel1D final : public ContactModelAbstract {
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), Vector3MaskType mask = Vector3MaskType::z,
                  ReferenceFrame ref = ReferenceFrame::kLocal);
-  /// As in sobec, along z and with nu = nv.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame ref = ReferenceFrame::kLocal)
       : ContactModel1D(std::move(state), id, xref, kDefaultNu, gains, Vector3MaskType::z, ref) {}
 
-  /// The reference of the residual or contact.
+  /// The reference, as a component along the axis or as the point xref in the world [m].
   double get_reference() const { return contact_.axis.dot(contact_.B.placement.p); }
-  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(double reference) { contact_.B.placement.p = reference * contact_.axis; }
-  /// The point xref in the world [m].
   const Eigen::Vector3d& get_reference_point() const { return contact_.B.placement.p; }
-  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Eigen::Vector3d& point) { contact_.B.placement.p = point; }
   const Eigen::Vector3d& get_axis() const { return contact_.axis; }  // unit vector
   /// Throws std::invalid_argument for an axis without direction.
@@ -160,76 +155,66 @@ class ContactModel1D final : public ContactModelAbstract {
 /// Constrains the x and z components of a point's position. xref: (x, z) in the world [m]; y = 0.
 class ContactModel2D final : public ContactModelAbstract {
  public:
-  /// They throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+  /// nu: number of controls of the action.
   ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal);
-  /// Uses nu = nv.
   ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel2D(std::move(state), id, xref, kDefaultNu, gains) {}
   Eigen::Vector2d get_reference() const;  // the reference of the residual or contact
-  /// Sets the reference; a wrong size throws std::invalid_argument.
-  void set_reference(const Eigen::Vector2d& reference);
+  void set_reference(
+      const Eigen::Vector2d& reference);  // sets the reference; a wrong size throws std::invalid_argument
 };
 
 /// Constrains a point's position. xref: in the world [m].
 class ContactModel3D final : public ContactModelAbstract {
  public:
-  /// They throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+  /// nu: number of controls of the action. Sobec's constructors have the reference frame last.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, ReferenceFrame type,
                  std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  /// Uses nu = nv.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, ReferenceFrame type,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel3D(std::move(state), id, xref, type, kDefaultNu, gains) {}
-  /// Sobec's constructor, in which the reference frame comes last.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal)
       : ContactModel3D(std::move(state), id, xref, type, nu, gains) {}
-  /// As in sobec, with nu = nv.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal)
       : ContactModel3D(std::move(state), id, xref, type, kDefaultNu, gains) {}
-  /// The reference of the residual or contact.
+  /// The point's position in the world [m].
   const Eigen::Vector3d& get_reference() const { return contact_.B.placement.p; }
-  /// Sets the reference; a wrong size throws std::invalid_argument.
   void set_reference(const Eigen::Vector3d& reference) { contact_.B.placement.p = reference; }
 };
 
 /// Constrains a frame's placement. pref: in the world.
 class ContactModel6D final : public ContactModelAbstract {
  public:
-  /// They throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+  /// nu: number of controls of the action. Without a reference frame the axes are those of A.
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, ReferenceFrame type,
                  std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  /// Uses nu = nv.
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, ReferenceFrame type,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel6D(std::move(state), id, pref, type, kDefaultNu, gains) {}
-  /// In the axes of A.
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel6D(std::move(state), id, pref, LOCAL, nu, gains) {}
-  const SE3<double>& get_reference() const { return contact_.B.placement; }  // the reference of the residual or contact
-  /// Sets the reference; a wrong size throws std::invalid_argument.
-  void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }
+  const SE3<double>& get_reference() const { return contact_.B.placement; }               // placement in the world
+  void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }  // sets it
 };
 
 /// Constrains a frame except its rotation about one axis: a hinge whose pin is fixed in A and in the world. Crocoddyl
 /// has no such contact. pref: in the world; axis: in both frames.
 class ContactModel5D final : public ContactModelAbstract {
  public:
-  /// They throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+  /// nu: number of controls of the action.
   ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
                  const Eigen::Vector3d& axis, std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  /// Uses nu = nv.
   ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
                  const Eigen::Vector3d& axis, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel5D(std::move(state), id, pref, axis, kDefaultNu, gains) {}
-  const SE3<double>& get_reference() const { return contact_.B.placement; }  // the reference of the residual or contact
-  /// Sets the reference; a wrong size throws std::invalid_argument.
-  void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }
-  const Eigen::Vector3d& get_axis() const { return contact_.axis; }  // unit vector
+  const SE3<double>& get_reference() const { return contact_.B.placement; }               // placement in the world
+  void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }  // sets it
+  const Eigen::Vector3d& get_axis() const { return contact_.axis; }                       // unit vector
 };
 
 /// Constrains a frame A to a frame B' = `to` times `offset`, on another body of any robot.
@@ -252,8 +237,7 @@ class ContactModelBetweenBodies final : public ContactModelAbstract {
 /// A contact as in a scene file: any attachment, offsets included.
 class ContactModelOfScene final : public ContactModelAbstract {
  public:
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
-  ContactModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact, std::size_t nu);
+  ContactModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact, std::size_t nu);  // see above
 };
 
 struct ContactItem {  // A contact, its name, and whether it is active.
@@ -282,8 +266,7 @@ class ContactModelMultiple : public NamedParts<StateMultibody, ContactItem> {
   using ContactModelContainer = Container;
   using ContactDataContainer = std::map<std::string, std::shared_ptr<ContactDataAbstract>>;
 
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
-  explicit ContactModelMultiple(std::shared_ptr<StateMultibody> state, std::size_t nu = kDefaultNu);
+  explicit ContactModelMultiple(std::shared_ptr<StateMultibody> state, std::size_t nu = kDefaultNu);  // without parts
 
   /// They throw std::invalid_argument for a name that exists already (or does not exist), and for a contact with
   /// another state or nu.

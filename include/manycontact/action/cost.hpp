@@ -50,8 +50,7 @@ class CostModelAbstract : public Printable {
                     std::size_t nu = kDefaultNu);
   explicit CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);
 
-  /// Computes data->cost.
-  virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;  // computes data->cost
   /// Computes the cost of a terminal node: by default that at u = 0.
   virtual void calc(const DataPtr& data, const ConstVectorRef& x);
   /// Computes the derivatives after calc. Throws std::logic_error unless a class overrides it.

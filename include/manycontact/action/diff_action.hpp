@@ -51,21 +51,21 @@ class NodeAbstract : public Printable {
 
   void print(std::ostream& os) const override;  // prints type and sizes
 
-  std::size_t get_nu() const { return nu_; }              // number of controls
-  virtual std::size_t get_nr() const { return nr_; }      // number of rows of the residual
-  virtual std::size_t get_ng() const { return ng_; }      // number of inequality constraints
-  virtual std::size_t get_nh() const { return nh_; }      // number of equality constraints
-  virtual std::size_t get_ng_T() const { return ng_T_; }  // number of inequality constraints in a terminal node
-  virtual std::size_t get_nh_T() const { return nh_T_; }  // number of equality constraints in a terminal node
+  std::size_t get_nu() const { return nu_; }                                              // number of controls
+  virtual std::size_t get_nr() const { return sized_by() ? sized_by()->get_nr() : nr_; }  // rows of the residual
+  virtual std::size_t get_ng() const { return sized_by() ? sized_by()->get_ng() : ng_; }  // inequality constraints
+  virtual std::size_t get_nh() const { return sized_by() ? sized_by()->get_nh() : nh_; }  // equality constraints
+  virtual std::size_t get_ng_T() const { return sized_by() ? sized_by()->get_ng_T() : ng_T_; }  // in a terminal node
+  virtual std::size_t get_nh_T() const { return sized_by() ? sized_by()->get_nh_T() : nh_T_; }  // in a terminal node
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
-  virtual const Eigen::VectorXd& get_g_lb() const { return g_lb_; }           // lower bounds of g
-  virtual const Eigen::VectorXd& get_g_ub() const { return g_ub_; }           // upper bounds of g
-  /// Bounds of g in a terminal node.
-  virtual const Eigen::VectorXd& get_g_lb_T() const { return get_g_lb(); }
-  virtual const Eigen::VectorXd& get_g_ub_T() const { return get_g_ub(); }  // upper bounds of g in a terminal node
-  const Eigen::VectorXd& get_u_lb() const { return u_lb_; }                 // lower limits of controls; infinite: none
-  const Eigen::VectorXd& get_u_ub() const { return u_ub_; }                 // upper limits of controls; infinite: none
-  bool get_has_control_limits() const { return has_control_limits_; }       // whether any limit of controls is finite
+  /// Lower and upper bounds of g, and those in a terminal node.
+  virtual const Eigen::VectorXd& get_g_lb() const { return sized_by() ? sized_by()->get_g_lb() : g_lb_; }
+  virtual const Eigen::VectorXd& get_g_ub() const { return sized_by() ? sized_by()->get_g_ub() : g_ub_; }
+  virtual const Eigen::VectorXd& get_g_lb_T() const { return sized_by() ? sized_by()->get_g_lb_T() : get_g_lb(); }
+  virtual const Eigen::VectorXd& get_g_ub_T() const { return sized_by() ? sized_by()->get_g_ub_T() : get_g_ub(); }
+  const Eigen::VectorXd& get_u_lb() const { return u_lb_; }            // lower limits of controls; infinite: none
+  const Eigen::VectorXd& get_u_ub() const { return u_ub_; }            // upper limits of controls; infinite: none
+  bool get_has_control_limits() const { return has_control_limits_; }  // whether any limit of controls is finite
   /// They throw std::invalid_argument for a wrong size: max(ng, ng_T), or nu.
   virtual void set_g_lb(const Eigen::VectorXd& g_lb);
   virtual void set_g_ub(const Eigen::VectorXd& g_ub);  // throws std::invalid_argument for a wrong size
@@ -76,7 +76,11 @@ class NodeAbstract : public Printable {
   /// kind: the name that is printed. Throws std::invalid_argument for a null pointer.
   NodeAbstract(const char* kind, std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr, std::size_t ng,
                std::size_t nh, std::size_t ng_T, std::size_t nh_T);
+  /// The node inside this one that has its sizes and bounds of g; null: none.
+  virtual const NodeAbstract* sized_by() const { return nullptr; }
   void update_has_control_limits();  // called after the bounds have changed
+  /// Throws std::invalid_argument "name::function: ..." for wrong sizes of x and, if it is given, of u.
+  void check_sizes(const char* name, const char* function, const ConstVectorRef& x, const ConstVectorRef* u) const;
   const char* kind_;
   std::size_t nu_, nr_, ng_, nh_, ng_T_, nh_T_;  // values at construction; with stacks of costs or constraints,
                                                  // getters return current values
@@ -85,36 +89,94 @@ class NodeAbstract : public Printable {
   bool has_control_limits_ = false;
 };
 
-class DifferentialActionModelAbstract : public NodeAbstract {  // A node in continuous time.
+/// The functions of a node, in continuous or in discrete time, whose data are of class Data.
+template <class Data>
+class NodeOf : public NodeAbstract {
+ public:
+  using DataPtr = std::shared_ptr<Data>;
+
+  /// Computes accelerations or the next state, cost and constraints. x: nx, u: nu. Throws std::invalid_argument for
+  /// wrong sizes.
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
+  /// Computes cost and constraints of a terminal node, which depend on the state alone; its next state is x.
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x) { calc(data, x, unone_); }
+  /// Computes the derivatives at the last calc. x, u: as in calc.
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x) { calcDiff(data, x, unone_); }
+  virtual DataPtr createData() = 0;  // one for each thread
+  virtual bool checkData(const DataPtr& data) { return data != nullptr; }
+  /// Computes controls u (nu) that keep x at rest; in continuous time v must be 0. By default it makes Gauss-Newton
+  /// steps on xout, in discrete time on xnext (-) x: at most maxiter, until one is shorter than tol.
+  virtual void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
+                           double tol = 1e-9) = 0;
+  Eigen::VectorXd quasiStatic_x(const DataPtr& data, const Eigen::VectorXd& x, std::size_t maxiter = 100,
+                                double tol = 1e-9) {
+    Eigen::VectorXd u = Eigen::VectorXd::Zero(nu_);
+    quasiStatic(data, u, x, maxiter, tol);
+    return u;
+  }
+
+ protected:
+  using NodeAbstract::NodeAbstract;
+};
+
+/// A node of this library, with data of its own class. Functions with and without u, of a running and of a terminal
+/// node, are one. Model is the derived class, with its name kName for messages, and Base that of all nodes.
+template <class Model, class Base, class Data>
+class NodeWithData : public Base {
+ public:
+  using DataPtr = typename Base::DataPtr;
+
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    evaluate(own("calc", data, x, &u), x, &u);
+  }
+  void calc(const DataPtr& data, const ConstVectorRef& x) override { evaluate(own("calc", data, x), x, nullptr); }
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    differentiate(own("calcDiff", data, x, &u), x, &u);
+  }
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override {
+    differentiate(own("calcDiff", data, x), x, nullptr);
+  }
+  DataPtr createData() override { return std::make_shared<Data>(static_cast<Model*>(this)); }
+  bool checkData(const DataPtr& data) override { return dynamic_cast<Data*>(data.get()) && Base::checkData(data); }
+  void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
+                   double tol = 1e-9) override {
+    const ConstVectorRef given = u;
+    (void)own("quasiStatic", data, x, &given);
+    Base::quasiStatic(data, u, x, maxiter, tol);
+  }
+
+ protected:
+  using Base::Base;
+  /// The data as their class. Throws std::invalid_argument for those of another model, and for wrong sizes of x and u.
+  Data& own(const char* function, const DataPtr& data, const ConstVectorRef& x,
+            const ConstVectorRef* u = nullptr) const {
+    this->check_sizes(Model::kName, function, x, u);
+    Data* own = dynamic_cast<Data*>(data.get());
+    return own ? *own : internal::own_data<Data>((std::string(Model::kName) + "::" + function).c_str(), data);
+  }
+
+ private:
+  /// Computes what calc and calcDiff do; u is null in a terminal node.
+  virtual void evaluate(Data& data, const ConstVectorRef& x, const ConstVectorRef* u) = 0;
+  virtual void differentiate(Data& data, const ConstVectorRef& x, const ConstVectorRef* u) = 0;
+};
+
+class DifferentialActionModelAbstract : public NodeOf<DifferentialActionDataAbstract> {  // A node in continuous time.
  public:
   using DifferentialActionDataAbstract = manycontact::DifferentialActionDataAbstract;
-  using DataPtr = std::shared_ptr<DifferentialActionDataAbstract>;
 
   /// Throws std::invalid_argument for null pointers and numbers out of range.
   DifferentialActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr = 0,
                                   std::size_t ng = 0, std::size_t nh = 0);
 
-  /// Computes accelerations, cost and constraints. x: nx, u: nu. Throws std::invalid_argument for wrong sizes.
-  virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
-  /// Computes cost and constraints of a terminal node, which depend on the state alone.
-  virtual void calc(const DataPtr& data, const ConstVectorRef& x);
-  /// Computes the derivatives at the last calc.
-  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
-  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x);
-  virtual std::shared_ptr<DifferentialActionDataAbstract> createData();
-  virtual bool checkData(const DataPtr& data);
+  DataPtr createData() override { return std::make_shared<DifferentialActionDataAbstract>(this); }
+  void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
+                   double tol = 1e-9) override;
 
-  /// Computes controls u (nu) that keep x at rest, with v = 0. By default it makes Gauss-Newton steps on xout: at most
-  /// maxiter, until |xout| <= tol.
-  virtual void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
-                           double tol = 1e-9);
-  Eigen::VectorXd quasiStatic_x(const DataPtr& data, const Eigen::VectorXd& x, std::size_t maxiter = 100,
-                                double tol = 1e-9);
-
-  std::size_t get_ng_T() const override { return get_ng(); }
-  std::size_t get_nh_T() const override { return get_nh(); }
-  /// The kind of matrices that data created afterwards contain.
-  MatrixStorage get_storage() const { return storage_; }
+  std::size_t get_ng_T() const override { return sized_by() ? NodeAbstract::get_ng_T() : get_ng(); }
+  std::size_t get_nh_T() const override { return sized_by() ? NodeAbstract::get_nh_T() : get_nh(); }
+  MatrixStorage get_storage() const { return storage_; }  // the kind of matrices that data created afterwards contain
   void set_storage(MatrixStorage storage) { storage_ = storage; }  // affects data created afterwards
 
  protected:

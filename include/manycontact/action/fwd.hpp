@@ -2,7 +2,9 @@
 // Names that code written for Crocoddyl expects, and checks of arguments.
 
 #include <Eigen/Core>
+#include <limits>
 #include <memory>
+#include <numeric>
 #include <ostream>
 #include <stdexcept>
 #include <string>
@@ -82,6 +84,32 @@ inline void require(bool condition, const std::string& where, const std::string&
 }
 
 namespace internal {
+
+/// A range of settings, and its description in messages.
+struct Range {
+  double low;
+  bool has_low;  // whether `low` belongs to it; `high` does
+  double high;
+  const char* what;
+  /// Sets a number; throws std::invalid_argument "where: what" if it is not in the range.
+  void set(double& to, double number, const char* where) const {
+    require((has_low ? number >= low : number > low) && number <= high, where, what);
+    to = number;
+  }
+};
+inline constexpr double kAnySize = std::numeric_limits<double>::infinity();
+inline constexpr Range kPositive{0, false, kAnySize, "a positive number is expected"};
+inline constexpr Range kTolerance{0, false, kAnySize, "a positive tolerance is expected"};
+inline constexpr Range kNotNegative{0, true, kAnySize, "a number that is not negative is expected"};
+inline constexpr Range kAboveOne{1, false, kAnySize, "a number above 1 is expected"};
+inline constexpr Range kShare{0, false, 1, "a number in (0, 1] is expected"};
+
+/// The numbers first, first + 1, ... (n numbers).
+inline std::vector<int> range(int first, int n) {
+  std::vector<int> numbers(static_cast<std::size_t>(n));
+  std::iota(numbers.begin(), numbers.end(), first);
+  return numbers;
+}
 
 /// Casts data to a model's own type; throws std::invalid_argument if they are null or of another type.
 template <class Data, class Base>

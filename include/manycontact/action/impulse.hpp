@@ -81,8 +81,7 @@ class ImpulseModelBetweenBodies final : public ImpulseModelAbstract {
 /// The rows of a contact as in a scene: any attachment, offsets included.
 class ImpulseModelOfScene final : public ImpulseModelAbstract {
  public:
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
-  ImpulseModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact);
+  ImpulseModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact);  // throws for a missing body
 };
 
 struct ImpulseItem {  // An impulse, its name, and whether it is active.
@@ -99,8 +98,7 @@ class ImpulseModelMultiple : public NamedParts<StateMultibody, ImpulseItem> {
   using ImpulseModelContainer = Container;
   using ImpulseDataContainer = std::map<std::string, std::shared_ptr<ImpulseDataAbstract>>;
 
-  /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
-  explicit ImpulseModelMultiple(std::shared_ptr<StateMultibody> state);
+  explicit ImpulseModelMultiple(std::shared_ptr<StateMultibody> state);  // a stack without parts
 
   /// They throw std::invalid_argument for a name that exists already (or does not exist), and for an impulse with
   /// another state.

@@ -16,8 +16,7 @@ namespace internal {
 class Step {
  public:
   double get_disturbance() const { return step_; }
-  /// Throws std::invalid_argument unless it is positive.
-  void set_disturbance(double disturbance);
+  void set_disturbance(double disturbance);  // throws std::invalid_argument unless it is positive
 
  protected:
   explicit Step(const char* where = "set_disturbance") : where_(where) {}  // where: the beginning of messages
@@ -80,15 +79,6 @@ class NodeNumDiff : public Node, public NumDiffOf<Node> {
                    double tol = 1e-9) override;
   bool get_with_gauss_approx() const { return gauss_; }  // whether Hessians are Gauss-Newton's
 
-  std::size_t get_nr() const override { return model_->get_nr(); }
-  std::size_t get_ng() const override { return model_->get_ng(); }
-  std::size_t get_nh() const override { return model_->get_nh(); }
-  std::size_t get_ng_T() const override { return model_->get_ng_T(); }
-  std::size_t get_nh_T() const override { return model_->get_nh_T(); }
-  const Eigen::VectorXd& get_g_lb() const override { return model_->get_g_lb(); }
-  const Eigen::VectorXd& get_g_ub() const override { return model_->get_g_ub(); }
-  const Eigen::VectorXd& get_g_lb_T() const override { return model_->get_g_lb_T(); }
-  const Eigen::VectorXd& get_g_ub_T() const override { return model_->get_g_ub_T(); }
   void print(std::ostream& os) const override;
 
  protected:
@@ -100,9 +90,10 @@ class NodeNumDiff : public Node, public NumDiffOf<Node> {
 
  private:
   using Own = NodeDataNumDiff<NodeData>;
-  /// Computes the change of `next` between two displaced points.
-  virtual Eigen::VectorXd change(const NodeData& at, const Eigen::VectorXd& plus, const Eigen::VectorXd& minus,
-                                 bool terminal) const = 0;
+  const NodeAbstract* sized_by() const override { return model_.get(); }
+  /// The coordinates of the acceleration, or of the next state relative to that of the point, in data of a displaced
+  /// one.
+  virtual Eigen::VectorXd coordinates(const NodeData& at, const NodeData& moved, bool terminal) const = 0;
   /// The beginning of the message for data of another model.
   virtual std::string where(const char* function) const { return std::string(name_) + "::" + function; }
   Own& own(const char* function, const Data& data) const;
@@ -127,8 +118,8 @@ class DifferentialActionModelNumDiff
   void set_g_ub(const Eigen::VectorXd& g_ub) override { model_->set_g_ub(g_ub); }
 
  private:
-  Eigen::VectorXd change(const DifferentialActionDataAbstract& at, const Eigen::VectorXd& plus,
-                         const Eigen::VectorXd& minus, bool terminal) const override;
+  Eigen::VectorXd coordinates(const DifferentialActionDataAbstract& at, const DifferentialActionDataAbstract& moved,
+                              bool terminal) const override;
   std::string where(const char* function) const override;
 };
 

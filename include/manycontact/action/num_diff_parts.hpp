@@ -132,9 +132,8 @@ class PartNumDiff : public NumDiffOf<Model>, public internal::Reevaluation {
 class CostModelNumDiff : public PartNumDiff<CostModelAbstract, CostDataAbstract> {
  public:
   explicit CostModelNumDiff(const std::shared_ptr<CostModelAbstract>& model);  // model: the one that is differentiated
-  /// Creates standalone data.
-  std::shared_ptr<CostDataAbstract> createData(DataCollector* shared);
-  bool get_with_gauss_approx() const { return true; }  // whether Hessians are Gauss-Newton's
+  std::shared_ptr<CostDataAbstract> createData(DataCollector* shared);         // creates standalone data
+  bool get_with_gauss_approx() const { return true; }                          // whether Hessians are Gauss-Newton's
 
  private:
   Eigen::VectorXd values(const CostDataAbstract& data) const override;

@@ -56,8 +56,7 @@ class ResidualModelAbstract : public Printable {  // A function r(x, u).
   ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, bool q_dependent = true,
                         bool v_dependent = true, bool u_dependent = true);
 
-  /// Computes data->r.
-  virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;  // computes data->r
   /// Computes the residual in a terminal node. By default it is r(x) if r depends on x alone, and otherwise zero, since
   /// there are no accelerations, forces or controls.
   virtual void calc(const DataPtr& data, const ConstVectorRef& x);
@@ -115,8 +114,8 @@ class NamedResidual : public ResidualModelAbstract {
   /// name: that of the class. nu: number of controls, or kDefaultNu.
   NamedResidual(const char* name, std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu, Dependence on)
       : ResidualModelAbstract(std::move(state), nr, nu, on), name_(name) {}
-  /// Computes data.r.
-  virtual void evaluate(ResidualDataAbstract&, const ConstVectorRef&, const ConstVectorRef&) const {}
+  virtual void evaluate(ResidualDataAbstract&, const ConstVectorRef&, const ConstVectorRef&) const {
+  }  // computes data.r
   /// Computes Rx and Ru of the blocks, except those of constant ones.
   virtual void fill_blocks(ResidualDataAbstract&, const ConstVectorRef&, const ConstVectorRef&) const {}
   const char* name_;

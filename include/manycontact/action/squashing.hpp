@@ -23,10 +23,8 @@ class SquashingModelAbstract {  // A function u(s).
   /// Throws std::invalid_argument for ns = 0.
   explicit SquashingModelAbstract(std::size_t ns);
   virtual ~SquashingModelAbstract() = default;
-  /// Computes data->u from s (ns).
-  virtual void calc(const DataPtr& data, const ConstVectorRef& s) = 0;
-  /// Computes data->du_ds.
-  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& s) = 0;
+  virtual void calc(const DataPtr& data, const ConstVectorRef& s) = 0;      // computes data->u from s (ns)
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& s) = 0;  // computes data->du_ds
   /// Creates data of this model; one per thread.
   virtual std::shared_ptr<SquashingDataAbstract> createData() { return std::make_shared<SquashingDataAbstract>(this); }
 
@@ -65,9 +63,8 @@ class ActuationSquashingModel : public ActuationModelAbstract {
   ActuationSquashingModel(std::shared_ptr<ActuationModelAbstract> actuation,
                           std::shared_ptr<SquashingModelAbstract> squashing, std::size_t nu);
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  using ActuationModelAbstract::calc;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  using ActuationModelAbstract::calcDiff;
+  using ActuationModelAbstract::calc, ActuationModelAbstract::calcDiff;
   /// Computes u = Mtau tau, with Mtau at the controls that the actuation alone would use.
   void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;

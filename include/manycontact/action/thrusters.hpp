@@ -33,9 +33,8 @@ class ActuationModelFloatingBaseThrusters : public ActuationModelAbstract {
   /// Throws std::invalid_argument unless the state has one robot with a floating base.
   ActuationModelFloatingBaseThrusters(std::shared_ptr<StateMultibody> state, const std::vector<Thruster>& thrusters);
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  using ActuationModelAbstract::calc;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  using ActuationModelAbstract::calcDiff;
+  using ActuationModelAbstract::calc, ActuationModelAbstract::calcDiff;
   /// Computes the least-squares u of least norm.
   void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) override;
   void torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;

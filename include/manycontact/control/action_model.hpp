@@ -43,37 +43,17 @@ struct ActionDataAbstract {
   void allocate_matrices(const ActionModelAbstract* model);  // allocates the derivatives
 };
 
-class ActionModelAbstract : public NodeAbstract {  // A node in discrete time.
+class ActionModelAbstract : public NodeOf<ActionDataAbstract> {  // A node in discrete time.
  public:
   using ActionDataAbstract = manycontact::ActionDataAbstract;
-  using DataPtr = std::shared_ptr<ActionDataAbstract>;
 
   /// Throws std::invalid_argument for null pointers and numbers out of range.
   ActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr = 0, std::size_t ng = 0,
                       std::size_t nh = 0, std::size_t ng_T = 0, std::size_t nh_T = 0);
 
-  /// Computes the next state, cost and constraints. x: nx, u: nu. Throws std::invalid_argument for wrong sizes.
-  virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
-  /// Computes cost and constraints of a terminal node, with xnext = x.
-  virtual void calc(const DataPtr& data, const ConstVectorRef& x);
-  /// Computes the derivatives at the last calc. x, u: as in calc.
-  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
-  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x);
-  virtual std::shared_ptr<ActionDataAbstract> createData();
-  virtual bool checkData(const DataPtr& data);
-
-  /// Computes controls u (nu) that keep x at rest. By default it makes Gauss-Newton steps on xnext (-) x: at most
-  /// maxiter, until one is shorter than tol.
-  virtual void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
-                           double tol = 1e-9);
-  Eigen::VectorXd quasiStatic_x(const DataPtr& data, const Eigen::VectorXd& x, std::size_t maxiter = 100,
-                                double tol = 1e-9);
-
- protected:
-  /// Throw std::invalid_argument "where: x has 3 numbers, 7 expected".
-  void check(const char* where, const ConstVectorRef& x) const;
-  /// Throws std::invalid_argument for wrong sizes of x and u.
-  void check(const char* where, const ConstVectorRef& x, const ConstVectorRef& u) const;
+  DataPtr createData() override { return std::make_shared<ActionDataAbstract>(this); }
+  void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
+                   double tol = 1e-9) override;
 };
 
 }  // namespace manycontact

@@ -16,15 +16,16 @@
 
 namespace manycontact {
 
-class ActionModelAugmentedLagrangian : public ActionModelAbstract {  // A node with its constraints in its cost.
+struct ActionDataAugmentedLagrangian;
+
+/// A node with its constraints in its cost.
+class ActionModelAugmentedLagrangian
+    : public NodeWithData<ActionModelAugmentedLagrangian, ActionModelAbstract, ActionDataAugmentedLagrangian> {
  public:
+  static constexpr const char* kName = "ActionModelAugmentedLagrangian";
+
   /// Throws std::invalid_argument for null pointers and numbers out of range.
   explicit ActionModelAugmentedLagrangian(std::shared_ptr<ActionModelAbstract> model);
-
-  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calc(const DataPtr& data, const ConstVectorRef& x) override;
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
   std::shared_ptr<ActionDataAbstract> createData() override;
   /// Creates data that contain given data of the original model, which are evaluated with them.
   std::shared_ptr<ActionDataAbstract> createData(std::shared_ptr<ActionDataAbstract> inner);
@@ -46,8 +47,8 @@ class ActionModelAugmentedLagrangian : public ActionModelAbstract {  // A node w
   void set_with_cost(bool with_cost) { with_cost_ = with_cost; }  // see get_with_cost
 
  private:
-  void add_values(ActionDataAbstract& data, bool terminal) const;
-  void add_derivatives(ActionDataAbstract& data, bool terminal) const;
+  void evaluate(ActionDataAugmentedLagrangian& data, const ConstVectorRef& x, const ConstVectorRef* u) override;
+  void differentiate(ActionDataAugmentedLagrangian& data, const ConstVectorRef& x, const ConstVectorRef* u) override;
   std::shared_ptr<ActionModelAbstract> model_;
   Eigen::VectorXd y_;
   double rho_ = 10;
@@ -55,8 +56,9 @@ class ActionModelAugmentedLagrangian : public ActionModelAbstract {  // A node w
 };
 
 struct ActionDataAugmentedLagrangian : ActionDataAbstract {  // Data of ActionModelAugmentedLagrangian.
-  /// Allocates the data of the model.
-  ActionDataAugmentedLagrangian(ActionModelAugmentedLagrangian* model, std::shared_ptr<ActionDataAbstract> inner);
+  /// Allocates the data of the model. inner: null for new data of the original model.
+  explicit ActionDataAugmentedLagrangian(ActionModelAugmentedLagrangian* model,
+                                         std::shared_ptr<ActionDataAbstract> inner = nullptr);
   std::shared_ptr<ActionDataAbstract> inner;  // data of the original model
   Eigen::VectorXd y_next;                     // y+: set by calc
   std::vector<double> panel, product;         // sqrt(rho) [C_A of u, of x] by rows, and its square

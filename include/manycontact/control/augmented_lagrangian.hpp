@@ -61,9 +61,8 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   /// Starts from the current multipliers and penalty: those of the last solve, or as set. maxiter: number of iterations
   /// of all minimisations and searches together. Returns true if converged: violation <= get_th_constraint(), KKT
   /// residual <= get_th_kkt() and stopping value < get_th_stop().
-  bool solve(const std::vector<Eigen::VectorXd>& init_xs = DEFAULT_VECTOR,
-             const std::vector<Eigen::VectorXd>& init_us = DEFAULT_VECTOR, std::size_t maxiter = 100,
-             bool is_feasible = false, double init_reg = NAN) override;
+  bool solve(const Vectors& init_xs = DEFAULT_VECTOR, const Vectors& init_us = DEFAULT_VECTOR,
+             std::size_t maxiter = 100, bool is_feasible = false, double init_reg = NAN) override;
   /// These functions are those of the unconstrained solver, on the augmented Lagrangian. They are final, since they
   /// would not be called: derive from the unconstrained solver instead (MakeSolver).
   void computeDirection(bool recalc = true) final { inner_->computeDirection(recalc); }
@@ -74,13 +73,12 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
 
   /// The multipliers of each node's [g; h]: T + 1 vectors, empty for nodes without constraints. They are >= 0 at an
   /// upper bound, and <= 0 at a lower one.
-  std::vector<Eigen::VectorXd> get_multipliers() const;
+  Vectors get_multipliers() const;
   /// Sets the multipliers, as get_multipliers returns them. Throws std::invalid_argument for wrong sizes.
-  void set_multipliers(const std::vector<Eigen::VectorXd>& multipliers);
+  void set_multipliers(const Vectors& multipliers);
   /// The multipliers of the dynamics, as in kkt_residual, after a solve.
-  const std::vector<Eigen::VectorXd>& get_dynamics_multipliers() const { return inner_->get_Vx(); }
-  /// Resets the multipliers to zero and the penalty to its initial value.
-  void reset();
+  const Vectors& get_dynamics_multipliers() const { return inner_->get_Vx(); }
+  void reset();  // resets the multipliers to zero and the penalty to its initial value
   /// Calls the problem's circularAppend. Multipliers move with their nodes; those of the new node are zero.
   void circularAppend(std::shared_ptr<ActionModelAbstract> model);
   void circularAppend(std::shared_ptr<ActionModelAbstract> model, std::shared_ptr<ActionDataAbstract> data);
@@ -104,12 +102,12 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   double get_kkt_scale() const { return kkt_scale_; }  // the unit of gradients, as in SolverDDP
   void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }  // see get_measures_scale
   /// They throw std::invalid_argument for numbers out of range.
-  void set_penalty(double penalty);              // above 0
-  void set_penalty_init(double penalty);         // above 0; of new solvers, and after reset()
-  void set_penalty_factor(double factor);        // above 1
-  void set_penalty_max(double penalty);          // above 0
-  void set_th_constraint(double th_constraint);  // above 0
-  void set_th_kkt(double th_kkt);                // above 0
+  void set_penalty(double penalty);        // above 0
+  void set_penalty_init(double penalty);   // above 0; of new solvers, and after reset()
+  void set_penalty_factor(double factor);  // above 1
+  void set_penalty_max(double penalty);    // above 0
+  void set_th_constraint(double x) { internal::kTolerance.set(th_constraint_, x, "SolverAugmentedLagrangian"); }
+  void set_th_kkt(double x) { internal::kTolerance.set(th_kkt_, x, "SolverAugmentedLagrangian"); }
 
  private:
   class Relay;  // callback of the unconstrained solver
@@ -149,7 +147,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   double jacobianSize(Restoration& own);
   double violationSlope(Restoration& own);
   bool isStationary(Restoration& own);
-  bool movesInLineFrom(const std::vector<Eigen::VectorXd>& us_before);
+  bool movesInLineFrom(const Vectors& us_before);
   void takeCostOf(double violation);
   StopReason restore(std::size_t maxiter);
   bool reportRestoration(const SolverAbstract& solver);
@@ -157,8 +155,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   void decorate();
   bool is_decorated() const;
   void collectParts();
-  void start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us,
-             bool is_feasible);
+  void start(const Vectors& init_xs, const Vectors& init_us, bool is_feasible);
   void minimise(std::size_t maxiter, double init_reg);
   void descend(std::size_t last, double init_reg);
   void takeCandidate();

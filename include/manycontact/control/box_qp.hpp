@@ -5,7 +5,7 @@
 #include <Eigen/Cholesky>
 #include <vector>
 
-#include "manycontact/abi.hpp"
+#include "manycontact/action/fwd.hpp"
 
 namespace manycontact {
 
@@ -43,8 +43,8 @@ class BoxQP {  // The solver of one quadratic problem with bounds.
   void set_nx(std::size_t nx);                                       // number of unknowns
   void set_maxiter(std::size_t maxiter) { maxiter_ = maxiter; }      // largest number of Newton steps
   void set_th_acceptstep(double th_acceptstep);                      // must be in (0, 0.5)
-  void set_th_grad(double th_grad);                                  // >= 0
-  void set_reg(double reg);                                          // >= 0
+  void set_th_grad(double x) { internal::kNotNegative.set(th_grad_, x, "BoxQP::set_th_grad"); }
+  void set_reg(double x) { internal::kNotNegative.set(reg_, x, "BoxQP::set_reg"); }
   void set_alphas(const std::vector<double>& alphas);  // positive and decreasing, or std::invalid_argument is thrown
 
  private:

@@ -24,15 +24,14 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
  public:
   using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  /// problem: not null, or std::invalid_argument is thrown.
-  explicit SolverDDP(std::shared_ptr<ShootingProblem> problem);
-  SolverDDP(SolverDDP&&);  // moves the solver
+  explicit SolverDDP(
+      std::shared_ptr<ShootingProblem> problem);  // problem: not null, or std::invalid_argument is thrown
+  SolverDDP(SolverDDP&&);                         // moves the solver
   SolverDDP& operator=(SolverDDP&&);
   ~SolverDDP() override;
 
-  bool solve(const std::vector<Eigen::VectorXd>& init_xs = DEFAULT_VECTOR,
-             const std::vector<Eigen::VectorXd>& init_us = DEFAULT_VECTOR, std::size_t maxiter = 100,
-             bool is_feasible = false, double init_reg = NAN) override;
+  bool solve(const Vectors& init_xs = DEFAULT_VECTOR, const Vectors& init_us = DEFAULT_VECTOR,
+             std::size_t maxiter = 100, bool is_feasible = false, double init_reg = NAN) override;
   void computeDirection(bool recalc = true) override;
   double tryStep(double steplength = 1) override;
   /// The expected reduction of a full step, |d0 + d1 / 2|. A larger regularisation makes it smaller; a solve has
@@ -76,15 +75,12 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   /// Hager and Zhang (SIAM J. Optim. 16, 2005, (4.1)). Callbacks are called after each step, as in solve. The result is
   /// also kNoStep if steps remain short: the candidate is then too far from the solution for one backward pass.
   StopReason descend(std::size_t maxiter);
-  /// Allocates the memory of `descend`, which otherwise allocates it at its first call.
-  void allocateDescent();
+  void allocateDescent();  // allocates the memory of `descend`, which otherwise allocates it at its first call
   /// Whether a solve checks its own result: with control limits as in box_solvers.hpp, else by the stopping value at
   /// the least regularisation. False if another solver does so.
   void set_judges(bool judges) { judges_ = judges; }
-  /// Whether controls stay within the models' limits.
-  bool keeps_limits() const { return limits_; }
-  /// Whether the last iteration took a step.
-  bool has_stepped() const { return stepped_; }
+  bool keeps_limits() const { return limits_; }  // whether controls stay within the models' limits
+  bool has_stepped() const { return stepped_; }  // whether the last iteration took a step
   /// Whether the last solve with limits found no step from a candidate with gaps, and continued from a simulation with
   /// the guess's controls. Crocoddyl's rule ignores limits until the gaps are closed, which may never happen with tight
   /// limits.
@@ -125,28 +121,28 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   /// The backward pass of a single problem. With several subproblems these are empty, except Vx and k: read the others
   /// from directions().
   const std::vector<Eigen::MatrixXd>& get_Vxx() const;
-  const std::vector<Eigen::MatrixXd>& get_Qxx() const;                // T matrices, ndx x ndx
-  const std::vector<Eigen::MatrixXd>& get_Qxu() const;                // T matrices, ndx x nu
-  const std::vector<Eigen::MatrixXd>& get_Quu() const;                // T matrices, nu x nu
-  const std::vector<Eigen::VectorXd>& get_Qx() const;                 // T vectors (ndx)
-  const std::vector<Eigen::VectorXd>& get_Qu() const;                 // T vectors (nu)
-  const std::vector<MatrixXdRowMajor>& get_K() const;                 // T feedback gains, nu x ndx
-  const std::vector<Eigen::VectorXd>& get_Vx() const { return Vx_; }  // gradients of the value function (T + 1)
-  const std::vector<Eigen::VectorXd>& get_k() const { return k_; }    // feed-forward terms (T)
+  const std::vector<Eigen::MatrixXd>& get_Qxx() const;  // T matrices, ndx x ndx
+  const std::vector<Eigen::MatrixXd>& get_Qxu() const;  // T matrices, ndx x nu
+  const std::vector<Eigen::MatrixXd>& get_Quu() const;  // T matrices, nu x nu
+  const Vectors& get_Qx() const;                        // T vectors (ndx)
+  const Vectors& get_Qu() const;                        // T vectors (nu)
+  const std::vector<MatrixXdRowMajor>& get_K() const;   // T feedback gains, nu x ndx
+  const Vectors& get_Vx() const { return Vx_; }         // gradients of the value function (T + 1)
+  const Vectors& get_k() const { return k_; }           // feed-forward terms (T)
   /// They throw std::invalid_argument for numbers out of range.
-  void set_reg_incfactor(double reg_factor);           // above 1
-  void set_reg_decfactor(double reg_factor);           // above 1
-  void set_reg_min(double regmin);                     // not negative
-  void set_reg_max(double regmax);                     // not negative
+  void set_reg_incfactor(double x) { internal::kAboveOne.set(reg_incfactor_, x, "SolverDDP::set_reg_incfactor"); }
+  void set_reg_decfactor(double x) { internal::kAboveOne.set(reg_decfactor_, x, "SolverDDP::set_reg_decfactor"); }
+  void set_reg_min(double x) { internal::kNotNegative.set(reg_min_, x, "SolverDDP::set_reg_min"); }
+  void set_reg_max(double x) { internal::kNotNegative.set(reg_max_, x, "SolverDDP::set_reg_max"); }
   void set_alphas(const std::vector<double>& alphas);  // positive and decreasing
-  void set_th_stepdec(double th_step);                 // must be in (0, 1]
-  void set_th_stepinc(double th_step);                 // must be in (0, 1]
-  void set_th_grad(double th_grad);                    // not negative
+  void set_th_stepdec(double x) { internal::kShare.set(th_stepdec_, x, "SolverDDP::set_th_stepdec"); }
+  void set_th_stepinc(double x) { internal::kShare.set(th_stepinc_, x, "SolverDDP::set_th_stepinc"); }
+  void set_th_grad(double x) { internal::kNotNegative.set(th_grad_, x, "SolverDDP::set_th_grad"); }
   /// Requires also a KKT residual (kkt_residual.hpp) of at most th_kkt; initially infinite. When th_stop is met, a
   /// solve continues until this is so, for at most maxiter further steps. (The stopping value is a difference of costs,
   /// in their unit.) If no step reduces the cost, the KKT residual alone decides whether the candidate is optimal.
   /// th_kkt is above 0.
-  void set_th_kkt(double th_kkt);
+  void set_th_kkt(double x) { internal::kTolerance.set(th_kkt_, x, "SolverDDP::set_th_kkt"); }
 
  protected:
   /// Whether control limits are used.
@@ -156,8 +152,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   /// The constructor of solvers that create the directions themselves.
   SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits, WithoutMatrices);
   /// Initialises the candidate and the regularisation.
-  void start(const std::vector<Eigen::VectorXd>& init_xs, const std::vector<Eigen::VectorXd>& init_us, bool is_feasible,
-             double init_reg);
+  void start(const Vectors& init_xs, const Vectors& init_us, bool is_feasible, double init_reg);
   /// Called after a new direction, before steps are tried; and after each of them.
   virtual void prepareImprovement() { d_ = Eigen::Vector2d(expectedImprovement()); }
   virtual void updateImprovement() {}  // after each tried step
@@ -182,13 +177,11 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   void rollOut(double steplength, bool keep_gaps, bool keep_terminal_gap);
   /// The sum of the directions' dg and dq; `gaps`: with the contributions of gaps.
   Eigen::Vector2d improvement(bool gaps);
-  /// Sets k = -nu for the next forward passes of `descend`.
-  void setFeedForward(const std::vector<Eigen::VectorXd>& nu);
+  void setFeedForward(const Vectors& nu);  // sets k = -nu for the next forward passes of `descend`
   /// Computes g at us_try, where nodes are differentiated. Components of controls at a limit that would leave it are
   /// zero.
-  void computeFeedForwardGradient(std::vector<Eigen::VectorXd>& g);
-  /// g <- diag(Quu)^-1 g
-  void preconditionFeedForward(std::vector<Eigen::VectorXd>& g);
+  void computeFeedForwardGradient(Vectors& g);
+  void preconditionFeedForward(Vectors& g);  // g <- diag(Quu)^-1 g
   /// Projects the guess us onto the limits. If this changes a guess without gaps, it has gaps afterwards.
   void limitGuess();
   /// Whether the search ended with gaps, and a simulation with the guess's controls became the candidate.
@@ -199,8 +192,8 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   double scale_ = 1, kkt_scale_ = 1;
   bool measures_scale_ = false, judges_ = true;
   double cost_try_ = 0;
-  std::vector<Eigen::VectorXd> xs_try_, us_try_, us_guess_;
-  std::vector<Eigen::VectorXd> Vx_, k_;  // T + 1, T
+  Vectors xs_try_, us_try_, us_guess_;
+  Vectors Vx_, k_;  // T + 1, T
   std::vector<double> alphas_;
   double th_grad_ = 1e-12, th_stepdec_ = 0.5, th_stepinc_ = 0.01;
   double th_kkt_ = std::numeric_limits<double>::infinity(), kkt_ = NAN;
@@ -213,15 +206,15 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   void takeCandidate(Direction& direction) const;
   const RiccatiDirection* recursion() const;
   template <class Work>
-  void each_feed_forward(std::vector<Eigen::VectorXd>& whole, Work&& work);
+  void each_feed_forward(Vectors& whole, Work&& work);
   /// Sets those components to zero that are zero in the last gradient because of limits.
-  void holdFeedForward(std::vector<Eigen::VectorXd>& nu);
+  void holdFeedForward(Vectors& nu);
   void computeFeedForwardDirection();
   bool searchFeedForward();
   bool limits_;
   LimitedBfgs bfgs_;
-  std::vector<Eigen::VectorXd> nu_, g_, g_try_;  // direction and gradients of descend
-  double slope_ = 0;                             // g^T nu
+  Vectors nu_, g_, g_try_;  // direction and gradients of descend
+  double slope_ = 0;        // g^T nu
 };
 
 }  // namespace manycontact

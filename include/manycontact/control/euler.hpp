@@ -10,28 +10,27 @@
 
 namespace manycontact {
 
-/// A differential model integrated over one step.
-class IntegratedActionModelEuler : public IntegratedActionModelAbstract {
- public:
-  /// The constructors of IntegratedActionModelAbstract.
-  using IntegratedActionModelAbstract::IntegratedActionModelAbstract;
+struct IntegratedActionDataEuler;
 
-  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calc(const DataPtr& data, const ConstVectorRef& x) override;
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
-  std::shared_ptr<ActionDataAbstract> createData() override;
-  bool checkData(const DataPtr& data) override;
-  void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
-                   double tol = 1e-9) override;
-  void print(std::ostream& os) const override;
+/// A differential model integrated over one step.
+class IntegratedActionModelEuler
+    : public NodeWithData<IntegratedActionModelEuler, IntegratedActionModelAbstract, IntegratedActionDataEuler> {
+ public:
+  static constexpr const char* kName = "IntegratedActionModelEuler";
+  using NodeWithData::NodeWithData;  // the constructors of IntegratedActionModelAbstract
+  void print(std::ostream& os) const override { print_as(kName, os); }
+
+ private:
+  void evaluate(IntegratedActionDataEuler& data, const ConstVectorRef& x, const ConstVectorRef* u) override;
+  void differentiate(IntegratedActionDataEuler& data, const ConstVectorRef& x, const ConstVectorRef* u) override;
 };
 
-struct IntegratedActionDataEuler : ActionDataAbstract {  // Data of IntegratedActionModelEuler.
+struct IntegratedActionDataEuler : IntegratedActionDataAbstract {  // Data of IntegratedActionModelEuler.
   /// Throws std::invalid_argument, with storage kPanel only, for constraints, controls that change over a step, or a
   /// state class that is not part of this library.
   explicit IntegratedActionDataEuler(IntegratedActionModelEuler* model);
 
+  IntegratorStage stage(std::size_t) const override { return {differential, control}; }
   bool has_matrices() const override { return differential->storage != MatrixStorage::kPanel; }
   void pull_back(const Eigen::VectorXd& p, VectorRef gx, VectorRef gu) const override;
   void dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const override;
@@ -42,7 +41,6 @@ struct IntegratedActionDataEuler : ActionDataAbstract {  // Data of IntegratedAc
 
   std::shared_ptr<DifferentialActionDataAbstract> differential;
   std::shared_ptr<ControlParametrizationDataAbstract> control;
-  Eigen::VectorXd dx;     // ndx: the step, set by calc
   double step = 0;        // h: set by calcDiff
   Eigen::MatrixXd da_du;  // nv x nu: set by calcDiff
   Eigen::MatrixXd Lwu;    // nw x nu: set by calcDiff

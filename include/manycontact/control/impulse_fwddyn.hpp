@@ -23,8 +23,14 @@ namespace internal {
 class ImpactActuation;
 }
 
-class ActionModelImpulseFwdDynamics : public ActionModelAbstract {  // A node with an impact.
+/// A node with an impact. calc computes v+, impulses, costs and constraints. The data's report() contains status and
+/// accuracy; a failed solve gives NaN. The velocity jumps in a terminal node, too, as in Crocoddyl; residuals of
+/// impulses are zero. calcDiff computes the derivatives at the x of the last calc. It throws std::logic_error unless
+/// that calc was of the same kind, with the same active costs and constraints.
+class ActionModelImpulseFwdDynamics
+    : public NodeWithData<ActionModelImpulseFwdDynamics, ActionModelAbstract, ActionDataImpulseFwdDynamics> {
  public:
+  static constexpr const char* kName = "ActionModelImpulseFwdDynamics";
   using Base = ActionModelAbstract;
   using Data = ActionDataImpulseFwdDynamics;
   using ConstraintModelManager = manycontact::ConstraintModelManager;
@@ -43,21 +49,9 @@ class ActionModelImpulseFwdDynamics : public ActionModelAbstract {  // A node wi
                                 std::shared_ptr<ConstraintModelManager> constraints, double r_coeff = 0,
                                 double JMinvJt_damping = 0, bool enable_force = false);
 
-  /// Computes v+, impulses, costs and constraints. The data's report() contains status and accuracy; a failed solve
-  /// gives NaN.
-  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  /// The velocity jumps in a terminal node, too, as in Crocoddyl; residuals of impulses are zero.
-  void calc(const DataPtr& data, const ConstVectorRef& x) override;
-  /// Computes the derivatives at the x of the last calc. Throw std::logic_error unless that calc was of the same kind,
-  /// with the same active costs and constraints.
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
   /// Throws std::invalid_argument for residuals of controls or accelerations, which an impact does not have.
   std::shared_ptr<ActionDataAbstract> createData() override;
   bool checkData(const DataPtr& data) override;
-  /// Does nothing, since there are no controls.
-  void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
-                   double tol = 1e-9) override;
   void print(std::ostream& os) const override;
 
   const std::shared_ptr<ImpulseModelMultiple>& get_impulses() const { return impulses_; }          // the impulses
@@ -89,10 +83,10 @@ class ActionModelImpulseFwdDynamics : public ActionModelAbstract {  // A node wi
 
  private:
   friend Data;
-  void calc_impact(const char* where, Data& data, const ConstVectorRef& x) const;
+  void evaluate(Data& data, const ConstVectorRef& x, const ConstVectorRef* u) override;
+  void differentiate(Data& data, const ConstVectorRef& x, const ConstVectorRef* u) override;
+  void calc_impact(Data& data, const ConstVectorRef& x) const;
   void differentiate_impact(Data& data, internal::Stage stage) const;
-  void finish(Data& data, internal::Stage stage) const;
-  void copy_derivatives(Data& data) const;
   void lay_out(Data& data) const;
   std::shared_ptr<StateMultibody> multibody_;
   std::shared_ptr<ImpulseModelMultiple> impulses_;
@@ -110,9 +104,8 @@ struct ActionDataImpulseFwdDynamics : ActionDataAbstract {  // Data of ActionMod
   DataCollector* multibody;  // collector of `dynamics`; its contacts are the impulses by name
   std::shared_ptr<CostDataSum> costs;
   std::shared_ptr<ConstraintDataManager> constraints;
-  std::shared_ptr<DifferentialActionDataAbstract> terms;  // derivatives of costs and constraints
-  /// Status, rank and residuals of the last calc.
-  const Report& report() const { return dynamics->report(); }
+  std::shared_ptr<DifferentialActionDataAbstract> terms;       // derivatives of costs and constraints
+  const Report& report() const { return dynamics->report(); }  // status, rank and residuals of the last calc
 
   // Maintained by the model.
   internal::Stage stage = internal::Stage::kFresh;

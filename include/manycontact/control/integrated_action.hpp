@@ -8,6 +8,20 @@
 
 namespace manycontact {
 
+/// The data of the differential model and of the controls at one stage of a step.
+struct IntegratorStage {
+  const std::shared_ptr<DifferentialActionDataAbstract>& differential;
+  const std::shared_ptr<ControlParametrizationDataAbstract>& control;
+};
+
+struct IntegratedActionDataAbstract
+    : ActionDataAbstract {  // The common base of the data of this library's integrators.
+  using ActionDataAbstract::ActionDataAbstract;
+  virtual std::size_t stages() const { return 1; }         // number of stages of a step
+  virtual IntegratorStage stage(std::size_t i) const = 0;  // the data of one stage
+  Eigen::VectorXd dx;                                      // ndx: the step, set by calc
+};
+
 class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differential model integrated over one step.
  public:
   using DifferentialActionModelAbstract = manycontact::DifferentialActionModelAbstract;
@@ -21,15 +35,6 @@ class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differe
   explicit IntegratedActionModelAbstract(std::shared_ptr<DifferentialActionModelAbstract> model,
                                          double time_step = 1e-3, bool with_cost_residual = true);
 
-  std::size_t get_nr() const override { return differential_->get_nr(); }
-  std::size_t get_ng() const override { return differential_->get_ng(); }
-  std::size_t get_nh() const override { return differential_->get_nh(); }
-  std::size_t get_ng_T() const override { return differential_->get_ng_T(); }
-  std::size_t get_nh_T() const override { return differential_->get_nh_T(); }
-  const Eigen::VectorXd& get_g_lb() const override { return differential_->get_g_lb(); }
-  const Eigen::VectorXd& get_g_ub() const override { return differential_->get_g_ub(); }
-  const Eigen::VectorXd& get_g_lb_T() const override { return differential_->get_g_lb_T(); }
-  const Eigen::VectorXd& get_g_ub_T() const override { return differential_->get_g_ub_T(); }
   void set_g_lb(const Eigen::VectorXd& g_lb) override { differential_->set_g_lb(g_lb); }
   void set_g_ub(const Eigen::VectorXd& g_ub) override { differential_->set_g_ub(g_ub); }
   /// The model in continuous time.
@@ -38,9 +43,17 @@ class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differe
   const std::shared_ptr<ControlParametrizationModelAbstract>& get_control() const { return control_; }
   double get_dt() const { return time_step_; }  // the step [s]
   void set_dt(double dt);                       // throws std::invalid_argument if it is negative or not finite [s]
+  virtual double get_weight(std::size_t) const { return 1; }  // weight of a stage in the cost, relative to the step
+  bool checkData(const DataPtr& data) override;
+  void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
+                   double tol = 1e-9) override;
 
  protected:
+  const NodeAbstract* sized_by() const override { return differential_.get(); }
   void print_as(const char* name, std::ostream& os) const;  // prints it with another name
+  /// Compute what calc and calcDiff do in a terminal node.
+  void calc_terminal(const ConstVectorRef& x, IntegratedActionDataAbstract& data) const;
+  void calcDiff_terminal(const ConstVectorRef& x, IntegratedActionDataAbstract& data) const;
   std::shared_ptr<DifferentialActionModelAbstract> differential_;
   std::shared_ptr<ControlParametrizationModelAbstract> control_;
   double time_step_, time_step2_;  // h, h^2

@@ -18,21 +18,17 @@ class LimitedBfgs {  // An inverse Hessian estimated from gradients.
  public:
   using Vectors = std::vector<Eigen::VectorXd>;  // a vector for each node
 
-  /// most: largest number of pairs, above 0.
-  explicit LimitedBfgs(std::size_t most = 20) : most_(most) {}
+  explicit LimitedBfgs(std::size_t most = 20) : most_(most) {}  // most: largest number of pairs, above 0
 
-  /// Allocates the memory for vectors of these sizes.
-  void reserve(const Vectors& sizes);
-  /// Removes all pairs.
-  void forget() { count_ = 0; }
+  void reserve(const Vectors& sizes);  // allocates the memory for vectors of these sizes
+  void forget() { count_ = 0; }        // removes all pairs
   /// Adds the pair s = step * direction, y = g_next - g. Without positive curvature nothing is added.
   void add(double step, const Vectors& direction, const Vectors& g, const Vectors& g_next);
   /// The first loop, from q = g. Afterwards the caller applies H0, and calls `finish` for the second loop on r.
   void begin(Vectors& q);
   void finish(Vectors& r) const;
 
-  /// The number of stored pairs.
-  std::size_t pairs() const { return count_; }
+  std::size_t pairs() const { return count_; }  // the number of stored pairs
 
  private:
   struct Pair {

@@ -16,8 +16,9 @@ class ActionModelNumDiff : public NodeNumDiff<ActionModelAbstract, ActionDataAbs
   void set_disturbance(double disturbance);  // throws std::invalid_argument unless it is positive
 
  private:
-  Eigen::VectorXd change(const ActionDataAbstract& at, const Eigen::VectorXd& plus, const Eigen::VectorXd& minus,
-                         bool terminal) const override;
+  Eigen::VectorXd coordinates(const ActionDataAbstract& at, const ActionDataAbstract& moved, bool) const override {
+    return state_->diff_dx(at.xnext, moved.xnext);
+  }
 };
 
 struct ActionDataNumDiff : NodeDataNumDiff<ActionDataAbstract> {                     // Data of ActionModelNumDiff.

@@ -30,8 +30,12 @@ struct ActionDataParts : ActionDataAbstract {  // Data of ActionModelParts, subp
   bool has_matrices() const override { return Fx.size() > 0; }
 };
 
-class ActionModelParts : public ActionModelAbstract {  // Subproblems of a scene as one node.
+/// Subproblems of a scene as one node. calcDiff collects derivatives from the subproblems' data as they are, which may
+/// have been evaluated separately.
+class ActionModelParts : public NodeWithData<ActionModelParts, ActionModelAbstract, ActionDataParts> {
  public:
+  static constexpr const char* kName = "ActionModelParts";
+
   /// Makes a node of decoupled subproblems. state: of all of them. Each coordinate of x, dx, u belongs to one
   /// subproblem, otherwise std::invalid_argument is thrown. g and h are concatenated; their bounds and the control
   /// limits are those of the subproblems at construction. There is no r (nr = 0).
@@ -42,13 +46,6 @@ class ActionModelParts : public ActionModelAbstract {  // Subproblems of a scene
   /// couplings.hpp.
   ActionModelParts(std::shared_ptr<StateMultibody> state, Scene scene, std::vector<ActionPart> parts);
 
-  using ActionModelAbstract::calc;
-  using ActionModelAbstract::calcDiff;
-  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calc(const DataPtr& data, const ConstVectorRef& x) override;
-  /// Collects derivatives from the subproblems' data as they are, which may have been evaluated separately.
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
   std::shared_ptr<ActionDataAbstract> createData() override;
   /// Creates data that contain given data of the subproblems' models, which are evaluated with them.
   std::shared_ptr<ActionDataAbstract> createData(std::vector<std::shared_ptr<ActionDataAbstract>> parts);
@@ -65,8 +62,9 @@ class ActionModelParts : public ActionModelAbstract {  // Subproblems of a scene
   const Eigen::VectorXd& get_g_ub_T() const override { return g_ub_T_; }
 
   const std::vector<ActionPart>& get_parts() const { return parts_; }  // the subproblems
-  /// Null for decoupled subproblems.
-  const std::shared_ptr<const Couplings>& get_couplings() const { return couplings_; }
+  const std::shared_ptr<const Couplings>& get_couplings() const {
+    return couplings_;
+  }  // null for decoupled subproblems
   /// Makes the same node with other models in the same places, with the limits and storage of this one.
   std::shared_ptr<ActionModelParts> with_models(std::vector<ActionPart> parts) const;
   /// Selects the matrices of data created afterwards. With kDense (initially) the node's data also contain dense
@@ -76,8 +74,9 @@ class ActionModelParts : public ActionModelAbstract {  // Subproblems of a scene
   MatrixStorage get_storage() const { return storage_; }  // which matrices the data contain
 
  private:
-  void take_values(const ConstVectorRef& x, ActionDataParts& data) const;
-  void take_values(const ConstVectorRef& x, const ConstVectorRef& u, ActionDataParts& data) const;
+  void evaluate(ActionDataParts& data, const ConstVectorRef& x, const ConstVectorRef* u) override;
+  void differentiate(ActionDataParts& data, const ConstVectorRef& x, const ConstVectorRef* u) override;
+  void take_values(const ConstVectorRef& x, const ConstVectorRef* u, ActionDataParts& data) const;
   void collect_derivatives(ActionDataParts& data) const;
   void check_parts();
   std::vector<ActionPart> parts_;

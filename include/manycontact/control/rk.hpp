@@ -15,36 +15,37 @@
 
 namespace manycontact {
 
+struct IntegratedActionDataRK;
+
 /// A differential model integrated with 2, 3 or 4 stages.
-class IntegratedActionModelRK : public IntegratedActionModelAbstract {
+class IntegratedActionModelRK
+    : public NodeWithData<IntegratedActionModelRK, IntegratedActionModelAbstract, IntegratedActionDataRK> {
  public:
+  static constexpr const char* kName = "IntegratedActionModelRK";
+
   /// Throws std::invalid_argument for null pointers and numbers out of range.
   IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model,
                           std::shared_ptr<ControlParametrizationModelAbstract> control, RKType rktype,
                           double time_step = 1e-3, bool with_cost_residual = true);
-  /// Throws std::invalid_argument for null pointers and numbers out of range.
   IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model, RKType rktype,
                           double time_step = 1e-3, bool with_cost_residual = true);
 
-  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calc(const DataPtr& data, const ConstVectorRef& x) override;
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
-  std::shared_ptr<ActionDataAbstract> createData() override;
   bool checkData(const DataPtr& data) override;
-  void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
-                   double tol = 1e-9) override;
-  void print(std::ostream& os) const override;
-
+  void print(std::ostream& os) const override { print_as(kName, os); }
   std::size_t get_ni() const { return c_.size(); }               // number of stages
   const std::vector<double>& get_weights() const { return b_; }  // of the stages, in the step and in the cost
+  double get_weight(std::size_t i) const override { return b_[i]; }
 
  private:
+  void evaluate(IntegratedActionDataRK& data, const ConstVectorRef& x, const ConstVectorRef* u) override;
+  void differentiate(IntegratedActionDataRK& data, const ConstVectorRef& x, const ConstVectorRef* u) override;
   std::vector<double> c_, b_;
 };
 
-struct IntegratedActionDataRK : ActionDataAbstract {                // Data of IntegratedActionModelRK.
+struct IntegratedActionDataRK : IntegratedActionDataAbstract {      // Data of IntegratedActionModelRK.
   explicit IntegratedActionDataRK(IntegratedActionModelRK* model);  // allocates the data of the model
+  std::size_t stages() const override { return differential.size(); }
+  IntegratorStage stage(std::size_t i) const override { return {differential[i], control[i]}; }
 
   // These members have one entry per stage.
   std::vector<std::shared_ptr<DifferentialActionDataAbstract>> differential;
@@ -54,7 +55,6 @@ struct IntegratedActionDataRK : ActionDataAbstract {                // Data of I
   std::vector<Eigen::VectorXd> dx_rk;           // ndx: y_i = x (+) dx_rk_i
   std::vector<Eigen::MatrixXd> dki_dx, dki_du;  // ndx x ndx, ndx x nu: set by calcDiff
   std::vector<Eigen::MatrixXd> dyi_dx, dyi_du;  // ndx x ndx, ndx x nu: set by calcDiff
-  Eigen::VectorXd dx;                           // ndx: the step, set by calc
 
   // Workspace of calcDiff, of one stage: l_xx y_x; l_xx y_u + l_xw w_u; l_ww w_u; w_u^T l_ww w_u; w_u^T l_w.
   Eigen::MatrixXd Lxx_dx, Lxu_i, Lwu, Luu_i;

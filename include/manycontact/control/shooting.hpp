@@ -29,59 +29,54 @@ class ShootingProblem {
   using ActionModelAbstract = manycontact::ActionModelAbstract;
   using ActionDataAbstract = manycontact::ActionDataAbstract;
   using VectorXs = Eigen::VectorXd;
-  using Models = std::vector<std::shared_ptr<ActionModelAbstract>>;
-  using Datas = std::vector<std::shared_ptr<ActionDataAbstract>>;
+  using Vectors = std::vector<Eigen::VectorXd>;
+  using ModelPtr = std::shared_ptr<ActionModelAbstract>;
+  using DataPtr = std::shared_ptr<ActionDataAbstract>;
+  using Models = std::vector<ModelPtr>;
+  using Datas = std::vector<DataPtr>;
 
   /// Throw std::invalid_argument if there is no running model, or if states differ in nx or ndx, or from the size of
   /// x0.
-  ShootingProblem(const Eigen::VectorXd& x0, const Models& running_models,
-                  std::shared_ptr<ActionModelAbstract> terminal_model);
-  ShootingProblem(const Eigen::VectorXd& x0, const Models& running_models,
-                  std::shared_ptr<ActionModelAbstract> terminal_model, const Datas& running_datas,
-                  std::shared_ptr<ActionDataAbstract> terminal_data);
+  ShootingProblem(const Eigen::VectorXd& x0, const Models& running_models, ModelPtr terminal_model);
+  ShootingProblem(const Eigen::VectorXd& x0, const Models& running_models, ModelPtr terminal_model,
+                  const Datas& running_datas, DataPtr terminal_data);
 
   /// Evaluates every node at xs (T + 1 states), us (T controls); returns the total cost. Throws std::invalid_argument
   /// for wrong sizes.
-  double calc(const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us);
+  double calc(const Vectors& xs, const Vectors& us);
   /// Computes the derivatives of every node at the last calc; returns the total cost.
-  double calcDiff(const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us);
+  double calcDiff(const Vectors& xs, const Vectors& us);
   /// Evaluate node t alone, as calc and calcDiff do, at xs[t], us[t].
-  void calc_node(std::size_t t, const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us);
-  void calcDiff_node(std::size_t t, const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us);
-  /// The total cost of the last calc, added in the order of the nodes.
-  double total_cost() const;
+  void calc_node(std::size_t t, const Vectors& xs, const Vectors& us);
+  void calcDiff_node(std::size_t t, const Vectors& xs, const Vectors& us);
+  double total_cost() const;  // the total cost of the last calc, added in the order of the nodes
   /// Simulates the controls us (T) from x0; xs receives T + 1 states.
-  void rollout(const std::vector<Eigen::VectorXd>& us, std::vector<Eigen::VectorXd>& xs);
-  std::vector<Eigen::VectorXd> rollout_us(const std::vector<Eigen::VectorXd>& us);
+  void rollout(const Vectors& us, Vectors& xs);
+  Vectors rollout_us(const Vectors& us);
   /// Computes controls that keep each of the T states xs at rest.
-  void quasiStatic(std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& xs);
-  std::vector<Eigen::VectorXd> quasiStatic_xs(const std::vector<Eigen::VectorXd>& xs);
+  void quasiStatic(Vectors& us, const Vectors& xs);
+  Vectors quasiStatic_xs(const Vectors& xs);
 
   /// Shifts the horizon by one node (receding horizon): removes the first running node and appends one at the end. The
   /// other nodes keep their data. The caller shifts the initial guess of the next solve. Without data, new ones are
   /// created.
-  void circularAppend(std::shared_ptr<ActionModelAbstract> model, std::shared_ptr<ActionDataAbstract> data);
-  void circularAppend(std::shared_ptr<ActionModelAbstract> model);
+  void circularAppend(ModelPtr model, DataPtr data);
+  void circularAppend(ModelPtr model);
   /// Replace node i; i = T is the terminal node.
-  void updateNode(std::size_t i, std::shared_ptr<ActionModelAbstract> model, std::shared_ptr<ActionDataAbstract> data);
-  void updateModel(std::size_t i, std::shared_ptr<ActionModelAbstract> model);
+  void updateNode(std::size_t i, ModelPtr model, DataPtr data);
+  void updateModel(std::size_t i, ModelPtr model);
 
-  std::size_t get_T() const { return running_models_.size(); }         // number of running nodes
-  const Eigen::VectorXd& get_x0() const { return x0_; }                // the initial state
-  const Models& get_runningModels() const { return running_models_; }  // the running nodes
-  /// The terminal node.
-  const std::shared_ptr<ActionModelAbstract>& get_terminalModel() const { return terminal_model_; }
-  const Datas& get_runningDatas() const { return running_datas_; }  // data of the running nodes
+  std::size_t get_T() const { return running_models_.size(); }           // number of running nodes
+  const Eigen::VectorXd& get_x0() const { return x0_; }                  // the initial state
+  const Models& get_runningModels() const { return running_models_; }    // the running nodes
+  const ModelPtr& get_terminalModel() const { return terminal_model_; }  // the terminal node
+  const Datas& get_runningDatas() const { return running_datas_; }       // data of the running nodes
   /// Data of the terminal node.
-  const std::shared_ptr<ActionDataAbstract>& get_terminalData() const { return terminal_data_; }
+  const DataPtr& get_terminalData() const { return terminal_data_; }
   /// Node t <= T, where T is the terminal node.
-  const std::shared_ptr<ActionModelAbstract>& model(std::size_t t) const {
-    return t < get_T() ? running_models_[t] : terminal_model_;
-  }
+  const ModelPtr& model(std::size_t t) const { return t < get_T() ? running_models_[t] : terminal_model_; }
   /// Data of node t.
-  const std::shared_ptr<ActionDataAbstract>& data(std::size_t t) const {
-    return t < get_T() ? running_datas_[t] : terminal_data_;
-  }
+  const DataPtr& data(std::size_t t) const { return t < get_T() ? running_datas_[t] : terminal_data_; }
   /// Whether node t depends on x alone, as the terminal node does. Running nodes without controls are evaluated at (x,
   /// u) with an empty u, because their state changes.
   bool by_state_alone(std::size_t t) const { return t == get_T(); }
@@ -92,22 +87,19 @@ class ShootingProblem {
   void set_x0(const Eigen::VectorXd& x0);  // sets the initial state; throws std::invalid_argument for a wrong size
   /// Replaces all running nodes and creates new data. The number of nodes may change.
   void set_runningModels(const Models& models);
-  /// Replaces the terminal node and creates new data.
-  void set_terminalModel(std::shared_ptr<ActionModelAbstract> model);
+  void set_terminalModel(ModelPtr model);  // replaces the terminal node and creates new data
   /// Sets the number of threads. Initially, and for a number below 1, it is OpenMP's, or 1 without OpenMP. If all nodes
   /// together take less than about 50 us per thread, one thread evaluates them.
   void set_nthreads(int nthreads);
-  /// Whether nodes were replaced since the last call of this function.
-  bool is_updated();
+  bool is_updated();  // whether nodes were replaced since the last call of this function
 
  private:
-  void check_node(const char* where, const std::shared_ptr<ActionModelAbstract>& model) const;
-  void check_data(const char* where, const std::shared_ptr<ActionModelAbstract>& model,
-                  const std::shared_ptr<ActionDataAbstract>& data) const;
+  void check_node(const char* where, const ModelPtr& model) const;
+  void check_data(const char* where, const ModelPtr& model, const DataPtr& data) const;
   void check_sizes(const char* where, std::size_t xs, std::size_t expected_xs, std::size_t us) const;
   Eigen::VectorXd x0_;
-  std::shared_ptr<ActionModelAbstract> terminal_model_;
-  std::shared_ptr<ActionDataAbstract> terminal_data_;
+  ModelPtr terminal_model_;
+  DataPtr terminal_data_;
   Models running_models_;
   Datas running_datas_;
   std::size_t nx_, ndx_, nthreads_;

@@ -36,6 +36,8 @@ const char* to_string(StopReason reason);  // describes the reason in words
 
 class SolverAbstract {  // The common base of solvers. Use one per thread.
  public:
+  using Vectors = std::vector<Eigen::VectorXd>;
+
   /// problem: not null, or std::invalid_argument is thrown.
   explicit SolverAbstract(std::shared_ptr<ShootingProblem> problem);
   virtual ~SolverAbstract() = default;
@@ -45,9 +47,8 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   /// init_us, so that there are no gaps; it is ignored if there are some. `init_reg` is the initial regularisation, NaN
   /// for the smallest. Returns true if converged; otherwise see reason(). Throws std::invalid_argument for wrong sizes.
   /// The results get_xs() and get_us() remain valid until the next solve.
-  virtual bool solve(const std::vector<Eigen::VectorXd>& init_xs = DEFAULT_VECTOR,
-                     const std::vector<Eigen::VectorXd>& init_us = DEFAULT_VECTOR, std::size_t maxiter = 100,
-                     bool is_feasible = false, double init_reg = NAN) = 0;
+  virtual bool solve(const Vectors& init_xs = DEFAULT_VECTOR, const Vectors& init_us = DEFAULT_VECTOR,
+                     std::size_t maxiter = 100, bool is_feasible = false, double init_reg = NAN) = 0;
   /// Computes the step of the linear-quadratic problem around the candidate. With `recalc` the derivatives are computed
   /// first.
   virtual void computeDirection(bool recalc) = 0;
@@ -56,16 +57,15 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   virtual double stoppingCriteria() = 0;
   /// Computes d = (d0, d1): the expected reduction of the cost by a step of length s is s (d0 + s d1 / 2).
   virtual const Eigen::Vector2d& expectedImprovement() = 0;
-  /// Adapts the memory to the problem's nodes.
-  virtual void resizeData();
+  virtual void resizeData();  // adapts the memory to the problem's nodes
 
   /// Compute infeasibilities of the last problem.calc, in the norm get_feasnorm(): the gaps, stored in fs; the
   /// violation of g's bounds; |h|.
   double computeDynamicFeasibility();
   double computeInequalityFeasibility();
   double computeEqualityFeasibility();
-  void setCandidate(const std::vector<Eigen::VectorXd>& xs_warm = DEFAULT_VECTOR,
-                    const std::vector<Eigen::VectorXd>& us_warm = DEFAULT_VECTOR, bool is_feasible = false);
+  void setCandidate(const Vectors& xs_warm = DEFAULT_VECTOR, const Vectors& us_warm = DEFAULT_VECTOR,
+                    bool is_feasible = false);
   /// The callbacks are called after each iteration. If a callback replaces them, the new ones are called from the next
   /// iteration on.
   using Callbacks = std::vector<std::shared_ptr<CallbackAbstract>>;
@@ -76,9 +76,9 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   StopReason reason() const { return reason_; }
 
   const std::shared_ptr<ShootingProblem>& get_problem() const { return problem_; }  // the problem that is solved
-  const std::vector<Eigen::VectorXd>& get_xs() const { return xs_; }                // states of the candidate (T + 1)
-  const std::vector<Eigen::VectorXd>& get_us() const { return us_; }                // controls of the candidate (T)
-  const std::vector<Eigen::VectorXd>& get_fs() const { return fs_; }                // gaps of the candidate (T + 1)
+  const Vectors& get_xs() const { return xs_; }                                     // states of the candidate (T + 1)
+  const Vectors& get_us() const { return us_; }                                     // controls of the candidate (T)
+  const Vectors& get_fs() const { return fs_; }                                     // gaps of the candidate (T + 1)
   bool get_is_feasible() const { return is_feasible_; }                             // whether the candidate has no gaps
   double get_cost() const { return cost_; }                                         // cost of the candidate
   double get_merit() const { return merit_; }                                       // the merit function
@@ -105,26 +105,26 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   FeasibilityNorm get_feasnorm() const { return feasnorm_; }   // norm of infeasibilities
   std::size_t get_iter() const { return iter_; }               // number of iterations
   /// Sets the candidate states (T + 1); throws std::invalid_argument for wrong sizes.
-  void set_xs(const std::vector<Eigen::VectorXd>& xs);
+  void set_xs(const Vectors& xs);
   /// Sets the candidate controls (T); throws std::invalid_argument for wrong sizes.
-  void set_us(const std::vector<Eigen::VectorXd>& us);
+  void set_us(const Vectors& us);
   /// They throw std::invalid_argument for numbers out of range.
-  void set_preg(double preg);
-  void set_dreg(double dreg);                                            // not negative
-  void set_th_acceptstep(double th_acceptstep);                          // must be in (0, 1]
-  void set_th_stop(double th_stop);                                      // above 0
-  void set_th_gaptol(double th_gaptol);                                  // not negative
+  void set_preg(double x) { internal::kNotNegative.set(preg_, x, "Solver::set_preg"); }
+  void set_dreg(double x) { internal::kNotNegative.set(dreg_, x, "Solver::set_dreg"); }
+  void set_th_acceptstep(double x) { internal::kShare.set(th_acceptstep_, x, "Solver::set_th_acceptstep"); }
+  void set_th_stop(double x) { internal::kPositive.set(th_stop_, x, "Solver::set_th_stop"); }
+  void set_th_gaptol(double x) { internal::kNotNegative.set(th_gaptol_, x, "Solver::set_th_gaptol"); }
   void set_feasnorm(FeasibilityNorm feasnorm) { feasnorm_ = feasnorm; }  // norm of infeasibilities
 
  protected:
   /// Throws std::invalid_argument for wrong sizes.
-  void check_xs(const char* where, const std::vector<Eigen::VectorXd>& xs) const;
+  void check_xs(const char* where, const Vectors& xs) const;
   /// Throws std::invalid_argument for wrong sizes.
-  void check_us(const char* where, const std::vector<Eigen::VectorXd>& us) const;
+  void check_us(const char* where, const Vectors& us) const;
   /// Calls each callback of the current list, which callbacks may replace.
   void callCallbacks();
   std::shared_ptr<ShootingProblem> problem_;
-  std::vector<Eigen::VectorXd> xs_, us_, fs_;  // T + 1, T, T + 1
+  Vectors xs_, us_, fs_;  // T + 1, T, T + 1
   std::shared_ptr<const Callbacks> callbacks_ = std::make_shared<const Callbacks>();
   bool is_feasible_ = false, was_feasible_ = false;  // whether the candidate, and the previous one, is feasible
   double cost_ = 0, merit_ = 0, stop_ = 0;

@@ -21,36 +21,35 @@ namespace internal {
 struct HeldVelocities;
 }
 
+struct IntegratedActionDataSymplectic;
+
 /// A node with the default step of a simulation.
-class IntegratedActionModelSymplectic : public IntegratedActionModelAbstract {
+class IntegratedActionModelSymplectic
+    : public NodeWithData<IntegratedActionModelSymplectic, IntegratedActionModelAbstract,
+                          IntegratedActionDataSymplectic> {
  public:
+  static constexpr const char* kName = "IntegratedActionModelSymplectic";
+
   /// They throw std::invalid_argument unless the model is one of contact dynamics (action/contact_fwddyn.hpp).
   IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
                                   std::shared_ptr<ControlParametrizationModelAbstract> control, double time_step = 1e-3,
                                   bool with_cost_residual = true);
-  /// Throws std::invalid_argument for null pointers and numbers out of range.
   explicit IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
                                            double time_step = 1e-3, bool with_cost_residual = true);
+  void print(std::ostream& os) const override { print_as(kName, os); }
 
-  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calc(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
-  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x,
-                const ConstVectorRef& u) override;
-  void calcDiff(const std::shared_ptr<ActionDataAbstract>& data, const ConstVectorRef& x) override;
-  std::shared_ptr<ActionDataAbstract> createData() override;
-  bool checkData(const std::shared_ptr<ActionDataAbstract>& data) override;
-  void quasiStatic(const std::shared_ptr<ActionDataAbstract>& data, VectorRef u, const ConstVectorRef& x,
-                   std::size_t maxiter = 100, double tol = 1e-9) override;
-  void print(std::ostream& os) const override;
+ private:
+  void evaluate(IntegratedActionDataSymplectic& data, const ConstVectorRef& x, const ConstVectorRef* u) override;
+  void differentiate(IntegratedActionDataSymplectic& data, const ConstVectorRef& x, const ConstVectorRef* u) override;
 };
 
-struct IntegratedActionDataSymplectic : ActionDataAbstract {  // Data of IntegratedActionModelSymplectic.
+struct IntegratedActionDataSymplectic : IntegratedActionDataAbstract {  // Data of IntegratedActionModelSymplectic.
   explicit IntegratedActionDataSymplectic(IntegratedActionModelSymplectic* model);  // allocates the data of the model
   ~IntegratedActionDataSymplectic() override;
+  IntegratorStage stage(std::size_t) const override { return {differential, control}; }
 
   std::shared_ptr<DifferentialActionDataAbstract> differential;
   std::shared_ptr<ControlParametrizationDataAbstract> control;
-  Eigen::VectorXd dx;                              // ndx: the step before the correction of momentum, set by calc
   Eigen::MatrixXd F;                               // ndx x (ndx + nw): derivatives of xnext, set by calcDiff
   Eigen::MatrixXd Lwu;                             // nw x nu: set by calcDiff
   std::unique_ptr<internal::HeldVelocities> held;  // a, and its workspace

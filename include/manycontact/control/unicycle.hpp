@@ -10,15 +10,12 @@
 
 namespace manycontact {
 
-class ActionModelUnicycle : public ActionModelAbstract {  // A unicycle controlled by v and omega.
+/// A unicycle controlled by v and omega.
+class ActionModelUnicycle : public NodeWithData<ActionModelUnicycle, ActionModelAbstract, ActionDataAbstract> {
  public:
-  ActionModelUnicycle();
-
-  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calc(const DataPtr& data, const ConstVectorRef& x) override;
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
-  void print(std::ostream& os) const override;
+  static constexpr const char* kName = "ActionModelUnicycle";
+  ActionModelUnicycle() : NodeWithData(std::make_shared<StateVector>(3), 2, 5) {}
+  void print(std::ostream& os) const override { os << kName << " {dt=" << dt_ << "}"; }
 
   /// The weights wx, wu; initially 10, 1.
   const Eigen::Vector2d& get_cost_weights() const { return weights_; }
@@ -27,6 +24,8 @@ class ActionModelUnicycle : public ActionModelAbstract {  // A unicycle controll
   void set_dt(double dt);                // above 0, or std::invalid_argument is thrown
 
  private:
+  void evaluate(ActionDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef* u) override;
+  void differentiate(ActionDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef* u) override;
   Eigen::Vector2d weights_{10, 1};
   double dt_ = 0.1;
 };

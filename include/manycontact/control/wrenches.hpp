@@ -34,10 +34,9 @@ class ActuationModelWrenches : public ActuationModelAbstract {  // Torques of co
                          std::vector<WrenchEnd> ends);
 
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  using ActuationModelAbstract::calc;
   /// Computes the derivatives at the last calc.
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  using ActuationModelAbstract::calcDiff;
+  using ActuationModelAbstract::calc, ActuationModelAbstract::calcDiff;
   /// Not available: throw std::logic_error.
   void commands(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) override;
   void torqueTransform(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) override;

@@ -1,7 +1,6 @@
 #include "manycontact/action/actuation.hpp"
 
 #include <Eigen/QR>
-#include <numeric>
 #include <ostream>
 #include <typeinfo>
 
@@ -83,9 +82,7 @@ namespace {
 
 std::vector<int> all_coordinates(const StateAbstract* state) {
   require(state, "ActuationModelFull", "a state is expected, not a null pointer");
-  std::vector<int> out(state->get_nv());
-  std::iota(out.begin(), out.end(), 0);
-  return out;
+  return internal::range(0, static_cast<int>(state->get_nv()));
 }
 
 std::vector<int> actuated_coordinates(const StateMultibody* state) {

@@ -1,7 +1,5 @@
 #include "manycontact/action/collector.hpp"
 
-#include <numeric>
-
 namespace manycontact {
 
 namespace {
@@ -75,17 +73,12 @@ DataCollector::DataCollector(MultibodyData* motion, std::shared_ptr<ActuationDat
   if (!motion) return;
   // Torques may couple everything, as with any actuation that is no selection of coordinates.
   const int nv = scene.nv, nu = actuation ? static_cast<int>(actuation->u.size()) : 0;
-  const auto range = [](int first, int n) {
-    std::vector<int> out(static_cast<std::size_t>(n));
-    std::iota(out.begin(), out.end(), first);
-    return out;
-  };
   for (std::size_t i = 0; i < island_count(solution); ++i) {
     IslandColumns& columns = islands.emplace_back();
-    columns.x = range(0, 2 * nv);
-    columns.u = range(0, nu);
+    columns.x = internal::range(0, 2 * nv);
+    columns.u = internal::range(0, nu);
     for (const int r : island_of(solution, i).robots) {
-      const std::vector<int> of_robot = range(scene.robots[r].idx_v, scene.robots[r].model->nv);
+      const std::vector<int> of_robot = internal::range(scene.robots[r].idx_v, scene.robots[r].model->nv);
       columns.v.insert(columns.v.end(), of_robot.begin(), of_robot.end());
     }
   }

@@ -47,6 +47,15 @@ void NodeAbstract::print(std::ostream& os) const {
   os << kind_ << " {nx=" << state_->get_nx() << ", nu=" << nu_ << "}";
 }
 
+void NodeAbstract::check_sizes(const char* name, const char* function, const ConstVectorRef& x,
+                               const ConstVectorRef* u) const {
+  const auto is = [](const ConstVectorRef& v, std::size_t n) { return v.size() == static_cast<Eigen::Index>(n); };
+  if (is(x, state_->get_nx()) && (!u || is(*u, nu_))) return;
+  const std::string where = std::string(name) + "::" + function;
+  check_size(where.c_str(), "x", x.size(), state_->get_nx());
+  if (u) check_size(where.c_str(), "u", u->size(), nu_);
+}
+
 void NodeAbstract::set_g_lb(const Eigen::VectorXd& g_lb) {
   check_size("set_g_lb", "g_lb", g_lb.size(), std::max(get_ng(), get_ng_T()));
   g_lb_ = g_lb;
@@ -72,19 +81,7 @@ void NodeAbstract::update_has_control_limits() {
 
 DifferentialActionModelAbstract::DifferentialActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu,
                                                                  std::size_t nr, std::size_t ng, std::size_t nh)
-    : NodeAbstract("DifferentialActionModel", std::move(state), nu, nr, ng, nh, ng, nh) {}
-
-void DifferentialActionModelAbstract::calc(const DataPtr& data, const ConstVectorRef& x) { calc(data, x, unone_); }
-
-void DifferentialActionModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
-  calcDiff(data, x, unone_);
-}
-
-std::shared_ptr<DifferentialActionDataAbstract> DifferentialActionModelAbstract::createData() {
-  return std::make_shared<DifferentialActionDataAbstract>(this);
-}
-
-bool DifferentialActionModelAbstract::checkData(const DataPtr& data) { return data != nullptr; }
+    : NodeOf("DifferentialActionModel", std::move(state), nu, nr, ng, nh, ng, nh) {}
 
 void DifferentialActionModelAbstract::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x,
                                                   std::size_t maxiter, double tol) {
@@ -99,13 +96,6 @@ void DifferentialActionModelAbstract::quasiStatic(const DataPtr& data, VectorRef
     u -= du;
     if (du.norm() <= tol) break;
   }
-}
-
-Eigen::VectorXd DifferentialActionModelAbstract::quasiStatic_x(const DataPtr& data, const Eigen::VectorXd& x,
-                                                               std::size_t maxiter, double tol) {
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(nu_);
-  quasiStatic(data, u, x, maxiter, tol);
-  return u;
 }
 
 }  // namespace manycontact

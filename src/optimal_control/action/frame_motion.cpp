@@ -14,7 +14,7 @@ const Multibody::BodyFrame& frame_of(const StateAbstract& state, FrameIndex fram
   const auto& frames = multibody->get_model()->frames;
   if (static_cast<std::size_t>(frame) >= frames.size())
     throw std::invalid_argument("frame: there is no frame " + std::to_string(frame));
-  return frames[static_cast<std::size_t>(frame)];
+  return frames[frame];
 }
 
 }  // namespace

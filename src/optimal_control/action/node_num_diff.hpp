@@ -8,28 +8,26 @@
 
 namespace manycontact::internal {
 
-/// The values of a node at a point. `next` is its acceleration, or its next state.
-struct NodeValues {
-  double cost;
-  Eigen::VectorXd next, r, g, h;
-};
-
-/// A model around a point: x moved along the tangent, u as it is. A terminal node has no u.
-template <class Node, class NodeData>
+/// The numbers [cost; next; r; g; h] of a model near a point: x moved along the tangent, u as it is. A terminal node
+/// has no u. next(data): coordinates of its acceleration, or of its next state.
+template <class Node, class NodeData, class Next>
 struct Around {
   Node& model;
   std::shared_ptr<NodeData> data;
-  Eigen::VectorXd NodeData::*next;
+  Next next;
   Eigen::VectorXd x, u;
   bool terminal;
 
-  NodeValues operator()(const Eigen::VectorXd& dx, const Eigen::VectorXd& du) const {
+  Eigen::VectorXd operator()(const Eigen::VectorXd& dx, const Eigen::VectorXd& du) const {
     const Eigen::VectorXd at = model.get_state()->integrate_x(x, dx);
     if (terminal)
       model.calc(data, at);
     else
       model.calc(data, at, u + du);
-    return {data->cost, (*data).*next, data->r, data->g, data->h};
+    const Eigen::VectorXd moved = next(*data);
+    Eigen::VectorXd out(1 + moved.size() + data->r.size() + data->g.size() + data->h.size());
+    out << data->cost, moved, data->r, data->g, data->h;
+    return out;
   }
 };
 
@@ -47,7 +45,7 @@ void second_differences(const Function& at, Eigen::Index ndx, Data& d) {
           Eigen::VectorXd dz = Eigen::VectorXd::Zero(ndx + nu);
           dz[i] += s * h;
           dz[j] += t * h;
-          sum += s * t * at(dz.head(ndx), dz.tail(nu)).cost;
+          sum += s * t * at(dz.head(ndx), dz.tail(nu))[0];
         }
       L(i, j) = L(j, i) = sum / (4 * h * h);
     }
@@ -58,37 +56,32 @@ void second_differences(const Function& at, Eigen::Index ndx, Data& d) {
 }
 
 /// All derivatives of d, whose g, h, r have their sizes. The step is absolute in x's tangent, relative to max(1, |u_i|)
-/// in u. change(plus, minus): from one `next` to another, `rows` numbers. gauss: Hessians Rx^T Rx, ..., not second
-/// differences.
-template <class Function, class Change, class Data>
-void central_differences(const Function& at, double step, bool gauss, Eigen::Index rows, Change&& change, Data& d) {
+/// in u. gauss: Hessians Rx^T Rx, ..., not second differences.
+template <class Function, class Data>
+void central_differences(const Function& at, double step, bool gauss, Data& d) {
   const Eigen::Index ndx = static_cast<Eigen::Index>(at.model.get_state()->get_ndx()), nu = at.u.size();
-  const Eigen::Index nr = d.r.size(), ng = d.g.size(), nh = d.h.size();
-  d.Fx.setZero(rows, ndx), d.Fu.setZero(rows, nu);
-  d.Rx.setZero(nr, ndx), d.Ru.setZero(nr, nu);
-  d.Gx.setZero(ng, ndx), d.Gu.setZero(ng, nu);
-  d.Hx.setZero(nh, ndx), d.Hu.setZero(nh, nu);
-  const auto differ = [&](bool by_x, Eigen::Index i, Eigen::VectorXd& L, Eigen::MatrixXd& F, Eigen::MatrixXd& R,
-                          Eigen::MatrixXd& G, Eigen::MatrixXd& H) {
-    Eigen::VectorXd dx = Eigen::VectorXd::Zero(ndx), du = Eigen::VectorXd::Zero(nu);
-    const double h = by_x ? step : step * std::max(1.0, std::abs(at.u[i]));
-    (by_x ? dx : du)[i] = h;
-    const NodeValues plus = at(dx, du), minus = at(-dx, -du);
-    L[i] = (plus.cost - minus.cost) / (2 * h);
-    F.col(i) = change(plus.next, minus.next) / (2 * h);
-    R.col(i) = (plus.r - minus.r) / (2 * h);
-    G.col(i) = (plus.g - minus.g) / (2 * h);
-    H.col(i) = (plus.h - minus.h) / (2 * h);
-  };
-  for (Eigen::Index i = 0; i < ndx; ++i) differ(true, i, d.Lx, d.Fx, d.Rx, d.Gx, d.Hx);
-  for (Eigen::Index i = 0; i < nu && !at.terminal; ++i) differ(false, i, d.Lu, d.Fu, d.Ru, d.Gu, d.Hu);
-  if (gauss) {
-    d.Lxx = d.Rx.transpose() * d.Rx;
-    d.Lxu = d.Rx.transpose() * d.Ru;
-    d.Luu = d.Ru.transpose() * d.Ru;
-  } else {
-    second_differences(at, ndx, d);
+  const Eigen::Index nf = at.next(d).size(), nr = d.r.size(), ng = d.g.size(), nh = d.h.size();
+  const Eigen::VectorXd no_x = Eigen::VectorXd::Zero(ndx), no_u = Eigen::VectorXd::Zero(nu);
+  Eigen::MatrixXd by_x(1 + nf + nr + ng + nh, ndx), by_u = Eigen::MatrixXd::Zero(by_x.rows(), nu);
+  for (Eigen::Index i = 0; i < ndx; ++i) {
+    const Eigen::VectorXd dx = step * Eigen::VectorXd::Unit(ndx, i);
+    by_x.col(i) = (at(dx, no_u) - at(-dx, no_u)) / (2 * step);
   }
+  for (Eigen::Index i = 0; i < nu && !at.terminal; ++i) {
+    const double h = step * std::max(1.0, std::abs(at.u[i]));
+    const Eigen::VectorXd du = h * Eigen::VectorXd::Unit(nu, i);
+    by_u.col(i) = (at(no_x, du) - at(no_x, -du)) / (2 * h);
+  }
+  d.Lx = by_x.row(0);
+  if (!at.terminal) d.Lu = by_u.row(0);
+  d.Fx = by_x.middleRows(1, nf), d.Fu = by_u.middleRows(1, nf);
+  d.Rx = by_x.middleRows(1 + nf, nr), d.Ru = by_u.middleRows(1 + nf, nr);
+  d.Gx = by_x.middleRows(1 + nf + nr, ng), d.Gu = by_u.middleRows(1 + nf + nr, ng);
+  d.Hx = by_x.bottomRows(nh), d.Hu = by_u.bottomRows(nh);
+  if (!gauss) return second_differences(at, ndx, d);
+  d.Lxx = d.Rx.transpose() * d.Rx;
+  d.Lxu = d.Rx.transpose() * d.Ru;
+  d.Luu = d.Ru.transpose() * d.Ru;
 }
 
 }  // namespace manycontact::internal
@@ -140,11 +133,10 @@ void NodeNumDiff<Node, NodeData>::calc(const Data& data, const ConstVectorRef& x
 template <class Node, class NodeData>
 void NodeNumDiff<Node, NodeData>::differentiate(Own& d, const Eigen::VectorXd& x, const Eigen::VectorXd& u,
                                                 bool terminal) const {
-  const auto step = [&](const Eigen::VectorXd& plus, const Eigen::VectorXd& minus) {
-    return change(d, plus, minus, terminal);
-  };
-  internal::central_differences(internal::Around<Node, NodeData>{*model_, d.data_step, next_, x, u, terminal},
-                                this->step_, gauss_, step(d.*next_, d.*next_).size(), step, d);
+  const auto next = [&](const NodeData& moved) { return coordinates(d, moved, terminal); };
+  internal::central_differences(
+      internal::Around<Node, NodeData, decltype(next)>{*model_, d.data_step, next, x, u, terminal}, this->step_, gauss_,
+      d);
 }
 
 template <class Node, class NodeData>

@@ -8,9 +8,7 @@ using NumDiff = DifferentialActionModelNumDiff;
 
 template class NodeNumDiff<DifferentialActionModelAbstract, DifferentialActionDataAbstract>;
 
-namespace {
 constexpr const char* kNumDiff = "DifferentialActionModelNumDiff";
-}  // namespace
 
 void internal::Step::set_disturbance(double disturbance) {
   require(disturbance > 0 && std::isfinite(disturbance), where_,
@@ -28,10 +26,9 @@ std::shared_ptr<DifferentialActionDataAbstract> NumDiff::createData() {
 
 std::string NumDiff::where(const char*) const { return kNumDiff; }
 
-Eigen::VectorXd NumDiff::change(const DifferentialActionDataAbstract&, const Eigen::VectorXd& plus,
-                                const Eigen::VectorXd& minus, bool terminal) const {
-  if (terminal) return Eigen::VectorXd::Zero(static_cast<Eigen::Index>(state_->get_nv()));  // it has no acceleration
-  return plus - minus;
+Eigen::VectorXd NumDiff::coordinates(const DifferentialActionDataAbstract&, const DifferentialActionDataAbstract& moved,
+                                     bool terminal) const {
+  return terminal ? Eigen::VectorXd::Zero(state_->get_nv()).eval() : moved.xout;  // a terminal node does not accelerate
 }
 
 }  // namespace manycontact

@@ -51,11 +51,7 @@ void SquashingModelSmoothSat::calcDiff(const DataPtr& data, const ConstVectorRef
     d.du_ds(i, i) = 0.5 * (slope(s[i] - u_lb_[i], d_[i]) - slope(s[i] - u_ub_[i], d_[i]));
 }
 
-namespace {
-
 constexpr const char* kActuationSquashingModel = "ActuationSquashingModel";
-
-}  // namespace
 
 ActuationSquashingData::ActuationSquashingData(const ActuationSquashingModel* model)
     : ActuationDataAbstract(model),

@@ -17,6 +17,15 @@ void each_joint(const Scene& scene, Use&& use) {
     for (const Joint& joint : robot.model->joints) use(joint, robot.idx_q + joint.idx_q, robot.idx_v + joint.idx_v);
 }
 
+// rows <- J rows
+template <int n, class Rows>
+void transport(const Eigen::Matrix<double, n, n>& J, Rows&& rows) {
+  for (Eigen::Index j = 0; j < rows.cols(); ++j) {
+    const Eigen::Matrix<double, n, 1> column = rows.col(j);
+    rows.col(j).noalias() = J * column;
+  }
+}
+
 }  // namespace
 
 StateMultibody::StateMultibody(std::shared_ptr<const Multibody> model)
@@ -124,19 +133,6 @@ void StateMultibody::Jintegrate(const ConstVectorRef& x, const ConstVectorRef& d
   if (which != second) fill(true, Jfirst);
   if (which != first) fill(false, Jsecond);
 }
-
-namespace {
-
-// rows <- J rows
-template <int n, class Rows>
-void transport(const Eigen::Matrix<double, n, n>& J, Rows&& rows) {
-  for (Eigen::Index j = 0; j < rows.cols(); ++j) {
-    const Eigen::Matrix<double, n, 1> column = rows.col(j);
-    rows.col(j).noalias() = J * column;
-  }
-}
-
-}  // namespace
 
 void StateMultibody::JintegrateTransport(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jin,
                                          Jcomponent which) const {

@@ -29,7 +29,7 @@ std::ostream& operator<<(std::ostream& os, const Thruster& thruster) {
 ActuationModelFloatingBaseThrusters::ActuationModelFloatingBaseThrusters(std::shared_ptr<StateMultibody> state,
                                                                          const std::vector<Thruster>& thrusters)
     : ActuationModelAbstract(state, count_controls(state.get(), thrusters.size())), thrusters_(thrusters) {
-  W_.setZero(static_cast<Eigen::Index>(state->get_nv()), static_cast<Eigen::Index>(nu_));
+  W_.setZero(state->get_nv(), nu_);
   auto column = static_cast<Eigen::Index>(thrusters.size());
   for (const int i : state->get_model()->scene().robots[0].model->actuated) W_(i, column++) = 1;
   set_thrusters(thrusters);

@@ -18,6 +18,68 @@ namespace {
 constexpr double kProximal = 1e-8;
 constexpr int kProximalRefinements = 9;
 
+// The equations of w and mu at (x, u, lambda) of z and w = mu = 0, by knot: into w and mu of `out`.
+void equations_of_y(const Problem& problem, const Layout& layout, const Point& h, const Point& z, Point& out) {
+  for (int k = 0; k <= problem.horizon(); ++k) {
+    out.w[k] = h.w[k];
+    out.mu[k] = h.mu[k];
+    for (const Group& g : problem.knots[k].groups) {
+      const auto add_from = [&](Index to_w, Index w, Index nw) {  // S_w^T x + R_wu u + B_w^T lambda+
+        auto sum = out.w[k].segment(w, nw);
+        for_each_x(problem, layout, g, [&](Index i, Index x, Index n) {
+          add_Atx(sum, 1, g.S.block(i, to_w, n, nw), z.x[k].segment(x, n));
+          if (k < problem.horizon()) add_Atx(sum, 1, g.B.block(i, to_w, n, nw), z.lambda[k + 1].segment(x, n));
+        });
+        for_each_v(problem, layout, k, g, [&](Index i, bool is_u, Index u, Index n) {
+          if (is_u) add_Ax(sum, 1, g.R.block(to_w, i, nw, n), z.u[k].segment(u, n));
+        });
+      };
+      for_each_v(problem, layout, k, g, [&](Index i, bool is_u, Index w, Index n) {
+        if (!is_u) add_from(i, w, n);
+      });
+      for_each_row(problem, layout, k, g, [&](Index i, Index row, Index rows) {  // C x + D_u u
+        auto sum = out.mu[k].segment(row, rows);
+        for_each_x(problem, layout, g,
+                   [&](Index j, Index x, Index n) { add_Ax(sum, 1, g.C.block(i, j, rows, n), z.x[k].segment(x, n)); });
+        for_each_v(problem, layout, k, g, [&](Index j, bool is_u, Index u, Index n) {
+          if (is_u) add_Ax(sum, 1, g.D.block(i, j, rows, n), z.u[k].segment(u, n));
+        });
+      });
+    }
+  }
+}
+
+// h with what y = (w, mu) of z adds to the equations of x, u and lambda.
+void terms_with_y(const Problem& problem, const Layout& layout, const Point& h, const Point& z, Point& out) {
+  out.lambda[0] = h.lambda[0];
+  for (int k = 0; k <= problem.horizon(); ++k) {
+    out.x[k] = h.x[k];
+    out.u[k] = h.u[k];
+    if (k < problem.horizon()) out.lambda[k + 1] = h.lambda[k + 1];
+    for (const Group& g : problem.knots[k].groups) {
+      for_each_v(problem, layout, k, g, [&](Index j, bool j_is_u, Index w, Index nw) {
+        if (j_is_u) return;
+        const auto y = z.w[k].segment(w, nw);
+        for_each_x(problem, layout, g, [&](Index i, Index x, Index n) {
+          add_Ax(out.x[k].segment(x, n), 1, g.S.block(i, j, n, nw), y);
+          if (k < problem.horizon()) add_Ax(out.lambda[k + 1].segment(x, n), 1, g.B.block(i, j, n, nw), y);
+        });
+        for_each_v(problem, layout, k, g, [&](Index i, bool is_u, Index u, Index n) {
+          if (is_u) add_Ax(out.u[k].segment(u, n), 1, g.R.block(i, j, n, nw), y);
+        });
+      });
+      for_each_row(problem, layout, k, g, [&](Index j, Index row, Index rows) {
+        const auto y = z.mu[k].segment(row, rows);
+        for_each_x(problem, layout, g,
+                   [&](Index i, Index x, Index n) { add_Atx(out.x[k].segment(x, n), 1, g.C.block(j, i, rows, n), y); });
+        for_each_v(problem, layout, k, g, [&](Index i, bool is_u, Index u, Index n) {
+          if (is_u) add_Atx(out.u[k].segment(u, n), 1, g.D.block(j, i, rows, n), y);
+        });
+      });
+    }
+  }
+}
+
 }  // namespace
 
 // ---- analyse --------------------------------------------------------------------------------------------------
@@ -83,72 +145,6 @@ void CouplingSchur::make_schur(const Problem& problem, const Regularisation& reg
 }
 
 // ---- solve ----------------------------------------------------------------------------------------------------
-
-namespace {
-
-// The equations of w and mu at (x, u, lambda) of z and w = mu = 0, by knot: into w and mu of `out`.
-void equations_of_y(const Problem& problem, const Layout& layout, const Point& h, const Point& z, Point& out) {
-  for (int k = 0; k <= problem.horizon(); ++k) {
-    out.w[k] = h.w[k];
-    out.mu[k] = h.mu[k];
-    for (const Group& g : problem.knots[k].groups) {
-      const auto add_from = [&](Index to_w, Index w, Index nw) {  // S_w^T x + R_wu u + B_w^T lambda+
-        auto sum = out.w[k].segment(w, nw);
-        for_each_x(problem, layout, g, [&](Index i, Index x, Index n) {
-          add_Atx(sum, 1, g.S.block(i, to_w, n, nw), z.x[k].segment(x, n));
-          if (k < problem.horizon()) add_Atx(sum, 1, g.B.block(i, to_w, n, nw), z.lambda[k + 1].segment(x, n));
-        });
-        for_each_v(problem, layout, k, g, [&](Index i, bool is_u, Index u, Index n) {
-          if (is_u) add_Ax(sum, 1, g.R.block(to_w, i, nw, n), z.u[k].segment(u, n));
-        });
-      };
-      for_each_v(problem, layout, k, g, [&](Index i, bool is_u, Index w, Index n) {
-        if (!is_u) add_from(i, w, n);
-      });
-      for_each_row(problem, layout, k, g, [&](Index i, Index row, Index rows) {  // C x + D_u u
-        auto sum = out.mu[k].segment(row, rows);
-        for_each_x(problem, layout, g,
-                   [&](Index j, Index x, Index n) { add_Ax(sum, 1, g.C.block(i, j, rows, n), z.x[k].segment(x, n)); });
-        for_each_v(problem, layout, k, g, [&](Index j, bool is_u, Index u, Index n) {
-          if (is_u) add_Ax(sum, 1, g.D.block(i, j, rows, n), z.u[k].segment(u, n));
-        });
-      });
-    }
-  }
-}
-
-// h with what y = (w, mu) of z adds to the equations of x, u and lambda.
-void terms_with_y(const Problem& problem, const Layout& layout, const Point& h, const Point& z, Point& out) {
-  out.lambda[0] = h.lambda[0];
-  for (int k = 0; k <= problem.horizon(); ++k) {
-    out.x[k] = h.x[k];
-    out.u[k] = h.u[k];
-    if (k < problem.horizon()) out.lambda[k + 1] = h.lambda[k + 1];
-    for (const Group& g : problem.knots[k].groups) {
-      for_each_v(problem, layout, k, g, [&](Index j, bool j_is_u, Index w, Index nw) {
-        if (j_is_u) return;
-        const auto y = z.w[k].segment(w, nw);
-        for_each_x(problem, layout, g, [&](Index i, Index x, Index n) {
-          add_Ax(out.x[k].segment(x, n), 1, g.S.block(i, j, n, nw), y);
-          if (k < problem.horizon()) add_Ax(out.lambda[k + 1].segment(x, n), 1, g.B.block(i, j, n, nw), y);
-        });
-        for_each_v(problem, layout, k, g, [&](Index i, bool is_u, Index u, Index n) {
-          if (is_u) add_Ax(out.u[k].segment(u, n), 1, g.R.block(i, j, n, nw), y);
-        });
-      });
-      for_each_row(problem, layout, k, g, [&](Index j, Index row, Index rows) {
-        const auto y = z.mu[k].segment(row, rows);
-        for_each_x(problem, layout, g,
-                   [&](Index i, Index x, Index n) { add_Atx(out.x[k].segment(x, n), 1, g.C.block(j, i, rows, n), y); });
-        for_each_v(problem, layout, k, g, [&](Index i, bool is_u, Index u, Index n) {
-          if (is_u) add_Atx(out.u[k].segment(u, n), 1, g.D.block(j, i, rows, n), y);
-        });
-      });
-    }
-  }
-}
-
-}  // namespace
 
 void CouplingSchur::do_solve(const Problem& problem, const Point& h, Point& z, bool first) {
   riccati_.pass(problem, h, z);

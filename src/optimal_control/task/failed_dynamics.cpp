@@ -1,9 +1,7 @@
 #include "manycontact/analysis/findings.hpp"
-#include "manycontact/control/euler.hpp"
 #include "manycontact/control/impulse_fwddyn.hpp"
+#include "manycontact/control/integrated_action.hpp"
 #include "manycontact/control/parts.hpp"
-#include "manycontact/control/rk.hpp"
-#include "manycontact/control/symplectic.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/task/violations.hpp"
 
@@ -13,7 +11,7 @@ namespace {
 
 std::string robots_of(const Scene& scene, const Island& island) {
   std::string out;
-  for (const int r : island.robots) out += (out.empty() ? "" : ", ") + scene.robots[static_cast<std::size_t>(r)].name;
+  for (const int r : island.robots) out += (out.empty() ? "" : ", ") + scene.robots[r].name;
   return out;
 }
 
@@ -37,12 +35,9 @@ void add_dynamics(std::size_t t, const DifferentialActionDataAbstract& data, std
 void add_node(std::size_t t, const ActionDataAbstract& data, std::vector<TaskFailure>& out) {
   if (const auto* whole = dynamic_cast<const ActionDataParts*>(&data)) {
     for (const auto& part : whole->parts) add_node(t, *part, out);
-  } else if (const auto* rk = dynamic_cast<const IntegratedActionDataRK*>(&data)) {
-    for (std::size_t i = 0; i < rk->differential.size() && out.empty(); ++i) add_dynamics(t, *rk->differential[i], out);
-  } else if (const auto* symplectic = dynamic_cast<const IntegratedActionDataSymplectic*>(&data)) {
-    add_dynamics(t, *symplectic->differential, out);
-  } else if (const auto* euler = dynamic_cast<const IntegratedActionDataEuler*>(&data)) {
-    add_dynamics(t, *euler->differential, out);
+  } else if (const auto* own = dynamic_cast<const IntegratedActionDataAbstract*>(&data)) {
+    for (std::size_t i = 0; i < own->stages() && (i == 0 || out.empty()); ++i)
+      add_dynamics(t, *own->stage(i).differential, out);
   } else if (const auto* impact = dynamic_cast<const ActionDataImpulseFwdDynamics*>(&data)) {
     add_dynamics(t, *impact->dynamics, out);
   }

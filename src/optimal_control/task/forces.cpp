@@ -3,25 +3,14 @@
 #include <map>
 
 #include "manycontact/control/couplings.hpp"
-#include "manycontact/control/euler.hpp"
 #include "manycontact/control/impulse_fwddyn.hpp"
-#include "manycontact/control/rk.hpp"
-#include "manycontact/control/symplectic.hpp"
+#include "manycontact/control/integrated_action.hpp"
 
 namespace manycontact {
 
 namespace {
 
 using Forces = std::map<std::string, Eigen::VectorXd>;
-
-const DifferentialActionDataContactFwdDynamics& dynamics_of(const ActionDataAbstract& data) {
-  if (const auto* euler = dynamic_cast<const IntegratedActionDataEuler*>(&data))
-    return dynamic_cast<const DifferentialActionDataContactFwdDynamics&>(*euler->differential);
-  if (const auto* symplectic = dynamic_cast<const IntegratedActionDataSymplectic*>(&data))
-    return dynamic_cast<const DifferentialActionDataContactFwdDynamics&>(*symplectic->differential);
-  const auto& rk = dynamic_cast<const IntegratedActionDataRK&>(data);
-  return dynamic_cast<const DifferentialActionDataContactFwdDynamics&>(*rk.differential[0]);
-}
 
 // Collects contact forces by name, in all subproblems of a node. Impacts are skipped: theirs are impulses.
 void collect(const ActionModelAbstract& model, const ActionDataAbstract& data, Forces& out) {
@@ -34,7 +23,9 @@ void collect(const ActionModelAbstract& model, const ActionDataAbstract& data, F
       out[couplings->name(b)] = couplings->force(b, *whole->couplings);
     return;
   }
-  for (const auto& [name, contact] : dynamics_of(data).multibody->contacts->contacts) out[name] = contact->f;
+  const IntegratorStage first = dynamic_cast<const IntegratedActionDataAbstract&>(data).stage(0);
+  const auto& own = dynamic_cast<const DifferentialActionDataContactFwdDynamics&>(*first.differential);
+  for (const auto& [name, contact] : own.multibody->contacts->contacts) out[name] = contact->f;
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ void join_of_nodes(const Scene& scene, const TaskPhase& phase, sparse::UnionFind
     for (const TaskTerm& term : *terms) {
       if (joins_its_robots(term))
         join_robots(scene, term.residual == TaskResidual::kJointEffort ? term.robots : std::vector<int>{}, sets);
-      for (const int c : term.contacts) join_ends(scene.contacts[static_cast<std::size_t>(c)]);
+      for (const int c : term.contacts) join_ends(scene.contacts[c]);
     }
 }
 
@@ -98,8 +98,7 @@ bool couplings_are_independent(const TaskFile& task, const std::vector<std::vect
     Scene scene = task::scene_with(task, phase.active);
     const int of_all = task::dependent_rows(scene, x0);
     if (of_all == 0) continue;
-    for (const Coupling& coupling : couplings_between(scene, blocks))
-      scene.contacts[static_cast<std::size_t>(coupling.contact)].active = false;
+    for (const Coupling& coupling : couplings_between(scene, blocks)) scene.contacts[coupling.contact].active = false;
     if (task::dependent_rows(scene, x0) != of_all) return false;
   }
   return true;

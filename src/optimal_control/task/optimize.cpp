@@ -134,10 +134,6 @@ TaskTimes times_of(const Passes& passes, std::size_t nodes) {
   return {median(passes.forward) / n, median(passes.derivatives) / n, median(passes.backward) / n, 0};
 }
 
-}  // namespace
-
-namespace {
-
 // One solve: its maker and what it fills.
 struct Run {
   const TaskFile& task;

@@ -38,9 +38,8 @@ struct Share {
 
 Share share_of(const Scene& scene, const std::vector<int>& robots) {
   Share out{robots, {}, std::vector<int>(scene.robots.size(), -1), std::vector<int>(scene.contacts.size(), -1)};
-  for (std::size_t i = 0; i < robots.size(); ++i)
-    out.robot_at[static_cast<std::size_t>(robots[i])] = static_cast<int>(i);
-  const auto has = [&](int robot) { return robot < 0 || out.robot_at[static_cast<std::size_t>(robot)] >= 0; };
+  for (std::size_t i = 0; i < robots.size(); ++i) out.robot_at[robots[i]] = static_cast<int>(i);
+  const auto has = [&](int robot) { return robot < 0 || out.robot_at[robot] >= 0; };
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     if (!has(scene.contacts[c].A.robot) || !has(scene.contacts[c].B.robot)) continue;
     out.contact_at[c] = static_cast<int>(out.contacts.size());
@@ -59,21 +58,21 @@ SceneFile scene_of(const SceneFile& whole, const Share& share) {
   out.scene.moment_length = whole.scene.moment_length;
   std::vector<int> q, v, u;
   for (const int r : share.robots) {
-    const Robot& robot = whole.scene.robots[static_cast<std::size_t>(r)];
+    const Robot& robot = whole.scene.robots[r];
     add_robot(out.scene, robot.name, robot.model, robot.base);
     append(q, robot.idx_q, robot.model->nq);
     append(v, robot.idx_v, robot.model->nv);
     append(u, robot.idx_u, robot.model->nu());
   }
   if (!whole.moved.empty())
-    for (const int r : share.robots) out.moved.push_back(whole.moved[static_cast<std::size_t>(r)]);
+    for (const int r : share.robots) out.moved.push_back(whole.moved[r]);
   out.q = whole.q(q);
   out.v = whole.v(v);
   out.u = whole.u(u);
   for (const int c : share.contacts) {
-    Contact contact = whole.scene.contacts[static_cast<std::size_t>(c)];
+    Contact contact = whole.scene.contacts[c];
     for (Attachment* end : {&contact.A, &contact.B})
-      if (end->robot >= 0) end->robot = share.robot_at[static_cast<std::size_t>(end->robot)];
+      if (end->robot >= 0) end->robot = share.robot_at[end->robot];
     add_contact(out.scene, std::move(contact));
   }
   take_applied_forces(whole.scene, share.robot_at, out.scene);
@@ -101,7 +100,7 @@ TaskTerm of_part_of_scene(TaskTerm term, const Scene& scene, const Share& share)
 std::vector<int> of_share(const std::vector<int>& whole, const std::vector<int>& at) {
   std::vector<int> out;
   for (const int i : whole)
-    if (at[static_cast<std::size_t>(i)] >= 0) out.push_back(at[static_cast<std::size_t>(i)]);
+    if (at[i] >= 0) out.push_back(at[i]);
   return out;
 }
 
@@ -110,7 +109,7 @@ std::vector<TaskTerm> copies_of(const TaskTerm& term, std::vector<int> TaskTerm:
   std::vector<TaskTerm> out;
   const std::vector<int>& copies = term.*all;
   for (std::size_t i = 0; i < copies.size(); ++i) {
-    const int own = at[static_cast<std::size_t>(copies[i])];
+    const int own = at[copies[i]];
     if (own < 0) continue;
     out.push_back(term);
     out.back().*all = {own};
@@ -137,9 +136,9 @@ TaskPhase phase_of(const TaskPhase& phase, const Scene& scene, const Share& shar
   out.nodes = phase.nodes;
   out.impact = phase.impact;
   out.at_scene = phase.at_scene;
-  for (const int c : share.contacts) out.active.push_back(phase.active[static_cast<std::size_t>(c)]);
+  for (const int c : share.contacts) out.active.push_back(phase.active[c]);
   for (std::size_t k = 0; k < phase.pushes.size(); ++k)  // the same selection as in take_applied_forces
-    if (share.robot_at[static_cast<std::size_t>(scene.pushes[k].at.robot)] >= 0) out.pushes.push_back(phase.pushes[k]);
+    if (share.robot_at[scene.pushes[k].at.robot] >= 0) out.pushes.push_back(phase.pushes[k]);
   for (auto terms : {&TaskPhase::costs, &TaskPhase::constraints})
     for (const TaskTerm& term : phase.*terms)
       for (TaskTerm& own : terms_of(term, scene, share)) (out.*terms).push_back(std::move(own));
@@ -192,13 +191,13 @@ TaskFile part_of(const TaskFile& task, const std::vector<int>& robots) {
 ActionPart coordinates_of(const Scene& scene, const std::vector<int>& robots) {
   ActionPart out;
   for (const int r : robots) {
-    const Robot& robot = scene.robots[static_cast<std::size_t>(r)];
+    const Robot& robot = scene.robots[r];
     append(out.x, robot.idx_q, robot.model->nq);
     append(out.dx, robot.idx_v, robot.model->nv);
     append(out.u, robot.idx_u, robot.model->nu());
   }
   for (const int r : robots) {
-    const Robot& robot = scene.robots[static_cast<std::size_t>(r)];
+    const Robot& robot = scene.robots[r];
     append(out.x, scene.nq + robot.idx_v, robot.model->nv);
     append(out.dx, scene.nv + robot.idx_v, robot.model->nv);
   }

@@ -12,10 +12,8 @@
 #include "manycontact/analysis/names.hpp"
 #include "manycontact/analysis/near_dependent.hpp"
 #include "manycontact/analysis/text.hpp"
-#include "manycontact/control/euler.hpp"
+#include "manycontact/control/integrated_action.hpp"
 #include "manycontact/control/parts.hpp"
-#include "manycontact/control/rk.hpp"
-#include "manycontact/control/symplectic.hpp"
 #include "nodes.hpp"
 
 namespace manycontact {
@@ -37,7 +35,7 @@ Point point_at(const Scene& scene, const Attachment& at, const Eigen::VectorXd& 
     out.p = at.placement.p;
     return out;
   }
-  const Robot& robot = scene.robots[static_cast<std::size_t>(at.robot)];
+  const Robot& robot = scene.robots[at.robot];
   Kinematics<double> kin(*robot.model);
   forward_kinematics<double>(*robot.model, robot.base, x.segment(robot.idx_q, robot.model->nq), kin);
   out.p = frame_placement<double>(kin, robot.base, at.joint, at.placement).p;
@@ -49,7 +47,7 @@ Point point_at(const Scene& scene, const Attachment& at, const Eigen::VectorXd& 
 }
 
 PlanClosing closing_of(const Scene& scene, int c, const Eigen::VectorXd& x) {
-  const Contact& contact = scene.contacts[static_cast<std::size_t>(c)];
+  const Contact& contact = scene.contacts[c];
   const Point A = point_at(scene, contact.A, x), B = point_at(scene, contact.B, x);
   const Vec3<double> e = A.p - B.p;
   PlanClosing out;
@@ -59,47 +57,6 @@ PlanClosing closing_of(const Scene& scene, int c, const Eigen::VectorXd& x) {
   out.aside = contact.B.robot < 0 ? e.head<2>().norm() : 0;
   return out;
 }
-
-}  // namespace
-
-std::vector<PlanClosing> closings(const TaskFile& task, const Vectors& xs) {
-  std::vector<PlanClosing> out;
-  const std::vector<TaskNode> nodes = timeline(task);
-  for (std::size_t t = 1; t < nodes.size(); ++t) {
-    if (nodes[t].phase == nodes[t - 1].phase) continue;
-    const TaskPhase &now = phase_at(task, nodes[t]), &before = phase_at(task, nodes[t - 1]);
-    for (std::size_t c = 0; c < now.active.size(); ++c) {
-      if (!now.active[c] || before.active[c]) continue;
-      out.push_back(closing_of(task.scene.scene, static_cast<int>(c), xs[t]));
-      out.back().node = t;
-      out.back().time = nodes[t].time;
-      out.back().holds_there = !now.at_scene;
-    }
-  }
-  return out;
-}
-
-std::vector<PlanLimit> limits_passed(const TaskFile& task, const Vectors& xs, const Vectors& us) {
-  const Scene& scene = task.scene.scene;
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(scene.nu);
-  std::map<std::tuple<int, int, LimitKind>, PlanLimit> worst;
-  const auto beyond = [](const LimitPassed& l) { return std::abs(l.value - l.limit); };
-  for (std::size_t t = 0; t < xs.size(); ++t) {
-    const bool driven = t < us.size() && us[t].size() == none.size();
-    for (const LimitPassed& own :
-         limits_passed(scene, xs[t].head(scene.nq), xs[t].tail(scene.nv), driven ? us[t] : none)) {
-      PlanLimit& known = worst.try_emplace({own.robot, own.dof, own.quantity}, PlanLimit{own, t}).first->second;
-      if (beyond(own) > beyond(known.limit)) known = {own, t};
-    }
-  }
-  std::vector<PlanLimit> out;
-  for (const auto& [key, limit] : worst) out.push_back(limit);
-  return out;
-}
-
-// ---- what each cost is
-
-namespace {
 
 bool is_goal(TaskResidual residual) {
   return residual == TaskResidual::kFramePlacement || residual == TaskResidual::kFrameTranslation ||
@@ -150,41 +107,14 @@ struct Adder {
     if (const auto* whole = dynamic_cast<const ActionModelParts*>(&model)) {
       const auto& parts = static_cast<const ActionDataParts&>(data).parts;
       for (std::size_t i = 0; i < parts.size(); ++i) node(*whole->get_parts()[i].model, *parts[i]);
-    } else if (const auto* rk = dynamic_cast<const IntegratedActionModelRK*>(&model)) {
-      const auto& stages = static_cast<const IntegratedActionDataRK&>(data).differential;
-      for (std::size_t i = 0; i < stages.size(); ++i)
-        dynamics(*rk->get_differential(), *stages[i], rk->get_dt() * rk->get_weights()[i], i == 0);
-    } else if (const auto* symplectic = dynamic_cast<const IntegratedActionModelSymplectic*>(&model)) {
-      dynamics(*symplectic->get_differential(), *static_cast<const IntegratedActionDataSymplectic&>(data).differential,
-               symplectic->get_dt(), true);
-    } else if (const auto* euler = dynamic_cast<const IntegratedActionModelEuler*>(&model)) {
-      dynamics(*euler->get_differential(), *static_cast<const IntegratedActionDataEuler&>(data).differential,
-               terminal ? 1 : euler->get_dt(), true);
+    } else if (const auto* own = dynamic_cast<const IntegratedActionModelAbstract*>(&model)) {
+      const auto& stages = dynamic_cast<const IntegratedActionDataAbstract&>(data);
+      for (std::size_t i = 0; i < (terminal ? 1 : stages.stages()); ++i)
+        dynamics(*own->get_differential(), *stages.stage(i).differential,
+                 terminal ? 1 : own->get_dt() * own->get_weight(i), i == 0);
     }
   }
 };
-
-}  // namespace
-
-std::vector<PlanCost> cost_by_term(const TaskFile& task, const TaskProblem& problem) {
-  const ShootingProblem& shooting = *problem.problem;
-  const auto terms = terms_by_item(task);
-  ByName sums;
-  Adder adder{terms, sums};
-  for (std::size_t t = 0; t <= shooting.get_T(); ++t) {
-    adder.t = t;
-    adder.terminal = t == shooting.get_T();
-    adder.node(*shooting.model(t), *shooting.data(t));
-  }
-  std::vector<PlanCost> out;
-  for (auto& [name, cost] : sums) out.push_back(std::move(cost));
-  std::stable_sort(out.begin(), out.end(), [](const PlanCost& a, const PlanCost& b) { return a.cost > b.cost; });
-  return out;
-}
-
-// ---- in words
-
-namespace {
 
 std::string show(double x, int digits = 3) {
   std::ostringstream out;
@@ -193,7 +123,7 @@ std::string show(double x, int digits = 3) {
 }
 
 PlanFinding in_words(const TaskFile& task, const PlanClosing& c) {
-  const Contact& contact = task.scene.scene.contacts[static_cast<std::size_t>(c.contact)];
+  const Contact& contact = task.scene.scene.contacts[c.contact];
   std::string text = "closes at " + show(c.time) + " s, ";
   if (contact.B.robot >= 0)
     text += show(c.above) + " m from where the scene has it";
@@ -217,7 +147,7 @@ void add_near_dependent(const TaskFile& task, const Vectors& xs, const Vectors& 
     if (solve(scene, xs[t].head(scene.nq), xs[t].tail(scene.nv), us[t], data).status == Status::kFailed) continue;
     for (const NearDependent& n : near_dependent(scene, xs[t].head(scene.nq), data)) {
       std::vector<std::string> rows;
-      for (const int row : n.rows) rows.push_back(force_names(scene, data)[static_cast<std::size_t>(row)]);
+      for (const int row : n.rows) rows.push_back(force_names(scene, data)[row]);
       out.push_back(
           {"near_dependent", text::join(rows, 4), "at " + show(nodes[t].time) + " s: " + in_words(scene, n), t});
     }
@@ -225,6 +155,61 @@ void add_near_dependent(const TaskFile& task, const Vectors& xs, const Vectors& 
 }
 
 }  // namespace
+
+std::vector<PlanClosing> closings(const TaskFile& task, const Vectors& xs) {
+  std::vector<PlanClosing> out;
+  const std::vector<TaskNode> nodes = timeline(task);
+  for (std::size_t t = 1; t < nodes.size(); ++t) {
+    if (nodes[t].phase == nodes[t - 1].phase) continue;
+    const TaskPhase &now = phase_at(task, nodes[t]), &before = phase_at(task, nodes[t - 1]);
+    for (std::size_t c = 0; c < now.active.size(); ++c) {
+      if (!now.active[c] || before.active[c]) continue;
+      out.push_back(closing_of(task.scene.scene, static_cast<int>(c), xs[t]));
+      out.back().node = t;
+      out.back().time = nodes[t].time;
+      out.back().holds_there = !now.at_scene;
+    }
+  }
+  return out;
+}
+
+std::vector<PlanLimit> limits_passed(const TaskFile& task, const Vectors& xs, const Vectors& us) {
+  const Scene& scene = task.scene.scene;
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(scene.nu);
+  std::map<std::tuple<int, int, LimitKind>, PlanLimit> worst;
+  const auto beyond = [](const LimitPassed& l) { return std::abs(l.value - l.limit); };
+  for (std::size_t t = 0; t < xs.size(); ++t) {
+    const bool driven = t < us.size() && us[t].size() == none.size();
+    for (const LimitPassed& own :
+         limits_passed(scene, xs[t].head(scene.nq), xs[t].tail(scene.nv), driven ? us[t] : none)) {
+      PlanLimit& known = worst.try_emplace({own.robot, own.dof, own.quantity}, PlanLimit{own, t}).first->second;
+      if (beyond(own) > beyond(known.limit)) known = {own, t};
+    }
+  }
+  std::vector<PlanLimit> out;
+  for (const auto& [key, limit] : worst) out.push_back(limit);
+  return out;
+}
+
+// ---- what each cost is
+
+std::vector<PlanCost> cost_by_term(const TaskFile& task, const TaskProblem& problem) {
+  const ShootingProblem& shooting = *problem.problem;
+  const auto terms = terms_by_item(task);
+  ByName sums;
+  Adder adder{terms, sums};
+  for (std::size_t t = 0; t <= shooting.get_T(); ++t) {
+    adder.t = t;
+    adder.terminal = t == shooting.get_T();
+    adder.node(*shooting.model(t), *shooting.data(t));
+  }
+  std::vector<PlanCost> out;
+  for (auto& [name, cost] : sums) out.push_back(std::move(cost));
+  std::stable_sort(out.begin(), out.end(), [](const PlanCost& a, const PlanCost& b) { return a.cost > b.cost; });
+  return out;
+}
+
+// ---- in words
 
 std::vector<PlanFinding> plan_findings(const TaskFile& task, const TaskSolution& s,
                                        const std::vector<PlanCost>& costs) {
@@ -238,7 +223,7 @@ std::vector<PlanFinding> plan_findings(const TaskFile& task, const TaskSolution&
       out.push_back(in_words(task, c));
   for (const PlanLimit& own : limits_passed(task, s.xs, s.us)) {
     const LimitPassed& l = own.limit;
-    const Robot& robot = scene.robots[static_cast<std::size_t>(l.robot)];
+    const Robot& robot = scene.robots[l.robot];
     out.push_back({to_string(l.quantity), robot.name + "/" + dof_name(*robot.model, l.dof),
                    to_string(l.quantity) + " " + show(l.value, 4) + ", limit " + show(l.limit, 4) + ", at " +
                        show(nodes[own.node].time) + " s",

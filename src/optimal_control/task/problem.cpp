@@ -158,9 +158,7 @@ std::vector<std::vector<int>> blocks_of(const TaskFile& part, TaskSolver solver)
   if (blocks.size() > 1 && (solver == TaskSolver::kSparse || blocks_are_cheaper(part, blocks)) &&
       couplings_are_independent(part, blocks))
     return blocks;
-  blocks.assign(1, {});
-  for (int r = 0; r < part.scene.scene.nrobots(); ++r) blocks[0].push_back(r);
-  return blocks;
+  return {internal::range(0, part.scene.scene.nrobots())};
 }
 
 // us: per phase.
@@ -240,7 +238,7 @@ void finish_by_parts(const TaskFile& task, const std::vector<Part>& parts, TaskP
     out.parts.push_back(own.robots);
     for (const std::vector<int>& block : own.blocks) {
       out.blocks.emplace_back();
-      for (const int r : block) out.blocks.back().push_back(own.robots[static_cast<std::size_t>(r)]);
+      for (const int r : block) out.blocks.back().push_back(own.robots[r]);
     }
   }
   Nodes nodes;
@@ -263,8 +261,7 @@ namespace {
 
 TaskProblem problem_of_whole(const TaskFile& task) {
   TaskProblem out = models_of(task, MatrixStorage::kDense);
-  out.parts.emplace_back();
-  for (int r = 0; r < task.scene.scene.nrobots(); ++r) out.parts[0].push_back(r);
+  out.parts = {internal::range(0, task.scene.scene.nrobots())};
   out.blocks = out.parts;
   finish(task, nodes_of(task, out), task::guess_of(task), out);
   return out;

@@ -1,5 +1,3 @@
-#include <numeric>
-
 #include "manycontact/action/residuals/centroidal_residuals.hpp"
 #include "manycontact/action/residuals/contact_residuals.hpp"
 #include "manycontact/action/residuals/frame_residuals.hpp"
@@ -17,7 +15,7 @@ namespace {
 
 // The motion that carries the places of a copied term to robot `to`; the identity if the term is not copied.
 SE3<double> move(const SceneFile& file, const TaskTerm& term, int to) {
-  return term.copied ? file.moved[static_cast<std::size_t>(to)] : SE3<double>{};
+  return term.copied ? file.moved[to] : SE3<double>{};
 }
 
 Vec6<double> turned(const Mat3<double>& R, const Vec6<double>& m) {
@@ -68,7 +66,7 @@ Eigen::VectorXd reference_of(const TaskTerm& term, const SceneFile& file) {
   if (term.reference.size() == 0) return out;
   for (const int r : term.robots) {
     scatter(term.reference, state ? coordinates_of(scene, {r}).x : rows_of(term.residual, scene, {r}), out);
-    const Robot& robot = scene.robots[static_cast<std::size_t>(r)];
+    const Robot& robot = scene.robots[r];
     if (state && robot.model->floating_base)
       out.segment<7>(robot.idx_q) =
           pose_of_placement(move(file, term, r) * placement_of_pose(term.reference.head<7>()));
@@ -86,7 +84,7 @@ std::shared_ptr<ResidualModelAbstract> whole(const TaskTerm& term, const Parts& 
     case TaskResidual::kJointEffort:
       return std::make_shared<ResidualModelJointEffort>(p.state, p.actuation, reference, p.nu());
     default: {  // behind the torques there may be wrenches
-      Eigen::VectorXd of_all = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(p.nu()));
+      Eigen::VectorXd of_all = Eigen::VectorXd::Zero(p.nu());
       of_all.head(reference.size()) = reference;
       return std::make_shared<ResidualModelControl>(p.state, of_all);
     }
@@ -97,14 +95,11 @@ Residual of_coordinates(const TaskTerm& term, const Parts& p) {
   Residual out{term.name, whole(term, p), 1, {}, {}};
   const Scene& scene = p.task.scene.scene;
   const bool all = term.residual != TaskResidual::kControl || static_cast<int>(p.nu()) == scene.nu;
-  std::vector<int> rows;
   if (term.robots.empty() || (scene.nrobots() == 1 && term.robots.size() == 1)) {
-    if (all) return out;
-    rows.resize(static_cast<std::size_t>(scene.nu));
-    std::iota(rows.begin(), rows.end(), 0);
-    out.model = std::make_shared<ResidualModelRows>(out.model, std::move(rows));
+    if (!all) out.model = std::make_shared<ResidualModelRows>(out.model, internal::range(0, scene.nu));
     return out;
   }
+  std::vector<int> rows;
   for (const int r : term.robots) {  // one robot's after the other's, as the term's numbers are repeated
     const std::vector<int> own = rows_of(term.residual, scene, {r});
     rows.insert(rows.end(), own.begin(), own.end());
@@ -130,7 +125,7 @@ std::shared_ptr<ResidualModelAbstract> of_robot(const TaskTerm& term, const Part
 
 std::shared_ptr<ResidualModelAbstract> of_frame(const TaskTerm& term, const Parts& p, int robot) {
   const Multibody& model = *p.state->get_model();
-  const FrameIndex id = model.getFrameId(model.scene().robots[static_cast<std::size_t>(robot)].name + "/" + term.frame);
+  const FrameIndex id = model.getFrameId(model.scene().robots[robot].name + "/" + term.frame);
   const SE3<double> T = move(p.task.scene, term, robot);
   switch (term.residual) {
     case TaskResidual::kFramePlacement:
@@ -194,7 +189,7 @@ Vec6<double> force_of(const Eigen::VectorXd& numbers, const Contact& contact, co
 
 // A copy's world axes are turned as the copy is: references and facets, weights and bounds.
 Residual of_contact(const TaskTerm& term, const Parts& p, int c) {
-  const Contact& contact = p.task.scene.scene.contacts[static_cast<std::size_t>(c)];
+  const Contact& contact = p.task.scene.scene.contacts[c];
   const FrameIndex id = p.contacts->get_contacts().at(contact.name)->contact->get_id();
   Residual out;
   const auto [axes, R] = cone_of(term, p, contact);

@@ -27,9 +27,9 @@ ResidualModelRows::ResidualModelRows(std::shared_ptr<ResidualModelAbstract> inne
     : ResidualOfInner("ResidualModelRows", inner, rows.size()), rows_(std::move(rows)), row_of_(inner_->get_nr(), -1) {
   int next = 0;
   for (const int row : rows_) {
-    require(row >= 0 && row < static_cast<int>(row_of_.size()) && row_of_[static_cast<std::size_t>(row)] < 0, name_,
+    require(row >= 0 && row < static_cast<int>(row_of_.size()) && row_of_[row] < 0, name_,
             "rows of the residual, each at most once, are expected");
-    row_of_[static_cast<std::size_t>(row)] = next++;
+    row_of_[row] = next++;
   }
 }
 
@@ -43,7 +43,7 @@ void ResidualModelRows::lay_out(ResidualDataAbstract& data) const {
     const ResidualBlock& block = d.inner->blocks[b];
     std::vector<int> rows, taken;
     for (std::size_t i = 0; i < block.rows.size(); ++i) {
-      const int row = row_of_[static_cast<std::size_t>(block.rows[i])];
+      const int row = row_of_[block.rows[i]];
       if (row < 0) continue;
       rows.push_back(row);
       taken.push_back(static_cast<int>(i));
@@ -58,7 +58,7 @@ void ResidualModelRows::lay_out(ResidualDataAbstract& data) const {
 void ResidualModelRows::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   Data& d = own(*data);
   inner_->calc(d.inner, x, u);
-  for (std::size_t i = 0; i < rows_.size(); ++i) d.r[static_cast<Eigen::Index>(i)] = d.inner->r[rows_[i]];
+  for (std::size_t i = 0; i < rows_.size(); ++i) d.r[i] = d.inner->r[rows_[i]];
 }
 
 void ResidualModelRows::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {

@@ -20,7 +20,7 @@ Eigen::VectorXd torques(const TaskSolution& solution, std::size_t t, const Eigen
     Eigen::VectorXd own;
     gather(dx, part.dx, own);
     const Eigen::VectorXd du = part.K[t] * own;
-    for (std::size_t i = 0; i < part.u.size(); ++i) u[part.u[i]] -= du[static_cast<Eigen::Index>(i)];
+    for (std::size_t i = 0; i < part.u.size(); ++i) u[part.u[i]] -= du[i];
   }
   return u;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 
 #include "manycontact/task/parts.hpp"
 
@@ -16,10 +15,7 @@ constexpr double kNone = std::numeric_limits<double>::infinity();
 void add_term(const TaskFile& task, const TaskTerm& term, TorqueBounds& out) {
   const Scene& scene = task.scene.scene;
   std::vector<int> rows;
-  if (term.robots.empty()) {
-    rows.resize(static_cast<std::size_t>(scene.nu));
-    std::iota(rows.begin(), rows.end(), 0);
-  }
+  if (term.robots.empty()) rows = internal::range(0, scene.nu);
   for (const int r : term.robots) {
     const std::vector<int> own = rows_of(term.residual, scene, {r});
     rows.insert(rows.end(), own.begin(), own.end());
@@ -74,7 +70,7 @@ void limit_torques(const TaskFile& task, const std::vector<TorqueBounds>& bounds
   const std::vector<TaskNode> nodes = timeline(task);
   for (std::size_t t = 0; t < problem.us.size(); ++t) {
     if (nodes[t].impact) continue;
-    TorqueBounds own = bounds[static_cast<std::size_t>(nodes[t].phase)];
+    TorqueBounds own = bounds[nodes[t].phase];
     ActionModelAbstract& model = *problem.problem->model(t);
     if (task.solver == TaskSolver::kBoxFddp) {
       own.lower = own.lower.cwiseMax(model.get_u_lb());

@@ -13,8 +13,7 @@ class CentroidalResidual : public NamedResidual {
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
   void lay_out(ResidualDataAbstract& data) const override;
 
-  /// number of the robot; -1: the whole scene
-  int get_robot() const { return robot_; }
+  int get_robot() const { return robot_; }  // number of the robot; -1: the whole scene
 
  protected:
   /// Throws std::invalid_argument for a robot that does not exist, or robots without mass.

@@ -38,8 +38,7 @@ class ResidualModelControl : public ControlResidual {
  public:
   /// uref: reference controls; their number is nu.
   ResidualModelControl(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& uref);
-  /// Uses uref = 0.
-  explicit ResidualModelControl(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);
+  explicit ResidualModelControl(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);  // uses uref = 0
 };
 
 /// The error u - uref of joint efforts (nu). In forward dynamics, as in Crocoddyl, the efforts are the controls.

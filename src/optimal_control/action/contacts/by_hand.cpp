@@ -1,7 +1,5 @@
 // Standalone evaluation of contacts and impulses, as in Crocoddyl: at a given motion.
 
-#include <numeric>
-
 #include "../named.hpp"
 #include "contact_columns.hpp"
 #include "manycontact/action/collector.hpp"
@@ -19,7 +17,7 @@ MultibodyData& motion_of(const char* where, const ContactDataAbstract& data) {
 }
 
 const Kinematics<double>* of_B(const Contact& contact, const std::vector<Kinematics<double>>& motion) {
-  return contact.B.robot >= 0 ? &motion[static_cast<std::size_t>(contact.B.robot)] : nullptr;
+  return contact.B.robot >= 0 ? &motion[contact.B.robot] : nullptr;
 }
 
 internal::EndColumns columns_of(const Scene& scene, const Contact& contact) {
@@ -29,8 +27,7 @@ internal::EndColumns columns_of(const Scene& scene, const Contact& contact) {
 struct Rows {  // constraint rows of a contact at a motion
   Rows(const Scene& scene, const Contact& contact, const std::vector<Kinematics<double>>& motion)
       : support(contact_support(scene, contact)), at(contact, support) {
-    contact_rows<double>(scene, contact, support, motion[static_cast<std::size_t>(contact.A.robot)],
-                         of_B(contact, motion), at);
+    contact_rows<double>(scene, contact, support, motion[contact.A.robot], of_B(contact, motion), at);
   }
   ContactSupport support;
   ContactData<double> at;
@@ -53,7 +50,7 @@ void differentiate_rows(const Scene& scene, const Contact& contact, const std::v
   ContactDerivatives d(scene, contact, rows.support);
   const auto a = static_cast<std::size_t>(contact.A.robot);
   contact_derivatives<double>(contact, rows.support, motion[a], of_B(contact, motion), terms[a],
-                              contact.B.robot >= 0 ? &terms[static_cast<std::size_t>(contact.B.robot)] : nullptr,
+                              contact.B.robot >= 0 ? &terms[contact.B.robot] : nullptr,
                               Eigen::VectorXd::Zero(contact.rows()), rows.at, d);
   internal::set_drift_derivatives(columns_of(scene, contact), rows.support, rows.at, d, out);
 }
@@ -70,16 +67,13 @@ void make_room(const Contact& contact, std::size_t nv, std::size_t nu, ContactDa
   data.f.setZero(nc);
   data.f.type = contact.type;
   data.f.axis = contact.axis;
-  data.v_columns.resize(nv);
-  std::iota(data.v_columns.begin(), data.v_columns.end(), 0);
-  data.own_x_columns.resize(2 * nv);
-  std::iota(data.own_x_columns.begin(), data.own_x_columns.end(), 0);
-  data.own_u_columns.resize(nu);
-  std::iota(data.own_u_columns.begin(), data.own_u_columns.end(), 0);
+  data.v_columns = internal::range(0, static_cast<int>(n));
+  data.own_x_columns = internal::range(0, static_cast<int>(2 * n));
+  data.own_u_columns = internal::range(0, static_cast<int>(nu));
   data.f_x_columns = &data.own_x_columns;
   data.f_u_columns = &data.own_u_columns;
   data.own_df_dx.setZero(nc, 2 * n);
-  data.own_df_du.setZero(nc, static_cast<Eigen::Index>(nu));
+  data.own_df_du.setZero(nc, nu);
   const auto view = [](const RowMajorMatrix& own, PanelView& out) {
     new (&out) PanelView(own.data(), own.rows(), own.cols(), Eigen::OuterStride<>(own.cols()));
   };
@@ -102,16 +96,19 @@ void copy_matrix(const char* where, const Eigen::MatrixXd& from, RowMajorMatrix&
   to = from;
 }
 
-// rows first, first + 1, ... of the stack, for each active part; force, df: of its rows.
+const ContactModelAbstract& model_of(const ContactItem& item) { return *item.contact; }
+const ImpulseModelAbstract& model_of(const ImpulseItem& item) { return *item.impulse; }
+
+// use(model, data, first row in the stack, number of rows) for each active part.
 template <class Parts, class Data, class Use>
-void each_active(const char* where, const Parts& parts, Data& data, Use&& use) {
-  require(parts.size() == data.size(), where,
+void each_active(const char* where, const Parts& parts, const std::shared_ptr<Data>& data, Use&& use) {
+  require(parts.size() == check_data(where, data).contacts.size(), where,
           "parts were added or removed since the data were created, new data are expected");
   Eigen::Index row = 0;
   internal::for_each_part(
-      parts, data, [](const auto& item) { return item.active; },
+      parts, data->contacts, [](const auto& item) { return item.active; },
       [&](const auto& item, const auto& d) {
-        use(item, d, row);
+        use(model_of(item), d, row, d->Jc.rows());
         row += d->Jc.rows();
       });
 }
@@ -134,13 +131,15 @@ void sum_forces(ContactDataMultiple& data) {
     const Attachment& A = contact->contact->A;
     if (A.joint < 0) continue;
     std::size_t first = 0;
-    for (int r = 0; r < A.robot; ++r) first += contact->pinocchio->motion[static_cast<std::size_t>(r)].oMi.size();
+    for (int r = 0; r < A.robot; ++r) first += contact->pinocchio->motion[r].oMi.size();
     data.fext[first + static_cast<std::size_t>(A.joint)] += contact->fext;
   }
 }
 
-template <class Data>
-void make_room_for_all(std::size_t nc, std::size_t nv, const MultibodyData& motion, Data& data) {
+// The data of a stack's parts, and the workspace for nc rows.
+template <class Parts, class Data>
+void make_room_for_all(const Parts& parts, std::size_t nc, std::size_t nv, MultibodyData* motion, Data& data) {
+  for (const auto& [name, item] : parts) data.contacts[name] = model_of(*item).createData(motion);
   const auto rows = static_cast<Eigen::Index>(nc), n = static_cast<Eigen::Index>(nv);
   data.Jc.setZero(rows, n);
   data.a0.setZero(rows);
@@ -148,8 +147,20 @@ void make_room_for_all(std::size_t nc, std::size_t nv, const MultibodyData& moti
   data.dv.setZero(n);
   data.ddv_dx.setZero(n, 2 * n);
   std::size_t joints = 0;
-  for (const Kinematics<double>& kin : motion.motion) joints += kin.oMi.size();
+  for (const Kinematics<double>& kin : motion->motion) joints += kin.oMi.size();
   data.fext.resize(joints);
+}
+
+// Sets the forces of the active parts, of nc rows, zeros of the others, and their sums by body.
+template <class Parts, class Data>
+void update_forces(const char* where, const char* what, const Parts& parts, std::size_t nc,
+                   const std::shared_ptr<Data>& data, const Eigen::VectorXd& force) {
+  check_size(where, what, force.size(), nc);
+  each_active(where, parts, data, [&](const auto& model, const auto& d, Eigen::Index row, Eigen::Index n) {
+    model.updateForce(d, force.segment(row, n));
+  });
+  set_zero_of_inactive(parts, data->contacts);
+  sum_forces(*data);
 }
 
 }  // namespace
@@ -214,37 +225,29 @@ void ContactModelAbstract::setZeroForceDiff(const DataPtr& data) const {
 
 std::shared_ptr<ContactDataMultiple> ContactModelMultiple::createData(MultibodyData* motion) const {
   auto data = std::make_shared<ContactDataMultiple>();
-  for (const auto& [name, item] : parts_) data->contacts[name] = item->contact->createData(motion);
-  make_room_for_all(nc_total_, state_->get_nv(), *motion, *data);
+  make_room_for_all(parts_, nc_total_, state_->get_nv(), motion, *data);
   return data;
 }
 
 void ContactModelMultiple::calc(const DataPtr& data, const ConstVectorRef& x) const {
-  each_active("ContactModelMultiple::calc", parts_, check_data("ContactModelMultiple::calc", data).contacts,
-              [&](const ContactItem& item, const auto& d, Eigen::Index row) {
-                item.contact->calc(d, x);
-                data->Jc.middleRows(row, d->Jc.rows()) = d->Jc;
-                data->a0.segment(row, d->Jc.rows()) = d->a0;
+  each_active("ContactModelMultiple::calc", parts_, data,
+              [&](const auto& contact, const auto& d, Eigen::Index row, Eigen::Index n) {
+                contact.calc(d, x);
+                data->Jc.middleRows(row, n) = d->Jc;
+                data->a0.segment(row, n) = d->a0;
               });
 }
 
 void ContactModelMultiple::calcDiff(const DataPtr& data, const ConstVectorRef& x) const {
-  each_active("ContactModelMultiple::calcDiff", parts_, check_data("ContactModelMultiple::calcDiff", data).contacts,
-              [&](const ContactItem& item, const auto& d, Eigen::Index row) {
-                item.contact->calcDiff(d, x);
-                data->da0_dx.middleRows(row, d->Jc.rows()) = d->da0_dx;
+  each_active("ContactModelMultiple::calcDiff", parts_, data,
+              [&](const auto& contact, const auto& d, Eigen::Index row, Eigen::Index n) {
+                contact.calcDiff(d, x);
+                data->da0_dx.middleRows(row, n) = d->da0_dx;
               });
 }
 
 void ContactModelMultiple::updateForce(const DataPtr& data, const Eigen::VectorXd& force) const {
-  constexpr const char* kWhere = "ContactModelMultiple::updateForce";
-  check_size(kWhere, "force", force.size(), nc_);
-  each_active(kWhere, parts_, check_data(kWhere, data).contacts,
-              [&](const ContactItem& item, const auto& d, Eigen::Index row) {
-                item.contact->updateForce(d, force.segment(row, d->Jc.rows()));
-              });
-  set_zero_of_inactive(parts_, data->contacts);
-  sum_forces(*data);
+  update_forces("ContactModelMultiple::updateForce", "force", parts_, nc_, data, force);
 }
 
 void ContactModelMultiple::updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx,
@@ -252,11 +255,9 @@ void ContactModelMultiple::updateForceDiff(const DataPtr& data, const Eigen::Mat
   constexpr const char* kWhere = "ContactModelMultiple::updateForceDiff";
   check_size(kWhere, "df_dx's rows", df_dx.rows(), nc_);
   check_size(kWhere, "df_du's rows", df_du.rows(), nc_);
-  each_active(kWhere, parts_, check_data(kWhere, data).contacts,
-              [&](const ContactItem& item, const auto& d, Eigen::Index row) {
-                const Eigen::Index nc = d->Jc.rows();
-                item.contact->updateForceDiff(d, df_dx.middleRows(row, nc), df_du.middleRows(row, nc));
-              });
+  each_active(kWhere, parts_, data, [&](const auto& contact, const auto& d, Eigen::Index row, Eigen::Index n) {
+    contact.updateForceDiff(d, df_dx.middleRows(row, n), df_du.middleRows(row, n));
+  });
   set_zero_of_inactive(parts_, data->contacts);
 }
 
@@ -309,50 +310,41 @@ void ImpulseModelAbstract::updateForceDiff(const DataPtr& data, const Eigen::Mat
 
 std::shared_ptr<ImpulseDataMultiple> ImpulseModelMultiple::createData(MultibodyData* motion) const {
   auto data = std::make_shared<ImpulseDataMultiple>();
-  for (const auto& [name, item] : parts_) data->contacts[name] = item->impulse->createData(motion);
   const std::size_t nv = get_state()->get_nv();
-  make_room_for_all(get_nc_total(), nv, *motion, *data);
+  make_room_for_all(parts_, get_nc_total(), nv, motion, *data);
   const auto n = static_cast<Eigen::Index>(nv);
-  data->dv0_dq.setZero(static_cast<Eigen::Index>(get_nc_total()), n);
+  data->dv0_dq.setZero(get_nc_total(), n);
   data->vnext.setZero(n);
   data->dvnext_dx.setZero(n, 2 * n);
   return data;
 }
 
 void ImpulseModelMultiple::calc(const DataPtr& data, const ConstVectorRef& x) const {
-  each_active("ImpulseModelMultiple::calc", parts_, check_data("ImpulseModelMultiple::calc", data).contacts,
-              [&](const ImpulseItem& item, const auto& d, Eigen::Index row) {
-                item.impulse->calc(d, x);
-                data->Jc.middleRows(row, d->Jc.rows()) = d->Jc;
+  each_active("ImpulseModelMultiple::calc", parts_, data,
+              [&](const auto& impulse, const auto& d, Eigen::Index row, Eigen::Index n) {
+                impulse.calc(d, x);
+                data->Jc.middleRows(row, n) = d->Jc;
               });
 }
 
 void ImpulseModelMultiple::calcDiff(const DataPtr& data, const ConstVectorRef& x) const {
-  each_active("ImpulseModelMultiple::calcDiff", parts_, check_data("ImpulseModelMultiple::calcDiff", data).contacts,
-              [&](const ImpulseItem& item, const auto& d, Eigen::Index row) {
-                item.impulse->calcDiff(d, x);
-                data->dv0_dq.middleRows(row, d->Jc.rows()) = d->dv0_dq;
+  each_active("ImpulseModelMultiple::calcDiff", parts_, data,
+              [&](const auto& impulse, const auto& d, Eigen::Index row, Eigen::Index n) {
+                impulse.calcDiff(d, x);
+                data->dv0_dq.middleRows(row, n) = d->dv0_dq;
               });
 }
 
 void ImpulseModelMultiple::updateForce(const DataPtr& data, const Eigen::VectorXd& impulse) const {
-  constexpr const char* kWhere = "ImpulseModelMultiple::updateForce";
-  check_size(kWhere, "impulse", impulse.size(), get_nc());
-  each_active(kWhere, parts_, check_data(kWhere, data).contacts,
-              [&](const ImpulseItem& item, const auto& d, Eigen::Index row) {
-                item.impulse->updateForce(d, impulse.segment(row, d->Jc.rows()));
-              });
-  set_zero_of_inactive(parts_, data->contacts);
-  sum_forces(*data);
+  update_forces("ImpulseModelMultiple::updateForce", "impulse", parts_, get_nc(), data, impulse);
 }
 
 void ImpulseModelMultiple::updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx) const {
   constexpr const char* kWhere = "ImpulseModelMultiple::updateForceDiff";
   check_size(kWhere, "df_dx's rows", df_dx.rows(), get_nc());
-  each_active(kWhere, parts_, check_data(kWhere, data).contacts,
-              [&](const ImpulseItem& item, const auto& d, Eigen::Index row) {
-                item.impulse->updateForceDiff(d, df_dx.middleRows(row, d->Jc.rows()));
-              });
+  each_active(kWhere, parts_, data, [&](const auto& impulse, const auto& d, Eigen::Index row, Eigen::Index n) {
+    impulse.updateForceDiff(d, df_dx.middleRows(row, n));
+  });
   set_zero_of_inactive(parts_, data->contacts);
 }
 

@@ -21,6 +21,14 @@ const char* class_name(ContactType type) {
   return names[static_cast<int>(type)];
 }
 
+// The first frame on a body, for a contact that has an attachment of its own; one past the last when it has none.
+FrameIndex frame_on(const StateMultibody& state, const Attachment& at) {
+  const auto& frames = state.get_model()->frames;
+  for (std::size_t k = 0; k < frames.size(); ++k)
+    if (frames[k].robot == at.robot && frames[k].joint == at.joint) return k;
+  return frames.size();
+}
+
 }  // namespace
 
 ContactModelAbstract::ContactModelAbstract(std::shared_ptr<StateMultibody> state, ContactType type, FrameIndex id,
@@ -143,18 +151,6 @@ void ContactModelBetweenBodies::set_offset(const SE3<double>& offset) {
   contact_.B = world_if_immovable(state_->get_model()->scene(), attachment(*state_, to_, offset));
   offset_ = offset;
 }
-
-namespace {
-
-// The first frame on a body, for a contact that has an attachment of its own; one past the last when it has none.
-FrameIndex frame_on(const StateMultibody& state, const Attachment& at) {
-  const auto& frames = state.get_model()->frames;
-  for (std::size_t k = 0; k < frames.size(); ++k)
-    if (frames[k].robot == at.robot && frames[k].joint == at.joint) return k;
-  return frames.size();
-}
-
-}  // namespace
 
 ContactModelOfScene::ContactModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact, std::size_t nu)
     : ContactModelAbstract(std::move(state), contact, nu) {

@@ -83,7 +83,7 @@ void Model_::set_start(const Eigen::VectorXd& x0) {
 }
 
 void Model_::set_pushes(const std::vector<Vec6<double>>& pushes) {
-  check_size("set_pushes", "pushes", static_cast<Eigen::Index>(pushes.size()), pushes_.size());
+  check_size("set_pushes", "pushes", pushes.size(), pushes_.size());
   pushes_ = pushes;
 }
 

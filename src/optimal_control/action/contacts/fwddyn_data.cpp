@@ -1,7 +1,6 @@
 // Data of DifferentialActionModelContactFwdDynamics, and what is laid out when the islands change.
 
 #include <map>
-#include <numeric>
 
 #include "fwddyn_steps.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
@@ -139,10 +138,8 @@ void lay_out_islands(const ActuationModelAbstract& actuation, DifferentialAction
     }
     if (how == Actuation::kAll) columns.u = columns.v;
     if (how == Actuation::kCustom) {  // a custom actuation may couple everything
-      columns.x.resize(2 * nv);
-      columns.u.resize(nu);
-      std::iota(columns.x.begin(), columns.x.end(), 0);
-      std::iota(columns.u.begin(), columns.u.end(), 0);
+      columns.x = range(0, 2 * nv);
+      columns.u = range(0, nu);
     } else {
       columns.x = columns.v;
       for (int k : columns.v) columns.x.push_back(nv + k);

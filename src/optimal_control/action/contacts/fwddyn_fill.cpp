@@ -28,7 +28,7 @@ void set_drift_derivatives(const EndColumns& first, const ContactSupport& suppor
   });
   for (Eigen::Index i = 0; d.turns && i < d.turn.cols(); ++i) {
     const Vec6<double> dx = turned<double>(d.turn.col(i), d.x);
-    out.col(first.a + d.chain_a[static_cast<std::size_t>(i)]).noalias() += rows.W * dx;
+    out.col(first.a + d.chain_a[i]).noalias() += rows.W * dx;
   }
 }
 
@@ -49,7 +49,7 @@ void fill_contact_derivatives(bool forces, DataCollector& m) {
     if (!data->active) continue;
     const Contact& contact = m.scene.contacts[data->index];
     const int i = island_with_robot(m.solution, robot_of(contact));
-    if (m.solution.report.islands[static_cast<std::size_t>(i)].status == Status::kFailed) {
+    if (m.solution.report.islands[i].status == Status::kFailed) {
       data->da0_dx.setConstant(std::numeric_limits<double>::quiet_NaN());
     } else {
       const ContactData<double>& rows = contact_at_solution(m.solution, data->index);

@@ -3,10 +3,8 @@
 
 namespace manycontact {
 
-namespace {
 constexpr const char* kConstraintModelManager = "ConstraintModelManager";
 using Part = ConstraintDataManager::Part;
-}  // namespace
 
 static std::ostream& operator<<(std::ostream& os, const ConstraintItem& item) { return os << *item.constraint; }
 
@@ -69,6 +67,30 @@ std::vector<Part> split(const ResidualDataAbstract& residual, const std::vector<
     parts.push_back(std::move(part));
   }
   return parts;
+}
+
+// Copies the results of standalone use to the data that are shared with an action.
+template <class From, class To>
+void hand_on(const From& from, To& to) {
+  if (from.data() == to.data()) return;
+  require(from.rows() == to.rows() && from.cols() == to.cols(), kConstraintModelManager,
+          "the shared data were made for other constraints, `resize` is expected before");
+  to = from;
+}
+
+void stack_parts(const ResidualDataAbstract& residual, const std::vector<Part>& parts, bool terminal, bool dense,
+                 bool sparse, Eigen::MatrixXd& X, Eigen::MatrixXd& U, BlockSparse& Xs, BlockSparse& Us) {
+  for (const Part& part : parts) {
+    const ResidualBlock& b = residual.blocks[part.block];
+    const auto write = [&](const RowMajorMatrix& J, const std::vector<int>& cols, Eigen::MatrixXd& out) {
+      for (std::size_t j = 0; j < cols.size(); ++j)
+        for (std::size_t i = 0; i < part.from.size(); ++i) out(part.to[i], cols[j]) = J(part.from[i], j);
+    };
+    if (dense) write(b.Rx, b.xcols, X);
+    if (dense && !terminal) write(b.Ru, b.ucols, U);
+    if (sparse) Xs.add(part.xplan, 1, b.Rx, part.from);
+    if (sparse && !terminal) Us.add(part.uplan, 1, b.Ru, part.from);
+  }
 }
 
 }  // namespace
@@ -137,19 +159,6 @@ std::shared_ptr<ConstraintDataManager> ConstraintModelManager::createData(DataCo
   return data;
 }
 
-namespace {
-
-// Copies the results of standalone use to the data that are shared with an action.
-template <class From, class To>
-void hand_on(const From& from, To& to) {
-  if (from.data() == to.data()) return;
-  require(from.rows() == to.rows() && from.cols() == to.cols(), kConstraintModelManager,
-          "the shared data were made for other constraints, `resize` is expected before");
-  to = from;
-}
-
-}  // namespace
-
 void ConstraintModelManager::prepare(const char* where, ConstraintDataManager& data, const ConstVectorRef& x,
                                      bool terminal) const {
   check_size(where, "x", x.size(), state_->get_nx());
@@ -178,25 +187,6 @@ void ConstraintModelManager::stack_values(ConstraintDataManager& data, bool term
   hand_on(out.g, data.g);
   hand_on(out.h, data.h);
 }
-
-namespace {
-
-void stack_parts(const ResidualDataAbstract& residual, const std::vector<Part>& parts, bool terminal, bool dense,
-                 bool sparse, Eigen::MatrixXd& X, Eigen::MatrixXd& U, BlockSparse& Xs, BlockSparse& Us) {
-  for (const Part& part : parts) {
-    const ResidualBlock& b = residual.blocks[part.block];
-    const auto write = [&](const RowMajorMatrix& J, const std::vector<int>& cols, Eigen::MatrixXd& out) {
-      for (std::size_t j = 0; j < cols.size(); ++j)
-        for (std::size_t i = 0; i < part.from.size(); ++i) out(part.to[i], cols[j]) = J(part.from[i], j);
-    };
-    if (dense) write(b.Rx, b.xcols, X);
-    if (dense && !terminal) write(b.Ru, b.ucols, U);
-    if (sparse) Xs.add(part.xplan, 1, b.Rx, part.from);
-    if (sparse && !terminal) Us.add(part.uplan, 1, b.Ru, part.from);
-  }
-}
-
-}  // namespace
 
 void ConstraintModelManager::stack_jacobians(ConstraintDataManager& data, bool terminal) const {
   DifferentialActionDataAbstract& out = *data.out;

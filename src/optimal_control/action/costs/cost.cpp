@@ -29,6 +29,19 @@ std::size_t nr_of(const std::shared_ptr<ActivationModelAbstract>& activation) {
   return internal::given("CostModelAbstract", activation, "an activation")->get_nr();
 }
 
+// Gauss-Newton's, of the residual's blocks.
+CostDerivatives by_residual(const CostDataAbstract& d) {
+  const Eigen::MatrixXd Rx = d.residual->whole_Rx(), Ru = d.residual->whole_Ru();
+  const auto& Arr = d.activation->Arr;
+  CostDerivatives out;
+  out.Lx = Rx.transpose() * d.activation->Ar;
+  out.Lu = Ru.transpose() * d.activation->Ar;
+  out.Lxx = Rx.transpose() * Arr * Rx;
+  out.Lxu = Rx.transpose() * Arr * Ru;
+  out.Luu = Ru.transpose() * Arr * Ru;
+  return out;
+}
+
 }  // namespace
 
 CostDataAbstract::CostDataAbstract(CostModelAbstract* model, DataCollector* s)
@@ -52,23 +65,6 @@ CostDataAbstract::CostDataAbstract(CostModelAbstract* model, DataCollector* s)
   Luu.setZero(nu, nu);
 }
 
-namespace {
-
-// Gauss-Newton's, of the residual's blocks.
-CostDerivatives by_residual(const CostDataAbstract& d) {
-  const Eigen::MatrixXd Rx = d.residual->whole_Rx(), Ru = d.residual->whole_Ru();
-  const auto& Arr = d.activation->Arr;
-  CostDerivatives out;
-  out.Lx = Rx.transpose() * d.activation->Ar;
-  out.Lu = Ru.transpose() * d.activation->Ar;
-  out.Lxx = Rx.transpose() * Arr * Rx;
-  out.Lxu = Rx.transpose() * Arr * Ru;
-  out.Luu = Ru.transpose() * Arr * Ru;
-  return out;
-}
-
-}  // namespace
-
 CostDerivatives CostDataAbstract::whole_derivatives() const {
   if (!own) return by_residual(*this);
   CostDerivatives out;
@@ -88,7 +84,7 @@ CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state,
   require(activation_->get_nr() == residual_->get_nr(), "CostModelResidual",
           "the activation has nr = " + std::to_string(activation_->get_nr()) + ", the residual's " +
               std::to_string(residual_->get_nr()) + " is expected");
-  unone_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(get_nu()));
+  unone_ = Eigen::VectorXd::Zero(get_nu());
 }
 
 CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state,

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 
 #include "manycontact/action/cost.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
@@ -31,92 +30,6 @@ struct Scratch {
 
 const ResidualBlock& block_of(const CostGroup::Member& member) { return member.cost->residual->blocks[member.block]; }
 
-}  // namespace
-
-void CostGroups::lay_out(const std::vector<const CostDataAbstract*>& costs, int ndx, int nu, CostDerivatives& out) {
-  groups.clear();
-  squares.clear();
-  own.clear();
-  std::map<std::pair<std::vector<int>, std::vector<int>>, std::size_t> known;
-  for (std::size_t c = 0; c < costs.size(); ++c) {
-    if (costs[c]->own) {
-      own.push_back({costs[c], c});
-      continue;
-    }
-    for (std::size_t k = 0; k < costs[c]->residual->blocks.size(); ++k) {
-      const ResidualBlock& b = costs[c]->residual->blocks[k];
-      const auto [group, is_new] = known.try_emplace({b.xcols, b.ucols}, groups.size());
-      if (is_new) groups.push_back({b.xcols, b.ucols, {}, runs_of(b.xcols), runs_of(b.ucols)});
-      groups[group->second].members.push_back({costs[c], c, k});
-    }
-  }
-  for (BlockSparse* m : {&out.Lxx_blocks, &out.Lxu_blocks, &out.Luu_blocks}) m->clear();
-  most_ = widest_ = 0;
-  lay_out_own(ndx, nu, out);
-  for (CostGroup& g : groups) {
-    if (has_blocks(out.storage)) {
-      g.xx = out.Lxx_blocks.plan(g.xcols, g.xcols);
-      g.xu = out.Lxu_blocks.plan(g.xcols, g.ucols);
-      g.uu = out.Luu_blocks.plan(g.ucols, g.ucols);
-    }
-    if (is_square(g)) {
-      take_squares(g);
-      continue;
-    }
-    std::size_t rows = 0;
-    for (const CostGroup::Member& member : g.members) rows += block_of(member).rows.size();
-    const std::size_t ld = sparse::padded(g.xcols.size() + g.ucols.size() + 1);
-    most_ = std::max(most_, rows * ld);
-    widest_ = std::max(widest_, ld);
-  }
-  std::erase_if(groups, is_square);
-  out.Lxx_blocks.finish(ndx, ndx);
-  out.Lxu_blocks.finish(ndx, nu);
-  out.Luu_blocks.finish(nu, nu);
-  if (has_blocks(out.storage))
-    for (CostSquare& s : squares) s.entry = (s.by_x ? out.Lxx_blocks : out.Luu_blocks).entry(s.entry);
-}
-
-void CostGroups::lay_out_own(int ndx, int nu, CostDerivatives& out) {
-  if (own.empty() || !has_blocks(out.storage)) return;
-  std::vector<int> x(static_cast<std::size_t>(ndx)), u(static_cast<std::size_t>(nu));
-  std::iota(x.begin(), x.end(), 0);
-  std::iota(u.begin(), u.end(), 0);
-  for (OwnCost& o : own) {
-    o.xx = out.Lxx_blocks.plan(x, x);
-    o.xu = out.Lxu_blocks.plan(x, u);
-    o.uu = out.Luu_blocks.plan(u, u);
-  }
-}
-
-void CostGroups::take_squares(const CostGroup& g) {
-  const bool by_x = !g.xcols.empty();
-  for (const CostGroup::Member& member : g.members) {
-    const ResidualBlock& b = block_of(member);
-    const RowMajorMatrix& J = by_x ? b.Rx : b.Ru;
-    for (std::size_t i = 0; i < b.rows.size(); ++i)
-      squares.push_back({member.cost, b.constant ? nullptr : &J, J.data()[i], static_cast<int>(i),
-                         static_cast<int>(member.index), b.rows[i], by_x ? g.xcols[0] : g.ucols[0], by_x,
-                         by_x ? g.xx : g.uu});
-  }
-}
-
-void CostGroups::add_squares(const std::vector<double>& weights, bool terminal, CostDerivatives& out) const {
-  const bool dense = has_dense(out.storage), blocks = has_blocks(out.storage);
-  double *xx = out.Lxx_blocks.matrix.valuePtr(), *uu = out.Luu_blocks.matrix.valuePtr();
-  for (const CostSquare& s : squares) {
-    const double w = weights[static_cast<std::size_t>(s.index)];
-    if (w == 0 || (terminal && !s.by_x)) continue;
-    const ActivationDataAbstract& a = *s.cost->activation;
-    const double J = s.J ? s.J->data()[s.at] : s.constant, square = w * a.Arr.diagonal()[s.row] * J * J;
-    (s.by_x ? out.Lx : out.Lu)[s.column] += w * a.Ar[s.row] * J;
-    if (dense) (s.by_x ? out.Lxx : out.Luu)(s.column, s.column) += square;
-    if (blocks) (s.by_x ? xx : uu)[s.entry] += square;
-  }
-}
-
-namespace {
-
 // A user's calcDiff may have resized them.
 void check_sizes(const CostDataAbstract& d, const CostDerivatives& out, bool terminal) {
   const Eigen::Index nx = out.Lx.size(), nu = out.Lu.size();
@@ -127,27 +40,6 @@ void check_sizes(const CostDataAbstract& d, const CostDerivatives& out, bool ter
   require(of_x && (terminal || (d.Lu.size() == nu && is(d.Lxu, nx, nu) && is(d.Luu, nu, nu))), "CostModelSum::calcDiff",
           "a cost's calcDiff left Lx, Lu, Lxx, Lxu or Luu of another size, theirs is expected");
 }
-
-}  // namespace
-
-void CostGroups::add_own(const std::vector<double>& weights, bool terminal, CostDerivatives& out) const {
-  const bool dense = has_dense(out.storage), blocks = has_blocks(out.storage);
-  for (const OwnCost& o : own) {
-    const double w = weights[o.index];
-    if (w == 0) continue;
-    const CostDataAbstract& d = *o.cost;
-    check_sizes(d, out, terminal);
-    out.Lx += w * d.Lx;
-    if (dense) out.Lxx += w * d.Lxx;
-    if (blocks) out.Lxx_blocks.add(o.xx, w, d.Lxx);
-    if (terminal) continue;
-    out.Lu += w * d.Lu;
-    if (dense) out.Lxu += w * d.Lxu, out.Luu += w * d.Luu;
-    if (blocks) out.Lxu_blocks.add(o.xu, w, d.Lxu), out.Luu_blocks.add(o.uu, w, d.Luu);
-  }
-}
-
-namespace {
 
 // The lower triangle of a symmetric matrix of which the upper one is known; ld: a multiple of eight.
 void mirror(double* H, int n, int ld) {
@@ -198,6 +90,103 @@ int gather(const CostGroup& g, const std::vector<double>& weights, int nx, int n
 }
 
 }  // namespace
+
+void CostGroups::lay_out(const std::vector<const CostDataAbstract*>& costs, int ndx, int nu, CostDerivatives& out) {
+  groups.clear();
+  squares.clear();
+  own.clear();
+  std::map<std::pair<std::vector<int>, std::vector<int>>, std::size_t> known;
+  for (std::size_t c = 0; c < costs.size(); ++c) {
+    if (costs[c]->own) {
+      own.push_back({costs[c], c});
+      continue;
+    }
+    for (std::size_t k = 0; k < costs[c]->residual->blocks.size(); ++k) {
+      const ResidualBlock& b = costs[c]->residual->blocks[k];
+      const auto [group, is_new] = known.try_emplace({b.xcols, b.ucols}, groups.size());
+      if (is_new) groups.push_back({b.xcols, b.ucols, {}, runs_of(b.xcols), runs_of(b.ucols)});
+      groups[group->second].members.push_back({costs[c], c, k});
+    }
+  }
+  for (BlockSparse* m : {&out.Lxx_blocks, &out.Lxu_blocks, &out.Luu_blocks}) m->clear();
+  most_ = widest_ = 0;
+  lay_out_own(ndx, nu, out);
+  for (CostGroup& g : groups) {
+    if (has_blocks(out.storage)) {
+      g.xx = out.Lxx_blocks.plan(g.xcols, g.xcols);
+      g.xu = out.Lxu_blocks.plan(g.xcols, g.ucols);
+      g.uu = out.Luu_blocks.plan(g.ucols, g.ucols);
+    }
+    if (is_square(g)) {
+      take_squares(g);
+      continue;
+    }
+    std::size_t rows = 0;
+    for (const CostGroup::Member& member : g.members) rows += block_of(member).rows.size();
+    const std::size_t ld = sparse::padded(g.xcols.size() + g.ucols.size() + 1);
+    most_ = std::max(most_, rows * ld);
+    widest_ = std::max(widest_, ld);
+  }
+  std::erase_if(groups, is_square);
+  out.Lxx_blocks.finish(ndx, ndx);
+  out.Lxu_blocks.finish(ndx, nu);
+  out.Luu_blocks.finish(nu, nu);
+  if (has_blocks(out.storage))
+    for (CostSquare& s : squares) s.entry = (s.by_x ? out.Lxx_blocks : out.Luu_blocks).entry(s.entry);
+}
+
+void CostGroups::lay_out_own(int ndx, int nu, CostDerivatives& out) {
+  if (own.empty() || !has_blocks(out.storage)) return;
+  const std::vector<int> x = internal::range(0, ndx), u = internal::range(0, nu);
+  for (OwnCost& o : own) {
+    o.xx = out.Lxx_blocks.plan(x, x);
+    o.xu = out.Lxu_blocks.plan(x, u);
+    o.uu = out.Luu_blocks.plan(u, u);
+  }
+}
+
+void CostGroups::take_squares(const CostGroup& g) {
+  const bool by_x = !g.xcols.empty();
+  for (const CostGroup::Member& member : g.members) {
+    const ResidualBlock& b = block_of(member);
+    const RowMajorMatrix& J = by_x ? b.Rx : b.Ru;
+    for (std::size_t i = 0; i < b.rows.size(); ++i)
+      squares.push_back({member.cost, b.constant ? nullptr : &J, J.data()[i], static_cast<int>(i),
+                         static_cast<int>(member.index), b.rows[i], by_x ? g.xcols[0] : g.ucols[0], by_x,
+                         by_x ? g.xx : g.uu});
+  }
+}
+
+void CostGroups::add_squares(const std::vector<double>& weights, bool terminal, CostDerivatives& out) const {
+  const bool dense = has_dense(out.storage), blocks = has_blocks(out.storage);
+  double *xx = out.Lxx_blocks.matrix.valuePtr(), *uu = out.Luu_blocks.matrix.valuePtr();
+  for (const CostSquare& s : squares) {
+    const double w = weights[s.index];
+    if (w == 0 || (terminal && !s.by_x)) continue;
+    const ActivationDataAbstract& a = *s.cost->activation;
+    const double J = s.J ? s.J->data()[s.at] : s.constant, square = w * a.Arr.diagonal()[s.row] * J * J;
+    (s.by_x ? out.Lx : out.Lu)[s.column] += w * a.Ar[s.row] * J;
+    if (dense) (s.by_x ? out.Lxx : out.Luu)(s.column, s.column) += square;
+    if (blocks) (s.by_x ? xx : uu)[s.entry] += square;
+  }
+}
+
+void CostGroups::add_own(const std::vector<double>& weights, bool terminal, CostDerivatives& out) const {
+  const bool dense = has_dense(out.storage), blocks = has_blocks(out.storage);
+  for (const OwnCost& o : own) {
+    const double w = weights[o.index];
+    if (w == 0) continue;
+    const CostDataAbstract& d = *o.cost;
+    check_sizes(d, out, terminal);
+    out.Lx += w * d.Lx;
+    if (dense) out.Lxx += w * d.Lxx;
+    if (blocks) out.Lxx_blocks.add(o.xx, w, d.Lxx);
+    if (terminal) continue;
+    out.Lu += w * d.Lu;
+    if (dense) out.Lxu += w * d.Lxu, out.Luu += w * d.Luu;
+    if (blocks) out.Lxu_blocks.add(o.xu, w, d.Lxu), out.Luu_blocks.add(o.uu, w, d.Luu);
+  }
+}
 
 void CostGroups::add(const std::vector<double>& weights, bool terminal, CostDerivatives& out) {
   add_squares(weights, terminal, out);

@@ -1,6 +1,5 @@
 #include "manycontact/action/residual.hpp"
 
-#include <numeric>
 #include <ostream>
 
 #include "residual_parts.hpp"
@@ -16,8 +15,8 @@ ResidualBlock::ResidualBlock(std::vector<int> r, std::vector<int> x, std::vector
 ResidualDataAbstract::ResidualDataAbstract(const ResidualModelAbstract* model, DataCollector* s)
     : shared(s), r(Eigen::VectorXd::Zero(model->get_nr())), ndx_(model->get_state()->get_ndx()), nu_(model->get_nu()) {
   if (!model->whole_ && !(shared && shared->whole)) return;
-  Rx.setZero(r.size(), static_cast<Eigen::Index>(ndx_));
-  Ru.setZero(r.size(), static_cast<Eigen::Index>(nu_));
+  Rx.setZero(r.size(), ndx_);
+  Ru.setZero(r.size(), nu_);
 }
 
 namespace {
@@ -28,12 +27,6 @@ Eigen::MatrixXd whole(const std::vector<ResidualBlock>& blocks, Eigen::Index nr,
   for (const ResidualBlock& b : blocks)
     for (std::size_t i = 0; i < b.rows.size(); ++i)
       for (std::size_t j = 0; j < (b.*cols).size(); ++j) out(b.rows[i], (b.*cols)[j]) = (b.*J)(i, j);
-  return out;
-}
-
-std::vector<int> all(std::size_t n) {
-  std::vector<int> out(n);
-  std::iota(out.begin(), out.end(), 0);
   return out;
 }
 
@@ -52,7 +45,7 @@ ResidualModelAbstract::ResidualModelAbstract(std::shared_ptr<StateAbstract> stat
       nr_(nr),
       nu_(internal::nu_or_default(state_, nu)),
       on_(on),
-      unone_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(nu_))) {}
+      unone_(Eigen::VectorXd::Zero(nu_)) {}
 
 ResidualModelAbstract::ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu,
                                              bool q_dependent, bool v_dependent, bool u_dependent)
@@ -111,6 +104,7 @@ std::shared_ptr<ResidualDataAbstract> ResidualModelAbstract::createData(DataColl
 
 void ResidualModelAbstract::lay_out(ResidualDataAbstract& data) const {
   data.blocks.clear();
+  const auto all = [](std::size_t n) { return internal::range(0, static_cast<int>(n)); };
   data.blocks.emplace_back(all(nr_), all(state_->get_ndx()), all(get_u_dependent() ? nu_ : 0));
 }
 

@@ -48,11 +48,4 @@ inline void expect_dynamics(const char* who, const DataCollector* shared) {
   require(!shared->whole, who, "it needs the solved dynamics, and so an action model's data");
 }
 
-/// first, first + 1, ... (n numbers).
-inline std::vector<int> range(int first, int n) {
-  std::vector<int> numbers(n);
-  for (int i = 0; i < n; ++i) numbers[i] = first + i;
-  return numbers;
-}
-
 }  // namespace manycontact::internal

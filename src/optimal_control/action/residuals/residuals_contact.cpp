@@ -156,7 +156,7 @@ void ContactResidual::fill_blocks(ResidualDataAbstract& data, const ConstVectorR
   const Vec3<double> force = d.oRX * in_cone.head<3>(), moment = d.oRX * in_cone.tail<3>();
   d.turned.resize(6, 3);
   d.turned << d.oRX.transpose() * -skew<double>(force), d.oRX.transpose() * -skew<double>(moment);
-  d.B_turned.resize(static_cast<Eigen::Index>(nr_), 3);
+  d.B_turned.resize(nr_, 3);
   form(d.turned, d.B_turned, d.b);
   const bool force_turns = contact.reference_frame == ReferenceFrame::kLocal;
   const double of_A = (force_turns ? 1 : 0) - (axes_ == ConeAxes::kFoot ? 1 : 0);

@@ -8,7 +8,7 @@ namespace manycontact {
 
 namespace {
 
-Eigen::VectorXd zeros(std::size_t n) { return Eigen::VectorXd::Zero(static_cast<Eigen::Index>(n)); }
+Eigen::VectorXd zeros(std::size_t n) { return Eigen::VectorXd::Zero(n); }
 
 // A row r = x_i + const. or u_i + const.
 void add_coordinate(int row, const std::vector<int>& xcols, const std::vector<int>& ucols, ResidualDataAbstract& data) {
@@ -16,6 +16,16 @@ void add_coordinate(int row, const std::vector<int>& xcols, const std::vector<in
   block.Rx.setOnes();
   block.Ru.setOnes();
   block.constant = true;
+}
+
+// The state where its differences are known joint by joint; a class that a user derived may have others.
+const StateMultibody* exact_multibody(const StateAbstract& state) {
+  return typeid(state) == typeid(StateMultibody) ? static_cast<const StateMultibody*>(&state) : nullptr;
+}
+
+std::size_t nu_of(const std::shared_ptr<ActuationModelAbstract>& actuation, std::size_t nu) {
+  if (nu != kDefaultNu) return nu;
+  return actuation ? actuation->get_nu() : 0;
 }
 
 }  // namespace
@@ -33,15 +43,6 @@ ResidualModelState::ResidualModelState(std::shared_ptr<StateAbstract> state, std
 void ResidualModelState::evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef&) const {
   state_->diff(reference_, x, data.r);
 }
-
-namespace {
-
-// The state where its differences are known joint by joint; a class that a user derived may have others.
-const StateMultibody* exact_multibody(const StateAbstract& state) {
-  return typeid(state) == typeid(StateMultibody) ? static_cast<const StateMultibody*>(&state) : nullptr;
-}
-
-}  // namespace
 
 // A block for the q of each joint, then one for each coordinate of its v.
 void ResidualModelState::lay_out(ResidualDataAbstract& data) const {
@@ -98,15 +99,6 @@ ResidualModelControl::ResidualModelControl(std::shared_ptr<StateAbstract> state,
 
 ResidualModelControl::ResidualModelControl(std::shared_ptr<StateAbstract> state, std::size_t nu)
     : ResidualModelControl(state, zeros(internal::nu_or_default(state, nu))) {}
-
-namespace {
-
-std::size_t nu_of(const std::shared_ptr<ActuationModelAbstract>& actuation, std::size_t nu) {
-  if (nu != kDefaultNu) return nu;
-  return actuation ? actuation->get_nu() : 0;
-}
-
-}  // namespace
 
 ResidualModelJointEffort::ResidualModelJointEffort(std::shared_ptr<StateAbstract> state,
                                                    std::shared_ptr<ActuationModelAbstract> actuation,

@@ -10,12 +10,11 @@ namespace manycontact {
 
 using DataPtr = std::shared_ptr<ActionDataAbstract>;
 using internal::ConstraintRows;
-using internal::own_data;
 using Index = Eigen::Index;
 
 namespace {
 
-constexpr const char* kActionModelAugmentedLagrangian = "ActionModelAugmentedLagrangian";
+constexpr const char* kActionModelAugmentedLagrangian = ActionModelAugmentedLagrangian::kName;
 
 Index most_rows(const ActionModelAbstract& model) {
   return static_cast<Index>(std::max(model.get_ng() + model.get_nh(), model.get_ng_T() + model.get_nh_T()));
@@ -25,7 +24,7 @@ Index most_rows(const ActionModelAbstract& model) {
 
 ActionDataAugmentedLagrangian::ActionDataAugmentedLagrangian(ActionModelAugmentedLagrangian* model,
                                                              std::shared_ptr<ActionDataAbstract> data)
-    : ActionDataAbstract(model), inner(std::move(data)) {
+    : ActionDataAbstract(model), inner(data ? std::move(data) : model->get_model()->createData()) {
   const Index rows = most_rows(*model->get_model());
   const std::size_t ld = sparse::padded(Lx.size() + Lu.size());
   y_next.setZero(rows);
@@ -34,8 +33,7 @@ ActionDataAugmentedLagrangian::ActionDataAugmentedLagrangian(ActionModelAugmente
 }
 
 ActionModelAugmentedLagrangian::ActionModelAugmentedLagrangian(std::shared_ptr<ActionModelAbstract> model)
-    : ActionModelAbstract(internal::given(kActionModelAugmentedLagrangian, model)->get_state(),
-                          internal::given(kActionModelAugmentedLagrangian, model)->get_nu()),
+    : NodeWithData(internal::given(kName, model)->get_state(), internal::given(kName, model)->get_nu()),
       model_(std::move(model)),
       y_(Eigen::VectorXd::Zero(static_cast<Index>(model_->get_ng() + model_->get_nh()))) {
   u_lb_ = model_->get_u_lb();
@@ -63,9 +61,10 @@ bool ActionModelAugmentedLagrangian::checkData(const DataPtr& data) {
 }
 
 // An active row adds d (y + y+) / 2, where d = c - (the bound that y+ belongs to); an inactive one - y^2 / (2 rho).
-void ActionModelAugmentedLagrangian::add_values(ActionDataAbstract& data, bool terminal) const {
-  ActionDataAugmentedLagrangian& d = static_cast<ActionDataAugmentedLagrangian&>(data);
-  const ConstraintRows rows(*model_, terminal);
+void ActionModelAugmentedLagrangian::evaluate(ActionDataAugmentedLagrangian& d, const ConstVectorRef& x,
+                                              const ConstVectorRef* u) {
+  u ? model_->calc(d.inner, x, *u) : model_->calc(d.inner, x);
+  const ConstraintRows rows(*model_, !u);
   check_size(kActionModelAugmentedLagrangian, "the multipliers", y_.size(), static_cast<std::size_t>(rows.size()));
   if (d.y_next.size() != rows.size()) d.y_next.resize(rows.size());
   d.xnext = d.inner->xnext;
@@ -80,9 +79,11 @@ void ActionModelAugmentedLagrangian::add_values(ActionDataAbstract& data, bool t
   }
 }
 
-void ActionModelAugmentedLagrangian::add_derivatives(ActionDataAbstract& data, bool terminal) const {
-  ActionDataAugmentedLagrangian& d = static_cast<ActionDataAugmentedLagrangian&>(data);
+void ActionModelAugmentedLagrangian::differentiate(ActionDataAugmentedLagrangian& d, const ConstVectorRef& x,
+                                                   const ConstVectorRef* u) {
+  u ? model_->calcDiff(d.inner, x, *u) : model_->calcDiff(d.inner, x);
   const ActionDataAbstract& in = *d.inner;
+  const bool terminal = !u;
   const ConstraintRows rows(*model_, terminal);
   const Index nx = d.Lx.size(), nu = terminal ? 0 : d.Lu.size();
   const int cols = static_cast<int>(nu + nx), ld = sparse::padded(cols);
@@ -124,39 +125,10 @@ void ActionModelAugmentedLagrangian::add_derivatives(ActionDataAbstract& data, b
     }
 }
 
-void ActionModelAugmentedLagrangian::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  ActionDataAugmentedLagrangian& d =
-      own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::calc", data);
-  model_->calc(d.inner, x, u);
-  add_values(d, false);
-}
-
-void ActionModelAugmentedLagrangian::calc(const DataPtr& data, const ConstVectorRef& x) {
-  ActionDataAugmentedLagrangian& d =
-      own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::calc", data);
-  model_->calc(d.inner, x);
-  add_values(d, true);
-}
-
-void ActionModelAugmentedLagrangian::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  ActionDataAugmentedLagrangian& d =
-      own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::calcDiff", data);
-  model_->calcDiff(d.inner, x, u);
-  add_derivatives(d, false);
-}
-
-void ActionModelAugmentedLagrangian::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
-  ActionDataAugmentedLagrangian& d =
-      own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::calcDiff", data);
-  model_->calcDiff(d.inner, x);
-  add_derivatives(d, true);
-}
-
 void ActionModelAugmentedLagrangian::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x,
                                                  std::size_t maxiter, double tol) {
-  ActionDataAugmentedLagrangian& d =
-      own_data<ActionDataAugmentedLagrangian>("ActionModelAugmentedLagrangian::quasiStatic", data);
-  model_->quasiStatic(d.inner, u, x, maxiter, tol);
+  const ConstVectorRef given = u;
+  model_->quasiStatic(own("quasiStatic", data, x, &given).inner, u, x, maxiter, tol);
 }
 
 void ActionModelAugmentedLagrangian::print(std::ostream& os) const {

@@ -325,13 +325,4 @@ void SolverAugmentedLagrangian::set_penalty_max(double penalty) {
   require(penalty > 0 && std::isfinite(penalty), kSolverAugmentedLagrangian, "a positive penalty is expected");
   rho_max_ = penalty;
 }
-void SolverAugmentedLagrangian::set_th_constraint(double th_constraint) {
-  require(th_constraint > 0, kSolverAugmentedLagrangian, "a positive tolerance is expected");
-  th_constraint_ = th_constraint;
-}
-void SolverAugmentedLagrangian::set_th_kkt(double th_kkt) {
-  require(th_kkt > 0, kSolverAugmentedLagrangian, "a positive tolerance is expected");
-  th_kkt_ = th_kkt;
-}
-
 }  // namespace manycontact

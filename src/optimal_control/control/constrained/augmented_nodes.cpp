@@ -1,7 +1,6 @@
 // The problem's nodes within the augmented Lagrangian, and their multipliers.
 
 #include <algorithm>
-#include <numeric>
 
 #include "../multi_robot/coordinates.hpp"
 #include "constraint_rows.hpp"
@@ -14,17 +13,7 @@ using AL = SolverAugmentedLagrangian;
 using Multipliers = std::vector<Eigen::VectorXd>;
 using internal::rows_at;
 
-namespace {
-
 constexpr const char* kAugmentedNodes = "SolverAugmentedLagrangian";
-
-std::vector<int> all_rows(Eigen::Index count) {
-  std::vector<int> out(static_cast<std::size_t>(count));
-  std::iota(out.begin(), out.end(), 0);
-  return out;
-}
-
-}  // namespace
 
 AL::Copy AL::augment_leaf(const Copy& of, const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
                           std::vector<Augmented>& out) const {
@@ -47,7 +36,7 @@ AL::Copy AL::augment_parts(const ActionModelParts& whole, const ActionDataParts&
   const std::vector<std::vector<int>> of_parts = internal::constraint_rows(parts, terminal);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     std::vector<int> own;
-    for (const int k : of_parts[i]) own.push_back(rows[static_cast<std::size_t>(k)]);
+    for (const int k : of_parts[i]) own.push_back(rows[k]);
     const Copy part = augment({parts[i].model, datas[i]}, terminal, own, multipliers, out);
     parts[i].model = part.model;
     datas[i] = part.data;
@@ -70,7 +59,8 @@ AL::Copy AL::augment(const Copy& of, bool terminal, const std::vector<int>& rows
 
 AL::Node AL::decorated(std::size_t t, const Eigen::VectorXd& multipliers) const {
   Node out{{problem_->model(t), problem_->data(t)}, {}, {}, multipliers.size()};
-  out.copy = augment(out.own, problem_->by_state_alone(t), all_rows(multipliers.size()), multipliers, out.augmented);
+  out.copy = augment(out.own, problem_->by_state_alone(t), internal::range(0, static_cast<int>(multipliers.size())),
+                     multipliers, out.augmented);
   return out;
 }
 
@@ -164,8 +154,7 @@ void AL::reset() {
   resizeData();
   set_penalty(rho_init_ * scale_);
   for (std::size_t t = 0; t < nodes_.size(); ++t)
-    for (const Augmented& own : nodes_[t].augmented)
-      own.model->set_multipliers(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(own.rows.size())));
+    for (const Augmented& own : nodes_[t].augmented) own.model->set_multipliers(Eigen::VectorXd::Zero(own.rows.size()));
 }
 
 namespace {

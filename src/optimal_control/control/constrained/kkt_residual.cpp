@@ -114,7 +114,7 @@ double kkt_residual_of_coupled(const ShootingProblem& problem, const Vectors& xs
   Largest worst;
   Eigen::VectorXd gx, gu;
   const Eigen::VectorXd none;
-  auto gap = work.head(static_cast<Eigen::Index>(problem.get_ndx()));
+  auto gap = work.head(problem.get_ndx());
   problem.get_terminalModel()->get_state()->diff(xs[0], problem.get_x0(), gap);
   worst.add(gap);
   for (std::size_t t = 0; t <= T; ++t) {
@@ -176,7 +176,7 @@ void each_slope_of_part(const ShootingProblem& problem, const Vectors& us, bool 
   const std::size_t T = problem.get_T();
   const bool coupled = CoupledDirection::applies_to(problem);
   const Eigen::VectorXd none;
-  Eigen::VectorXd l = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.get_ndx())), gx = l, gu;
+  Eigen::VectorXd l = Eigen::VectorXd::Zero(problem.get_ndx()), gx = l, gu;
   for (std::size_t t = T + 1; t-- > 0;) {
     const ActionModelAbstract& model = *problem.model(t);
     ActionDataAbstract& d = *problem.data(t);

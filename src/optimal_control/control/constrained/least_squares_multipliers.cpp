@@ -45,8 +45,8 @@ Vectors of_part(const ShootingProblem& problem, const Vectors& us, bool limits) 
   const bool answered = solver->factorize(lq).status == lq::Status::kOk;
   const lq::Status status = answered ? solver->solve(lq, z).status : lq::Status::kSingular;
   const lq::Layout layout(lq);
-  Vectors out(problem.get_T() + 1, Eigen::VectorXd::Constant(static_cast<Eigen::Index>(problem.get_ndx()),
-                                                             std::numeric_limits<double>::quiet_NaN()));
+  Vectors out(problem.get_T() + 1,
+              Eigen::VectorXd::Constant(problem.get_ndx(), std::numeric_limits<double>::quiet_NaN()));
   if (status != lq::Status::kOk && status != lq::Status::kInaccurate) return out;
   for (std::size_t t = 0; t < out.size(); ++t)
     for (std::size_t i = 0; i < blocks.size(); ++i)
@@ -63,7 +63,7 @@ bool stands_at_limit(const ActionModelAbstract& model, const Eigen::VectorXd& u,
 }
 
 Vectors least_squares_multipliers_of_nodes(const ShootingProblem& problem, const Vectors& us, bool limits) {
-  Vectors out(problem.get_T() + 1, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.get_ndx())));
+  Vectors out(problem.get_T() + 1, Eigen::VectorXd::Zero(problem.get_ndx()));
   for (const ShootingPart& part : separate(problem)) {
     Vectors own_us(us.size());
     for (std::size_t t = 0; t < us.size(); ++t) gather(us[t], part.u[t], own_us[t]);

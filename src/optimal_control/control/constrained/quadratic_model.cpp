@@ -1,7 +1,5 @@
 #include "quadratic_model.hpp"
 
-#include <numeric>
-
 #include "../integrators/euler_steps.hpp"
 #include "manycontact/control/coupled_direction.hpp"
 #include "manycontact/control/couplings.hpp"
@@ -47,11 +45,8 @@ std::vector<ActionPart> blocks_of(const ShootingProblem& problem) {
     for (const ActionPart& part : as_coupled(problem, problem.get_T())->get_parts())
       out.push_back({nullptr, part.x, part.dx, part.u});
   } else {
-    out.emplace_back();
-    out[0].dx.resize(problem.get_ndx());
-    std::iota(out[0].dx.begin(), out[0].dx.end(), 0);
-    out[0].u.resize(problem.get_nu_max());
-    std::iota(out[0].u.begin(), out[0].u.end(), 0);
+    out.push_back(
+        {nullptr, {}, range(0, static_cast<int>(problem.get_ndx())), range(0, static_cast<int>(problem.get_nu_max()))});
   }
   return out;
 }

@@ -120,10 +120,9 @@ AL::Restoration AL::violationAlone(double met, std::size_t maxiter) {
   ShootingProblem::Datas datas;
   augments_all_ = true;
   for (std::size_t t = 0; t < nodes_.size(); ++t) {
-    std::vector<int> rows(static_cast<std::size_t>(nodes_[t].rows));
-    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<int>(i);
     const Copy copy =
-        augment(nodes_[t].own, problem_->by_state_alone(t), rows, Eigen::VectorXd::Zero(nodes_[t].rows), out.augmented);
+        augment(nodes_[t].own, problem_->by_state_alone(t), internal::range(0, static_cast<int>(nodes_[t].rows)),
+                Eigen::VectorXd::Zero(nodes_[t].rows), out.augmented);
     models.push_back(copy.model);
     datas.push_back(copy.data);
   }
@@ -211,7 +210,7 @@ AL::Beside AL::lookBeside(Restoration& own, double by) {
   const double largest = largest_number(us_);
   std::mt19937 random(static_cast<unsigned>(100 * std::abs(by)));
   std::uniform_real_distribution<double> noise(-std::abs(by) * largest, std::abs(by) * largest);
-  Eigen::VectorXd throughout = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem_->get_nu_max()));
+  Eigen::VectorXd throughout = Eigen::VectorXd::Zero(problem_->get_nu_max());
   const bool beside = std::abs(by) <= kBeside[0];
   if (!beside)  // controls that vary from node to node would cancel
     for (double& number : throughout) number = noise(random);
@@ -324,7 +323,7 @@ bool AL::isBeyondLimits(Restoration& own) {
 
 // Whether the motion is an affine function of the controls between the previous controls and those of the candidate,
 // tested at the midpoint. Then large numbers are accepted.
-bool AL::movesInLineFrom(const std::vector<Eigen::VectorXd>& us_before) {
+bool AL::movesInLineFrom(const Vectors& us_before) {
   constexpr double kInLine = 1e-6;  // relative to the distance of the two motions
   std::vector<Eigen::VectorXd> us = us_, xs = xs_, xs_before = xs_, xs_after = xs_;
   for (std::size_t t = 0; t < us.size(); ++t) us[t] = 0.5 * (us_[t] + us_before[t]);
@@ -332,7 +331,7 @@ bool AL::movesInLineFrom(const std::vector<Eigen::VectorXd>& us_before) {
   problem_->rollout(us_, xs_after);
   problem_->rollout(us, xs);
   const StateAbstract& state = *problem_->get_terminalModel()->get_state();
-  Eigen::VectorXd half = Eigen::VectorXd::Zero(static_cast<Index>(state.get_ndx())), whole = half;
+  Eigen::VectorXd half = Eigen::VectorXd::Zero(state.get_ndx()), whole = half;
   double off = 0, far = 0;
   for (std::size_t t = 0; t < xs.size(); ++t) {
     state.diff(xs_before[t], xs[t], half);
@@ -350,8 +349,7 @@ StopReason AL::restore(std::size_t maxiter) {
   if (++restorations_ > kRestorations) return StopReason::kNoStep;
   const double met = 0.5 * th_constraint_ * th_constraint_;
   Restoration own = violationAlone(met, std::max(maxiter, reported_));
-  const auto take_back = [&](const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us,
-                             bool feasible) {
+  const auto take_back = [&](const Vectors& xs, const Vectors& us, bool feasible) {
     xs_ = xs;
     us_ = us;
     is_feasible_ = feasible;
@@ -416,8 +414,7 @@ void AL::takeCostOf(double violation) {
 // Continues from the current candidate with a penalty that keeps it nearer to the constraints.
 void AL::startAgain() {
   for (const Node& node : nodes_)
-    for (const Augmented& own : node.augmented)
-      own.model->set_multipliers(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(own.rows.size())));
+    for (const Augmented& own : node.augmented) own.model->set_multipliers(Eigen::VectorXd::Zero(own.rows.size()));
   set_penalty(std::min(rho_ * rho_factor_ * rho_factor_, rho_max_ * std::max(scale_, kkt_scale_)));
   flat_ = stuck_ = 0;
   curved_ = false;

@@ -9,15 +9,12 @@
 
 namespace manycontact {
 
-using DataPtr = std::shared_ptr<ActionDataAbstract>;
-using internal::own_data;
-
 IntegratedActionDataEuler::IntegratedActionDataEuler(IntegratedActionModelEuler* model)
-    : ActionDataAbstract(model, WithoutMatrices{}),
+    : IntegratedActionDataAbstract(model, WithoutMatrices{}),
       differential(model->get_differential()->createData()),
-      control(model->get_control()->createData()),
-      dx(Eigen::VectorXd::Zero(model->get_state()->get_ndx())) {
+      control(model->get_control()->createData()) {
   const StateAbstract* state = model->get_state().get();
+  dx.setZero(state->get_ndx());
   joints_are_known = typeid(*state) == typeid(StateVector) || typeid(*state) == typeid(StateMultibody);
   if (has_matrices()) {
     allocate_matrices(model);
@@ -95,19 +92,18 @@ void IntegratedActionDataEuler::integrate_velocities(Eigen::MatrixXd& fx, Eigen:
   });
 }
 
-void IntegratedActionModelEuler::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  check("IntegratedActionModelEuler::calc", x, u);
-  IntegratedActionDataEuler& d = own_data<IntegratedActionDataEuler>("IntegratedActionModelEuler::calc", data);
-  control_->calc(d.control, 0, u);
+void IntegratedActionModelEuler::evaluate(IntegratedActionDataEuler& d, const ConstVectorRef& x,
+                                          const ConstVectorRef* u) {
+  if (!u) return calc_terminal(x, d);
+  control_->calc(d.control, 0, *u);
   differential_->calc(d.differential, x, d.control->w);
-  internal::calc_semi_implicit(*state_, x, time_step_, d.differential->xout, *d.differential, with_cost_residual_, d);
-}
-
-void IntegratedActionModelEuler::calc(const DataPtr& data, const ConstVectorRef& x) {
-  check("IntegratedActionModelEuler::calc", x);
-  IntegratedActionDataEuler& d = own_data<IntegratedActionDataEuler>("IntegratedActionModelEuler::calc", data);
-  differential_->calc(d.differential, x);
-  internal::calc_terminal(x, *d.differential, with_cost_residual_, d);
+  const Eigen::Index nv = state_->get_nv();
+  const Eigen::VectorXd& a = d.differential->xout;
+  d.dx.head(nv) = time_step_ * x.tail(nv) + time_step_ * time_step_ * a;
+  d.dx.tail(nv) = time_step_ * a;
+  state_->integrate(x, d.dx, d.xnext);
+  d.cost = time_step_ * d.differential->cost;
+  internal::copy_values(*d.differential, with_cost_residual_, d);
 }
 
 namespace {
@@ -128,9 +124,9 @@ void differentiate_joints(const StateAbstract& state, const ConstVectorRef& x, I
 }  // namespace
 
 // Uses J1, J2 of x (+) dx:    Fx = J1 + J2 [h^2 a_x + h [0 I]; h a_x],    Fu = J2 [h^2 a_u; h a_u]
-void IntegratedActionModelEuler::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  check("IntegratedActionModelEuler::calcDiff", x, u);
-  IntegratedActionDataEuler& d = own_data<IntegratedActionDataEuler>("IntegratedActionModelEuler::calcDiff", data);
+void IntegratedActionModelEuler::differentiate(IntegratedActionDataEuler& d, const ConstVectorRef& x,
+                                               const ConstVectorRef* u) {
+  if (!u) return calcDiff_terminal(x, d);
   const DifferentialActionDataAbstract& a = *d.differential;
   const Eigen::Index nv = state_->get_nv();
   const double h = time_step_;
@@ -159,32 +155,5 @@ void IntegratedActionModelEuler::calcDiff(const DataPtr& data, const ConstVector
   internal::integrate_cost_derivatives(h, *control_, d.control, a, d.Lwu, d);
   internal::copy_constraint_derivatives(*control_, d.control, a, d);
 }
-
-void IntegratedActionModelEuler::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
-  check("IntegratedActionModelEuler::calcDiff", x);
-  IntegratedActionDataEuler& d = own_data<IntegratedActionDataEuler>("IntegratedActionModelEuler::calcDiff", data);
-  differential_->calcDiff(d.differential, x);
-  if (!d.has_matrices()) {
-    d.Lx = d.differential->Lx;
-    return;
-  }
-  internal::copy_terminal_derivatives(*d.differential, d);
-}
-
-DataPtr IntegratedActionModelEuler::createData() { return std::make_shared<IntegratedActionDataEuler>(this); }
-
-bool IntegratedActionModelEuler::checkData(const DataPtr& data) {
-  const auto* d = dynamic_cast<IntegratedActionDataEuler*>(data.get());
-  return d && differential_->checkData(d->differential);
-}
-
-void IntegratedActionModelEuler::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x,
-                                             std::size_t maxiter, double tol) {
-  check("IntegratedActionModelEuler::quasiStatic", x, u);
-  IntegratedActionDataEuler& d = own_data<IntegratedActionDataEuler>("IntegratedActionModelEuler::quasiStatic", data);
-  internal::quasi_static(*differential_, d.differential, *control_, d.control, u, x, maxiter, tol);
-}
-
-void IntegratedActionModelEuler::print(std::ostream& os) const { print_as("IntegratedActionModelEuler", os); }
 
 }  // namespace manycontact

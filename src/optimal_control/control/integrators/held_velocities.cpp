@@ -120,8 +120,8 @@ void HeldVelocities::leave_out_alpha_of_turning_rows() {
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     Contact& contact = scene.contacts[c];
     if (!solution.active[c] || !leaves_directions(contact)) continue;
-    contact_rows<double>(scene, contact, {}, kin[static_cast<std::size_t>(contact.A.robot)],
-                         contact.B.robot < 0 ? nullptr : &kin[static_cast<std::size_t>(contact.B.robot)], contacts[c]);
+    contact_rows<double>(scene, contact, {}, kin[contact.A.robot],
+                         contact.B.robot < 0 ? nullptr : &kin[contact.B.robot], contacts[c]);
     if (!turning_of_rows(contact, contacts[c]).isZero(0)) contact.alpha = 0;
   }
 }

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <ostream>
 
+#include "steps.hpp"
+
 namespace manycontact {
 
 namespace {
@@ -45,6 +47,45 @@ void IntegratedActionModelAbstract::set_dt(double dt) {
           "a time step of " + std::to_string(dt) + " s was given, a finite one that is not negative is expected");
   time_step_ = dt;
   time_step2_ = dt * dt;
+}
+
+bool IntegratedActionModelAbstract::checkData(const DataPtr& data) {
+  const auto* d = dynamic_cast<const IntegratedActionDataAbstract*>(data.get());
+  for (std::size_t i = 0; d && i < d->stages(); ++i)
+    if (!differential_->checkData(d->stage(i).differential)) return false;
+  return data != nullptr;
+}
+
+// Computes u of the differential model's quasi-static torques, at the beginning of the step.
+void IntegratedActionModelAbstract::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x,
+                                                std::size_t maxiter, double tol) {
+  const auto* d = dynamic_cast<const IntegratedActionDataAbstract*>(data.get());
+  if (!d) return ActionModelAbstract::quasiStatic(data, u, x, maxiter, tol);
+  const IntegratorStage first = d->stage(0);
+  differential_->quasiStatic(first.differential, first.control->w, x, maxiter, tol);
+  control_->params(first.control, 0, first.control->w);
+  u = first.control->u;
+}
+
+void IntegratedActionModelAbstract::calc_terminal(const ConstVectorRef& x, IntegratedActionDataAbstract& d) const {
+  const auto& from = d.stage(0).differential;
+  differential_->calc(from, x);
+  d.dx.setZero();
+  d.xnext = x;
+  d.cost = from->cost;
+  internal::copy_values(*from, with_cost_residual_, d);
+}
+
+void IntegratedActionModelAbstract::calcDiff_terminal(const ConstVectorRef& x, IntegratedActionDataAbstract& d) const {
+  const auto& from = d.stage(0).differential;
+  differential_->calcDiff(from, x);
+  d.Lx = from->Lx;
+  if (!d.has_matrices()) return;
+  internal::check_dense("IntegratedActionModel::calcDiff", *from);
+  d.Fx.setIdentity();
+  d.Lxx = from->Lxx;
+  d.Gx = from->Gx;
+  d.Hx = from->Hx;
 }
 
 void IntegratedActionModelAbstract::print_as(const char* name, std::ostream& os) const {

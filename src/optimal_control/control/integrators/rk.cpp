@@ -4,10 +4,7 @@
 
 namespace manycontact {
 
-using DataPtr = std::shared_ptr<ActionDataAbstract>;
-using internal::own_data;
-
-IntegratedActionDataRK::IntegratedActionDataRK(IntegratedActionModelRK* model) : ActionDataAbstract(model) {
+IntegratedActionDataRK::IntegratedActionDataRK(IntegratedActionModelRK* model) : IntegratedActionDataAbstract(model) {
   const std::size_t ni = model->get_ni();
   const Eigen::Index nx = model->get_state()->get_nx(), ndx = model->get_state()->get_ndx(), nu = model->get_nu();
   const Eigen::Index nw = model->get_control()->get_nw(), nv = ndx / 2;
@@ -46,57 +43,6 @@ std::vector<double> weights(RKType type) {
   if (type == three) return {0.25, 0, 0.75};
   return {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
 }
-
-}  // namespace
-
-IntegratedActionModelRK::IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model,
-                                                 std::shared_ptr<ControlParametrizationModelAbstract> control,
-                                                 RKType rktype, double time_step, bool with_cost_residual)
-    : IntegratedActionModelAbstract(std::move(model), std::move(control), time_step, with_cost_residual),
-      c_(times(rktype)),
-      b_(weights(rktype)) {}
-
-IntegratedActionModelRK::IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model, RKType rktype,
-                                                 double time_step, bool with_cost_residual)
-    : IntegratedActionModelAbstract(std::move(model), time_step, with_cost_residual),
-      c_(times(rktype)),
-      b_(weights(rktype)) {}
-
-void IntegratedActionModelRK::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  check("IntegratedActionModelRK::calc", x, u);
-  IntegratedActionDataRK& d = own_data<IntegratedActionDataRK>("IntegratedActionModelRK::calc", data);
-  const Eigen::Index nv = state_->get_nv();
-  d.dx.setZero();
-  d.cost = 0;
-  for (std::size_t i = 0; i < c_.size(); ++i) {
-    if (i == 0) {
-      d.y[i] = x;
-    } else {
-      d.dx_rk[i] = time_step_ * c_[i] * d.ki[i - 1];
-      state_->integrate(x, d.dx_rk[i], d.y[i]);
-    }
-    control_->calc(d.control[i], c_[i], u);
-    d.ws[i] = d.control[i]->w;
-    differential_->calc(d.differential[i], d.y[i], d.ws[i]);
-    d.ki[i].head(nv) = d.y[i].tail(nv);
-    d.ki[i].tail(nv) = d.differential[i]->xout;
-    d.integral[i] = d.differential[i]->cost;
-    if (b_[i] == 0) continue;
-    d.dx += time_step_ * b_[i] * d.ki[i];
-    d.cost += time_step_ * b_[i] * d.integral[i];
-  }
-  state_->integrate(x, d.dx, d.xnext);
-  internal::copy_values(*d.differential[0], with_cost_residual_, d);
-}
-
-void IntegratedActionModelRK::calc(const DataPtr& data, const ConstVectorRef& x) {
-  check("IntegratedActionModelRK::calc", x);
-  IntegratedActionDataRK& d = own_data<IntegratedActionDataRK>("IntegratedActionModelRK::calc", data);
-  differential_->calc(d.differential[0], x);
-  internal::calc_terminal(x, *d.differential[0], with_cost_residual_, d);
-}
-
-namespace {
 
 // k_i and y_i by x and u.
 void differentiate_stage(const StateAbstract& state, const ControlParametrizationModelAbstract& control,
@@ -153,9 +99,46 @@ void add_stage_cost(const ControlParametrizationModelAbstract& control, double w
 
 }  // namespace
 
-void IntegratedActionModelRK::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  check("IntegratedActionModelRK::calcDiff", x, u);
-  IntegratedActionDataRK& d = own_data<IntegratedActionDataRK>("IntegratedActionModelRK::calcDiff", data);
+IntegratedActionModelRK::IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model,
+                                                 std::shared_ptr<ControlParametrizationModelAbstract> control,
+                                                 RKType rktype, double time_step, bool with_cost_residual)
+    : NodeWithData(std::move(model), std::move(control), time_step, with_cost_residual),
+      c_(times(rktype)),
+      b_(weights(rktype)) {}
+
+IntegratedActionModelRK::IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model, RKType rktype,
+                                                 double time_step, bool with_cost_residual)
+    : NodeWithData(std::move(model), time_step, with_cost_residual), c_(times(rktype)), b_(weights(rktype)) {}
+
+void IntegratedActionModelRK::evaluate(IntegratedActionDataRK& d, const ConstVectorRef& x, const ConstVectorRef* u) {
+  if (!u) return calc_terminal(x, d);
+  const Eigen::Index nv = state_->get_nv();
+  d.dx.setZero();
+  d.cost = 0;
+  for (std::size_t i = 0; i < c_.size(); ++i) {
+    if (i == 0) {
+      d.y[i] = x;
+    } else {
+      d.dx_rk[i] = time_step_ * c_[i] * d.ki[i - 1];
+      state_->integrate(x, d.dx_rk[i], d.y[i]);
+    }
+    control_->calc(d.control[i], c_[i], *u);
+    d.ws[i] = d.control[i]->w;
+    differential_->calc(d.differential[i], d.y[i], d.ws[i]);
+    d.ki[i].head(nv) = d.y[i].tail(nv);
+    d.ki[i].tail(nv) = d.differential[i]->xout;
+    d.integral[i] = d.differential[i]->cost;
+    if (b_[i] == 0) continue;
+    d.dx += time_step_ * b_[i] * d.ki[i];
+    d.cost += time_step_ * b_[i] * d.integral[i];
+  }
+  state_->integrate(x, d.dx, d.xnext);
+  internal::copy_values(*d.differential[0], with_cost_residual_, d);
+}
+
+void IntegratedActionModelRK::differentiate(IntegratedActionDataRK& d, const ConstVectorRef& x,
+                                            const ConstVectorRef* u) {
+  if (!u) return calcDiff_terminal(x, d);
   d.Fx.setZero(), d.Fu.setZero();
   d.Lx.setZero(), d.Lu.setZero();
   d.Lxx.setZero(), d.Lxu.setZero(), d.Luu.setZero();
@@ -174,30 +157,9 @@ void IntegratedActionModelRK::calcDiff(const DataPtr& data, const ConstVectorRef
   internal::copy_constraint_derivatives(*control_, d.control[0], *d.differential[0], d);
 }
 
-void IntegratedActionModelRK::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
-  check("IntegratedActionModelRK::calcDiff", x);
-  IntegratedActionDataRK& d = own_data<IntegratedActionDataRK>("IntegratedActionModelRK::calcDiff", data);
-  differential_->calcDiff(d.differential[0], x);
-  internal::copy_terminal_derivatives(*d.differential[0], d);
-}
-
-DataPtr IntegratedActionModelRK::createData() { return std::make_shared<IntegratedActionDataRK>(this); }
-
 bool IntegratedActionModelRK::checkData(const DataPtr& data) {
   const auto* d = dynamic_cast<IntegratedActionDataRK*>(data.get());
-  if (!d || d->differential.size() != c_.size()) return false;
-  for (const auto& stage : d->differential)
-    if (!differential_->checkData(stage)) return false;
-  return true;
+  return d && d->stages() == c_.size() && NodeWithData::checkData(data);
 }
-
-void IntegratedActionModelRK::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x,
-                                          std::size_t maxiter, double tol) {
-  check("IntegratedActionModelRK::quasiStatic", x, u);
-  IntegratedActionDataRK& d = own_data<IntegratedActionDataRK>("IntegratedActionModelRK::quasiStatic", data);
-  internal::quasi_static(*differential_, d.differential[0], *control_, d.control[0], u, x, maxiter, tol);
-}
-
-void IntegratedActionModelRK::print(std::ostream& os) const { print_as("IntegratedActionModelRK", os); }
 
 }  // namespace manycontact

@@ -17,38 +17,6 @@ inline void copy_values(const DifferentialActionDataAbstract& from, bool with_re
   if (with_residual) to.r = from.r;
 }
 
-/// A terminal node: xnext = x. `d` is the data of the integrator, and `dx` its step.
-template <class Data>
-void calc_terminal(const ConstVectorRef& x, const DifferentialActionDataAbstract& from, bool with_residual, Data& d) {
-  d.dx.setZero();
-  d.xnext = x;
-  d.cost = from.cost;
-  copy_values(from, with_residual, d);
-}
-
-/// x' = x (+) [h v + h^2 a; h a], and h times the cost.
-template <class Data>
-void calc_semi_implicit(const StateAbstract& state, const ConstVectorRef& x, double h, const Eigen::VectorXd& a,
-                        const DifferentialActionDataAbstract& from, bool with_residual, Data& d) {
-  const Eigen::Index nv = state.get_nv();
-  d.dx.head(nv) = h * x.tail(nv) + h * h * a;
-  d.dx.tail(nv) = h * a;
-  state.integrate(x, d.dx, d.xnext);
-  d.cost = h * from.cost;
-  copy_values(from, with_residual, d);
-}
-
-/// u of the differential model's quasi-static torques, at the interval's beginning.
-inline void quasi_static(DifferentialActionModelAbstract& model,
-                         const std::shared_ptr<DifferentialActionDataAbstract>& data,
-                         ControlParametrizationModelAbstract& control,
-                         const std::shared_ptr<ControlParametrizationDataAbstract>& w, VectorRef u,
-                         const ConstVectorRef& x, std::size_t maxiter, double tol) {
-  model.quasiStatic(data, w->w, x, maxiter, tol);
-  control.params(w, 0, w->w);
-  u = w->u;
-}
-
 inline void copy_constraint_derivatives(const ControlParametrizationModelAbstract& control,
                                         const std::shared_ptr<ControlParametrizationDataAbstract>& w,
                                         const DifferentialActionDataAbstract& from, ActionDataAbstract& to) {
@@ -72,16 +40,6 @@ inline void integrate_cost_derivatives(double h, const ControlParametrizationMod
   control.multiplyByJacobian(w, from.Luu, Lwu);
   control.multiplyJacobianTransposeBy(w, Lwu, to.Luu);
   to.Lu *= h, to.Lxu *= h, to.Luu *= h;
-}
-
-/// The derivatives of a terminal node: xnext = x.
-inline void copy_terminal_derivatives(const DifferentialActionDataAbstract& from, ActionDataAbstract& to) {
-  check_dense("IntegratedActionModel::calcDiff", from);
-  to.Fx.setIdentity();
-  to.Lx = from.Lx;
-  to.Lxx = from.Lxx;
-  to.Gx = from.Gx;
-  to.Hx = from.Hx;
 }
 
 }  // namespace manycontact::internal

@@ -10,13 +10,9 @@ namespace manycontact {
 
 using SymplecticModel = IntegratedActionModelSymplectic;
 using SymplecticData = IntegratedActionDataSymplectic;
-using DataPtr = std::shared_ptr<ActionDataAbstract>;
 using internal::HeldVelocities;
-using internal::own_data;
 
 namespace {
-
-constexpr const char* kIntegratedActionModelSymplectic = "IntegratedActionModelSymplectic";
 
 const DataCollector& dynamics_of(const DifferentialActionDataAbstract& data) {
   return *static_cast<const DifferentialActionDataContactFwdDynamics&>(data).multibody;
@@ -25,12 +21,13 @@ const DataCollector& dynamics_of(const DifferentialActionDataAbstract& data) {
 std::shared_ptr<DifferentialActionModelAbstract> of_contact_dynamics(
     std::shared_ptr<DifferentialActionModelAbstract> model) {
   const auto* own = model.get();
-  require(!own || typeid(*own) == typeid(DifferentialActionModelContactFwdDynamics) ||
-              typeid(*own) == typeid(DifferentialActionModelFreeFwdDynamics),
-          kIntegratedActionModelSymplectic,
-          "dynamics that are not DifferentialActionModelContactFwdDynamics itself, which this is the step of: for others, "
-          "and for classes derived from it, take "
-          "IntegratedActionModelEuler");
+  require(
+      !own || typeid(*own) == typeid(DifferentialActionModelContactFwdDynamics) ||
+          typeid(*own) == typeid(DifferentialActionModelFreeFwdDynamics),
+      SymplecticModel::kName,
+      "dynamics that are not DifferentialActionModelContactFwdDynamics itself, which this is the step of: for others, "
+      "and for classes derived from it, take "
+      "IntegratedActionModelEuler");
   return model;
 }
 
@@ -52,32 +49,31 @@ bool is_of(HeldVelocities& held, const DataCollector& of, double h) {
 SymplecticModel::IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
                                                  std::shared_ptr<ControlParametrizationModelAbstract> control,
                                                  double time_step, bool with_cost_residual)
-    : IntegratedActionModelAbstract(of_contact_dynamics(std::move(model)), std::move(control), time_step,
-                                    with_cost_residual) {}
+    : NodeWithData(of_contact_dynamics(std::move(model)), std::move(control), time_step, with_cost_residual) {}
 
 SymplecticModel::IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
                                                  double time_step, bool with_cost_residual)
-    : IntegratedActionModelAbstract(of_contact_dynamics(std::move(model)), time_step, with_cost_residual) {}
+    : NodeWithData(of_contact_dynamics(std::move(model)), time_step, with_cost_residual) {}
 
 SymplecticData::IntegratedActionDataSymplectic(SymplecticModel* model)
-    : ActionDataAbstract(model),
+    : IntegratedActionDataAbstract(model),
       differential(model->get_differential()->createData()),
       control(model->get_control()->createData()) {
   const Eigen::Index ndx = model->get_state()->get_ndx();
   const std::size_t nw = model->get_control()->get_nw();
-  internal::check_dense(kIntegratedActionModelSymplectic, *differential);
+  internal::check_dense(SymplecticModel::kName, *differential);
   dx.setZero(ndx);
   F.setZero(ndx, ndx + static_cast<Eigen::Index>(nw));
-  Lwu.setZero(static_cast<Eigen::Index>(nw), model->get_nu());
+  Lwu.setZero(nw, model->get_nu());
   held = std::make_unique<HeldVelocities>(dynamics_of(*differential), nw, model->get_dt());
 }
 
 SymplecticData::~IntegratedActionDataSymplectic() = default;
 
-void SymplecticModel::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  check("IntegratedActionModelSymplectic::calc", x, u);
-  SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::calc", data);
-  control_->calc(d.control, 0, u);
+// dx: the step before the correction of momentum.
+void SymplecticModel::evaluate(SymplecticData& d, const ConstVectorRef& x, const ConstVectorRef* u) {
+  if (!u) return calc_terminal(x, d);
+  control_->calc(d.control, 0, *u);
   differential_->calc(d.differential, x, d.control->w);
   const DataCollector& m = dynamics_of(*d.differential);
   if (!is_of(*d.held, m, time_step_)) d.held = std::make_unique<HeldVelocities>(m, control_->get_nw(), time_step_);
@@ -88,18 +84,10 @@ void SymplecticModel::calc(const DataPtr& data, const ConstVectorRef& x, const C
   internal::copy_values(*d.differential, with_cost_residual_, d);
 }
 
-void SymplecticModel::calc(const DataPtr& data, const ConstVectorRef& x) {
-  check("IntegratedActionModelSymplectic::calc", x);
-  SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::calc", data);
-  differential_->calc(d.differential, x);
-  internal::calc_terminal(x, *d.differential, with_cost_residual_, d);
-}
-
 // Before free joints' axes turn and momentum is seen to:
 //     Fx = I + [h^2 a_x + h [0 I]; h a_x],    Fw = [h^2 a_w; h a_w],    Fu = Fw dw/du
-void SymplecticModel::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  check("IntegratedActionModelSymplectic::calcDiff", x, u);
-  SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::calcDiff", data);
+void SymplecticModel::differentiate(SymplecticData& d, const ConstVectorRef& x, const ConstVectorRef* u) {
+  if (!u) return calcDiff_terminal(x, d);
   const Eigen::Index nv = state_->get_nv(), ndx = state_->get_ndx(), nw = control_->get_nw();
   differential_->calcDiff(d.differential, x, d.control->w);
   const DataCollector& m = dynamics_of(*d.differential);
@@ -114,28 +102,5 @@ void SymplecticModel::calcDiff(const DataPtr& data, const ConstVectorRef& x, con
   internal::integrate_cost_derivatives(time_step_, *control_, d.control, *d.differential, d.Lwu, d);
   internal::copy_constraint_derivatives(*control_, d.control, *d.differential, d);
 }
-
-void SymplecticModel::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
-  check("IntegratedActionModelSymplectic::calcDiff", x);
-  SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::calcDiff", data);
-  differential_->calcDiff(d.differential, x);
-  internal::copy_terminal_derivatives(*d.differential, d);
-}
-
-DataPtr SymplecticModel::createData() { return std::make_shared<SymplecticData>(this); }
-
-bool SymplecticModel::checkData(const DataPtr& data) {
-  const auto* d = dynamic_cast<SymplecticData*>(data.get());
-  return d && differential_->checkData(d->differential);
-}
-
-void SymplecticModel::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter,
-                                  double tol) {
-  check("IntegratedActionModelSymplectic::quasiStatic", x, u);
-  SymplecticData& d = own_data<SymplecticData>("IntegratedActionModelSymplectic::quasiStatic", data);
-  internal::quasi_static(*differential_, d.differential, *control_, d.control, u, x, maxiter, tol);
-}
-
-void SymplecticModel::print(std::ostream& os) const { print_as(kIntegratedActionModelSymplectic, os); }
 
 }  // namespace manycontact

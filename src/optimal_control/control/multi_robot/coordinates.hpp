@@ -10,13 +10,13 @@ namespace manycontact::internal {
 /// part = whole(index), of parts of the right size. (Eigen's indexed views copy the index.)
 template <class Whole, class Part>
 void take(const Whole& whole, const std::vector<int>& index, Part&& part) {
-  for (std::size_t i = 0; i < index.size(); ++i) part[static_cast<Eigen::Index>(i)] = whole[index[i]];
+  for (std::size_t i = 0; i < index.size(); ++i) part[i] = whole[index[i]];
 }
 
 /// whole(index) = part
 template <class Part, class Whole>
 void put(const Part& part, const std::vector<int>& index, Whole&& whole) {
-  for (std::size_t i = 0; i < index.size(); ++i) whole[index[i]] = part[static_cast<Eigen::Index>(i)];
+  for (std::size_t i = 0; i < index.size(); ++i) whole[index[i]] = part[i];
 }
 
 /// whole(rows, cols) = part
@@ -102,9 +102,9 @@ void check_cover(const char* where, const char* what, std::size_t size, const st
   std::size_t count = 0;
   for (const ActionPart& part : parts)
     for (const int i : part.*list) {
-      require(i >= 0 && static_cast<std::size_t>(i) < size && !taken[static_cast<std::size_t>(i)], where,
+      require(i >= 0 && static_cast<std::size_t>(i) < size && !taken[i], where,
               std::string("a coordinate of ") + what + " that does not exist or is another's, one part's is expected");
-      taken[static_cast<std::size_t>(i)] = true;
+      taken[i] = true;
       ++count;
     }
   require(count == size, where, std::string("a coordinate of ") + what + " is no part's");

@@ -48,7 +48,7 @@ CoupledDirection::CoupledDirection(ShootingPart part, bool is_whole) : Direction
 void CoupledDirection::resize() {
   Direction::resize();
   of_cluster_ = from_model_ = step_;
-  u_of_cluster_.setZero(static_cast<Index>(part_.problem->get_nu_max()));
+  u_of_cluster_.setZero(part_.problem->get_nu_max());
   blocks_ = internal::blocks_of(*part_.problem);
   lq_ = internal::structure_of(*part_.problem, blocks_);
   layout_ = lq::Layout(lq_);
@@ -127,11 +127,10 @@ void CoupledDirection::add_feedback(std::size_t t, const VectorXd& g, VectorXd& 
   each_cluster(t, [&](const lq::Cluster& cluster, const auto& K) {
     auto u = u_of_cluster_.head(cluster.nu);
     for (std::size_t b = 0; b < cluster.blocks.size(); ++b)
-      internal::take(g, blocks_[static_cast<std::size_t>(cluster.blocks[b])].u,
-                     u.segment(cluster.u_start[b], lq_.nu[cluster.blocks[b]]));
+      internal::take(g, blocks_[cluster.blocks[b]].u, u.segment(cluster.u_start[b], lq_.nu[cluster.blocks[b]]));
     of_cluster_.head(cluster.nx).noalias() = K.transpose() * u;
     for (std::size_t b = 0; b < cluster.blocks.size(); ++b) {
-      const std::vector<int>& dx = blocks_[static_cast<std::size_t>(cluster.blocks[b])].dx;
+      const std::vector<int>& dx = blocks_[cluster.blocks[b]].dx;
       for (std::size_t j = 0; j < dx.size(); ++j) to[dx[j]] += of_cluster_[cluster.x_start[b] + static_cast<Index>(j)];
     }
   });
@@ -176,7 +175,7 @@ void CoupledDirection::add_gains_times(std::size_t t, const VectorXd& dx, Vector
     auto u = u_of_cluster_.head(cluster.nu);
     u.noalias() = K * of_cluster_.head(cluster.nx);
     for (std::size_t b = 0; b < cluster.blocks.size(); ++b) {
-      const std::vector<int>& own = blocks_[static_cast<std::size_t>(cluster.blocks[b])].u;
+      const std::vector<int>& own = blocks_[cluster.blocks[b]].u;
       for (std::size_t j = 0; j < own.size(); ++j) to[own[j]] += u[cluster.u_start[b] + static_cast<Index>(j)];
     }
   });
@@ -191,10 +190,8 @@ std::vector<Direction::Gains> CoupledDirection::gains(std::size_t t) const {
     if (K.rows() < clusters[c].nu) return {};
     out.push_back({{}, {}, -K.topRows(clusters[c].nu)});
     for (const int b : clusters[c].blocks) {  // x_start and u_start: one after the other
-      for (const int i : blocks_[static_cast<std::size_t>(b)].dx)
-        out.back().dx.push_back(part_.dx[static_cast<std::size_t>(i)]);
-      for (const int i : blocks_[static_cast<std::size_t>(b)].u)
-        out.back().u.push_back(part_.u[t][static_cast<std::size_t>(i)]);
+      for (const int i : blocks_[b].dx) out.back().dx.push_back(part_.dx[i]);
+      for (const int i : blocks_[b].u) out.back().u.push_back(part_.u[t][i]);
     }
   }
   return out;

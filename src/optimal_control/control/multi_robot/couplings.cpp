@@ -22,9 +22,9 @@ std::vector<int> part_of_robots(const Scene& scene, const std::vector<std::vecto
   std::vector<int> out(scene.robots.size(), -1);
   for (std::size_t i = 0; i < robots.size(); ++i)
     for (const int r : robots[i]) {
-      require(r >= 0 && r < scene.nrobots() && out[static_cast<std::size_t>(r)] < 0, kCouplings,
+      require(r >= 0 && r < scene.nrobots() && out[r] < 0, kCouplings,
               "a robot that does not exist or is another part's, one part's is expected");
-      out[static_cast<std::size_t>(r)] = static_cast<int>(i);
+      out[r] = static_cast<int>(i);
     }
   for (const int i : out) require(i >= 0, kCouplings, "a robot is no part's");
   return out;
@@ -69,7 +69,7 @@ std::vector<Coupling> couplings_between(const Scene& scene, const std::vector<st
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[c];
     if (!contact.active || contact.A.robot < 0 || contact.B.robot < 0) continue;
-    const int a = part[static_cast<std::size_t>(contact.A.robot)], b = part[static_cast<std::size_t>(contact.B.robot)];
+    const int a = part[contact.A.robot], b = part[contact.B.robot];
     if (a == b) continue;
     require(joins_robots(contact), kCouplings,
             "contact " + contact.name + " is between parts, and one of its bodies does not move");
@@ -80,14 +80,14 @@ std::vector<Coupling> couplings_between(const Scene& scene, const std::vector<st
 
 std::vector<WrenchEnd> wrench_ends(const Scene& scene, const std::vector<Coupling>& couplings,
                                    const std::vector<std::vector<int>>& robots, int part) {
-  const std::vector<int>& own = robots[static_cast<std::size_t>(part)];
+  const std::vector<int>& own = robots[part];
   const auto end = [&](const Attachment& at, double sign) {
     const auto found = std::find(own.begin(), own.end(), at.robot);
     return WrenchEnd{static_cast<int>(found - own.begin()), at.joint, sign};
   };
   std::vector<WrenchEnd> out;
   for (const Coupling& coupling : couplings) {
-    const Contact& contact = scene.contacts[static_cast<std::size_t>(coupling.contact)];
+    const Contact& contact = scene.contacts[coupling.contact];
     if (coupling.part_a == part) out.push_back(end(contact.A, 1));
     if (coupling.part_b == part) out.push_back(end(contact.B, -1));
   }
@@ -100,20 +100,18 @@ Couplings::Couplings(Scene scene, const std::vector<ActionPart>& parts)
       couplings_of_(parts.size()),
       local_robot_(scene_.robots.size()) {
   for (std::size_t b = 0; b < couplings_.size(); ++b)
-    for (const int i : {couplings_[b].part_a, couplings_[b].part_b})
-      couplings_of_[static_cast<std::size_t>(i)].push_back(static_cast<int>(b));
+    for (const int i : {couplings_[b].part_a, couplings_[b].part_b}) couplings_of_[i].push_back(static_cast<int>(b));
   const std::vector<std::vector<int>> robots = robots_of(parts);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const ActionPart& part = parts[i];
-    for (std::size_t l = 0; l < part.robots.size(); ++l)
-      local_robot_[static_cast<std::size_t>(part.robots[l])] = static_cast<int>(l);
+    for (std::size_t l = 0; l < part.robots.size(); ++l) local_robot_[part.robots[l]] = static_cast<int>(l);
     const auto& dynamics = dynamics_of(part);
     const auto* actuation = dynamic_cast<const ActuationModelWrenches*>(dynamics.get_actuation().get());
     require(actuation && same(actuation->ends(), wrench_ends(scene_, couplings_, robots, static_cast<int>(i))),
             kCouplings, "a part is expected to be actuated by ActuationModelWrenches of its wrench_ends");
-    check_size(kCouplings, "a part's robots", static_cast<Index>(part.robots.size()),
+    check_size(kCouplings, "a part's robots", part.robots.size(),
                static_cast<std::size_t>(dynamics.get_model().scene().nrobots()));
-    check_size(kCouplings, "a part's u", static_cast<Index>(part.u.size()), actuation->nu_own());
+    check_size(kCouplings, "a part's u", part.u.size(), actuation->nu_own());
   }
 }
 
@@ -121,23 +119,21 @@ CouplingData::CouplingData(const Couplings& of, const std::vector<ActionPart>& p
   const Scene& scene = of.scene();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const Index rows = static_cast<Index>(kRows * of.couplings_of_parts()[i].size());
-    C.emplace_back(Eigen::MatrixXd::Zero(rows, static_cast<Index>(parts[i].dx.size())));
-    D.emplace_back(Eigen::MatrixXd::Zero(rows, static_cast<Index>(parts[i].model->get_nu())));
+    C.emplace_back(Eigen::MatrixXd::Zero(rows, parts[i].dx.size()));
+    D.emplace_back(Eigen::MatrixXd::Zero(rows, parts[i].model->get_nu()));
   }
   robots.resize(scene.robots.size());
   for (const Coupling& coupling : of.couplings()) {
-    const Contact& contact = scene.contacts[static_cast<std::size_t>(coupling.contact)];
+    const Contact& contact = scene.contacts[coupling.contact];
     for (const int r : {contact.A.robot, contact.B.robot})
-      if (!robots[static_cast<std::size_t>(r)])
-        robots[static_cast<std::size_t>(r)] =
-            std::make_unique<OfRobot>(*scene.robots[static_cast<std::size_t>(r)].model);
+      if (!robots[r]) robots[r] = std::make_unique<OfRobot>(*scene.robots[r].model);
     const ContactSupport support = contact_support(scene, contact);
     couplings.push_back({support, {contact, support}, {scene, contact, support}});
   }
 }
 
 const std::string& Couplings::name(std::size_t coupling) const {
-  return scene_.contacts[static_cast<std::size_t>(couplings_[coupling].contact)].name;
+  return scene_.contacts[couplings_[coupling].contact].name;
 }
 
 VectorXd Couplings::force(std::size_t coupling, const CouplingData& data) const {
@@ -160,20 +156,18 @@ void Couplings::solve(const std::vector<ActionPart>& parts, const ConstVectorRef
                                   own.solution.a.data() + robot.idx_v, scene_.gravity, kin);
   }
   for (std::size_t b = 0; b < couplings_.size(); ++b) {
-    const Contact& contact = scene_.contacts[static_cast<std::size_t>(couplings_[b].contact)];
+    const Contact& contact = scene_.contacts[couplings_[b].contact];
     CouplingData::OfCoupling& coupling = own.couplings[b];
-    const Kinematics<double>& A = own.robots[static_cast<std::size_t>(contact.A.robot)]->kin;
-    contact_rows<double>(scene_, contact, coupling.support, A,
-                         &own.robots[static_cast<std::size_t>(contact.B.robot)]->kin, coupling.rows);
+    const Kinematics<double>& A = own.robots[contact.A.robot]->kin;
+    contact_rows<double>(scene_, contact, coupling.support, A, &own.robots[contact.B.robot]->kin, coupling.rows);
     const Mat3<double>& R = coupling.rows.aMA.R;
-    const Vec6<double> F =
-        coupling.rows.W.transpose() *
-        own.solution.f.segment(own.solution.f_offset[static_cast<std::size_t>(couplings_[b].contact)], contact.rows());
+    const Vec6<double> F = coupling.rows.W.transpose() *
+                           own.solution.f.segment(own.solution.f_offset[couplings_[b].contact], contact.rows());
     for (const int i : {couplings_[b].part_a, couplings_[b].part_b}) {
-      const std::vector<int>& of_part = couplings_of_[static_cast<std::size_t>(i)];
+      const std::vector<int>& of_part = couplings_of_[i];
       const auto k = std::find(of_part.begin(), of_part.end(), static_cast<int>(b)) - of_part.begin();
       const auto part = static_cast<std::size_t>(i);
-      wrenches_of(*d.parts[part]).points[static_cast<std::size_t>(k)] = A.origin(contact.A.joint) + coupling.rows.aMA.p;
+      wrenches_of(*d.parts[part]).points[k] = A.origin(contact.A.joint) + coupling.rows.aMA.p;
       auto w = d.u[part].segment<kRows>(static_cast<Index>(parts[part].u.size()) + kRows * k);
       w << R * F.head<3>(), R * F.tail<3>();
     }

@@ -98,12 +98,53 @@ void add_force_rows(const CouplingData::OfCoupling& coupling, double delta, Inde
   }
 }
 
+// Lx + Gx^T y_g + Hx^T y_h and Lu + Gu^T y_g + Hu^T y_h of a part. `rows` are the numbers of its rows in the node's y.
+struct PartGradient {
+  VectorXd x, u;
+  PartGradient(const ActionDataAbstract& d, const VectorXd& y, const std::vector<int>& rows, bool terminal)
+      : x(d.Lx), u(terminal ? VectorXd() : VectorXd(d.Lu)) {
+    if (y.size() == 0 || rows.empty()) return;
+    const VectorXd own = y(rows), of_g = own.head(d.g.size()), of_h = own.tail(d.h.size());
+    x += d.Gx.transpose() * of_g + d.Hx.transpose() * of_h;
+    if (!terminal) u += d.Gu.transpose() * of_g + d.Hu.transpose() * of_h;
+  }
+};
+
+// Lx + A^T next and Lu + B^T next of all parts at constant wrenches, and in by_w the gradient with respect to the
+// wrenches.
+void gradient_of_parts(const ActionModelParts& model, const ActionDataParts& d, const VectorXd& next, const VectorXd& y,
+                       VectorXd& gx, VectorXd& gu, VectorXd& by_w) {
+  const auto rows = internal::constraint_rows(model.get_parts(), false);
+  gx.resize(model.get_state()->get_ndx());
+  gu.resize(model.get_nu());
+  by_w.setZero(6 * static_cast<Index>(model.get_couplings()->couplings().size()));
+  for (std::size_t i = 0; i < d.parts.size(); ++i) {
+    const ActionPart& part = model.get_parts()[i];
+    const ActionDataAbstract& from = *d.parts[i];
+    const PartGradient own(from, y, rows[i], false);
+    const VectorXd of_next = next(part.dx);
+    const VectorXd all = own.u + from.Fu.transpose() * of_next;
+    gx(part.dx) = own.x + from.Fx.transpose() * of_next;
+    gu(part.u) = all.head(part.u.size());
+    for (std::size_t b = 0; b < model.get_couplings()->couplings_of_parts()[i].size(); ++b)
+      by_w.segment<6>(6 * model.get_couplings()->couplings_of_parts()[i][b]) +=
+          all.segment<6>(static_cast<Index>(part.u.size() + 6 * b));
+  }
+}
+
+void terminal_gradient(const ActionModelParts& model, const ActionDataParts& d, const VectorXd& y, VectorXd& gx) {
+  const auto rows = internal::constraint_rows(model.get_parts(), true);
+  gx.resize(model.get_state()->get_ndx());
+  for (std::size_t i = 0; i < d.parts.size(); ++i)
+    gx(model.get_parts()[i].dx) = PartGradient(*d.parts[i], y, rows[i], true).x;
+}
+
 }  // namespace
 
 // The share in coupling b's rows of A's part or of B's.
 void Couplings::share_of_end(const std::vector<ActionPart>& parts, ActionDataParts& d, std::size_t b, bool of_a) const {
   CouplingData& own = *d.couplings;
-  const Contact& contact = scene_.contacts[static_cast<std::size_t>(couplings_[b].contact)];
+  const Contact& contact = scene_.contacts[couplings_[b].contact];
   const CouplingData::OfCoupling& coupling = own.couplings[b];
   const auto part = static_cast<std::size_t>(of_a ? couplings_[b].part_a : couplings_[b].part_b);
   const int r = (of_a ? contact.A : contact.B).robot;
@@ -111,7 +152,7 @@ void Couplings::share_of_end(const std::vector<ActionPart>& parts, ActionDataPar
   const Index at = std::find(of_part.begin(), of_part.end(), static_cast<int>(b)) - of_part.begin();
   const auto& state = static_cast<const StateMultibody&>(*parts[part].model->get_state());
   const Index nv = static_cast<Index>(state.get_nv()), m = contact.rows();
-  const Index first = state.get_model()->scene().robots[static_cast<std::size_t>(local_robot_[r])].idx_v;
+  const Index first = state.get_model()->scene().robots[local_robot_[r]].idx_v;
   const std::vector<int>& chain = of_a ? coupling.support.a : coupling.support.b;
   const Index column = of_a ? 0 : static_cast<Index>(coupling.support.a.size());
   const ContactDerivatives& dr = coupling.derivatives;
@@ -140,14 +181,13 @@ void Couplings::differentiate(const std::vector<ActionPart>& parts, ActionDataPa
                                own.robots[r]->terms);
   for (std::size_t b = 0; b < couplings_.size(); ++b) {
     const int c = couplings_[b].contact;
-    const Contact& contact = scene_.contacts[static_cast<std::size_t>(c)];
-    const CouplingData::OfRobot& A = *own.robots[static_cast<std::size_t>(contact.A.robot)];
-    const CouplingData::OfRobot& B = *own.robots[static_cast<std::size_t>(contact.B.robot)];
+    const Contact& contact = scene_.contacts[c];
+    const CouplingData::OfRobot& A = *own.robots[contact.A.robot];
+    const CouplingData::OfRobot& B = *own.robots[contact.B.robot];
     CouplingData::OfCoupling& coupling = own.couplings[b];
-    contact_derivatives<double>(
-        contact, coupling.support, A.kin, &B.kin, A.terms, &B.terms,
-        own.solution.f.segment(own.solution.f_offset[static_cast<std::size_t>(c)], contact.rows()), coupling.rows,
-        coupling.derivatives);
+    contact_derivatives<double>(contact, coupling.support, A.kin, &B.kin, A.terms, &B.terms,
+                                own.solution.f.segment(own.solution.f_offset[c], contact.rows()), coupling.rows,
+                                coupling.derivatives);
     share_of_end(parts, d, b, true);
     share_of_end(parts, d, b, false);
   }
@@ -168,7 +208,7 @@ void Couplings::condense(const std::vector<ActionPart>& parts, ActionDataParts& 
     const ActionDataAbstract& from = *d.parts[i];
     const Index nx = static_cast<Index>(part.dx.size()), nv = from.Fu.cols();
     MatrixXd T = MatrixXd::Zero(nx + nv, ndx + nu), AB(nx, nx + nv), L(nx + nv, nx + nv);
-    for (Index j = 0; j < nx; ++j) T(j, part.dx[static_cast<std::size_t>(j)]) = 1;
+    for (Index j = 0; j < nx; ++j) T(j, part.dx[j]) = 1;
     for (std::size_t j = 0; j < part.u.size(); ++j) T(nx + static_cast<Index>(j), ndx + part.u[j]) = 1;
     for (std::size_t b = 0; b < couplings_of_[i].size(); ++b)
       T.middleRows<6>(nx + static_cast<Index>(part.u.size() + 6 * b)) = W.middleRows<6>(6 * couplings_of_[i][b]);
@@ -200,51 +240,6 @@ void Couplings::condense(const std::vector<ActionPart>& parts, ActionDataParts& 
   d.Lxu = H.topRightCorner(ndx, nu);
   d.Luu = H.bottomRightCorner(nu, nu);
 }
-
-namespace {
-
-// Lx + Gx^T y_g + Hx^T y_h and Lu + Gu^T y_g + Hu^T y_h of a part. `rows` are the numbers of its rows in the node's y.
-struct PartGradient {
-  VectorXd x, u;
-  PartGradient(const ActionDataAbstract& d, const VectorXd& y, const std::vector<int>& rows, bool terminal)
-      : x(d.Lx), u(terminal ? VectorXd() : VectorXd(d.Lu)) {
-    if (y.size() == 0 || rows.empty()) return;
-    const VectorXd own = y(rows), of_g = own.head(d.g.size()), of_h = own.tail(d.h.size());
-    x += d.Gx.transpose() * of_g + d.Hx.transpose() * of_h;
-    if (!terminal) u += d.Gu.transpose() * of_g + d.Hu.transpose() * of_h;
-  }
-};
-
-// Lx + A^T next and Lu + B^T next of all parts at constant wrenches, and in by_w the gradient with respect to the
-// wrenches.
-void gradient_of_parts(const ActionModelParts& model, const ActionDataParts& d, const VectorXd& next, const VectorXd& y,
-                       VectorXd& gx, VectorXd& gu, VectorXd& by_w) {
-  const auto rows = internal::constraint_rows(model.get_parts(), false);
-  gx.resize(static_cast<Index>(model.get_state()->get_ndx()));
-  gu.resize(static_cast<Index>(model.get_nu()));
-  by_w.setZero(6 * static_cast<Index>(model.get_couplings()->couplings().size()));
-  for (std::size_t i = 0; i < d.parts.size(); ++i) {
-    const ActionPart& part = model.get_parts()[i];
-    const ActionDataAbstract& from = *d.parts[i];
-    const PartGradient own(from, y, rows[i], false);
-    const VectorXd of_next = next(part.dx);
-    const VectorXd all = own.u + from.Fu.transpose() * of_next;
-    gx(part.dx) = own.x + from.Fx.transpose() * of_next;
-    gu(part.u) = all.head(static_cast<Index>(part.u.size()));
-    for (std::size_t b = 0; b < model.get_couplings()->couplings_of_parts()[i].size(); ++b)
-      by_w.segment<6>(6 * model.get_couplings()->couplings_of_parts()[i][b]) +=
-          all.segment<6>(static_cast<Index>(part.u.size() + 6 * b));
-  }
-}
-
-void terminal_gradient(const ActionModelParts& model, const ActionDataParts& d, const VectorXd& y, VectorXd& gx) {
-  const auto rows = internal::constraint_rows(model.get_parts(), true);
-  gx.resize(static_cast<Index>(model.get_state()->get_ndx()));
-  for (std::size_t i = 0; i < d.parts.size(); ++i)
-    gx(model.get_parts()[i].dx) = PartGradient(*d.parts[i], y, rows[i], true).x;
-}
-
-}  // namespace
 
 // The rows' multipliers mu satisfy by_w^T mu = -(Lw + B_w^T next). Then gx = Lx + A^T next + C^T mu, and
 // gu = Lu + B^T next + D_u^T mu.
@@ -279,15 +274,15 @@ void scene_gradient(const ActionModelParts& model, ActionDataParts& d, const Vec
   VectorXd by_f = VectorXd::Zero(own.solution.f.size());
   for (std::size_t b = 0; b < model.get_couplings()->couplings().size(); ++b) {
     const int c = model.get_couplings()->couplings()[b].contact;
-    const Contact& contact = scene.contacts[static_cast<std::size_t>(c)];
+    const Contact& contact = scene.contacts[c];
     const CouplingData::OfCoupling& coupling = own.couplings[b];
     const ContactDerivatives& dr = coupling.derivatives;
     const Mat3<double>& R = coupling.rows.aMA.R;
     Vec6<double> g;
     g << R.transpose() * by_w.segment<3>(static_cast<Index>(6 * b)),
         R.transpose() * by_w.segment<3>(static_cast<Index>(6 * b) + 3);
-    by_f.segment(own.solution.f_offset[static_cast<std::size_t>(c)], contact.rows()) = coupling.rows.W * g;
-    const int first = scene.robots[static_cast<std::size_t>(contact.A.robot)].idx_v;
+    by_f.segment(own.solution.f_offset[c], contact.rows()) = coupling.rows.W * g;
+    const int first = scene.robots[contact.A.robot].idx_v;
     for (std::size_t k = 0; k < coupling.support.a.size(); ++k) {
       const Index column = static_cast<Index>(k);
       Vec6<double> moved = cross_force(Vec6<double>(coupling.rows.Jl.col(column)), dr.F);

@@ -17,7 +17,7 @@ using internal::total;
 
 namespace {
 
-constexpr const char* kActionModelParts = "ActionModelParts";
+constexpr const char* kActionModelParts = ActionModelParts::kName;
 
 // The parts' matrices on the rows one after the other, each on its own columns.
 template <class Get>
@@ -38,16 +38,16 @@ void stack(const std::vector<ActionPart>& parts, std::vector<int> ActionPart::*c
 }  // namespace
 
 void gather(const VectorXd& whole, const std::vector<int>& index, VectorXd& part) {
-  part.resize(static_cast<Index>(index.size()));
+  part.resize(index.size());
   take(whole, index, part);
 }
 void scatter(const VectorXd& part, const std::vector<int>& index, VectorXd& whole) { put(part, index, whole); }
 
 ActionModelParts::ActionModelParts(std::shared_ptr<StateAbstract> state, std::size_t nu, std::vector<ActionPart> parts)
-    : ActionModelAbstract(std::move(state), nu, 0, total(kActionModelParts, parts, &ActionModelAbstract::get_ng),
-                          total(kActionModelParts, parts, &ActionModelAbstract::get_nh),
-                          total(kActionModelParts, parts, &ActionModelAbstract::get_ng_T),
-                          total(kActionModelParts, parts, &ActionModelAbstract::get_nh_T)),
+    : NodeWithData(std::move(state), nu, 0, total(kActionModelParts, parts, &ActionModelAbstract::get_ng),
+                   total(kActionModelParts, parts, &ActionModelAbstract::get_nh),
+                   total(kActionModelParts, parts, &ActionModelAbstract::get_ng_T),
+                   total(kActionModelParts, parts, &ActionModelAbstract::get_nh_T)),
       parts_(std::move(parts)) {
   check_parts();
   for (const ActionPart& part : parts_) {
@@ -59,11 +59,11 @@ ActionModelParts::ActionModelParts(std::shared_ptr<StateAbstract> state, std::si
 }
 
 ActionModelParts::ActionModelParts(std::shared_ptr<StateMultibody> state, Scene scene, std::vector<ActionPart> parts)
-    : ActionModelAbstract(state, static_cast<std::size_t>(scene.nu), 0,
-                          total(kActionModelParts, parts, &ActionModelAbstract::get_ng),
-                          total(kActionModelParts, parts, &ActionModelAbstract::get_nh),
-                          total(kActionModelParts, parts, &ActionModelAbstract::get_ng_T),
-                          total(kActionModelParts, parts, &ActionModelAbstract::get_nh_T)),
+    : NodeWithData(state, static_cast<std::size_t>(scene.nu), 0,
+                   total(kActionModelParts, parts, &ActionModelAbstract::get_ng),
+                   total(kActionModelParts, parts, &ActionModelAbstract::get_nh),
+                   total(kActionModelParts, parts, &ActionModelAbstract::get_ng_T),
+                   total(kActionModelParts, parts, &ActionModelAbstract::get_nh_T)),
       parts_(std::move(parts)),
       couplings_(std::make_shared<Couplings>(std::move(scene), parts_)) {
   const Scene& own = couplings_->scene();
@@ -71,8 +71,7 @@ ActionModelParts::ActionModelParts(std::shared_ptr<StateMultibody> state, Scene 
   check_parts();
   const VectorXd& effort = state->get_model()->effortLimit;
   for (const Robot& robot : own.robots)
-    for (int k = 0; k < robot.model->nu(); ++k)
-      u_ub_[robot.idx_u + k] = effort[robot.idx_v + robot.model->actuated[static_cast<std::size_t>(k)]];
+    for (int k = 0; k < robot.model->nu(); ++k) u_ub_[robot.idx_u + k] = effort[robot.idx_v + robot.model->actuated[k]];
   u_lb_ = -u_ub_;
   update_has_control_limits();
 }
@@ -124,8 +123,8 @@ DataPtr ActionModelParts::createData(std::vector<DataPtr> parts) {
                                                 : std::make_shared<ActionDataParts>(this, WithoutMatrices{});
   data->parts = std::move(parts);
   for (const ActionPart& part : parts_) {
-    data->x.emplace_back(VectorXd::Zero(static_cast<Index>(part.x.size())));
-    data->u.emplace_back(VectorXd::Zero(static_cast<Index>(part.model->get_nu())));
+    data->x.emplace_back(VectorXd::Zero(part.x.size()));
+    data->u.emplace_back(VectorXd::Zero(part.model->get_nu()));
   }
   if (couplings_) data->couplings = std::make_shared<CouplingData>(*couplings_, parts_);
   return data;
@@ -141,29 +140,18 @@ bool ActionModelParts::checkData(const DataPtr& data) {
 }
 
 // Copies each part's share of x. The wrenches after its controls are set by solve.
-void ActionModelParts::take_values(const ConstVectorRef& x, ActionDataParts& d) const {
-  for (std::size_t i = 0; i < parts_.size(); ++i) take(x, parts_[i].x, d.x[i]);
-}
-void ActionModelParts::take_values(const ConstVectorRef& x, const ConstVectorRef& u, ActionDataParts& d) const {
-  take_values(x, d);
-  for (std::size_t i = 0; i < parts_.size(); ++i)
-    take(u, parts_[i].u, d.u[i].head(static_cast<Index>(parts_[i].u.size())));
+void ActionModelParts::take_values(const ConstVectorRef& x, const ConstVectorRef* u, ActionDataParts& d) const {
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    take(x, parts_[i].x, d.x[i]);
+    if (u) take(*u, parts_[i].u, d.u[i].head(parts_[i].u.size()));
+  }
 }
 
-void ActionModelParts::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  check("ActionModelParts::calc", x, u);
-  auto& d = internal::own_data<ActionDataParts>("ActionModelParts::calc", data);
+void ActionModelParts::evaluate(ActionDataParts& d, const ConstVectorRef& x, const ConstVectorRef* u) {
   take_values(x, u, d);
-  if (couplings_) couplings_->solve(parts_, x, u, d);
-  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].model->calc(d.parts[i], d.x[i], d.u[i]);
-  internal::collect_values(parts_, d.parts, d);
-}
-
-void ActionModelParts::calc(const DataPtr& data, const ConstVectorRef& x) {
-  check("ActionModelParts::calc", x);
-  auto& d = internal::own_data<ActionDataParts>("ActionModelParts::calc", data);
-  take_values(x, d);
-  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].model->calc(d.parts[i], d.x[i]);
+  if (u && couplings_) couplings_->solve(parts_, x, *u, d);
+  for (std::size_t i = 0; i < parts_.size(); ++i)
+    u ? parts_[i].model->calc(d.parts[i], d.x[i], d.u[i]) : parts_[i].model->calc(d.parts[i], d.x[i]);
   internal::collect_values(parts_, d.parts, d);
 }
 
@@ -172,25 +160,15 @@ void ActionModelParts::collect(const DataPtr& data) const {
   internal::collect_values(parts_, d.parts, d);
 }
 
-void ActionModelParts::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  check("ActionModelParts::calcDiff", x, u);
-  auto& d = internal::own_data<ActionDataParts>("ActionModelParts::calcDiff", data);
+void ActionModelParts::differentiate(ActionDataParts& d, const ConstVectorRef& x, const ConstVectorRef* u) {
   take_values(x, u, d);
-  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].model->calcDiff(d.parts[i], d.x[i], d.u[i]);
+  for (std::size_t i = 0; i < parts_.size(); ++i)
+    u ? parts_[i].model->calcDiff(d.parts[i], d.x[i], d.u[i]) : parts_[i].model->calcDiff(d.parts[i], d.x[i]);
   internal::collect_values(parts_, d.parts, d);
-  const bool coupled = couplings_ && !couplings_->couplings().empty();
+  const bool coupled = u && couplings_ && !couplings_->couplings().empty();
   if (coupled) couplings_->differentiate(parts_, d);
   if (d.Fx.size() == 0) return;
   coupled ? couplings_->condense(parts_, d) : collect_derivatives(d);
-}
-
-void ActionModelParts::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
-  check("ActionModelParts::calcDiff", x);
-  auto& d = internal::own_data<ActionDataParts>("ActionModelParts::calcDiff", data);
-  take_values(x, d);
-  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].model->calcDiff(d.parts[i], d.x[i]);
-  internal::collect_values(parts_, d.parts, d);
-  if (d.Fx.size() > 0) collect_derivatives(d);
 }
 
 // The blocks between parts are zero since createData.
@@ -220,8 +198,8 @@ void ActionModelParts::collect_derivatives(ActionDataParts& d) const {
 void ActionModelParts::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter,
                                    double tol) {
   if (couplings_) return ActionModelAbstract::quasiStatic(data, u, x, maxiter, tol);
-  check("ActionModelParts::quasiStatic", x, u);
-  auto& d = internal::own_data<ActionDataParts>("ActionModelParts::quasiStatic", data);
+  const ConstVectorRef given = u;
+  ActionDataParts& d = own("quasiStatic", data, x, &given);
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     if (parts_[i].u.empty()) continue;
     take(x, parts_[i].x, d.x[i]);

@@ -1,7 +1,5 @@
 // Separates a shooting problem into its subproblems.
 
-#include <numeric>
-
 #include "manycontact/control/parts.hpp"
 
 namespace manycontact {
@@ -10,11 +8,7 @@ namespace {
 
 constexpr const char* kSeparate = "separate";
 
-std::vector<int> all(std::size_t count) {
-  std::vector<int> out(count);
-  std::iota(out.begin(), out.end(), 0);
-  return out;
-}
+std::vector<int> all(std::size_t count) { return internal::range(0, static_cast<int>(count)); }
 
 const ActionModelParts* as_parts(const std::shared_ptr<ActionModelAbstract>& model) {
   const auto* parts = dynamic_cast<const ActionModelParts*>(model.get());

@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kActuationModelWrenches = "ActuationModelWrenches";
 
 const Robot& robot_of_end(const StateMultibody& state, const WrenchEnd& end) {
-  return state.get_model()->scene().robots[static_cast<std::size_t>(end.robot)];
+  return state.get_model()->scene().robots[end.robot];
 }
 
 // w about the tree frame's origin, where p is seen at r: (force, torque + r x force).
@@ -76,7 +76,7 @@ void ActuationModelWrenches::calc(const DataPtr& data, const ConstVectorRef& x, 
   auto& d = internal::own_data<ActuationDataWrenches>("ActuationModelWrenches::calc", data);
   d.tau.setZero();
   const std::vector<int>& selection = own_->selection();
-  for (std::size_t k = 0; k < selection.size(); ++k) d.tau[selection[k]] = u[static_cast<Index>(k)];
+  for (std::size_t k = 0; k < selection.size(); ++k) d.tau[selection[k]] = u[k];
   for (std::size_t b = 0; b < ends_.size(); ++b) {
     const Robot& robot = robot_of_end(*multibody_, ends_[b]);
     Kinematics<double>& kin = d.kins[b];

@@ -7,8 +7,6 @@
 
 namespace manycontact {
 
-using DataPtr = std::shared_ptr<ActionDataAbstract>;
-
 ActionDataAbstract::ActionDataAbstract(const ActionModelAbstract* model, WithoutMatrices) {
   xnext.setZero(model->get_state()->get_nx());
   r.setZero(model->get_nr());
@@ -30,13 +28,9 @@ void ActionDataAbstract::allocate_matrices(const ActionModelAbstract* model) {
   Hx.setZero(h.size(), ndx), Hu.setZero(h.size(), nu);
 }
 
-namespace {
-
-void expect_matrices(const ActionDataAbstract& d) {
+static void expect_matrices(const ActionDataAbstract& d) {
   if (!d.has_matrices()) throw std::logic_error("ActionDataAbstract: the parts' data have the derivatives");
 }
-
-}  // namespace
 
 void ActionDataAbstract::pull_back(const Eigen::VectorXd& p, VectorRef gx, VectorRef gu) const {
   expect_matrices(*this);
@@ -51,19 +45,12 @@ void ActionDataAbstract::dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) cons
 
 ActionModelAbstract::ActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr,
                                          std::size_t ng, std::size_t nh, std::size_t ng_T, std::size_t nh_T)
-    : NodeAbstract("ActionModel", std::move(state), nu, nr, ng, nh, ng_T, nh_T) {}
-
-void ActionModelAbstract::calc(const DataPtr& data, const ConstVectorRef& x) { calc(data, x, unone_); }
-
-void ActionModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef& x) { calcDiff(data, x, unone_); }
-
-DataPtr ActionModelAbstract::createData() { return std::make_shared<ActionDataAbstract>(this); }
-
-bool ActionModelAbstract::checkData(const DataPtr& data) { return data != nullptr; }
+    : NodeOf("ActionModel", std::move(state), nu, nr, ng, nh, ng_T, nh_T) {}
 
 void ActionModelAbstract::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter,
                                       double tol) {
-  check("quasiStatic", x, u);
+  check_size("quasiStatic", "x", x.size(), state_->get_nx());
+  check_size("quasiStatic", "u", u.size(), nu_);
   if (nu_ == 0) return;
   Eigen::VectorXd dx(state_->get_ndx());
   for (std::size_t k = 0; k < maxiter; ++k) {
@@ -74,21 +61,6 @@ void ActionModelAbstract::quasiStatic(const DataPtr& data, VectorRef u, const Co
     u -= du;
     if (du.norm() <= tol) break;
   }
-}
-
-Eigen::VectorXd ActionModelAbstract::quasiStatic_x(const DataPtr& data, const Eigen::VectorXd& x, std::size_t maxiter,
-                                                   double tol) {
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(nu_);
-  quasiStatic(data, u, x, maxiter, tol);
-  return u;
-}
-
-void ActionModelAbstract::check(const char* where, const ConstVectorRef& x) const {
-  check_size(where, "x", x.size(), state_->get_nx());
-}
-void ActionModelAbstract::check(const char* where, const ConstVectorRef& x, const ConstVectorRef& u) const {
-  check_size(where, "x", x.size(), state_->get_nx());
-  check_size(where, "u", u.size(), nu_);
 }
 
 }  // namespace manycontact

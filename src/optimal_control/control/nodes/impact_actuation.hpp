@@ -10,9 +10,8 @@ class ImpactActuation : public ActuationModelAbstract {
   explicit ImpactActuation(std::shared_ptr<StateMultibody> state);
 
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  using ActuationModelAbstract::calc;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  using ActuationModelAbstract::calcDiff;
+  using ActuationModelAbstract::calc, ActuationModelAbstract::calcDiff;
   void commands(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) override {}
   void torqueTransform(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) override {}
   std::shared_ptr<ActuationDataAbstract> createData() override;

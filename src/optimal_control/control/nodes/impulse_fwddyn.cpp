@@ -12,12 +12,11 @@ namespace manycontact {
 
 using Model_ = ActionModelImpulseFwdDynamics;
 using DataPtr = std::shared_ptr<ActionDataAbstract>;
-using internal::own_data;
 using internal::Stage;
 
 namespace {
 
-constexpr const char* kActionModelImpulseFwdDynamics = "ActionModelImpulseFwdDynamics";
+constexpr const char* kActionModelImpulseFwdDynamics = Model_::kName;
 const std::shared_ptr<ConstraintModelManager> kNoConstraints;
 const std::vector<int> kNoColumns;
 
@@ -52,10 +51,10 @@ Model_::ActionModelImpulseFwdDynamics(std::shared_ptr<StateMultibody> state,
                                       std::shared_ptr<CostModelSum> costs,
                                       std::shared_ptr<ConstraintModelManager> constraints, double r_coeff,
                                       double damping, bool)
-    : Base(internal::given(kActionModelImpulseFwdDynamics, state, "the state"), 0,
-           internal::given(kActionModelImpulseFwdDynamics, costs, "the stack of costs")->get_nr(),
-           constraints ? constraints->get_ng() : 0, constraints ? constraints->get_nh() : 0,
-           constraints ? constraints->get_ng_T() : 0, constraints ? constraints->get_nh_T() : 0),
+    : NodeWithData(internal::given(kActionModelImpulseFwdDynamics, state, "the state"), 0,
+                   internal::given(kActionModelImpulseFwdDynamics, costs, "the stack of costs")->get_nr(),
+                   constraints ? constraints->get_ng() : 0, constraints ? constraints->get_nh() : 0,
+                   constraints ? constraints->get_ng_T() : 0, constraints ? constraints->get_nh_T() : 0),
       multibody_(std::move(state)),
       impulses_(internal::given(kActionModelImpulseFwdDynamics, impulses, "the stack of impulses")),
       costs_(std::move(costs)),
@@ -147,7 +146,8 @@ void Model_::lay_out(Data& d) const {
 }
 
 // v+ = w - e v, with w = xout of the dynamics at rest.
-void Model_::calc_impact(const char* where, Data& d, const ConstVectorRef& x) const {
+void Model_::calc_impact(Data& d, const ConstVectorRef& x) const {
+  constexpr const char* where = "ActionModelImpulseFwdDynamics::calc";
   const internal::ActionTerms terms{*costs_, constraints_.get()};
   internal::check_terms(where, terms, *d.costs, d.constraints.get());
   for (const auto& [name, item] : impulses_->get_impulses())
@@ -174,29 +174,14 @@ void Model_::calc_impact(const char* where, Data& d, const ConstVectorRef& x) co
   lay_out(d);
 }
 
-void Model_::finish(Data& d, Stage stage) const {
+void Model_::evaluate(Data& d, const ConstVectorRef& x, const ConstVectorRef* u) {
+  calc_impact(d, x);
+  u ? costs_->calc(d.costs, x, *u) : costs_->calc(d.costs, x);
+  if (constraints_) u ? constraints_->calc(d.constraints, x, *u) : constraints_->calc(d.constraints, x);
   d.cost = d.costs->cost;
   internal::stack_residuals(*costs_, *d.costs, d.r);
   internal::copy_values(*d.terms, false, d);
-  d.stage = stage;
-}
-
-void Model_::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  check("ActionModelImpulseFwdDynamics::calc", x, u);
-  Data& d = own_data<Data>("ActionModelImpulseFwdDynamics::calc", data);
-  calc_impact("ActionModelImpulseFwdDynamics::calc", d, x);
-  costs_->calc(d.costs, x, u);
-  if (constraints_) constraints_->calc(d.constraints, x, u);
-  finish(d, Stage::kRunning);
-}
-
-void Model_::calc(const DataPtr& data, const ConstVectorRef& x) {
-  check("ActionModelImpulseFwdDynamics::calc", x);
-  Data& d = own_data<Data>("ActionModelImpulseFwdDynamics::calc", data);
-  calc_impact("ActionModelImpulseFwdDynamics::calc", d, x);
-  costs_->calc(d.costs, x);
-  if (constraints_) constraints_->calc(d.constraints, x);
-  finish(d, Stage::kTerminal);
+  d.stage = u ? Stage::kRunning : Stage::kTerminal;
 }
 
 // dv+/dq = dw/dq, dv+/dv = dw/dv - e I; the dynamics have v as their controls.
@@ -218,35 +203,16 @@ void Model_::differentiate_impact(Data& d, Stage stage) const {
   d.Fx.bottomRows(nv) = dvnext;
 }
 
-void Model_::copy_derivatives(Data& d) const {
+void Model_::differentiate(Data& d, const ConstVectorRef&, const ConstVectorRef* u) {
+  differentiate_impact(d, u ? Stage::kRunning : Stage::kTerminal);
+  u ? costs_->calcDiff(d.costs, d.x, *u) : costs_->calcDiff(d.costs, d.x);
+  if (constraints_) u ? constraints_->calcDiff(d.constraints, d.x, *u) : constraints_->calcDiff(d.constraints, d.x);
   d.Lx = d.terms->Lx;
   d.Lxx = d.terms->Lxx;
   d.Gx = d.terms->Gx;
   d.Hx = d.terms->Hx;
   d.Gu.resize(d.Gx.rows(), 0);
   d.Hu.resize(d.Hx.rows(), 0);
-}
-
-void Model_::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  check("ActionModelImpulseFwdDynamics::calcDiff", x, u);
-  Data& d = own_data<Data>("ActionModelImpulseFwdDynamics::calcDiff", data);
-  differentiate_impact(d, Stage::kRunning);
-  costs_->calcDiff(d.costs, d.x, u);
-  if (constraints_) constraints_->calcDiff(d.constraints, d.x, u);
-  copy_derivatives(d);
-}
-
-void Model_::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
-  check("ActionModelImpulseFwdDynamics::calcDiff", x);
-  Data& d = own_data<Data>("ActionModelImpulseFwdDynamics::calcDiff", data);
-  differentiate_impact(d, Stage::kTerminal);
-  costs_->calcDiff(d.costs, d.x);
-  if (constraints_) constraints_->calcDiff(d.constraints, d.x);
-  copy_derivatives(d);
-}
-
-void Model_::quasiStatic(const DataPtr&, VectorRef u, const ConstVectorRef& x, std::size_t, double) {
-  check("ActionModelImpulseFwdDynamics::quasiStatic", x, u);
 }
 
 void Model_::print(std::ostream& os) const {

@@ -1,17 +1,16 @@
 #pragma once
-// Cost and constraints that ActionModelLQR and DifferentialActionModelLQR share; m is either model, and d is its data.
+// Cost and constraints that ActionModelLQR and DifferentialActionModelLQR share; d is the data of either, and u null in
+// a terminal node.
 
-#include <Eigen/Eigenvalues>
 #include <random>
 
-#include "manycontact/action/fwd.hpp"
-#include "manycontact/control/state_vector.hpp"
+#include "manycontact/control/lqr.hpp"
 
 namespace manycontact::internal {
 
-// 1/2 x^T Q x + q^T x, G [x; 0] + g, H [x; 0] + h
-template <class Model, class Data>
-void linear_quadratic_values(const Model& m, const ConstVectorRef& x, Data& d) {
+// 1/2 x^T Q x + q^T x, G [x; 0] + g, H [x; 0] + h, and the rest with u
+template <class Data>
+void linear_quadratic_values(const LinearQuadraticTerms& m, const ConstVectorRef& x, const ConstVectorRef* u, Data& d) {
   d.Lx = m.get_q();  // q + Q x / 2
   d.Lx.noalias() += 0.5 * (m.get_Q() * x);
   d.cost = d.Lx.dot(x);
@@ -19,38 +18,32 @@ void linear_quadratic_values(const Model& m, const ConstVectorRef& x, Data& d) {
   d.g.noalias() += m.get_G().leftCols(x.size()) * x;
   d.h = m.get_h();
   d.h.noalias() += m.get_H().leftCols(x.size()) * x;
-}
-
-// the rest, with u
-template <class Model, class Data>
-void add_linear_quadratic_values(const Model& m, const ConstVectorRef& x, const ConstVectorRef& u, Data& d) {
+  if (!u) return;
   d.Lu = m.get_r();  // r + N^T x + R u / 2
   d.Lu.noalias() += m.get_N().transpose() * x;
-  d.Lu.noalias() += 0.5 * (m.get_R() * u);
-  d.cost += d.Lu.dot(u);
-  d.g.noalias() += m.get_G().rightCols(u.size()) * u;
-  d.h.noalias() += m.get_H().rightCols(u.size()) * u;
+  d.Lu.noalias() += 0.5 * (m.get_R() * *u);
+  d.cost += d.Lu.dot(*u);
+  d.g.noalias() += m.get_G().rightCols(u->size()) * *u;
+  d.h.noalias() += m.get_H().rightCols(u->size()) * *u;
 }
 
-template <class Model, class Data>
-void linear_quadratic_derivatives(const Model& m, const ConstVectorRef& x, Data& d) {
+template <class Data>
+void linear_quadratic_derivatives(const LinearQuadraticTerms& m, const ConstVectorRef& x, const ConstVectorRef* u,
+                                  Data& d) {
   d.Lx = m.get_q();
   d.Lx.noalias() += m.get_Q() * x;
   d.Lxx = m.get_Q();
   d.Gx = m.get_G().leftCols(x.size());
   d.Hx = m.get_H().leftCols(x.size());
-}
-
-template <class Model, class Data>
-void add_linear_quadratic_derivatives(const Model& m, const ConstVectorRef& x, const ConstVectorRef& u, Data& d) {
-  d.Lx.noalias() += m.get_N() * u;
+  if (!u) return;
+  d.Lx.noalias() += m.get_N() * *u;
   d.Lu = m.get_r();
   d.Lu.noalias() += m.get_N().transpose() * x;
-  d.Lu.noalias() += m.get_R() * u;
+  d.Lu.noalias() += m.get_R() * *u;
   d.Lxu = m.get_N();
   d.Luu = m.get_R();
-  d.Gu = m.get_G().rightCols(u.size());
-  d.Hu = m.get_H().rightCols(u.size());
+  d.Gu = m.get_G().rightCols(u->size());
+  d.Hu = m.get_H().rightCols(u->size());
 }
 
 template <class Matrix>
@@ -58,17 +51,6 @@ void check_shape(const char* who, const char* what, const Matrix& matrix, Eigen:
   require(matrix.rows() == rows && matrix.cols() == cols, who,
           std::string(what) + " is " + std::to_string(matrix.rows()) + " x " + std::to_string(matrix.cols()) + ", " +
               std::to_string(rows) + " x " + std::to_string(cols) + " is expected");
-}
-
-/// [Q N; N^T R] has no eigenvalue below -1e-12 of its largest: what rounding makes of a zero.
-inline void check_convex(const char* who, const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R,
-                         const Eigen::MatrixXd& N) {
-  Eigen::MatrixXd L(Q.rows() + R.rows(), Q.cols() + R.cols());
-  L << Q, N, N.transpose(), R;
-  const Eigen::VectorXd values =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(L, Eigen::EigenvaluesOnly).eigenvalues();
-  require(values.size() == 0 || values.minCoeff() >= -1e-12 * values.cwiseAbs().maxCoeff(), who,
-          "[Q N; N^T R] has a negative eigenvalue, a convex cost is expected");
 }
 
 inline std::shared_ptr<StateVector> vectors(Eigen::Index nx) { return std::make_shared<StateVector>(nx); }

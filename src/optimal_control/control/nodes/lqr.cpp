@@ -1,5 +1,6 @@
 #include "manycontact/control/lqr.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <ostream>
 
 #include "linear_quadratic.hpp"
@@ -9,13 +10,25 @@ namespace manycontact {
 using M = Eigen::MatrixXd;
 using V = Eigen::VectorXd;
 
-using DataPtr = std::shared_ptr<ActionDataAbstract>;
-
-namespace {
-
-constexpr const char* kActionModelLQR = "ActionModelLQR";
-
-}  // namespace
+void LinearQuadraticTerms::set_terms(const NodeAbstract& node, const char* name, Eigen::Index rows, const M& B,
+                                     const M& Q, const M& R, const M& N, const M& G, const M& H, const V& f, const V& q,
+                                     const V& r, const V& g, const V& h) {
+  const Eigen::Index nx = node.get_state()->get_nx(), nu = node.get_nu(), ng = node.get_ng(), nh = node.get_nh();
+  const auto check = [name](const char* what, const auto& matrix, Eigen::Index n, Eigen::Index cols) {
+    internal::check_shape(name, what, matrix, n, cols);
+  };
+  check("B", B, rows, nu), check("Q", Q, nx, nx), check("R", R, nu, nu), check("N", N, nx, nu);
+  check("G", G, ng, nx + nu), check("H", H, nh, nx + nu);
+  check("f", f, rows, 1), check("q", q, nx, 1), check("r", r, nu, 1), check("g", g, ng, 1), check("h", h, nh, 1);
+  M L(nx + nu, nx + nu);
+  L << Q, N, N.transpose(), R;
+  // Rounding makes eigenvalues of zero as small as -1e-12 of the largest.
+  const V values = Eigen::SelfAdjointEigenSolver<M>(L, Eigen::EigenvaluesOnly).eigenvalues();
+  require(values.size() == 0 || values.minCoeff() >= -1e-12 * values.cwiseAbs().maxCoeff(), name,
+          "[Q N; N^T R] has a negative eigenvalue, a convex cost is expected");
+  B_ = B, Q_ = Q, R_ = R, N_ = N, G_ = G, H_ = H;
+  f_ = f, q_ = q, r_ = r, g_ = g, h_ = h;
+}
 
 ActionModelLQR::ActionModelLQR(const M& A, const M& B, const M& Q, const M& R, const M& N)
     : ActionModelLQR(A, B, Q, R, N, internal::zeros(A.cols()), internal::zeros(A.cols()), internal::zeros(B.cols())) {}
@@ -27,7 +40,7 @@ ActionModelLQR::ActionModelLQR(const M& A, const M& B, const M& Q, const M& R, c
 
 ActionModelLQR::ActionModelLQR(const M& A, const M& B, const M& Q, const M& R, const M& N, const M& G, const M& H,
                                const V& f, const V& q, const V& r, const V& g, const V& h)
-    : ActionModelAbstract(internal::vectors(A.cols()), B.cols(), 0, G.rows(), H.rows(), G.rows(), H.rows()) {
+    : NodeWithData(internal::vectors(A.cols()), B.cols(), 0, G.rows(), H.rows(), G.rows(), H.rows()) {
   set_LQR(A, B, Q, R, N, G, H, f, q, r, g, h);
 }
 
@@ -46,47 +59,26 @@ ActionModelLQR ActionModelLQR::Random(std::size_t nx, std::size_t nu, std::size_
 
 void ActionModelLQR::set_LQR(const M& A, const M& B, const M& Q, const M& R, const M& N, const M& G, const M& H,
                              const V& f, const V& q, const V& r, const V& g, const V& h) {
-  const Eigen::Index nx = state_->get_nx(), nu = nu_, ng = ng_, nh = nh_;
-  const auto check_shape = [](const char* what, const auto& matrix, Eigen::Index rows, Eigen::Index cols) {
-    internal::check_shape(kActionModelLQR, what, matrix, rows, cols);
-  };
-  check_shape("A", A, nx, nx), check_shape("B", B, nx, nu);
-  check_shape("Q", Q, nx, nx), check_shape("R", R, nu, nu), check_shape("N", N, nx, nu);
-  check_shape("G", G, ng, nx + nu), check_shape("H", H, nh, nx + nu);
-  check_shape("f", f, nx, 1), check_shape("q", q, nx, 1), check_shape("r", r, nu, 1);
-  check_shape("g", g, ng, 1), check_shape("h", h, nh, 1);
-  internal::check_convex(kActionModelLQR, Q, R, N);
-  A_ = A, B_ = B, Q_ = Q, R_ = R, N_ = N, G_ = G, H_ = H;
-  f_ = f, q_ = q, r_ = r, g_ = g, h_ = h;
+  internal::check_shape(kName, "A", A, state_->get_nx(), state_->get_nx());
+  set_terms(*this, kName, A.rows(), B, Q, R, N, G, H, f, q, r, g, h);
+  A_ = A;
 }
 
-void ActionModelLQR::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  check("ActionModelLQR::calc", x, u);
-  calc(data, x);
-  data->xnext = f_;
-  data->xnext.noalias() += A_ * x;
-  data->xnext.noalias() += B_ * u;
-  internal::add_linear_quadratic_values(*this, x, u, *data);
+void ActionModelLQR::evaluate(ActionDataAbstract& d, const ConstVectorRef& x, const ConstVectorRef* u) {
+  internal::linear_quadratic_values(*this, x, u, d);
+  d.xnext = x;
+  if (!u) return;
+  d.xnext = f_;
+  d.xnext.noalias() += A_ * x;
+  d.xnext.noalias() += B_ * *u;
 }
 
-void ActionModelLQR::calc(const DataPtr& data, const ConstVectorRef& x) {
-  check("ActionModelLQR::calc", x);
-  internal::linear_quadratic_values(*this, x, check_data("ActionModelLQR::calc", data));
-  data->xnext = x;
-}
-
-void ActionModelLQR::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  check("ActionModelLQR::calcDiff", x, u);
-  calcDiff(data, x);
-  data->Fx = A_;
-  data->Fu = B_;
-  internal::add_linear_quadratic_derivatives(*this, x, u, *data);
-}
-
-void ActionModelLQR::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
-  check("ActionModelLQR::calcDiff", x);
-  internal::linear_quadratic_derivatives(*this, x, check_data("ActionModelLQR::calcDiff", data));
-  data->Fx.setIdentity();
+void ActionModelLQR::differentiate(ActionDataAbstract& d, const ConstVectorRef& x, const ConstVectorRef* u) {
+  internal::linear_quadratic_derivatives(*this, x, u, d);
+  d.Fx.setIdentity();
+  if (!u) return;
+  d.Fx = A_;
+  d.Fu = B_;
 }
 
 void ActionModelLQR::print(std::ostream& os) const {

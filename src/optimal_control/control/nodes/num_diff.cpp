@@ -6,9 +6,7 @@ namespace manycontact {
 
 template class NodeNumDiff<ActionModelAbstract, ActionDataAbstract>;
 
-namespace {
 constexpr const char* kNumDiffSetDisturbance = "ActionModelNumDiff::set_disturbance";
-}
 
 ActionModelNumDiff::ActionModelNumDiff(std::shared_ptr<ActionModelAbstract> model, bool with_gauss_approx)
     : NodeNumDiff("ActionModelNumDiff", std::move(model), with_gauss_approx, &ActionDataAbstract::xnext,
@@ -21,11 +19,6 @@ void ActionModelNumDiff::set_disturbance(double disturbance) {
 
 std::shared_ptr<ActionDataAbstract> ActionModelNumDiff::createData() {
   return std::make_shared<ActionDataNumDiff>(this);
-}
-
-Eigen::VectorXd ActionModelNumDiff::change(const ActionDataAbstract& at, const Eigen::VectorXd& plus,
-                                           const Eigen::VectorXd& minus, bool) const {
-  return state_->diff_dx(at.xnext, plus) - state_->diff_dx(at.xnext, minus);
 }
 
 }  // namespace manycontact

@@ -31,13 +31,11 @@ const ActionModelAbstract& first_of(const ShootingProblem::Models& models) {
 
 }  // namespace
 
-ShootingProblem::ShootingProblem(const Eigen::VectorXd& x0, const Models& running_models,
-                                 std::shared_ptr<ActionModelAbstract> terminal_model)
+ShootingProblem::ShootingProblem(const Eigen::VectorXd& x0, const Models& running_models, ModelPtr terminal_model)
     : ShootingProblem(x0, running_models, terminal_model, datas_of(running_models), data_of(terminal_model)) {}
 
-ShootingProblem::ShootingProblem(const Eigen::VectorXd& x0, const Models& running_models,
-                                 std::shared_ptr<ActionModelAbstract> terminal_model, const Datas& running_datas,
-                                 std::shared_ptr<ActionDataAbstract> terminal_data)
+ShootingProblem::ShootingProblem(const Eigen::VectorXd& x0, const Models& running_models, ModelPtr terminal_model,
+                                 const Datas& running_datas, DataPtr terminal_data)
     : x0_(x0),
       terminal_model_(std::move(terminal_model)),
       terminal_data_(std::move(terminal_data)),
@@ -54,15 +52,14 @@ ShootingProblem::ShootingProblem(const Eigen::VectorXd& x0, const Models& runnin
   set_nthreads(0);
 }
 
-void ShootingProblem::check_node(const char* where, const std::shared_ptr<ActionModelAbstract>& model) const {
+void ShootingProblem::check_node(const char* where, const ModelPtr& model) const {
   require(model != nullptr, where, "an action model is a null pointer");
   const StateAbstract& state = *model->get_state();
   require(state.get_nx() == nx_ && state.get_ndx() == ndx_, where,
           "an action model's state has nx, ndx that differ from the other nodes'");
 }
 
-void ShootingProblem::check_data(const char* where, const std::shared_ptr<ActionModelAbstract>& model,
-                                 const std::shared_ptr<ActionDataAbstract>& data) const {
+void ShootingProblem::check_data(const char* where, const ModelPtr& model, const DataPtr& data) const {
   check_node(where, model);
   require(model->checkData(data), where, "action data are not of their model, data of its createData() are expected");
 }
@@ -78,35 +75,33 @@ double ShootingProblem::total_cost() const {
   return cost + terminal_data_->cost;
 }
 
-void ShootingProblem::calc_node(std::size_t t, const std::vector<Eigen::VectorXd>& xs,
-                                const std::vector<Eigen::VectorXd>& us) {
+void ShootingProblem::calc_node(std::size_t t, const Vectors& xs, const Vectors& us) {
   if (by_state_alone(t))
     model(t)->calc(data(t), xs[t]);
   else
     model(t)->calc(data(t), xs[t], us[t]);
 }
 
-void ShootingProblem::calcDiff_node(std::size_t t, const std::vector<Eigen::VectorXd>& xs,
-                                    const std::vector<Eigen::VectorXd>& us) {
+void ShootingProblem::calcDiff_node(std::size_t t, const Vectors& xs, const Vectors& us) {
   if (by_state_alone(t))
     model(t)->calcDiff(data(t), xs[t]);
   else
     model(t)->calcDiff(data(t), xs[t], us[t]);
 }
 
-double ShootingProblem::calc(const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us) {
+double ShootingProblem::calc(const Vectors& xs, const Vectors& us) {
   check_sizes("ShootingProblem::calc", xs.size(), get_T() + 1, us.size());
   internal::each_node(nthreads_, get_T() + 1, calc_time_, [&](std::size_t t) { calc_node(t, xs, us); });
   return total_cost();
 }
 
-double ShootingProblem::calcDiff(const std::vector<Eigen::VectorXd>& xs, const std::vector<Eigen::VectorXd>& us) {
+double ShootingProblem::calcDiff(const Vectors& xs, const Vectors& us) {
   check_sizes("ShootingProblem::calcDiff", xs.size(), get_T() + 1, us.size());
   internal::each_node(nthreads_, get_T() + 1, calcDiff_time_, [&](std::size_t t) { calcDiff_node(t, xs, us); });
   return total_cost();
 }
 
-void ShootingProblem::rollout(const std::vector<Eigen::VectorXd>& us, std::vector<Eigen::VectorXd>& xs) {
+void ShootingProblem::rollout(const Vectors& us, Vectors& xs) {
   check_sizes("ShootingProblem::rollout", xs.size(), get_T() + 1, us.size());
   xs[0] = x0_;
   for (std::size_t t = 0; t <= get_T(); ++t) {
@@ -115,13 +110,13 @@ void ShootingProblem::rollout(const std::vector<Eigen::VectorXd>& us, std::vecto
   }
 }
 
-std::vector<Eigen::VectorXd> ShootingProblem::rollout_us(const std::vector<Eigen::VectorXd>& us) {
+std::vector<Eigen::VectorXd> ShootingProblem::rollout_us(const Vectors& us) {
   std::vector<Eigen::VectorXd> xs(get_T() + 1);
   rollout(us, xs);
   return xs;
 }
 
-void ShootingProblem::quasiStatic(std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& xs) {
+void ShootingProblem::quasiStatic(Vectors& us, const Vectors& xs) {
   check_sizes("ShootingProblem::quasiStatic", xs.size(), get_T(), us.size());
   internal::each_node(nthreads_, get_T(), [&](std::size_t t) {
     us[t].setZero(running_models_[t]->get_nu());
@@ -129,14 +124,13 @@ void ShootingProblem::quasiStatic(std::vector<Eigen::VectorXd>& us, const std::v
   });
 }
 
-std::vector<Eigen::VectorXd> ShootingProblem::quasiStatic_xs(const std::vector<Eigen::VectorXd>& xs) {
+std::vector<Eigen::VectorXd> ShootingProblem::quasiStatic_xs(const Vectors& xs) {
   std::vector<Eigen::VectorXd> us(get_T());
   quasiStatic(us, xs);
   return us;
 }
 
-void ShootingProblem::circularAppend(std::shared_ptr<ActionModelAbstract> model,
-                                     std::shared_ptr<ActionDataAbstract> data) {
+void ShootingProblem::circularAppend(ModelPtr model, DataPtr data) {
   check_data("ShootingProblem::circularAppend", model, data);
   std::rotate(running_models_.begin(), running_models_.begin() + 1, running_models_.end());
   std::rotate(running_datas_.begin(), running_datas_.begin() + 1, running_datas_.end());
@@ -145,13 +139,12 @@ void ShootingProblem::circularAppend(std::shared_ptr<ActionModelAbstract> model,
   is_updated_ = true;
 }
 
-void ShootingProblem::circularAppend(std::shared_ptr<ActionModelAbstract> model) {
+void ShootingProblem::circularAppend(ModelPtr model) {
   check_node("ShootingProblem::circularAppend", model);
   circularAppend(model, model->createData());
 }
 
-void ShootingProblem::updateNode(std::size_t i, std::shared_ptr<ActionModelAbstract> model,
-                                 std::shared_ptr<ActionDataAbstract> data) {
+void ShootingProblem::updateNode(std::size_t i, ModelPtr model, DataPtr data) {
   require(i <= get_T(), "ShootingProblem::updateNode", "there is no such node, 0 ... T are expected");
   check_data("ShootingProblem::updateNode", model, data);
   (i == get_T() ? terminal_model_ : running_models_[i]) = std::move(model);
@@ -159,7 +152,7 @@ void ShootingProblem::updateNode(std::size_t i, std::shared_ptr<ActionModelAbstr
   is_updated_ = true;
 }
 
-void ShootingProblem::updateModel(std::size_t i, std::shared_ptr<ActionModelAbstract> model) {
+void ShootingProblem::updateModel(std::size_t i, ModelPtr model) {
   check_node("ShootingProblem::updateModel", model);
   updateNode(i, model, model->createData());
 }
@@ -183,7 +176,7 @@ void ShootingProblem::set_runningModels(const Models& models) {
   is_updated_ = true;
 }
 
-void ShootingProblem::set_terminalModel(std::shared_ptr<ActionModelAbstract> model) { updateModel(get_T(), model); }
+void ShootingProblem::set_terminalModel(ModelPtr model) { updateModel(get_T(), model); }
 
 void ShootingProblem::set_nthreads(int nthreads) { nthreads_ = nthreads < 1 ? internal::default_threads() : nthreads; }
 

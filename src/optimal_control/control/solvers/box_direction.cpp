@@ -33,7 +33,7 @@ bool BoxDirection::compute_gains(std::size_t t) {
   qp_.free_inverse(Quu_inv_[t]);
   K_[t].noalias() = Quu_inv_[t] * Qxu_[t].transpose();
   k_[t] = -qp_.get_solution().x;
-  for (const std::size_t i : qp_.get_solution().clamped_idx) Qu_[t][static_cast<Eigen::Index>(i)] = 0;
+  for (const std::size_t i : qp_.get_solution().clamped_idx) Qu_[t][i] = 0;
   return true;
 }
 
@@ -59,7 +59,7 @@ void BoxDirection::precondition_feed_forward(Vectors& g) {
 void BoxDirection::hold_feed_forward(Vectors& nu) {
   for (std::size_t t = 0; t < nu.size(); ++t)
     for (Eigen::Index i = 0; i < nu[t].size(); ++i)
-      if (held_[t][static_cast<std::size_t>(i)]) nu[t][i] = 0;
+      if (held_[t][i]) nu[t][i] = 0;
 }
 
 void BoxDirection::hold_controls(std::size_t t, Eigen::VectorXd& g) {
@@ -69,8 +69,8 @@ void BoxDirection::hold_controls(std::size_t t, Eigen::VectorXd& g) {
   for (Eigen::Index i = 0; i < g.size(); ++i) {
     const bool held = (u[i] <= model.get_u_lb()[i] && g[i] > 0) || (u[i] >= model.get_u_ub()[i] && g[i] < 0);
     if (held) g[i] = 0;
-    if (held == held_[t][static_cast<std::size_t>(i)]) continue;
-    held_[t][static_cast<std::size_t>(i)] = held;
+    if (held == held_[t][i]) continue;
+    held_[t][i] = held;
     held_changed_ = true;
   }
 }

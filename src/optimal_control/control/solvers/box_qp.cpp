@@ -129,14 +129,6 @@ void BoxQP::set_th_acceptstep(double th_acceptstep) {
   require(th_acceptstep > 0 && th_acceptstep < 0.5, "BoxQP::set_th_acceptstep", "a number in (0, 0.5) is expected");
   th_acceptstep_ = th_acceptstep;
 }
-void BoxQP::set_th_grad(double th_grad) {
-  require(th_grad >= 0, "BoxQP::set_th_grad", "a number that is not negative is expected");
-  th_grad_ = th_grad;
-}
-void BoxQP::set_reg(double reg) {
-  require(reg >= 0, "BoxQP::set_reg", "a number that is not negative is expected");
-  reg_ = reg;
-}
 void BoxQP::set_alphas(const std::vector<double>& alphas) {
   internal::check_alphas("BoxQP::set_alphas", alphas);
   alphas_ = alphas;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "fit.hpp"
 #include "manycontact/control/solver.hpp"
@@ -17,9 +16,7 @@ namespace {
 
 // 0, 1, ... count - 1
 void count_up(std::size_t count, std::vector<int>& out) {
-  if (out.size() == count) return;
-  out.resize(count);
-  std::iota(out.begin(), out.end(), 0);
+  if (out.size() != count) out = internal::range(0, static_cast<int>(count));
 }
 
 }  // namespace
@@ -37,8 +34,8 @@ void Direction::resize() {
   internal::fit_all(T + 1, problem.get_ndx(), fs_, Vx_);
   internal::fit_all(T, problem.get_ndx(), dx_);
   internal::fit_controls(problem, us_, us_try_, k_, feed_forward_);
-  internal::fit(step_, static_cast<Eigen::Index>(problem.get_ndx()));
-  internal::fit(xnext_, static_cast<Eigen::Index>(problem.get_nx()));
+  internal::fit(step_, problem.get_ndx());
+  internal::fit(xnext_, problem.get_nx());
 }
 
 std::vector<int> Direction::blocks() const {

@@ -1,5 +1,7 @@
 #include "manycontact/control/fddp.hpp"
 
+#include "manycontact/control/direction.hpp"
+
 namespace manycontact {
 
 // Adds the terms of the gaps fs to DDP's expected improvement, with V of the backward pass and the states tried x:
@@ -27,11 +29,6 @@ bool SolverFDDP::accepts() const {
 void SolverFDDP::forwardPass(double steplength) {
   const bool gaps = !is_feasible_ && steplength != 1;
   rollOut(steplength, gaps, gaps);
-}
-
-void SolverFDDP::set_th_acceptnegstep(double th_acceptnegstep) {
-  require(th_acceptnegstep >= 0, "SolverFDDP::set_th_acceptnegstep", "a number that is not negative is expected");
-  th_acceptnegstep_ = th_acceptnegstep;
 }
 
 }  // namespace manycontact

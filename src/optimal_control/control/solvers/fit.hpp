@@ -18,15 +18,14 @@ void fit(Matrix& x, Eigen::Index rows, Eigen::Index cols = 1) {
 template <class... Lists>
 void fit_all(std::size_t count, std::size_t size, Lists&... lists) {
   (lists.resize(count), ...);
-  for (std::size_t t = 0; t < count; ++t) (fit(lists[t], static_cast<Eigen::Index>(size)), ...);
+  for (std::size_t t = 0; t < count; ++t) (fit(lists[t], size), ...);
 }
 
 /// Resizes the vectors to the controls of each running node.
 template <class... Lists>
 void fit_controls(const ShootingProblem& problem, Lists&... lists) {
   (lists.resize(problem.get_T()), ...);
-  for (std::size_t t = 0; t < problem.get_T(); ++t)
-    (fit(lists[t], static_cast<Eigen::Index>(problem.model(t)->get_nu())), ...);
+  for (std::size_t t = 0; t < problem.get_T(); ++t) (fit(lists[t], problem.model(t)->get_nu()), ...);
 }
 
 /// All finite and below 1e30.

@@ -85,19 +85,18 @@ double SolverAbstract::computeEqualityFeasibility() {
   return internal::infeasibility(*problem_, internal::Rows::kEqualities, feasnorm_);
 }
 
-void SolverAbstract::check_xs(const char* where, const std::vector<Eigen::VectorXd>& xs) const {
+void SolverAbstract::check_xs(const char* where, const Vectors& xs) const {
   require(xs.size() == problem_->get_T() + 1, where, "the number of states is not T + 1");
   for (const Eigen::VectorXd& x : xs) check_size(where, "a state", x.size(), problem_->get_nx());
 }
 
-void SolverAbstract::check_us(const char* where, const std::vector<Eigen::VectorXd>& us) const {
+void SolverAbstract::check_us(const char* where, const Vectors& us) const {
   require(us.size() == problem_->get_T(), where, "the number of controls is not T");
   for (std::size_t t = 0; t < us.size(); ++t)
     check_size(where, "a control", us[t].size(), problem_->get_runningModels()[t]->get_nu());
 }
 
-void SolverAbstract::setCandidate(const std::vector<Eigen::VectorXd>& xs_warm,
-                                  const std::vector<Eigen::VectorXd>& us_warm, bool is_feasible) {
+void SolverAbstract::setCandidate(const Vectors& xs_warm, const Vectors& us_warm, bool is_feasible) {
   if (!xs_warm.empty()) check_xs("Solver::setCandidate", xs_warm);
   if (!us_warm.empty()) check_us("Solver::setCandidate", us_warm);
   for (std::size_t t = 0; t < xs_.size(); ++t) {
@@ -127,33 +126,12 @@ void SolverAbstract::callCallbacks() {
   for (const auto& callback : *callbacks) (*callback)(*this);
 }
 
-void SolverAbstract::set_xs(const std::vector<Eigen::VectorXd>& xs) {
+void SolverAbstract::set_xs(const Vectors& xs) {
   check_xs("Solver::set_xs", xs);
   xs_ = xs;
 }
-void SolverAbstract::set_us(const std::vector<Eigen::VectorXd>& us) {
+void SolverAbstract::set_us(const Vectors& us) {
   check_us("Solver::set_us", us);
   us_ = us;
 }
-void SolverAbstract::set_preg(double preg) {
-  require(preg >= 0, "Solver::set_preg", "a number that is not negative is expected");
-  preg_ = preg;
-}
-void SolverAbstract::set_dreg(double dreg) {
-  require(dreg >= 0, "Solver::set_dreg", "a number that is not negative is expected");
-  dreg_ = dreg;
-}
-void SolverAbstract::set_th_acceptstep(double th_acceptstep) {
-  require(th_acceptstep > 0 && th_acceptstep <= 1, "Solver::set_th_acceptstep", "a number in (0, 1] is expected");
-  th_acceptstep_ = th_acceptstep;
-}
-void SolverAbstract::set_th_stop(double th_stop) {
-  require(th_stop > 0, "Solver::set_th_stop", "a positive number is expected");
-  th_stop_ = th_stop;
-}
-void SolverAbstract::set_th_gaptol(double th_gaptol) {
-  require(th_gaptol >= 0, "Solver::set_th_gaptol", "a number that is not negative is expected");
-  th_gaptol_ = th_gaptol;
-}
-
 }  // namespace manycontact

@@ -19,8 +19,7 @@ class Direction {
   /// The part's problem, and which coordinates of the solver's are the part's.
   const ShootingPart& part() const { return part_; }
   const std::shared_ptr<ShootingProblem>& get_problem() const { return part_.problem; }
-  /// How the direction is found.
-  virtual const char* name() const = 0;
+  virtual const char* name() const = 0;  // how the direction is found
   /// Controls of the matrices that are factorized at a node: the largest number over the nodes, of each matrix.
   virtual std::vector<int> blocks() const;
   /// The policy of some of the part's coordinates: u = us - K (x (-) xs) if the direction is zero.
@@ -51,26 +50,21 @@ class Direction {
   double roll_out(double steplength, bool keep_gaps, bool keep_terminal_gap);
   /// (dg, dq): a step of length s is expected to reduce the cost by s (dg + s dq / 2); gaps: with what they add.
   virtual Eigen::Vector2d improvement(bool gaps) = 0;
-  /// The term dv of fddp.cpp, at the trial states.
-  virtual double gap_improvement() { return 0; }
-  /// The expected reduction of a full step from a candidate without gaps.
-  virtual double expected_reduction() const = 0;
+  virtual double gap_improvement() { return 0; }  // the term dv of fddp.cpp, at the trial states
+  virtual double expected_reduction() const = 0;  // the expected reduction of a full step from a candidate without gaps
 
   /// Used by SolverDDP::descend: sets k = -nu for the next steps; computes the gradient at the controls tried, at nodes
   /// that are differentiated; and replaces g by H^-1 g, where H is Gauss-Newton's Hessian with respect to nu.
   virtual void set_feed_forward(const Vectors& nu);
   virtual void feed_forward_gradient(Vectors& g) = 0;
   virtual void precondition_feed_forward(Vectors& g) = 0;
-  /// Sets controls to zero that were at a limit at the last gradient.
-  virtual void hold_feed_forward(Vectors&) {}
-  /// The size of the cost, where thresholds depend on it.
-  virtual void set_scale(double) {}
+  virtual void hold_feed_forward(Vectors&) {}  // sets controls to zero that were at a limit at the last gradient
+  virtual void set_scale(double) {}            // the size of the cost, where thresholds depend on it
 
  protected:
   /// is_whole: the part is all of the solver's problem, in its order; it follows the problem's nodes.
   Direction(ShootingPart part, bool is_whole) : part_(std::move(part)), is_whole_(is_whole) {}
-  /// us_try[t] at xs_try[t].
-  virtual void step_control(std::size_t t, double steplength) = 0;
+  virtual void step_control(std::size_t t, double steplength) = 0;  // us_try[t] at xs_try[t]
 
   ShootingPart part_;
   // The part's share of the solver's candidate, and of what is tried.

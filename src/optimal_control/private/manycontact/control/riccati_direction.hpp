@@ -45,8 +45,7 @@ class RiccatiDirection : public Direction {
 
  protected:
   void step_control(std::size_t t, double steplength) override;
-  /// us_try[t] onto the limits.
-  virtual void limit_control(std::size_t) {}
+  virtual void limit_control(std::size_t) {}  // us_try[t] onto the limits
   /// Sets to zero, in the gradient of node t, the controls at limits that would leave them; these are fixed from then
   /// on.
   virtual void hold_controls(std::size_t, Eigen::VectorXd&) {}

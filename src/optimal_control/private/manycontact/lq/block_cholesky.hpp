@@ -25,8 +25,7 @@ class BlockCholesky {
   /// Adds M to S at row i of vertex u and column j of vertex v, and M^T at the mirrored place if that is another one
   /// (M on the diagonal is symmetric).
   void add(int u, int i, int v, int j, const Eigen::Ref<const Eigen::MatrixXd>& M);
-  /// Adds a to vertex v's diagonal.
-  void add_diagonal(int v, double a);
+  void add_diagonal(int v, double a);  // adds a to vertex v's diagonal
 
   /// Adds `relative` times the largest entry of each vertex's rows to its diagonal, by its sign: S is quasi-definite
   /// then if it was semidefinite.
@@ -34,11 +33,10 @@ class BlockCholesky {
 
   /// The vertex whose pivots keep less than `least` of their terms (wrong sign included); -1 where all do.
   [[nodiscard]] int factorize(double least);
-  /// x <- S^-1 x, x by vertex.
-  void solve(Eigen::VectorXd& x) const;
+  void solve(Eigen::VectorXd& x) const;  // x <- S^-1 x, x by vertex
 
   int size() const { return start_.empty() ? 0 : start_.back(); }
-  int start(int v) const { return start_[static_cast<std::size_t>(v)]; }
+  int start(int v) const { return start_[v]; }
   int vertices() const { return static_cast<int>(vertices_.size()); }
   bool finite() const;
 

@@ -48,8 +48,7 @@ class DirectionSolver {
   /// Operations (additions and multiplications) of factorize, predicted from the structure as if no group had steps.
   virtual double flops() const = 0;
 
-  /// Corrections of iterative refinement, at most.
-  int max_refinements = 3;
+  int max_refinements = 3;  // corrections of iterative refinement, at most
 
  protected:
   virtual void do_analyse(const Problem& problem) = 0;

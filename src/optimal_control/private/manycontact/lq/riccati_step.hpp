@@ -30,14 +30,12 @@ class RiccatiStep {
   double* row(int i) { return F_.data() + static_cast<std::ptrdiff_t>(i) * ld_; }
   int x_start() const { return u_; }
 
-  /// H = F^T P F.
-  void multiply(ConstMatrix P);
+  void multiply(ConstMatrix P);  // H = F^T P F
   /// The same in half the operations, if F is [J 0; 0 0] + [G; 1] F_z in x and [G; 1] F_z in v. F_z: the rows set.
   void multiply(ConstMatrix P, const SymplecticStructure& steps);
   /// The same if each member's rows of F have entries in its own columns alone.
   void multiply(ConstMatrix P, const std::vector<Member>& members);
-  /// Sets H = 0 in a terminal knot.
-  void set_zero();
+  void set_zero();  // sets H = 0 in a terminal knot
 
   /// The blocks of H, of Qvv and Qxx the lower triangles.
   Matrix Qvv() { return {H_.data(), nv_, nv_, Eigen::OuterStride<>(ld_)}; }
@@ -52,8 +50,7 @@ class RiccatiStep {
   [[nodiscard]] bool eliminate(Eigen::MatrixXd& L, double least);
   /// K^T: nx x nv, by eliminate or as the caller sets it.
   Matrix Kt() { return {K_.data(), nx_, nv_, Eigen::OuterStride<>(ld_)}; }
-  /// P = Qxx - Qxv K, both triangles.
-  void value(Eigen::MatrixXd& P);
+  void value(Eigen::MatrixXd& P);  // P = Qxx - Qxv K, both triangles
 
  private:
   int nv_ = 0, nx_ = 0, u_ = 0, ld_ = 0;  // u_: where x begins; ld_: columns of a row

@@ -39,8 +39,6 @@ class ResidualModelRows : public ResidualOfInner {  // r_i = inner_(rows_i)
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   void print(std::ostream& os) const override;
 
-  const std::vector<int>& get_rows() const { return rows_; }  // its rows, in order
-
  private:
   std::vector<int> rows_, row_of_;  // row_of_: of inner's rows, -1 for those left out
 };

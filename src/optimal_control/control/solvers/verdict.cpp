@@ -1,0 +1,151 @@
+// The verdict of SolverDDP on its result, and the ways in which it continues.
+
+#include <limits>
+
+#include "../constrained/kkt_residual.hpp"
+#include "fit.hpp"
+#include "manycontact/control/ddp.hpp"
+
+namespace manycontact {
+
+using Vectors = std::vector<Eigen::VectorXd>;
+
+namespace {
+
+// The KKT residual with least-squares multipliers; the nodes must be differentiated at that motion.
+double kkt_residual_of(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, bool limits,
+                       double scale) {
+  Eigen::VectorXd work;
+  return internal::kkt_residual_of_nodes(
+      problem, xs, us, internal::least_squares_multipliers_of_nodes(problem, us, limits), limits, {}, scale, work);
+}
+
+// The accepted excess of cost over the optimum for a candidate within limits: th_stop of solvers without limits, or
+// rounding errors.
+double optimality_gap(double th_stop, double rounding) { return std::max(std::min(th_stop, 1e-9), rounding); }
+
+// A setting that has its value again at the end of a scope.
+struct Restore {
+  double &number, value;
+  ~Restore() { number = value; }
+};
+
+}  // namespace
+
+// The predicted reduction may be below the rounding errors of the cost before the stopping rule is met. The KKT
+// residual is not affected.
+StopReason SolverDDP::judgeWithoutStep() {
+  problem_->calc(xs_, us_);  // the data are of the last try
+  calcDiff();
+  kkt_ = kkt_residual_of(*problem_, xs_, us_, false, kkt_scale_);
+  return kkt_ <= th_kkt_ ? StopReason::kConverged : StopReason::kNoStep;
+}
+
+// Whether the direction of the least regularisation promises next to nothing, too: a large one makes every direction
+// short. The regularisation is not changed.
+bool SolverDDP::stopsUnregularised() {
+  if (!judges_ || preg_ <= reg_min_ * scale_) return true;
+  const double preg = preg_, dreg = dreg_;
+  preg_ = dreg_ = reg_min_ * scale_;
+  if (!stepped_) problem_->calc(xs_, us_);  // the data are of the last try
+  const bool stops =
+      findDirection(true) &&
+      expectedReduction() < std::max(th_stop_ * scale_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_));
+  preg_ = preg;
+  dreg_ = dreg;
+  return stops;
+}
+
+// Whether half g^T Quu^-1 g is small, where g is the projected gradient with respect to the feed-forward terms. At a
+// regularised direction this is not conclusive, because Quu is too large.
+bool SolverDDP::isOptimalWithinLimits() {
+  if (preg_ > reg_min_ * scale_) return false;
+  problem_->calc(xs_, us_);
+  problem_->calcDiff(xs_, us_);
+  for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_[t];
+  allocateDescent();
+  computeFeedForwardGradient(g_);
+  for (std::size_t t = 0; t < us_.size(); ++t) nu_[t] = g_[t];
+  preconditionFeedForward(nu_);
+  const double rounding = std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_;
+  return 0.5 * dot(g_, nu_) < optimality_gap(th_stop_, rounding) * scale_;
+}
+
+// Crocoddyl's box rule leaves what clamped controls have yet to move out of the expected improvement and of the value
+// function, so that directions may be no descent. The gradient of `descend` is exact.
+StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
+  const Restore restore{th_stop_, th_stop_};
+  if (!stepped_) problem_->calc(xs_, us_);  // the data are of the last try
+  const bool by_kkt = std::isfinite(th_kkt_), by_gap = judges_ && !by_kkt;
+  const double rounding = std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_;
+  constexpr int kRounds = 20, kIdle = 3;  // each of one backward pass; of them in a row that gain nothing
+  double least = std::numeric_limits<double>::infinity();
+  for (int round = 0, idle = 0; round < kRounds && idle < kIdle; ++round) {
+    if (by_kkt) th_stop_ = std::max(1e-6 * restore.value * std::min(1.0, kkt_scale_ / scale_), rounding);
+    if (by_gap) th_stop_ = optimality_gap(restore.value, rounding);
+    preg_ = dreg_ = reg_min_ * scale_;
+    const StopReason reason = descend(maxiter - std::min(maxiter, reported_));
+    if (reason == StopReason::kInterrupted || reason == StopReason::kNoDirection) return reason;
+    if (!by_kkt && (!by_gap || reason == StopReason::kConverged)) return reason;
+    if (by_kkt) {
+      problem_->calc(xs_, us_);
+      calcDiff();
+      kkt_ = kkt_residual_of(*problem_, xs_, us_, true, kkt_scale_);
+      if (kkt_ <= th_kkt_) return StopReason::kConverged;
+    }
+    if (reason == StopReason::kIterations) return reason;
+    const double left = by_gap ? stop_ : kkt_;
+    idle = left < 0.5 * least ? 0 : idle + 1;
+    least = std::min(least, left);
+  }
+  return StopReason::kNoStep;
+}
+
+// Continues from a candidate that meets the stopping rule. Steps are accepted untested if their expected gain is below
+// the cost's rounding error.
+StopReason SolverDDP::polish(std::size_t maxiter) {
+  const Restore restore{th_grad_, th_grad_};
+  th_grad_ = std::max(th_grad_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_);
+  for (bool moved = true;; ++polishing_) {
+    if (moved) {
+      calcDiff();
+      kkt_ = kkt_residual_of(*problem_, xs_, us_, keeps_limits(), kkt_scale_);
+    }
+    if (kkt_ <= th_kkt_) return StopReason::kConverged;
+    if (polishing_ == maxiter) return StopReason::kIterations;
+    if (!findDirection(false)) return StopReason::kNoDirection;
+    moved = searchLine();
+    if (!adaptRegularization()) return StopReason::kNoStep;
+  }
+}
+
+void SolverDDP::limitGuess() {
+  if (!keeps_limits()) return;
+  for (std::size_t t = 0; t < us_.size(); ++t) {
+    const ActionModelAbstract& model = *problem_->model(t);
+    if (!model.get_has_control_limits()) continue;
+    us_try_[t] = us_[t].cwiseMax(model.get_u_lb()).cwiseMin(model.get_u_ub());
+    if (us_try_[t] == us_[t]) continue;
+    us_[t] = us_try_[t];
+    is_feasible_ = false;
+  }
+}
+
+// Directions from a candidate with gaps ignore the limits. All their steps may be useless, and they leave controls at
+// one limit or the other. The motion that the guess's controls cause has no gaps, and directions from it include the
+// limits.
+bool SolverDDP::rollOutCandidate() {
+  if (!keeps_limits() || is_feasible_) return false;
+  for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_guess_[t];
+  problem_->rollout(us_try_, xs_try_);
+  cost_try_ = problem_->total_cost();
+  for (const Eigen::VectorXd& x : xs_try_)
+    if (raiseIfNaN(cost_try_) || !internal::is_sound(x)) return false;
+  setCandidate(xs_try_, us_try_, true);
+  cost_ = cost_try_;
+  preg_ = dreg_ = reg_min_ * scale_;
+  steplength_ = 1;
+  return stepped_ = rolled_out_ = true;
+}
+
+}  // namespace manycontact
