@@ -35,7 +35,8 @@ const std::vector<Guarded> guarded = {
      std::regex("suitesparse/.*|(ldl|c?camd|c?colamd|amd|btf|cs|klu|umfpack|spqr|cholmod\\w*)\\.h"
                 "|SuiteSparse\\w*\\.h(pp)?|Eigen/(Cholmod|UmfPack|SPQR|KLU)Support"),
      std::regex("sparse/src/.*")},
-    {"tinyxml2 belongs to the sources of io", std::regex("tinyxml2?/.*|tinyxml2?\\.h"), std::regex("src/tools/io/.*")},
+    {"urdfdom and tinyxml2 belong to the sources of io",
+     std::regex("(urdf\\w*|console_bridge|tinyxml2?)/.*|tinyxml2?\\.h"), std::regex("src/tools/io/.*")},
     {"JSON belongs to the programs", std::regex("nlohmann/.*"), std::regex("src/(optimal_control/)?program/.*")},
     {"OpenMP belongs to one file, which sees no Eigen", std::regex("omp\\.h"),
      std::regex("src/core/dynamics/workspace/parallel\\.cpp")},
@@ -251,6 +252,7 @@ TEST(Layering, CheckerLetsGoodIncludesPass) {
       {"include/manycontact/spatial/scalar.hpp", "<boost/multiprecision/float128.hpp>"},
       {"sparse/src/ldl.cpp", "\"manycontact/sparse/ldl.hpp\""},
       {"sparse/src/ldl.cpp", "<ldl.h>"},
+      {"src/tools/io/urdf.cpp", "<urdf_parser/urdf_parser.h>"},
       {"include/manycontact/manycontact.hpp", "\"manycontact/simulation/step.hpp\""},
       {"src/program/main.cpp", "\"manycontact/manycontact.hpp\""},
       {"src/tools/analysis/load_scene.cpp", "\"manycontact/io/scene_file.hpp\""},
@@ -275,6 +277,7 @@ TEST(Layering, CheckerRefusesBadIncludes) {
       {"src/core/kkt/assemble.cpp", "<suitesparse/ldl.h>"},  // headers private to one layer
       {"src/core/kkt/assemble.cpp", "<Eigen/CholmodSupport>"},
       {"sparse/private/manycontact/sparse/ldl.hpp", "<cholmod.h>"},
+      {"src/program/main.cpp", "<urdf_model/model.h>"},
       {"include/manycontact/io/scene_file.hpp", "<tinyxml2.h>"},
       {"src/tools/io/scene_file.cpp", "<nlohmann/json.hpp>"},
       {"src/core/dynamics/solve.cpp", "<boost/multiprecision/float128.hpp>"},

@@ -358,7 +358,7 @@ TEST_F(BadInput, Urdf) {
   const auto limit = [](const std::string& attributes) { return "<limit " + attributes + "/>"; };
   const UrdfCase cases[] = {
       {1, "<robot>", 1, "<robot> has no attribute 'name'"},
-      {1, R"(<robot name="x" version="7.0">)", 1, "version of <robot> is '7.0', expected URDF 1.0"},
+      {1, R"(<robot name="x" version="7.0">)", 1, "urdfdom refuses the robot"},
       {1, "<model>", 1, "is not XML"},
       {2, "", 5, "joint 'r' is an unknown link 'a', expected one of 'b', 'c', 'd'"},
       {2, "<link/>", 2, "<link> has no attribute 'name'"},

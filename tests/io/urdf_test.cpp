@@ -318,7 +318,7 @@ TEST(Urdf, ToleratesWhatRealFilesHold) {
   EXPECT_EQ(m.joints[0].axis, Vec3<double>::UnitZ());
 }
 
-// Deep recursion would overflow the stack.
+// Deep recursion would overflow the stack, also when urdfdom's tree is freed.
 TEST(Urdf, LongChain) {
   constexpr int kLinks = 5000;
   std::string robot;

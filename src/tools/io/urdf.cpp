@@ -1,17 +1,71 @@
 #include "manycontact/io/urdf.hpp"
 
+#include <console_bridge/console.h>
+#include <urdf_model/model.h>
+#include <urdf_parser/urdf_parser.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <mutex>
 
+#include "urdf_check.hpp"
 #include "urdf_inertia.hpp"
-#include "urdf_robot.hpp"
 
 namespace manycontact {
 namespace {
 
+using io::UrdfDetails;
 using io::UrdfJoint;
-using io::UrdfLink;
-using io::UrdfRobot;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Silences urdfdom. No handler at all, rather than one that listens: urdfdom uses names from the file as
+// printf formats.
+class Silence {
+ public:
+  Silence() : lock_(mutex()) { console_bridge::noOutputHandler(); }
+  ~Silence() { console_bridge::restorePreviousOutputHandler(); }
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex m;
+    return m;
+  }
+  std::lock_guard<std::mutex> lock_;
+};
+
+urdf::ModelInterfaceSharedPtr parse(io::XmlFile& file, const UrdfDetails& details) {
+  urdf::ModelInterfaceSharedPtr robot;
+  std::string reason;
+  try {
+    const Silence silence;
+    robot = urdf::parseURDF(io::text_for_urdfdom(file));
+  } catch (const std::exception& e) {
+    reason = std::string(" (") + e.what() + ")";
+  }
+  if (!robot)
+    throw InputError(file.path(), details.robot, "urdfdom refuses the robot" + reason + ", expected URDF 1.0");
+  return robot;
+}
+
+SE3<double> placement_of(const urdf::Pose& pose) {
+  double x, y, z, w;
+  pose.rotation.getQuaternion(x, y, z, w);
+  return {rotation_of_quaternion(x, y, z, w), Vec3<double>(pose.position.x, pose.position.y, pose.position.z)};
+}
+
+Inertia<double> inertia_of(const urdf::Inertial& i) {
+  const SE3<double> at = placement_of(i.origin);
+  Mat3<double> I;
+  I << i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz;
+  return Inertia<double>::from_com(i.mass, at.p, at.R * I * at.R.transpose());
+}
+
+Vec3<double> axis_of(const urdf::Joint& joint) {
+  const Vec3<double> axis(joint.axis.x, joint.axis.y, joint.axis.z);
+  return axis / axis.stableNorm();
+}
 
 // The smallest rotation that takes z to the unit vector a (about x when a = -z).
 Mat3<double> rotation_from_z(const Vec3<double>& a) {
@@ -23,26 +77,26 @@ Mat3<double> rotation_from_z(const Vec3<double>& a) {
   return Mat3<double>::Identity() + V + k * V * V;
 }
 
-JointType type_of(const UrdfJoint& joint) {
+JointType type_of(const urdf::Joint& joint) {
   switch (joint.type) {
-    case UrdfJoint::kPrismatic:
+    case urdf::Joint::PRISMATIC:
       return JointType::kPrismatic;
-    case UrdfJoint::kFloating:
+    case urdf::Joint::FLOATING:
       return JointType::kFloating;
-    case UrdfJoint::kPlanar:
+    case urdf::Joint::PLANAR:
       return JointType::kPlanar;
     default:
       return JointType::kRevolute;
   }
 }
 
-// from: of the file; none: no limits.
-void set_limits(Joint& out, const UrdfJoint& from = {}) {
+// details: of the file; none: no limits.
+void set_limits(Joint& out, const UrdfJoint& details = {}) {
   const auto all = [&](double x) { return Eigen::VectorXd::Constant(out.nv(), x); };
-  out.lower = all(from.lower);
-  out.upper = all(from.upper);
-  out.velocity_limit = all(from.velocity);
-  out.effort_limit = all(from.effort);
+  out.lower = all(details.lower);
+  out.upper = all(details.upper);
+  out.velocity_limit = all(details.velocity);
+  out.effort_limit = all(details.effort);
 }
 
 // The placement of a link's frame on a joint's body (-1: the immovable base).
@@ -51,27 +105,27 @@ struct Place {
   SE3<double> placement;
 };
 
-// Builds a Model from the file's tree: walks it depth first, merging as it goes.
+// Builds a Model from urdfdom's tree: walks it depth first, merging as it goes.
 class Builder {
  public:
-  Builder(UrdfRobot& robot, const UrdfOptions& options, const std::string& path)
-      : robot_(robot), options_(options), path_(path) {}
+  Builder(const urdf::ModelInterface& robot, const UrdfOptions& options, const std::string& path, UrdfDetails& details)
+      : robot_(robot), options_(options), path_(path), details_(details) {}
 
   Model build() {
-    model_.name = robot_.name;
+    model_.name = robot_.getName();
     model_.floating_base = options_.floating_base;
     check_locks();
     std::vector<Step> stack{{&root_link()}};  // a chain of links may be longer than the machine's stack
     while (!stack.empty()) {
       const Step step = stack.back();
       stack.pop_back();
-      const Place place = step.joint ? cross(step) : root(*step.link);
-      const UrdfLink& link = robot_.links.at(*step.link);
-      add_link(*step.link, link, place);
+      const Place place = step.joint ? cross(step) : root(step.link->name);
+      add_link(*step.link, place);
       const std::size_t first = stack.size();
-      for (const UrdfJoint* joint : link.below)
-        if (joint != step.joint) stack.push_back({&joint->child, joint, place});
-      if (link.above && link.above != step.joint) stack.push_back({&link.above->parent, link.above, place, true});
+      for (const urdf::LinkSharedPtr& child : step.link->child_links)
+        if (child->parent_joint.get() != step.joint) stack.push_back({child.get(), child->parent_joint.get(), place});
+      if (const urdf::Joint* joint = step.link->parent_joint.get(); joint && joint != step.joint)
+        stack.push_back({robot_.getLink(joint->parent_link_name).get(), joint, place, true});
       std::sort(stack.begin() + static_cast<std::ptrdiff_t>(first), stack.end(),
                 [](const Step& a, const Step& b) { return a.joint->name > b.joint->name; });  // the last is next
     }
@@ -80,7 +134,7 @@ class Builder {
     try {
       finalize(model_);
     } catch (const std::invalid_argument& e) {
-      throw InputError(path_, robot_.line, std::string(e.what()) + ", expected a shallower one");
+      throw InputError(path_, details_.robot, std::string(e.what()) + ", expected a shallower one");
     }
     set_armature();
     if (options_.model_dynamics) set_dynamics();
@@ -91,18 +145,18 @@ class Builder {
  private:
   // A step from a placed link over a joint to another link. backwards: from the file's child to its parent.
   struct Step {
-    const std::string* link;
-    const UrdfJoint* joint = nullptr;  // null: the step to the root
+    const urdf::Link* link;
+    const urdf::Joint* joint = nullptr;  // null: the step to the root
     Place from = {};
     bool backwards = false;
   };
 
-  const std::string& root_link() const {
-    if (options_.root.empty()) return robot_.root;
-    const auto found = robot_.links.find(options_.root);
-    if (found != robot_.links.end()) return found->first;
+  const urdf::Link& root_link() const {
+    if (options_.root.empty()) return *robot_.getRoot();
+    const auto found = robot_.links_.find(options_.root);
+    if (found != robot_.links_.end()) return *found->second;
     std::vector<std::string> names;
-    for (const auto& [name, link] : robot_.links) names.push_back(name);
+    for (const auto& [name, link] : robot_.links_) names.push_back(name);
     throw UrdfOptionError(
         "", false,
         "the robot has no link " + quote(options_.root) + " for its root, " + suggestion(options_.root, names));
@@ -112,7 +166,7 @@ class Builder {
     if (!options_.floating_base) return {};
     Joint base;
     base.name = "root";
-    while (robot_.joints.count(base.name)) base.name += "_";
+    while (robot_.joints_.count(base.name)) base.name += "_";
     base.type = JointType::kFloating;
     set_limits(base);
     return {append(std::move(base), link), {}};
@@ -121,13 +175,13 @@ class Builder {
   // A joint moves its child by T(q) in the frame X of its parent: oMchild = oMparent X T(q). In the other direction
   // oMparent = oMchild T(q)^-1 X^-1, where T(q)^-1 is the motion by q about or along -axis.
   Place cross(const Step& step) {
-    const UrdfJoint& joint = *step.joint;
+    const urdf::Joint& joint = *step.joint;
     const Place& parent = step.from;
-    const SE3<double> X = joint.placement, none;
+    const SE3<double> X = placement_of(joint.parent_to_joint_origin_transform), none;
     const SE3<double> at = parent.placement * (step.backwards ? none : X), behind = step.backwards ? X.inverse() : none;
     const double sign = step.backwards ? -1 : 1;
     const auto lock = options_.locked.find(joint.name);
-    if (joint.type == UrdfJoint::kFixed) {
+    if (joint.type == urdf::Joint::FIXED) {
       model_.notes.merged.push_back(joint.name);
       return {parent.joint, at * behind};
     }
@@ -144,22 +198,23 @@ class Builder {
     if (step.backwards && out.nv() > 1)
       throw UrdfOptionError("", false,
                             "joint " + quote(joint.name) + " has several coordinates and is between the file's root " +
-                                quote(robot_.root) + " and " + quote(options_.root) +
+                                quote(robot_.getRoot()->name) + " and " + quote(options_.root) +
                                 ", expected a root on this side of it");
     SE3<double> link = behind;
     if (out.type == JointType::kPlanar) {  // z of the joint frame is the normal; the link keeps URDF's frame
-      link.R = rotation_from_z(joint.axis).transpose();
+      link.R = rotation_from_z(axis_of(joint)).transpose();
       out.placement.R = at.R * link.R.transpose();
     } else if (out.type != JointType::kFloating) {
-      out.axis = sign * joint.axis;
+      out.axis = sign * axis_of(joint);
     }
-    set_limits(out, joint);
-    return {append(std::move(out), *step.link), link};
+    set_limits(out, details_.joint.at(joint.name));
+    return {append(std::move(out), step.link->name), link};
   }
 
-  static SE3<double> motion(const UrdfJoint& joint, double q) {
-    if (joint.type == UrdfJoint::kPrismatic) return {Mat3<double>::Identity(), Vec3<double>(q * joint.axis)};
-    return {rotation_about<double>(joint.axis, q), Vec3<double>::Zero()};
+  static SE3<double> motion(const urdf::Joint& joint, double q) {
+    const Vec3<double> axis = axis_of(joint);
+    if (joint.type == urdf::Joint::PRISMATIC) return {Mat3<double>::Identity(), Vec3<double>(q * axis)};
+    return {rotation_about<double>(axis, q), Vec3<double>::Zero()};
   }
 
   int append(Joint joint, const std::string& link) {
@@ -168,56 +223,57 @@ class Builder {
     return model_.njoints() - 1;
   }
 
-  void add_link(const std::string& name, const UrdfLink& link, const Place& place) {
+  void add_link(const urdf::Link& link, const Place& place) {
     Frame frame;
-    frame.name = name;
-    if (link.above) frame.parent_joint = link.above->name;
+    frame.name = link.name;
+    if (link.parent_joint) frame.parent_joint = link.parent_joint->name;
     frame.joint = place.joint;
     frame.placement = place.placement;
-    frame.merged = place.joint >= 0 && body_link_[place.joint] != name;
-    if (link.inertia) frame.inertia = *link.inertia;
+    frame.merged = place.joint >= 0 && body_link_[place.joint] != link.name;
+    if (link.inertial) frame.inertia = inertia_of(*link.inertial);
     if (place.joint >= 0 && frame.inertia.m < 0)
-      tell("inertia", name, link.line,
+      tell("inertia", link.name, details_.link.at(link.name),
            "the mass " + io::show(frame.inertia.m) + " kg, compensated by the bodies that the link is merged with");
     if (place.joint >= 0) model_.joints[place.joint].inertia += frame.inertia.transformed(place.placement);
     model_.frames.push_back(std::move(frame));
   }
 
   void tell(const char* kind, const std::string& name, int line, const std::string& text) {
-    robot_.findings.push_back({kind, name, text, path_, line});
+    details_.findings.push_back({kind, name, text, path_, line});
   }
 
   // Lists properties of a movable joint that are not modelled, or not as most users expect.
-  void note(const UrdfJoint& joint, const Place& parent) {
-    const auto refuse = [&](const std::string& what) { throw InputError(path_, joint.line, what); };
+  void note(const urdf::Joint& joint, const Place& parent) {
+    const UrdfJoint& details = details_.joint.at(joint.name);
+    const auto refuse = [&](const std::string& what) { throw InputError(path_, details.line, what); };
     if (joint.mimic) {
       if (options_.refuse_mimic)
-        refuse("joint " + quote(joint.name) + " mimics " + quote(*joint.mimic) +
+        refuse("joint " + quote(joint.name) + " mimics " + quote(joint.mimic->joint_name) +
                ", expected none, for mimic=\"refuse\"");
       model_.notes.mimic.push_back(joint.name);
-      tell("mimic", joint.name, joint.line, "<mimic> is not modelled: the joint moves independently");
+      tell("mimic", joint.name, details.line, "<mimic> is not modelled: the joint moves independently");
     }
-    if (joint.type == UrdfJoint::kFloating && options_.floating_base && parent.joint == 0)
-      tell("base", joint.name, joint.line,
+    if (joint.type == urdf::Joint::FLOATING && options_.floating_base && parent.joint == 0)
+      tell("base", joint.name, details.line,
            "a floating joint below the floating base: two bases, expected base=\"fixed\" for this file");
-    if (joint.damping == 0 && joint.friction == 0) return;
+    if (details.damping == 0 && details.friction == 0) return;
     if (!options_.model_dynamics) {
       model_.notes.dynamics.push_back(joint.name);
-      return tell("dynamics", joint.name, joint.line, "damping and friction are not modelled");
+      return tell("dynamics", joint.name, details.line, "damping and friction are not modelled");
     }
-    for (const double x : {joint.damping, joint.friction}) {
+    for (const double x : {details.damping, details.friction}) {
       if (!std::isfinite(x))
         refuse("joint " + quote(joint.name) + " has the damping or friction " + io::show(x) +
                ", expected a finite number, for dynamics=\"model\"");
       if (x < 0)
-        tell("dynamics", joint.name, joint.line,
+        tell("dynamics", joint.name, details.line,
              "the damping or friction " + io::show(x) + ", which drives the joint, is used as given");
     }
   }
 
   void judge(int i) {
     const std::string& link = body_link_[i];
-    const int line = robot_.links.at(link).line;
+    const int line = details_.link.at(link);
     const io::InertiaVerdict verdict = io::judge_inertia(model_.joints[i].inertia);
     const std::string owner = "link " + quote(link) + " and what is merged into it have ";
     if (!verdict.refused.empty()) throw InputError(path_, line, owner + verdict.refused);
@@ -230,38 +286,34 @@ class Builder {
 
   std::vector<std::string> joint_names() const {
     std::vector<std::string> names;
-    for (const auto& [name, joint] : robot_.joints) names.push_back(name);
+    for (const auto& [name, joint] : robot_.joints_) names.push_back(name);
     return names;
   }
 
   void check_locks() const {
     for (const auto& [name, position] : options_.locked) {
-      const auto refuse = [&name](const std::string& what) { throw UrdfOptionError(name, true, what); };
-      const std::string joint = "joint " + quote(name);
-      const auto found = robot_.joints.find(name);
-      if (found == robot_.joints.end())
-        refuse("the robot has no " + joint + " to lock, " + suggestion(name, joint_names()));
-      const auto type = found->second.type;
-      if (type == UrdfJoint::kFixed) refuse(joint + " is fixed, expected one that moves, to lock");
-      if (type == UrdfJoint::kFloating || type == UrdfJoint::kPlanar)
-        refuse(joint + " has several coordinates, expected one with one, to lock");
-      if (!std::isfinite(position)) refuse(joint + " is locked at no finite position, expected one");
+      const auto found = robot_.joints_.find(name);
+      if (found == robot_.joints_.end())
+        throw UrdfOptionError(name, true,
+                              "the robot has no joint " + quote(name) + " to lock, " + suggestion(name, joint_names()));
+      const auto type = found->second->type;
+      if (type == urdf::Joint::FIXED)
+        throw UrdfOptionError(name, true, "joint " + quote(name) + " is fixed, expected one that moves, to lock");
+      if (type == urdf::Joint::FLOATING || type == urdf::Joint::PLANAR)
+        throw UrdfOptionError(name, true,
+                              "joint " + quote(name) + " has several coordinates, expected one with one, to lock");
+      if (!std::isfinite(position))
+        throw UrdfOptionError(name, true, "joint " + quote(name) + " is locked at no finite position, expected one");
     }
   }
 
-  // A joint that an option names.
-  Joint& moving_joint(const std::string& name) {
+  int joint_with_torques(const std::string& name) const {
     const int i = model_.find_joint(name);
     if (i < 0) throw UrdfOptionError(name, false, why_absent(name));
-    return model_.joints[i];
-  }
-
-  Joint& joint_with_torques(const std::string& name) {
-    Joint& joint = moving_joint(name);
-    if (model_.floating_base && &joint == &model_.joints[0])
+    if (model_.floating_base && i == 0)
       throw UrdfOptionError(name, false,
                             "joint " + quote(name) + " is the floating base, which has no torques, expected another");
-    return joint;
+    return i;
   }
 
   // No motors carry a body in the air: a floating joint of the file is passive unless the options specify otherwise.
@@ -271,11 +323,11 @@ class Builder {
       if (joint.type != JointType::kFloating) continue;
       joint.actuated = false;
       if (options_.passive.count(joint.name) || options_.actuated.count(joint.name)) continue;
-      tell("passive", joint.name, robot_.joints.at(joint.name).line,
+      tell("passive", joint.name, details_.joint.at(joint.name).line,
            "a floating joint of the file, taken as passive: without torques in u; actuated=\"true\" gives it some");
     }
-    for (const std::string& name : options_.actuated) joint_with_torques(name).actuated = true;
-    for (const std::string& name : options_.passive) joint_with_torques(name).actuated = false;
+    for (const std::string& name : options_.actuated) model_.joints[joint_with_torques(name)].actuated = true;
+    for (const std::string& name : options_.passive) model_.joints[joint_with_torques(name)].actuated = false;
   }
 
   void set_armature() {
@@ -284,7 +336,9 @@ class Builder {
     model_.armature.setConstant(options_.armature);
     if (model_.floating_base) model_.armature.head<6>().setZero();
     for (const auto& [name, values] : options_.joint_armature) {
-      const Joint& joint = moving_joint(name);
+      const int i = model_.find_joint(name);
+      if (i < 0) throw UrdfOptionError(name, false, why_absent(name));
+      const Joint& joint = model_.joints[i];
       if (values.size() != 1 && values.size() != static_cast<std::size_t>(joint.nv()))
         throw UrdfOptionError(name, false,
                               "the armature of joint " + quote(name) + " has " + std::to_string(values.size()) +
@@ -303,8 +357,8 @@ class Builder {
   void set_dynamics() {
     model_.damping = model_.friction = Eigen::VectorXd::Zero(model_.nv);
     for (const Joint& joint : model_.joints) {
-      const auto found = robot_.joints.find(joint.name);
-      if (found == robot_.joints.end() || joint.nv() > 1) continue;
+      const auto found = details_.joint.find(joint.name);
+      if (found == details_.joint.end() || joint.nv() > 1) continue;
       model_.damping[joint.idx_v] = found->second.damping;
       model_.friction[joint.idx_v] = found->second.friction;
     }
@@ -314,7 +368,9 @@ class Builder {
     if (!options_.joint_damping.empty() && model_.damping.size() == 0)
       model_.damping = Eigen::VectorXd::Zero(model_.nv);
     for (const auto& [name, damping] : options_.joint_damping) {
-      const Joint& joint = moving_joint(name);
+      const int i = model_.find_joint(name);
+      if (i < 0) throw UrdfOptionError(name, false, why_absent(name));
+      const Joint& joint = model_.joints[i];
       if (joint.nv() != 1)
         throw UrdfOptionError(name, false,
                               "joint " + quote(name) + " has a damping and several coordinates, expected one");
@@ -327,13 +383,14 @@ class Builder {
 
   std::string why_absent(const std::string& name) const {
     if (options_.locked.count(name)) return "joint " + quote(name) + " is locked, expected one that moves";
-    if (robot_.joints.count(name)) return "joint " + quote(name) + " is fixed, expected one that moves";
+    if (robot_.joints_.count(name)) return "joint " + quote(name) + " is fixed, expected one that moves";
     return "the robot has no joint " + quote(name) + ", " + suggestion(name, joint_names());
   }
 
-  UrdfRobot& robot_;  // the builder adds to its findings
+  const urdf::ModelInterface& robot_;
   const UrdfOptions& options_;
   const std::string& path_;
+  UrdfDetails& details_;  // the builder adds to its findings
   Model model_;
   std::vector<std::string> body_link_;  // one entry per joint: the link of its body
 };
@@ -344,13 +401,21 @@ Model load_urdf(const std::string& path, const UrdfOptions& options, std::vector
   std::string problem;
   const std::string text = io::read_file(path, problem);
   if (!problem.empty()) throw InputError(path, 1, problem + ", expected a URDF file");
-  const io::XmlFile file(path, text, "robot");
-  UrdfRobot robot = io::read_urdf(file.root());
-  Model model = Builder(robot, options, path).build();
+  io::XmlFile file(path, text, "robot");
+  UrdfDetails details = io::check_urdf(file.root());
+  const urdf::ModelInterfaceSharedPtr robot = parse(file, details);
+  // urdfdom's links own their children: let go one by one, a long chain is not freed recursively.
+  struct Unlink {
+    urdf::ModelInterface& robot;
+    ~Unlink() {
+      for (auto& [name, link] : robot.links_) link->child_links.clear();
+    }
+  } unlink{*robot};
+  Model model = Builder(*robot, options, path, details).build();
   if (findings) {
-    std::stable_sort(robot.findings.begin(), robot.findings.end(),
+    std::stable_sort(details.findings.begin(), details.findings.end(),
                      [](const Finding& a, const Finding& b) { return a.line < b.line; });
-    *findings = std::move(robot.findings);
+    *findings = std::move(details.findings);
   }
   return model;
 }

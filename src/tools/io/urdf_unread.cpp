@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "urdf_robot.hpp"
+#include "urdf_check.hpp"
 
 namespace manycontact::io {
 namespace {

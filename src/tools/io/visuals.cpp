@@ -2,10 +2,21 @@
 
 #include <map>
 
-#include "urdf_robot.hpp"
+#include "manycontact/spatial/rpy.hpp"
+#include "xml.hpp"
 
 namespace manycontact {
 namespace {
+
+SE3<double> origin_of(const io::Element& visual) {
+  SE3<double> at;
+  const auto origin = visual.child("origin");
+  if (!origin) return at;
+  Vec3<double> rpy = Vec3<double>::Zero();
+  (void)origin->read("xyz", at.p);
+  if (origin->read("rpy", rpy)) at.R = rotation_of_rpy(rpy[0], rpy[1], rpy[2]);
+  return at;
+}
 
 using Colour = std::array<double, 4>;
 using Colours = std::map<std::string, Colour>;  // key: the name of the <material>
@@ -66,7 +77,7 @@ std::vector<Visual> load_visuals(const std::string& urdf) {
       const auto geometry = visual->child("geometry");
       if (!geometry || !read_shape(*geometry, out)) continue;
       out.link = link->required("name");
-      out.placement = io::read_origin(*visual);
+      out.placement = origin_of(*visual);
       out.colour = colour_of(*visual, named);
       visuals.push_back(std::move(out));
     }

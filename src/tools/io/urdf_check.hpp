@@ -1,0 +1,43 @@
+#pragma once
+// Checks that urdfdom does not make: lines, bad numbers, links that form no tree, unusual limits, and ignored elements.
+// For example, urdfdom ignores an <inertial> that it could not read, and continues with zeros.
+
+#include <limits>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "manycontact/io/finding.hpp"
+#include "xml.hpp"
+
+namespace manycontact::io {
+
+/// A joint's line, and attributes that urdfdom refuses if they are infinite or incomplete.
+struct UrdfJoint {
+  int line = 1;
+  double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
+  double velocity = std::numeric_limits<double>::infinity(), effort = std::numeric_limits<double>::infinity();
+  double damping = 0, friction = 0;  // given for joints with one coordinate
+};
+
+struct UrdfDetails {
+  int robot = 1;                              // line
+  std::unordered_map<std::string, int> link;  // lines
+  std::unordered_map<std::string, UrdfJoint> joint;
+  std::vector<Finding> findings;  // odd but usable, and how it is taken
+};
+
+/// Throws InputError unless links and joints form one tree of numbers that something can be computed from.
+UrdfDetails check_urdf(const Element& robot);
+
+/// Returns the text of the file reduced to the elements that urdfdom has to read: no limits, shapes, materials and
+/// plug-ins. Missing numbers of inertias are zeros, so that they cannot make it fail. Changes the document.
+std::string text_for_urdfdom(XmlFile& file);
+
+/// Refuses elements of xacro, except in shapes and colours, which tell_unread reports.
+void refuse_xacro(const Element& robot);
+
+/// Elements and attributes that act on the motion and are not read: loops, gears, springs, what is misspelt.
+void tell_unread(const Element& robot, std::vector<Finding>& findings);
+
+}  // namespace manycontact::io
