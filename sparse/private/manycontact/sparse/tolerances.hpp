@@ -82,8 +82,8 @@ inline constexpr double kMovesAsOne = 1e-13;
 inline constexpr double kRowLeft = 1e-13;
 
 /// Largest coefficient z_j: the projector's error grows by its square, in units of eps, and 30^2 eps = 2e-13 stays
-/// below the 1e-12 that any value is allowed. Larger ones mean rows kept that are much smaller than those dropped.
-/// Used by: DependentRows::accepted.
+/// below the 1e-12 that any value is allowed. Larger ones mean rows kept that are much smaller than those dropped: then
+/// the columns are made orthonormal. Used by: DependentRows::accepted, make_projector, WithinTolerance.
 inline constexpr double kLargestEntry = 30;
 
 /// Rows are exchanged until no entry is larger than this: each exchange makes the dropped rows' share of
@@ -129,7 +129,8 @@ inline constexpr int kManyJoints = 64;
 /// decomposition is dense, and on the stack. Used by: kkt/bodies/dependent_rows.cpp.
 inline constexpr int kBalancedRows = 24, kBalanceEquations = 64;
 
-/// Entries of N within which dropped rows are exchanged: each turn passes over all of them. Used by: exchange_rows.
+/// Entries of N within which dropped rows are exchanged, or columns made orthonormal: each turn passes over all of them.
+/// Used by: exchange_rows, make_projector.
 inline constexpr std::size_t kMostExchanged = 1 << 20;
 
 /// Closed loops: neither the tolerance nor the drift is more than the first part of the largest moment arm. From one
@@ -222,9 +223,9 @@ inline constexpr int kRefinementSteps = 5;  // the error halves at least; two ar
 inline constexpr double kConverged = 1e-12;
 
 /// Growth of K's entries, a third of the digits: one refinement brings its square, which is below eps. Beyond, panels
-/// are judged by their own residuals, exchanged rows are not taken, and contacts-early is given up for contacts that
+/// are judged by their own residuals, and contacts-early is given up for contacts that
 /// wait for more (of a hub: ten of them count as one).
-/// Used by: solve_panel, DependentRowsFactor, contacts_early_order.
+/// Used by: solve_panel, contacts_early_order.
 inline constexpr double kMostGrowth = 1e6;
 
 /// Backward error above which panels of derivatives are refined once, be it that of the unrefined solve or, where that

@@ -28,11 +28,8 @@ class DependentRowsFactor final : public Factor {
     scratch.scale.resize(std::max<std::size_t>(scratch.scale.size(), K.size()));
     scratch.ldl.reserve(ldl_.pattern->ldl);
     take_sizes(K, scratch);
-    dependence_.dropped = greedy_;
-    dependence_.turned.clear();
     if (const Reason reason = drop_in_order(K, scratch); reason != Reason::kNone) return reason;
-    greedy_ = dependence_.dropped;
-    return dependence_.accepted() || exchange(K, scratch) ? Reason::kNone : Reason::kSmallPivot;
+    return dependence_.accepted() ? Reason::kNone : Reason::kSmallPivot;
   }
 
   // (I - P) K_kept^-1 (I - P) x
@@ -60,10 +57,9 @@ class DependentRowsFactor final : public Factor {
 
   double growth() const override { return growth_; }
   int rank() const override { return ldl_.pattern->nc - static_cast<int>(dependence_.dropped.size()); }
-  // Lists the rows that depend on the ones before them, also where others were dropped in their place.
   void dependent_rows(std::vector<int>& rows) const override {
     rows.clear();
-    for (int k : greedy_) rows.push_back(ldl_.pattern->perm[k] - ldl_.pattern->nv);
+    for (int k : dependence_.dropped) rows.push_back(ldl_.pattern->perm[k] - ldl_.pattern->nv);
   }
   void project_out(double* y, double* null_component) override { rank::project_out(dependence_, y, null_component); }
   void project_out_panel(double* X, int ld, int cols) override {
@@ -77,7 +73,7 @@ class DependentRowsFactor final : public Factor {
 
   // Coefficients z of the null space enter by their square; sums go over as many as a cluster has.
   double projector_error() const override {
-    const double z = dependence_.largest_entry, sums = dependence_.largest_cluster;
+    const double z = dependence_.largest_projected, sums = dependence_.largest_cluster;
     return tolerance::kBoundRounding * std::numeric_limits<double>::epsilon() * (1 + z * z) * std::sqrt(sums);
   }
 
@@ -86,7 +82,6 @@ class DependentRowsFactor final : public Factor {
  private:
   void take(const std::shared_ptr<const KktPattern>& pattern) {
     dependence_.dropped.clear();
-    greedy_.clear();
     penalised_.resize(pattern->K.nonzeros());
     row_size_.assign(pattern->size(), 0.0);
     of_M_.resize(pattern->size());
@@ -110,21 +105,6 @@ class DependentRowsFactor final : public Factor {
     growth_ = growth(K, scratch.scale);
     find_null_space(K);
     return Reason::kNone;
-  }
-
-  // Other rows in the place of those, where rows kept are much smaller than those dropped. False where these are not
-  // plainly independent, the others do not plainly depend on them, or K's entries now grow more than they did and so
-  // much that panels would be judged by the norms of their columns.
-  bool exchange(const KktMatrix& K, FactorScratch& scratch) {
-    if (dependence_.largest_entry <= tolerance::kLargestEntry || !rank::exchange_rows(dependence_)) return false;
-    constexpr double kEps = std::numeric_limits<double>::epsilon();
-    const double most = std::max(std::min(growth_, tolerance::kMostGrowth), tolerance::kConverged / kEps);
-    factorize_kept(K, scratch);
-    if (!kept_are_sound(K, scratch, 1)) return false;
-    growth_ = growth(K, scratch.scale);
-    if (!(growth_ <= most)) return false;
-    find_null_space(K);
-    return dependence_.accepted();
   }
 
   Reason drop(const KktMatrix& K, FactorScratch& scratch) {
@@ -215,7 +195,6 @@ class DependentRowsFactor final : public Factor {
 
   internal::LdlNumbers ldl_;
   std::vector<char> of_M_;         // flag of each row of K, in its order: it is one of M's
-  std::vector<int> greedy_;        // rows dropped of the K before, in order; others may have taken their places
   std::vector<double> penalised_;  // K, the rows dropped damped
   std::vector<double> row_size_;   // size of each row of J, in K's order; unused in M's rows
   rank::DependentRows dependence_;

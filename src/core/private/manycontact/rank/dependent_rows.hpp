@@ -21,17 +21,19 @@ namespace manycontact::rank {
 
 /// Storage is kept between factorizations: nothing is allocated for a matrix of the same pattern and dependences.
 struct DependentRows {
-  std::vector<int> dropped;  // rows of K, ascending
-  std::vector<char> turned;  // flags of K's rows: dropped in another's place, it may depend on later ones. Or empty
-  std::vector<int> Np, Ni;   // N by columns, one per dropped row: rows of K ...
-  std::vector<double> Nx;    // ... and values, the 1 of the dropped row first
+  std::vector<int> dropped;     // rows of K, ascending
+  std::vector<char> turned;     // flags of K's rows: dropped in another's place, it may depend on later ones. Or empty
+  std::vector<int> Np, Ni;      // N by columns, one per dropped row: rows of K ...
+  std::vector<double> Nx;       // ... and values, the 1 of the dropped row first
   double largest_residual = 0;  // max |J_k - sum z_j J_j|, relative to the rows' largest size, that of j times |z_j|
-  double largest_entry = 0;     // max |z_j|: the projector loses its square, in units of eps
-  int largest_cluster = 0;      // most entries of B that project a row, see Cluster
+  double largest_entry = 0;     // max |z_j|
+  double largest_projected =
+      0;                    // the same where columns are not made orthonormal: the projector loses its square, in eps
+  int largest_cluster = 0;  // most entries of B that project a row, see Cluster
 
-  /// Whether the rows dropped depend on those kept in truth, in numbers small enough for the projector: what J's rows
-  /// leave is rounding, and no z_j is large (kRowLeft, kLargestEntry in tolerances.hpp). After find_null_space; else
-  /// rounding errors hide which rows are dependent, and a dense decomposition must decide.
+  /// Whether the rows dropped depend on those kept in truth, by numbers that the projector can take: what J's rows
+  /// leave is rounding, and no z_j is large where columns were not made orthonormal (kRowLeft, kLargestEntry in
+  /// tolerances.hpp). After find_null_space; else rounding errors hide which rows are dependent.
   bool accepted() const;
 
   /// Dropped rows whose columns of N share rows. They are projected by whichever is smaller: these columns, or those of
@@ -41,6 +43,7 @@ struct DependentRows {
     int row = 0, row_end = 0;  // range in `cluster_rows`: rows of K that N has there
     int basis = 0, size = 0;   // columns of B ...
     bool complement = false;   // ... and what they span
+    bool orthonormal = false;  // they are a basis of N made orthonormal, since N has large entries
     std::size_t gram = 0;      // offset in `gram`: size x size, by columns: the Cholesky factor of B^T B
   };
   std::vector<Cluster> clusters;
