@@ -1,0 +1,258 @@
+#pragma once
+// Let S = J M^-1 J^T. For a small delta, K_delta = [M J^T; J -delta I] has a factor in any sound order, whichever rows
+// of J depend on each other. The operator K_delta^-1 gives three things:
+//
+//   E y = delta (S + delta)^-1 y          from K_delta [.; x] = [0; y] with x = -E y / delta. On the null space of J^T
+//                                         it is the identity, on an eigenvector of S with eigenvalue s it is
+//                                         delta / (delta + s). Its powers converge to the projector P.
+//   x + K_delta^-1 (b - K x)              a proximal step: from x = 0 it converges to the solution of K x = b
+//                                         without P b, whose forces have no part in the null space: those of least
+//                                         norm.
+//   rank                                  a row that depends on the rows before it has a pivot of delta (1 + |z|^2), z
+//                                         its coefficients: a larger delta enlarges it as many times. The pivot of any
+//                                         other row hardly depends on delta.
+//
+// The residual's own rounding, eps of b, becomes forces eps / delta large in the null space (relative to S of 1), which
+// moves nothing: P f is taken out at the end. E keeps a vector of the null space but for a part of eps / delta
+// ("drift"), so that P is applied several times. Source: Rockafellar, SIAM J. Control Optim. 14 (1976), sec. 4; Gill,
+// Saunders, Shinnerl, SIAM J. Matrix Anal. Appl. 17 (1996).
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "ldl_numbers.hpp"
+#include "manycontact/kkt/factor/factors.hpp"
+#include "manycontact/sparse/largest.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+#include "pivots.hpp"
+
+namespace manycontact::internal {
+
+class ProximalFactor final : public Factor {
+ public:
+  Method method() const override { return Method::kSparseLdl; }
+
+  Reason factorize(const KktMatrix& K, FactorScratch& scratch) override {
+    if (ldl_.pattern != K.pattern) take(K.pattern);
+    K_ = &K;
+    delta_ = tolerance::kProximal * largest_of_S();
+    if (in_doubt_) find_stiffer_pivots(scratch);
+    factorize_damped(delta_, scratch);
+    if (const Reason reason = judge(scratch.scale.data()); reason != Reason::kNone) return reason;
+    return find_dependent_rows(scratch) && certify(scratch) ? Reason::kNone : Reason::kSmallPivot;
+  }
+
+  // The generalised inverse, refined.
+  void solve(double* x) override {
+    std::copy_n(x, b_.size(), b_.data());
+    project_out(b_.data(), nullptr);
+    std::copy(b_.begin(), b_.end(), x);
+    ldl_.solve(x);
+    for (int step = 0; step < own_refinements(); ++step) {
+      sparse::panel_kernels().residual_vector(ldl_.pattern->K, K_->values.data(), x, b_.data(), r_.data(),
+                                              scale_.data());
+      ldl_.solve(r_.data());
+      for (std::size_t k = 0; k < r_.size(); ++k) x[k] += r_[k];
+    }
+    project_out(x, nullptr);
+  }
+  sparse::Refinement solve_refined(const KktMatrix& K, KktVectors& v, int max_steps) override;
+  void solve_panel(double* X, int ld, int first, int cols, char* nonzero) override;
+
+  int own_refinements() const override { return 2; }  // of solve and solve_panel; solve_refined has proximal steps
+  double growth() const override { return growth_; }
+  int rank() const override { return ldl_.pattern->nc - static_cast<int>(dropped_.size()); }
+  void dependent_rows(std::vector<int>& rows) const override { rows.assign(dropped_.begin(), dropped_.end()); }
+  int nonzeros() const override { return ldl_.nonzeros(); }
+  double left_of_dropped_rows() const override { return left_; }
+  void null_space_rows(std::span<char> rows) const override {
+    for (int k = 0; k < ldl_.pattern->nc; ++k) rows[k] = in_null_space_[ldl_.pattern->iperm[ldl_.pattern->nv + k]];
+  }
+  double projector_error() const override {
+    return dropped_.empty() ? 0 : std::max(left_, tolerance::kBoundRounding * kEps * std::sqrt(ldl_.pattern->nc));
+  }
+  void project_out(double* y, double* null_component) override;
+  void project_out_panel(double* X, int ld, int cols) override;
+  void release_panels() override {
+    for (std::vector<double>* panel : {&X_, &B_, &W_}) *panel = {};
+  }
+
+ private:
+  static constexpr double kEps = std::numeric_limits<double>::epsilon();
+  static constexpr int kProbes = sparse::kTrailingColumns;  // so many vectors take the time of a few
+  static constexpr int kChunk = 64;                         // columns of a panel at a time
+  void take(const std::shared_ptr<const KktPattern>& pattern) {
+    const std::size_t n = pattern->size();
+    damped_.resize(pattern->K.nonzeros());
+    of_M_.resize(n);
+    for (std::size_t k = 0; k < n; ++k) of_M_[k] = pattern->perm[k] < pattern->nv;
+    M_first_ = std::is_sorted(of_M_.begin(), of_M_.end(), std::greater<>());
+    in_null_space_.assign(n, 0);
+    dropped_.reserve(pattern->nc);
+    stiffer_.resize(n);
+    order_.reserve(pattern->nc);
+    in_doubt_ = false;
+    for (std::vector<double>* x : {&b_, &r_, &scale_, &w_}) x->resize(n);
+    for (std::vector<double>* X : {&probes_, &before_}) X->resize(n * kProbes);
+    nonzero_.assign(n, 1);
+    same_.resize(n);
+    std::iota(same_.begin(), same_.end(), 0);
+    ldl_.take(pattern, true);
+  }
+
+  // The largest diagonal entry of S, M's own diagonal in the place of M.
+  double largest_of_S() {
+    const sparse::UpperCsc& A = ldl_.pattern->K;
+    std::fill(r_.begin(), r_.end(), 0.0);
+    for (int k = 0; k < A.n; ++k)
+      for (int p = A.p[k]; p < A.p[k + 1] - 1; ++p) {
+        const int i = A.i[p];
+        if (of_M_[i] == of_M_[k]) continue;
+        const int row = of_M_[i] ? k : i, column = of_M_[i] ? i : k;
+        r_[row] += K_->values[p] * K_->values[p] / K_->values[A.p[column + 1] - 1];
+      }
+    return sparse::largest(r_);
+  }
+
+  // A pivot that is zero, or no number, stays in D.
+  void factorize_damped(double delta, FactorScratch& scratch) {
+    std::copy(K_->values.begin(), K_->values.end(), damped_.begin());
+    for (int slot : ldl_.pattern->diagonal_slot) damped_[slot] = -delta;
+    (void)ldl_.factor(damped_.data(), scratch);
+  }
+
+  // M's pivots as of any factor; those of J's rows have their sign.
+  Reason judge(const double* scale) {
+    growth_ = std::max(1.0, growth_of(*K_, scale));
+    const sparse::UpperCsc& A = ldl_.pattern->K;
+    for (int k = 0; k < A.n; ++k) {
+      const double d = ldl_.D[k];
+      if (!std::isfinite(d) || d == 0) return Reason::kZeroPivot;
+      if ((d > 0) != static_cast<bool>(of_M_[k])) return of_M_[k] ? Reason::kSingularInertia : Reason::kWrongInertia;
+      if (of_M_[k] && !rank::is_left<double>({true, d, scale[k], K_->values[A.p[k + 1] - 1]}))
+        return Reason::kSingularInertia;
+    }
+    return growth_ <= tolerance::kMostGrowth ? Reason::kNone : Reason::kSmallPivot;
+  }
+
+  // Pivots with a larger delta, for the next functions. The current factor is lost.
+  void find_stiffer_pivots(FactorScratch& scratch) {
+    factorize_damped(tolerance::kStiffer * delta_, scratch);
+    stiffer_ = ldl_.D;
+  }
+
+  // Judges rows by their pivots relative to delta, or where one is of a size that both kinds of rows may have,
+  // by how pivots change with delta. The result does not depend on in_doubt_, which saves a factorization. False: the
+  // rank is in doubt.
+  bool find_dependent_rows(FactorScratch& scratch) {
+    const KktPattern& p = *ldl_.pattern;
+    const bool known = std::exchange(in_doubt_, false);
+    dropped_.clear();
+    for (int k = 0; k < p.nc; ++k) {
+      const double pivot = -ldl_.D[p.iperm[p.nv + k]];
+      if (pivot <= tolerance::kPivotOfDependent * delta_)
+        dropped_.push_back(k);
+      else if (pivot < tolerance::kPivotOfOthers * delta_)
+        in_doubt_ = true;
+    }
+    if (!in_doubt_) return true;
+    if (!known) {
+      find_stiffer_pivots(scratch);
+      factorize_damped(delta_, scratch);
+    }
+    return compare_pivots(scratch.scale.data());
+  }
+
+  // The product of all pivots is det M det (S + delta), in which each zero eigenvalue of S is a factor delta: the
+  // exponents of delta in the pivots add up to the number of dependent rows. They are 1 or 0, unless rows nearly depend
+  // on those before them and later rows on all of these: such exponents lie between, many of them next to 0 or 1, and
+  // only the sum of all is an integer. Rounding of pivots must not add up: what it explains counts as 1 or 0.
+  bool compare_pivots(const double* terms) {
+    const KktPattern& p = *ldl_.pattern;
+    double sum = 0;
+    dropped_.clear();
+    order_.clear();
+    for (int k = 0; k < p.size(); ++k) {
+      const double grown = std::log(stiffer_[k] / ldl_.D[k]) / std::log(tolerance::kStiffer);
+      if (!std::isfinite(grown)) return false;
+      const double plain = std::round(grown);
+      const double rounding = tolerance::kExponentRounding * kEps * terms[k] / std::abs(ldl_.D[k]);
+      sum += std::abs(grown - plain) <= rounding ? plain : grown;
+      if (!of_M_[k]) order_.emplace_back(-grown, p.perm[k] - p.nv);
+    }
+    const double rows = std::round(sum);
+    if (std::abs(sum - rows) > tolerance::kExponentsLeft || !(rows >= 0 && rows <= p.nc)) return false;
+    std::sort(order_.begin(), order_.end());
+    for (int k = 0; k < rows; ++k) dropped_.push_back(order_[k].second);
+    std::sort(dropped_.begin(), dropped_.end());
+    return true;
+  }
+
+  // Y <- E X of panels with all of K's rows, X's rows of M being zero, and so are then Y's.
+  void apply_panel(double* X, int ld, int cols) {
+    std::fill(nonzero_.begin(), nonzero_.end(), 1);
+    ldl_.solve_panel(X, ld, 0, cols, nonzero_.data());
+    const int* perm = ldl_.pattern->perm.data();
+    for (int k = 0; k < ldl_.pattern->size(); ++k) {
+      double* x = X + static_cast<std::ptrdiff_t>(perm[k]) * ld;
+      for (int c = 0; c < cols; ++c) x[c] *= of_M_[k] ? 0 : -delta_;
+    }
+  }
+
+  // w <- E w for the contacts' rows of w, M's are zero before and after. Where M comes first its columns are not
+  // needed.
+  void apply(double* w) {
+    if (M_first_)
+      sparse::ldl_solve_trailing(ldl_.pattern->ldl, ldl_.L.data(), ldl_.D.data(), ldl_.pattern->nv, w);
+    else
+      ldl_.solve(w);
+    for (std::size_t k = 0; k < w_.size(); ++k) w[k] *= of_M_[k] ? 0 : -delta_;
+  }
+
+  sparse::Refinement refine(const KktMatrix& K, KktVectors& v);
+  std::array<double, 2> largest_of_parts(const std::vector<double>& x) const;
+  bool agrees(const KktVectors& v) const;
+  void refine_contradiction(KktVectors& v);
+  void project(double* y, double* null_component, double left);
+  bool certify(FactorScratch& scratch);
+  void start_probes();
+  void apply_to_probes();
+  double* probe(int k) { return probes_.data() + static_cast<std::ptrdiff_t>(k) * kProbes; }
+  double left_of_probes(const FactorScratch& scratch);
+  void measure_drift();
+  void take_null_space_rows();
+
+  void take_columns(const double* X, int ld, int first, int cols);
+  void give_columns(double* X, int ld, int first, int cols) const;
+  void apply_to_columns(int cols, int times);
+  void take_out_of_columns(int cols);
+  void project_columns(int cols, double left);
+  void solve_columns(int cols);
+
+  LdlNumbers ldl_;
+  const KktMatrix* K_ = nullptr;
+  double delta_ = 0;
+  std::vector<char> of_M_, in_null_space_;     // flags, in K's order
+  bool M_first_ = true;                        // no row of M comes after one of J
+  std::vector<int> dropped_;                   // rows of J
+  std::vector<double> damped_;                 // K_delta
+  std::vector<double> stiffer_;                // pivots with a larger delta, in K's order
+  std::vector<std::pair<double, int>> order_;  // rows of J that may depend, the surest first
+  bool in_doubt_ = false;                      // whether these were needed at the last state
+  double growth_ = 1;
+  double drift_ = 0;                                         // rounding error of a vector that E keeps
+  int applications_ = 1;                                     // how often E is applied, until it is P
+  double left_ = 0;                                          // size of J^T on the null space, relative to the rows
+  std::vector<double> b_, r_, scale_, w_, probes_, before_;  // scratch, in K's order
+  std::vector<double> X_, B_, W_;                            // scratch of panels: kChunk columns of all rows
+  std::vector<char> nonzero_;
+  std::vector<int> same_;  // 0, 1, 2 ...
+};
+
+}  // namespace manycontact::internal

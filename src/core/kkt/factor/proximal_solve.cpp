@@ -1,0 +1,181 @@
+// Solves by proximal steps, of vectors and panels, and the projector on the null space.
+
+#include <optional>
+
+#include "manycontact/kkt/factor/refined.hpp"
+#include "proximal.hpp"
+
+namespace manycontact::internal {
+
+// y -= E^k y until that changes nothing more.
+void ProximalFactor::project_out(double* y, double* null_component) { project(y, null_component, kEps); }
+
+void ProximalFactor::project(double* y, double* null_component, double left) {
+  if (dropped_.empty()) return;
+  double size = 0;
+  for (std::size_t k = 0; k < w_.size(); ++k)
+    if (!of_M_[k]) size = std::max(size, std::abs(y[k]));
+  for (int round = 0; round < tolerance::kProjections; ++round) {
+    for (std::size_t k = 0; k < w_.size(); ++k) w_[k] = of_M_[k] ? 0 : y[k];
+    double found = 0;
+    for (int k = 0; k < applications_; ++k) {
+      apply(w_.data());
+      found = sparse::largest(w_);
+      if (found <= left * size) break;
+    }
+    for (std::size_t k = 0; k < w_.size(); ++k) {
+      if (!in_null_space_[k]) continue;
+      y[k] -= w_[k];
+      if (null_component) null_component[k] += w_[k];
+    }
+    if (found * drift_ <= left * size) break;
+  }
+}
+
+// The panel's columns first ... first+cols-1 between X and a panel of kChunk.
+void ProximalFactor::take_columns(const double* X, int ld, int first, int cols) {
+  const std::size_t size = static_cast<std::size_t>(ldl_.pattern->size()) * kChunk;
+  for (std::vector<double>* panel : {&X_, &B_, &W_})
+    if (panel->size() < size) panel->resize(size);
+  for (std::ptrdiff_t k = 0; k < ldl_.pattern->size(); ++k) std::copy_n(X + k * ld + first, cols, &X_[k * kChunk]);
+}
+void ProximalFactor::give_columns(double* X, int ld, int first, int cols) const {
+  for (std::ptrdiff_t k = 0; k < ldl_.pattern->size(); ++k) std::copy_n(&X_[k * kChunk], cols, X + k * ld + first);
+}
+
+// W <- E^k of the contacts' rows of X_.
+void ProximalFactor::apply_to_columns(int cols, int times) {
+  const KktPattern& p = *ldl_.pattern;
+  std::fill_n(W_.begin(), static_cast<std::ptrdiff_t>(p.nv) * kChunk, 0.0);
+  for (std::ptrdiff_t k = p.nv; k < p.size(); ++k) std::copy_n(&X_[k * kChunk], cols, &W_[k * kChunk]);
+  for (int k = 0; k < times; ++k) apply_panel(W_.data(), kChunk, cols);
+}
+// X_ -= W in the null space's rows.
+void ProximalFactor::take_out_of_columns(int cols) {
+  const KktPattern& p = *ldl_.pattern;
+  for (std::ptrdiff_t k = p.nv; k < p.size(); ++k)
+    for (int c = 0; in_null_space_[p.iperm[k]] && c < cols; ++c) X_[k * kChunk + c] -= W_[k * kChunk + c];
+}
+
+// Until so much is left of the null space's part, each time what rounding makes of it.
+void ProximalFactor::project_columns(int cols, double left) {
+  const double each = std::min(0.1, applications_ * drift_);
+  for (double part = 1; part > left; part *= each) {
+    apply_to_columns(cols, applications_);
+    take_out_of_columns(cols);
+  }
+}
+
+void ProximalFactor::project_out_panel(double* X, int ld, int cols) {
+  if (dropped_.empty()) return;
+  for (int first = 0; first < cols; first += kChunk) {
+    const int n = std::min(kChunk, cols - first);
+    take_columns(X, ld, first, n);
+    project_columns(n, kEps);
+    give_columns(X, ld, first, n);
+  }
+}
+
+void ProximalFactor::solve_columns(int cols) {
+  const KktPattern& p = *ldl_.pattern;
+  const std::ptrdiff_t size = static_cast<std::ptrdiff_t>(p.size()) * kChunk;
+  if (!dropped_.empty()) project_columns(cols, tolerance::kProjected);
+  std::copy_n(X_.begin(), size, B_.begin());
+  std::fill(nonzero_.begin(), nonzero_.end(), 1);
+  ldl_.solve_panel(X_.data(), kChunk, 0, cols, nonzero_.data());
+  for (int step = 0; step < own_refinements(); ++step) {
+    std::copy_n(B_.begin(), size, W_.begin());
+    sparse::residual_panel(p.K, K_->values.data(), p.perm.data(), X_.data(), W_.data(), kChunk, cols);
+    std::fill(nonzero_.begin(), nonzero_.end(), 1);
+    ldl_.solve_panel(W_.data(), kChunk, 0, cols, nonzero_.data());
+    for (std::ptrdiff_t k = 0; k < size; ++k) X_[k] += W_[k];
+  }
+  if (!dropped_.empty()) project_columns(cols, kEps);
+}
+
+void ProximalFactor::solve_panel(double* X, int ld, int first, int cols, char*) {
+  for (int begin = first; begin < first + cols; begin += kChunk) {
+    const int n = std::min(kChunk, first + cols - begin);
+    take_columns(X, ld, begin, n);
+    solve_columns(n);
+    give_columns(X, ld, begin, n);
+  }
+}
+
+// The first attempt keeps P b: if b has no such part, steps end with residuals of rounding errors. If it has one, they
+// end with it, and each has increased the forces by P b / delta: then the solve is repeated without P b.
+sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors& v, int) {
+  std::fill(v.null_component.begin(), v.null_component.end(), 0.0);
+  sparse::Refinement refinement = refine(K, v);
+  const bool contradicts = !dropped_.empty() && !agrees(v);
+  if (contradicts) {
+    project(v.b.data(), v.null_component.data(), kEps);
+    refine_contradiction(v);
+    refinement = refine(K, v);
+  }
+  if (!dropped_.empty()) {
+    project(v.x.data(), nullptr, tolerance::kProjected);
+    residual(K, v);
+    refinement.backward_error = backward_error(v.r, v.scale);
+  }
+  if (contradicts) put_back_contradiction(*this, K, v);
+  return refinement;
+}
+
+// Rounding of P b is as large in J's range as the least eigenvalue of S allows: P b -= (J^T)^+ J^T P b.
+void ProximalFactor::refine_contradiction(KktVectors& v) {
+  std::fill(v.x.begin(), v.x.end(), 0.0);
+  sparse::residual(ldl_.pattern->K, K_->values.data(), v.null_component.data(), v.x.data(), v.r.data(), v.scale.data());
+  ldl_.solve(v.r.data());  // solution of K x = [-J^T P b; 0]
+  for (std::size_t k = 0; k < v.r.size(); ++k) {
+    if (of_M_[k]) continue;
+    v.null_component[k] += v.r[k];
+    v.b[k] -= v.r[k];
+  }
+}
+
+bool ProximalFactor::agrees(const KktVectors& v) const {
+  double r = 0, f = 0;
+  for (std::size_t k = 0; k < of_M_.size(); ++k) {
+    if (of_M_[k]) continue;
+    r = sparse::larger_or_nan(r, std::abs(v.r[k]));
+    f = std::max(f, std::abs(v.x[k]));
+  }
+  return r <= tolerance::kProximalAgree * delta_ * f;
+}
+
+// While the largest residual of M's rows or of J's, each relative to the terms of the first step, is halved: at rest
+// the terms of J's rows vanish with their residuals, and a componentwise error shows no progress.
+sparse::Refinement ProximalFactor::refine(const KktMatrix& K, KktVectors& v) {
+  std::optional<std::array<double, 2>> terms;
+  double error = 0, first = 0;
+  const auto left_of_terms = [&]() -> double {
+    residual(K, v);
+    error = backward_error(v.r, v.scale);
+    if (!terms) terms = largest_of_parts(v.scale), first = error;
+    if (error <= tolerance::kConverged) return 0;
+    const std::array<double, 2> r = largest_of_parts(v.r);
+    const auto ratio = [&](int part) { return (*terms)[part] > 0 ? r[part] / (*terms)[part] : 0; };
+    return sparse::larger_or_nan(ratio(0), ratio(1));
+  };
+  v.x = v.b;
+  ldl_.solve(v.x.data());
+  sparse::Refinement out = sparse::refine(tolerance::kProximalSteps, 0, left_of_terms, [&] {
+    ldl_.solve(v.r.data());
+    for (std::size_t k = 0; k < v.x.size(); ++k) v.x[k] += v.r[k];
+  });
+  out.first = first, out.backward_error = error;
+  return out;
+}
+
+// The largest entries of x, by size, in J's rows and in M's.
+std::array<double, 2> ProximalFactor::largest_of_parts(const std::vector<double>& x) const {
+  std::array<double, 2> out{};
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    double& of_part = out[of_M_[k] ? 1 : 0];
+    of_part = sparse::larger_or_nan(of_part, std::abs(x[k]));
+  }
+  return out;
+}
+
+}  // namespace manycontact::internal
