@@ -134,9 +134,13 @@ class Clusters {
   std::vector<std::vector<int>> touching_;  // one entry per root: contacts on bodies of the cluster
 };
 
+// Whether both ends are on one robot.
+bool closes_loop(const Contact& contact) { return moves(contact.B) && contact.A.robot == contact.B.robot; }
+
 // A contact is ready once the eliminated coordinates of its own, not yet used up by another, move it in as many
 // directions as it has rows, by `distinct` at least; it uses up those that do it best. J: of unit rows, in
-// configurations in all of which that must be so.
+// configurations in all of which that must be so. A loop's contact is ready once all its coordinates are eliminated:
+// these are few, and then independent rows have sound pivots in every configuration.
 std::vector<int> with_contacts(const Scene& scene, const Island& island, const IslandSupport& support,
                                const std::vector<std::vector<Eigen::MatrixXd>>& J, const std::vector<int>& robots,
                                double distinct) {
@@ -157,18 +161,22 @@ std::vector<int> with_contacts(const Scene& scene, const Island& island, const I
     eliminated[i] = 1;
     for (int c : on_dof[i]) {
       if (placed[c]) continue;
+      const std::vector<int>& columns = support.columns[c];
+      const bool loop = closes_loop(scene.contacts[island.contacts[c]]);
+      if (loop && !std::ranges::all_of(columns, [&](int k) { return eliminated[k] != 0; })) continue;
       std::vector<int> available;  // columns of J
-      for (std::size_t k = 0; k < support.columns[c].size(); ++k)
-        if (eliminated[support.columns[c][k]] && !used[support.columns[c][k]]) available.push_back(static_cast<int>(k));
-      const Eigen::Index rows = J.front()[c].rows();
-      if (static_cast<Eigen::Index>(available.size()) < rows) continue;
+      for (std::size_t k = 0; k < columns.size(); ++k)
+        if (eliminated[columns[k]] && !used[columns[k]]) available.push_back(static_cast<int>(k));
+      const Eigen::Index rows = J.front()[c].rows(), most = static_cast<Eigen::Index>(available.size());
+      if (!loop && most < rows) continue;
       std::vector<int> best;
-      const bool ready = std::all_of(J.begin(), J.end(), [&](const std::vector<Eigen::MatrixXd>& of_posture) {
-        const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(of_posture[c](Eigen::all, available));
-        for (Eigen::Index k = 0; best.size() < static_cast<std::size_t>(rows); ++k)
-          best.push_back(support.columns[c][available[qr.colsPermutation().indices()[k]]]);
-        return std::abs(qr.matrixQR()(rows - 1, rows - 1)) > distinct;
-      });
+      const bool ready =
+          most == 0 || std::all_of(J.begin(), J.end(), [&](const std::vector<Eigen::MatrixXd>& of_posture) {
+            const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(of_posture[c](Eigen::all, available));
+            for (Eigen::Index k = 0; std::ssize(best) < std::min(rows, most); ++k)
+              best.push_back(columns[available[qr.colsPermutation().indices()[k]]]);
+            return loop || std::abs(qr.matrixQR()(rows - 1, rows - 1)) > distinct;
+          });
       if (!ready) continue;
       for (int column : best) used[column] = 1;
       place(c);
