@@ -146,7 +146,7 @@ TEST(Vanishing, ContactsThatDoNotHoldAMasslessLinkDoNotMakeItSoundByRounding) {
 // A torque accelerates a link with nearly no inertia by 1e13 and more. That is rounding of no contradiction.
 TEST(Vanishing, LinksOfNearlyNoInertiaHideNoContradiction) {
   std::mt19937 rng(409);
-  for (const double inertia : {1e-12, 1e-13})
+  for (const double inertia : {1e-13, 1e-14})
     for (int k = 0; k < 10; ++k) {
       Model model = chain(rng, 3);
       model.joints.back().inertia =
@@ -159,7 +159,7 @@ TEST(Vanishing, LinksOfNearlyNoInertiaHideNoContradiction) {
       resolve_reference(scene, q, true, true, point);
       add_contact(scene, point);
       point.name = "apart";
-      point.B.placement.p += 0.1 * random_vector(3, rng);
+      point.B.placement.p += 0.02 * random_vector(3, rng);
       add_contact(scene, point);
       for (const bool pairs : {true, false})
         for (const Method method : {Method::kAuto, Method::kDense, Method::kSparseLdl, Method::kSparseBodies}) {
