@@ -61,7 +61,7 @@ void read_axis(const Element& joint, UrdfJoint& out, std::vector<Finding>& findi
   if (!axis) return;
   if (!axis->has("xyz"))
     return tell(*axis, "unread", out.name, "<axis> has no xyz, taken as 1 0 0, URDF's default", findings);
-  Vec3<double> xyz;
+  Vec3<double> xyz = Vec3<double>::UnitX();
   (void)axis->read("xyz", xyz);
   if (std::hypot(xyz[0], xyz[1], xyz[2]) < kZeroDirection)
     axis->where("xyz").fail("the axis of joint " + quote(out.name) + " is zero, expected a direction");
