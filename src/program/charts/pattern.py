@@ -1,6 +1,6 @@
 """Draws the picture of `manycontact inspect`: the pattern of K in the scene's order, and of its factor L in the order of elimination.
 
-    pattern.py FILE.json
+    pattern.py < FILE.json
 
 The SVG goes to standard output. Cells, of which there are at most MOST a side, have the colour of most of their entries.
 """
@@ -193,9 +193,8 @@ def panels(scene):
     return out + draw_legend(scene, K.cells, n)
 
 
-def main(path):
-    with open(path) as file:
-        scene = json.load(file)
+def main():
+    scene = json.load(sys.stdin.buffer)
     sizes = f"{count(scene['nv'], 'velocity')}, {count(scene['rows'], 'contact row')}, {count(len(scene['islands']), 'island')}"
     out = f'<?xml version="1.0" encoding="UTF-8"?>\n<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}"'
     out += ' font-family="DejaVu Sans, Helvetica, Arial, sans-serif" fill="#1f2730">\n<rect width="100%" height="100%" fill="#ffffff"/>\n'
@@ -204,4 +203,4 @@ def main(path):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main()

@@ -1,37 +1,49 @@
 #include "execute.hpp"
 
+#include <fcntl.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
-#include <cstdio>
+#include <cerrno>
 #include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
+#include <thread>
 
 namespace manycontact::cli {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-// A word of a shell's command.
-std::string quoted(const std::string& word) {
-  std::string out = "'";
-  for (char c : word) out += c == '\'' ? "'\\''" : std::string(1, c);
-  return out + "'";
-}
-
-}  // namespace
-
-Printed run_and_read(const std::vector<std::string>& words, const std::string& redirection) {
-  std::string command = "exec";
-  for (const std::string& word : words) command += " " + quoted(word);
-  std::FILE* pipe = popen((command + redirection).c_str(), "r");
+Printed run_and_read(const std::vector<std::string>& words, const std::string& input, bool silent) {
+  std::vector<char*> argv;
+  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
+  argv.push_back(nullptr);
   Printed out;
-  if (!pipe) return out;
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return out;
+  const pid_t child = fork();
+  if (child == 0) {
+    if (silent) dup2(open("/dev/null", O_WRONLY | O_CLOEXEC), STDERR_FILENO);
+    if (dup2(ends[1], STDIN_FILENO) >= 0 && dup2(ends[1], STDOUT_FILENO) >= 0) execv(argv[0], argv.data());
+    _exit(127);
+  }
+  close(ends[1]);
+  std::thread writer([&] {
+    ssize_t n = 0;
+    for (std::size_t at = 0; at < input.size() && n >= 0; at += static_cast<std::size_t>(n))
+      n = send(ends[0], input.data() + at, input.size() - at, MSG_NOSIGNAL);
+    shutdown(ends[0], SHUT_WR);
+  });
   char part[1 << 16];
-  for (std::size_t n = 0; (n = std::fread(part, 1, sizeof part, pipe)) > 0;) out.text.append(part, n);
-  out.status = pclose(pipe);
+  for (ssize_t n = 1; child > 0 && (n > 0 || (n < 0 && errno == EINTR));) {
+    n = read(ends[0], part, sizeof part);
+    if (n > 0) out.text.append(part, static_cast<std::size_t>(n));
+  }
+  writer.join();
+  close(ends[0]);
+  while (child > 0 && waitpid(child, &out.status, 0) < 0 && errno == EINTR) continue;
   return out;
 }
 

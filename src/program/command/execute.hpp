@@ -19,8 +19,8 @@ struct Printed {
   std::string text;
   int status = -1;
 };
-/// Runs `words` as a command and reads what it prints. redirection: appended as the shell has it.
-Printed run_and_read(const std::vector<std::string>& words, const std::string& redirection = "");
+/// Runs the program words[0] with `input` on its standard input, and reads what it prints; silent: but its errors.
+Printed run_and_read(const std::vector<std::string>& words, const std::string& input = "", bool silent = false);
 
 /// If the address space is limited (ulimit -v), restarts this program without OpenBLAS threads, which would otherwise
 /// request memory for ever. They start before main() does, so that only an environment variable can prevent them.

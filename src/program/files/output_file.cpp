@@ -9,7 +9,6 @@
 #include <cstring>
 #include <filesystem>
 #include <iostream>
-#include <stdexcept>
 #include <string_view>
 #include <utility>
 
@@ -27,14 +26,6 @@ bool is_written_straight(const std::string& path) {
   std::error_code error;
   return is_standard_output(path) || (fs::exists(path, error) && !fs::is_regular_file(path, error));
 }
-
-TemporaryFile::TemporaryFile() : path((fs::temp_directory_path() / "manycontact-XXXXXX").string()) {
-  const int file = mkostemp(path.data(), O_CLOEXEC);
-  if (file < 0) throw std::runtime_error(path + " cannot be created: " + std::strerror(errno));
-  ::close(file);
-  until_removed = std::make_unique<RemovedBySignals>(path);
-}
-TemporaryFile::~TemporaryFile() { unlink(path.c_str()); }
 
 OutputFile::OutputFile(std::string path, std::string option) : path_(std::move(path)), option_(std::move(option)) {
   setp(buffer_.data(), buffer_.data() + buffer_.size());

@@ -59,12 +59,4 @@ class OutputFile : private std::streambuf {
   std::ostream stream_{this};
 };
 
-/// A name for a file of this process alone, which is removed with the object.
-struct TemporaryFile {
-  TemporaryFile();
-  ~TemporaryFile();
-  std::string path;
-  std::unique_ptr<RemovedBySignals> until_removed;
-};
-
 }  // namespace manycontact::cli

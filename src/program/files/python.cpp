@@ -27,7 +27,7 @@ Python find_python() {
   for (std::string folder; !found.draws && std::getline(folders, folder, ':');) {
     const std::string python = folder + "/python3";
     if (access(python.c_str(), X_OK) != 0) continue;
-    found.draws = run_and_read({python, "-c", "import matplotlib"}, " 2>/dev/null").status == 0;
+    found.draws = run_and_read({python, "-c", "import matplotlib"}, "", true).status == 0;
     if (found.draws || found.path.empty()) found.path = python;
   }
   return found;
@@ -35,10 +35,11 @@ Python find_python() {
 
 std::string script_path(const std::string& name) { return program_beside("../share/manycontact/charts/" + name); }
 
-std::string run_python(const Python& python, const std::string& script, const std::vector<std::string>& arguments) {
+std::string run_python(const Python& python, const std::string& script, const std::vector<std::string>& arguments,
+                       const std::string& input) {
   std::vector<std::string> words{python.path, "-B", script};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  const auto [printed, status] = run_and_read(words);
+  const auto [printed, status] = run_and_read(words, input);
   if (status == -1) throw std::runtime_error(std::string("python3 cannot be started: ") + std::strerror(errno));
   if (WIFEXITED(status) && WEXITSTATUS(status) == kCannotWrite) {
     const std::size_t end = printed.find('\n');

@@ -18,8 +18,9 @@ inline constexpr const char* kNoCharts =
 /// The path of a script of src/program/charts, which is installed in share/manycontact/charts.
 std::string script_path(const std::string& name);
 
-/// Runs a script with these arguments; returns what it prints. Throws InputError if it cannot write a file,
-/// std::runtime_error if Python cannot be started or fails.
-std::string run_python(const Python& python, const std::string& script, const std::vector<std::string>& arguments);
+/// Runs a script with these arguments and `input` on its standard input; returns what it prints. Throws InputError if
+/// it cannot write a file, std::runtime_error if Python cannot be started or fails.
+std::string run_python(const Python& python, const std::string& script, const std::vector<std::string>& arguments,
+                       const std::string& input = "");
 
 }  // namespace manycontact::cli

@@ -87,9 +87,8 @@ void write_picture(const Inspection& x, const Python& python, const std::string&
                {"contacts", contacts(x)}};
   add_islands(x, json);
   OutputFile svg(path, "--picture");
-  const TemporaryFile numbers;
-  write_json_file(json, numbers.path);
-  svg.stream() << run_python(python, script_path("pattern.py"), {numbers.path});
+  svg.stream() << run_python(python, script_path("pattern.py"), {},
+                             json.dump(-1, ' ', false, Json::error_handler_t::replace));
   svg.close();
 }
 

@@ -16,7 +16,7 @@ Mesh load_mesh(const std::string& path) {
   std::error_code error;
   if (const std::uintmax_t size = std::filesystem::file_size(path, error); !error && size > kLargest)
     throw InputError(path, 1, "is larger than 256 MB, expected a mesh of moderate size");
-  const auto [out, status] = run_and_read({program_beside("manycontact-mesh"), path}, " 2>/dev/null");
+  const auto [out, status] = run_and_read({program_beside("manycontact-mesh"), path}, "", true);
   if (WIFEXITED(status) && WEXITSTATUS(status) == 3) throw InputError(path, 1, out);
   if (WIFEXITED(status) && WEXITSTATUS(status) >= 126)
     throw InputError(path, 1,

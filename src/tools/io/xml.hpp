@@ -77,7 +77,7 @@ class Element {
   /// The same for what may be missing.
   template <int n>
   void read(const char* attribute, std::optional<Eigen::Matrix<double, n, 1>>& out) const {
-    if (has(attribute)) (void)read(attribute, out.emplace());
+    if (has(attribute)) (void)read(attribute, out.emplace(Eigen::Matrix<double, n, 1>::Zero()));
   }
   /// The text inside, comments left out; refuses elements inside.
   std::string text() const;
