@@ -54,8 +54,9 @@ struct ValueOf<Handle<T>> {
 /// The name of a member, method or function in Python: its own, without Crocoddyl's get_.
 template <auto member>
 std::string python_name_of() {
-  const std::string name = name_of<member>();
-  return std::is_member_function_pointer_v<decltype(member)> && name.starts_with("get_") ? name.substr(4) : name;
+  std::string name = name_of<member>();
+  if (std::is_member_function_pointer_v<decltype(member)> && name.starts_with("get_")) name.erase(0, 4);
+  return name;
 }
 
 /// A class, its members and methods, each with its entry in docs/*.txt.
@@ -100,7 +101,7 @@ class Class {
   }
   template <auto... member>
   Class& methods() {
-    (..., methods(python_name_of<member>().c_str(), member));
+    (..., def(python_name_of<member>().c_str(), member));
     return *this;
   }
   /// The same, while Python runs in other threads.
@@ -111,7 +112,7 @@ class Class {
   }
   template <auto... member>
   Class& unlocked() {
-    (..., unlocked(python_name_of<member>().c_str(), member));
+    (..., def(python_name_of<member>().c_str(), member, Unlocked()));
     return *this;
   }
   /// A constructor from the members of a structure, or the first of these.
@@ -129,26 +130,19 @@ class Class {
   /// Attributes that cannot be assigned: "name", &T::name, ... with members, methods or functions of the object.
   template <class... Given>
   Class& read(Given... given) {
-    in_groups<2>(
-        [this]<class M>(const char* name, M member) {
-          if constexpr (std::is_member_object_pointer_v<M>)
-            class_.def_readonly(name, member, text(name).doc);
-          else
-            class_.def_property_readonly(name, member, text(name).doc);
-        },
-        given...);
+    in_groups<2>([this](const char* name, auto member) { read_one(name, member); }, given...);
     return *this;
   }
   template <auto... member>
   Class& read() {
-    (..., read(python_name_of<member>().c_str(), member));
+    (..., read_one(python_name_of<member>(), member));
     return *this;
   }
   /// The same of what `at` gives of the object, as copies.
   template <auto... member, class At>
   Class& read_at(At at) {
     const auto add = [&](const std::string& name, auto m) {
-      read(name.c_str(), [at, m](const T& object) { return std::invoke(m, std::invoke(at, object)); });
+      read_one(name, [at, m](const T& object) { return std::invoke(m, std::invoke(at, object)); });
     };
     (..., add(python_name_of<member>(), member));
     return *this;
@@ -162,13 +156,12 @@ class Class {
   /// "name", get, set, ...
   template <class... Given>
   Class& property(Given... given) {
-    in_groups<3>([this](const char* name, auto get, auto set) { class_.def_property(name, get, set, text(name).doc); },
-                 given...);
+    in_groups<3>([this](const char* name, auto get, auto set) { property_one(name, get, set); }, given...);
     return *this;
   }
   template <auto get, auto set, auto... more>
   Class& property() {
-    property(python_name_of<get>().c_str(), get, set);
+    property_one(python_name_of<get>(), get, set);
     if constexpr (sizeof...(more) > 0) property<more...>();
     return *this;
   }
@@ -195,6 +188,18 @@ class Class {
   }
 
  private:
+  // Functions of their own, which the compiler keeps apart: one for all members of a type.
+  template <class M>
+  [[gnu::noinline]] void read_one(const std::string& name, M member) {
+    if constexpr (std::is_member_object_pointer_v<M>)
+      class_.def_readonly(name.c_str(), member, text(name).doc);
+    else
+      class_.def_property_readonly(name.c_str(), member, text(name).doc);
+  }
+  template <class Get, class Set>
+  [[gnu::noinline]] void property_one(const std::string& name, Get get, Set set) {
+    class_.def_property(name.c_str(), get, set, text(name).doc);
+  }
   const Text& text(const std::string& member) const { return text_of(name_ + "." + member); }
 
   std::string name_;

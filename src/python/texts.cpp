@@ -61,6 +61,13 @@ void expect_all_texts_taken() {
       throw std::logic_error(std::string("docs/*.txt describe ") + text.key + ", which is not there");
 }
 
+std::string name_in(const char* function) {
+  std::string_view text = function;
+  text.remove_prefix(text.find("V = ") + 4);
+  text = text.substr(0, text.find_first_of(";>]"));
+  return text.front() == '(' ? "" : std::string(text.substr(text.rfind(':') + 1));
+}
+
 std::string plain(std::string name) {
   for (char& c : name) c = c == '_' || c == ' ' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return name;

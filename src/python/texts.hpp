@@ -5,7 +5,6 @@
 
 #include <span>
 #include <string>
-#include <string_view>
 
 namespace py = pybind11;
 
@@ -27,23 +26,19 @@ const Text& text_of(const std::string& key);
 /// Throws where an entry of docs/*.txt was not asked for.
 void expect_all_texts_taken();
 
-/// "status" of &Report::status, "kSparseLdl" of Method::kSparseLdl, from the compiler; "" where an enumeration has no
-/// such member.
+/// "status" of "... [with auto V = &manycontact::Report::status; ...]", what the compiler calls a function template; ""
+/// where it has no name, as a number that is no member of an enumeration.
+std::string name_in(const char* function);
+
+/// "status" of &Report::status, "kSparseLdl" of Method::kSparseLdl; "" where an enumeration has no such member.
 template <auto V>
 std::string name_of() {
-  std::string_view text = __PRETTY_FUNCTION__;  // "... [with auto V = manycontact::Method::kSparseLdl; ...]"
-  text.remove_prefix(text.find("V = ") + 4);
-  text = text.substr(0, text.find_first_of(";]"));
-  return text.front() == '(' ? "" : std::string(text.substr(text.rfind(':') + 1));
+  return name_in(__PRETTY_FUNCTION__);
 }
-
 /// "Joint" of manycontact::Joint and of Handle<Joint>.
-template <class T>
+template <class V>
 std::string type_name() {
-  std::string_view text = __PRETTY_FUNCTION__;  // "... [with T = manycontact::Joint; ...]"
-  text.remove_prefix(text.find("T = ") + 4);
-  text = text.substr(0, text.find_first_of(";>]"));
-  return std::string(text.substr(text.rfind(':') + 1));
+  return name_in(__PRETTY_FUNCTION__);
 }
 
 /// The names in which default values are evaluated.

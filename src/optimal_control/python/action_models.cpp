@@ -48,8 +48,9 @@ void add_contact_models(py::module_& m) {
   shared<ContactModelOfScene, ContactModelAbstract>(m).constructors<void(State, const Contact&, std::size_t)>();
 
   shared<ContactDataAbstract>(m)
-      .read<&ContactDataAbstract::f, &ContactDataAbstract::Jc, &ContactDataAbstract::a0,
-            &ContactDataAbstract::v_columns, &ContactDataAbstract::active>();
+      .read("f", [](const ContactDataAbstract& d) { return Vector(d.f); })
+      .read<&ContactDataAbstract::Jc, &ContactDataAbstract::a0, &ContactDataAbstract::v_columns,
+            &ContactDataAbstract::active>();
 
   shared<ContactItem>(m).read<&ContactItem::name, &ContactItem::contact, &ContactItem::active>();
   using Multiple = ContactModelMultiple;

@@ -29,11 +29,11 @@ void add_cone(py::module_& m, auto... arguments) {
   Class<Cone> c(m);
   add_copy(c)
       .template constructors<void(Arguments...)>()
-      .methods<&Cone::update>()
-      .read<&Cone::get_A, &Cone::get_lb, &Cone::get_ub>();
+      .template methods<&Cone::update>()
+      .template read<&Cone::get_A, &Cone::get_lb, &Cone::get_ub>();
   add_updated(c, "R", &Cone::get_R, &Cone::set_R);
   if constexpr (requires { &Cone::get_mu; }) {
-    c.read<&Cone::get_nf>();
+    c.template read<&Cone::get_nf>();
     add_updated(c, "mu", &Cone::get_mu, &Cone::set_mu, "inner_appr", &Cone::get_inner_appr, &Cone::set_inner_appr,
                 "min_nforce", &Cone::get_min_nforce, &Cone::set_min_nforce, "max_nforce", &Cone::get_max_nforce,
                 &Cone::set_max_nforce);

@@ -96,7 +96,7 @@ template <class Twin, class Part>
 void add_twin(py::module_& m) {
   shared<Twin, Part>(m)
       .def(py::init([](const std::shared_ptr<Part>& part) { return std::make_shared<Twin>(part); }))
-      .property<&Twin::get_disturbance, &Twin::set_disturbance>();
+      .template property<&Twin::get_disturbance, &Twin::set_disturbance>();
 }
 
 // A part by itself, with the motion of its robots: what an action model has for it.
@@ -155,7 +155,7 @@ auto add_alone(py::module_& m) {
   using One = Alone<Twin, Part>;
   return shared<One>(m, type_name<Twin>())
       .template constructors<void(const std::shared_ptr<Part>&)>()
-      .property<&One::get_disturbance, &One::set_disturbance>();
+      .template property<&One::get_disturbance, &One::set_disturbance>();
 }
 
 void add_twins_of_parts(py::module_& m) {
