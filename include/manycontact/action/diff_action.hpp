@@ -1,8 +1,6 @@
 #pragma once
 // The interface of Crocoddyl's DifferentialActionModelAbstract: continuous dynamics, cost and constraints of one node.
 
-#include <limits>
-
 #include "manycontact/action/cost_derivatives.hpp"
 #include "manycontact/action/state.hpp"
 
