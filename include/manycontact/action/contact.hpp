@@ -134,6 +134,7 @@ class ContactModel1D final : public ContactModelAbstract {
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel1D(std::move(state), id, xref, LOCAL, Eigen::Matrix3d::Identity(), nu, gains) {}
+
   /// Sobec's constructor: a point xref [m] in the world, and one axis of the reference frame.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), Vector3MaskType mask = Vector3MaskType::z,
@@ -147,6 +148,7 @@ class ContactModel1D final : public ContactModelAbstract {
   void set_reference(double reference) { contact_.B.placement.p = reference * contact_.axis; }
   const Eigen::Vector3d& get_reference_point() const { return contact_.B.placement.p; }
   void set_reference(const Eigen::Vector3d& point) { contact_.B.placement.p = point; }
+
   const Eigen::Vector3d& get_axis() const { return contact_.axis; }  // unit vector
   /// Throws std::invalid_argument for an axis without direction.
   void set_axis(const Eigen::Vector3d& axis) { keep_axis("ContactModel1D::set_axis", axis); }
@@ -160,10 +162,9 @@ class ContactModel2D final : public ContactModelAbstract {
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal);
   ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
-      : ContactModel2D(std::move(state), id, xref, kDefaultNu, gains) {}
-  Eigen::Vector2d get_reference() const;  // the reference of the residual or contact
-  void set_reference(
-      const Eigen::Vector2d& reference);  // sets the reference; a wrong size throws std::invalid_argument
+      : ContactModel2D(std::move(state), id, xref, kDefaultNu, gains) {}  // with nu = nv
+  Eigen::Vector2d get_reference() const;                                  // the reference of the residual or contact
+  void set_reference(const Eigen::Vector2d& reference);                   // sets it
 };
 
 /// Constrains a point's position. xref: in the world [m].
@@ -174,16 +175,16 @@ class ContactModel3D final : public ContactModelAbstract {
                  std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, ReferenceFrame type,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
-      : ContactModel3D(std::move(state), id, xref, type, kDefaultNu, gains) {}
+      : ContactModel3D(std::move(state), id, xref, type, kDefaultNu, gains) {}  // with nu = nv
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal)
-      : ContactModel3D(std::move(state), id, xref, type, nu, gains) {}
+      : ContactModel3D(std::move(state), id, xref, type, nu, gains) {}  // sobec's
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal)
-      : ContactModel3D(std::move(state), id, xref, type, kDefaultNu, gains) {}
+      : ContactModel3D(std::move(state), id, xref, type, kDefaultNu, gains) {}  // sobec's, with nu = nv
   /// The point's position in the world [m].
   const Eigen::Vector3d& get_reference() const { return contact_.B.placement.p; }
-  void set_reference(const Eigen::Vector3d& reference) { contact_.B.placement.p = reference; }
+  void set_reference(const Eigen::Vector3d& reference) { contact_.B.placement.p = reference; }  // sets it
 };
 
 /// Constrains a frame's placement. pref: in the world.
@@ -194,10 +195,10 @@ class ContactModel6D final : public ContactModelAbstract {
                  std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, ReferenceFrame type,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
-      : ContactModel6D(std::move(state), id, pref, type, kDefaultNu, gains) {}
+      : ContactModel6D(std::move(state), id, pref, type, kDefaultNu, gains) {}  // with nu = nv
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
-      : ContactModel6D(std::move(state), id, pref, LOCAL, nu, gains) {}
+      : ContactModel6D(std::move(state), id, pref, LOCAL, nu, gains) {}                   // in the axes of A
   const SE3<double>& get_reference() const { return contact_.B.placement; }               // placement in the world
   void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }  // sets it
 };
@@ -211,7 +212,7 @@ class ContactModel5D final : public ContactModelAbstract {
                  const Eigen::Vector3d& axis, std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
   ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
                  const Eigen::Vector3d& axis, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
-      : ContactModel5D(std::move(state), id, pref, axis, kDefaultNu, gains) {}
+      : ContactModel5D(std::move(state), id, pref, axis, kDefaultNu, gains) {}            // with nu = nv
   const SE3<double>& get_reference() const { return contact_.B.placement; }               // placement in the world
   void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }  // sets it
   const Eigen::Vector3d& get_axis() const { return contact_.axis; }                       // unit vector

@@ -75,9 +75,8 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   double get_damping_factor() const { return damping_; }   // JMinvJt_damping [1/kg]
   void set_damping_factor(double damping);                 // not negative, or std::invalid_argument is thrown
   bool get_enable_force() const { return enable_force_; }  // whether derivatives of forces are always computed
-  const Options& get_options() const {
-    return options_;
-  }  // method and order of the solves, for data created afterwards
+  /// Method and order of the solves, for data created afterwards.
+  const Options& get_options() const { return options_; }
   void set_options(const Options& options) { options_ = options; }  // for data created afterwards
   /// The initial state of motions (nx); empty: not specified, as initially. Constraint rows that are dependent there,
   /// as in closed mechanisms with redundant rows, are treated as dependent in all solves of data created afterwards.

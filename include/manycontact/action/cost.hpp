@@ -55,6 +55,7 @@ class CostModelAbstract : public Printable {
   virtual void calc(const DataPtr& data, const ConstVectorRef& x);
   /// Computes the derivatives after calc. Throws std::logic_error unless a class overrides it.
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
+
   /// Computes Lx and Lxx for a terminal node.
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x);
   virtual std::shared_ptr<CostDataAbstract> createData(DataCollector* shared);

@@ -1,8 +1,6 @@
 #pragma once
 // The interface of Crocoddyl's DifferentialActionModelAbstract: continuous dynamics, cost and constraints of one node.
 
-#include <limits>
-
 #include "manycontact/action/cost_derivatives.hpp"
 #include "manycontact/action/state.hpp"
 
@@ -58,11 +56,13 @@ class NodeAbstract : public Printable {
   virtual std::size_t get_ng_T() const { return sized_by() ? sized_by()->get_ng_T() : ng_T_; }  // in a terminal node
   virtual std::size_t get_nh_T() const { return sized_by() ? sized_by()->get_nh_T() : nh_T_; }  // in a terminal node
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
+
   /// Lower and upper bounds of g, and those in a terminal node.
   virtual const Eigen::VectorXd& get_g_lb() const { return sized_by() ? sized_by()->get_g_lb() : g_lb_; }
   virtual const Eigen::VectorXd& get_g_ub() const { return sized_by() ? sized_by()->get_g_ub() : g_ub_; }
   virtual const Eigen::VectorXd& get_g_lb_T() const { return sized_by() ? sized_by()->get_g_lb_T() : get_g_lb(); }
   virtual const Eigen::VectorXd& get_g_ub_T() const { return sized_by() ? sized_by()->get_g_ub_T() : get_g_ub(); }
+
   const Eigen::VectorXd& get_u_lb() const { return u_lb_; }            // lower limits of controls; infinite: none
   const Eigen::VectorXd& get_u_ub() const { return u_ub_; }            // upper limits of controls; infinite: none
   bool get_has_control_limits() const { return has_control_limits_; }  // whether any limit of controls is finite
@@ -100,15 +100,21 @@ class NodeOf : public NodeAbstract {
   virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
   /// Computes cost and constraints of a terminal node, which depend on the state alone; its next state is x.
   virtual void calc(const DataPtr& data, const ConstVectorRef& x) { calc(data, x, unone_); }
+
   /// Computes the derivatives at the last calc. x, u: as in calc.
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
-  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x) { calcDiff(data, x, unone_); }
-  virtual DataPtr createData() = 0;  // one for each thread
-  virtual bool checkData(const DataPtr& data) { return data != nullptr; }
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x) {
+    calcDiff(data, x, unone_);
+  }  // of a terminal node
+
+  virtual DataPtr createData() = 0;                                        // one for each thread
+  virtual bool checkData(const DataPtr& data) { return data != nullptr; }  // whether the model made them
+
   /// Computes controls u (nu) that keep x at rest; in continuous time v must be 0. By default it makes Gauss-Newton
   /// steps on xout, in discrete time on xnext (-) x: at most maxiter, until one is shorter than tol.
   virtual void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
                            double tol = 1e-9) = 0;
+  /// Returns the controls that quasiStatic computes.
   Eigen::VectorXd quasiStatic_x(const DataPtr& data, const Eigen::VectorXd& x, std::size_t maxiter = 100,
                                 double tol = 1e-9) {
     Eigen::VectorXd u = Eigen::VectorXd::Zero(nu_);

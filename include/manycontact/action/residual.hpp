@@ -60,6 +60,7 @@ class ResidualModelAbstract : public Printable {  // A function r(x, u).
   /// Computes the residual in a terminal node. By default it is r(x) if r depends on x alone, and otherwise zero, since
   /// there are no accelerations, forces or controls.
   virtual void calc(const DataPtr& data, const ConstVectorRef& x);
+
   /// Computes Rx and Ru of data->blocks with `differentiate`, and if the data contain them the whole matrices; call it
   /// after calc.
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
@@ -114,8 +115,8 @@ class NamedResidual : public ResidualModelAbstract {
   /// name: that of the class. nu: number of controls, or kDefaultNu.
   NamedResidual(const char* name, std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu, Dependence on)
       : ResidualModelAbstract(std::move(state), nr, nu, on), name_(name) {}
-  virtual void evaluate(ResidualDataAbstract&, const ConstVectorRef&, const ConstVectorRef&) const {
-  }  // computes data.r
+  /// Computes data.r.
+  virtual void evaluate(ResidualDataAbstract&, const ConstVectorRef&, const ConstVectorRef&) const {}
   /// Computes Rx and Ru of the blocks, except those of constant ones.
   virtual void fill_blocks(ResidualDataAbstract&, const ConstVectorRef&, const ConstVectorRef&) const {}
   const char* name_;

@@ -101,6 +101,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   double get_scale() const { return scale_; }
   double get_kkt_scale() const { return kkt_scale_; }  // the unit of gradients, as in SolverDDP
   void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }  // see get_measures_scale
+
   /// They throw std::invalid_argument for numbers out of range.
   void set_penalty(double penalty);        // above 0
   void set_penalty_init(double penalty);   // above 0; of new solvers, and after reset()

@@ -42,7 +42,9 @@ class BoxQP {  // The solver of one quadratic problem with bounds.
   const std::vector<double>& get_alphas() const { return alphas_; }  // step lengths that are tried
   void set_nx(std::size_t nx);                                       // number of unknowns
   void set_maxiter(std::size_t maxiter) { maxiter_ = maxiter; }      // largest number of Newton steps
-  void set_th_acceptstep(double th_acceptstep);                      // must be in (0, 0.5)
+
+  /// They throw std::invalid_argument for numbers out of range: (0, 0.5), or at least 0.
+  void set_th_acceptstep(double th_acceptstep);
   void set_th_grad(double x) { internal::kNotNegative.set(th_grad_, x, "BoxQP::set_th_grad"); }
   void set_reg(double x) { internal::kNotNegative.set(reg_, x, "BoxQP::set_reg"); }
   void set_alphas(const std::vector<double>& alphas);  // positive and decreasing, or std::invalid_argument is thrown

@@ -2,7 +2,6 @@
 // Callbacks that print or record each iteration.
 
 #include <iosfwd>
-#include <string>
 
 #include "manycontact/control/solver.hpp"
 

@@ -129,6 +129,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   const std::vector<MatrixXdRowMajor>& get_K() const;   // T feedback gains, nu x ndx
   const Vectors& get_Vx() const { return Vx_; }         // gradients of the value function (T + 1)
   const Vectors& get_k() const { return k_; }           // feed-forward terms (T)
+
   /// They throw std::invalid_argument for numbers out of range.
   void set_reg_incfactor(double x) { internal::kAboveOne.set(reg_incfactor_, x, "SolverDDP::set_reg_incfactor"); }
   void set_reg_decfactor(double x) { internal::kAboveOne.set(reg_decfactor_, x, "SolverDDP::set_reg_decfactor"); }
@@ -138,6 +139,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   void set_th_stepdec(double x) { internal::kShare.set(th_stepdec_, x, "SolverDDP::set_th_stepdec"); }
   void set_th_stepinc(double x) { internal::kShare.set(th_stepinc_, x, "SolverDDP::set_th_stepinc"); }
   void set_th_grad(double x) { internal::kNotNegative.set(th_grad_, x, "SolverDDP::set_th_grad"); }
+
   /// Requires also a KKT residual (kkt_residual.hpp) of at most th_kkt; initially infinite. When th_stop is met, a
   /// solve continues until this is so, for at most maxiter further steps. (The stopping value is a difference of costs,
   /// in their unit.) If no step reduces the cost, the KKT residual alone decides whether the candidate is optimal.

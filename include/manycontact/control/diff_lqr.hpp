@@ -11,18 +11,19 @@ class DifferentialActionModelLQR
     : public NodeWithData<DifferentialActionModelLQR, DifferentialActionModelAbstract, DifferentialActionDataAbstract>,
       public LinearQuadraticTerms {
  public:
-  static constexpr const char* kName = "DifferentialActionModelLQR";
+  static constexpr const char* kName = "DifferentialActionModelLQR";  // for messages
 
   /// They throw std::invalid_argument for wrong sizes, and if [Q N; N^T R] has an eigenvalue below -1e-12.
   DifferentialActionModelLQR(const MatrixXs& Aq, const MatrixXs& Av, const MatrixXs& B, const MatrixXs& Q,
                              const MatrixXs& R, const MatrixXs& N);
   DifferentialActionModelLQR(const MatrixXs& Aq, const MatrixXs& Av, const MatrixXs& B, const MatrixXs& Q,
                              const MatrixXs& R, const MatrixXs& N, const VectorXs& f, const VectorXs& q,
-                             const VectorXs& r);
+                             const VectorXs& r);  // without constraints
   DifferentialActionModelLQR(const MatrixXs& Aq, const MatrixXs& Av, const MatrixXs& B, const MatrixXs& Q,
                              const MatrixXs& R, const MatrixXs& N, const MatrixXs& G, const MatrixXs& H,
                              const VectorXs& f, const VectorXs& q, const VectorXs& r, const VectorXs& g,
-                             const VectorXs& h);
+                             const VectorXs& h);  // with constraints
+
   /// Uses identity matrices, with q and r of ones. f is zero if drift_free, otherwise ones.
   DifferentialActionModelLQR(std::size_t nq, std::size_t nu, bool drift_free = true);
   /// Makes a random model with entries within +-1 and a convex cost; the same sequence in every run.

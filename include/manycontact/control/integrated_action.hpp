@@ -14,8 +14,8 @@ struct IntegratorStage {
   const std::shared_ptr<ControlParametrizationDataAbstract>& control;
 };
 
-struct IntegratedActionDataAbstract
-    : ActionDataAbstract {  // The common base of the data of this library's integrators.
+/// The common base of the data of this library's integrators.
+struct IntegratedActionDataAbstract : ActionDataAbstract {
   using ActionDataAbstract::ActionDataAbstract;
   virtual std::size_t stages() const { return 1; }         // number of stages of a step
   virtual IntegratorStage stage(std::size_t i) const = 0;  // the data of one stage
@@ -51,9 +51,11 @@ class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differe
  protected:
   const NodeAbstract* sized_by() const override { return differential_.get(); }
   void print_as(const char* name, std::ostream& os) const;  // prints it with another name
+
   /// Compute what calc and calcDiff do in a terminal node.
   void calc_terminal(const ConstVectorRef& x, IntegratedActionDataAbstract& data) const;
   void calcDiff_terminal(const ConstVectorRef& x, IntegratedActionDataAbstract& data) const;
+
   std::shared_ptr<DifferentialActionModelAbstract> differential_;
   std::shared_ptr<ControlParametrizationModelAbstract> control_;
   double time_step_, time_step2_;  // h, h^2

@@ -24,6 +24,7 @@ class LimitedBfgs {  // An inverse Hessian estimated from gradients.
   void forget() { count_ = 0; }        // removes all pairs
   /// Adds the pair s = step * direction, y = g_next - g. Without positive curvature nothing is added.
   void add(double step, const Vectors& direction, const Vectors& g, const Vectors& g_next);
+
   /// The first loop, from q = g. Afterwards the caller applies H0, and calls `finish` for the second loop on r.
   void begin(Vectors& q);
   void finish(Vectors& r) const;

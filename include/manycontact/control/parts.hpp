@@ -62,9 +62,8 @@ class ActionModelParts : public NodeWithData<ActionModelParts, ActionModelAbstra
   const Eigen::VectorXd& get_g_ub_T() const override { return g_ub_T_; }
 
   const std::vector<ActionPart>& get_parts() const { return parts_; }  // the subproblems
-  const std::shared_ptr<const Couplings>& get_couplings() const {
-    return couplings_;
-  }  // null for decoupled subproblems
+  /// Null for decoupled subproblems.
+  const std::shared_ptr<const Couplings>& get_couplings() const { return couplings_; }
   /// Makes the same node with other models in the same places, with the limits and storage of this one.
   std::shared_ptr<ActionModelParts> with_models(std::vector<ActionPart> parts) const;
   /// Selects the matrices of data created afterwards. With kDense (initially) the node's data also contain dense

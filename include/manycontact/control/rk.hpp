@@ -21,14 +21,14 @@ struct IntegratedActionDataRK;
 class IntegratedActionModelRK
     : public NodeWithData<IntegratedActionModelRK, IntegratedActionModelAbstract, IntegratedActionDataRK> {
  public:
-  static constexpr const char* kName = "IntegratedActionModelRK";
+  static constexpr const char* kName = "IntegratedActionModelRK";  // for messages
 
   /// Throws std::invalid_argument for null pointers and numbers out of range.
   IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model,
                           std::shared_ptr<ControlParametrizationModelAbstract> control, RKType rktype,
                           double time_step = 1e-3, bool with_cost_residual = true);
   IntegratedActionModelRK(std::shared_ptr<DifferentialActionModelAbstract> model, RKType rktype,
-                          double time_step = 1e-3, bool with_cost_residual = true);
+                          double time_step = 1e-3, bool with_cost_residual = true);  // with constant controls
 
   bool checkData(const DataPtr& data) override;
   void print(std::ostream& os) const override { print_as(kName, os); }

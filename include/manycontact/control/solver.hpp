@@ -108,6 +108,7 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   void set_xs(const Vectors& xs);
   /// Sets the candidate controls (T); throws std::invalid_argument for wrong sizes.
   void set_us(const Vectors& us);
+
   /// They throw std::invalid_argument for numbers out of range.
   void set_preg(double x) { internal::kNotNegative.set(preg_, x, "Solver::set_preg"); }
   void set_dreg(double x) { internal::kNotNegative.set(dreg_, x, "Solver::set_dreg"); }

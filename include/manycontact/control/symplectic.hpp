@@ -28,14 +28,15 @@ class IntegratedActionModelSymplectic
     : public NodeWithData<IntegratedActionModelSymplectic, IntegratedActionModelAbstract,
                           IntegratedActionDataSymplectic> {
  public:
-  static constexpr const char* kName = "IntegratedActionModelSymplectic";
+  static constexpr const char* kName = "IntegratedActionModelSymplectic";  // for messages
 
   /// They throw std::invalid_argument unless the model is one of contact dynamics (action/contact_fwddyn.hpp).
   IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
                                   std::shared_ptr<ControlParametrizationModelAbstract> control, double time_step = 1e-3,
                                   bool with_cost_residual = true);
   explicit IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
-                                           double time_step = 1e-3, bool with_cost_residual = true);
+                                           double time_step = 1e-3,
+                                           bool with_cost_residual = true);  // with constant controls
   void print(std::ostream& os) const override { print_as(kName, os); }
 
  private:

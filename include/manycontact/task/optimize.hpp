@@ -2,7 +2,6 @@
 // Solves a task, and reports what the solver did.
 
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>

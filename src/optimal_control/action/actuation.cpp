@@ -1,7 +1,6 @@
 #include "manycontact/action/actuation.hpp"
 
 #include <Eigen/QR>
-#include <ostream>
 #include <typeinfo>
 
 namespace manycontact {

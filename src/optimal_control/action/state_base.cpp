@@ -1,4 +1,3 @@
-#include <cmath>
 
 #include "manycontact/action/state.hpp"
 

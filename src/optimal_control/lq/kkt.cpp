@@ -1,6 +1,5 @@
 #include "manycontact/lq/kkt.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "dense.hpp"

@@ -52,30 +52,29 @@ void check_partition(const Problem& problem, int k) {
     if (!touched[b]) refuse(k, -1, "coupling " + std::to_string(b) + " touches no group");
 }
 
+// use(matrix or vector, rows, columns, name) for each of a group; a vector has one column.
+template <class G, class Use>
+void each_matrix(const Sizes& s, bool terminal, G& g, Use&& use) {
+  const int nv = s.nu + s.nw;
+  use(g.Q, s.nx, s.nx, "Q"), use(g.S, s.nx, nv, "S"), use(g.R, nv, nv, "R");
+  use(g.q, s.nx, 1, "q"), use(g.r, nv, 1, "r");
+  use(g.C, s.rows, s.nx, "C"), use(g.D, s.rows, nv, "D"), use(g.d, s.rows, 1, "d");
+  if (terminal) return;
+  use(g.A, s.nx, s.nx, "A"), use(g.B, s.nx, nv, "B"), use(g.f, s.nx, 1, "f");
+}
+
 void check_sizes(const Problem& problem, int k, int g) {
   const Knot& knot = problem.knots[k];
   const Group& group = knot.groups[g];
   const Sizes s = sizes(problem, knot, group);
-  const int nv = s.nu + s.nw;
-  const auto matrix = [&](const Eigen::MatrixXd& M, int rows, int cols, const char* name) {
-    if (M.rows() != rows || M.cols() != cols)
-      refuse(k, g, std::string(name) + " is not " + std::to_string(rows) + " x " + std::to_string(cols));
-  };
-  const auto vector = [&](const Eigen::VectorXd& x, int rows, const char* name) {
-    if (x.size() != rows) refuse(k, g, std::string(name) + " has not " + std::to_string(rows) + " entries");
-  };
-  matrix(group.Q, s.nx, s.nx, "Q");
-  matrix(group.S, s.nx, nv, "S");
-  matrix(group.R, nv, nv, "R");
-  vector(group.q, s.nx, "q");
-  vector(group.r, nv, "r");
-  matrix(group.C, s.rows, s.nx, "C");
-  matrix(group.D, s.rows, nv, "D");
-  vector(group.d, s.rows, "d");
+  each_matrix(s, k == problem.horizon(), group, [&](const auto& M, int rows, int cols, const char* name) {
+    if (M.rows() == rows && M.cols() == cols) return;
+    const std::string size = std::to_string(rows);
+    refuse(k, g,
+           M.ColsAtCompileTime == 1 ? std::string(name) + " has not " + size + " entries"
+                                    : std::string(name) + " is not " + size + " x " + std::to_string(cols));
+  });
   if (k == problem.horizon()) return;
-  matrix(group.A, s.nx, s.nx, "A");
-  matrix(group.B, s.nx, nv, "B");
-  vector(group.f, s.nx, "f");
   if (!group.steps) return;
   if (group.blocks.size() != 1 || s.nx % 2 != 0) refuse(k, g, "steps of other than one block of two halves");
   for (const BlockDiagonal* D : {&group.steps->J, &group.steps->G}) {
@@ -99,21 +98,9 @@ std::vector<int> starts(const std::vector<int>& sizes) {
 
 void set_zero(Problem& problem) {
   for (Knot& knot : problem.knots)
-    for (Group& g : knot.groups) {
-      const Sizes s = sizes(problem, knot, g);
-      const int nv = s.nu + s.nw;
-      g.Q.setZero(s.nx, s.nx);
-      g.S.setZero(s.nx, nv);
-      g.R.setZero(nv, nv);
-      g.q.setZero(s.nx);
-      g.r.setZero(nv);
-      g.A.setZero(s.nx, s.nx);
-      g.B.setZero(s.nx, nv);
-      g.f.setZero(s.nx);
-      g.C.setZero(s.rows, s.nx);
-      g.D.setZero(s.rows, nv);
-      g.d.setZero(s.rows);
-    }
+    for (Group& g : knot.groups)
+      each_matrix(sizes(problem, knot, g), false, g,
+                  [](auto& M, int rows, int cols, const char*) { M.setZero(rows, cols); });
   problem.x0.setZero(starts(problem.nx).back());
 }
 

@@ -1,7 +1,5 @@
 #include "manycontact/task/parts.hpp"
 
-#include <algorithm>
-
 #include "manycontact/model/applied_forces.hpp"
 #include "manycontact/sparse/union_find.hpp"
 

@@ -1,6 +1,5 @@
 #include "manycontact/action/contact.hpp"
 
-#include <cmath>
 #include <ostream>
 
 #include "../named.hpp"

@@ -1,7 +1,5 @@
 #include "manycontact/action/residual.hpp"
 
-#include <ostream>
-
 #include "residual_parts.hpp"
 
 namespace manycontact {

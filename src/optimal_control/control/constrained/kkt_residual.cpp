@@ -69,75 +69,51 @@ namespace internal {
 
 namespace {
 
-double kkt_residual_of_data(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
+double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
                             bool limits, const Vectors& ys, double scale, Eigen::VectorXd& work) {
   const std::size_t T = problem.get_T();
-  Largest worst;
   const Eigen::Index ndx = static_cast<Eigen::Index>(problem.get_ndx());
+  const auto size = static_cast<Eigen::Index>(2 * problem.get_ndx() + problem.get_nu_max());
+  if (work.size() < size) work.resize(size);
+  const bool coupled = CoupledDirection::applies_to(problem);
+  Largest worst;
+  const Eigen::VectorXd none;
+  Eigen::VectorXd by_x, by_u;
   auto gap = work.head(ndx), gx = work.segment(ndx, ndx);
   problem.get_terminalModel()->get_state()->diff(xs[0], problem.get_x0(), gap);
   worst.add(gap);
   for (std::size_t t = 0; t <= T; ++t) {
     const ActionModelAbstract& model = *problem.model(t);
-    const ActionDataAbstract& d = *problem.data(t);
-    auto gu = work.segment(2 * ndx, t < T ? us[t].size() : 0);
-    if (t < T)
-      d.pull_back(l[t + 1], gx, gu);
-    else
-      gx.setZero();
+    ActionDataAbstract& d = *problem.data(t);
     const ConstraintRows rows = rows_at(problem, t);
     const Eigen::VectorXd* y = ys.empty() ? nullptr : &ys[t];
     if (y) add_constraints(rows, d, *y, scale, worst);
-    for (Eigen::Index i = 0; i < l[t].size(); ++i)
-      worst.add((d.Lx[i] - l[t][i] + gx[i] +
-                 pull_back(
-                     rows, y, [&](Eigen::Index k) { return rows.x_row(d, k); }, i)) /
-                scale);
-    if (t == T) break;
-    model.get_state()->diff(xs[t + 1], d.xnext, gap);
-    worst.add(gap);
-    for (Eigen::Index i = 0; i < us[t].size(); ++i) {
-      const double slope = d.Lu[i] + gu[i] +
-                           pull_back(
-                               rows, y, [&](Eigen::Index k) { return rows.u_row(d, k); }, i);
-      add_slope(model, us[t], i, limits, slope / scale, worst);
+    if (coupled) {  // wrenches are eliminated by the scene's own derivatives, not by the rows that directions are made
+                    // of
+      scene_gradient(static_cast<const ActionModelParts&>(model), static_cast<ActionDataParts&>(d),
+                     l[std::min(t + 1, T)], t == T, y ? *y : none, by_x, by_u);
+      worst.add((by_x - l[t]) / scale);
+      for (Eigen::Index i = 0; t < T && i < by_u.size(); ++i)
+        add_slope(model, us[t], i, limits, by_u[i] / scale, worst);
+    } else {
+      auto gu = work.segment(2 * ndx, t < T ? us[t].size() : 0);
+      t < T ? d.pull_back(l[t + 1], gx, gu) : void(gx.setZero());
+      for (Eigen::Index i = 0; i < l[t].size(); ++i) {
+        const double of_y = pull_back(
+            rows, y, [&](Eigen::Index k) { return rows.x_row(d, k); }, i);
+        worst.add((d.Lx[i] - l[t][i] + gx[i] + of_y) / scale);
+      }
+      for (Eigen::Index i = 0; i < gu.size(); ++i) {
+        const double of_y = pull_back(
+            rows, y, [&](Eigen::Index k) { return rows.u_row(d, k); }, i);
+        add_slope(model, us[t], i, limits, (d.Lu[i] + gu[i] + of_y) / scale, worst);
+      }
     }
-  }
-  return worst.value;
-}
-
-// The same of nodes with couplings: the couplings' wrenches are eliminated from the gradients, by the scene's own
-// derivatives and not by the rows that directions are made of.
-double kkt_residual_of_coupled(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
-                               bool limits, const Vectors& ys, double scale, Eigen::VectorXd& work) {
-  const std::size_t T = problem.get_T();
-  Largest worst;
-  Eigen::VectorXd gx, gu;
-  const Eigen::VectorXd none;
-  auto gap = work.head(problem.get_ndx());
-  problem.get_terminalModel()->get_state()->diff(xs[0], problem.get_x0(), gap);
-  worst.add(gap);
-  for (std::size_t t = 0; t <= T; ++t) {
-    const ActionModelAbstract& model = *problem.model(t);
-    auto& d = static_cast<ActionDataParts&>(*problem.data(t));
-    if (!ys.empty()) add_constraints(rows_at(problem, t), d, ys[t], scale, worst);
-    scene_gradient(static_cast<const ActionModelParts&>(model), d, l[std::min(t + 1, T)], t == T,
-                   ys.empty() ? none : ys[t], gx, gu);
-    worst.add((gx - l[t]) / scale);
     if (t == T) break;
-    for (Eigen::Index i = 0; i < gu.size(); ++i) add_slope(model, us[t], i, limits, gu[i] / scale, worst);
     model.get_state()->diff(xs[t + 1], d.xnext, gap);
     worst.add(gap);
   }
   return worst.value;
-}
-
-double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& l,
-                            bool limits, const Vectors& ys, double scale, Eigen::VectorXd& work) {
-  const auto size = static_cast<Eigen::Index>(2 * problem.get_ndx() + problem.get_nu_max());
-  if (work.size() < size) work.resize(size);
-  return CoupledDirection::applies_to(problem) ? kkt_residual_of_coupled(problem, xs, us, l, limits, ys, scale, work)
-                                               : kkt_residual_of_data(problem, xs, us, l, limits, ys, scale, work);
 }
 
 }  // namespace

@@ -1,7 +1,5 @@
 #include "manycontact/control/box_qp.hpp"
 
-#include <algorithm>
-
 #include "step_lengths.hpp"
 
 namespace manycontact {

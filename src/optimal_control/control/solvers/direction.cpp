@@ -1,7 +1,6 @@
 #include "manycontact/control/direction.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "fit.hpp"
@@ -44,25 +43,17 @@ std::vector<int> Direction::blocks() const {
   return {static_cast<int>(nu)};
 }
 
-void Direction::take_x(const VectorXd& whole, VectorXd& own) const {
-  is_whole_ ? void(own = whole) : gather(whole, part_.x, own);
+void Direction::take(const VectorXd& whole, const std::vector<int>& index, VectorXd& own) const {
+  is_whole_ ? void(own = whole) : gather(whole, index, own);
 }
-void Direction::take_dx(const VectorXd& whole, VectorXd& own) const {
-  is_whole_ ? void(own = whole) : gather(whole, part_.dx, own);
+void Direction::give(const VectorXd& own, const std::vector<int>& index, VectorXd& whole) const {
+  is_whole_ ? void(whole = own) : scatter(own, index, whole);
 }
 void Direction::take_u(const Vectors& whole, Vectors& own) const {
-  for (std::size_t t = 0; t < own.size(); ++t)
-    is_whole_ ? void(own[t] = whole[t]) : gather(whole[t], part_.u[t], own[t]);
-}
-void Direction::give_x(const VectorXd& own, VectorXd& whole) const {
-  is_whole_ ? void(whole = own) : scatter(own, part_.x, whole);
-}
-void Direction::give_dx(const VectorXd& own, VectorXd& whole) const {
-  is_whole_ ? void(whole = own) : scatter(own, part_.dx, whole);
+  for (std::size_t t = 0; t < own.size(); ++t) take(whole[t], part_.u[t], own[t]);
 }
 void Direction::give_u(const Vectors& own, Vectors& whole) const {
-  for (std::size_t t = 0; t < own.size(); ++t)
-    is_whole_ ? void(whole[t] = own[t]) : scatter(own[t], part_.u[t], whole[t]);
+  for (std::size_t t = 0; t < own.size(); ++t) give(own[t], part_.u[t], whole[t]);
 }
 
 void Direction::take_candidate(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& fs,

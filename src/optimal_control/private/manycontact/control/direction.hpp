@@ -76,11 +76,14 @@ class Direction {
 
  private:
   friend class SolverDDP;  // gathers and scatters
-  void take_x(const Eigen::VectorXd& whole, Eigen::VectorXd& own) const;
-  void take_dx(const Eigen::VectorXd& whole, Eigen::VectorXd& own) const;
+  using Vector = Eigen::VectorXd;
+  void take(const Vector& whole, const std::vector<int>& index, Vector& own) const;
+  void give(const Vector& own, const std::vector<int>& index, Vector& whole) const;
+  void take_x(const Vector& whole, Vector& own) const { take(whole, part_.x, own); }
+  void take_dx(const Vector& whole, Vector& own) const { take(whole, part_.dx, own); }
   void take_u(const Vectors& whole, Vectors& own) const;
-  void give_x(const Eigen::VectorXd& own, Eigen::VectorXd& whole) const;
-  void give_dx(const Eigen::VectorXd& own, Eigen::VectorXd& whole) const;
+  void give_x(const Vector& own, Vector& whole) const { give(own, part_.x, whole); }
+  void give_dx(const Vector& own, Vector& whole) const { give(own, part_.dx, whole); }
   void give_u(const Vectors& own, Vectors& whole) const;
   bool is_whole_;
   Eigen::VectorXd xnext_;  // nx: workspace
