@@ -69,8 +69,7 @@ void expect_shape(const char* name, const Eigen::MatrixXd& values, const M& matr
 /// Members that the data of action models, differential or not, have in common.
 template <class T, class... Options>
 void add_action_data(Class<T, Options...>& c) {
-  c.template write<&T::cost>()
-      .template views<&T::Fu, &T::Fx, &T::Lx, &T::Lu, &T::Lxx, &T::Lxu, &T::Luu>();
+  c.template write<&T::cost>().template views<&T::Fu, &T::Fx, &T::Lx, &T::Lu, &T::Lxx, &T::Lxu, &T::Luu>();
   add_resized(c, "r", &T::r, "g", &T::g, "h", &T::h, "Gx", &T::Gx, "Gu", &T::Gu, "Hx", &T::Hx, "Hu", &T::Hu);
 }
 
