@@ -5,9 +5,9 @@
 
 #include "internal.hpp"
 #include "manycontact/dynamics/copies.hpp"
+#include "manycontact/dynamics/parallel.hpp"
 #include "manycontact/model/applied_forces.hpp"
 #include "workspace/changes.hpp"
-#include "workspace/parallel.hpp"
 
 namespace manycontact {
 
