@@ -15,6 +15,9 @@ class ActionModelUnicycle : public NodeWithData<ActionModelUnicycle, ActionModel
  public:
   static constexpr const char* kName = "ActionModelUnicycle";
   ActionModelUnicycle() : NodeWithData(std::make_shared<StateVector>(3), 2, 5) {}
+  using NodeWithData::calcDiff;
+  /// The derivatives of calcDiff(data, x), which a derived class may override, and those with respect to u.
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   void print(std::ostream& os) const override { os << kName << " {dt=" << dt_ << "}"; }
 
   /// The weights wx, wu; initially 10, 1.

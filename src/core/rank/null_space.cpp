@@ -252,6 +252,14 @@ void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster
   }
 }
 
+// use(cluster) for each cluster; twice where rows kept are so small that their part of the null space is large: the
+// second time takes out what rounding left of it.
+template <class Use>
+void each_projection(const DependentRows& rows, Use&& use) {
+  for (const DependentRows::Cluster& cluster : rows.clusters)
+    for (int time = 0; time < (cluster.orthonormal ? 2 : 1); ++time) use(cluster);
+}
+
 }  // namespace
 
 void make_projector(int n, DependentRows& rows) {
@@ -282,7 +290,7 @@ std::span<const double> scale_of_dependent(DependentRows& rows, std::span<const 
 }
 
 void project_out(DependentRows& rows, double* y, double* null_component) {
-  for (const DependentRows::Cluster& cluster : rows.clusters) {
+  each_projection(rows, [&](const DependentRows::Cluster& cluster) {
     Eigen::Map<Eigen::VectorXd> t(rows.t.data(), cluster.size);
     t.setZero();
     for (int a = 0; a < cluster.size; ++a)
@@ -301,7 +309,7 @@ void project_out(DependentRows& rows, double* y, double* null_component) {
         y[k] -= value * t[a];
         if (null_component) null_component[k] += value * t[a];
       });
-  }
+  });
 }
 
 namespace {
@@ -322,8 +330,8 @@ void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, i
   constexpr int kColumns = 64;  // columns at a time; clusters may vary with rounding, and memory must not
   const std::size_t size = rows.dropped.size() * kColumns;
   if (rows.panel.size() < size) rows.panel.resize(size);
-  for (const DependentRows::Cluster& cluster : rows.clusters) {
-    if (nonzero && !spread(rows, cluster, nonzero)) continue;
+  each_projection(rows, [&](const DependentRows::Cluster& cluster) {
+    if (nonzero && !spread(rows, cluster, nonzero)) return;
     for (int c = first; c < first + cols; c += kColumns) {
       const int count = std::min(kColumns, first + cols - c);
       const auto at = [&](int k) { return Row(X + static_cast<std::ptrdiff_t>(row[k]) * ld + c, count); };
@@ -339,7 +347,7 @@ void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, i
       for (int a = 0; a < cluster.size; ++a)
         each_of_basis(rows, cluster, a, [&](int k, double value) { at(k) -= value * T.row(a); });
     }
-  }
+  });
 }
 
 }  // namespace manycontact::rank

@@ -20,18 +20,22 @@ void ActionModelUnicycle::evaluate(ActionDataAbstract& d, const ConstVectorRef& 
   d.cost = 0.5 * d.r.squaredNorm();
 }
 
-void ActionModelUnicycle::differentiate(ActionDataAbstract& d, const ConstVectorRef& x, const ConstVectorRef* u) {
-  const double of_x = weights_[0] * weights_[0], of_u = weights_[1] * weights_[1];
+void ActionModelUnicycle::differentiate(ActionDataAbstract& d, const ConstVectorRef& x, const ConstVectorRef*) {
+  const double w = weights_[0] * weights_[0];
   d.Fx.setIdentity();
-  d.Lx = of_x * x;
-  d.Lxx.diagonal().setConstant(of_x);
-  if (!u) return;
-  const double c = std::cos(x[2]), s = std::sin(x[2]);
-  d.Fx(0, 2) = -dt_ * s * (*u)[0];
-  d.Fx(1, 2) = dt_ * c * (*u)[0];
+  d.Lx = w * x;
+  d.Lxx.diagonal().setConstant(w);
+}
+
+void ActionModelUnicycle::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+  ActionDataAbstract& d = own("calcDiff", data, x, &u);
+  calcDiff(data, x);
+  const double c = std::cos(x[2]), s = std::sin(x[2]), w = weights_[1] * weights_[1];
+  d.Fx(0, 2) = -dt_ * s * u[0];
+  d.Fx(1, 2) = dt_ * c * u[0];
   d.Fu << dt_ * c, 0, dt_ * s, 0, 0, dt_;
-  d.Lu = of_u * *u;
-  d.Luu.diagonal().setConstant(of_u);
+  d.Lu = w * u;
+  d.Luu.diagonal().setConstant(w);
 }
 
 }  // namespace manycontact
