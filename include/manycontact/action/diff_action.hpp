@@ -103,9 +103,8 @@ class NodeOf : public NodeAbstract {
 
   /// Computes the derivatives at the last calc. x, u: as in calc.
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
-  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x) {
-    calcDiff(data, x, unone_);
-  }  // of a terminal node
+  /// Computes the derivatives of a terminal node at the last calc.
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x) { calcDiff(data, x, unone_); }
 
   virtual DataPtr createData() = 0;                                        // one for each thread
   virtual bool checkData(const DataPtr& data) { return data != nullptr; }  // whether the model made them
