@@ -22,6 +22,8 @@ int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s
   w.reserve(s);
   rows.dropped.clear();
   rows.turned.clear();
+  rows.waiting.rows.clear();
+  rows.waiting.joined = 0;
   rows.inverse.resize(s.n);
   rows.noise.resize(s.n);
   double* y = w.Y.data();  // may have any value: entry j is zero from step j on, between rows
@@ -55,7 +57,7 @@ int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s
     // these add, too: where that buries M's own entry, they had no pivot from the rows of M before them.
     rows.noise[k] = tolerance::kRowRounding * terms + passed_on;
     const Pivot<double> pivot{of_M[k] != 0, d, terms, of_M[k] ? own : size, row_size[k]};
-    const bool left = std::abs(d) > rows.noise[k] && is_left(pivot, margin);
+    const bool left = std::abs(d) > rows.noise[k] && is_left(pivot, of_M[k] ? 1 : margin);
     if (!of_M[k] && !left && std::isfinite(terms)) {
       rows.dropped.push_back(k);
       D[k] = std::numeric_limits<double>::infinity();
@@ -96,7 +98,12 @@ double dependence_residual(const sparse::UpperCsc& K, const double* Kx, std::spa
   return largest == 0 ? 0 : largest / size;
 }
 
-bool is_turned(const DependentRows& rows, int k) { return !rows.turned.empty() && rows.turned[k]; }
+// Whether row k was dropped in another's place, or waited: it may depend on later rows.
+bool is_turned(const DependentRows& rows, int k) {
+  const WaitingRows& w = rows.waiting;
+  return (!rows.turned.empty() && rows.turned[k]) ||
+         std::find(w.rows.begin() + w.joined, w.rows.end(), k) != w.rows.end();
+}
 
 // Finds J's entries in rows of M after them.
 void take_later_entries(const sparse::UpperCsc& K, std::span<const char> of_M, DependentRows& rows) {
@@ -164,7 +171,7 @@ void refine_column(const sparse::LdlSymbolic& s, std::span<const char> of_M, con
   const int first = rows.Np[rows.Np.size() - 2];
   double* x = rows.x.data();
   std::copy(rows.residual.begin(), rows.residual.end(), x);
-  sparse::ldl_solve(s, Lx, D, x);
+  solve_kept(rows, x, [&](double* y) { sparse::ldl_solve(s, Lx, D, y); });
   const int k = rows.Ni[first];
   for (std::size_t p = first + 1; p < rows.Ni.size(); ++p) x[rows.Ni[p]] -= rows.Nx[p];  // z
   rows.Ni.resize(first + 1);
@@ -195,6 +202,7 @@ void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, co
   rows.is_open.assign(s.n, 0);
   take_later_entries(K, of_M, rows);
   rows.largest_residual = 0;
+  rows.plain.clear();
   for (int k : rows.dropped) {
     null_column(s, of_M, Lx, k, rows);
     const sparse::Refinement refinement = sparse::refine(
@@ -206,6 +214,7 @@ void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, co
         },
         [&] { refine_column(s, of_M, Lx, D, rows); });
     rows.largest_residual = sparse::larger_or_nan(rows.largest_residual, refinement.backward_error);
+    rows.plain.push_back(refinement.backward_error <= tolerance::kRowLeft);
   }
   make_projector(s.n, rows);
   for (const DependentRows::Cluster& cluster : rows.clusters)
@@ -215,6 +224,20 @@ void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, co
                                               std::span(rows.Bx).subspan(first, count), rows);
       rows.largest_residual = sparse::larger_or_nan(rows.largest_residual, left);
     }
+}
+
+bool let_rows_wait(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx,
+                   std::span<const char> of_M, const double* Lx, const double* D, DependentRows& rows) {
+  std::vector<int>& waiting = rows.waiting.rows;
+  std::vector<int> plain;
+  waiting.clear();
+  for (std::size_t c = 0; c < rows.dropped.size(); ++c) (rows.plain[c] ? plain : waiting).push_back(rows.dropped[c]);
+  if (waiting.size() > kMostWaiting) return false;
+  join_waiting_rows(K, s, Kx, of_M, Lx, D, rows.waiting);
+  plain.insert(plain.end(), waiting.begin() + rows.waiting.joined, waiting.end());
+  std::sort(plain.begin(), plain.end());
+  rows.dropped = std::move(plain);
+  return true;
 }
 
 }  // namespace manycontact::rank

@@ -25,22 +25,24 @@ class DependentRowsFactor final : public Factor {
   // rounding errors; in between, the dense reference solver decides.
   Reason factorize(const KktMatrix& K, FactorScratch& scratch) override {
     if (ldl_.pattern != K.pattern) take(K.pattern);
+    dependence_.waiting.rows.clear();
+    dependence_.waiting.joined = 0;
     scratch.scale.resize(std::max<std::size_t>(scratch.scale.size(), K.size()));
     scratch.ldl.reserve(ldl_.pattern->ldl);
     take_sizes(K, scratch);
     if (const Reason reason = drop_in_order(K, scratch); reason != Reason::kNone) return reason;
-    return dependence_.accepted() ? Reason::kNone : Reason::kSmallPivot;
+    return dependence_.accepted() || let_rows_wait(K, scratch) ? Reason::kNone : Reason::kSmallPivot;
   }
 
   // (I - P) K_kept^-1 (I - P) x
   void solve(double* x) override {
     rank::project_out(dependence_, x);
-    ldl_.solve(x);
+    solve_kept(x);
     rank::project_out(dependence_, x);
   }
 
   void correct(double* r) override {
-    ldl_.solve(r);
+    solve_kept(r);
     rank::project_out(dependence_, r);
   }
   double backward_error(std::span<const double> r, std::span<const double> scale) override {
@@ -51,7 +53,10 @@ class DependentRowsFactor final : public Factor {
     const int* perm = ldl_.pattern->perm.data();
     const bool dropped = !dependence_.dropped.empty();
     if (dropped) rank::project_out_panel(dependence_, perm, X, ld, first, cols, nonzero);
+    const bool joined = dependence_.waiting.joined > 0;
+    if (joined) rank::before_solve(dependence_.waiting, perm, X + first, ld, cols);
     ldl_.solve_panel(X, ld, first, cols, nonzero);
+    if (joined) rank::after_solve(dependence_.waiting, perm, X + first, ld, cols);
     if (dropped) rank::project_out_panel(dependence_, perm, X, ld, first, cols);
   }
 
@@ -107,10 +112,26 @@ class DependentRowsFactor final : public Factor {
     return Reason::kNone;
   }
 
-  Reason drop(const KktMatrix& K, FactorScratch& scratch) {
+  // Once more, and rows without a plain pivot wait. False where rounding hides which rows depend.
+  bool let_rows_wait(const KktMatrix& K, FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
-    const int done = rank::ldl_factor_dependent(p.K, p.ldl, K.values.data(), of_M_, 1, row_size_.data(), scratch.ldl,
-                                                ldl_.L.data(), ldl_.D.data(), dependence_);
+    if (drop(K, scratch, rank::kWaits) != Reason::kNone) return false;
+    growth_ = growth(K, scratch.scale);
+    find_null_space(K);
+    if (!rank::let_rows_wait(p.K, p.ldl, K.values.data(), of_M_, ldl_.L.data(), ldl_.D.data(), dependence_))
+      return false;
+    find_null_space(K);
+    return dependence_.accepted();
+  }
+
+  void solve_kept(double* x) {
+    rank::solve_kept(dependence_, x, [this](double* y) { ldl_.solve(y); });
+  }
+
+  Reason drop(const KktMatrix& K, FactorScratch& scratch, double margin = 1) {
+    const KktPattern& p = *ldl_.pattern;
+    const int done = rank::ldl_factor_dependent(p.K, p.ldl, K.values.data(), of_M_, margin, row_size_.data(),
+                                                scratch.ldl, ldl_.L.data(), ldl_.D.data(), dependence_);
     if (done == p.size()) return Reason::kNone;
     return of_M_[done] ? Reason::kSingularInertia : Reason::kWrongInertia;
   }

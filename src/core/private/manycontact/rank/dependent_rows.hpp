@@ -15,6 +15,7 @@
 
 #include <span>
 
+#include "manycontact/rank/waiting_rows.hpp"
 #include "manycontact/sparse/ldl.hpp"
 
 namespace manycontact::rank {
@@ -23,6 +24,8 @@ namespace manycontact::rank {
 struct DependentRows {
   std::vector<int> dropped;     // rows of K, ascending
   std::vector<char> turned;     // flags of K's rows: dropped in another's place, it may depend on later ones. Or empty
+  WaitingRows waiting;          // rows without a sound pivot that are kept all the same, and those that depend on them
+  std::vector<char> plain;      // flags of dropped rows: that row alone would be accepted
   std::vector<int> Np, Ni;      // N by columns, one per dropped row: rows of K ...
   std::vector<double> Nx;       // ... and values, the 1 of the dropped row first
   double largest_residual = 0;  // max |J_k - sum z_j J_j|, relative to the rows' largest size, that of j times |z_j|
@@ -81,6 +84,20 @@ void make_projector(int n, DependentRows& rows);
 /// is larger than kExchanged (tolerances.hpp), as N by another basis would have them. To be factorized and judged
 /// again. False where nothing was exchanged, or a cluster is too large for that.
 [[nodiscard]] bool exchange_rows(DependentRows& rows);
+
+/// Rows dropped that do not plainly depend on rows before them wait, and join the rows kept by their Schur complement;
+/// only those that depend on the rows kept are dropped in the end. After find_null_space, which is to be called again.
+/// False where too many wait.
+[[nodiscard]] bool let_rows_wait(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
+                                 std::span<const char> of_M, const double* Lx, const double* D, DependentRows& rows);
+
+/// x <- K_kept^-1 x, n in K's order: `ldl_solve`, by whichever L and D, with the waiting rows.
+template <class LdlSolve>
+void solve_kept(DependentRows& rows, double* x, LdlSolve&& ldl_solve) {
+  if (rows.waiting.joined > 0) before_solve(rows.waiting, nullptr, x, 1, 1);
+  ldl_solve(x);
+  if (rows.waiting.joined > 0) after_solve(rows.waiting, nullptr, x, 1, 1);
+}
 
 /// Sizes that residuals are judged relative to, from scale |b| + |K| |x| (n): for a row that was dropped, |N|^T scale,
 /// since rows kept leave z_j times what they leave themselves. In memory of `rows`.
