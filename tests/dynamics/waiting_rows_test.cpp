@@ -1,0 +1,54 @@
+// A long closed chain: in its elimination order many independent rows have no sound pivot, and three rows depend on the
+// others. These rows wait, and the sparse factor solves the chain with the dense reference solver's results.
+
+#include "manycontact/rank/waiting_rows.hpp"
+
+#include <gtest/gtest.h>
+
+#include "manycontact/dynamics/differentiate.hpp"
+#include "manycontact/dynamics/solve.hpp"
+#include "support/piles.hpp"
+
+namespace manycontact::test {
+namespace {
+
+// Boxes on a circle, each joined to the next by a hinge about the circle's axis; the first one is fixed.
+Pile closed_chain(int boxes) {
+  PileMaker maker;
+  const double step = 2 * M_PI / boxes, radius = 1 / step;
+  const auto at = [&](double k) { return Vec3<double>(radius * std::cos(k * step), radius * std::sin(k * step), 0); };
+  for (int k = 0; k < boxes; ++k) maker.box(at(k).x(), at(k).y(), 0);
+  for (int k = 0; k < boxes; ++k) maker.join(ContactType::k5D, k, (k + 1) % boxes, at(k + 0.5));
+  maker.join(ContactType::k6D, 0, -1, at(0));
+  Pile pile = maker.finish(0);
+  pile.scene.gravity = {3, -9, -2};
+  return pile;
+}
+
+double relative(const Eigen::MatrixXd& x, const Eigen::MatrixXd& truth) {
+  return (x - truth).cwiseAbs().maxCoeff() / truth.cwiseAbs().maxCoeff();
+}
+
+TEST(WaitingRows, OfLongClosedChainsJoin) {
+  for (const int boxes : {20, 60, 120}) {
+    SCOPED_TRACE(boxes);
+    const Pile pile = closed_chain(boxes);
+    SceneData data(pile.scene), reference(pile.scene, {Method::kDense, {}});
+    (void)solve(pile.scene, pile.q, pile.v, pile.u, data);
+    (void)solve(pile.scene, pile.q, pile.v, pile.u, reference);
+    EXPECT_EQ(data.report.status, Status::kRedundant);
+    EXPECT_EQ(data.report.islands[0].method, Method::kSparseLdl);
+    EXPECT_EQ(data.report.rank, 5 * boxes + 3);
+    EXPECT_EQ(data.report.rank, reference.report.rank);
+    EXPECT_EQ(data.report.islands[0].dependent_rows.size(), 3u);
+    EXPECT_LE(relative(data.a, reference.a), 1e-10);
+    EXPECT_LE(relative(data.f, reference.f), 1e-10);
+    (void)differentiate(pile.scene, data);
+    (void)differentiate(pile.scene, reference);
+    const SceneDerivatives d = dense_derivatives(pile.scene, data), truth = dense_derivatives(pile.scene, reference);
+    EXPECT_LE(relative(d.da_dq, truth.da_dq), 1e-8);
+  }
+}
+
+}  // namespace
+}  // namespace manycontact::test
