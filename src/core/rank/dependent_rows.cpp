@@ -229,14 +229,19 @@ void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, co
 bool let_rows_wait(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx,
                    std::span<const char> of_M, const double* Lx, const double* D, DependentRows& rows) {
   std::vector<int>& waiting = rows.waiting.rows;
-  std::vector<int> plain;
   waiting.clear();
-  for (std::size_t c = 0; c < rows.dropped.size(); ++c) (rows.plain[c] ? plain : waiting).push_back(rows.dropped[c]);
+  std::size_t plain = 0;
+  for (std::size_t c = 0; c < rows.dropped.size(); ++c)
+    if (const int k = rows.dropped[c]; rows.plain[c])
+      rows.dropped[plain++] = k;
+    else
+      waiting.push_back(k);
   if (waiting.size() > kMostWaiting) return false;
   join_waiting_rows(K, s, Kx, of_M, Lx, D, rows.waiting);
-  plain.insert(plain.end(), waiting.begin() + rows.waiting.joined, waiting.end());
-  std::sort(plain.begin(), plain.end());
-  rows.dropped = std::move(plain);
+  std::copy(waiting.begin() + rows.waiting.joined, waiting.end(),
+            rows.dropped.begin() + static_cast<std::ptrdiff_t>(plain));
+  rows.dropped.resize(plain + waiting.size() - rows.waiting.joined);
+  std::sort(rows.dropped.begin(), rows.dropped.end());
   return true;
 }
 

@@ -80,20 +80,29 @@ void take_complement(DependentRows& rows, DependentRows::Cluster& cluster) {
   each([&](int j, int k, double value) { put(j, k, -value); });
 }
 
+// Whether a cluster's columns of N may be made dense.
+bool is_small(const DependentRows::Cluster& cluster) {
+  return static_cast<std::size_t>(cluster.row_end - cluster.row) * cluster.count <= tolerance::kMostExchanged;
+}
+// A cluster's columns of N in the cluster's rows, in rows.panel.
+Eigen::Map<Eigen::MatrixXd> dense_columns(DependentRows& rows, const DependentRows::Cluster& cluster) {
+  const int n = cluster.row_end - cluster.row;
+  const std::size_t size = static_cast<std::size_t>(n) * cluster.count;
+  if (rows.panel.size() < size) rows.panel.resize(size);
+  Eigen::Map<Eigen::MatrixXd> N(rows.panel.data(), n, cluster.count);
+  N.setZero();
+  for (int i = 0; i < n; ++i) rows.owner[rows.cluster_rows[cluster.row + i]] = i;
+  for (int a = 0; a < cluster.count; ++a)
+    each_of_null(rows, cluster, a, [&](int k, double value) { N(rows.owner[k], a) = value; });
+  return N;
+}
+
 // An orthonormal basis of N's columns, dense in the cluster's rows: by Gram and Schmidt's method, twice, the column
 // with the largest rest first (Golub, Van Loan, Matrix Computations, sec. 5.2.9). What is left of J by a column grows
 // as much as the column's rest is smaller than the column.
 void take_orthonormal(DependentRows& rows, DependentRows::Cluster& cluster) {
-  const int* row = rows.cluster_rows.data() + cluster.row;
-  const Eigen::Index n = cluster.row_end - cluster.row;
-  rows.panel.resize(std::max(rows.panel.size(), static_cast<std::size_t>(n) * cluster.count));
-  Eigen::Map<Eigen::MatrixXd> N(rows.panel.data(), n, cluster.count);
-  N.setZero();
-  for (Eigen::Index i = 0; i < n; ++i) rows.owner[row[i]] = static_cast<int>(i);
-  for (int a = 0; a < cluster.count; ++a) {
-    each_of_null(rows, cluster, a, [&](int k, double value) { N(rows.owner[k], a) = value; });
-    N.col(a).normalize();
-  }
+  Eigen::Map<Eigen::MatrixXd> N = dense_columns(rows, cluster);
+  for (auto column : N.colwise()) column.normalize();
   for (int a = 0; a < cluster.count; ++a) {
     Eigen::Index largest = 0;
     (void)N.rightCols(cluster.count - a).colwise().squaredNorm().maxCoeff(&largest);
@@ -106,7 +115,8 @@ void take_orthonormal(DependentRows& rows, DependentRows::Cluster& cluster) {
   cluster.size = cluster.count;
   cluster.orthonormal = true;
   for (int a = 0; a < cluster.count; ++a) {
-    for (Eigen::Index i = 0; i < n; ++i) rows.Bi.push_back(row[i]), rows.Bx.push_back(N(i, a));
+    rows.Bi.insert(rows.Bi.end(), rows.cluster_rows.begin() + cluster.row, rows.cluster_rows.begin() + cluster.row_end);
+    rows.Bx.insert(rows.Bx.end(), N.col(a).begin(), N.col(a).end());
     rows.Bp.push_back(static_cast<int>(rows.Bi.size()));
   }
 }
@@ -123,9 +133,7 @@ double largest_entry(const DependentRows& rows, const DependentRows::Cluster& cl
 void take_basis(DependentRows& rows, DependentRows::Cluster& cluster) {
   const double largest = largest_entry(rows, cluster);
   rows.largest_entry = std::max(rows.largest_entry, largest);
-  const std::size_t entries = static_cast<std::size_t>(cluster.row_end - cluster.row) * cluster.count;
-  if (largest > tolerance::kLargestEntry && entries <= tolerance::kMostExchanged)
-    return take_orthonormal(rows, cluster);
+  if (largest > tolerance::kLargestEntry && is_small(cluster)) return take_orthonormal(rows, cluster);
   rows.largest_projected = std::max(rows.largest_projected, largest);
   const int kept = cluster.row_end - cluster.row - cluster.count;
   cluster.basis = static_cast<int>(rows.Bp.size()) - 1;
@@ -213,15 +221,9 @@ void form_gram(int n, DependentRows& rows, const DependentRows::Cluster& cluster
 // to find a good submatrix (2010). With N = [1; -Z] in the rows dropped and kept, a turn of kept row i with dropped row
 // j is a pivot on N_ij.
 bool exchange_in_cluster(DependentRows& rows, const DependentRows::Cluster& cluster) {
+  if (!is_small(cluster)) return false;
   const int* row = rows.cluster_rows.data() + cluster.row;
-  const std::size_t n = static_cast<std::size_t>(cluster.row_end - cluster.row);
-  if (n * static_cast<std::size_t>(cluster.count) > tolerance::kMostExchanged) return false;
-  if (rows.panel.size() < n * cluster.count) rows.panel.resize(n * cluster.count);
-  Eigen::Map<Eigen::MatrixXd> N(rows.panel.data(), static_cast<Eigen::Index>(n), cluster.count);
-  N.setZero();
-  for (std::size_t i = 0; i < n; ++i) rows.owner[row[i]] = static_cast<int>(i);
-  for (int a = 0; a < cluster.count; ++a)
-    each_of_null(rows, cluster, a, [&](int k, double value) { N(rows.owner[k], a) = value; });
+  Eigen::Map<Eigen::MatrixXd> N = dense_columns(rows, cluster);
   bool exchanged = false;
   for (int turn = 0; turn < 50 * cluster.count; ++turn) {
     Eigen::Index i = 0, j = 0;

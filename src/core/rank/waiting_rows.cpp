@@ -29,17 +29,19 @@ void each_entry_of_B(const sparse::UpperCsc& K, const double* Kx, const double* 
 void solve_for_Z(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx, const double* Lx,
                  const double* D, int width, WaitingRows& w) {
   const std::size_t size = static_cast<std::size_t>(K.n) * width;
-  std::vector<int> same(K.n);
-  std::iota(same.begin(), same.end(), 0);
-  std::vector<char> nonzero(K.n, 1);
+  w.same.resize(K.n);
+  std::iota(w.same.begin(), w.same.end(), 0);
+  const auto solve = [&](std::vector<double>& X) {
+    w.nonzero.assign(K.n, 1);
+    sparse::ldl_solve_panel(s, Lx, D, w.same.data(), X.data(), width, 0, width, w.nonzero.data());
+  };
   w.B.assign(size, 0.0);
   each_entry_of_B(K, Kx, D, w,
                   [&](int i, int column, double value) { w.B[static_cast<std::size_t>(i) * width + column] = value; });
   w.Z = w.B;
-  sparse::ldl_solve_panel(s, Lx, D, same.data(), w.Z.data(), width, 0, width, nonzero.data());
-  sparse::residual_panel(K, Kx, same.data(), w.Z.data(), w.B.data(), width, width);
-  std::fill(nonzero.begin(), nonzero.end(), 1);
-  sparse::ldl_solve_panel(s, Lx, D, same.data(), w.B.data(), width, 0, width, nonzero.data());
+  solve(w.Z);
+  sparse::residual_panel(K, Kx, w.same.data(), w.Z.data(), w.B.data(), width, width);
+  solve(w.B);
   for (std::size_t k = 0; k < size; ++k) w.Z[k] += w.B[k];
 }
 
@@ -96,17 +98,15 @@ void join_waiting_rows(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, 
   each_entry_of_B(K, Kx, D, w, [&](int i, int c, double value) { A.row(c) += value * Z.row(i); });
   for (int i = 0; i < width; ++i)
     for (int j = 0; j <= i; ++j) A(i, j) = 0.5 * (A(i, j) + A(j, i)) * w.scale[i] * w.scale[j];
-  std::vector<int> order(width);
-  std::iota(order.begin(), order.end(), 0);
-  w.joined = factorize_by_largest(A, order);
+  w.order.resize(width);
+  std::iota(w.order.begin(), w.order.end(), 0);
+  w.joined = factorize_by_largest(A, w.order);
 
   // Z, the scales and the rows in that order; of Z only the columns that join.
-  std::vector<double> scale(width);
-  std::vector<int> rows(width);
-  for (int c = 0; c < width; ++c) scale[c] = w.scale[order[c]], rows[c] = w.rows[order[c]];
+  w.old_scale = w.scale, w.old_rows = w.rows;
+  for (int c = 0; c < width; ++c) w.scale[c] = w.old_scale[w.order[c]], w.rows[c] = w.old_rows[w.order[c]];
   for (int k = 0; k < K.n; ++k)
-    for (int c = 0; c < w.joined; ++c) w.B[static_cast<std::size_t>(k) * w.joined + c] = Z(k, order[c]);
-  w.scale = std::move(scale), w.rows = std::move(rows);
+    for (int c = 0; c < w.joined; ++c) w.B[static_cast<std::size_t>(k) * w.joined + c] = Z(k, w.order[c]);
   std::swap(w.Z, w.B);
 }
 

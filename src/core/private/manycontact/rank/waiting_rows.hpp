@@ -32,8 +32,12 @@ struct WaitingRows {
   std::vector<double> Z;      // n x joined, by rows, in K's order; zero in the rows that K1 is without
   std::vector<double> scale;  // of each row: 1 / sqrt(its terms)
   std::vector<double> L;      // Cholesky's factor of scale (-S) scale of the rows that join, by rows, as wide as `rows`
-  std::vector<double> B, G;   // scratch
-  std::vector<int> place;     // scratch: of each row of K, its number in `rows`, or -1
+  std::vector<int> place;     // of each row of K, its number in `rows` before they were ordered, or -1
+
+  // scratch
+  std::vector<double> B, G, old_scale;
+  std::vector<int> same, order, old_rows;  // same: 0, 1, 2 ...
+  std::vector<char> nonzero;
 };
 
 /// The waiting rows, `w.rows`, join; those that depend come last in `w.rows`. Lx, D: of K1, with infinite D in each row
