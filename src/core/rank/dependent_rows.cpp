@@ -227,7 +227,8 @@ void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, co
 }
 
 bool let_rows_wait(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx,
-                   std::span<const char> of_M, const double* Lx, const double* D, DependentRows& rows) {
+                   std::span<const char> of_M, const double* row_size, const double* Lx, const double* D,
+                   DependentRows& rows) {
   std::vector<int>& waiting = rows.waiting.rows;
   waiting.clear();
   std::size_t plain = 0;
@@ -237,7 +238,7 @@ bool let_rows_wait(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, cons
     else
       waiting.push_back(k);
   if (waiting.size() > kMostWaiting) return false;
-  join_waiting_rows(K, s, Kx, of_M, Lx, D, rows.waiting);
+  join_waiting_rows(K, s, Kx, of_M, row_size, Lx, D, rows.waiting);
   std::copy(waiting.begin() + rows.waiting.joined, waiting.end(),
             rows.dropped.begin() + static_cast<std::ptrdiff_t>(plain));
   rows.dropped.resize(plain + waiting.size() - rows.waiting.joined);

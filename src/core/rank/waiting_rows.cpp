@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "manycontact/sparse/tolerances.hpp"
 #include "manycontact/sparse/upper_csc.hpp"
 
 namespace manycontact::rank {
@@ -45,10 +46,11 @@ void solve_for_Z(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const 
   for (std::size_t k = 0; k < size; ++k) w.Z[k] += w.B[k];
 }
 
-// The terms of each waiting row's pivot: those left of it by K1's rows before it, and J_i^2 / M_ii of the others.
+// The terms of each waiting row's pivot: those left of it by K1's rows before it, and J_i^2 / M_ii of the others. A row
+// of J that is itself only rounding has none, and does not join.
 void take_scales(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx, std::span<const char> of_M,
-                 const double* Lx, const double* D, WaitingRows& w) {
-  std::vector<double>& terms = w.scale;
+                 const double* row_size, const double* Lx, const double* D, WaitingRows& w) {
+  std::vector<double>&terms = w.scale, &largest = w.largest;
   terms.assign(w.rows.size(), 0.0);
   for (std::size_t c = 0; c < w.rows.size(); ++c)
     for (int p = s.Rp[w.rows[c]]; p < s.Rp[w.rows[c] + 1]; ++p)
@@ -56,7 +58,12 @@ void take_scales(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const 
   each_entry_of_B(K, Kx, D, w, [&](int i, int c, double value) {
     if (of_M[i] && i > w.rows[c]) terms[c] += value * value / Kx[K.p[i + 1] - 1];
   });
-  for (double& t : terms) t = t > 0 ? 1 / std::sqrt(t) : 0;
+  largest.assign(w.rows.size(), 0.0);
+  each_entry_of_B(K, Kx, D, w, [&](int, int c, double value) { largest[c] = std::max(largest[c], std::abs(value)); });
+  for (std::size_t c = 0; c < w.rows.size(); ++c) {
+    const bool is_plain = largest[c] > tolerance::kRank * row_size[w.rows[c]];
+    terms[c] = is_plain && terms[c] > 0 ? 1 / std::sqrt(terms[c]) : 0;
+  }
 }
 
 // Cholesky's factorization of A (its lower half), the largest pivot first; order: the rows of A, exchanged along. It
@@ -85,11 +92,12 @@ int factorize_by_largest(Rows A, std::vector<int>& order) {
 }  // namespace
 
 void join_waiting_rows(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx,
-                       std::span<const char> of_M, const double* Lx, const double* D, WaitingRows& w) {
+                       std::span<const char> of_M, const double* row_size, const double* Lx, const double* D,
+                       WaitingRows& w) {
   const int width = static_cast<int>(w.rows.size());
   w.place.assign(K.n, -1);
   for (int c = 0; c < width; ++c) w.place[w.rows[c]] = c;
-  take_scales(K, s, Kx, of_M, Lx, D, w);
+  take_scales(K, s, Kx, of_M, row_size, Lx, D, w);
   solve_for_Z(K, s, Kx, Lx, D, width, w);
 
   w.L.assign(static_cast<std::size_t>(width) * width, 0.0);

@@ -118,7 +118,8 @@ class DependentRowsFactor final : public Factor {
     if (drop(K, scratch, rank::kWaits) != Reason::kNone) return false;
     growth_ = growth(K, scratch.scale);
     find_null_space(K);
-    if (!rank::let_rows_wait(p.K, p.ldl, K.values.data(), of_M_, ldl_.L.data(), ldl_.D.data(), dependence_))
+    if (!rank::let_rows_wait(p.K, p.ldl, K.values.data(), of_M_, row_size_.data(), ldl_.L.data(), ldl_.D.data(),
+                             dependence_))
       return false;
     find_null_space(K);
     return dependence_.accepted();

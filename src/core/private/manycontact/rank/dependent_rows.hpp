@@ -89,7 +89,8 @@ void make_projector(int n, DependentRows& rows);
 /// only those that depend on the rows kept are dropped in the end. After find_null_space, which is to be called again.
 /// False where too many wait.
 [[nodiscard]] bool let_rows_wait(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
-                                 std::span<const char> of_M, const double* Lx, const double* D, DependentRows& rows);
+                                 std::span<const char> of_M, const double* row_size, const double* Lx,
+                                 const double* D, DependentRows& rows);
 
 /// x <- K_kept^-1 x, n in K's order: `ldl_solve`, by whichever L and D, with the waiting rows.
 template <class LdlSolve>

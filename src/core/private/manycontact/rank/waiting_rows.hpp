@@ -35,15 +35,16 @@ struct WaitingRows {
   std::vector<int> place;     // of each row of K, its number in `rows` before they were ordered, or -1
 
   // scratch
-  std::vector<double> B, G, old_scale;
+  std::vector<double> B, G, old_scale, largest;
   std::vector<int> same, order, old_rows;  // same: 0, 1, 2 ...
   std::vector<char> nonzero;
 };
 
 /// The waiting rows, `w.rows`, join; those that depend come last in `w.rows`. Lx, D: of K1, with infinite D in each row
-/// that K1 is without. of_M: flags of K's rows.
+/// that K1 is without. of_M: flags of K's rows. row_size: n, the sizes of J's rows (rank/row_size.hpp).
 void join_waiting_rows(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
-                       std::span<const char> of_M, const double* Lx, const double* D, WaitingRows& w);
+                       std::span<const char> of_M, const double* row_size, const double* Lx, const double* D,
+                       WaitingRows& w);
 
 /// The part of a solution that those rows have. X: a row-major panel of cols columns with row stride ld, row k of K
 /// is row[k] of X; row nullptr: k itself. before: of the right-hand sides, it keeps w.G, which `after` uses up.
