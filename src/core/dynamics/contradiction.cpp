@@ -1,5 +1,5 @@
 // The judge of contradictions, for all systems and for pairs of bodies: rank/contradiction.hpp, and no rounding error
-// of the loads' accelerations, gravity and |J| |tau - h| / diag M, which contacts may cancel in a.
+// of the loads' accelerations, gravity and |J| |tau - h| / max M_ii, which contacts may cancel in a.
 
 #include <algorithm>
 #include <cmath>
@@ -11,13 +11,15 @@ namespace manycontact::internal {
 
 namespace {
 
-// The largest acceleration of a row by each coordinate's own torque alone: |J| |tau - h| / diag M.
+// The largest acceleration of a row by torques, with the largest inertia of each robot: light links would be faster, but
+// where contacts keep them that is no reason to overlook a contradiction.
 double accelerations_of_torques(const Scene& scene, const SceneData& data, const IslandWork& d) {
   const Workspace& w = *data.workspace;
-  const auto of_coordinate = [&](int r, int i) {
-    const Robot& robot = scene.robots[r];
-    const double inertia = w.robots[r].M[robot.model->M_begin[i]];
-    return inertia > 0 ? std::abs(data.tau[robot.idx_v + i] - w.robots[r].h[i]) / inertia : 0;
+  const auto largest_inertia = [&](int r) {
+    const Model& model = *scene.robots[r].model;
+    double largest = 0;
+    for (int i = 0; i < model.nv; ++i) largest = std::max(largest, w.robots[r].M[model.M_begin[i]]);
+    return largest;
   };
   double largest = 0;
   for (int c : d.island.contacts) {
@@ -27,8 +29,13 @@ double accelerations_of_torques(const Scene& scene, const SceneData& data, const
       const auto J = w.contacts[c].J.row(row);
       Eigen::Index k = 0;
       double sum = 0;
-      for (int i : support.a) sum += std::abs(J[k++]) * of_coordinate(contact.A.robot, i);
-      for (int i : support.b) sum += std::abs(J[k++]) * of_coordinate(contact.B.robot, i);
+      const auto add = [&](int r, std::span<const int> coordinates) {
+        double torques = 0;
+        for (int i : coordinates) torques += std::abs(J[k++] * (data.tau[scene.robots[r].idx_v + i] - w.robots[r].h[i]));
+        if (torques > 0) sum += torques / largest_inertia(r);
+      };
+      add(contact.A.robot, support.a);
+      add(contact.B.robot, support.b);
       largest = std::max(largest, sum * row_unit(scene, contact, row));
     }
   }
@@ -39,11 +46,11 @@ double accelerations_of_torques(const Scene& scene, const SceneData& data, const
 
 bool contradicts(const Scene& scene, const SceneData& data, rank::Contradiction<double> of, IslandWork& d) {
   if (!of.contradicts()) return false;
-  double rounding = tolerance::kLoadRounding * scene.gravity.norm();
-  const auto exceeds_rounding = [&] { return !(of.left <= rounding); };
+  double loads = scene.gravity.norm();
+  const auto exceeds_rounding = [&] { return !(of.left <= tolerance::kLoadRounding * loads); };
   if (!exceeds_rounding() || !joint_space_fits(d)) return exceeds_rounding();
   evaluate_at_state(scene, data, d);
-  rounding += tolerance::kTorqueRounding * accelerations_of_torques(scene, data, d);
+  loads += accelerations_of_torques(scene, data, d);
   return exceeds_rounding();
 }
 

@@ -237,7 +237,7 @@ bool let_rows_wait(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, cons
       rows.dropped[plain++] = k;
     else
       waiting.push_back(k);
-  if (waiting.size() > kMostWaiting) return false;
+  if (waiting.size() > tolerance::kMostWaiting) return false;
   join_waiting_rows(K, s, Kx, of_M, row_size, Lx, D, rows.waiting);
   std::copy(waiting.begin() + rows.waiting.joined, waiting.end(),
             rows.dropped.begin() + static_cast<std::ptrdiff_t>(plain));

@@ -74,7 +74,7 @@ int factorize_by_largest(Rows A, std::vector<int>& order) {
     Eigen::Index largest = 0;
     const double pivot = A.diagonal().tail(n - k).maxCoeff(&largest);
     largest += k;
-    if (!(pivot > kJoins)) return static_cast<int>(k);
+    if (!(pivot > tolerance::kJoins)) return static_cast<int>(k);
     if (largest != k) {
       for (Eigen::Index j = 0; j < k; ++j) std::swap(A(k, j), A(largest, j));
       for (Eigen::Index j = k + 1; j < largest; ++j) std::swap(A(j, k), A(largest, j));

@@ -276,10 +276,18 @@ inline constexpr double kHalfTurn = 1e-4;
 /// Used by: `inconsistent`, in all methods.
 inline constexpr double kContradiction = 1e-8;
 
-/// Rounding errors of accelerations that loads cause and contacts cancel: relative to gravity some thousand eps, and
-/// relative to those of each coordinate's own torque a few eps, as these are huge where a link has nearly no inertia.
-/// Used by: the judge of contradictions.
-inline constexpr double kLoadRounding = 1e-12, kTorqueRounding = 1e-15;
+/// A row of J waits below this many times kPivotLeft: 1e-6 of the terms of its pivot, so that the other rows' factor
+/// loses no more than six digits, which refinement brings back. Used by: DependentRowsFactor.
+inline constexpr double kWaits = 1e5;
+/// Pivot of a waiting row in -S, relative to the row's terms. Rows that depend leave 1e-16, times the six digits that
+/// the factor may have lost; rows that were badly placed left 1e-7 and more in all scenes that were tried.
+inline constexpr double kJoins = 1e-9;
+/// Rows that may wait: S is dense. Used by: let_rows_wait.
+inline constexpr std::size_t kMostWaiting = 300;
+
+/// Rounding errors of accelerations that loads cause and contacts cancel, relative to gravity and to the accelerations
+/// of each robot's largest inertia by torques: some thousand eps. Used by: the judge of contradictions.
+inline constexpr double kLoadRounding = 1e-12;
 /// ... unless of every row it is rounding of the largest term that its a0 is computed from (contact_drift, [m/s^2] or
 /// [rad/s^2]): 500 eps, of chains of up to hundreds of joints.
 inline constexpr double kDriftRounding = 1e-13;

@@ -115,7 +115,7 @@ class DependentRowsFactor final : public Factor {
   // Once more, and rows without a plain pivot wait. False where rounding hides which rows depend.
   bool let_rows_wait(const KktMatrix& K, FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
-    if (drop(K, scratch, rank::kWaits) != Reason::kNone) return false;
+    if (drop(K, scratch, tolerance::kWaits) != Reason::kNone) return false;
     growth_ = growth(K, scratch.scale);
     find_null_space(K);
     if (!rank::let_rows_wait(p.K, p.ldl, K.values.data(), of_M_, row_size_.data(), ldl_.L.data(), ldl_.D.data(),

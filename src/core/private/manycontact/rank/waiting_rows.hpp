@@ -16,15 +16,6 @@
 
 namespace manycontact::rank {
 
-/// A row waits below this many times kPivotLeft: 1e-6 of the terms of its pivot, so that K1 loses no more than six
-/// digits, which refinement brings back.
-inline constexpr double kWaits = 1e5;
-/// Pivot of a waiting row in -S, relative to the row's terms. Rows that depend leave 1e-16, times the six digits that
-/// K1 may have lost; rows that were badly placed left 1e-7 and more in all scenes that were tried.
-inline constexpr double kJoins = 1e-9;
-/// Rows that may wait: S is dense.
-inline constexpr std::size_t kMostWaiting = 300;
-
 /// Storage is kept between factorizations: nothing is allocated for as many rows as there were before.
 struct WaitingRows {
   std::vector<int> rows;  // rows of K: the first `joined` of them join, the others depend on them and on K1's rows
