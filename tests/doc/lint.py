@@ -354,6 +354,14 @@ def threshold_faults(read=lambda name: (TOP / name).read_text()):
                 yield f"src/doc/claims.md: {number} in '{row}' is compared with no constant of a test (THRESHOLDS)"
 
 
+PERFORMANCE = TOP / "src" / "doc" / "performance.md"
+
+
+def results():
+    """The rows of the last ./run bench."""
+    return list(csv.DictReader(open(TOP / "bench" / "results" / "results.csv")))
+
+
 # Scenes of the chart that ./run bench times too.
 CHARTED = {"humanoid_standing": "sweep/separate/1/solve", "ring_of_humanoids": "sweep/ring/16/solve"}
 
@@ -373,10 +381,27 @@ def chart_faults(chart, results):
 
 
 def measured_faults():
-    found, skipped = chart_faults(*(list(csv.DictReader(open(TOP / "bench" / name))) for name in ("charts/chart.csv", "results/results.csv")))
+    found, skipped = chart_faults(list(csv.DictReader(open(TOP / "bench" / "charts" / "chart.csv"))), results())
     if skipped:
         print(skipped)
-    return found or []
+    return [*(found or []), *memory_faults(PERFORMANCE.read_text(), results())]
+
+
+def memory_faults(page, results):
+    """Returns numbers of the table of memory of performance.md that differ by more than 10 % from those of results.csv."""
+    table = page.partition("| kB per robot |")[2].partition("\n\n")[0]
+    sizes = {(row["program"], row["name"]): float(row["bytes"]) for row in results if row["bytes"]}
+    heads = [head.strip() for head in table.partition("\n")[0].split("|")[:-1]]
+    for program, call in (("manycontact", "solve"), ("MuJoCo", "mj_forward"), ("Pinocchio", "constraintDynamics")):
+        found = re.search(rf"(?m)^\| {program} \|(.*)\|$", table)
+        if not found:
+            yield f"src/doc/performance.md: no row of the memory of {program}"
+            continue
+        for head, cell in zip(heads, found[1].split("|")):
+            count = int(head.split()[-1])
+            bytes_ = sizes.get((program, f"sweep/{'ring' if head.startswith('ring') else 'separate'}/{count}/{call}"))
+            if cell.strip() and not (bytes_ and abs(float(cell) * 1000 * count / bytes_ - 1) < 0.1):
+                yield f"src/doc/performance.md: {cell.strip()} kB of {program} for {head} is not that of results.csv"
 
 
 # ---- headers -----------------------------------------------------------------------------------------------------------
