@@ -535,3 +535,10 @@ def test_a_report_has_its_reason(humanoid):
     scene = mc.Scene()
     mc.add_robot(scene, "r", mc.load_urdf_text(f'<robot name="r">{link.format("a")}{joint}{link.format("b")}</robot>'))
     assert "singular" in repr(mc.solve(scene, [0], [0], [0], mc.SceneData(scene)))
+
+
+def test_an_unknown_name_has_a_suggestion(file):
+    for name, told in (("lefft", "did you mean 'left'"), ("xyz", "expected one of '(left|right)'")):
+        with pytest.raises(KeyError, match=told):
+            file.scene.contact_index[name]
+    assert file.scene.contact_index.get("xyz") is None

@@ -2,6 +2,7 @@
 it is, and what a class derived in Python defines is called or refused.
 """
 
+import difflib
 import functools
 import re
 from typing import Any
@@ -30,6 +31,11 @@ class ReadOnlyDict(dict):
     __slots__ = ()
     __setitem__ = __delitem__ = __ior__ = _refuse
     clear = pop = popitem = setdefault = update = _refuse
+
+    def __missing__(self, key):
+        near = difflib.get_close_matches(str(key), map(str, self), 1)
+        known = f"did you mean {near[0]!r}?" if near else f"expected one of {', '.join(map(repr, list(self)[:8]))}"
+        raise KeyError(f"there is no {key!r}, {known}")
 
     def __reduce__(self):
         return dict, (dict(self),)
