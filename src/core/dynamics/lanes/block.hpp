@@ -64,7 +64,7 @@ struct BlockPlan {
   /// place.
   std::size_t kept_size() const { return static_cast<std::size_t>(pattern->K.nonzeros() + pattern->size()); }
   std::size_t memory_size() const { return dependence_at() + dependence_size(); }
-  /// The numbers of DependentRows follow all these where rows are dropped.
+  /// Behind all these, where rows are dropped: DependentRows' numbers.
   std::size_t dependence_at() const {
     const auto factor = static_cast<std::size_t>(pattern->ldl.nonzeros() + 3 * pattern->size());
     return kept_size() + std::max(factor, joins_size());
