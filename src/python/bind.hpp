@@ -35,7 +35,7 @@ void in_groups(Each&& each, const Given&... given) {
 }
 
 template <class T>
-class Handle;  // in handle.hpp
+class Handle;  // defined in handle.hpp
 
 /// What a class of Python's contains, and an object of it.
 template <class Held>

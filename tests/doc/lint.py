@@ -9,11 +9,14 @@
 * Measured numbers (us, ms, s, MB, times) in sections without a command; pages that index.md does not list.
 * Members of the status enumerations that statuses.md does not explain, commands without a row in program.md, kinds of findings
   without one in scene_file.md, numbers of tables of times that are not those of bench/results.
+* Names in a row "none" that exist here, numbers of claims.md that are not those of the tests, a chart of another day than the
+  table of times.
 
-Comments of headers, messages and docstrings are checked for sentences and words only, against prose_debts.txt, whose counts
-may only decrease.
+Comments of headers, messages and docstrings are checked for sentences and words only, and comments of sources for their first
+word, against prose_debts.txt, whose counts may only decrease.
 """
 
+import csv
 import os
 import pathlib
 import re
@@ -138,6 +141,7 @@ class Names:
         self.words = set()
         headers = "".join(re.sub(r"//.*", "", f.read_text()) for f in (TOP / "include").rglob("*.hpp"))
         self.constants = set(re.findall(r"\bk[A-Z]\w+", headers))
+        self.public = set(re.findall(r"\w+", headers))
         self.options = set()
         for file in code:
             text = file.read_text(errors="replace")
@@ -233,6 +237,7 @@ def page_faults(page, names):
     found += name_faults(page, text, names)
     found += block_faults(text)
     found += anchor_faults(page, text)
+    found += none_faults(text, names.public)
     if page.name in EVIDENCE or "howto" in where.parts:
         found += number_faults(text)
     return [f"{where}:{line}: {message}" for line, message in found]
@@ -308,6 +313,97 @@ def bench_faults():
                     yield f"{page}: {row}: {number} is no time of {name} in bench/results/README.md"
 
 
+def none_faults(text, public):
+    """Returns names of another library whose row says that there is none here, and which exist."""
+    for number, line in enumerate(text.split("\n"), 1):
+        cells = [cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
+        if len(cells) == 2 and re.match(r"none\b", cells[1]):
+            for name in re.findall(r"\w+", " ".join(re.findall(r"`([^`]+)`", cells[0]))):
+                if name in public:
+                    yield number, f"the row states that there is no {name}, which is in include"
+
+
+# What the pages quote: the page, its number in the text, the file of the tests, its number in the code.
+THRESHOLDS = (
+    ("src/doc/claims.md", r"at the median at most (\d[\d.e+-]*) times the error", "tests/attack/attack_test.cpp", r"EXPECT_LE\(median, (\d[\d.e+-]*)\)"),
+    ("src/doc/claims.md", r"and (\d[\d.e+-]*) % of them at most", "tests/attack/attack_test.cpp", r"(\d+) % below"),
+    ("src/doc/claims.md", r"% of them at most (\d[\d.e+-]*) times", "tests/attack/attack_test.cpp", r"EXPECT_LE\(most, (\d[\d.e+-]*)\)"),
+    ("src/doc/claims.md", r"right to (\d[\d.e+-]*) eps", "tests/stability/extended_test.cpp", r"EXPECT_LE\(error, (\d[\d.e+-]*) \* kEps\)"),
+    ("src/doc/claims.md", r"up to a condition of (\d[\d.e+-]*)", "tests/stability/judge.hpp", r"kTrueCondition = (\d[\d.e+-]*);"),
+    ("src/doc/claims.md", r"good status in (\d[\d.e+-]*) difficult cases", "tests/stability/README.md", r"(?m)^(\d+) cases, by the columns"),
+    ("src/doc/claims.md", r"constraints are met to (\d[\d.e+-]*)", "tests/task/constraints_test.cpp", r"EXPECT_LE\(s\.constraint_violation, (\d[\d.e+-]*)\)"),
+    ("src/doc/methods.md", r"are below (\d[\d.e+-]*) eps, relative", "tests/stability/extended_test.cpp", r"EXPECT_LE\(error, (\d[\d.e+-]*) \* kEps\)"),
+    ("src/doc/mathematics.md", r"max\((\d[\d.e+-]*), 100 eps", "src/program/chart/rows.cpp", r"allowed = std::max\((\d[\d.e+-]*), 100 \*"),
+)
+
+
+def threshold_faults(read=lambda name: (TOP / name).read_text()):
+    """Returns thresholds of pages that differ from those of the tests, and numbers of claims.md that are compared with none."""
+    compared = set()
+    for page, quoted, file, code in THRESHOLDS:
+        shown, tested = re.search(quoted, read(page)), re.search(code, read(file))
+        if not shown or not tested:
+            yield f"{page if not shown else file}: nothing matches {quoted if not shown else code}: correct THRESHOLDS"
+            continue
+        compared.add((page, shown[1]))
+        if float(shown[1]) != float(tested[1]):
+            yield f"{page}: {shown[1]}, but the test has {tested[1]} ({file})"
+    for row in re.findall(r"(?m)^\| (.*?) \|", read("src/doc/claims.md")):
+        for number in re.findall(r"(?<![\w`/.])\d[\d.e-]*\b", row):
+            if ("src/doc/claims.md", number) not in compared:
+                yield f"src/doc/claims.md: {number} in '{row}' is compared with no constant of a test (THRESHOLDS)"
+
+
+PERFORMANCE = TOP / "src" / "doc" / "performance.md"
+
+
+def results():
+    """The rows of the last ./run bench."""
+    return list(csv.DictReader(open(TOP / "bench" / "results" / "results.csv")))
+
+
+# Scenes of the chart that ./run bench times too.
+CHARTED = {"humanoid_standing": "sweep/separate/1/solve", "ring_of_humanoids": "sweep/ring/16/solve"}
+
+
+def chart_faults(chart, results):
+    """Returns what chart.csv lacks, and times of `auto` that differ from those of results.csv by more than 20 %."""
+    if missing := {"date", "machine", "version"} - set(chart[0]):
+        return None, f"skipped: chart.csv has no column {', '.join(sorted(missing))}"
+    times = {row["name"]: float(row["us"]) for row in results if row["program"] == "manycontact"}
+    found = [f"chart.csv: {key} is empty" for key in ("date", "machine", "version") if not all(row[key].strip() for row in chart)]
+    for row in chart:
+        if row["scene"] in CHARTED and row["method"] == "auto" and row["regularisation"] == "none":
+            us, expected = float(row["time_us"]), times[CHARTED[row["scene"]]]
+            if not 0.8 <= us / expected <= 1.25:
+                found.append(f"chart.csv: auto takes {us:.4g} us for {row['scene']}, {expected:.4g} in results.csv")
+    return found, None
+
+
+def measured_faults():
+    found, skipped = chart_faults(list(csv.DictReader(open(TOP / "bench" / "charts" / "chart.csv"))), results())
+    if skipped:
+        print(skipped)
+    return [*(found or []), *memory_faults(PERFORMANCE.read_text(), results())]
+
+
+def memory_faults(page, results):
+    """Returns numbers of the table of memory of performance.md that differ by more than 10 % from those of results.csv."""
+    table = page.partition("| kB per robot |")[2].partition("\n\n")[0]
+    sizes = {(row["program"], row["name"]): float(row["bytes"]) for row in results if row["bytes"]}
+    heads = [head.strip() for head in table.partition("\n")[0].split("|")[:-1]]
+    for program, call in (("manycontact", "solve"), ("MuJoCo", "mj_forward"), ("Pinocchio", "constraintDynamics")):
+        found = re.search(rf"(?m)^\| {program} \|(.*)\|$", table)
+        if not found:
+            yield f"src/doc/performance.md: no row of the memory of {program}"
+            continue
+        for head, cell in zip(heads, found[1].split("|")):
+            count = int(head.split()[-1])
+            bytes_ = sizes.get((program, f"sweep/{'ring' if head.startswith('ring') else 'separate'}/{count}/{call}"))
+            if cell.strip() and not (bytes_ and abs(float(cell) * 1000 * count / bytes_ - 1) < 0.1):
+                yield f"src/doc/performance.md: {cell.strip()} kB of {program} for {head} is not that of results.csv"
+
+
 # ---- headers -----------------------------------------------------------------------------------------------------------
 
 
@@ -353,6 +449,25 @@ def text_debts(source):
     return counts
 
 
+# A comment's first word makes it a fragment if it is a preposition or a possessive. "After a step the data are ..." is a sentence.
+FRAGMENT = re.compile(
+    r"(?:[Oo]f|[Bb]y|[Pp]er|[Ii]ts|[Tt]heir|[Ww]hose|[Tt]han|[Aa]s|[Aa]bout|[Bb]ehind|[Bb]etween|[Ll]ike|[Aa]long|"
+    r"in|on|at|for|from|with|without|over|under|into|until|after|before)\b(?![_(])"
+)
+
+
+def fragments(source):
+    """[(line, comment)] of comments that begin with a preposition or a possessive."""
+    found, continued = [], False
+    for number, line in enumerate(source.split("\n"), 1):
+        comment = re.search(r"(?<![:\"])//[/<!]*\s?(.*)", line)
+        own = comment and not line[: comment.start()].strip()
+        if comment and not (continued and own) and FRAGMENT.match(comment[1]):
+            found.append((number, comment[1]))
+        continued = bool(comment)
+    return found
+
+
 def header_faults(update, names):
     known = {}
     for line in DEBTS.read_text().split("\n") if DEBTS.exists() else []:
@@ -361,7 +476,11 @@ def header_faults(update, names):
             known[name] = {k: int(v) for k, v in (c.split("=") for c in counts)}
     now = {str(h.relative_to(TOP)): header_debts(h, names) for h in sorted((TOP / "include").rglob("*.hpp"))}
     sources = [f for f in tracked() if f.suffix in (".cpp", ".hpp") and f.relative_to(TOP).parts[0] in ("src", "sparse")]
-    now |= {str(f.relative_to(TOP)): text_debts(f) for f in sorted(sources)}
+    for file in sorted(sources):
+        counts = text_debts(file)
+        if begin := fragments(file.read_text()):
+            counts["begins"] = len(begin)
+        now[str(file.relative_to(TOP))] = counts
     if update:
         lowered = {n: {k: min(v, known.get(n, {}).get(k, 0)) if known else v for k, v in c.items()} for n, c in now.items()}
         lines = [" ".join([n, *(f"{k}={v}" for k, v in sorted(c.items()) if v)]) for n, c in lowered.items() if any(c.values())]
@@ -371,13 +490,15 @@ def header_faults(update, names):
         for kind, count in counts.items():
             if count > known.get(name, {}).get(kind, 0):
                 yield f"{name}: {count} faults of kind {kind}, {known.get(name, {}).get(kind, 0)} allowed by prose_debts.txt"
+                if kind == "begins":
+                    yield from (f"{name}:{line}: // {comment}" for line, comment in fragments((TOP / name).read_text()))
 
 
 def main():
     update = "--update" in sys.argv
     names = Names()
     found = [fault for page in pages.pages() for fault in page_faults(page, names)]
-    found += [*set_faults(), *bench_faults(), *header_faults(update, names)]
+    found += [*set_faults(), *bench_faults(), *threshold_faults(), *measured_faults(), *header_faults(update, names)]
     only = [a for a in sys.argv[1:] if not a.startswith("--")]
     found = [f for f in found if not only or any(o in f for o in only)]
     for fault in found:

@@ -68,7 +68,56 @@ def check_output():
     return wrong
 
 
+def check_names():
+    """lint.none_faults finds names that exist, in tables of two columns alone."""
+    text = "| Crocoddyl | here |\n|---|---|\n| `SolverKKT`, `SolverIpopt` | none |\n| `solve` | the same |\n| derivatives | `vjp` | none |\n"
+    found = [message for _, message in lint.none_faults(text, {"SolverKKT", "solve"})]
+    return [] if len(found) == 1 and "no SolverKKT," in found[0] else [f"rows 'none': {found}"]
+
+
+def check_thresholds():
+    """lint.threshold_faults finds a changed threshold in a page or test, and a number of claims.md that is compared with none."""
+    wrong = []
+    for file, old, new, expected in (
+        ("src/doc/claims.md", "at most 500 times", "at most 100 times", "100, but the test has 500"),
+        ("tests/attack/attack_test.cpp", "EXPECT_LE(most, 10000)", "EXPECT_LE(most, 2500)", "10000, but the test has 2500"),
+        ("src/doc/claims.md", "| redundant rows cost time |", "| redundant rows cost 3 times |", "3 in 'redundant rows cost 3 times'"),
+    ):
+        read = lambda name: (lint.TOP / name).read_text().replace(*((old, new) if name == file else ("", "")))  # noqa: B023, E731
+        if not any(expected in fault for fault in lint.threshold_faults(read)):
+            wrong.append(f"thresholds: {new} is not found")
+    return wrong
+
+
+def check_chart():
+    """lint.chart_faults skips a chart without columns, and finds an empty one and a time that differs by more than 20 %."""
+    results = [{"program": "manycontact", "name": name, "us": "10"} for name in lint.CHARTED.values()]
+    row = {"scene": "humanoid_standing", "method": "auto", "regularisation": "none", "time_us": "11"}
+    known = {"date": "2026-11-29", "machine": "AMD EPYC", "version": "0.1.0"}
+    same, slow, empty = ([row | known | change] for change in ({}, {"time_us": "13"}, {"date": ""}))
+    found = [lint.chart_faults(chart, results) for chart in ([row], same, slow, empty)]
+    right = found[0][0] is None and "skipped" in found[0][1] and found[1] == ([], None) and len(found[2][0]) == len(found[3][0]) == 1
+    return [] if right else [f"chart: {found}"]
+
+
+def check_memory():
+    """lint.memory_faults finds a size that differs by more than 10 %."""
+    page = lint.PERFORMANCE.read_text()
+    results = lint.results()
+    changed = page.replace("| manycontact | 160 |", "| manycontact | 130 |")
+    found = [list(lint.memory_faults(text, results)) for text in (page, changed)]
+    return [] if found[0] == [] and len(found[1]) == 1 else [f"memory: {found}"]
+
+
+def check_comments():
+    """lint.fragments finds a comment, not a line of one, that begins with a preposition or possessive."""
+    source = "int n;  // of rows\n\n// Its size.\nint m;\n// The size\n// of a row.\nint k;  // After a step it is 0.\nint b;\n// by_q: the rows\n"
+    found = [line for line, _ in lint.fragments(source)]
+    return [] if found == [1, 3] else [f"comments: {found}"]
+
+
 missed = [f"not found in {text!r}: {expected}, but {faults(text)}" for text, expected in FAULTS.items() if not any(expected in f for f in faults(text))]
 missed += [f"found in a good page: {f}" for f in faults(FINE)] + check_output() + check_texts()
+missed += check_names() + check_thresholds() + check_chart() + check_memory() + check_comments()
 print("\n".join(missed) or f"{len(FAULTS)} kinds of faults are found")
 sys.exit(1 if missed else 0)

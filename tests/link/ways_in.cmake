@@ -3,17 +3,22 @@
 set(modules kernels sparse spatial model algorithm contact rank kkt dynamics io analysis simulation lq action control task)
 list(TRANSFORM modules PREPEND manycontact_)
 list(REMOVE_ITEM modules manycontact_spatial)  # headers alone
+cmake_policy(VERSION 3.22)
 foreach(way IN ITEMS alone add_subdirectory FetchContent)
-  set(source ${PROJECT}/tests/link/parent)
-  set(options -DMANYCONTACT=${PROJECT} -DFETCH=OFF)
+  set(build ${BUILD}/${way})
+  set(source ${BUILD}/source_of_${way})
+  file(REMOVE_RECURSE ${build} ${source})
+  set(options)
+  if(way STREQUAL "FetchContent")
+    set(options -DFETCHCONTENT_SOURCE_DIR_MANYCONTACT=${PROJECT})
+  endif()
   if(way STREQUAL "alone")
     set(source ${PROJECT})
-    set(options)
-  elseif(way STREQUAL "FetchContent")
-    set(options -DMANYCONTACT=${PROJECT} -DFETCH=ON)
+  else()  # the project of the page, with these sources
+    file(COPY ${PROJECT}/tests/link/parent/${way}/ DESTINATION ${source})
+    configure_file(${PROJECT}/tests/link/consumer/main.cpp ${source}/my_program.cpp COPYONLY)
+    file(CREATE_LINK ${PROJECT} ${source}/manycontact SYMBOLIC)
   endif()
-  set(build ${BUILD}/${way})
-  file(REMOVE_RECURSE ${build})
   execute_process(COMMAND ${CMAKE_COMMAND} -S ${source} -B ${build} -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${CXX}
                           -DCMAKE_CXX_COMPILER_LAUNCHER=${PROJECT}/tests/link/empty_object.sh ${options}
                           -DMANYCONTACT_TESTS=OFF -DMANYCONTACT_BENCH=OFF

@@ -61,3 +61,13 @@ def test_batch_through_torch():
 
 def test_with_jax():
     run("with_jax.py", MODELS / "arm.urdf", needs=["jax"])
+
+
+def test_beside_pinocchio():
+    out = run("beside_pinocchio.py", MODELS / "humanoid.urdf", "left_sole", "right_sole")
+    solve, derivatives = numbers(r"manycontact \S+: solve (\S+) us, derivatives (\S+) us", out)
+    assert solve > 0 and derivatives > 0
+    if importlib.util.find_spec("pinocchio") is None:
+        assert "Pinocchio is missing" in out
+    else:
+        assert all(float(x) < 1e-9 for x in re.findall(r"differs by (\S+)", out)) and out.count("differs by") == 5

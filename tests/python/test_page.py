@@ -1,5 +1,6 @@
-"""The functions of src/doc/python.md exist, with the arguments that it names."""
+"""The functions of src/doc/python.md are all those that exist, with the arguments that it names in their order."""
 
+import inspect
 import re
 
 import manycontact as mc
@@ -8,12 +9,42 @@ from conftest import ROOT
 PAGE = (ROOT / "src" / "doc" / "python.md").read_text()
 
 
-def test_functions_have_the_arguments_named():
-    calls = re.findall(r"`(\w+)\(([\w, ]+)\)`", "\n".join(x for x in PAGE.splitlines() if x.startswith("| `")))
-    assert len(calls) > 60
-    for name, arguments in calls:
-        doc = getattr(mc, name).__doc__
-        if name == "view":
-            doc = str(mc.view.__annotations__)
-        for argument in arguments.split(", "):
-            assert re.search(rf"\b{argument}\b['\"]?:", doc), f"{name}: {argument}"
+def listed(page):
+    """Returns the (name, arguments) of the rows of the page's tables."""
+    rows = re.findall(r"(?m)^\| `(\w+)\(([^)]*)\)`", page)
+    return [(name, re.findall(r"\w+", arguments)) for name, arguments in rows]
+
+
+def functions():
+    """Returns the names of all functions of the package."""
+    return {name for name, x in vars(mc).items() if name[0] != "_" and (inspect.isbuiltin(x) or inspect.isfunction(x))}
+
+
+def signatures(name):
+    """Returns the names of the arguments of each overload."""
+    if inspect.isfunction(getattr(mc, name, None)):
+        return [list(inspect.signature(getattr(mc, name)).parameters)]
+    found = re.findall(r"(?m)^(?:\d+\. )?\w+\((.*)\) -> ", getattr(mc, name).__doc__)
+    return [re.findall(r"(?:^|, )(\w+): ", re.sub(r"\[[^\]]*\]", "", text)) for text in found]
+
+
+def misfits(page):
+    """Returns rows whose arguments are not, in this order, those of a function."""
+    return [
+        name for name, named in listed(page) if not any([a for a in all_ if a in named] == named for all_ in signatures(name))
+    ]
+
+
+def test_every_function_has_a_row():
+    assert functions() - {name for name, _ in listed(PAGE)} == set()
+    assert len(functions()) > 110
+
+
+def test_every_row_is_a_function_with_these_arguments():
+    assert misfits(PAGE) == []
+
+
+def test_faults_are_found():
+    assert misfits(PAGE.replace("`solve(scene, q, v, u, data)`", "`solve(scene, v, q, u, data)`")) == ["solve"]
+    assert misfits(PAGE.replace("`crba(bodies, q, [data])`", "`crba(bodies, q, [inertia])`")) == ["crba"]
+    assert functions() - {name for name, _ in listed(PAGE.replace("`unique_forces(", "`unique("))} == {"unique_forces"}

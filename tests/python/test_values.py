@@ -511,3 +511,34 @@ def test_methods_that_would_not_be_called_are_refused():
 
         class Mine(Mixin, mc.ActivationModelQuad):
             pass
+
+
+@pytest.mark.parametrize(
+    "change, told",
+    [
+        (lambda f, d: setattr(f.scene, "gravity", -9.81), "Scene.gravity: an array of numbers is expected, not -9.81"),
+        (lambda f, d: setattr(f.scene, "damping", "a"), "Scene.damping: float is expected, not 'a'"),
+        (lambda f, d: setattr(f.scene.contacts[0], "type", 3.5), "Contact.type: ContactType is expected, not 3.5"),
+        (lambda f, d: setattr(d.options, "threads", None), "Options.threads: int is expected, not None"),
+    ],
+)
+def test_assignments_of_a_wrong_type_name_the_attribute(humanoid, change, told):
+    with pytest.raises(TypeError, match=re.escape(told)):
+        change(*humanoid)
+
+
+def test_a_report_has_its_reason(humanoid):
+    file, data = humanoid
+    assert "reason" not in repr(mc.solve(file.scene, file.q, file.v, file.u, data))
+    link = '<link name="{}"><inertial><mass value="0"/></inertial></link>'
+    joint = '<joint name="j" type="prismatic"><parent link="a"/><child link="b"/><limit/></joint>'
+    scene = mc.Scene()
+    mc.add_robot(scene, "r", mc.load_urdf_text(f'<robot name="r">{link.format("a")}{joint}{link.format("b")}</robot>'))
+    assert "singular" in repr(mc.solve(scene, [0], [0], [0], mc.SceneData(scene)))
+
+
+def test_an_unknown_name_has_a_suggestion(file):
+    for name, told in (("lefft", "did you mean 'left'"), ("xyz", "expected one of '(left|right)'")):
+        with pytest.raises(KeyError, match=told):
+            file.scene.contact_index[name]
+    assert file.scene.contact_index.get("xyz") is None

@@ -23,7 +23,7 @@ struct Size {
 
   void add(double l, double a) { linear += l, angular += a; }
   void add(const Size& other) { add(other.linear, other.angular); }
-  double at(double lever) const { return linear + angular * lever; }  // of motions
+  double at(double lever) const { return linear + angular * lever; }  // largest motion at this moment arm
 };
 
 struct OfBody {

@@ -156,7 +156,7 @@ struct Solved {
   int states;
 
   int count() const { return copies ? copies->count : 1; }
-  std::size_t islands() const { return data.report.islands.size() / count(); }  // of a state
+  std::size_t islands() const { return data.report.islands.size() / count(); }  // islands of one state
 };
 
 // Row `state` of X, of as many numbers, from the numbers of all that were solved at once.

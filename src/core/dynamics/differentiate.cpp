@@ -107,7 +107,7 @@ void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, Th
                           IslandDerivatives& out) {
   if (differentiates_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;
   if (differentiates_by_matrix(data, d) && d.matrix.make_current(scene, data, thread) &&
-      d.matrix.deficient() == d.bodies->drops &&  // of the solution's rank
+      d.matrix.deficient() == d.bodies->drops &&  // same rank as the solution's
       d.matrix.differentiate(scene, data, thread, out))
     return;
   if (!ask(scene, data, d, thread, [&](IslandSystem& system) {  // robots were tried just now, or are not cheaper

@@ -111,7 +111,7 @@ inline double inertia_size(const Inertia<double>& Y) {
   return std::max({std::abs(Y.m), Y.h.cwiseAbs().maxCoeff(), Y.I.cwiseAbs().maxCoeff()});
 }
 
-/// Between an island's vector in elimination order, x = [a; y], and the scene's: a in the order of v, y in that of f.
+/// Copies an island's vector in elimination order, x = [a; y], to the scene's: a in the order of v, y in that of f.
 template <class X, class A, class Y>
 void scatter(const Scene& scene, const std::vector<int>& f_offset, const KktPattern& p, const Island& island,
              const X* x, A& a, Y& y) {

@@ -83,7 +83,7 @@ std::shared_ptr<ResidualModelAbstract> whole(const TaskTerm& term, const Parts& 
       return std::make_shared<ResidualModelJointAcceleration>(p.state, reference, p.nu());
     case TaskResidual::kJointEffort:
       return std::make_shared<ResidualModelJointEffort>(p.state, p.actuation, reference, p.nu());
-    default: {  // behind the torques there may be wrenches
+    default: {  // wrenches may follow the torques
       Eigen::VectorXd of_all = Eigen::VectorXd::Zero(p.nu());
       of_all.head(reference.size()) = reference;
       return std::make_shared<ResidualModelControl>(p.state, of_all);

@@ -82,19 +82,30 @@ def draw_torques(motion, base):
     drawing.save(figure, base)
 
 
+def with_cones(contacts):
+    """Returns the contacts with a friction coefficient, or all if none has one: those without may have any ratio."""
+    return [c for c in contacts if c.get("mu") is not None] or contacts
+
+
 def draw_forces(motion, base):
-    """Draws, per contact, the normal force, and tangential over normal."""
-    contacts = sorted((c for c in motion["contacts"] if largest(c["normal"]) > 0), key=lambda c: -largest(c["normal"]))[:MOST_CURVES]
+    """Draws, per contact, the normal force, and tangential over normal; the latter up to twice the smallest cone."""
+    pressing = sorted((c for c in motion["contacts"] if largest(c["normal"]) > 0), key=lambda c: -largest(c["normal"]))
+    contacts = pressing[:MOST_CURVES]
     if not contacts:
         return
     figure, (normal, ratio) = plt.subplots(1, 2, figsize=(12, 5.6), constrained_layout=True)
     draw_panel(normal, [(c["name"], c["normal"]) for c in contacts], motion["step_s"], "normal force (N)")
     normal.axhline(0, color="black", linewidth=1)
-    ratios = [(c["name"], [t / n if n and n > 0 else None for n, t in zip(c["normal"], c["tangential"])]) for c in contacts]
+    ratios = [
+        (c["name"], [t / n if n and n > 0 else None for n, t in zip(c["normal"], c["tangential"])])
+        for c in with_cones(pressing)[:MOST_CURVES]
+    ]
     draw_panel(ratio, ratios, motion["step_s"], "tangential / normal")
     if motion["smallest_mu"] is not None:
         ratio.axhline(motion["smallest_mu"], linestyle=":", color="black", label="smallest cone")
-    figure.suptitle(plain(f"{motion['task']}: contact forces"))
+        ratio.set_ylim(0, 2 * motion["smallest_mu"])
+    shown = f", the largest {len(contacts)} of {len(pressing)}" if len(contacts) < len(pressing) else ""
+    figure.suptitle(plain(f"{motion['task']}: contact forces{shown}"))
     put_legend(normal, 2)
     put_legend(ratio, 2)
     drawing.save(figure, base)

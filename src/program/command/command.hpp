@@ -19,7 +19,7 @@ struct Command {
   std::string operands;  // operands other than options, for the usage
   std::string summary;   // one line
   std::vector<Option> options;
-  std::string help;    // after the options
+  std::string help;    // text that follows the options
   std::string beside;  // the program in this folder that executes it if `run` is null
   int (*run)(const Arguments&) = nullptr;
 };

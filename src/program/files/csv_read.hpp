@@ -17,7 +17,7 @@ class CsvReader {
 
   /// The next row; false at the end. Throws InputError: another number of cells, a time that does not grow.
   bool next();
-  double t() const { return t_; }  // of the row; -infinity before the first [s]
+  double t() const { return t_; }  // time of the row; -infinity before the first [s]
   /// A cell of the row. Throws InputError where it is no finite number.
   double number(std::size_t column) const;
 

@@ -26,7 +26,7 @@ class Watch {
   void judge_rows(const Scene& scene, const Eigen::VectorXd& u, const SimulationData& sim, Findings& to);
   /// "nearly dependent rows: loop[2]", those that judge_rows has found; empty if there are none.
   const std::string& nearly_dependent() const { return near_dependent_; }
-  void lost(double energy) { work_ -= energy; }  // in an impact
+  void lost(double energy) { work_ -= energy; }  // `energy` dissipated by an impact
 
   double work() const { return work_; }                 // J, of the torques, less what impacts took
   double work_of_pushes() const { return push_work_; }  // J

@@ -37,7 +37,7 @@ struct EnergyRun {
   Integrator integrator;
   std::string gains;
   double h;
-  EnergyRow last = {};  // of the steps in energy.csv
+  EnergyRow last = {};  // last row of energy.csv
   StepStatus stopped = StepStatus::kOk;
   long steps = 0;      // done
   double kinetic = 0;  // largest, J

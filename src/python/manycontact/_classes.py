@@ -2,6 +2,7 @@
 it is, and what a class derived in Python defines is called or refused.
 """
 
+import difflib
 import functools
 import re
 from typing import Any
@@ -30,6 +31,11 @@ class ReadOnlyDict(dict):
     __slots__ = ()
     __setitem__ = __delitem__ = __ior__ = _refuse
     clear = pop = popitem = setdefault = update = _refuse
+
+    def __missing__(self, key):
+        near = difflib.get_close_matches(str(key), map(str, self), 1)
+        known = f"did you mean {near[0]!r}?" if near else f"expected one of {', '.join(map(repr, list(self)[:8]))}"
+        raise KeyError(f"there is no {key!r}, {known}")
 
     def __reduce__(self):
         return dict, (dict(self),)
@@ -89,6 +95,34 @@ def _freeze_lists(cls):
         setattr(cls, name, property(functools.wraps(member.fget)(getter), member.fset, None, member.__doc__))
 
 
+# ---- assignments ---------------------------------------------------------------------------------------------------
+
+
+def _expected(setter):
+    """The type that a property takes, in the words of Python."""
+    match = re.match(r"\w*\(.*, \w+: (.*)\) -> None", (setter.__doc__ or "").strip())
+    words = re.sub(r"\bmanycontact(\.|::)", "", match[1] if match else "another type")
+    return words.replace("numpy.ndarray", "an array of numbers")
+
+
+def _name_assignments(cls):
+    """An assignment of a wrong type names the attribute, what is expected and what was given."""
+    for name, member in list(vars(cls).items()):
+        if not isinstance(member, property) or member.fset is None:
+            continue
+
+        def setter(self, value, _set=member.fset, _name=name):
+            try:
+                _set(self, value)
+            except TypeError as error:
+                if not str(error).startswith("(): incompatible"):
+                    raise
+                given = f"{value!r:.60} ({type(value).__name__})"
+                raise TypeError(f"{type(self).__name__}.{_name}: {_expected(_set)} is expected, not {given}") from None
+
+        setattr(cls, name, property(member.fget, functools.wraps(member.fset)(setter), None, member.__doc__))
+
+
 # ---- what an object is ---------------------------------------------------------------------------------------------
 
 
@@ -126,6 +160,12 @@ def _describe(self):
 def _describe_list(self):
     first = ", ".join(map(repr, self[:4])) + (", ..." if len(self) > 4 else "")
     return f"<{type(self).__name__} of {len(self)}: [{first}]>"
+
+
+def _describe_report(self, told):
+    """What C++ prints, and the reasons of islands that another method or none has solved."""
+    reasons = {str(island.reason): None for island in self.islands if island.reason.value and self.remedy}
+    return told(self) if not reasons else f"{told(self)[:-1]}, reason: {', '.join(reasons)}>"
 
 
 _enumerations = {}
@@ -217,7 +257,9 @@ def complete(module):
         _freeze_lists(cls)
         if cls.__repr__ is object.__repr__:
             cls.__repr__ = _describe_list if cls.__name__.endswith("List") else _describe
+        _name_assignments(cls)
     _freeze_rotations(module.SE3)
+    module.Report.__repr__ = functools.partialmethod(_describe_report, module.Report.__repr__)
     global _module
     _module = module
     for name, expected in _EXPECTED.items():

@@ -61,8 +61,8 @@ class AtRest {
   }
 
   Eigen::Index rows() const { return data_.f.size(); }
-  Status worst() const { return worst_; }                    // of its solves
-  const Eigen::VectorXd& forces() const { return data_.f; }  // of the last one
+  Status worst() const { return worst_; }                    // worst status of its solves
+  const Eigen::VectorXd& forces() const { return data_.f; }  // forces of the last solve
 
   /// e, the errors of placement that gains correct, per row.
   Eigen::VectorXd errors(const Eigen::VectorXd& q) const {

@@ -13,7 +13,7 @@ namespace {
 struct Kind {
   const char* name;
   const char* alias;  // the name of the class in module action in lower case, if different; or null
-  bool of_state;      // of neither controls nor accelerations nor forces
+  bool of_state;      // depends on neither controls nor accelerations nor forces
   int rows;           // 0: those of the robot or the contact
   std::vector<const char*> attributes;
 };

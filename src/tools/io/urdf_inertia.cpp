@@ -27,7 +27,7 @@ InertiaVerdict judge_inertia(const Inertia<double>& Y) {
   if (Y.m == 0 && Y.h.squaredNorm() > 0) return {"no mass but a first moment of it, expected none", ""};
   const Vec3<double> c = Y.m > 0 ? Vec3<double>(Y.h / Y.m) : Vec3<double>::Zero();
   const Mat3<double> shift = Y.m * (c.squaredNorm() * Mat3<double>::Identity() - c * c.transpose());
-  const Mat3<double> Ic = Y.I - shift;  // about the centre of mass
+  const Mat3<double> Ic = Y.I - shift;  // rotational inertia about the centre of mass
   const Vec3<double> moments =
       Eigen::SelfAdjointEigenSolver<Mat3<double>>(Ic, Eigen::EigenvaluesOnly).eigenvalues();  // ascending
   const double trace = Ic.trace();

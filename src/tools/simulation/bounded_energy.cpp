@@ -30,7 +30,7 @@ namespace {
 constexpr double kSmaller = 0.7;  // share of a step, at a time
 constexpr int kMostTrials = 60;
 constexpr double kFast = 10;        // h^2 k / m of springs whose linear step lets energy fall
-constexpr double kRounding = 1e-9;  // of the energy of springs
+constexpr double kRounding = 1e-9;  // rounding error relative to the energy of springs
 
 int moving_end(const Spring& spring) { return moves(spring.A) ? spring.A.robot : spring.B.robot; }
 

@@ -19,7 +19,7 @@ Vec6<double> seen_at(const Vec6<double>& motion, const Vec3<double>& p) {
   return out;
 }
 
-Vec3<double> com_of(const FreeGroup& group) { return group.Y.h / group.Y.m; }  // from the reference
+Vec3<double> com_of(const FreeGroup& group) { return group.Y.h / group.Y.m; }  // vector from the reference
 
 // use(coordinate, its column of kin.J) for all coordinates above joint i of the robot, its own among them.
 template <class Use>

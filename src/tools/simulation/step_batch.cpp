@@ -276,7 +276,7 @@ void set_state(const Scene& scene, Eigen::Index k, const ConstVector& q, const C
     set(part.alone[static_cast<std::size_t>(copy)], 0);
   else
     with_data(work, work.of_threads.front(), part, [&](SimulationData& d) {
-      for (int at = copy; at < last; ++at) {  // after the last state, the unused copies are set, too
+      for (int at = copy; at < last; ++at) {  // the unused copies that follow the last state are set, too
         set(d, at);
         if (d.steps > 0) renew(scene, work.scene, at, batch.f.cols(), d);
       }

@@ -46,7 +46,7 @@ class Cholmod {
   void solve(double* X, int cols);
   /// Copies the n pivots to D, in the order of elimination.
   void pivots(double* D) const;
-  /// As pivot_terms in ldl.hpp (n).
+  /// Computes what pivot_terms in ldl.hpp does (n).
   void pivot_terms(const double* Ax, double* terms) const;
   const CholmodSymbolic& symbolic() const;
 

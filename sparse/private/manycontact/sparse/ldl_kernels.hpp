@@ -32,7 +32,7 @@ void factor_block(int width, int below, V* L, V* D, V* scale) {
   V* column = L;
   for (int a = 0; a < width; ++a) {
     V d = D[a], s = scale[a];
-    const V* l = L + a;  // behind L_ac: L may be null where it has no entries
+    const V* l = L + a;  // one past L_ac: L may be null where it has no entries
     for (int c = 0; c < a; ++c) {
       u[c] = -(l[-1] * D[c]);
       d = multiply_add(l[-1], u[c], d);
@@ -95,7 +95,7 @@ inline void forward(int width, int below, const V* L, const LdlSchedule::Run* ru
   const int step = width + below - 2;
   for (int a = 0; a < width; ++a) {
     V x_a = own[a];
-    const V* l = L + a;  // behind L_ac
+    const V* l = L + a;  // one past L_ac
     for (int c = 0; c < a; ++c) {
       x_a = multiply_add(l[-1], u[c], x_a);
       l += step - c;

@@ -74,7 +74,7 @@ struct BlockPlan {
     return count == 0 ? 0 : (3 + count) * of_J + count * count + count * (of_J + 1) / 2 + 1;
   }
   int rows() const { return pattern->size() - border; }            // that are eliminated
-  int factor_nonzeros() const { return pattern->ldl.Lp[rows()]; }  // of L, without its diagonal
+  int factor_nonzeros() const { return pattern->ldl.Lp[rows()]; }  // entries of L below its diagonal
 };
 
 /// Terms of derivatives of a contact that joins two robots, one array after the other. By columns J and W (rows x cols,
@@ -99,8 +99,8 @@ struct Border {
   double* S = nullptr;  // the upper triangle by columns of what its elimination leaves of K
   int m = 0;
   static std::size_t size(int m) { return static_cast<std::size_t>(m) * (m + 1) / 2 + 5 * m; }
-  double* terms() const { return S + m * (m + 1) / 2; }  // of the diagonal: sums of sizes
-  double* b() const { return terms() + m; }              // of the right-hand side
+  double* terms() const { return S + m * (m + 1) / 2; }  // sums of the sizes of terms of S's diagonal
+  double* b() const { return terms() + m; }              // right-hand side
   double* y() const { return b() + m; }                  // the solution in these rows
   double* r() const { return y() + m; }                  // -G x: the robot's part of the residual
   double* scale() const { return r() + m; }              // |G| |x|

@@ -141,7 +141,7 @@ class RobotBlocks {
   virtual void move_ends(const DerivativeJob& job, std::span<Robot> robots) = 0;
 };
 
-/// Like contacts that join two robots: one, or as many as fit in a SIMD batch.
+/// Contacts of one kind that couple two robots: one, or as many as fit in a SIMD batch.
 class InterfaceContacts {
  public:
   struct Rows {

@@ -8,8 +8,8 @@ namespace manycontact {
 
 namespace {
 
-// About what an island, its shape and its kernels take: by the entries of K and its factor, that of the whole or those
-// of its robots, and its derivatives.
+// Estimates the bytes of an island, its shape and its kernels from the entries of K, of its factor (the whole one or
+// those of its robots) and of its derivatives.
 std::size_t bytes_of(const IslandWork& d) {
   std::size_t entries = 0;
   if (const auto& p = d.matrix.K.pattern) entries += p->K.nonzeros() + p->ldl.nonzeros();

@@ -132,7 +132,7 @@ std::unique_ptr<Factor> make_factor(Method method, std::shared_ptr<IslandShape> 
       return make_dense_schur_factor();
     case Method::kSparseCholmod:
       return make_cholmod_factor(std::move(shape));
-    case Method::kSparseBodies:  // in joint space: another system solves where bodies cannot
+    case Method::kSparseBodies:  // joint-space factor: another system solves where bodies cannot
       return make_ldl_factor(Method::kSparseLdl);
     default:
       return make_ldl_factor(method);

@@ -20,7 +20,7 @@ inline void expand(const KktMatrix& K, Eigen::MatrixXd& M, Eigen::MatrixXd& J) {
     }
 }
 
-/// Between a vector in K's order of elimination and its parts in the island's order.
+/// Copies a vector in K's order of elimination to its parts in the island's order.
 template <class X, class A, class Y>
 void split(const KktPattern& p, const X& x, A&& a, Y&& y) {
   for (int k = 0; k < p.nv; ++k) a[k] = x[p.iperm[k]];

@@ -65,7 +65,7 @@ class ProximalFactor final : public Factor {
   sparse::Refinement solve_refined(const KktMatrix& K, KktVectors& v, int max_steps) override;
   void solve_panel(double* X, int ld, int first, int cols, char* nonzero) override;
 
-  int own_refinements() const override { return 2; }  // of solve and solve_panel; solve_refined has proximal steps
+  int own_refinements() const override { return 2; }  // solve and solve_panel refine; solve_refined has proximal steps
   double growth() const override { return growth_; }
   int rank() const override { return ldl_.pattern->nc - static_cast<int>(dropped_.size()); }
   void dependent_rows(std::vector<int>& rows) const override { rows.assign(dropped_.begin(), dropped_.end()); }

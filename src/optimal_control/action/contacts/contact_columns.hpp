@@ -1,5 +1,5 @@
 #pragma once
-// Between a contact's rows and the matrices of its data.
+// Copies a contact's rows to the matrices of its data.
 
 #include "manycontact/action/contact.hpp"
 #include "manycontact/contact/derivatives.hpp"

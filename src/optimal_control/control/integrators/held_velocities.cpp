@@ -137,7 +137,7 @@ void HeldVelocities::solve_at(const ConstVectorRef& state, double h, const DataC
   kinematics_at_start(of);
   leave_out_alpha_of_turning_rows();
   for (std::size_t r = 0; r < scene.robots.size(); ++r) {
-    const Robot& robot = of.scene.robots[r];  // without the joints' inertias, which change below
+    const Robot& robot = of.scene.robots[r];  // the scene's robot, whose joints' inertias do not change below
     const Model& model = *robot.model;
     inverse_dynamics<double>(model, kin[r], turn_.data() + robot.idx_v, {}, robots_[r].f,
                              tau.segment(robot.idx_v, model.nv));

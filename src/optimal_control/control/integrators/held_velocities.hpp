@@ -34,7 +34,7 @@ struct HeldVelocities {
   Eigen::VectorXd q, v, slow;  // the state; s v
   Eigen::VectorXd tau;         // torques on all coordinates, less ID(q, v, -w x v)
   std::vector<Kinematics<double>> kin;
-  std::vector<ContactData<double>> contacts;  // of `scene`
+  std::vector<ContactData<double>> contacts;  // contacts of `scene`
   FreeGroups groups;
   FreeMotionDerivatives of_groups;
   Eigen::VectorXd x, q_next, v_next;
@@ -68,7 +68,7 @@ struct HeldVelocities {
   std::vector<int> all_robots_;
   Eigen::VectorXd unit_, by_q_, by_v_;  // nv
   Eigen::MatrixXd dtau_;                // nv x (ndx + nw)
-  Eigen::MatrixXd of_island_, done_;    // of one island
+  Eigen::MatrixXd of_island_, done_;    // derivatives of one island
 };
 
 }  // namespace manycontact::internal

@@ -77,7 +77,7 @@ void SolverDDP::computeFeedForwardDirection() {
     preconditionFeedForward(nu_);
     bfgs_.finish(nu_);
     finish();
-    if (slope_ >= 0) {  // after clamping to the limits it does not descend
+    if (slope_ >= 0) {  // clamped to the limits, it does not descend
       bfgs_.forget();
       nu_ = g_;
       preconditionFeedForward(nu_);
@@ -86,7 +86,7 @@ void SolverDDP::computeFeedForwardDirection() {
   } else {
     finish();
   }
-  if (slope_ >= 0 && stop_ > 0) {  // after clamping, only the negative gradient is sure to descend
+  if (slope_ >= 0 && stop_ > 0) {  // clamped, only the negative gradient is sure to descend
     const double size = 2 * stop_ / dot(g_, g_);
     for (std::size_t t = 0; t < nu_.size(); ++t) nu_[t] = size * g_[t];
     finish();

@@ -70,7 +70,7 @@ int run_optimize(const Arguments& arguments) {
   const std::string path = scene_operand(arguments, "TASK");
   const std::optional<TaskSolver> solver = solver_of(arguments);
   const int threads = arguments.integer("--threads", 1, kMostThreads, 0);
-  if (arguments.has("--simulate")) (void)arguments.positive("--simulate");  // before hours of work
+  if (arguments.has("--simulate")) (void)arguments.positive("--simulate");  // throws now, not after hours
   const std::string out = arguments.required("--out");
   const auto json = arguments.value("--json"), charts = arguments.value("--charts");
   check_files(arguments, {path}, kFiles);

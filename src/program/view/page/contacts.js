@@ -79,6 +79,7 @@ class Contacts {
     this.list.forEach((parts, c) => {
       const flag = flags[at.frame * n + c];
       parts.group.visible = parts.lines[0].visible = parts.lines[1].visible = (flag & kActive) !== 0;
+      parts.outside = false;
       if (!parts.group.visible) return;
       vectorAt(points, c, n, at, parts.group.position);
       vectorAt(held, 2 * c, 2 * n, at, at_B);
@@ -91,6 +92,7 @@ class Contacts {
       parts.ring.visible = this.shown.contacts && (flag & kRedundant) !== 0;
       this.turn(parts.ring, normal);
       const inside = this.placeCone(parts, normal, force);
+      parts.outside = inside === false;
       parts.shared = (flag & kShared) !== 0;
       const colour = inside === undefined ? (parts.shared ? kSharedColour : kForceColour) : inside ? kInsideColour : kOutsideColour;
       this.placeArrow(parts.arrow, force, scale, colour);
@@ -98,6 +100,9 @@ class Contacts {
     });
     this.placeForces(at, scale);
   }
+
+  // Names of the active contacts whose force is outside of its cone.
+  outside() { return this.list.filter((parts) => parts.outside).map((parts) => parts.contact.name); }
 
   placeForces(at, scale) {
     const {pushes, springs} = this.data.frames, force = new THREE.Vector3(), end = new THREE.Vector3();

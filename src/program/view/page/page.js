@@ -1,6 +1,8 @@
 // The page: sets everything up, then draws whenever something changed.
 
 const element = (id) => document.getElementById(id);
+const kMostNames = 2000;  // offered for `find`; others may be typed
+const kMostListed = 8;    // contacts outside of their cones
 
 class Page {
   constructor() {
@@ -110,7 +112,7 @@ class Page {
     element('play').addEventListener('click', () => this.play(!this.playing));
     element('slider').addEventListener('input', (e) => this.seek(this.times[0] + e.target.value * this.duration));
     window.addEventListener('keydown', (e) => {
-      if (e.target.tagName === 'SELECT') return;
+      if (e.target.tagName === 'SELECT' || e.target.type === 'search') return;
       const step = {ArrowRight: 1, ArrowLeft: -1}[e.key];
       if (e.key === ' ') this.play(!this.playing);
       else if (step && e.target.tagName !== 'INPUT') this.seek(this.times[this.neighbour(step)]);
@@ -118,6 +120,28 @@ class Page {
       e.preventDefault();
     });
     element('canvas').addEventListener('pointermove', (e) => this.point(e));
+    element('names').append(...this.data.robots.concat(this.data.contacts).slice(0, kMostNames).map(({name}) => new Option(name)));
+    element('find').addEventListener('change', (e) => this.find(e.target.value.trim()));
+  }
+
+  // Moves the camera to a robot or a contact, and describes the contact.
+  find(name) {
+    if (!name) return;
+    this.draw();  // places everything
+    const robot = this.data.robots.findIndex((r) => r.name === name), contact = this.contacts.list.find((c) => c.contact.name === name);
+    const box = robot < 0 ? new THREE.Box3() : this.robots.boxes()[robot];
+    if (!contact && box.isEmpty()) {
+      element('pointed').textContent = robot < 0 ? 'there is no robot or contact ' + name : name + ' has no shape';
+      return;
+    }
+    element('follow').checked = false;
+    const at = contact && box.isEmpty() ? contact.group.position : box.getCenter(new THREE.Vector3());
+    this.camera.target.copy(at);
+    this.camera.distance = contact && box.isEmpty() ? this.size : Math.max(2 * box.getSize(new THREE.Vector3()).length(), this.size);
+    this.camera.moved = true;
+    element('pointed').textContent = contact && box.isEmpty() ? this.describe(contact) : name;
+    document.body.dataset.found = name;
+    this.changed = true;
   }
 
   get duration() { return this.times[this.times.length - 1] - this.times[0]; }
@@ -132,13 +156,15 @@ class Page {
     this.plots = [];
     element('timeline').hidden = this.times.length < 2;
     if (this.times.length < 2) return;
-    const total = frames.kinetic.map((k, i) => k + frames.potential[i]), seek = (t) => this.seek(t);
-    this.plots.push(new Plot(element('energy'), 'energy [J]', this.times, [
+    // The potential energy is counted from its first value: its zero is arbitrary, and would hide the changes.
+    const start = frames.potential.find((x) => isFinite(x)) || 0, potential = frames.potential.map((x) => x - start);
+    const total = frames.kinetic.map((k, i) => k + potential[i]), seek = (t) => this.seek(t);
+    this.plots.push(new Plot(element('energy'), 'energy [J], potential from its start', this.times, [
       {name: 'total', colour: '#22303c', values: total},
       {name: 'kinetic', colour: '#d9480f', values: frames.kinetic},
-      {name: 'potential', colour: '#1c7ed6', values: frames.potential},
+      {name: 'potential', colour: '#1c7ed6', values: potential},
     ], false, seek));
-    this.plots.push(new Plot(element('drift'), 'drift of the contacts', this.times, [
+    this.plots.push(new Plot(element('drift'), 'constraint violation', this.times, [
       {name: 'position [m, rad]', colour: '#7048e8', values: frames.position_drift},
       {name: 'velocity [per s]', colour: '#2b8a3e', values: frames.velocity_drift},
     ], true, seek));
@@ -163,7 +189,8 @@ class Page {
                                           shapes: this.robots.shapes.length, frames: this.times.length});
   }
 
-  // "#t=0.3" starts there, "#play" plays, "#azimuth=..&elevation=..&distance=.." are the camera's, in rad and m.
+  // "#t=0.3" starts there, "#play" plays, "#azimuth=..&elevation=..&distance=.." are the camera's, in rad and m. "#find=left" moves it to the
+  // robot or contact of this name.
   followAddress() {
     const words = new URLSearchParams(location.hash.slice(1));
     for (const name of ['azimuth', 'elevation', 'distance'])
@@ -171,6 +198,7 @@ class Page {
     this.camera.moved = words.has('distance');
     if (words.has('t') && isFinite(Number(words.get('t')))) this.seek(Number(words.get('t')));
     if (words.has('play')) this.play(true);
+    if (words.has('find')) this.find(words.get('find'));
   }
 
   play(on) {
@@ -206,6 +234,7 @@ class Page {
     this.contacts.shown = {forces: element('show_forces').checked, cones: element('show_cones').checked,
                            contacts: element('show_contacts').checked};
     this.contacts.place(at, scale);
+    this.listOutside();
     element('scale_text').textContent = 'an arrow of 1 m: ' + show(this.contacts.newtons / scale) + ' N';
     const canvas = element('canvas'), width = canvas.clientWidth, height = canvas.clientHeight;
     if (!this.camera.moved)
@@ -227,6 +256,14 @@ class Page {
     document.body.dataset.frame = at.frame;
     document.body.dataset.distance = show(this.camera.distance);
     document.body.dataset.triangles = this.renderer.info.render.triangles;
+  }
+
+  // Lists the contacts whose force is outside of its friction cone.
+  listOutside() {
+    const outside = this.contacts.outside(), more = outside.length - kMostListed;
+    element('outside').textContent = outside.length === 0 ? '' : 'outside of the friction cone: ' +
+        outside.slice(0, kMostListed).join(', ') + (more > 0 ? ' and ' + more + ' more' : '');
+    document.body.dataset.outside = outside.length;
   }
 
   // Finds the object under the pointer.

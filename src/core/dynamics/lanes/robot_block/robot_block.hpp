@@ -200,7 +200,7 @@ class RobotBlock final
   std::vector<Chunk> form_chunks(std::span<const std::vector<char>> reach, int ld);
   void right_sides(const DerivativeJob& job, Robots robots);
   int torques(const DerivativeJob& job) const { return job.request.tau ? model_->nv : model_->nu(); }
-  int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }  // its row
+  int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }  // the row
   const S* inner_L();
   Mask accurate_unrefined(const S* L);
   void solve_panels(const S* L, std::span<const Panel> panels, Mask plain, bool non_temporal);

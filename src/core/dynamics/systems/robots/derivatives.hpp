@@ -54,7 +54,7 @@ struct RobotsDerivatives {
   std::vector<OfRobot> robots;
 
   std::optional<DerivativeRequest> request;  // laid out for this
-  bool cheaper[2] = {};  // than the island's factor, for that: where no rows are dropped, and where some are
+  bool cheaper[2] = {};  // cheaper than the island's factor for `request`: [0] if no rows are dropped, [1] if some are
   bool has_room = false;
 
   std::vector<double> terms;    // lanes::JoinTerms of the contacts that join robots, one after the other

@@ -388,7 +388,7 @@ bool RobotsSystem::solve_in_use(const Scene& scene, SceneData& data, IslandRepor
   Workspace& w = *data.workspace;
   if (!factorize(scene, data)) return false;
   const sparse::Refinement refinement = internal::solve_refined(w, scene.damping, tolerance::kRefinementSteps, *this);
-  state = 0;  // until the solution is judged
+  state = 0;  // set once the solution is judged
   if (!(refinement.backward_error <= tolerance::kConverged)) return false;
   first_error = refinement.first;
   internal::store_answer(internal::job_at_state(scene, data), w, *this);

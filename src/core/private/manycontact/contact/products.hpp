@@ -6,9 +6,10 @@
 
 namespace manycontact {
 
-/// Along a direction in which A's and B's bodies vary by `a`, `b` (in their tree frames; `b` zero for the world): dr2,
-/// the change of x's rows with W rotating along (rows of the contact), and dF, the change of the force on A in A's
-/// axes, including that it is carried along with A. rows: at the solution's accelerations. f: the contact's force.
+/// Computes changes in a direction in which A's and B's bodies vary by `a`, `b` (in their tree frames; `b` zero for the
+/// world): dr2, the change of x's rows with W rotating along (rows of the contact), and dF, the change of the force on
+/// A in A's axes, including that it is carried along with A. rows: at the solution's accelerations. f: the contact's
+/// force.
 template <class S>
 void contact_tangent(const Contact& contact, const ContactData<S>& rows, const BodyVariationOf<S>& a,
                      const BodyVariationOf<S>& b, const ConstVecRef<S>& f, VecRef<S> dr2, Vec6<S>& dF);

@@ -23,7 +23,7 @@ class IslandShape {
   IslandShape(const Scene& scene, const Island& island);
 
   const Scene& scene() const { return scene_; }     // the island's robots and contacts alone, numbered as in the island
-  const Island& island() const { return island_; }  // of scene(): all of it
+  const Island& island() const { return island_; }  // the whole of scene()
   /// Support of the joint-space K, like all below but bodies(). In deep trees these grow with the square of the depth.
   const IslandSupport& support() const;
 

@@ -21,9 +21,9 @@ struct WaitingRows {
   std::vector<int> rows;  // rows of K: the first `joined` of them join, the others depend on them and on K1's rows
   int joined = 0;
   std::vector<double> Z;      // n x joined, by rows, in K's order; zero in the rows that K1 is without
-  std::vector<double> scale;  // of each row: 1 / sqrt(its terms)
+  std::vector<double> scale;  // 1 / sqrt(terms) of each row
   std::vector<double> L;      // Cholesky's factor of scale (-S) scale of the rows that join, by rows, as wide as `rows`
-  std::vector<int> place;     // of each row of K, its number in `rows` before they were ordered, or -1
+  std::vector<int> place;     // number of each row of K in `rows` before they were ordered, or -1
 
   // scratch
   std::vector<double> B, G, old_scale, largest;

@@ -32,7 +32,7 @@ std::vector<PlanLimit> limits_passed(const TaskFile& task, const std::vector<Eig
 struct PlanCost {  // A <cost> of the task, by its name in all phases, its copies together.
   std::string name;
   TaskResidual residual = TaskResidual::kState;
-  double cost = 0;       // over all nodes, as the solver adds it up
+  double cost = 0;       // sum over all nodes, as the solver adds it up
   bool is_goal = false;  // the residual is a place or an orientation: frame_placement, _translation, _rotation, com
   double missed = 0;     // goals only: |r| of the worst copy at the last node that has the cost [m, rad]
   std::size_t node = 0;
