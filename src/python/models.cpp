@@ -155,15 +155,22 @@ void add_robot_models(py::module_& m) {
       .methods<&varied, &Model::find_frame, &Model::find_joint, &Model::mass>()
       .def("__repr__", [](const Model& x) { return "<Model '" + x.name + "', nv = " + std::to_string(x.nv) + ">"; });
 
+  // Names in any iterable: a list as well as a set, but not the letters of a word.
+  const auto names = [](const char* what, const py::iterable& given) {
+    if (py::isinstance<py::str>(given)) throw py::type_error(std::string("load_urdf: ") + what + " is a list of names");
+    std::set<std::string> out;
+    for (const py::handle name : given) out.insert(name.cast<std::string>());
+    return out;
+  };
   def(m, "load_urdf",
-      [](const std::string& path, bool floating_base, double armature,
+      [names](const std::string& path, bool floating_base, double armature,
          const std::map<std::string, std::vector<double>>& joint_armature, const std::map<std::string, double>& locked,
-         bool refuse_mimic, const std::set<std::string>& passive, bool model_dynamics, bool refuse_inertia,
-         const std::set<std::string>& actuated, const std::map<std::string, double>& joint_damping,
+         bool refuse_mimic, const py::iterable& passive, bool model_dynamics, bool refuse_inertia,
+         const py::iterable& actuated, const std::map<std::string, double>& joint_damping,
          const std::string& root) {
         return std::make_shared<Model>(
-            load_urdf(path, {floating_base, armature, joint_armature, locked, refuse_mimic, passive, model_dynamics,
-                             refuse_inertia, actuated, joint_damping, root}));
+            load_urdf(path, {floating_base, armature, joint_armature, locked, refuse_mimic, names("passive", passive), model_dynamics,
+                             refuse_inertia, names("actuated", actuated), joint_damping, root}));
       });
   def(m, "urdf_findings", [](const std::string& path, bool floating_base) {
     std::vector<Finding> findings;

@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "manycontact/contact/pair_motion.hpp"
+#include "manycontact/sparse/decompositions.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {

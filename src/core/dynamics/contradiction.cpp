@@ -46,11 +46,11 @@ double accelerations_of_torques(const Scene& scene, const SceneData& data, const
 
 bool contradicts(const Scene& scene, const SceneData& data, rank::Contradiction<double> of, IslandWork& d) {
   if (!of.contradicts()) return false;
-  double loads = scene.gravity.norm();
-  const auto exceeds_rounding = [&] { return !(of.left <= tolerance::kLoadRounding * loads); };
+  double rounding = tolerance::kLoadRounding * scene.gravity.norm();
+  const auto exceeds_rounding = [&] { return !(of.left <= rounding); };
   if (!exceeds_rounding() || !joint_space_fits(d)) return exceeds_rounding();
   evaluate_at_state(scene, data, d);
-  loads += accelerations_of_torques(scene, data, d);
+  rounding += tolerance::kTorqueRounding * accelerations_of_torques(scene, data, d);
   return exceeds_rounding();
 }
 

@@ -1,6 +1,5 @@
 // The order contacts-early: a contact as soon as the joints below it give it its pivots.
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include "manycontact/algorithm/integrate.hpp"
 #include "manycontact/kkt/choose.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
+#include "manycontact/sparse/decompositions.hpp"
 #include "manycontact/sparse/ordering.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "manycontact/sparse/union_find.hpp"

@@ -30,6 +30,27 @@ std::size_t distance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
+// "knee_left" as "knee_left", "left_knee" too: its words in alphabetical order.
+std::string in_order(const std::string& name) {
+  std::vector<std::string> words(1);
+  for (const char c : name) {
+    if (c == '_' || c == '-' || c == '/' || c == ' ')
+      words.emplace_back();
+    else
+      words.back() += c;
+  }
+  std::sort(words.begin(), words.end());
+  std::string out;
+  for (const std::string& word : words) out += word + '_';
+  return out;
+}
+
+// Changes of letters from a to b, the order of their words apart; one if b has a as a part.
+std::size_t difference(const std::string& a, const std::string& b) {
+  if (a.size() > 2 && b.find(a) != std::string::npos) return a == b ? 0 : 1;
+  return std::min(distance(a, b), distance(in_order(a), in_order(b)) + 1);
+}
+
 template <class Named>
 std::vector<std::string> names_of(const std::vector<Named>& list) {
   std::vector<std::string> names;
@@ -50,7 +71,7 @@ std::string suggestion(const std::string& name, const std::vector<std::string>& 
   std::size_t least = 0;
   for (const std::string& k : known) {
     if (k.size() > 200 || name.size() > 200) continue;
-    const std::size_t d = distance(name, k);
+    const std::size_t d = difference(name, k);
     if (!best || d < least) best = &k, least = d;
   }
   return best ? "did you mean " + quote(*best) + "?" : "expected one of " + std::to_string(known.size()) + " names";

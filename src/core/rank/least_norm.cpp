@@ -1,12 +1,12 @@
 #include "manycontact/rank/least_norm.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 
 #include "manycontact/rank/dependent_rows.hpp"
+#include "manycontact/sparse/decompositions.hpp"
 #include "manycontact/sparse/ordering.hpp"
 #include "manycontact/sparse/refine.hpp"
 #include "manycontact/sparse/tolerances.hpp"

@@ -1,6 +1,5 @@
 #include "manycontact/analysis/near_dependent.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -12,6 +11,7 @@
 #include "manycontact/analysis/names.hpp"
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/model/expect_state.hpp"
+#include "manycontact/sparse/decompositions.hpp"
 #include "row_remainders.hpp"
 
 namespace manycontact {

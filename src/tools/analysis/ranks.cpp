@@ -1,6 +1,5 @@
 #include "manycontact/analysis/ranks.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <functional>
 #include <map>
@@ -12,6 +11,7 @@
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/rank/row_size.hpp"
+#include "manycontact/sparse/decompositions.hpp"
 #include "row_remainders.hpp"
 
 namespace manycontact {

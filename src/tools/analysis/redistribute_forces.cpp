@@ -1,11 +1,11 @@
 #include "manycontact/analysis/redistribute_forces.hpp"
 
-#include <Eigen/QR>
 #include <cmath>
 #include <stdexcept>
 
 #include "at_rest.hpp"
 #include "manycontact/model/expect_state.hpp"
+#include "manycontact/sparse/decompositions.hpp"
 
 namespace manycontact {
 

@@ -14,10 +14,10 @@
 // that contacts join, springs do not: the step of many bodies on springs costs in proportion to their number. An island
 // with many springs takes a panel of right-hand sides instead, K^-1 as a matrix.
 
-#include <Eigen/Cholesky>
 #include <Eigen/SparseCholesky>
 
 #include "manycontact/simulation/step.hpp"
+#include "manycontact/sparse/decompositions.hpp"
 #include "momentum_steps.hpp"
 #include "unit_forces.hpp"
 

@@ -1,9 +1,9 @@
 #include "manycontact/kkt/bodies/dependent_rows.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
+#include "manycontact/sparse/decompositions.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "pairs.hpp"
 

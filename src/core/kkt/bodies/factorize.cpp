@@ -1,9 +1,9 @@
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "manycontact/kkt/bodies/ldl.hpp"
+#include "manycontact/sparse/decompositions.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "pairs.hpp"
 

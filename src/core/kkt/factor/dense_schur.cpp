@@ -1,9 +1,9 @@
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
 
 #include "expand.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
+#include "manycontact/sparse/decompositions.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "pivots.hpp"
 

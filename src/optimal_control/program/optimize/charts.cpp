@@ -47,7 +47,7 @@ void add_forces(const OptimizedTask& motion, Json& out) {
   const Scene& scene = motion.task.scene.scene;
   const std::vector<TaskNode> nodes = timeline(motion.task);
   std::vector<std::vector<double>> normal(scene.contacts.size()), tangential(scene.contacts.size());
-  double mu = INFINITY;
+  std::vector<double> mu(scene.contacts.size(), INFINITY);
   for (std::size_t t : nodes_with_torques(motion)) {
     const auto forces = contact_forces(motion.task, motion.problem, t);
     const auto q = motion.solution.xs[t].head(scene.nq);
@@ -57,13 +57,16 @@ void add_forces(const OptimizedTask& motion, Json& out) {
       const Eigen::Vector2d p = bears ? contact_pressure(scene, contact, q, forces[c]) : Eigen::Vector2d(NAN, NAN);
       normal[c].push_back(p[0]);
       tangential[c].push_back(p[1]);
-      if (bears) mu = std::min(mu, friction_of(phase_at(motion.task, nodes[t]), contact));
+      if (bears) mu[c] = std::min(mu[c], friction_of(phase_at(motion.task, nodes[t]), contact));
     }
   }
-  out["smallest_mu"] = mu;
+  out["smallest_mu"] = mu.empty() ? INFINITY : *std::min_element(mu.begin(), mu.end());
   out["contacts"] = Json::array();
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
-    out["contacts"].push_back({{"name", scene.contacts[c].name}, {"normal", normal[c]}, {"tangential", tangential[c]}});
+    out["contacts"].push_back({{"name", scene.contacts[c].name},
+                               {"mu", mu[c]},
+                               {"normal", normal[c]},
+                               {"tangential", tangential[c]}});
 }
 
 }  // namespace

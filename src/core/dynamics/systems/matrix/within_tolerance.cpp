@@ -25,7 +25,6 @@
 
 #include "within_tolerance.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -33,6 +32,7 @@
 
 #include "../../internal.hpp"
 #include "manycontact/rank/dependent_rows.hpp"
+#include "manycontact/sparse/decompositions.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "matrix.hpp"
 

@@ -12,10 +12,7 @@
 // LU of K. Source: Golub, Van Loan, Matrix Computations (2013), 5.5 and 6.2; Cox, Higham, Stability of Householder QR
 // factorization for weighted least squares problems (1998).
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
-#include <Eigen/QR>
-
+#include "manycontact/sparse/decompositions.hpp"
 #include "manycontact/spatial/scalar.hpp"
 
 namespace manycontact {
