@@ -2,6 +2,7 @@
 
 import importlib
 import os
+import subprocess
 import sys
 
 import manycontact as mc
@@ -63,3 +64,26 @@ def test_the_missing_package_is_named(monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(ModuleNotFoundError, match="pip install robot_descriptions"):
         mc.load_description("go2")
+
+
+def test_meshes_of_a_robot_are_found(package, tmp_path, program):
+    """As on the page gallery.md; the meshes are in no folder above the URDF."""
+    meshes = tmp_path / "packages" / "cube_meshes"
+    meshes.mkdir(parents=True)
+    (meshes / "m.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    urdf = tmp_path / "cube" / "cube.urdf"
+    urdf.parent.mkdir()
+    urdf.write_text(
+        '<robot name="cube"><link name="cube"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" '
+        'iyz="0"/></inertial><visual><geometry><mesh filename="package://cube_meshes/m.obj"/></geometry></visual></link></robot>'
+    )
+    (package / "cube_description.py").write_text(f"PACKAGE_PATH = {str(meshes)!r}\nURDF_PATH = {str(urdf)!r}\n")
+    scene = mc.Scene()
+    mc.add_robot(scene, "robot", mc.load_description("cube", floating_base=True))
+    path = tmp_path / "cube.xml"
+    file = mc.write_scene(str(path), scene, {"robot": mc.description_path("cube")})
+    assert "cube" in mc.view(file).html
+    view = [program, "view", str(path), "--out", str(tmp_path / "cube.html")]
+    found = subprocess.run(view, capture_output=True, text=True)
+    missing = subprocess.run(view, capture_output=True, text=True, env={**os.environ, "ROS_PACKAGE_PATH": ""})
+    assert "m.obj (not found)" in missing.stdout + missing.stderr and "not found" not in found.stdout + found.stderr
