@@ -41,7 +41,7 @@ def test_a_robot_by_name(package, name):
 def test_folders_of_meshes_are_added_once(package):
     for _ in range(2):
         mc.description_path("dog")
-    assert os.environ["ROS_PACKAGE_PATH"] == f"/before:{MODELS.parent}"
+    assert os.environ["ROS_PACKAGE_PATH"] == f"/before:{MODELS.parent}:{MODELS}:{MODELS.parent.parent}"
 
 
 def test_near_names(package):
@@ -54,7 +54,7 @@ def test_near_names(package):
 def test_other_formats_and_downloads(package):
     with pytest.raises(mc.InputError, match="no URDF of 'cat'"):
         mc.load_description("cat")
-    with pytest.raises(mc.InputError, match="no URDF of 'cow', only another format"):
+    with pytest.raises(mc.InputError, match="no URDF of 'cow', only a xacro file, cow.xacro: expand it"):
         mc.load_description("cow")
     with pytest.raises(RuntimeError, match="'far' could not be loaded.*OSError: git: no route to host"):
         mc.load_description("far")

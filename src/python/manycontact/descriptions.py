@@ -21,10 +21,10 @@ def _names(package: Any) -> List[str]:
 def _find_meshes(description: Any) -> None:
     """Adds the folders of a description to ROS_PACKAGE_PATH, where view searches package:// meshes."""
     folders = [x for x in os.environ.get("ROS_PACKAGE_PATH", "").split(":") if x]
-    if hasattr(description, "PACKAGE_PATH"):
-        folders.append(os.path.dirname(str(description.PACKAGE_PATH)))
-    if hasattr(description, "REPOSITORY_PATH"):
-        folders.append(str(description.REPOSITORY_PATH))
+    for name in ("PACKAGE_PATH", "REPOSITORY_PATH"):
+        if hasattr(description, name):
+            folder = str(getattr(description, name))
+            folders += [os.path.dirname(folder), folder]
     os.environ["ROS_PACKAGE_PATH"] = ":".join(dict.fromkeys(folders))
 
 
@@ -54,7 +54,8 @@ def description_path(name: str) -> str:
             f"use: {type(error).__name__}: {error}"
         ) from error
     if not hasattr(description, "URDF_PATH"):
-        raise InputError(f"load_description: robot_descriptions has no URDF of '{short}', only another format")
+        other = f"only a xacro file, {description.XACRO_PATH}: expand it" if hasattr(description, "XACRO_PATH") else "only another format"
+        raise InputError(f"load_description: robot_descriptions has no URDF of '{short}', {other}")
     _find_meshes(description)
     return str(description.URDF_PATH)
 

@@ -44,9 +44,9 @@ def _record(kind: int, content: bytes) -> bytes:
 def write_mcap(path: str, scene: Any, trajectory: Any, rate: float = 50) -> int:
     """Write a motion as an MCAP file: placements of all links in the frame "world", on the topic /tf.
 
-    scene: a Scene, or a SceneFile of load_scene. trajectory: what simulate returns, or anything with t (n) [s] and q
-    (n, nq). rate: messages per second at most; the last state is always written. Frames have the names of frame_names.
-    Returns the number of messages. Raises ValueError if sizes do not fit, or if times decrease or are negative.
+    scene: a Scene or a SceneFile. trajectory: the result of simulate, or anything with t (n) [s] and q (n, nq). rate:
+    messages per second at most; the last state is always written. Frames have the names of frame_names. Returns the
+    number of messages. Raises ValueError if sizes do not fit, or if times decrease or are negative.
     """
     scene = scene.scene if isinstance(scene, SceneFile) else scene
     times, states = numpy.asarray(trajectory.t, float), numpy.asarray(trajectory.q, float)
