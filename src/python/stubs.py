@@ -21,8 +21,10 @@ from typing import (
 import numpy
 from numpy.typing import ArrayLike, NDArray
 
+from .descriptions import description_path as description_path, load_description as load_description
 from .files import joint_limits as joint_limits, load_urdf_text as load_urdf_text
 from .files import srdf_configurations as srdf_configurations, write_scene as write_scene
+from .mcap import write_mcap as write_mcap
 from .notebook import view as view
 
 __version__: str

@@ -22,7 +22,7 @@ function(mistake schema file text other)
   judge(refused ${schema} ${BUILD}/mistake_${mistakes}.xml)
 endfunction()
 
-file(GLOB files ${MODELS}/*.xml ${MODELS}/tasks/*.xml ${MODELS}/published/*.xml ${MORE}/*.xml)
+file(GLOB files ${MODELS}/*.xml ${MODELS}/tasks/*.xml ${MODELS}/published/*.xml ${MODELS}/machines/*.xml ${MORE}/*.xml)
 foreach(file IN LISTS files)
   file(READ ${file} text)
   if(text MATCHES "<task")

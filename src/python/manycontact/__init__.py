@@ -14,7 +14,9 @@ the base's own frame for a floating base, SI units. Bad input raises ValueError 
 from . import _classes, _manycontact
 from ._manycontact import *  # noqa: F401,F403
 from ._manycontact import __version__  # noqa: F401
+from .descriptions import description_path, load_description  # noqa: F401
 from .files import joint_limits, load_urdf_text, srdf_configurations, write_scene  # noqa: F401
+from .mcap import write_mcap  # noqa: F401
 from .notebook import view  # noqa: F401
 
 _classes.complete(_manycontact)
