@@ -1,0 +1,324 @@
+#pragma once
+// Rows of J that wait, of robots in a SIMD batch (rank/dependent_rows.hpp). A row without a sound pivot in one element
+// has the inverse pivot zero there, and its number is in this element's list. The k-th row of each element's list, other
+// rows in other elements, is one column n = e - z of N: J^T z is this row, z a combination of the rows kept.
+
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "../arrays.hpp"
+#include "manycontact/sparse/ldl_kernels.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+
+namespace manycontact::lanes {
+
+template <class S>
+class WaitingRows {
+ public:
+  static constexpr int W = S::width;
+  using Mask = typename S::Mask;
+  explicit WaitingRows(const BlockPlan& plan);
+
+  /// Memory to project so many columns at a time.
+  void reserve(int columns) { t_.resize(std::max(t_.size(), most_ * static_cast<std::size_t>(columns))); }
+
+  /// Sets the memory of the current robots' numbers: BlockPlan::waiting_size of each.
+  void use(S* memory) {
+    waiting_ = memory;
+    row_terms_ = waiting_ + 1;
+    row_size_ = row_terms_ + rows_;
+    entry_ = row_size_ + rows_;
+    null_component_ = entry_ + rows_;
+    N_ = null_component_ + rows_;
+    gram_ = N_ + most_ * rows_;
+    count_ = reinterpret_cast<int*>(gram_ + most_ * most_);
+    listed_ = count_ + 1 + W;
+    lists_ = listed_ + most_ * W;
+  }
+  /// The size that row k of J, in K's order, is judged relative to (rank/row_size.hpp), and its largest entry; to be set
+  /// before the factorization.
+  S& row_size(int k) const { return row_size_[k]; }
+  S& largest_entry(int k) const { return entry_[k]; }
+  /// The largest term that its a0 is computed from (contact_drift), which its inconsistency is judged relative to.
+  S& row_terms(int k) const { return row_terms_[k]; }
+  /// The part of row k that project_out kept.
+  const S& null_component(int k) const { return null_component_[k]; }
+
+  /// Whether rows wait in any element; in which; and which rows do, in K's order.
+  bool any() const { return *count_ > 0; }
+  Mask elements() const { return *waiting_ > S(0); }
+  std::span<const int> of(int lane) const {
+    return {listed_ + lane * most_, static_cast<std::size_t>(count_[1 + lane])};
+  }
+
+  /// Before a factorization: no row waits. During it: row k waits in the elements where its pivot is not sound.
+  void clear() const { std::fill_n(count_, 1 + W, 0); }
+  void add(int k, Mask sound) const {
+    for (int l = 0; l < W; ++l) {
+      if (sound[l]) continue;
+      int& count = count_[1 + l];
+      if (count < static_cast<int>(most_)) listed_[l * static_cast<int>(most_) + count] = k;
+      ++count;
+    }
+    *count_ = 1;
+  }
+
+  /// After it: the null space and its projector, and returns the elements whose waiting rows depend on the rows kept, by
+  /// numbers that the projector can take. Those that are not usable have none. solve(x): x <- K_kept^-1 x, of all the
+  /// pattern's rows.
+  template <class Solve>
+  Mask hold(Mask usable, const S* K, const S* L, S* D, S* pivot_terms, Solve&& solve);
+
+  /// Computes the sizes that residuals of all rows are judged relative to (rank::scale_of_dependent), into `judged`.
+  void scale_of_dependent(const S* scale, S* judged) const {
+    std::copy_n(scale, rows_, judged);
+    for (int c = 0; c < *count_; ++c) {
+      S sum(0);
+      for (int j : column(c)) sum = multiply_add(abs(N(c, j)), scale[j], sum);
+      each_of_column(c, [&](int l, int k) { judged[k].set(l, sum[l]); });
+    }
+  }
+
+  /// x -= P x, of the rows of J; P x into null_component where `keep`.
+  void project_out(S* x, bool keep = false) {
+    project_out<1>(as_scalar(x));
+    if (!keep) return;
+    std::fill_n(null_component_, rows_, S(0));
+    for (int c = 0; c < *count_; ++c)
+      for (int j : column(c)) null_component_[j] = multiply_add(N(c, j), t_[c], null_component_[j]);
+  }
+  /// x -= P x of C columns, row after row.
+  template <int C, class V>
+  void project_out(V* x) {
+    subtract_null_component<C>(x, x);
+  }
+  /// x -= P y in the same way.
+  template <int C, class V>
+  void subtract_null_component(const V* y, V* x) {
+    using Row = sparse::kernel::Tile<V, C>;
+    V* t = as_scalar(t_.data());
+    for (int c = 0; c < *count_; ++c) {
+      Row sum = Row::all(V(0));
+      for (int j : column(c)) sum.add(*as_scalar(&N(c, j)), y + std::ptrdiff_t{j} * C);
+      sum.store(t + c * C);
+    }
+    solve_gram<C>(t);
+    for (int c = 0; c < *count_; ++c) {
+      const Row of_column = Row::load(t + c * C);
+      for (int j : column(c)) {
+        Row row = Row::load(x + std::ptrdiff_t{j} * C);
+        row.subtract(*as_scalar(&N(c, j)), of_column);
+        row.store(x + std::ptrdiff_t{j} * C);
+      }
+    }
+  }
+
+ private:
+  struct Entry {  // of J's row in K: its slot, and the column of J, or the row of L before it and its slot
+    int row, slot;
+  };
+  /// Lists of entries, one per row of K.
+  struct Entries {
+    std::vector<int> first;
+    std::vector<Entry> of;
+    std::span<const Entry> at(int k) const { return std::span(of).subspan(first[k], first[k + 1] - first[k]); }
+  };
+
+  S& N(int c, int row) const { return N_[static_cast<std::ptrdiff_t>(c) * rows_ + row]; }
+  /// Rows of column c of N that are not zero in any element, ascending; their number precedes them.
+  int* list(int c) const { return lists_ + c * (static_cast<int>(of_J_.size()) + 1); }
+  std::span<const int> column(int c) const { return {list(c) + 1, static_cast<std::size_t>(*list(c))}; }
+  void find_column(int c) const {
+    int* rows = list(c);
+    rows[0] = 0;
+    for (int k : of_J_)
+      if (!is_zero(N(c, k))) rows[++rows[0]] = k;
+  }
+  /// use(element, row) of the rows that wait and whose column c is.
+  template <class Use>
+  void each_of_column(int c, Use&& use) const {
+    for (int l = 0; l < W; ++l)
+      if (c < count_[1 + l]) use(l, of(l)[c]);
+  }
+  static bool is_zero(const S& x) { return (abs(x) <= S(0)).all(); }
+  static S without_rounding(const S& z) { return select(abs(z) <= S(tolerance::kNullEntry), S(0), z); }
+
+  Mask count(Mask usable, S* D, S* pivot_terms);
+  void null_column(int c, const S* L);
+  S residual(int c, const S* K);
+  template <class Solve>
+  void refine_column(int c, Mask open, Solve&& solve);
+  void form_gram();
+  template <int C, class V>
+  void solve_gram(V* t) const;
+
+  int nv_, rows_;
+  std::size_t most_;
+  std::vector<int> of_J_;      // rows of J in K's order, ascending
+  Entries of_row_, of_factor_; // J's rows: entries of K in rows of M; of L in rows of J before them
+  S *waiting_, *row_terms_, *row_size_, *entry_, *null_component_;  // waiting_: how many rows wait; of each row of K
+  S *N_, *gram_;                                                    // N by columns, as these; of the factor of N^T N
+  int *count_, *listed_, *lists_;  // numbers of columns and of each element's rows; these rows; rows of the columns
+  std::vector<S> left_, x_, t_;    // t: of each column of N, what is projected at a time
+};
+
+template <class S>
+WaitingRows<S>::WaitingRows(const BlockPlan& plan)
+    : nv_(plan.pattern->nv),
+      rows_(plan.rows()),
+      most_(plan.most_waiting()),
+      left_(rows_),
+      x_(plan.pattern->size()),
+      t_(most_) {
+  const KktPattern& p = *plan.pattern;
+  const auto of_M = [&p](int k) { return p.perm[k] < p.nv; };
+  for (int k = 0; k < rows_; ++k)
+    if (!of_M(k)) of_J_.push_back(k);
+  const auto fill = [this](Entries& to, auto&& each) {
+    to.first.assign(rows_ + 2, 0);
+    each([&](int row, Entry) { ++to.first[row + 2]; });
+    for (int k = 2; k <= rows_ + 1; ++k) to.first[k] += to.first[k - 1];
+    to.of.resize(to.first.back());
+    each([&](int row, Entry entry) { to.of[to.first[row + 1]++] = entry; });
+  };
+  fill(of_row_, [&](auto&& use) {
+    for (int k = 0; k < rows_; ++k)
+      for (int slot = p.K.p[k]; slot < p.K.p[k + 1]; ++slot)
+        if (const int i = p.K.i[slot]; of_M(i) != of_M(k)) of_M(k) ? use(i, Entry{k, slot}) : use(k, Entry{i, slot});
+  });
+  fill(of_factor_, [&](auto&& use) {
+    for (int k : of_J_)
+      for (int q = p.ldl.Rp[k]; q < p.ldl.Rp[k + 1]; ++q)
+        if (!of_M(p.ldl.Rj[q])) use(k, Entry{p.ldl.Rj[q], p.ldl.Rk[q]});
+  });
+}
+
+template <class S>
+template <class Solve>
+typename S::Mask WaitingRows<S>::hold(Mask usable, const S* K, const S* L, S* D, S* pivot_terms, Solve&& solve) {
+  Mask out = count(usable, D, pivot_terms);
+  for (int c = 0; c < *count_ && out.any(); ++c) {
+    null_column(c, L);
+    S error = residual(c, K);
+    for (int step = 0; step < tolerance::kNullColumnSteps; ++step) {
+      const Mask open = out & (error > S(tolerance::kNullColumn));
+      if (!open.any()) break;
+      refine_column(c, open, solve);
+      error = residual(c, K);
+    }
+    out = out & (error <= S(tolerance::kRowLeft));
+    for (int j : column(c)) out = out & (abs(N(c, j)) <= S(tolerance::kLargestEntry));
+  }
+  if (out.any())
+    form_gram();
+  else
+    clear();
+  return out;
+}
+
+/// Counts the rows that wait, and takes their pivots away. Returns the usable elements without too many.
+template <class S>
+typename S::Mask WaitingRows<S>::count(Mask usable, S* D, S* pivot_terms) {
+  *waiting_ = S(0), *count_ = 0;
+  for (int l = 0; l < W; ++l) {
+    int& count = count_[1 + l];
+    if (!usable[l]) count = 0;
+    waiting_->set(l, count);
+    count = std::min(count, static_cast<int>(most_));
+    *count_ = std::max(*count_, count);
+    for (int k : of(l)) D[k].set(l, std::numeric_limits<double>::infinity()), pivot_terms[k].set(l, 0);
+  }
+  return usable & (*waiting_ <= S(static_cast<double>(most_)));
+}
+
+/// L^T z = l_k over the rows of J before k, and the column e_k - z of N.
+template <class S>
+void WaitingRows<S>::null_column(int c, const S* L) {
+  for (int k : of_J_) x_[k] = N(c, k) = S(0);
+  each_of_column(c, [&](int l, int k) {
+    N(c, k).set(l, 1);
+    for (const Entry& entry : of_factor_.at(k)) x_[entry.row].set(l, L[entry.slot][l]);
+  });
+  for (std::size_t j = of_J_.size(); j-- > 0;) {
+    const int k = of_J_[j];
+    const S z = without_rounding(x_[k]);
+    if (is_zero(z)) continue;
+    N(c, k) -= z;
+    for (const Entry& entry : of_factor_.at(k))
+      x_[entry.row] = subtract_product(L[entry.slot], z, x_[entry.row]);
+  }
+  find_column(c);
+}
+
+/// left <- J^T n; returns its largest entry relative to the sizes of the rows. NaN where any is.
+template <class S>
+S WaitingRows<S>::residual(int c, const S* K) {
+  std::fill(left_.begin(), left_.end(), S(0));
+  S size(0), largest(0), sum(0);
+  for (int j : column(c)) {
+    const S n = N(c, j);
+    size = larger(abs(n) * row_size_[j], size);
+    for (const Entry& entry : of_row_.at(j)) left_[entry.row] = multiply_add(n, K[entry.slot], left_[entry.row]);
+  }
+  for (const S& r : left_) largest = larger(abs(r), largest), sum += abs(r);
+  return select(largest > S(0), largest / size, sum);
+}
+
+/// z += K_kept^-1 of what z leaves, in the elements that are open: where the pivots kept were too small for l_k to be
+/// accurate, or a row depends on later ones, too.
+template <class S>
+template <class Solve>
+void WaitingRows<S>::refine_column(int c, Mask open, Solve&& solve) {
+  std::fill(x_.begin(), x_.end(), S(0));
+  std::copy(left_.begin(), left_.end(), x_.begin());
+  solve(x_.data());
+  for (int k : of_J_) N(c, k) = without_rounding(N(c, k) - select(open, x_[k], S(0)));
+  find_column(c);
+}
+
+/// The factor of N^T N. Elements with fewer columns have zeros in the others, and their inverse is zero.
+template <class S>
+void WaitingRows<S>::form_gram() {
+  const std::ptrdiff_t n = *count_;
+  for (std::ptrdiff_t a = 0; a < n; ++a)
+    for (std::ptrdiff_t b = 0; b <= a; ++b) {
+      S sum(0);
+      for (int j : column(static_cast<int>(b)))
+        sum = multiply_add(N(static_cast<int>(b), j), N(static_cast<int>(a), j), sum);
+      gram_[a * n + b] = sum;
+    }
+  for (std::ptrdiff_t a = 0; a < n; ++a) {  // L D L^T in its place, the inverse of D on the diagonal
+    S* row = gram_ + a * n;
+    for (std::ptrdiff_t b = 0; b < a; ++b)
+      for (std::ptrdiff_t c = 0; c < b; ++c) row[b] = subtract_product(row[c], gram_[b * n + c], row[b]);
+    for (std::ptrdiff_t b = 0; b < a; ++b) {
+      const S ld = row[b];
+      row[b] = ld * gram_[b * n + b];
+      row[a] = subtract_product(row[b], ld, row[a]);
+    }
+    row[a] = select(row[a] > S(0), S(1) / row[a], S(0));
+  }
+}
+
+/// t <- (N^T N)^-1 t of C columns.
+template <class S>
+template <int C, class V>
+void WaitingRows<S>::solve_gram(V* t) const {
+  using Row = sparse::kernel::Tile<V, C>;
+  const int n = *count_;
+  const auto row = [&](int a, int from, int to, auto&& l, const V& scale) {
+    Row sum = Row::load(t + a * C).times(scale);
+    for (int b = from; b < to; ++b) sum.subtract(l(b), Row::load(t + b * C));
+    sum.store(t + a * C);
+  };
+  const V* gram = as_scalar(gram_);
+  for (int a = 0; a < n; ++a)
+    row(
+        a, 0, a, [&](int b) { return gram[a * n + b]; }, V(1));
+  for (int a = n; a-- > 0;)
+    row(
+        a, a + 1, n, [&](int b) { return gram[b * n + a]; }, gram[a * n + a]);
+}
+
+}  // namespace manycontact::lanes
