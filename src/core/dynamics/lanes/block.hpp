@@ -71,7 +71,7 @@ struct BlockPlan {
   }
   std::size_t waiting_size() const {
     const std::size_t most = most_waiting(), of_J = rows() - pattern->nv;
-    return 2 + (4 + most) * static_cast<std::size_t>(rows()) + most * most + (most * (of_J + 2) + 3) / 2;
+    return 2 + (4 + 2 * most) * static_cast<std::size_t>(rows()) + most + (most * (2 * of_J + 3) + 3) / 2;
   }
   std::size_t most_waiting() const {
     return std::min(tolerance::kMostWaiting, static_cast<std::size_t>(rows() - pattern->nv));

@@ -64,12 +64,13 @@ template <class S>
 class PivotJudge {
  public:
   explicit PivotJudge(double passed_on_more = kPassedOn<S>) : more_(passed_on_more) {}
-  /// Whether the next pivot is more than rounding. Pivots that are not pass nothing on. diagonal: K_kk of its row k.
-  typename S::Mask accepts(const rank::Pivot<S>& pivot, const S& diagonal) {
+  /// Whether the next pivot is more than `margin` times rounding. Pivots that are not pass nothing on. diagonal: K_kk of
+  /// its row k.
+  typename S::Mask accepts(const rank::Pivot<S>& pivot, const S& diagonal, double margin = 1) {
     const S left = select(diagonal < S(0), S(1), abs(pivot.d) / (more_ * pivot.terms));  // a damped row of J
     rank::PassedOn<S> next = passed_on_;
     const typename S::Mask sound =
-        next.accepts(pivot.of_M, left) & rank::is_left(pivot, kLeft<S>) & rank::has_its_sign(pivot);
+        next.accepts(pivot.of_M, left) & rank::is_left(pivot, margin * kLeft<S>) & rank::has_its_sign(pivot);
     passed_on_.least = select(sound, next.least, passed_on_.least);
     passed_on_.least_of_J = select(sound, next.least_of_J, passed_on_.least_of_J);
     return sound;

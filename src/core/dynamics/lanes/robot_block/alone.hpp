@@ -37,9 +37,11 @@ typename S::Mask RobotBlock<S>::factorize(Mask usable, Prefetch prefetch) {
     const S pivot(d), diagonal = n_.K[pattern_.K.p[k + 1] - 1];
     const bool of_M = pattern_.perm[k] < pattern_.nv;
     const S own = of_M ? larger(diagonal, S(0)) : waiting_.largest_entry(k);
-    const Mask sound = judge.accepts({of_M, pivot, S(terms), own, of_M ? S(-1) : waiting_.row_size(k)}, diagonal);
+    const bool may_wait = may_wait_ && !of_M;
+    const Mask sound = judge.accepts({of_M, pivot, S(terms), own, of_M ? S(-1) : waiting_.row_size(k)}, diagonal,
+                                     may_wait ? waiting_.margin() : 1);
     S inverse = S(1) / pivot;
-    if (of_M || !may_wait_) {
+    if (!may_wait) {
       usable = usable & sound;
     } else if (!sound.all()) {
       waiting_.add(k, sound);
@@ -58,7 +60,7 @@ bool RobotBlock<S>::rows_wait() const {
   return !kSingle && waiting_.any();
 }
 
-/// x <- K^-1 x by L and D, without the border. The entries of x there, of all the pattern's rows, are lost.
+/// x <- K^-1 x by L and D, without the border and rows that wait. The entries of x there, of all the pattern's rows, are lost.
 template <class S>
 void RobotBlock<S>::solve_by_factor(S* x) const {
   if (plan_->border == 0)
@@ -71,8 +73,11 @@ void RobotBlock<S>::solve_by_factor(S* x) const {
 /// x <- K^-1 x; where rows depend, (I - P) K_kept^-1 x, of an x without part P x (Factor::correct).
 template <class S>
 void RobotBlock<S>::apply_inverse(S* x) {
+  if (!rows_wait()) return solve_by_factor(x);
+  waiting_.template before_solve<1>(as_scalar(x));
   solve_by_factor(x);
-  if (rows_wait()) waiting_.project_out(x);
+  waiting_.template after_solve<1>(as_scalar(x));
+  waiting_.project_out(x);
 }
 
 /// x += K^-1 r in the elements that are open. Returns where no entry moves by more than tolerance::kSameSize of itself:

@@ -29,7 +29,7 @@ void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, doubl
   S refined(0), projected(0);  // 1 in the elements whose panel is
   for (std::size_t l = 0; l < panels.size(); ++l) {
     const int lane = static_cast<int>(l);
-    projected.set(lane, rows_wait() && !waiting_.of(lane).empty());
+    projected.set(lane, rows_wait() && waiting_.elements()[lane]);
     refined.set(lane, panels[l].refine && projected[lane] == 0);
   }
   if ((refined > S(0)).any()) refined = select(accurate_unrefined(L), S(0), refined);
@@ -147,7 +147,7 @@ auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld
                    [&](int a, int b) { return a / wide != b / wide ? a / wide < b / wide : reached[a] > reached[b]; });
 
   std::vector<Chunk> chunks;
-  bands_.clear(), reach_.clear(), reached_.clear(), spread_.clear();
+  bands_.clear(), reach_.clear(), reached_.clear();
   place_.assign(size * ld, -1);
   pieces_.resize(parts);
   std::size_t count = 0, at = 0, most = 0;  // number of right-hand sides; of the band's solutions, of any band's
@@ -174,9 +174,6 @@ auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld
     reach_.insert(reach_.end(), rows.begin(), rows.end());
     sparse::ldl_scheduled_reach(inner_schedule_, rows.data());
     reached_.insert(reached_.end(), rows.begin(), rows.end());
-    for (int k = model_->nv; k < rows_; ++k) rows[inner_.iperm[k]] = 1;
-    sparse::ldl_scheduled_reach(inner_schedule_, rows.data());
-    spread_.insert(spread_.end(), rows.begin(), rows.end());
   }
   B_.assign(count, S(0));
   work_.resize(std::max(work_.size(), W * most + 8));  // alignment to a cache line takes 8 more
@@ -326,23 +323,31 @@ void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk, bool project) {
     std::fill_n(x, size * N, Number(0));
     return;
   }
-  if (project) reached = spread_.data() + chunk * size;
-  load_chunk<N>(chunk, reached, x);
   const auto solve = [&](const char* rows, Number* X) {
-    if (project) waiting_.template project_out<N>(X);
     sparse::kernel::solve_columns<N, kInRegisters>(inner_schedule_, as_scalar(L), as_scalar(packed_.data()),
                                                    as_scalar(inverse_.data()), rows, X, [](int, const auto&) {});
-    if (project) waiting_.template project_out<N>(X);
   };
-  solve(reached, x);
-  if (!project) return;
-  // If rows depend, small entries are lost in the projections of large ones: X += K^+ (B - K X).
-  Number* r = as_scalar(correction_.data());
-  std::fill_n(r, size * N, Number(0));
-  load_chunk<N>(chunk, reached, r);
-  subtract_product<N>(x, r);
+  if (!project) {
+    load_chunk<N>(chunk, x);
+    return solve(reached, x);
+  }
   std::fill(nonzero_.begin(), nonzero_.end(), 1);
-  solve(nonzero_.data(), r);
+  const auto apply_inverse = [&](Number* X) {
+    waiting_.template project_out<N>(X);
+    waiting_.template before_solve<N>(X);
+    solve(nonzero_.data(), X);
+    waiting_.template after_solve<N>(X);
+    waiting_.template project_out<N>(X);
+  };
+  // Small entries are lost in the projections of large ones: X += K^+ (B - K X).
+  Number* r = as_scalar(correction_.data());
+  for (Number* X : {x, r}) {
+    std::fill_n(X, size * N, Number(0));
+    load_chunk<N>(chunk, X);
+  }
+  apply_inverse(x);
+  subtract_product<N>(x, r);
+  apply_inverse(r);
   for (std::size_t k = 0; k < size; ++k) {
     Row row = Row::load(x + k * N);
     row.add(Number(1), r + k * N);
@@ -354,9 +359,9 @@ void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk, bool project) {
 /// A chunk's right-hand sides; rows of blocks that none reaches are left as they are.
 template <class S>
 template <int N>
-void RobotBlock<S>::load_chunk(std::size_t chunk, const char* reached, Number* x) const {
+void RobotBlock<S>::load_chunk(std::size_t chunk, Number* x) const {
   using Row = sparse::kernel::Tile<Number, N>;
-  const char* reach = reach_.data() + chunk * rows_;
+  const char *reach = reach_.data() + chunk * rows_, *reached = reached_.data() + chunk * rows_;
   const Number* b = as_scalar(B_.data()) + chunks_[chunk].at;
   const sparse::LdlSchedule& schedule = inner_schedule_;
   for (int block = 0; block < schedule.blocks(); ++block) {

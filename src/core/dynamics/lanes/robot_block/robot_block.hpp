@@ -208,7 +208,7 @@ class RobotBlock final
   template <int N>
   void solve_columns(const S* L, std::size_t chunk, bool project);
   template <int N>
-  void load_chunk(std::size_t chunk, const char* reached, Number* x) const;
+  void load_chunk(std::size_t chunk, Number* x) const;
   template <int N>
   void subtract_product(const Number* X, Number* R) const;
   void solve_refined(const S* L, int lane, const Panel& panel, int ld);
@@ -293,8 +293,8 @@ class RobotBlock final
   std::vector<Chunk> chunks_;              // chunks of all columns
   std::vector<Band> bands_;
   // One flag per row of K, in the pattern's order, for each chunk: right-hand sides, and L^-1 times them, may be other
-  // than zero; these where rows wait, since projections spread over the rows of J.
-  std::vector<char> reach_, reached_, spread_;
+  // than zero.
+  std::vector<char> reach_, reached_;
   std::vector<char> nonzero_;  // one flag per row of K
   std::vector<S> B_;           // right-hand sides, chunk by chunk: the rows that it reaches, in the pattern's order
   std::vector<int> place_;     // place of each entry of the panel in B_; -1: that is zero

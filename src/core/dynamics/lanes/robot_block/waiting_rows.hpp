@@ -1,13 +1,15 @@
 #pragma once
 // Rows of J that wait, of robots in a SIMD batch (rank/dependent_rows.hpp). A row without a sound pivot in one element
 // has the inverse pivot zero there, and its number is in this element's list. The k-th row of each element's list, other
-// rows in other elements, is one column n = e - z of N: J^T z is this row, z a combination of the rows kept.
+// rows in other elements, is one column n = e - z of N: J^T z is this row, z a combination of the rows kept. Rows of
+// robots alone that do not depend on these join them (joining_rows.hpp). Q has N's columns, made orthogonal.
 
 #include <limits>
 #include <span>
 #include <vector>
 
 #include "../arrays.hpp"
+#include "joining_rows.hpp"
 #include "manycontact/sparse/ldl_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
@@ -21,7 +23,10 @@ class WaitingRows {
   explicit WaitingRows(const BlockPlan& plan);
 
   /// Memory to project so many columns at a time.
-  void reserve(int columns) { t_.resize(std::max(t_.size(), most_ * static_cast<std::size_t>(columns))); }
+  void reserve(int columns) {
+    t_.resize(std::max(t_.size(), most_ * static_cast<std::size_t>(columns)));
+    joining_.reserve(columns);
+  }
 
   /// Sets the memory of the current robots' numbers: BlockPlan::waiting_size of each.
   void use(S* memory) {
@@ -31,8 +36,8 @@ class WaitingRows {
     entry_ = row_size_ + rows_;
     null_component_ = entry_ + rows_;
     N_ = null_component_ + rows_;
-    gram_ = N_ + most_ * rows_;
-    count_ = reinterpret_cast<int*>(gram_ + most_ * most_);
+    inverse_ = N_ + 2 * most_ * rows_;
+    count_ = reinterpret_cast<int*>(inverse_ + most_);
     listed_ = count_ + 1 + W;
     lists_ = listed_ + most_ * W;
   }
@@ -45,15 +50,20 @@ class WaitingRows {
   /// The part of row k that project_out kept.
   const S& null_component(int k) const { return null_component_[k]; }
 
-  /// Whether rows wait in any element; in which; and which rows do, in K's order.
-  bool any() const { return *count_ > 0; }
+  /// Whether rows wait in any element, and in which, those that joined too; and which depend, in K's order.
+  bool any() const { return *count_ > 0 || joining_.any(); }
   Mask elements() const { return *waiting_ > S(0); }
   std::span<const int> of(int lane) const {
     return {listed_ + lane * most_, static_cast<std::size_t>(count_[1 + lane])};
   }
 
+  /// How many times rounding a pivot has to leave, or its row waits: where such rows cannot join, no more than once.
+  double margin() const { return can_join_ ? rank::kWaits : 1; }
   /// Before a factorization: no row waits. During it: row k waits in the elements where its pivot is not sound.
-  void clear() const { std::fill_n(count_, 1 + W, 0); }
+  void clear() {
+    std::fill_n(count_, 1 + W, 0);
+    joining_.clear();
+  }
   void add(int k, Mask sound) const {
     for (int l = 0; l < W; ++l) {
       if (sound[l]) continue;
@@ -64,11 +74,21 @@ class WaitingRows {
     *count_ = 1;
   }
 
-  /// After it: the null space and its projector, and returns the elements whose waiting rows depend on the rows kept, by
-  /// numbers that the projector can take. Those that are not usable have none. solve(x): x <- K_kept^-1 x, of all the
-  /// pattern's rows.
+  /// After it: the null space and its projector, and returns the elements whose waiting rows join the rows kept, or
+  /// depend on these by numbers that the projector can take. Those that are not usable have none. solve(x):
+  /// x <- K_kept^-1 x, of all the pattern's rows.
   template <class Solve>
   Mask hold(Mask usable, const S* K, const S* L, S* D, S* pivot_terms, Solve&& solve);
+
+  /// The part of rows that joined, before and after x <- K1^-1 x of C columns.
+  template <int C, class V>
+  void before_solve(const V* x) {
+    if (joining_.any()) joining_.template before<C>(x);
+  }
+  template <int C, class V>
+  void after_solve(V* x) {
+    if (joining_.any()) joining_.template after<C>(x);
+  }
 
   /// Computes the sizes that residuals of all rows are judged relative to (rank::scale_of_dependent), into `judged`.
   void scale_of_dependent(const S* scale, S* judged) const {
@@ -86,7 +106,7 @@ class WaitingRows {
     if (!keep) return;
     std::fill_n(null_component_, rows_, S(0));
     for (int c = 0; c < *count_; ++c)
-      for (int j : column(c)) null_component_[j] = multiply_add(N(c, j), t_[c], null_component_[j]);
+      for (int j : column(of_Q(c))) null_component_[j] = multiply_add(N(of_Q(c), j), t_[c], null_component_[j]);
   }
   /// x -= P x of C columns, row after row.
   template <int C, class V>
@@ -100,21 +120,21 @@ class WaitingRows {
     V* t = as_scalar(t_.data());
     for (int c = 0; c < *count_; ++c) {
       Row sum = Row::all(V(0));
-      for (int j : column(c)) sum.add(*as_scalar(&N(c, j)), y + std::ptrdiff_t{j} * C);
-      sum.store(t + c * C);
+      for (int j : column(of_Q(c))) sum.add(*as_scalar(&N(of_Q(c), j)), y + std::ptrdiff_t{j} * C);
+      sum.times(*as_scalar(inverse_ + c)).store(t + c * C);
     }
-    solve_gram<C>(t);
     for (int c = 0; c < *count_; ++c) {
       const Row of_column = Row::load(t + c * C);
-      for (int j : column(c)) {
+      for (int j : column(of_Q(c))) {
         Row row = Row::load(x + std::ptrdiff_t{j} * C);
-        row.subtract(*as_scalar(&N(c, j)), of_column);
+        row.subtract(*as_scalar(&N(of_Q(c), j)), of_column);
         row.store(x + std::ptrdiff_t{j} * C);
       }
     }
   }
 
  private:
+  static constexpr int kJoined = -1;  // in place of the number of a row
   struct Entry {  // of J's row in K: its slot, and the column of J, or the row of L before it and its slot
     int row, slot;
   };
@@ -125,11 +145,13 @@ class WaitingRows {
     std::span<const Entry> at(int k) const { return std::span(of).subspan(first[k], first[k + 1] - first[k]); }
   };
 
+  /// Entries of column c of N, then of Q.
+  int of_Q(int c) const { return static_cast<int>(most_) + c; }
   S& N(int c, int row) const { return N_[static_cast<std::ptrdiff_t>(c) * rows_ + row]; }
-  /// Rows of column c of N that are not zero in any element, ascending; their number precedes them.
+  /// Rows of such a column that are not zero in any element, ascending; their number precedes them.
   int* list(int c) const { return lists_ + c * (static_cast<int>(of_J_.size()) + 1); }
   std::span<const int> column(int c) const { return {list(c) + 1, static_cast<std::size_t>(*list(c))}; }
-  void find_column(int c) const {
+  void list_column(int c) const {
     int* rows = list(c);
     rows[0] = 0;
     for (int k : of_J_)
@@ -145,32 +167,42 @@ class WaitingRows {
   static S without_rounding(const S& z) { return select(abs(z) <= S(tolerance::kNullEntry), S(0), z); }
 
   Mask count(Mask usable, S* D, S* pivot_terms);
+  template <class Solve>
+  Mask find_column(int c, Mask of, int steps, const S* K, Solve&& solve);
+  template <class Solve>
+  Mask join(Mask of, const S* K, Solve&& solve);
+  void forget(int lane);
   void null_column(int c, const S* L);
   S residual(int c, const S* K);
   template <class Solve>
   void refine_column(int c, Mask open, Solve&& solve);
-  void form_gram();
-  template <int C, class V>
-  void solve_gram(V* t) const;
+  Mask make_orthogonal(Mask of, const S* K);
 
-  int nv_, rows_;
+  const KktPattern& pattern_;
+  int rows_;
   std::size_t most_;
+  bool can_join_;
   std::vector<int> of_J_;      // rows of J in K's order, ascending
   Entries of_row_, of_factor_; // J's rows: entries of K in rows of M; of L in rows of J before them
   S *waiting_, *row_terms_, *row_size_, *entry_, *null_component_;  // waiting_: how many rows wait; of each row of K
-  S *N_, *gram_;                                                    // N by columns, as these; of the factor of N^T N
+  S *N_, *inverse_;  // N and Q by columns, as these; inverse squares of the lengths of Q's
   int *count_, *listed_, *lists_;  // numbers of columns and of each element's rows; these rows; rows of the columns
-  std::vector<S> left_, x_, t_;    // t: of each column of N, what is projected at a time
+  std::vector<S> left_, x_, t_;    // t: of each column of Q, what is projected at a time
+  std::vector<S> terms_;           // of the pivots that rows which wait do not have
+  JoiningRows<S> joining_;
 };
 
 template <class S>
 WaitingRows<S>::WaitingRows(const BlockPlan& plan)
-    : nv_(plan.pattern->nv),
+    : pattern_(*plan.pattern),
       rows_(plan.rows()),
       most_(plan.most_waiting()),
+      can_join_(plan.border == 0),
       left_(rows_),
       x_(plan.pattern->size()),
-      t_(most_) {
+      t_(most_),
+      terms_(rows_),
+      joining_(rows_, can_join_ ? most_ : 0) {
   const KktPattern& p = *plan.pattern;
   const auto of_M = [&p](int k) { return p.perm[k] < p.nv; };
   for (int k = 0; k < rows_; ++k)
@@ -200,21 +232,78 @@ typename S::Mask WaitingRows<S>::hold(Mask usable, const S* K, const S* L, S* D,
   Mask out = count(usable, D, pivot_terms);
   for (int c = 0; c < *count_ && out.any(); ++c) {
     null_column(c, L);
-    S error = residual(c, K);
-    for (int step = 0; step < tolerance::kNullColumnSteps; ++step) {
-      const Mask open = out & (error > S(tolerance::kNullColumn));
-      if (!open.any()) break;
-      refine_column(c, open, solve);
-      error = residual(c, K);
-    }
-    out = out & (error <= S(tolerance::kRowLeft));
-    for (int j : column(c)) out = out & (abs(N(c, j)) <= S(tolerance::kLargestEntry));
+    // Where rows can join, the others are refined with these.
+    const Mask depends = find_column(c, out, can_join_ ? 0 : tolerance::kNullColumnSteps, K, solve);
+    if (!can_join_) out = depends;
+    each_of_column(c, [&](int l, int k) {
+      if (can_join_ && out[l] && !depends[l]) joining_.add(l, k), listed_[l * most_ + c] = kJoined;
+    });
   }
-  if (out.any())
-    form_gram();
-  else
-    clear();
+  if (joining_.any()) out = join(out, K, solve);
+  out = make_orthogonal(out, K);
+  if (!out.any()) clear();
   return out;
+}
+
+/// Refines column c, `steps` times at most, and returns the elements of `of` where the row depends on the rows kept.
+template <class S>
+template <class Solve>
+typename S::Mask WaitingRows<S>::find_column(int c, Mask of, int steps, const S* K, Solve&& solve) {
+  S error = residual(c, K);
+  for (int step = 0; step < steps; ++step) {
+    const Mask open = of & (error > S(tolerance::kNullColumn));
+    if (!open.any()) break;
+    refine_column(c, open, solve);
+    error = residual(c, K);
+  }
+  return of & (error <= S(tolerance::kRowLeft));
+}
+
+/// Rows that do not depend on the rows kept join them; those left then depend on these, in the elements that it returns.
+template <class S>
+template <class Solve>
+typename S::Mask WaitingRows<S>::join(Mask of, const S* K, Solve&& solve) {
+  const auto diagonal = [&](int k) -> const S& { return K[pattern_.K.p[k + 1] - 1]; };
+  const auto entries = [&](int l, int k, auto&& use) {
+    for (const Entry& entry : of_row_.at(k)) use(entry.row, K[entry.slot][l]);
+  };
+  const auto terms = [&](int l, int k) {  // a row that is only rounding does not join
+    double sum = entry_[k][l] > tolerance::kRank * row_size_[k][l] ? terms_[k][l] : std::numeric_limits<double>::infinity();
+    entries(l, k, [&](int i, double x) { sum += i > k ? x * x / diagonal(i)[l] : 0; });
+    return sum;
+  };
+  for (int l = 0; l < W; ++l) forget(l);
+  joining_.factorize(entries, terms, solve, [&](int l, int k) {
+    const int c = count_[1 + l]++;
+    listed_[l * most_ + c] = k;
+    for (int j : of_J_) N(c, j).set(l, j == k);
+  });
+  *count_ = *std::max_element(count_ + 1, count_ + 1 + W);
+  for (int c = 0; c < *count_; ++c) {
+    list_column(c);
+    of = find_column(c, of, 1 + tolerance::kNullColumnSteps, K, [&](S* x) {
+      before_solve<1>(as_scalar(x));
+      solve(x);
+      after_solve<1>(as_scalar(x));
+    });
+  }
+  return of;
+}
+
+/// Takes the rows that join from an element's list, and their columns of N.
+template <class S>
+void WaitingRows<S>::forget(int lane) {
+  int *const rows = listed_ + lane * most_, kept = 0;
+  for (int c = 0; c < *count_; ++c) {
+    const bool keep = c < count_[1 + lane] && rows[c] != kJoined;
+    for (int j : of_J_) {
+      const double entry = N(c, j)[lane];
+      N(c, j).set(lane, 0);
+      if (keep) N(kept, j).set(lane, entry);
+    }
+    if (keep) rows[kept++] = rows[c];
+  }
+  count_[1 + lane] = kept;
 }
 
 /// Counts the rows that wait, and takes their pivots away. Returns the usable elements without too many.
@@ -227,7 +316,11 @@ typename S::Mask WaitingRows<S>::count(Mask usable, S* D, S* pivot_terms) {
     waiting_->set(l, count);
     count = std::min(count, static_cast<int>(most_));
     *count_ = std::max(*count_, count);
-    for (int k : of(l)) D[k].set(l, std::numeric_limits<double>::infinity()), pivot_terms[k].set(l, 0);
+    for (int k : of(l)) {
+      D[k].set(l, std::numeric_limits<double>::infinity());
+      terms_[k].set(l, pivot_terms[k][l]);
+      pivot_terms[k].set(l, 0);
+    }
   }
   return usable & (*waiting_ <= S(static_cast<double>(most_)));
 }
@@ -248,7 +341,7 @@ void WaitingRows<S>::null_column(int c, const S* L) {
     for (const Entry& entry : of_factor_.at(k))
       x_[entry.row] = subtract_product(L[entry.slot], z, x_[entry.row]);
   }
-  find_column(c);
+  list_column(c);
 }
 
 /// left <- J^T n; returns its largest entry relative to the sizes of the rows. NaN where any is.
@@ -274,51 +367,33 @@ void WaitingRows<S>::refine_column(int c, Mask open, Solve&& solve) {
   std::copy(left_.begin(), left_.end(), x_.begin());
   solve(x_.data());
   for (int k : of_J_) N(c, k) = without_rounding(N(c, k) - select(open, x_[k], S(0)));
-  find_column(c);
+  list_column(c);
 }
 
-/// The factor of N^T N. Elements with fewer columns have zeros in the others, and their inverse is zero.
+/// Q, whose projector is as accurate with large entries of N as with small ones. Returns the elements of `of` where its
+/// columns leave no more of J's rows than rounding. Elements with fewer columns have zeros in the others.
 template <class S>
-void WaitingRows<S>::form_gram() {
-  const std::ptrdiff_t n = *count_;
-  for (std::ptrdiff_t a = 0; a < n; ++a)
-    for (std::ptrdiff_t b = 0; b <= a; ++b) {
+typename S::Mask WaitingRows<S>::make_orthogonal(Mask of, const S* K) {
+  for (int c = 0; c < *count_ && of.any(); ++c) {
+    const int q = of_Q(c);
+    std::copy_n(&N(c, 0), rows_, &N(q, 0));
+    bool changed = false;
+    for (int b = 0; b < 2 * c; ++b) {  // twice: the second time takes out what rounding left
+      const int other = of_Q(b % c);
       S sum(0);
-      for (int j : column(static_cast<int>(b)))
-        sum = multiply_add(N(static_cast<int>(b), j), N(static_cast<int>(a), j), sum);
-      gram_[a * n + b] = sum;
+      for (int j : column(other)) sum = multiply_add(N(other, j), N(q, j), sum);
+      if (is_zero(sum)) continue;
+      sum = sum * inverse_[b % c];
+      for (int j : column(other)) N(q, j) = subtract_product(N(other, j), sum, N(q, j));
+      changed = true;
     }
-  for (std::ptrdiff_t a = 0; a < n; ++a) {  // L D L^T in its place, the inverse of D on the diagonal
-    S* row = gram_ + a * n;
-    for (std::ptrdiff_t b = 0; b < a; ++b)
-      for (std::ptrdiff_t c = 0; c < b; ++c) row[b] = subtract_product(row[c], gram_[b * n + c], row[b]);
-    for (std::ptrdiff_t b = 0; b < a; ++b) {
-      const S ld = row[b];
-      row[b] = ld * gram_[b * n + b];
-      row[a] = subtract_product(row[b], ld, row[a]);
-    }
-    row[a] = select(row[a] > S(0), S(1) / row[a], S(0));
+    list_column(q);
+    S square(0);
+    for (int j : column(q)) square = multiply_add(N(q, j), N(q, j), square);
+    inverse_[c] = select(square > S(0), S(1) / square, S(0));
+    if (changed) of = of & (residual(q, K) <= S(tolerance::kRowLeft));
   }
-}
-
-/// t <- (N^T N)^-1 t of C columns.
-template <class S>
-template <int C, class V>
-void WaitingRows<S>::solve_gram(V* t) const {
-  using Row = sparse::kernel::Tile<V, C>;
-  const int n = *count_;
-  const auto row = [&](int a, int from, int to, auto&& l, const V& scale) {
-    Row sum = Row::load(t + a * C).times(scale);
-    for (int b = from; b < to; ++b) sum.subtract(l(b), Row::load(t + b * C));
-    sum.store(t + a * C);
-  };
-  const V* gram = as_scalar(gram_);
-  for (int a = 0; a < n; ++a)
-    row(
-        a, 0, a, [&](int b) { return gram[a * n + b]; }, V(1));
-  for (int a = n; a-- > 0;)
-    row(
-        a, a + 1, n, [&](int b) { return gram[b * n + a]; }, gram[a * n + a]);
+  return of;
 }
 
 }  // namespace manycontact::lanes
