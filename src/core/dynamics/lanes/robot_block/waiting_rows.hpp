@@ -75,8 +75,8 @@ class WaitingRows {
   }
 
   /// After it: the null space and its projector, and returns the elements whose waiting rows join the rows kept, or
-  /// depend on these by numbers that the projector can take. Those that are not usable have none. solve(x):
-  /// x <- K_kept^-1 x, of all the pattern's rows.
+  /// depend on these by numbers that the projector can take. Those that are not usable have none. solve(x): x <- K1^-1 x,
+  /// of all the pattern's rows.
   template <class Solve>
   Mask hold(Mask usable, const S* K, const S* L, S* D, S* pivot_terms, Solve&& solve);
 
@@ -168,9 +168,9 @@ class WaitingRows {
 
   Mask count(Mask usable, S* D, S* pivot_terms);
   template <class Solve>
-  Mask find_column(int c, Mask of, int steps, const S* K, Solve&& solve);
+  void join(const S* K, Solve&& solve);
   template <class Solve>
-  Mask join(Mask of, const S* K, Solve&& solve);
+  Mask refine(int c, Mask of, const S* K, Solve&& solve);
   void forget(int lane);
   void null_column(int c, const S* L);
   S residual(int c, const S* K);
@@ -188,7 +188,7 @@ class WaitingRows {
   S *N_, *inverse_;  // N and Q by columns, as these; inverse squares of the lengths of Q's
   int *count_, *listed_, *lists_;  // numbers of columns and of each element's rows; these rows; rows of the columns
   std::vector<S> left_, x_, t_;    // t: of each column of Q, what is projected at a time
-  std::vector<S> terms_;           // of the pivots that rows which wait do not have
+  std::vector<S> terms_, error_;   // of the pivots that rows which wait do not have; what columns of N leave of J
   JoiningRows<S> joining_;
 };
 
@@ -202,6 +202,7 @@ WaitingRows<S>::WaitingRows(const BlockPlan& plan)
       x_(plan.pattern->size()),
       t_(most_),
       terms_(rows_),
+      error_(most_),
       joining_(rows_, can_join_ ? most_ : 0) {
   const KktPattern& p = *plan.pattern;
   const auto of_M = [&p](int k) { return p.perm[k] < p.nv; };
@@ -230,39 +231,41 @@ template <class S>
 template <class Solve>
 typename S::Mask WaitingRows<S>::hold(Mask usable, const S* K, const S* L, S* D, S* pivot_terms, Solve&& solve) {
   Mask out = count(usable, D, pivot_terms);
-  for (int c = 0; c < *count_ && out.any(); ++c) {
+  for (int c = 0; c < *count_; ++c) {
     null_column(c, L);
-    // Where rows can join, the others are refined with these.
-    const Mask depends = find_column(c, out, can_join_ ? 0 : tolerance::kNullColumnSteps, K, solve);
-    if (!can_join_) out = depends;
+    error_[c] = residual(c, K);
+    if (!can_join_) continue;
+    const Mask depends = error_[c] <= S(tolerance::kRowLeft);
     each_of_column(c, [&](int l, int k) {
-      if (can_join_ && out[l] && !depends[l]) joining_.add(l, k), listed_[l * most_ + c] = kJoined;
+      if (out[l] && !depends[l]) joining_.add(l, k), listed_[l * most_ + c] = kJoined;
     });
   }
-  if (joining_.any()) out = join(out, K, solve);
+  if (joining_.any()) join(K, solve);
+  for (int c = 0; c < *count_ && out.any(); ++c) out = out & refine(c, out, K, solve);
   out = make_orthogonal(out, K);
   if (!out.any()) clear();
   return out;
 }
 
-/// Refines column c, `steps` times at most, and returns the elements of `of` where the row depends on the rows kept.
+/// Refines column c of N with the rows kept, and returns the elements where the row that waits depends on these.
 template <class S>
 template <class Solve>
-typename S::Mask WaitingRows<S>::find_column(int c, Mask of, int steps, const S* K, Solve&& solve) {
-  S error = residual(c, K);
-  for (int step = 0; step < steps; ++step) {
-    const Mask open = of & (error > S(tolerance::kNullColumn));
+typename S::Mask WaitingRows<S>::refine(int c, Mask of, const S* K, Solve&& solve) {
+  for (int step = 0; step <= tolerance::kNullColumnSteps; ++step) {
+    const Mask open = of & (error_[c] > S(tolerance::kNullColumn));
     if (!open.any()) break;
     refine_column(c, open, solve);
-    error = residual(c, K);
+    error_[c] = residual(c, K);
   }
-  return of & (error <= S(tolerance::kRowLeft));
+  Mask depends = error_[c] <= S(tolerance::kRowLeft);
+  for (int j : column(c)) depends = depends & (abs(N(c, j)) <= S(tolerance::kLargestEntry));
+  return depends;
 }
 
-/// Rows that do not depend on the rows kept join them; those left then depend on these, in the elements that it returns.
+/// Rows that do not depend on the rows kept join them. Those left begin with z = 0.
 template <class S>
 template <class Solve>
-typename S::Mask WaitingRows<S>::join(Mask of, const S* K, Solve&& solve) {
+void WaitingRows<S>::join(const S* K, Solve&& solve) {
   const auto diagonal = [&](int k) -> const S& { return K[pattern_.K.p[k + 1] - 1]; };
   const auto entries = [&](int l, int k, auto&& use) {
     for (const Entry& entry : of_row_.at(k)) use(entry.row, K[entry.slot][l]);
@@ -281,13 +284,8 @@ typename S::Mask WaitingRows<S>::join(Mask of, const S* K, Solve&& solve) {
   *count_ = *std::max_element(count_ + 1, count_ + 1 + W);
   for (int c = 0; c < *count_; ++c) {
     list_column(c);
-    of = find_column(c, of, 1 + tolerance::kNullColumnSteps, K, [&](S* x) {
-      before_solve<1>(as_scalar(x));
-      solve(x);
-      after_solve<1>(as_scalar(x));
-    });
+    error_[c] = residual(c, K);
   }
-  return of;
 }
 
 /// Takes the rows that join from an element's list, and their columns of N.
@@ -365,7 +363,9 @@ template <class Solve>
 void WaitingRows<S>::refine_column(int c, Mask open, Solve&& solve) {
   std::fill(x_.begin(), x_.end(), S(0));
   std::copy(left_.begin(), left_.end(), x_.begin());
+  before_solve<1>(as_scalar(x_.data()));
   solve(x_.data());
+  after_solve<1>(as_scalar(x_.data()));
   for (int k : of_J_) N(c, k) = without_rounding(N(c, k) - select(open, x_[k], S(0)));
   list_column(c);
 }

@@ -215,11 +215,11 @@ Attempt with_dependent_rows(const MatrixSystem& m, Order order = Order::kLeafToR
 Attempts attempts_of(const MatrixSystem& m, double damping) {
   Attempts out;
   const auto [method, order] = m.owner.choice;
-  if (method != Method::kDense) out.add({FactorKind::kChosen, order, damping});
+  if (method != Method::kDense && !m.owner.deficient) out.add({FactorKind::kChosen, order, damping});
   if (method == Method::kDenseSchur) return out;  // the baseline has no fallback
   const bool globally = damping == 0 && depends_globally(m);
   if (damping == 0 && drops_in_chosen_order(m)) out.add(with_dependent_rows(m, order));
-  if (!globally && order != Order::kLeafToRoot &&
+  if (!globally && !m.owner.deficient && order != Order::kLeafToRoot &&
       (damping > 0 ? has_order(method) : method == Method::kSparseLdl || method == Method::kSparseBodies))
     out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
   if (method != Method::kDense && damping == 0) out.add(with_dependent_rows(m));

@@ -151,7 +151,8 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
 /// rows in the chosen order, if that costs less than half of leaf-to-root; the chosen method in leaf-to-root order,
 /// which is sound unless rows depend on each other (CHOLMOD only with damping, since it allocates); LDL that drops
 /// dependent rows in leaf-to-root order; the dense reference solver. In large islands with many loops the proximal
-/// factor takes the place of the two that drop rows.
+/// factor takes the place of the two that drop rows. Where another system has found rows dependent at this state, only
+/// those follow that do so, too.
 enum class FactorKind { kChosen, kDependentRows, kProximal, kDense };
 struct Attempt {
   FactorKind kind;
