@@ -84,8 +84,7 @@ void solve_joined(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
     IslandWork& d = *w.islands[i];
-    if (d.robots && !is_inexact(scene, d) &&
-        d.robots->solve(scene, data, w.threads.front(), data.report.islands[i]))
+    if (d.robots && !is_inexact(scene, d) && d.robots->solve(scene, data, w.threads.front(), data.report.islands[i]))
       d.answered = d.robots.get();
   }
 }

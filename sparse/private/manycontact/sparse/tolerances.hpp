@@ -100,13 +100,8 @@ inline constexpr double kNullEntry = 1e-15;
 inline constexpr double kNullColumn = 1e-14;
 inline constexpr int kNullColumnSteps = 2;
 
-/// A selection of dropped rows is kept for the next state while all its pivots are on their side of kPivotLeft by this
-/// factor: two factors of one K round differently, by a few eps of the pivots' terms, and their solutions must not
-/// depend on which was tried first. Used by: DependentRowsFactor.
-inline constexpr double kMargin = 10;
-
 /// The damping of a row that is dropped from a factor without changing its pattern: 1 / kDroppedDamping times any entry
-/// squared is zero relative to any other. Used by: DependentRowsFactor, WithinTolerance.
+/// squared is zero relative to any other. Used by: WithinTolerance.
 inline constexpr double kDroppedDamping = 1e200;
 
 /// Rows that wait in one element of a SIMD batch, at most: their null space is dense there, of as many columns. Used by:

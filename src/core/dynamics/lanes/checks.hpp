@@ -48,7 +48,7 @@ typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S
   FourSums<S> sum;  // finite numbers times zero are zero
   for (const VecX<S>* x : {&q, &v, &tau})
     in_four(static_cast<std::size_t>(x->size()), [&](std::size_t k, int c) { sum.of[c] += (*x)[k] * S(0); });
-  constexpr double k = tolerance::kQuaternion / (kLeft<S> > 1 ? 2 : 1);  // floats leave the last 1e-7 to doubles
+  constexpr double k = tolerance::kQuaternion / (kLeft < S >> 1 ? 2 : 1);  // floats leave the last 1e-7 to doubles
   typename S::Mask usable = sum.total() <= S(0);
   for (const Joint& joint : model.joints) {
     if (joint.type != JointType::kFloating) continue;
@@ -64,8 +64,8 @@ template <class S>
 class PivotJudge {
  public:
   explicit PivotJudge(double passed_on_more = kPassedOn<S>) : more_(passed_on_more) {}
-  /// Whether the next pivot is more than `margin` times rounding. Pivots that are not pass nothing on. diagonal: K_kk of
-  /// its row k.
+  /// Whether the next pivot is more than `margin` times rounding. Pivots that are not pass nothing on. diagonal: K_kk
+  /// of its row k.
   typename S::Mask accepts(const rank::Pivot<S>& pivot, const S& diagonal, double margin = 1) {
     const S left = select(diagonal < S(0), S(1), abs(pivot.d) / (more_ * pivot.terms));  // a damped row of J
     rank::PassedOn<S> next = passed_on_;

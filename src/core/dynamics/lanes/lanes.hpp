@@ -91,12 +91,12 @@ class RobotBlocks {
     const double *x = nullptr, *b = nullptr;  // input of check: columns of a panel, rows as the plan's island has them
     Border border = {};
     // set by the steps
-    bool sound = false;               // false: another system has to solve
-    double motion = 0;                // evaluate: of the contacts on it alone
-    double terms = 0, diagonal = 0;   // factor: the largest of the pivots' and of K's
-    std::span<const int> dependent = {};  // factor: rows that depend on others, in the order of the plan's K
-    double r[2] = {}, scale[2] = {};  // correct, check: the largest of dynamics rows, contact rows
-    double error = 0;                 // correct, check: componentwise backward error; NaN where any is
+    bool sound = false;                              // false: another system has to solve
+    double motion = 0;                               // evaluate: of the contacts on it alone
+    double terms = 0, diagonal = 0;                  // factor: the largest of the pivots' and of K's
+    std::span<const int> dependent = {};             // factor: rows that depend on others, in the order of the plan's K
+    double r[2] = {}, scale[2] = {};                 // correct, check: the largest of dynamics rows, contact rows
+    double error = 0;                                // correct, check: componentwise backward error; NaN where any is
     rank::Contradiction<double> contradiction = {};  // finish
   };
   /// Memory of the robots of a batch. next: that of the batch after this one, which is prefetched meanwhile.

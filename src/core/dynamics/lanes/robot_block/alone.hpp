@@ -60,11 +60,11 @@ bool RobotBlock<S>::rows_wait() const {
   return !kSingle && waiting_.any();
 }
 
-/// x <- K^-1 x by L and D, without the border and rows that wait. The entries of x there, of all the pattern's rows, are lost.
+/// x <- K^-1 x by L and D, without the border and rows that wait. The entries of x there, of all the pattern's rows,
+/// are lost.
 template <class S>
 void RobotBlock<S>::solve_by_factor(S* x) const {
-  if (plan_->border == 0)
-    return sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
+  if (plan_->border == 0) return sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
   sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(x));
   std::fill_n(x + rows_, plan_->border, S(0));
   sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
@@ -244,7 +244,7 @@ void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) 
 /// Writes one robot's x = [a; -f] into the scene's a and f.
 template <class S>
 void RobotBlock<S>::scatter(const Scene& scene, const std::vector<int>& f_offset, const Robot& robot, int lane,
-                                 double* a, double* f) const {
+                            double* a, double* f) const {
   const int* iperm = pattern_.iperm.data();
   a += scene.robots[robot.number].idx_v;
   for (int i = 0; i < model_->nv; ++i) a[i] = n_.x[iperm[i]][lane];

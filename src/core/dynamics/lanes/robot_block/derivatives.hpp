@@ -14,7 +14,7 @@ namespace manycontact::lanes {
 
 template <class S>
 void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, double* memory,
-                                       std::span<const Panel> panels) {
+                                  std::span<const Panel> panels) {
   linearise(job, robots, memory);
   derivative_terms(job.scene, robots);
   find_reach(job);
@@ -26,18 +26,18 @@ void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, doubl
         sample.b[i] = place < 0 ? 0 : B_[place][static_cast<int>(l)];
       }
   const S* L = inner_L();
-  S refined(0), projected(0);  // 1 in the elements whose panel is
+  S refined(0), projected(1);  // 1 in the elements whose panel is; those without a robot have none
   for (std::size_t l = 0; l < panels.size(); ++l) {
     const int lane = static_cast<int>(l);
     projected.set(lane, rows_wait() && waiting_.elements()[lane]);
     refined.set(lane, panels[l].refine && projected[lane] == 0);
   }
   if ((refined > S(0)).any()) refined = select(accurate_unrefined(L), S(0), refined);
-  const Mask plain = refined + projected <= S(0);
-  if (plain.any()) solve_panels(L, panels, plain, false, job.non_temporal);
+  if (const Mask plain = refined + projected <= S(0); plain.any())
+    solve_panels(L, panels, plain, false, job.non_temporal);
   for (std::size_t l = 0; l < panels.size(); ++l)
     if (refined[static_cast<int>(l)] > 0) solve_refined(L, static_cast<int>(l), panels[l], job.columns);
-  if (!(projected > S(0)).any()) return;
+  if (!rows_wait()) return;
   least_norm_columns(job, robots);
   solve_panels(L, panels, projected > S(0), true, job.non_temporal);
 }
@@ -323,31 +323,22 @@ void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk, bool project) {
     std::fill_n(x, size * N, Number(0));
     return;
   }
-  const auto solve = [&](const char* rows, Number* X) {
+  const auto apply_inverse = [&](const char* rows, Number* X) {
+    if (project) waiting_.template project_out<N>(X), waiting_.template before_solve<N>(X);
     sparse::kernel::solve_columns<N, kInRegisters>(inner_schedule_, as_scalar(L), as_scalar(packed_.data()),
                                                    as_scalar(inverse_.data()), rows, X, [](int, const auto&) {});
+    if (project) waiting_.template after_solve<N>(X), waiting_.template project_out<N>(X);
   };
-  if (!project) {
-    load_chunk<N>(chunk, x);
-    return solve(reached, x);
-  }
-  std::fill(nonzero_.begin(), nonzero_.end(), 1);
-  const auto apply_inverse = [&](Number* X) {
-    waiting_.template project_out<N>(X);
-    waiting_.template before_solve<N>(X);
-    solve(nonzero_.data(), X);
-    waiting_.template after_solve<N>(X);
-    waiting_.template project_out<N>(X);
-  };
+  if (project) std::fill_n(x, size * N, Number(0)), std::fill(nonzero_.begin(), nonzero_.end(), 1);
+  load_chunk<N>(chunk, x);
+  apply_inverse(project ? nonzero_.data() : reached, x);
+  if (!project) return;
   // Small entries are lost in the projections of large ones: X += K^+ (B - K X).
   Number* r = as_scalar(correction_.data());
-  for (Number* X : {x, r}) {
-    std::fill_n(X, size * N, Number(0));
-    load_chunk<N>(chunk, X);
-  }
-  apply_inverse(x);
+  std::fill_n(r, size * N, Number(0));
+  load_chunk<N>(chunk, r);
   subtract_product<N>(x, r);
-  apply_inverse(r);
+  apply_inverse(nonzero_.data(), r);
   for (std::size_t k = 0; k < size; ++k) {
     Row row = Row::load(x + k * N);
     row.add(Number(1), r + k * N);

@@ -1,6 +1,7 @@
 #pragma once
-// Waiting rows of robots alone that do not depend on the rows kept, K1, and were only badly placed: they join K1 by their
-// Schur complement (rank/waiting_rows.hpp). The k-th of each element, other rows in other elements, is one column of
+// Waiting rows of robots alone that do not depend on the rows kept, K1, and were only badly placed: they join K1 by
+// their Schur complement (rank/waiting_rows.hpp). The k-th of each element, other rows in other elements, is one column
+// of
 //
 //     Z = K1^-1 B,    T = B^T Z = L D L^T,    y = T^-1 (Z^T b1 - b2),    x = K1^-1 b1 - Z y.
 
@@ -65,8 +66,8 @@ class JoiningRows {
   }
   bool any() const { return most_in_any_ > 0; }
 
-  /// Factorizes T. entries(lane, k, use): use(row of K1, entry of row k there). terms(lane, k): of its pivot. A row that
-  /// depends on K1 and those before it does not join: left(lane, k). solve(x): x <- K1^-1 x.
+  /// Factorizes T. entries(lane, k, use): use(row of K1, entry of row k there). terms(lane, k): of its pivot. A row
+  /// that depends on K1 and those before it does not join: left(lane, k). solve(x): x <- K1^-1 x.
   template <class Entries, class Terms, class Solve, class Left>
   void factorize(Entries&& entries, Terms&& terms, Solve&& solve, Left&& left) {
     std::fill_n(B_.begin(), std::ptrdiff_t{most_in_any_} * rows_, S(0));
@@ -117,7 +118,8 @@ class JoiningRows {
     using Row = sparse::kernel::Tile<V, C>;
     for (int k = 0; k < rows_; ++k) {
       Row row = Row::load(x + std::ptrdiff_t{k} * C);
-      for (int a = 0; a < most_in_any_; ++a) row.subtract(*as_scalar(Z(a) + k), Row::load(as_scalar(t_.data()) + a * C));
+      for (int a = 0; a < most_in_any_; ++a)
+        row.subtract(*as_scalar(Z(a) + k), Row::load(as_scalar(t_.data()) + a * C));
       row.store(x + std::ptrdiff_t{k} * C);
     }
     each([&](int l, int a, int k) {

@@ -1,8 +1,8 @@
 #pragma once
 // Rows of J that wait, of robots in a SIMD batch (rank/dependent_rows.hpp). A row without a sound pivot in one element
-// has the inverse pivot zero there, and its number is in this element's list. The k-th row of each element's list, other
-// rows in other elements, is one column n = e - z of N: J^T z is this row, z a combination of the rows kept. Rows of
-// robots alone that do not depend on these join them (joining_rows.hpp). Q has N's columns, made orthogonal.
+// has the inverse pivot zero there, and its number is in this element's list. The k-th row of each element's list,
+// other rows in other elements, is one column n = e - z of N: J^T z is this row, z a combination of the rows kept. Rows
+// of robots alone that do not depend on these join them (joining_rows.hpp). Q has N's columns, made orthogonal.
 
 #include <limits>
 #include <span>
@@ -41,8 +41,8 @@ class WaitingRows {
     listed_ = count_ + 1 + W;
     lists_ = listed_ + most_ * W;
   }
-  /// The size that row k of J, in K's order, is judged relative to (rank/row_size.hpp), and its largest entry; to be set
-  /// before the factorization.
+  /// The size that row k of J, in K's order, is judged relative to (rank/row_size.hpp), and its largest entry; to be
+  /// set before the factorization.
   S& row_size(int k) const { return row_size_[k]; }
   S& largest_entry(int k) const { return entry_[k]; }
   /// The largest term that its a0 is computed from (contact_drift), which its inconsistency is judged relative to.
@@ -75,8 +75,8 @@ class WaitingRows {
   }
 
   /// After it: the null space and its projector, and returns the elements whose waiting rows join the rows kept, or
-  /// depend on these by numbers that the projector can take. Those that are not usable have none. solve(x): x <- K1^-1 x,
-  /// of all the pattern's rows.
+  /// depend on these by numbers that the projector can take. Those that are not usable have none. solve(x): x <- K1^-1
+  /// x, of all the pattern's rows.
   template <class Solve>
   Mask hold(Mask usable, const S* K, const S* L, S* D, S* pivot_terms, Solve&& solve);
 
@@ -182,10 +182,10 @@ class WaitingRows {
   int rows_;
   std::size_t most_;
   bool can_join_;
-  std::vector<int> of_J_;      // rows of J in K's order, ascending
-  Entries of_row_, of_factor_; // J's rows: entries of K in rows of M; of L in rows of J before them
+  std::vector<int> of_J_;       // rows of J in K's order, ascending
+  Entries of_row_, of_factor_;  // J's rows: entries of K in rows of M; of L in rows of J before them
   S *waiting_, *row_terms_, *row_size_, *entry_, *null_component_;  // waiting_: how many rows wait; of each row of K
-  S *N_, *inverse_;  // N and Q by columns, as these; inverse squares of the lengths of Q's
+  S *N_, *inverse_;                // N and Q by columns, as these; inverse squares of the lengths of Q's
   int *count_, *listed_, *lists_;  // numbers of columns and of each element's rows; these rows; rows of the columns
   std::vector<S> left_, x_, t_;    // t: of each column of Q, what is projected at a time
   std::vector<S> terms_, error_;   // of the pivots that rows which wait do not have; what columns of N leave of J
@@ -271,7 +271,8 @@ void WaitingRows<S>::join(const S* K, Solve&& solve) {
     for (const Entry& entry : of_row_.at(k)) use(entry.row, K[entry.slot][l]);
   };
   const auto terms = [&](int l, int k) {  // a row that is only rounding does not join
-    double sum = entry_[k][l] > tolerance::kRank * row_size_[k][l] ? terms_[k][l] : std::numeric_limits<double>::infinity();
+    double sum = terms_[k][l];
+    if (!(entry_[k][l] > tolerance::kRank * row_size_[k][l])) sum = std::numeric_limits<double>::infinity();
     entries(l, k, [&](int i, double x) { sum += i > k ? x * x / diagonal(i)[l] : 0; });
     return sum;
   };
@@ -336,8 +337,7 @@ void WaitingRows<S>::null_column(int c, const S* L) {
     const S z = without_rounding(x_[k]);
     if (is_zero(z)) continue;
     N(c, k) -= z;
-    for (const Entry& entry : of_factor_.at(k))
-      x_[entry.row] = subtract_product(L[entry.slot], z, x_[entry.row]);
+    for (const Entry& entry : of_factor_.at(k)) x_[entry.row] = subtract_product(L[entry.slot], z, x_[entry.row]);
   }
   list_column(c);
 }

@@ -212,12 +212,16 @@ Attempt with_dependent_rows(const MatrixSystem& m, Order order = Order::kLeafToR
 
 }  // namespace
 
-Attempts attempts_of(const MatrixSystem& m, double damping) {
+Attempts attempts_of(const Scene& scene, const MatrixSystem& m) {
   Attempts out;
+  const double damping = scene.damping;
   const auto [method, order] = m.owner.choice;
-  if (method != Method::kDense && !m.owner.deficient) out.add({FactorKind::kChosen, order, damping});
-  if (method == Method::kDenseSchur) return out;  // the baseline has no fallback
   const bool globally = damping == 0 && depends_globally(m);
+  const bool refused_in_lanes =
+      globally && m.owner.stands_in_lanes() && !m.owner.answered && !is_inexact(scene, m.owner);
+  if (method != Method::kDense && !m.owner.deficient && !refused_in_lanes)
+    out.add({FactorKind::kChosen, order, damping});
+  if (method == Method::kDenseSchur) return out;  // the baseline has no fallback
   if (damping == 0 && drops_in_chosen_order(m)) out.add(with_dependent_rows(m, order));
   if (!globally && !m.owner.deficient && order != Order::kLeafToRoot &&
       (damping > 0 ? has_order(method) : method == Method::kSparseLdl || method == Method::kSparseBodies))
@@ -232,7 +236,7 @@ Attempts attempts_of(const MatrixSystem& m, double damping) {
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& m,
                         IslandReport& report) {
   const auto [method, order] = m.owner.choice;
-  const Attempts attempts = attempts_of(m, scene.damping);
+  const Attempts attempts = attempts_of(scene, m);
   Reason first = Reason::kNone, last = Reason::kNone;
   m.factor = nullptr;
   for (int k = 0; k < attempts.count; ++k) {

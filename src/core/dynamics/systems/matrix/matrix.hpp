@@ -151,8 +151,8 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
 /// rows in the chosen order, if that costs less than half of leaf-to-root; the chosen method in leaf-to-root order,
 /// which is sound unless rows depend on each other (CHOLMOD only with damping, since it allocates); LDL that drops
 /// dependent rows in leaf-to-root order; the dense reference solver. In large islands with many loops the proximal
-/// factor takes the place of the two that drop rows. Where another system has found rows dependent at this state, only
-/// those follow that do so, too.
+/// factor takes the place of the two that drop rows. Where another system has found rows dependent at this state, or
+/// a large island's robots in SIMD batches have no sound solution, the first attempt is left out.
 enum class FactorKind { kChosen, kDependentRows, kProximal, kDense };
 struct Attempt {
   FactorKind kind;
@@ -164,7 +164,7 @@ struct Attempts {
   int count = 0;
   void add(const Attempt& attempt) { list[count++] = attempt; }
 };
-Attempts attempts_of(const MatrixSystem& system, double damping);
+Attempts attempts_of(const Scene& scene, const MatrixSystem& system);
 /// Solves by the dense reference solver alone, where another factor does not serve for derivatives. False where it
 /// would take too long or was tried already.
 bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& system);
