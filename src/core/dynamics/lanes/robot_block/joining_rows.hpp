@@ -67,14 +67,13 @@ class JoiningRows {
   bool any() const { return most_in_any_ > 0; }
 
   /// Factorizes T. entries(lane, k, use): use(row of K1, entry of row k there). terms(lane, k): of its pivot. A row
-  /// that depends on K1 and those before it does not join: left(lane, k). solve(x): x <- K1^-1 x.
+  /// that depends on K1 and those before it does not join: left(lane, k). solve(b, x): x <- K1^-1 b.
   template <class Entries, class Terms, class Solve, class Left>
   void factorize(Entries&& entries, Terms&& terms, Solve&& solve, Left&& left) {
     std::fill_n(B_.begin(), std::ptrdiff_t{most_in_any_} * rows_, S(0));
     each([&](int l, int a, int k) { entries(l, k, [&](int row, double x) { B(a)[row].set(l, x); }); });
     for (int a = 0; a < most_in_any_; ++a) {
-      std::copy_n(B(a), rows_, Z(a));
-      solve(Z(a));
+      solve(B(a), Z(a));
       S has(0);
       each_of(a, [&](int l, int) { has.set(l, 1); });
       for (int k = 0; k < rows_; ++k) Z(a)[k] = select(has > S(0), Z(a)[k], S(0));

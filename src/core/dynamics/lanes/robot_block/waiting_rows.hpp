@@ -243,6 +243,9 @@ typename S::Mask WaitingRows<S>::hold(Mask usable, const S* K, const S* L, S* D,
   if (joining_.any()) join(K, solve);
   for (int c = 0; c < *count_ && out.any(); ++c) out = out & refine(c, out, K, solve);
   out = make_orthogonal(out, K);
+  S kept(0);  // no more than there are coordinates, or they depend
+  for (int l = 0; l < W; ++l) kept.set(l, static_cast<double>(of_J_.size() - of(l).size()));
+  out = out & (kept <= S(pattern_.nv));
   if (!out.any()) clear();
   return out;
 }
@@ -276,8 +279,15 @@ void WaitingRows<S>::join(const S* K, Solve&& solve) {
     entries(l, k, [&](int i, double x) { sum += i > k ? x * x / diagonal(i)[l] : 0; });
     return sum;
   };
+  const auto solve_refined = [&](const S* b, S* x) {  // once
+    std::copy_n(b, rows_, x);
+    solve(x);
+    sparse::ldl_scheduled_residual(pattern_.K, as_scalar(K), as_scalar(x), as_scalar(b), as_scalar(x_.data()));
+    solve(x_.data());
+    for (int k = 0; k < rows_; ++k) x[k] += x_[k];
+  };
   for (int l = 0; l < W; ++l) forget(l);
-  joining_.factorize(entries, terms, solve, [&](int l, int k) {
+  joining_.factorize(entries, terms, solve_refined, [&](int l, int k) {
     const int c = count_[1 + l]++;
     listed_[l * most_ + c] = k;
     for (int j : of_J_) N(c, j).set(l, j == k);
