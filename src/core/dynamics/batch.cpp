@@ -184,12 +184,10 @@ void solve_some(const Scene& scene, const BatchStates& s, BatchData::Thread& thr
     gather(s.q, first, c.count, c.q);
     gather(s.v, first, c.count, c.v);
     gather(s.u, first, c.count, c.u);
-    internal::reset_warm_starts(c.data);
     (void)solve(c.scene, c.q, c.v, c.u, c.data);
     return solved({c.scene, c.data, &c, first, states});
   }
   for (std::ptrdiff_t k = first; k < first + states; ++k) {
-    internal::reset_warm_starts(thread.data);
     (void)solve(scene, row_of(s.q, k), row_of(s.v, k), row_of(s.u, k), thread.data);
     solved({scene, thread.data, nullptr, k, 1});
   }

@@ -68,10 +68,6 @@ void bound_errors(const Scene& scene, SceneData& data);
 /// evaluated where the others do not decide.
 bool contradicts(const Scene& scene, const SceneData& data, rank::Contradiction<double> of, IslandWork& island);
 
-/// Forgets what a solve leaves to the next one for speed alone: the next solution depends on its state alone, as that
-/// of new data does.
-void reset_warm_starts(SceneData& data);
-
 /// Bytes of derivatives: more than a core can count on in a cache it shares, and need not be written through it.
 inline constexpr std::size_t kCacheBytes = 4 << 20;
 

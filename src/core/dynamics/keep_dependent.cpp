@@ -15,7 +15,6 @@ void keep_dependent(SceneData& data) {
 }
 
 void forget_dependent(SceneData& data) {
-  internal::reset_warm_starts(data);
   Workspace& w = data.workspace->reduction ? *data.workspace->reduction->data->workspace : *data.workspace;
   for (const auto& d : w.islands) d->depended = 0;
 }

@@ -51,16 +51,15 @@ void fail(const Scene& scene, SceneData& data, const Island& island, IslandRepor
 }
 
 // One island, by sparse-bodies where that was chosen, and by the whole K.
-void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, Dropped dropped, IslandWork& d,
-                  IslandReport& report) {
+void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, IslandWork& d, IslandReport& report) {
   reset(report, d.island);
   const auto solve_by = [&](IslandSystem* system) {
-    if (!system || !system->solve(scene, data, thread, dropped, report)) return false;
+    if (!system || !system->solve(scene, data, thread, report)) return false;
     d.answered = system;
     return true;
   };
   // The views of the terms show them even where the input is refused.
-  if (!d.bodies && dropped == Dropped::kNone) evaluate_at_state(scene, data, d);
+  if (!d.bodies) evaluate_at_state(scene, data, d);
   report.reason = check_input(scene, data.workspace->q, data.v, data.tau, d.island);
   if (report.reason == Reason::kNotFinite && lacks_direction(scene, *data.workspace, d.island))
     report.reason = Reason::kSpringWithoutDirection;
@@ -70,26 +69,22 @@ void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, Dropp
 }
 
 // Solves the islands that SIMD batches did not.
-void solve_left(const Scene& scene, SceneData& data, Dropped dropped) {
-  if (dropped == Dropped::kAsFound) return;
+void solve_left(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
-  const auto is_left = [dropped](const auto& d) {
-    return !d->answered && (dropped == Dropped::kNone || d->matrix.was_dependent);
-  };
+  const auto is_left = [](const auto& d) { return !d->answered; };
   const auto left = std::ranges::count_if(w.islands, is_left);
   if (left == 0) return;
   each_item(w, w.islands.size(), left > 1, [&](std::size_t i, ThreadWork& thread) {
-    if (is_left(w.islands[i])) solve_island(scene, data, thread, dropped, *w.islands[i], data.report.islands[i]);
+    if (is_left(w.islands[i])) solve_island(scene, data, thread, *w.islands[i], data.report.islands[i]);
   });
 }
 
 // The islands of several robots: each makes use of all threads.
-void solve_joined(const Scene& scene, SceneData& data, Dropped dropped) {
+void solve_joined(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
     IslandWork& d = *w.islands[i];
-    if (d.robots && !is_inexact(scene, d) &&
-        d.robots->solve(scene, data, w.threads.front(), dropped, data.report.islands[i]))
+    if (d.robots && !is_inexact(scene, d) && d.robots->solve(scene, data, w.threads.front(), data.report.islands[i]))
       d.answered = d.robots.get();
   }
 }
@@ -103,15 +98,6 @@ void tell_precision(SceneData& data) {
 }
 
 }  // namespace
-
-void reset_warm_starts(SceneData& data) {
-  if (data.workspace->reduction) return reset_warm_starts(*data.workspace->reduction->data);
-  for (const auto& island : data.workspace->islands) {
-    island->matrix.was_dependent = false;
-    island->alone.dependent = nullptr;
-    if (island->robots) island->robots->dropped.clear();
-  }
-}
 
 void reset(IslandReport& report, const Island& island) {
   std::vector<int> memory = std::move(report.dependent_rows);
@@ -161,7 +147,7 @@ void begin_state(const Scene& scene, const ConstVector& q, const ConstVector& v,
   add_applied_forces(scene, data, w.q.data(), data.v.data(), data.tau.data());
   data.report.method = data.options.method;
   ++w.state;  // never given twice, whatever became of the solve that had it
-  for (const auto& d : w.islands) d->answered = nullptr, d->factorizations = 0, d->refused = false;
+  for (const auto& d : w.islands) d->answered = nullptr, d->factorizations = 0, d->deficient = false;
 }
 
 }  // namespace
@@ -171,12 +157,10 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   Workspace& w = *data.workspace;
   if (w.reduction) return solve_reduced(scene, q, v, tau, data, prescribed);
   begin_state(scene, q, v, tau, data, prescribed);
-  for (const Dropped dropped : {Dropped::kAsBefore, Dropped::kNone, Dropped::kAsFound}) {
-    if (dropped == Dropped::kNone) solve_alone_in_single(scene, data);
-    solve_alone(scene, data, dropped);
-    solve_joined(scene, data, dropped);
-    solve_left(scene, data, dropped);
-  }
+  solve_alone_in_single(scene, data);
+  solve_alone(scene, data);
+  solve_joined(scene, data);
+  solve_left(scene, data);
   for (std::size_t i = 0; i < w.islands.size(); ++i)
     if (!w.islands[i]->answered) fail(scene, data, w.islands[i]->island, data.report.islands[i]);
   tell_precision(data);
@@ -247,8 +231,7 @@ bool solve_step(const Scene& scene, const ConstVector& q, const ConstVector& tau
   clock.prepared();
   if (!internal::stand_alone(scene, w)) return false;
   internal::begin_state(scene, q, data.v, tau, data, {prescribed.data(), static_cast<std::size_t>(prescribed.size())});
-  for (const Dropped dropped : {Dropped::kAsBefore, Dropped::kNone})
-    internal::solve_alone(scene, data, dropped, &start);
+  internal::solve_alone(scene, data, &start);
   if (std::ranges::any_of(w.islands, [](const auto& d) { return !d->answered; })) return false;
   data.serial = w.current = w.state;
   summarise(data.report);

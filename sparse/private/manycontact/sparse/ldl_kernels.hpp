@@ -24,9 +24,17 @@ inline void accumulate(Tile<V, N>& t, const V* x, int step, const V* u, int stri
   }
 }
 
-/// The columns of a block among themselves, each by those before it.
-template <class V>
-void factor_block(int width, int below, V* L, V* D, V* scale) {
+/// 1 / d for each pivot d of row k, whose terms have the size `scale`.
+struct Inverse {
+  template <class V>
+  V operator()(int, const V& d, const V&) const {
+    return V(1.0) / d;
+  }
+};
+
+/// The columns of a block among themselves, each by those before it. first: the number of its first column.
+template <class V, class InverseOf>
+void factor_block(int first, int width, int below, V* L, V* D, V* scale, InverseOf& inverse_of) {
   V u[LdlSchedule::kWidest];  // -L_ac D_c
   const int step = width + below - 2;
   V* column = L;
@@ -41,7 +49,7 @@ void factor_block(int width, int below, V* L, V* D, V* scale) {
     }
     D[a] = d;
     scale[a] = s;
-    const V inverse = V(1.0) / d;
+    const V inverse = inverse_of(first + a, d, s);
     const int count = width + below - a - 1;
     in_chunks<kRows<V>>(0, count, [&](int i, auto size) {
       auto t = Tile<V, size.value>::load(column + i);
@@ -148,9 +156,11 @@ inline void backward(int width, int below, const V* L, const V* D, const LdlSche
 
 /// A = L D L^T, and scale[k] = |A_kk| + sum_j L_kj^2 |D_j|, the terms of pivot k. Lx: as LdlSymbolic has it, D, scale:
 /// n. Goes on where a pivot is zero: L and D are not finite then, and the caller judges D and scale. A: of A's entries,
-/// which may be of higher precision.
-template <class A, class V, class Prefetch = kernel::NoPrefetch>
-void ldl_scheduled_factor(const LdlSchedule& schedule, const A* Ax, V* Lx, V* D, V* scale, Prefetch prefetch = {}) {
+/// which may be of higher precision. inverse_of(k, D_k, scale[k]): the inverse pivot of row k; a row whose inverse is
+/// zero is not eliminated, its column of L is zero.
+template <class A, class V, class Prefetch = kernel::NoPrefetch, class InverseOf = kernel::Inverse>
+void ldl_scheduled_factor(const LdlSchedule& schedule, const A* Ax, V* Lx, V* D, V* scale, Prefetch prefetch = {},
+                          InverseOf inverse_of = {}) {
   const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
   const LdlSchedule::Run* runs = schedule.runs.data();
   const int* fill = schedule.fill.data();
@@ -173,7 +183,7 @@ void ldl_scheduled_factor(const LdlSchedule& schedule, const A* Ax, V* Lx, V* D,
   for (int k = 0; k < schedule.eliminated; ++k) {
     const int first = block[k], width = block[k + 1] - first, below = Lp[block[k + 1]] - Lp[block[k + 1] - 1];
     V* L = Lx + Lp[first];
-    kernel::factor_block(width, below, L, D + first, scale + first);
+    kernel::factor_block(first, width, below, L, D + first, scale + first, inverse_of);
     for (int r = run[k]; r < run[k + 1]; ++r)
       kernel::in_chunks<4>(runs[r].begin, runs[r].end, [&](int a, auto size) {
         kernel::update_columns<size.value>(schedule, runs[r], a, width, below, L, D + first, Lx, D, scale);

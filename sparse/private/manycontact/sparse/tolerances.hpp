@@ -43,7 +43,7 @@ inline constexpr int kDampingRounding = 100 * kRounding;
 inline constexpr double kRowMoves = 5e-2;
 /// Rounding error of such a pivot relative to all that joints gave it, times its growth (factorize_bodies): 450 eps.
 /// Where less is left, and anywhere below kPivotLeft, rows are redundant. Used by: the same; and for errors that small
-/// pivots pass on, by PassedOn of all factors, and in SIMD batches (checks.hpp, dependent_rows.hpp).
+/// pivots pass on, by PassedOn of all factors, and in SIMD batches (checks.hpp).
 inline constexpr double kRowRounding = 1e-13;
 
 /// Entry of J relative to the sizes of the products it is a sum of: above, its row plainly moves that coordinate, and
@@ -100,18 +100,13 @@ inline constexpr double kNullEntry = 1e-15;
 inline constexpr double kNullColumn = 1e-14;
 inline constexpr int kNullColumnSteps = 2;
 
-/// A selection of dropped rows is kept for the next state while all its pivots are on their side of kPivotLeft by this
-/// factor: two factors of one K round differently, by a few eps of the pivots' terms, and their solutions must not
-/// depend on which was tried first. Used by: DependentRowsFactor, SIMD batches.
-inline constexpr double kMargin = 10;
-
 /// The damping of a row that is dropped from a factor without changing its pattern: 1 / kDroppedDamping times any entry
-/// squared is zero relative to any other. Used by: DependentRowsFactor, SIMD batches, WithinTolerance.
+/// squared is zero relative to any other. Used by: WithinTolerance.
 inline constexpr double kDroppedDamping = 1e200;
 
-/// Rows that one robot may drop in a SIMD batch, at most: their null space is dense there, of as many columns. Batches
-/// with different rows, at most: more are forgotten, the unused first. Used by: robots/plan.cpp.
-inline constexpr std::size_t kMostDropped = 64, kMostGroups = 64;
+/// Rows that wait in one element of a SIMD batch, at most: their null space is dense there, of as many columns. Used by:
+/// BlockPlan.
+inline constexpr std::size_t kMostWaitingInBatch = 64;
 
 /// Rows are dropped in the chosen order where its predicted cost is below this part of the cost of leaf-to-root, which
 /// is the sounder one. Used by: drops_in_chosen_order.

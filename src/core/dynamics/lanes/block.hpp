@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "manycontact/kkt/shape.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact::lanes {
 
@@ -44,7 +45,6 @@ struct BlockPlan {
   std::shared_ptr<const KktPattern> inner;    // pattern without the border, in the same order
   sparse::LdlSchedule bordered;               // schedule of all columns but the border's, where it has one
   std::vector<ContactSupport> supports;
-  std::vector<int> dropped;  // rows of K that depend on others, ascending: they have no pivot. Not of the border
 
   const std::shared_ptr<const Model>& model() const { return scene.robots.front().model; }
   const sparse::LdlSchedule& schedule() const { return border > 0 ? bordered : pattern->schedule(); }
@@ -63,15 +63,18 @@ struct BlockPlan {
   /// Numbers of a robot from step to step: K and b; behind them its joins, and from `factor` on L, D, x, w in their
   /// place.
   std::size_t kept_size() const { return static_cast<std::size_t>(pattern->K.nonzeros() + pattern->size()); }
-  std::size_t memory_size() const { return dependence_at() + dependence_size(); }
-  /// Behind all these, where rows are dropped: DependentRows' numbers.
-  std::size_t dependence_at() const {
+  std::size_t memory_size() const { return waiting_at() + waiting_size(); }
+  /// Behind all these: WaitingRows' numbers, of so many rows.
+  std::size_t waiting_at() const {
     const auto factor = static_cast<std::size_t>(pattern->ldl.nonzeros() + 3 * pattern->size());
     return kept_size() + std::max(factor, joins_size());
   }
-  std::size_t dependence_size() const {
-    const auto of_J = static_cast<std::size_t>(rows() - pattern->nv), count = dropped.size();
-    return count == 0 ? 0 : (3 + count) * of_J + count * count + count * (of_J + 1) / 2 + 1;
+  std::size_t waiting_size() const {
+    const std::size_t most = most_waiting(), of_J = rows() - pattern->nv;
+    return 2 + (4 + 2 * most) * static_cast<std::size_t>(rows()) + most + (most * (2 * of_J + 3) + 3) / 2;
+  }
+  std::size_t most_waiting() const {
+    return std::min(tolerance::kMostWaitingInBatch, static_cast<std::size_t>(rows() - pattern->nv));
   }
   int rows() const { return pattern->size() - border; }            // that are eliminated
   int factor_nonzeros() const { return pattern->ldl.Lp[rows()]; }  // entries of L below its diagonal

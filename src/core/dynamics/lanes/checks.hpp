@@ -48,7 +48,7 @@ typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S
   FourSums<S> sum;  // finite numbers times zero are zero
   for (const VecX<S>* x : {&q, &v, &tau})
     in_four(static_cast<std::size_t>(x->size()), [&](std::size_t k, int c) { sum.of[c] += (*x)[k] * S(0); });
-  constexpr double k = tolerance::kQuaternion / (kLeft<S> > 1 ? 2 : 1);  // floats leave the last 1e-7 to doubles
+  constexpr double k = tolerance::kQuaternion / (kLeft < S >> 1 ? 2 : 1);  // floats leave the last 1e-7 to doubles
   typename S::Mask usable = sum.total() <= S(0);
   for (const Joint& joint : model.joints) {
     if (joint.type != JointType::kFloating) continue;
@@ -58,22 +58,28 @@ typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S
   return usable;
 }
 
-/// Whether all pivots are more than rounding. of_M(k): pivot k is of a row of M; diagonal(k): K_kk, negative where a
-/// row of J is damped. passed_on_more: by how much more two pivots in turn have to leave than those of doubles.
-template <class S, class OfM, class Diagonal>
-typename S::Mask accept_pivots(OfM&& of_M, std::span<const S> D, const S* terms, Diagonal&& diagonal,
-                               double passed_on_more = kPassedOn<S>) {
-  rank::PassedOn<S> passed_on;
-  typename S::Mask good = S(0) <= S(0);
-  for (std::size_t k = 0; k < D.size(); ++k) {
-    const S own = diagonal(k);
-    const rank::Pivot<S> pivot{of_M(k), D[k], terms[k], larger(own, S(0))};
-    const S left = abs(pivot.d) / (S(passed_on_more) * pivot.terms);
-    good = good & passed_on.accepts(pivot.of_M, select(own < S(0), S(1), left)) & rank::is_left(pivot, kLeft<S>) &
-           rank::has_its_sign(pivot);
+/// The judge of the pivots of one elimination, in its order. passed_on_more: by how much more two pivots in turn have
+/// to leave than those of doubles.
+template <class S>
+class PivotJudge {
+ public:
+  explicit PivotJudge(double passed_on_more = kPassedOn<S>) : more_(passed_on_more) {}
+  /// Whether the next pivot is more than `margin` times rounding. Pivots that are not pass nothing on. diagonal: K_kk
+  /// of its row k.
+  typename S::Mask accepts(const rank::Pivot<S>& pivot, const S& diagonal, double margin = 1) {
+    const S left = select(diagonal < S(0), S(1), abs(pivot.d) / (more_ * pivot.terms));  // a damped row of J
+    rank::PassedOn<S> next = passed_on_;
+    const typename S::Mask sound =
+        next.accepts(pivot.of_M, left) & rank::is_left(pivot, margin * kLeft<S>) & rank::has_its_sign(pivot);
+    passed_on_.least = select(sound, next.least, passed_on_.least);
+    passed_on_.least_of_J = select(sound, next.least_of_J, passed_on_.least_of_J);
+    return sound;
   }
-  return good;
-}
+
+ private:
+  S more_;
+  rank::PassedOn<S> passed_on_;
+};
 
 /// The componentwise backward error (sparse/refine.hpp) of residuals and the sizes of their terms; NaN where any is.
 template <class S>

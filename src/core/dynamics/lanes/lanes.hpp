@@ -74,7 +74,8 @@ struct Answer {
   // derivatives by the same factor (systems/matrix/panel.cpp): whether they need no check, and whether they are refined
   // once; whether products need no check
   bool panel_is_safe = false, refine_panel = false;
-  rank::Contradiction<double> contradiction;  // set where the plan drops rows
+  std::span<const int> dependent;             // rows that depend on others, in the order of the plan's K
+  rank::Contradiction<double> contradiction;  // set where there are any
 };
 
 /// Steps of a solve of robots of one plan and of what comes after it. A call takes one robot, or of the kernel for a
@@ -90,12 +91,12 @@ class RobotBlocks {
     const double *x = nullptr, *b = nullptr;  // input of check: columns of a panel, rows as the plan's island has them
     Border border = {};
     // set by the steps
-    bool sound = false;  // false: another system has to solve
-    double smallest_row = 0,
-           motion = 0;                // evaluate: of the contacts on it alone; no row may be rounding relative to it
-    double terms = 0, diagonal = 0;   // factor: the largest of the pivots' and of K's
-    double r[2] = {}, scale[2] = {};  // correct, check: the largest of dynamics rows, contact rows
-    double error = 0;                 // correct, check: componentwise backward error; NaN where any is
+    bool sound = false;                              // false: another system has to solve
+    double motion = 0;                               // evaluate: of the contacts on it alone
+    double terms = 0, diagonal = 0;                  // factor: the largest of the pivots' and of K's
+    std::span<const int> dependent = {};             // factor: rows that depend on others, in the order of the plan's K
+    double r[2] = {}, scale[2] = {};                 // correct, check: the largest of dynamics rows, contact rows
+    double error = 0;                                // correct, check: componentwise backward error; NaN where any is
     rank::Contradiction<double> contradiction = {};  // finish
   };
   /// Memory of the robots of a batch. next: that of the batch after this one, which is prefetched meanwhile.

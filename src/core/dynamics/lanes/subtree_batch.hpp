@@ -75,8 +75,11 @@ void SubtreeBatchOf<S>::solve(std::span<Subtree> subtrees) {
   assemble_inertia();
   usable_ = assemble_rows();
   sparse::ldl_scheduled_factor(plan_->schedule, K_.data(), L_.data(), D_.data(), terms_.data());
-  usable_ = usable_ & accept_pivots<S>([&](std::size_t k) { return static_cast<int>(k) < p_.nv; }, D_, terms_.data(),
-                                       [&](std::size_t k) { return K_[plan_->K.p[k + 1] - 1]; });
+  PivotJudge<S> judge;
+  for (int k = 0; k < plan_->K.n; ++k) {
+    const S own = K_[plan_->K.p[k + 1] - 1];
+    usable_ = usable_ & judge.accepts({k < p_.nv, D_[k], terms_[k], larger(own, S(0))}, own);
+  }
 
   std::fill(x_.begin(), x_.end(), S(0));
   act();

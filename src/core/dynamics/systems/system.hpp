@@ -72,16 +72,6 @@ struct AdjointProduct {
   Eigen::Ref<Eigen::VectorXd> &wq, &wv, &wtau;
 };
 
-/// The rows of J that a factor leaves out, because they depend on others. A solve tries the three in this order.
-/// Whether the rows left out are the right ones is judged at each state, by a margin: the solution is the same, to the
-/// last bit, whatever was solved before.
-enum class Dropped {
-  kAsBefore,  // rows that depended at the solve before, if any; it only saves time to try them first
-  kNone,
-  kAsFound,  // rows that the factor of the whole K has just found: SIMD batches solve their islands again, so that
-             // the solution is the same whether they were known before or not
-};
-
 /// Every function returns false where the system has no sound result: then its output is undefined.
 class IslandSystem {
  public:
@@ -89,7 +79,7 @@ class IslandSystem {
 
   /// Factorizes at the current q and v and solves for data.tau, refined and judged: the solution is in data.a and
   /// data.f, and the report is complete. False: report.reason has the reason, where one is known.
-  virtual bool solve(const Scene &, SceneData &, ThreadWork &, Dropped, IslandReport &) { return false; }
+  virtual bool solve(const Scene &, SceneData &, ThreadWork &, IslandReport &) { return false; }
   /// All derivatives of the current solution, into what is laid out.
   virtual bool differentiate(const Scene &, SceneData &, ThreadWork &, IslandDerivatives &) { return false; }
   /// Products with them, by a solve that is refined once.

@@ -23,7 +23,6 @@ namespace {
 void pool_island(Workspace& w, std::unique_ptr<IslandWork> island) {
   // these results belong to another island
   island->answered = nullptr;
-  island->matrix.was_dependent = false;
   island->depended = 0;
   island->matrix.state = 0;
   w.pool.give(std::move(island), w.layout);

@@ -56,7 +56,7 @@ struct IslandWork {
   bool stands_in_lanes() const { return alone.group || (robots && robots->solves); }
   int depended = 0;        // so many rows depended on others at the start (dynamics/keep_dependent.hpp)
   int factorizations = 0;  // factorizations of K, whole or robot by robot, since that began
-  bool refused = false;    // SIMD batches without the rows that depended have no sound solution at the current state
+  bool deficient = false;  // another system than `matrix` found rows dependent at the current state
 
   IslandDerivatives derivatives;  // while on the pool; else in Workspace::derivatives
 };

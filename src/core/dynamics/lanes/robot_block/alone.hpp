@@ -14,46 +14,57 @@ void RobotBlock<S>::solve(const Job& job, Robots robots, std::span<Answer> answe
     use(reinterpret_cast<double*>(own_.data()));
   set_up(job, robots);
   keep(job.serial, robots);
-  factorize();
-  usable_ = usable_ & sound_pivots();
-  if (!dependent_) usable_ = usable_ & (smallest_row_ > S(kLeft<S> * tolerance::kRank) * motion_);
-  if constexpr (kSingle)
+  usable_ = factorize(usable_);
+  if constexpr (kSingle) {
+    usable_ = usable_ & (smallest_row_ > S(kLeft<S> * tolerance::kRank) * motion_);
     solve_unrefined(job.scene, robots);
-  else
+  } else {
+    if (rows_wait()) size_drifts(job.scene, robots);
     refine();
+  }
   report(job, robots, answers);
   if (job.start) store_contact_velocities(job, robots);
-  if constexpr (!kSingle)
-    if (dependent_) report_dependence(robots, answers);
+  if constexpr (!kSingle) report_dependence(robots, answers);
 }
 
-/// L and D, without the rows that depend on others.
+/// L and D; rows of J without a sound pivot wait. Returns the usable elements where all others have one, and those rows
+/// depend on them.
 template <class S>
-void RobotBlock<S>::factorize(Prefetch prefetch) {
-  if constexpr (!kSingle)
-    if (dependent_) dependent_->damp(n_.K);
+typename S::Mask RobotBlock<S>::factorize(Mask usable, Prefetch prefetch) {
+  waiting_.clear();
+  PivotJudge<S> judge;
+  const auto inverse_of = [&](int k, const Number& d, const Number& terms) {
+    const S pivot(d), diagonal = n_.K[pattern_.K.p[k + 1] - 1];
+    const bool of_M = pattern_.perm[k] < pattern_.nv;
+    const S own = of_M ? larger(diagonal, S(0)) : waiting_.largest_entry(k);
+    const bool may_wait = may_wait_ && !of_M;
+    const Mask sound = judge.accepts({of_M, pivot, S(terms), own, of_M ? S(-1) : waiting_.row_size(k)}, diagonal,
+                                     may_wait ? waiting_.margin() : 1);
+    S inverse = S(1) / pivot;
+    if (!may_wait) {
+      usable = usable & sound;
+    } else if (!sound.all()) {
+      waiting_.add(k, sound);
+      inverse = select(sound, inverse, S(0));
+    }
+    return *as_scalar(&inverse);
+  };
   sparse::ldl_scheduled_factor(schedule_, as_scalar(n_.K), as_scalar(n_.L), as_scalar(n_.D),
-                               as_scalar(pivot_terms_.data()), prefetch);
-  if constexpr (!kSingle)
-    if (dependent_) dependent_->undamp(n_.K, n_.D, pivot_terms_.data());
+                               as_scalar(pivot_terms_.data()), prefetch, inverse_of);
+  if (!rows_wait()) return usable;
+  return waiting_.hold(usable, n_.K, n_.L, n_.D, pivot_terms_.data(), [this](S* x) { solve_by_factor(x); });
 }
 
-/// Whether the pivots are more than rounding; where rows are dropped, whether these are the ones.
 template <class S>
-typename S::Mask RobotBlock<S>::sound_pivots() {
-  if constexpr (!kSingle)
-    if (dependent_)
-      return dependent_->hold(n_.K, n_.L, n_.D, pivot_terms_.data(), [this](S* x) { solve_by_factor(x); });
-  const auto of_M = [this](std::size_t k) { return pattern_.perm[k] < pattern_.nv; };
-  return accept_pivots<S>(of_M, {n_.D, static_cast<std::size_t>(rows_)}, pivot_terms_.data(), diagonal(),
-                          kPassedOn<S>);
+bool RobotBlock<S>::rows_wait() const {
+  return !kSingle && waiting_.any();
 }
 
-/// x <- K^-1 x by L and D, without the border. The entries of x there, of all the pattern's rows, are lost.
+/// x <- K^-1 x by L and D, without the border and rows that wait. The entries of x there, of all the pattern's rows,
+/// are lost.
 template <class S>
 void RobotBlock<S>::solve_by_factor(S* x) const {
-  if (plan_->border == 0)
-    return sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
+  if (plan_->border == 0) return sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
   sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(x));
   std::fill_n(x + rows_, plan_->border, S(0));
   sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
@@ -62,9 +73,11 @@ void RobotBlock<S>::solve_by_factor(S* x) const {
 /// x <- K^-1 x; where rows depend, (I - P) K_kept^-1 x, of an x without part P x (Factor::correct).
 template <class S>
 void RobotBlock<S>::apply_inverse(S* x) {
+  if (!rows_wait()) return solve_by_factor(x);
+  waiting_.template before_solve<1>(as_scalar(x));
   solve_by_factor(x);
-  if constexpr (!kSingle)
-    if (dependent_) dependent_->project_out(x);
+  waiting_.template after_solve<1>(as_scalar(x));
+  waiting_.project_out(x);
 }
 
 /// x += K^-1 r in the elements that are open. Returns where no entry moves by more than tolerance::kSameSize of itself:
@@ -93,12 +106,9 @@ S RobotBlock<S>::residual() {
 template <class S>
 S RobotBlock<S>::backward_error() {
   const std::span<const S> r(r_.data(), static_cast<std::size_t>(rows_));
-  if constexpr (!kSingle)
-    if (dependent_) {
-      dependent_->scale_of_dependent(scale_.data(), n_.w);
-      return componentwise_error<S>(r, n_.w);
-    }
-  return componentwise_error<S>(r, scale_.data());
+  if (!rows_wait()) return componentwise_error<S>(r, scale_.data());
+  waiting_.scale_of_dependent(scale_.data(), n_.w);
+  return componentwise_error<S>(r, n_.w);
 }
 
 /// The same after `correct`, whose mask shows where scale need not be computed again.
@@ -117,16 +127,14 @@ S RobotBlock<S>::residual(Mask same_sizes) {
 /// x = K^-1 b, each element refined as if it were solved alone (sparse/refine.hpp).
 template <class S>
 void RobotBlock<S>::refine() {
-  if constexpr (!kSingle)
-    if (dependent_) dependent_->project_out(n_.b, true);
+  if (rows_wait()) waiting_.project_out(n_.b, true);
   std::copy_n(n_.b, rows_, n_.x);
   apply_inverse(n_.x);
   const Refinement<S> refined(
       usable_, residual(), [&](Mask open) { return residual(correct(open)); }, tolerance::kRefinementSteps);
   steps_ = refined.steps, backward_error_ = refined.error, first_error_ = refined.first;
   usable_ = usable_ & (backward_error_ <= S(tolerance::kConverged));
-  if constexpr (!kSingle)
-    if (dependent_) restore_contradiction();
+  if (rows_wait()) restore_contradiction();
 }
 
 template <class S>
@@ -175,35 +183,30 @@ typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
 
 // ---- rows that depend on each other (systems/matrix/fallbacks.cpp) ------------------------------------------------
 
-/// Computes the sizes that rows of J and their inconsistency are judged relative to.
+/// The largest terms that rows' a0 are computed from: the inconsistency of rows is judged relative to these.
 template <class S>
-void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
+void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& c = scene.contacts[robots.front().contacts[k]];
-    const S moved = row_size<S>(c, contacts_[k], 0), turned = c.rows() > 3 ? row_size<S>(c, contacts_[k], 3) : moved;
     const Vec3<S> place = c.B.robot < 0 ? standing_[k][1].origin : Vec3<S>(Vec3<S>::Zero());
     const auto& kin = robot_.kin;
     const auto terms = internal::contact_drift<S>(c, contacts_[k], *model_, kin, *model_, kin, place);
-    for (int i = 0; i < c.rows(); ++i) {
-      const int row = rows_of(k)[i];
-      dependent_->row_size(row) = i < 3 ? moved : turned;
-      dependent_->row_terms(row) = terms.of_row(i);
-    }
+    for (int i = 0; i < c.rows(); ++i) waiting_.row_terms(rows_of(k)[i]) = terms.of_row(i);
   }
 }
 
 /// Adds the inconsistency of dependent rows, which was taken out of them, to b and r.
 template <class S>
 void RobotBlock<S>::restore_contradiction() {
+  const Mask of = waiting_.elements();
   for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) {
     const int k = pattern_.iperm[i];
-    const S of_null = dependent_->null_component(k);
-    scale_[k] -= abs(n_.b[k]);
-    n_.b[k] += of_null;
-    r_[k] += of_null;
-    scale_[k] += abs(n_.b[k]);
+    const S of_null = waiting_.null_component(k), b = n_.b[k] + of_null;
+    scale_[k] = select(of, scale_[k] - abs(n_.b[k]) + abs(b), scale_[k]);
+    r_[k] = select(of, r_[k] + of_null, r_[k]);
+    n_.b[k] = select(of, b, n_.b[k]);
   }
-  backward_error_ = componentwise_error<S>(r_, scale_.data());
+  backward_error_ = select(of, componentwise_error<S>(r_, scale_.data()), backward_error_);
 }
 
 template <class S>
@@ -213,17 +216,24 @@ rank::Contradiction<S> RobotBlock<S>::contradicted() const {
     for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) use(pattern_.iperm[i]);
   };
   each_row([&](int k) { out.add_products(scale_[k] - abs(n_.b[k]), abs(n_.b[k])); });
-  if (!dependent_) return out;
+  if (!rows_wait()) return out;
+  const Mask of = waiting_.elements();
   out.add_rows([&](auto&& use) {
-    each_row([&](int k) { use({dependent_->row_size(k), dependent_->row_terms(k), dependent_->null_component(k)}); });
+    each_row([&](int k) {
+      use({select(of, waiting_.row_size(k), S(0)), waiting_.row_terms(k), waiting_.null_component(k)});
+    });
   });
   return out;
 }
 
 template <class S>
 void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) {
+  for (Answer& answer : answers) answer.dependent = {};
+  if (!rows_wait()) return;
   const rank::Contradiction<S> of = contradicted();
   for (std::size_t l = 0; l < robots.size(); ++l) {
+    answers[l].dependent = waiting_.of(static_cast<int>(l));
+    if (answers[l].dependent.empty()) continue;
     answers[l].contradiction = of.of_lane(static_cast<int>(l));
     if (answers[l].contradiction.needs_dense()) answers[l].sound = false;
     if (answers[l].contradiction.exceeds_rounding())  // the whole K has the term of what is left
@@ -234,7 +244,7 @@ void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) 
 /// Writes one robot's x = [a; -f] into the scene's a and f.
 template <class S>
 void RobotBlock<S>::scatter(const Scene& scene, const std::vector<int>& f_offset, const Robot& robot, int lane,
-                                 double* a, double* f) const {
+                            double* a, double* f) const {
   const int* iperm = pattern_.iperm.data();
   a += scene.robots[robot.number].idx_v;
   for (int i = 0; i < model_->nv; ++i) a[i] = n_.x[iperm[i]][lane];

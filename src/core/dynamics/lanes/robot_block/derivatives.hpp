@@ -14,7 +14,7 @@ namespace manycontact::lanes {
 
 template <class S>
 void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, double* memory,
-                                       std::span<const Panel> panels) {
+                                  std::span<const Panel> panels) {
   linearise(job, robots, memory);
   derivative_terms(job.scene, robots);
   find_reach(job);
@@ -25,17 +25,21 @@ void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, doubl
         const int place = place_[i * job.columns + sample.column];
         sample.b[i] = place < 0 ? 0 : B_[place][static_cast<int>(l)];
       }
-  if (dependent_) least_norm_columns(job, robots);
   const S* L = inner_L();
-  Mask plain = all();
-  if (!dependent_ && std::any_of(panels.begin(), panels.end(), [](const Panel& panel) { return panel.refine; })) {
-    S wanted(0);
-    for (std::size_t l = 0; l < panels.size(); ++l) wanted.set(static_cast<int>(l), panels[l].refine);
-    plain = select(wanted > S(0), select(accurate_unrefined(L), S(1), S(0)), S(1)) > S(0);
+  S refined(0), projected(1);  // 1 in the elements whose panel is; those without a robot have none
+  for (std::size_t l = 0; l < panels.size(); ++l) {
+    const int lane = static_cast<int>(l);
+    projected.set(lane, rows_wait() && waiting_.elements()[lane]);
+    refined.set(lane, panels[l].refine && projected[lane] == 0);
   }
-  if (plain.any()) solve_panels(L, panels, plain, job.non_temporal);
+  if ((refined > S(0)).any()) refined = select(accurate_unrefined(L), S(0), refined);
+  if (const Mask plain = refined + projected <= S(0); plain.any())
+    solve_panels(L, panels, plain, false, job.non_temporal);
   for (std::size_t l = 0; l < panels.size(); ++l)
-    if (!plain[static_cast<int>(l)]) solve_refined(L, static_cast<int>(l), panels[l], job.columns);
+    if (refined[static_cast<int>(l)] > 0) solve_refined(L, static_cast<int>(l), panels[l], job.columns);
+  if (!rows_wait()) return;
+  least_norm_columns(job, robots);
+  solve_panels(L, panels, projected > S(0), true, job.non_temporal);
 }
 
 /// MovingEnd of each contact that joins the robots.
@@ -111,13 +115,9 @@ void RobotBlock<S>::find_reach(const DerivativeJob& job) {
     if (job.request.v) set(i, job.v_first + j);
   }
   for (int i = 0; job.request.u && i < torques(job); ++i) set(torque(job, i), job.u_first + i);
-  if (dependent_) {  // projections spread over the rows of J, which are the last
-    for (std::vector<char>& rows : reach)
-      if (std::find(rows.begin(), rows.end(), 1) != rows.end()) std::fill(rows.begin() + model_->nv, rows.end(), 1);
-    correction_.resize(static_cast<std::size_t>(size) * kColumns);
-    rate_.resize(static_cast<std::size_t>(size - model_->nv) * model_->nv);
-    dependent_->reserve(kColumns);
-  }
+  correction_.resize(static_cast<std::size_t>(size) * kColumns);
+  rate_.resize(static_cast<std::size_t>(size) * model_->nv);
+  waiting_.reserve(kColumns);
   std::vector<Chunk> chunks = form_chunks(reach, ld);
   for (int i = 0; job.request.u && i < torques(job); ++i) B_[place_[torque(job, i) * ld + job.u_first + i]] = S(1);
   unset_.clear();
@@ -253,18 +253,18 @@ const S* RobotBlock<S>::inner_L() {
   return inner_L_.data();
 }
 
-/// [da; df] = K^-1 B, into the panels of the elements that are plain.
+/// [da; df] = K^-1 B, into the panels of those elements. project: where rows wait.
 template <class S>
-void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask plain, bool non_temporal) {
+void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask of, bool project, bool non_temporal) {
   for (int k = 0; k < rows_; ++k) inverse_[k] = S(1) / n_.D[k];
   sparse::ldl_pack(inner_schedule_, L, packed_.data());
   for (const Band& band : bands_) {
-    for (std::size_t c = band.chunk; c < band.chunk_end; ++c) solve_chunk(L, c);
+    for (std::size_t c = band.chunk; c < band.chunk_end; ++c) solve_chunk(L, c, project);
     // Many panels are not in the caches: they are written from one end to the other.
     if (non_temporal)
-      write(band, panels, plain, [](const auto& piece, double* to) { piece.stream(to); });
+      write(band, panels, of, [](const auto& piece, double* to) { piece.stream(to); });
     else
-      write(band, panels, plain, [](const auto& piece, double* to) { piece.store(to); });
+      write(band, panels, of, [](const auto& piece, double* to) { piece.store(to); });
   }
   if (non_temporal) sparse::kernel::finish_streams();
 }
@@ -273,13 +273,13 @@ void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask
 /// multiples of it.
 template <class S>
 template <class Put>
-void RobotBlock<S>::write(const Band& band, std::span<const Panel> panels, Mask plain, Put&& put) {
+void RobotBlock<S>::write(const Band& band, std::span<const Panel> panels, Mask of, Put&& put) {
   using Row = sparse::kernel::Tile<double, W == 1 ? kPart : W>;  // row of one panel
   const Number* x = answer();
   double* to[W] = {};
   std::ptrdiff_t ld[W] = {};
   for (std::size_t l = 0; l < panels.size(); ++l)
-    if (plain[static_cast<int>(l)]) to[l] = panels[l].X, ld[l] = panels[l].ld;
+    if (of[static_cast<int>(l)]) to[l] = panels[l].X, ld[l] = panels[l].ld;
   for (int i = 0; i < rows_; ++i) {  // moves `to` to row i
     const int k = inner_.iperm[i];
     const double sign = i < model_->nv ? 1 : -1;
@@ -304,16 +304,16 @@ void RobotBlock<S>::write(const Band& band, std::span<const Panel> panels, Mask 
 
 template <class S>
 template <int N>
-void RobotBlock<S>::solve_chunk(const S* L, std::size_t chunk) {
+void RobotBlock<S>::solve_chunk(const S* L, std::size_t chunk, bool project) {
   if (chunks_[chunk].columns() == N)
-    solve_columns<N>(L, chunk);
+    solve_columns<N>(L, chunk, project);
   else if constexpr (W == 1 && N > kPart)
-    solve_chunk<N - kPart>(L, chunk);
+    solve_chunk<N - kPart>(L, chunk, project);
 }
 
 template <class S>
 template <int N>
-void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk) {
+void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk, bool project) {
   using Row = sparse::kernel::Tile<Number, N>;
   constexpr int kInRegisters = W == 1 ? N : kOfPanel.in_registers;
   const std::size_t size = static_cast<std::size_t>(rows_);
@@ -323,22 +323,22 @@ void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk) {
     std::fill_n(x, size * N, Number(0));
     return;
   }
-  load_chunk<N>(chunk, x);
-  const auto solve = [&](const char* rows, Number* X) {
-    if (dependent_) dependent_->template project_out<N>(X);
+  const auto apply_inverse = [&](const char* rows, Number* X) {
+    if (project) waiting_.template project_out<N>(X), waiting_.template before_solve<N>(X);
     sparse::kernel::solve_columns<N, kInRegisters>(inner_schedule_, as_scalar(L), as_scalar(packed_.data()),
                                                    as_scalar(inverse_.data()), rows, X, [](int, const auto&) {});
-    if (dependent_) dependent_->template project_out<N>(X);
+    if (project) waiting_.template after_solve<N>(X), waiting_.template project_out<N>(X);
   };
-  solve(reached, x);
-  if (!dependent_) return;
-  // If rows depend, small entries are lost in the projections of large ones: X += K^+ (B - K X).
+  if (project) std::fill_n(x, size * N, Number(0)), std::fill(nonzero_.begin(), nonzero_.end(), 1);
+  load_chunk<N>(chunk, x);
+  apply_inverse(project ? nonzero_.data() : reached, x);
+  if (!project) return;
+  // Small entries are lost in the projections of large ones: X += K^+ (B - K X).
   Number* r = as_scalar(correction_.data());
   std::fill_n(r, size * N, Number(0));
   load_chunk<N>(chunk, r);
   subtract_product<N>(x, r);
-  std::fill(nonzero_.begin(), nonzero_.end(), 1);
-  solve(nonzero_.data(), r);
+  apply_inverse(nonzero_.data(), r);
   for (std::size_t k = 0; k < size; ++k) {
     Row row = Row::load(x + k * N);
     row.add(Number(1), r + k * N);
@@ -401,7 +401,7 @@ void RobotBlock<S>::least_norm_columns(const DerivativeJob& job, Robots robots) 
   for (std::size_t k = 0; k < contacts_.size(); ++k)
     jacobian_rate(job.scene, robots, k).of_motion(y_, [&](int j, const Vec6<S>& dnu) {
       for (Eigen::Index i = 0; i < contacts_[k].W.rows(); ++i)
-        rate_[(rows_of(k)[i] - model_->nv) * model_->nv + j] += contacts_[k].W.row(i).dot(dnu);
+        rate_[rows_of(k)[i] * model_->nv + j] += contacts_[k].W.row(i).dot(dnu);
     });
 }
 
@@ -413,15 +413,15 @@ void RobotBlock<S>::subtract_least_norm_columns(std::size_t chunk, Number* X) {
   const Chunk& of = chunks_[chunk];
   if (!request_.q) return;
   Number *D = as_scalar(correction_.data()), *rate = as_scalar(rate_.data());
-  std::fill_n(D + std::ptrdiff_t{nv} * N, std::ptrdiff_t{rows_ - nv} * N, Number(0));
+  std::fill_n(D, std::ptrdiff_t{rows_} * N, Number(0));
   bool any = false;
   for (int c = 0; c < of.parts * kPart; ++c) {
     const int j = of.first[c / kPart] + c % kPart - q_first_;
     if (j < 0 || j >= nv) continue;
     any = true;
-    for (int k = nv; k < rows_; ++k) D[std::ptrdiff_t{k} * N + c] = rate[(k - nv) * nv + j];
+    for (int k = 0; k < rows_; ++k) D[std::ptrdiff_t{k} * N + c] = rate[std::ptrdiff_t{k} * nv + j];
   }
-  if (any) dependent_->template subtract_null_component<N>(D, X);
+  if (any) waiting_.template subtract_null_component<N>(D, X);
 }
 
 /// X + K^-1 (B - K X) of one robot, X = K^-1 B.

@@ -21,7 +21,6 @@ void RobotBlock<S>::evaluate(const Job& job, Robots robots, Memory memory) {
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
     robots[l].sound = usable_[lane];
-    robots[l].smallest_row = dependent_ ? std::numeric_limits<double>::infinity() : smallest_row_[lane];
     robots[l].motion = motion_[lane];
   }
 }
@@ -64,14 +63,14 @@ void RobotBlock<S>::factor(Robots robots, Memory memory) {
     for (int i = 0; i < count; ++i) n_.K[*slot++] = joins_[i];
     next += JoinedEnd::size(cols);
   }
-  factorize(prefetch_of(memory));
-  const Mask good = sound_pivots();
+  Mask good = factorize(all(), prefetch_of(memory));
   const Growth<S> growth(static_cast<std::size_t>(rows_), pivot_terms_.data(), diagonal());
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
     robots[l].sound = robots[l].sound && good[lane];
     robots[l].terms = growth.terms[lane];
     robots[l].diagonal = growth.diagonal[lane];
+    robots[l].dependent = waiting_.of(lane);
   }
   store_schur_complement(robots);
   begin(robots);
@@ -110,8 +109,7 @@ void RobotBlock<S>::load(const Job& job, Robots robots, double* memory) {
 template <class S>
 void RobotBlock<S>::begin(Robots robots) {
   std::fill_n(n_.x, pattern_.size(), S(0));
-  if constexpr (!kSingle)
-    if (dependent_) dependent_->project_out(n_.b, true);
+  if (rows_wait()) waiting_.project_out(n_.b, true);
   std::copy_n(n_.b, pattern_.size(), r_.data());
   forward(robots, all());
 }
@@ -132,8 +130,7 @@ void RobotBlock<S>::correct(Robots robots, Memory memory) {
   const double* from[kMostInBatch];
   load_arrays(side_by_side(robots, from, [](const Robot& r) { return r.border.y(); }), plan_->border, n_.w + rows_);
   sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(n_.w), prefetch);
-  if constexpr (!kSingle)
-    if (dependent_) dependent_->project_out(n_.w);
+  if (rows_wait()) waiting_.project_out(n_.w);
   for (int k = 0; k < pattern_.size(); ++k) {
     for (const S* x : {n_.x, n_.b, n_.w, n_.D}) prefetch.fetch(x + k);
     n_.x[k] += n_.w[k];
@@ -153,7 +150,7 @@ void RobotBlock<S>::check(Robots robots, Memory memory) {
   spread([](const Robot& r) { return r.b; }, n_.b);
   load_arrays(side_by_side(robots, from, [](const Robot& r) { return r.border.y(); }), plan_->border, n_.x + rows_);
   std::fill_n(n_.b + rows_, plan_->border, S(0));
-  if (dependent_) dependent_->project_out(n_.b);
+  if (rows_wait()) waiting_.project_out(n_.b);
   (void)check_residual(robots, prefetch_of(memory));
 }
 
@@ -182,7 +179,8 @@ S RobotBlock<S>::check_residual(Robots robots, Prefetch prefetch) {
 template <class S>
 void RobotBlock<S>::finish(Robots robots, Memory memory) {
   use(memory.at);
-  for (int k = pattern_.nv; dependent_ && k < rows_; ++k) n_.b[k] += dependent_->null_component(k);
+  for (int i = pattern_.nv; rows_wait() && i < pattern_.size() - plan_->border; ++i)
+    n_.b[pattern_.iperm[i]] += waiting_.null_component(pattern_.iperm[i]);
   (void)check_residual(robots, prefetch_of(memory));
   const S error = componentwise_error<S>({r_.data(), static_cast<std::size_t>(rows_)}, scale_.data());
   const rank::Contradiction<S> of = contradicted();

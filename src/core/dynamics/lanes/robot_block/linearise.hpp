@@ -45,10 +45,9 @@ void RobotBlock<S>::linearise(const Job& job, Robots robots, double* memory) {
       slope_[i].set(l, friction_slope(model, static_cast<int>(i), v_[i][l]));
   }
   if (kept || !alone) return;
-  if (dependent_) size_rows(job.scene, robots);
+  size_rows(job.scene, robots);
   assemble_rows(job.scene.damping);
-  factorize();
-  if (dependent_) (void)sound_pivots();  // it is known: for the null space
+  (void)factorize(all());
 }
 
 /// Adds the force F on A, in A's axes, and -F on B' to the bodies' forces.

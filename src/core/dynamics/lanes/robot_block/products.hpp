@@ -9,7 +9,7 @@ namespace manycontact::lanes {
 /// x = K^-1 b, refined once as solve_refined with one step does.
 template <class S>
 void RobotBlock<S>::solve_once_refined() {
-  if (dependent_) dependent_->project_out(n_.b);
+  if (rows_wait()) waiting_.project_out(n_.b);
   std::copy_n(n_.b, rows_, n_.x);
   apply_inverse(n_.x);
   const Mask open = residual() > S(tolerance::kRefined);
@@ -59,15 +59,15 @@ void RobotBlock<S>::add_least_norm_tangent(const Scene& scene, Robots robots, co
     rows.noalias() = contacts_[k].W * dnu;
     for (Eigen::Index i = 0; i < rows.size(); ++i) n_.w[rows_of(k)[i]] = rows[i];
   }
-  dependent_->project_out(n_.w, true);
-  for (int k = model_->nv; k < rows_; ++k) n_.x[k] -= dependent_->null_component(k);
+  waiting_.project_out(n_.w, true);
+  for (int k = 0; k < rows_; ++k) n_.x[k] -= waiting_.null_component(k);
 }
 
 /// P of b = [wa; -wf], before it is solved for.
 template <class S>
 void RobotBlock<S>::project_forces() {
   std::copy_n(n_.b, rows_, n_.w);
-  dependent_->project_out(n_.w, true);
+  waiting_.project_out(n_.w, true);
 }
 
 /// wq += D^T P wf.
@@ -75,7 +75,7 @@ template <class S>
 void RobotBlock<S>::add_least_norm_adjoint(const Scene& scene, Robots robots, std::vector<S>& wq) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     VecX<S>& rows = contact_scratch_[k];
-    for (Eigen::Index i = 0; i < rows.size(); ++i) rows[i] = -dependent_->null_component(rows_of(k)[i]);
+    for (Eigen::Index i = 0; i < rows.size(); ++i) rows[i] = -waiting_.null_component(rows_of(k)[i]);
     const Vec6<S> F = contacts_[k].W.transpose() * rows;
     jacobian_rate(scene, robots, k).of_motion(y_, [&](int i, const Vec6<S>& column) { wq[i] += dot(column, F); });
   }
@@ -89,7 +89,7 @@ void RobotBlock<S>::jvp(const ProductJob& job, Robots robots) {
   load_each(scene, robots, nv, dq_.data(), [&](const auto& r, auto&) { return job.in[0] + r.idx_v; });
   load_each(scene, robots, nv, dv_.data(), [&](const auto& r, auto&) { return job.in[1] + r.idx_v; });
   load_each(scene, robots, nv, torque_.data(), [&](const auto& r, auto&) { return job.in[2] + r.idx_v; });
-  if (dependent_) motion_of_forces(), along_ = dq_;
+  if (rows_wait()) motion_of_forces(), along_ = dq_;
   tangent_motions<S>(*model_, robot_.kin, a_.data(), dq_.data(), dv_.data(), body_);
   add_forces(scene, robots, fext_);
   std::fill(dfext_.begin(), dfext_.end(), Vec6<S>(Vec6<S>::Zero()));
@@ -105,7 +105,7 @@ void RobotBlock<S>::jvp(const ProductJob& job, Robots robots) {
   for (int i = 0; i < nv; ++i) n_.b[pattern_.iperm[i]] = torque_[i] - dq_[i];
   for (std::size_t i = 0; i < slope_.size(); ++i) n_.b[pattern_.iperm[i]] -= slope_[i] * dv_[i];
   solve_once_refined();
-  if (dependent_) add_least_norm_tangent(scene, robots, along_);
+  if (rows_wait()) add_least_norm_tangent(scene, robots, along_);
   for (std::size_t l = 0; l < robots.size(); ++l)  // x = [da; -df]
     scatter(scene, job.f_offset, robots[l], static_cast<int>(l), job.out[0], job.out[1]);
 }
@@ -115,7 +115,7 @@ void RobotBlock<S>::vjp(const ProductJob& job, Robots robots) {
   const Scene& scene = job.scene;
   const int nv = model_->nv;
   linearise(job, robots, nullptr);
-  if (dependent_) motion_of_forces();
+  if (rows_wait()) motion_of_forces();
   for (int l = 0; l < W; ++l) {
     const Robot& robot = in_lane(robots, l);
     const double* wa = job.in[0] + scene.robots[robot.number].idx_v;
@@ -124,9 +124,9 @@ void RobotBlock<S>::vjp(const ProductJob& job, Robots robots) {
       for (Eigen::Index i = 0; i < contact_f_[k].size(); ++i)
         n_.b[rows_of(k)[i]].set(l, -job.in[1][job.f_offset[robot.contacts[k]] + i]);
   }
-  if (dependent_) {
+  std::fill(along_.begin(), along_.end(), S(0));
+  if (rows_wait()) {
     project_forces();
-    std::fill(along_.begin(), along_.end(), S(0));
     add_least_norm_adjoint(scene, robots, along_);
   }
   solve_once_refined();  // l = K^-1 [wa; -wf]

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <initializer_list>
 #include <limits>
-#include <optional>
 #include <type_traits>
 
 #include "../../derivatives/jacobian_rate.hpp"
@@ -15,7 +14,6 @@
 #include "../arrays.hpp"
 #include "../checks.hpp"
 #include "../lanes.hpp"
-#include "dependent_rows.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/algorithm/model_numbers.hpp"
 #include "manycontact/contact/derivatives.hpp"
@@ -24,6 +22,7 @@
 #include "manycontact/sparse/ldl_panel_kernels.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
+#include "waiting_rows.hpp"
 
 namespace manycontact::lanes {
 
@@ -74,10 +73,7 @@ class RobotBlock final
     else
       return {(memory.next - memory.at) * static_cast<std::ptrdiff_t>(sizeof(double))};
   }
-  void use(double* memory) {
-    use(reinterpret_cast<S*>(memory));
-    if (dependent_) dependent_->use(memory + plan_->dependence_at() * W);
-  }
+  void use(double* memory) { use(reinterpret_cast<S*>(memory)); }
   void use(S* numbers) {
     Numbers& n = n_;
     n.K = numbers;
@@ -86,6 +82,7 @@ class RobotBlock final
     n.D = n.L + pattern_.ldl.nonzeros();
     n.x = n.D + pattern_.size();
     n.w = n.x + pattern_.size();
+    waiting_.use(numbers + plan_->waiting_at());
   }
 
   /// Columns of a panel: those worked at a time; of these those in registers, four rows of each; and those of a part,
@@ -138,11 +135,10 @@ class RobotBlock final
   void store_contact_velocities(const Job& job, Robots robots);
   void evaluate_rows(const Scene& scene, Robots robots);
   void store_left(const Job& job, Robots robots) const;
-  void check_rows(const Scene& scene, Robots robots);
+  void size_rows(const Scene& scene, Robots robots);
   void assemble_rows(double damping);
   void assemble_right_side(const Job& job, Robots robots);
-  void factorize(Prefetch prefetch = {});
-  Mask sound_pivots();
+  Mask factorize(Mask usable, Prefetch prefetch = {});
   void solve_by_factor(S* x) const;
   void apply_inverse(S* x);
   Mask correct(Mask open);
@@ -163,7 +159,8 @@ class RobotBlock final
   Mask plainly_damped(double damping) const;
   void report(const Job& job, Robots robots, std::span<Answer> answers) const;
   // functions of rows that depend on each other
-  void size_rows(const Scene& scene, Robots robots);
+  bool rows_wait() const;
+  void size_drifts(const Scene& scene, Robots robots);
   void restore_contradiction();
   rank::Contradiction<S> contradicted() const;
   void report_dependence(Robots robots, std::span<Answer> answers);
@@ -203,13 +200,13 @@ class RobotBlock final
   int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }  // the row
   const S* inner_L();
   Mask accurate_unrefined(const S* L);
-  void solve_panels(const S* L, std::span<const Panel> panels, Mask plain, bool non_temporal);
+  void solve_panels(const S* L, std::span<const Panel> panels, Mask of, bool project, bool non_temporal);
   template <class Put>
   void write(const Band& band, std::span<const Panel> panels, Mask plain, Put&& put);
   template <int N = kColumns>
-  void solve_chunk(const S* L, std::size_t chunk);
+  void solve_chunk(const S* L, std::size_t chunk, bool project);
   template <int N>
-  void solve_columns(const S* L, std::size_t chunk);
+  void solve_columns(const S* L, std::size_t chunk, bool project);
   template <int N>
   void load_chunk(std::size_t chunk, Number* x) const;
   template <int N>
@@ -269,11 +266,12 @@ class RobotBlock final
   std::vector<ContactData<S>> contacts_;
   std::vector<const PairNumbers<double>*> common_pair_;  // one per contact: numbers that all elements have (load_pair)
   S smallest_row_, motion_;
+  bool may_wait_ = false;  // rows of J without a sound pivot wait: else other systems solve
 
   Numbers n_;           // the current numbers
   std::vector<S> own_;  // memory of robots alone
   std::vector<S> pivot_terms_, r_, scale_;
-  std::optional<DependentRows<S>> dependent_;  // set where the plan drops rows
+  WaitingRows<S> waiting_;
   S steps_, backward_error_, first_error_;
   std::uint64_t serial_ = 0;  // the solution and the robots that kinematics, M, K, L, D are of
   std::array<int, W> kept_;
@@ -336,6 +334,7 @@ RobotBlock<S>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
       pivot_terms_(pattern_.size()),
       r_(pattern_.size()),
       scale_(pattern_.size()),
+      waiting_(*plan_),
       joins_(std::max(plan_->joins_size(), plan_->ends_size())),
       border_(Border::size(plan_->border)),
       a_(model_->nv),
@@ -357,7 +356,7 @@ RobotBlock<S>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
       dq_(model_->nv),
       dv_(model_->nv),
       torque_(model_->nv),
-      y_(plan_->dropped.empty() ? 0 : model_->nv),
+      y_(model_->nv),
       along_(y_.size()),
       slope_(has_friction(*model_) ? model_->nv : 0) {
   for (std::size_t k = 0; k < standing_.size(); ++k) {
@@ -371,8 +370,6 @@ RobotBlock<S>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
     columns_.back().insert(columns_.back().end(), support.b.begin(), support.b.end());
   }
   if constexpr (kSingle) make_single();
-  if constexpr (!kSingle)
-    if (!plan_->dropped.empty()) dependent_.emplace(*plan_);
   const sparse::LdlSymbolic& ldl = pattern_.ldl;
   for (int j = rows_; j < ldl.n; ++j)
     for (int i = rows_; i < j; ++i) {

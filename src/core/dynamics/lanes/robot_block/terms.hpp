@@ -1,6 +1,7 @@
 #pragma once
 // RobotBlock: inputs of the robots, and K x = b from these.
 
+#include "manycontact/rank/row_units.hpp"
 #include "robot_block.hpp"
 #include "single.hpp"
 
@@ -88,9 +89,8 @@ void RobotBlock<S>::set_up(const Job& job, Robots robots) {
   internal::evaluate_inertia<S>(*model_, robot_, pattern_.M_slot.data(), n_.K);
   evaluate_rows(job.scene, robots);
   store_left(job, robots);
-  check_rows(job.scene, robots);
-  if constexpr (!kSingle)
-    if (dependent_) size_rows(job.scene, robots);
+  size_rows(job.scene, robots);
+  if (plan_->border > 0 && may_wait_) size_drifts(job.scene, robots);
   assemble_rows(job.scene.damping);
   assemble_right_side(job, robots);
 }
@@ -156,15 +156,30 @@ void RobotBlock<S>::store_left(const Job& job, Robots robots) const {
                    }));
 }
 
-/// Finds the smallest row of J, and the largest motion that rows are picked from: no pivot shows rows that are only
-/// rounding error relative to it.
+/// The sizes of J's rows, and the largest motion that rows are picked from: no pivot shows rows that are only rounding
+/// error relative to these. Damped rows are sound.
 template <class S>
-void RobotBlock<S>::check_rows(const Scene& scene, Robots robots) {
+void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
   smallest_row_ = S(std::numeric_limits<double>::infinity()), motion_ = S(0);
-  if (scene.damping > 0) return;
+  may_wait_ = !kSingle && internal::may_drop_rows(scene, {robots.front().contacts, contacts_.size()});
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    motion_ = larger(motion_scale(scene.contacts[robots.front().contacts[k]], contacts_[k]), motion_);
-    smallest_row_ = -larger(-smallest_row(contacts_[k]), -smallest_row_);
+    const Contact& c = scene.contacts[robots.front().contacts[k]];
+    const ContactData<S>& rows = contacts_[k];
+    if (scene.damping > 0) {
+      for (int i = 0; i < c.rows(); ++i)
+        waiting_.largest_entry(rows_of(k)[i]) = S(0), waiting_.row_size(rows_of(k)[i]) = S(-1);
+      continue;
+    }
+    const MotionSizes<S> sizes = motion_sizes<S>(c, rows);
+    if (kSingle || plan_->border > 0) motion_ = larger(motion_scale(c, rows), motion_);
+    for (int i = 0; i < c.rows(); ++i) {
+      S largest(0);
+      for (Eigen::Index j = 0; j < rows.J.cols(); ++j) largest = larger(abs(rows.J(i, j)), largest);
+      smallest_row_ = -larger(-largest, -smallest_row_);
+      const int row = rows_of(k)[i];
+      waiting_.largest_entry(row) = largest;
+      waiting_.row_size(row) = row_size<S>(sizes, c, rows, i);
+    }
   }
 }
 

@@ -241,8 +241,7 @@ const BodyKinematics<double>* kinematics_at(const BodiesSystem& bodies, const At
 
 }  // namespace internal
 
-bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Dropped dropped, IslandReport& report) {
-  if (dropped != Dropped::kNone) return false;
+bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, IslandReport& report) {
   drops = false;
   internal::BodyAnswer by_subtrees, whole;
   if (internal::solve_by_subtrees(scene, data, *this, by_subtrees)) {
@@ -259,9 +258,11 @@ bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Dropp
     const auto [Ja, a0] = row_terms_of_joints(factor.system, solution);  // the bodies' own have gravity in them
     report.contact_terms = Ja + a0;
   }
-  if (drops)
-    internal::report_dropped_rows(scene, data, owner, dependence.rows.dropped,
-                                  internal::contradiction_of(scene, *data.workspace, *this), report);
+  if (drops) {
+    internal::report_dependent_rows(scene, data, owner, dependence.rows.dropped,
+                                    internal::contradiction_of(scene, *data.workspace, *this), report);
+    report.order = Order::kLeafToRoot;
+  }
   const BodyVectors& x = solution.x;
   each_velocity_block(scene, owner.island,
                       [&](int to, int from, int n) { data.a.segment(to, n) = x.joints.segment(from, n); });

@@ -22,7 +22,7 @@ class BodiesSystem final : public IslandSystem {
   /// level: instruction level for subtrees in SIMD batches; nullptr: each subtree is solved alone.
   BodiesSystem(IslandWork& island, const lanes::Level* level);
 
-  bool solve(const Scene&, SceneData&, ThreadWork&, Dropped, IslandReport&) override;
+  bool solve(const Scene&, SceneData&, ThreadWork&, IslandReport&) override;
   bool differentiate(const Scene&, SceneData&, ThreadWork&, IslandDerivatives&) override;
   bool jvp(const Scene&, SceneData&, ThreadWork&, const TangentProduct&) override;
   bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) override;

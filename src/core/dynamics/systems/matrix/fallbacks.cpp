@@ -192,11 +192,10 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
 }
 
 // Whether redundant rows are dropped in the chosen order first: where that is far cheaper than leaf-to-root, which
-// eliminates all of M first (a hub that many robots grasp then couples all their rows). Robots in SIMD batches drop
-// leaf-to-root's.
+// eliminates all of M first (a hub that many robots grasp then couples all their rows).
 bool drops_in_chosen_order(const MatrixSystem& m) {
   const auto [method, order] = m.owner.choice;
-  if (method != Method::kSparseLdl || order == Order::kLeafToRoot || m.owner.stands_in_lanes()) return false;
+  if (method != Method::kSparseLdl || order == Order::kLeafToRoot) return false;
   const auto cost = [&m](Order by) { return predicted_cost_ldl(m.owner.island.size(), m.owner.shape->counts(by)); };
   return cost(order) < tolerance::kFarCheaper * cost(Order::kLeafToRoot);
 }
@@ -207,52 +206,37 @@ bool depends_globally(const MatrixSystem& m) {
   return m.owner.island.nc > tolerance::kFewRows && m.owner.shape->loops() > tolerance::kFewLoops;
 }
 
-Attempt by_dependent_rows(const MatrixSystem& m, Order order = Order::kLeafToRoot) {
+Attempt with_dependent_rows(const MatrixSystem& m, Order order = Order::kLeafToRoot) {
   return {depends_globally(m) ? FactorKind::kProximal : FactorKind::kDependentRows, order, 0};
 }
 
 }  // namespace
 
-Attempts attempts_of(const MatrixSystem& m, double damping) {
+Attempts attempts_of(const Scene& scene, const MatrixSystem& m) {
   Attempts out;
+  const double damping = scene.damping;
   const auto [method, order] = m.owner.choice;
-  if (method != Method::kDense) out.add({FactorKind::kChosen, order, damping});
-  if (method == Method::kDenseSchur) return out;  // the baseline has no fallback
   const bool globally = damping == 0 && depends_globally(m);
-  if (damping == 0 && drops_in_chosen_order(m)) out.add(by_dependent_rows(m, order));
-  if (!globally && order != Order::kLeafToRoot &&
+  const bool refused_in_lanes =
+      globally && m.owner.stands_in_lanes() && !m.owner.answered && !is_inexact(scene, m.owner);
+  if (method != Method::kDense && !m.owner.deficient && !refused_in_lanes)
+    out.add({FactorKind::kChosen, order, damping});
+  if (method == Method::kDenseSchur) return out;  // the baseline has no fallback
+  if (damping == 0 && drops_in_chosen_order(m)) out.add(with_dependent_rows(m, order));
+  if (!globally && !m.owner.deficient && order != Order::kLeafToRoot &&
       (damping > 0 ? has_order(method) : method == Method::kSparseLdl || method == Method::kSparseBodies))
     out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
-  if (method != Method::kDense && damping == 0) out.add(by_dependent_rows(m));
+  if (method != Method::kDense && damping == 0) out.add(with_dependent_rows(m));
   // The last: near a singular configuration no sparse factor may be sound.
   if (method == Method::kDense || m.owner.island.size() <= tolerance::kDenseSize)
     out.add({FactorKind::kDense, order, damping});
   return out;
 }
 
-bool solve_by_dependent_rows(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& m,
-                             IslandReport& report) {
-  const auto solve_by = [&](const Attempt& by) {
-    if (attempt(scene, data, scratch, by, m, report) != Reason::kNone) return false;
-    report.changed_order = m.owner.choice.order != by.order;
-    report.reason = Reason::kSmallPivot;
-    return true;
-  };
-  if (scene.damping == 0 &&
-      ((drops_in_chosen_order(m) && solve_by(by_dependent_rows(m, m.owner.choice.order))) ||
-       solve_by(by_dependent_rows(m))) &&
-      m.deficient())
-    return true;
-  m.factor = nullptr;
-  m.state = 0;  // the next caller starts from the first factor of the list
-  report.status = Status::kOk;
-  return false;
-}
-
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& m,
                         IslandReport& report) {
   const auto [method, order] = m.owner.choice;
-  const Attempts attempts = attempts_of(m, scene.damping);
+  const Attempts attempts = attempts_of(scene, m);
   Reason first = Reason::kNone, last = Reason::kNone;
   m.factor = nullptr;
   for (int k = 0; k < attempts.count; ++k) {
@@ -267,7 +251,7 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
   report.reason = last;
   if (last != Reason::kSmallPivot || scene.damping == 0 || method == Method::kDenseSchur) return false;
   // A damping below the rounding of K: the solution without it, as a neighbouring problem's.
-  if (attempt(scene, data, scratch, by_dependent_rows(m), m, report) != Reason::kNone) return false;
+  if (attempt(scene, data, scratch, with_dependent_rows(m), m, report) != Reason::kNone) return false;
   report.status = Status::kRegularised;
   report.reason = Reason::kDampingLost;
   return true;

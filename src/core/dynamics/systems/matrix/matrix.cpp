@@ -23,8 +23,6 @@ void MatrixSystem::make_room(Order order) {
 
 bool MatrixSystem::deficient() const { return factor && factor->rank() < owner.island.nc; }
 
-bool MatrixSystem::dropped_rows() const { return owner.answered_by(this) && by_dependent_rows() && tolerated == 0; }
-
 namespace {
 
 // Returns the product of the change of J in K with x, in K's order; empty if J is unchanged.
@@ -120,41 +118,18 @@ void take_judged_answer(const Scene& scene, SceneData& data, ThreadWork& thread,
   if (thread.spare_report.status != report.status) std::swap(report, thread.spare_report);
 }
 
-// Solves by the factors that drop rows, which most states need if the one before did.
-bool solve_dependent(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& m,
-                     IslandReport& report) {
-  internal::evaluate_at_state(scene, data, m.owner);
-  return solve_with_kept_rows(scene, data, m, report, [&] {
-    return internal::solve_by_dependent_rows(scene, data, thread.scratch, m, report);
-  });
-}
-
 }  // namespace
 
-bool MatrixSystem::solve(const Scene& scene, SceneData& data, ThreadWork& thread, Dropped dropped,
-                         IslandReport& report) {
-  const bool as_before = dropped == Dropped::kAsBefore;
-  if (dropped == Dropped::kAsFound || (as_before && !was_dependent)) return false;
-  const bool answered = as_before ? solve_dependent(scene, data, thread, *this, report)
-                                  : solve_at_state(scene, data, thread, *this, report);
-  was_dependent = answered && scene.damping == 0 && found_dependent();
-  if (answered) take_judged_answer(scene, data, thread, *this, report);
-  return answered;
+bool MatrixSystem::solve(const Scene& scene, SceneData& data, ThreadWork& thread, IslandReport& report) {
+  if (!solve_at_state(scene, data, thread, *this, report)) return false;
+  take_judged_answer(scene, data, thread, *this, report);
+  return true;
 }
 
 bool MatrixSystem::make_current(const Scene& scene, const SceneData& data, ThreadWork& thread) {
-  if (state == data.workspace->state) {
-    if (factor) internal::evaluate_at_state(scene, data, owner);  // sparse-bodies, asked since then, overwrote J
-    return factor;
-  }
-  if ((owner.answered_by(&owner.alone) && owner.alone.by == owner.alone.dependent) ||
-      (owner.answered_by(owner.robots.get()) && owner.robots->drops) ||
-      (owner.answered_by(owner.bodies.get()) && owner.bodies->drops &&
-       internal::joint_space_fits(owner))) {  // rows that K has to drop, too
-    internal::evaluate_at_state(scene, data, owner);
-    if (internal::solve_by_dependent_rows(scene, data, thread.scratch, *this, thread.spare_report)) return true;
-  }
-  return solve_at_state(scene, data, thread, *this, thread.spare_report);
+  if (state != data.workspace->state) return solve_at_state(scene, data, thread, *this, thread.spare_report);
+  if (factor) internal::evaluate_at_state(scene, data, owner);  // sparse-bodies, asked since then, overwrote J
+  return factor;
 }
 
 namespace {

@@ -34,7 +34,7 @@ class MatrixSystem final : public IslandSystem {
  public:
   explicit MatrixSystem(IslandWork& island) : owner(island) {}
 
-  bool solve(const Scene&, SceneData&, ThreadWork&, Dropped, IslandReport&) override;
+  bool solve(const Scene&, SceneData&, ThreadWork&, IslandReport&) override;
   bool differentiate(const Scene&, SceneData&, ThreadWork&, IslandDerivatives&) override;
   bool jvp(const Scene&, SceneData&, ThreadWork&, const TangentProduct&) override;
   bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) override;
@@ -51,13 +51,6 @@ class MatrixSystem final : public IslandSystem {
   void make_room(Order order);
   /// Whether the island's contact rows were found dependent.
   bool deficient() const;
-  /// Whether that is why a factor which drops such rows solved.
-  bool dropped_rows() const;
-  bool by_dependent_rows() const {
-    return deficient() && (factor == dropping.get() || factor == dropping_in_order.get());
-  }
-  /// The same, or by the proximal factor, which no robot in a SIMD batch can follow.
-  bool found_dependent() const { return by_dependent_rows() || (deficient() && factor == proximal.get()); }
 
   /// use(row, column, change) for the entries of K's J that were changed within the tolerance, in K's order.
   template <class Use>
@@ -84,7 +77,6 @@ class MatrixSystem final : public IslandSystem {
   bool contradiction = false;  // the contacts are inconsistent: least squares
   WithinTolerance within;
   double tolerated = 0;        // inconsistency that rows made dependent may have, relative to their terms
-  bool was_dependent = false;  // the last solve found rows dependent
   std::vector<int> dependent;  // scratch: rows of J
   std::unique_ptr<DependentDerivatives> rows;  // set by differentiate and products, if rows depend
 };
@@ -159,7 +151,8 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
 /// rows in the chosen order, if that costs less than half of leaf-to-root; the chosen method in leaf-to-root order,
 /// which is sound unless rows depend on each other (CHOLMOD only with damping, since it allocates); LDL that drops
 /// dependent rows in leaf-to-root order; the dense reference solver. In large islands with many loops the proximal
-/// factor takes the place of the two that drop rows.
+/// factor takes the place of the two that drop rows. Where another system has found rows dependent at this state, or
+/// a large island's robots in SIMD batches have no sound solution, the first attempt is left out.
 enum class FactorKind { kChosen, kDependentRows, kProximal, kDense };
 struct Attempt {
   FactorKind kind;
@@ -171,10 +164,7 @@ struct Attempts {
   int count = 0;
   void add(const Attempt& attempt) { list[count++] = attempt; }
 };
-Attempts attempts_of(const MatrixSystem& system, double damping);
-/// Tries only the factors for dependent rows. False if none is sound, or if it finds no dependent row.
-bool solve_by_dependent_rows(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
-                             IslandReport& report);
+Attempts attempts_of(const Scene& scene, const MatrixSystem& system);
 /// Solves by the dense reference solver alone, where another factor does not serve for derivatives. False where it
 /// would take too long or was tried already.
 bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& system);

@@ -28,13 +28,12 @@ lanes::Job job_at_state(const Scene& scene, SceneData& data) {
 
 namespace {
 
-void take_answer(BlockGroup& by, Precision precision, const lanes::Answer& answer, IslandWork& d,
-                 IslandReport& report) {
+void take_answer(Precision precision, const lanes::Answer& answer, IslandWork& d, IslandReport& report) {
   reset(report, d.island);
   report.precision = precision;
   report.method = Method::kSparseLdl;
   report.order = d.choice.order;
-  report.factor_nonzeros = by.plan->factor_nonzeros() + d.island.size();
+  report.factor_nonzeros = d.alone.group->plan->factor_nonzeros() + d.island.size();
   report.refinement_steps = answer.refinement_steps;
   report.residual_dynamics = answer.residual_dynamics;
   report.residual_contact = answer.residual_contact;
@@ -42,17 +41,17 @@ void take_answer(BlockGroup& by, Precision precision, const lanes::Answer& answe
   report.backward_error = answer.backward_error;
   d.answered = &d.alone;
   d.factorizations = 1;
-  d.alone.by = &by;
   d.alone.panel_is_safe = answer.panel_is_safe;
   d.alone.refine_panel = answer.refine_panel;
 }
 
 void take_dependence(const Scene& scene, const SceneData& data, const lanes::Answer& answer, IslandWork& d,
                      IslandReport& report) {
+  if (answer.dependent.empty()) return;
   d.matrix.dependent.clear();
-  const KktPattern& p = *d.alone.by->plan->pattern;
-  for (int k : d.alone.by->plan->dropped) d.matrix.dependent.push_back(p.perm[k] - p.nv);
-  report_dropped_rows(scene, data, d, d.matrix.dependent, answer.contradiction, report);
+  const KktPattern& p = *d.alone.group->plan->pattern;
+  for (int k : answer.dependent) d.matrix.dependent.push_back(p.perm[k] - p.nv);
+  report_dependent_rows(scene, data, d, d.matrix.dependent, answer.contradiction, report);
 }
 
 // Puts the islands into w.lanes, each with the group that group_of(island) returns, if any: in batches of `width`.
@@ -119,22 +118,12 @@ void each_in_lanes(const Scene& scene, Workspace& w, double of_solve, GroupOf&& 
 }
 
 // The group that an island is solved in; nullptr: none, or not now.
-BlockGroup* group_of_solve(const Scene& scene, Workspace& w, IslandWork& d, Dropped dropped) {
-  AloneSystem& alone = d.alone;
-  if (!alone.group || is_inexact(scene, d)) return nullptr;
-  if (dropped == Dropped::kNone)  // rows that outnumber the coordinates are certain to depend on each other
-    return d.answered || (scene.damping == 0 && d.island.nc > d.island.nv) ? nullptr : alone.group;
-  if (!may_drop_rows(scene, d.island.contacts)) return nullptr;
-  if (dropped == Dropped::kAsFound) {
-    if (!d.matrix.dropped_rows()) return nullptr;
-    find_dependent_group(w, d);
-  }
-  const bool enough = alone.dependent && static_cast<int>(alone.dependent->plan->dropped.size()) >= d.depended;
-  return enough && !d.refused ? alone.dependent : nullptr;
+BlockGroup* group_of_solve(const Scene& scene, const IslandWork& d) {
+  return d.answered || is_inexact(scene, d) ? nullptr : d.alone.group;
 }
 
 // The group that gave an island's solution; nullptr: none, or not the derivatives.
-BlockGroup* group_of_answer(const IslandWork& d) { return d.served_in_lanes() ? d.alone.by : nullptr; }
+BlockGroup* group_of_answer(const IslandWork& d) { return d.served_in_lanes() ? d.alone.group : nullptr; }
 
 }  // namespace
 
@@ -143,35 +132,35 @@ void solve_alone_in_single(const Scene& scene, SceneData& data) {
   if (w.options.precision != Precision::kSingle || !w.lanes.level || !usable_numbers(scene)) return;
   const lanes::Job job = job_at_state(scene, data);
   const auto group_of = [&](IslandWork& d) -> BlockGroup* {
-    BlockGroup* group = group_of_solve(scene, w, d, Dropped::kNone);
-    return group && !group->single.empty() ? group : nullptr;
+    BlockGroup* group = group_of_solve(scene, d);
+    const bool dependent = scene.damping == 0 && d.island.nc > d.island.nv;  // certainly
+    return group && !group->single.empty() && !dependent ? group : nullptr;
   };
   const auto solve = [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
     const std::span<lanes::Answer> answers(thread.answers.data(), robots.size());
     group.single[thread.number].of(robots.size()).solve(job, robots, answers);
     for (std::size_t k = 0; k < robots.size(); ++k)
       if (answers[k].sound)
-        take_answer(group, Precision::kSingle, answers[k], *w.islands[numbers[k]], data.report.islands[numbers[k]]);
+        take_answer(Precision::kSingle, answers[k], *w.islands[numbers[k]], data.report.islands[numbers[k]]);
   };
   each_batch_of(batch_width(w), scene, w, 1, group_of, solve);
 }
 
-void solve_alone(const Scene& scene, SceneData& data, Dropped dropped, const StartOfStep* start) {
+void solve_alone(const Scene& scene, SceneData& data, const StartOfStep* start) {
   if (!usable_numbers(scene)) return;
   Workspace& w = *data.workspace;
   lanes::Job job = job_at_state(scene, data);
   job.start = start;
-  const auto group_of = [&](IslandWork& d) { return group_of_solve(scene, w, d, dropped); };
+  const auto group_of = [&](IslandWork& d) { return group_of_solve(scene, d); };
   each_in_lanes(scene, w, 1, group_of, [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
     group.kernels[thread.number].of(robots.size()).solve(job, robots, {thread.answers.data(), robots.size()});
     for (std::size_t k = 0; k < robots.size(); ++k) {
       const lanes::Answer& answer = thread.answers[k];
       IslandWork& d = *w.islands[numbers[k]];
-      d.refused = d.refused || (!answer.sound && dropped != Dropped::kNone);
       if (!answer.sound) continue;
       IslandReport& report = data.report.islands[numbers[k]];
-      take_answer(group, Precision::kDouble, answer, d, report);
-      if (!group.plan->dropped.empty()) take_dependence(scene, data, answer, d, report);
+      take_answer(Precision::kDouble, answer, d, report);
+      take_dependence(scene, data, answer, d, report);
     }
   });
 }

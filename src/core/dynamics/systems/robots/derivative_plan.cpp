@@ -47,7 +47,7 @@ double cost_by_robots(const RobotsSystem& system, const RobotsDerivatives& by, d
   double cost = cost_of_interface(system.interface->nonzeros, ld);
   for (std::size_t k = 0; k < by.robots.size(); ++k) {
     const RobotsDerivatives::OfRobot& r = by.robots[k];
-    const KktPattern& p = *system.robots[k].ordinary->plan->inner;
+    const KktPattern& p = *system.robots[k].group->plan->inner;
     cost += r.ld * (4.0 * p.ldl.nonzeros() + 2.0 * p.K.nonzeros());
     cost += costs::kPanelProduct * r.padded() * (p.nv * r.ld + p.size() * ld);
   }
@@ -100,7 +100,7 @@ void take_memory(const IslandWork& d, std::size_t threads, RobotsDerivatives& by
   const std::size_t rows = system.interface->row.size(), n = d.island.size();
   for (std::size_t k = 0; k < by.robots.size(); ++k) {
     RobotsDerivatives::OfRobot& r = by.robots[k];
-    r.ends.resize(system.robots[k].ordinary->plan->ends_size());
+    r.ends.resize(system.robots[k].group->plan->ends_size());
     r.P.resize(r.size(), r.ld);
     r.P.setZero();
     r.G.assign(static_cast<std::size_t>(r.nv) * r.padded(), 0.0);
@@ -161,7 +161,7 @@ void prepare_robots_derivatives(const Scene& scene, IslandWork& d, const IslandD
       by.cheaper[dropping] = out.cols > 0 && cost_by_robots(*d.robots, by, ld) < most(dropping);
     by.request = out.request;
   }
-  if (by.has_room || !(by.cheaper[false] || by.cheaper[d.robots->drops])) return;
+  if (by.has_room || !(by.cheaper[false] || by.cheaper[d.deficient])) return;
   take_memory(d, w.threads.size(), by);
   by.has_room = true;
 }

@@ -311,15 +311,15 @@ bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, boo
 bool make_current(const Scene& scene, SceneData& data, RobotsSystem& system) {
   if (system.state == data.workspace->state) return true;
   system.first_error = system.owner.matrix.first_error;
-  return system.factorize(scene, data);
+  return system.factorize(scene, data) && !system.rows_depend();
 }
 
 }  // namespace
 
 bool differentiates_by_robots(const IslandWork& d) {
   if (!d.robots || !d.robots->derivatives || !d.robots->derivatives->has_room) return false;
-  if (!d.robots->derivatives->cheaper[d.robots->drops]) return false;
-  if (d.robots->drops && d.robots->contradiction) return false;
+  if (!d.robots->derivatives->cheaper[d.deficient]) return false;
+  if (d.deficient && d.robots->contradiction) return false;
   if (d.robots->solves) return d.answered_by(d.robots.get());
   return d.answered_by(&d.matrix) && d.matrix.factor == d.matrix.chosen.get();
 }

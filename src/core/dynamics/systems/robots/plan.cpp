@@ -24,12 +24,10 @@ struct Block {
   int robot;
   std::span<const int> contacts, joins;
   std::shared_ptr<const KktPattern> inner;
-  std::span<const int> dropped = {};  // rows of its K that depend on others
 };
 
 std::shared_ptr<const lanes::BlockPlan> make_plan(const Block& block, Order order) {
   auto plan = std::make_shared<lanes::BlockPlan>();
-  plan->dropped.assign(block.dropped.begin(), block.dropped.end());
   plan->scene.robots = {block.scene.robots[block.robot]};
   const auto on_first = [](Attachment at) {
     at.robot = std::min(at.robot, 0);
@@ -68,7 +66,7 @@ double cost_ldl(int rows, double nonzeros, double flops) {
 double cost_ldl(const sparse::LdlSymbolic& L) { return cost_ldl(L.n, L.nonzeros(), L.flops); }
 
 // Finds the group by all that a plan depends on: structure, friction in joints, contacts' types and joints, order of
-// elimination, the rows dropped.
+// elimination.
 BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
   const Scene& scene = block.scene;
   const Model& model = *scene.robots[block.robot].model;
@@ -82,7 +80,6 @@ BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
     key.insert(key.end(), {kind_of(contact), end_on(contact, block.robot).joint});
   }
   key.insert(key.end(), block.inner->perm.begin(), block.inner->perm.end());
-  key.insert(key.end(), block.dropped.begin(), block.dropped.end());
   BlockGroup& group = w.lanes.groups[{model.structure.get(), std::move(key)}];
   if (group.plan) return group;
   group.plan = make_plan(block, order);
@@ -98,7 +95,6 @@ void make_kernels(Workspace& w, BlockGroup& group, bool side_by_side) {
     for (auto& kernel : kernels) kernel.make(side_by_side, [&](bool batch) { return of_plan(batch, group.plan); });
   };
   make(group.kernels, w.lanes.level->make);
-  if (!group.plan->dropped.empty()) return;  // islands with dropped rows are solved in double
   // The inconsistency of a pair's contacts is judged relative to the rounding errors of doubles.
   const auto is_pair = [](const Contact& c) { return c.pair != nullptr; };
   if (w.options.precision == Precision::kSingle && std::ranges::none_of(group.plan->scene.contacts, is_pair))
@@ -197,12 +193,16 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d, Order ord
     BlockGroup& group = group_of(w, {d.shape->scene(), static_cast<int>(k), r.contacts, r.joins, inner}, order);
     fits =
         group.plan->schedule().compiled && inner->schedule().compiled && group.plan->pattern->size() <= kLargestInLanes;
-    out->robots.push_back({&group, &group});
+    out->robots.push_back({&group});
     out->order.push_back(static_cast<int>(k));
   }
   d.joinable = fits;
   if (!fits) return nullptr;
-  out->drop_rows(false);
+  std::sort(out->order.begin(), out->order.end(), [&out](int x, int y) {
+    const BlockGroup *a = out->robots[x].group, *b = out->robots[y].group;
+    return std::less<>()(a, b) || (a == b && x < y);
+  });
+  for (std::size_t k = 0; k < out->robots.size(); ++k) out->robots[out->order[k]].member = static_cast<int>(k);
   out->seconds = seconds_joined(*out, w.lanes.level->width);
   out->solves = d.choice.method == Method::kSparseLdl &&
                 cost_joined(*out, w.lanes.level->width) < tolerance::kCheaper * cost_of_choice(d);
@@ -283,9 +283,9 @@ void use_robots(const Scene& scene, Workspace& w, IslandWork& d, std::unique_ptr
 void forget_unused_groups(Workspace& w) {
   std::set<const BlockGroup*> used;
   const auto keep = [&used](const IslandWork& d) {
-    used.insert({d.alone.group, d.alone.dependent, d.alone.by});
+    used.insert(d.alone.group);
     if (!d.robots) return;
-    for (const RobotsSystem::OfRobot& r : d.robots->robots) used.insert({r.ordinary, r.dependent});
+    for (const RobotsSystem::OfRobot& r : d.robots->robots) used.insert(r.group);
   };
   for (const auto& d : w.islands) keep(*d);
   w.pool.each(keep);
@@ -330,73 +330,6 @@ void group_robots_alone(Workspace& w) {
     make_kernels(w, *group, !group->islands.empty());
     group->islands.push_back(static_cast<int>(i));
   }
-}
-
-namespace {
-
-// The rows of the island's J that its factor dropped, ascending; and memory for their report, should derivatives ask
-// for that factor again.
-std::vector<int>& take_dropped_rows(Workspace& w, IslandWork& d) {
-  std::vector<int>& rows = d.matrix.dependent;
-  d.matrix.factor->dependent_rows(rows);
-  std::sort(rows.begin(), rows.end());
-  for (ThreadWork& thread : w.threads) thread.spare_report.dependent_rows.reserve(d.island.nc);
-  return rows;
-}
-
-}  // namespace
-
-bool find_dependent_groups(Workspace& w, RobotsSystem& system) {
-  IslandWork& d = system.owner;
-  const std::vector<int>& dropped = take_dropped_rows(w, d);
-  if (dropped == system.dropped) return true;
-  system.dropped.clear();
-  d.refused = false;
-  if (w.lanes.groups.size() >= tolerance::kMostGroups) forget_unused_groups(w);
-  std::size_t found = 0;
-  for (std::size_t k = 0; k < system.robots.size(); ++k) {
-    const Interface::OfRobot& r = system.interface->robots[k];
-    const Island own = alone(*d.shape, *system.interface, k);
-    const std::shared_ptr<const KktPattern> inner = w.shapes.find(d.shape->scene(), own)->pattern(Order::kLeafToRoot);
-    std::vector<int> rows;
-    for (std::size_t c = 0; c < r.contacts.size(); ++c) {
-      const int first = d.island.row_offset[r.contacts[c]], count = d.shape->scene().contacts[own.contacts[c]].rows();
-      for (auto row = std::lower_bound(dropped.begin(), dropped.end(), first);
-           row != dropped.end() && *row < first + count; ++row)
-        rows.push_back(inner->iperm[own.nv + own.row_offset[c] + *row - first]);
-    }
-    found += rows.size();
-    system.robots[k].dependent = nullptr;
-    if (rows.empty()) continue;
-    std::sort(rows.begin(), rows.end());
-    if (rows.size() > tolerance::kMostDropped || !inner->schedule().compiled) return false;
-    const Block block{d.shape->scene(), static_cast<int>(k), r.contacts, r.joins, inner, rows};
-    BlockGroup& group = group_of(w, block, Order::kLeafToRoot);
-    if (!group.plan->schedule().compiled) return false;
-    make_kernels(w, group, true);
-    system.robots[k].dependent = &group;
-  }
-  if (found < dropped.size()) return false;
-  system.dropped = dropped;
-  return true;
-}
-
-void find_dependent_group(Workspace& w, IslandWork& d) {
-  std::vector<int>& dropped = take_dropped_rows(w, d);
-  const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(Order::kLeafToRoot);
-  if (dropped.size() > tolerance::kMostDropped || !pattern->schedule().compiled) {
-    d.alone.dependent = nullptr;
-    return;
-  }
-  for (int& row : dropped) row = pattern->iperm[pattern->nv + row];
-  std::sort(dropped.begin(), dropped.end());
-  if (d.alone.dependent && d.alone.dependent->plan->dropped == dropped) return;
-  if (w.lanes.groups.size() >= tolerance::kMostGroups) forget_unused_groups(w);
-  const Block block{d.shape->scene(), 0, d.shape->island().contacts, {}, pattern, dropped};
-  d.alone.dependent = &group_of(w, block, Order::kLeafToRoot);
-  d.refused = false;
-  make_kernels(w, *d.alone.dependent, w.islands.size() > 1);
-  d.alone.dependent->islands.reserve(w.islands.size());
 }
 
 void make_robots(const Scene& scene, Workspace& w, IslandWork& d) {

@@ -111,15 +111,14 @@ void evaluate_interface(const Scene& scene, Workspace& w, RobotsSystem& s) {
       });
 }
 
-// Whether no row of J is only rounding error relative to the contacts' motions: pivots do not show that.
+// Whether no interface row of J is only rounding error relative to the contacts' motions: pivots do not show that.
 bool accept_rows(const Scene& scene, const RobotsSystem& s) {
   double smallest = std::numeric_limits<double>::infinity(), motion = 0;
-  const auto add = [&](const auto& x) {
-    smallest = std::min(smallest, x.smallest_row);
-    motion = std::max(motion, x.motion);
-  };
-  std::for_each(s.members.begin(), s.members.end(), add);
-  std::for_each(s.contacts.begin(), s.contacts.end(), add);
+  for (const Member& m : s.members) motion = std::max(motion, m.motion);
+  for (const RobotsSystem::Coupling& c : s.contacts) {
+    smallest = std::min(smallest, c.smallest_row);
+    motion = std::max(motion, c.motion);
+  }
   return scene.damping > 0 || smallest > tolerance::kRank * motion;
 }
 
@@ -223,7 +222,23 @@ void report_answer(const Scene& scene, const RobotsSystem& s, const sparse::Refi
   report.backward_error = refinement.backward_error;
 }
 
-// Reports the rows that an island drops, and their inconsistency. False: they are left to the dense reference solver.
+// The rows of the island that depend on others.
+std::span<const int> dependent_rows(RobotsSystem& s) {
+  IslandWork& d = s.owner;
+  d.matrix.dependent.clear();
+  for (std::size_t k = 0; k < s.robots.size(); ++k) {
+    const lanes::BlockPlan& plan = *s.robots[k].group->plan;
+    for (int row : s.member(k).dependent) {
+      const int own = plan.pattern->perm[row] - plan.pattern->nv;
+      const std::vector<int>& first = plan.island.row_offset;
+      const auto c = std::upper_bound(first.begin(), first.end(), own) - first.begin() - 1;
+      d.matrix.dependent.push_back(d.island.row_offset[s.interface->robots[k].contacts[c]] + own - first[c]);
+    }
+  }
+  return d.matrix.dependent;
+}
+
+// Reports the rows that depend, and their inconsistency. False: they are left to the dense reference solver.
 bool report_dependence(const Scene& scene, const SceneData& data, RobotsSystem& s, IslandReport& report) {
   rank::Contradiction<double> all;
   for (const Member& m : s.members) all.add(m.contradiction);
@@ -231,7 +246,7 @@ bool report_dependence(const Scene& scene, const SceneData& data, RobotsSystem& 
   if (all.needs_dense()) return false;
   report.backward_error = backward_error_of(s);
   s.contradiction = all.exceeds_rounding();
-  report_dropped_rows(scene, data, s.owner, s.dropped, all, report);
+  report_dependent_rows(scene, data, s.owner, dependent_rows(s), all, report);
   return true;
 }
 
@@ -293,12 +308,11 @@ void solve_once_refined(const Scene& scene, SceneData& data, RobotsSystem& s, Pr
 
 }  // namespace
 
-void report_dropped_rows(const Scene& scene, const SceneData& data, IslandWork& d, std::span<const int> rows,
-                         const rank::Contradiction<double>& contradiction, IslandReport& report) {
+void report_dependent_rows(const Scene& scene, const SceneData& data, IslandWork& d, std::span<const int> rows,
+                           const rank::Contradiction<double>& contradiction, IslandReport& report) {
+  d.deficient = true;
   report.status = contradicts(scene, data, contradiction, d) ? Status::kInconsistent : Status::kRedundant;
   report.reason = Reason::kSmallPivot;
-  report.changed_order = has_order(d.choice.method) && d.choice.order != Order::kLeafToRoot;
-  report.order = Order::kLeafToRoot;
   report.rank -= static_cast<int>(rows.size());
   name_dependent_rows(data, d.island, rows, report);
 }
@@ -336,6 +350,10 @@ bool RobotsSystem::factorize(const Scene& scene, SceneData& data) {
   return true;
 }
 
+bool RobotsSystem::rows_depend() const {
+  return std::ranges::any_of(members, [](const Robot& r) { return !r.dependent.empty(); });
+}
+
 double RobotsSystem::growth() const {
   double largest = 0, diagonal = 0, most = 1;
   for (const Robot& r : members) {
@@ -347,65 +365,29 @@ double RobotsSystem::growth() const {
   return diagonal > 0 ? std::max(most, largest / diagonal) : most;
 }
 
-void RobotsSystem::drop_rows(bool on) {
-  drops = on;
-  for (OfRobot& r : robots) r.group = on && r.dependent ? r.dependent : r.ordinary;
-  std::sort(order.begin(), order.end(), [this](int x, int y) {
-    const BlockGroup *a = robots[x].group, *b = robots[y].group;
-    return std::less<>()(a, b) || (a == b && x < y);
-  });
-  for (std::size_t k = 0; k < robots.size(); ++k) robots[order[k]].member = static_cast<int>(k);
-}
-
-namespace internal {
-
-namespace {
-
-// Whether the island may be solved so: not where another system has solved, and not without rows that are unknown.
-bool may_solve(const Scene& scene, Workspace& w, RobotsSystem& s, Dropped dropped) {
-  if (!s.solves || !usable_numbers(scene)) return false;
-  if (dropped == Dropped::kNone) return !s.owner.answered;
-  if (!may_drop_rows(scene, s.owner.island.contacts)) return false;
-  if (dropped == Dropped::kAsFound && !(s.owner.matrix.dropped_rows() && find_dependent_groups(w, s))) return false;
-  return !s.dropped.empty() && static_cast<int>(s.dropped.size()) >= s.owner.depended && !s.owner.refused;
-}
-
-}  // namespace
-
-}  // namespace internal
-
-bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Dropped rows, IslandReport& report) {
-  if (!internal::may_solve(scene, *data.workspace, *this, rows)) return false;
-  const bool on = rows != Dropped::kNone;
-  if (drops != on || rows == Dropped::kAsFound) drop_rows(on);  // rows found may be others than before
-  if (solve_in_use(scene, data, report)) return true;
-  owner.refused = owner.refused || on;
-  drop_rows(false);
-  return false;
-}
-
-bool RobotsSystem::solve_in_use(const Scene& scene, SceneData& data, IslandReport& report) {
+bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, IslandReport& report) {
   Workspace& w = *data.workspace;
-  if (!factorize(scene, data)) return false;
+  if (!solves || !internal::usable_numbers(scene) || !factorize(scene, data)) return false;
   const sparse::Refinement refinement = internal::solve_refined(w, scene.damping, tolerance::kRefinementSteps, *this);
   state = 0;  // set once the solution is judged
   if (!(refinement.backward_error <= tolerance::kConverged)) return false;
   first_error = refinement.first;
   internal::store_answer(internal::job_at_state(scene, data), w, *this);
   if (!internal::plainly_damped(scene, data, *this)) return false;
-  if (drops)
+  const bool dependent = rows_depend();
+  if (dependent)
     internal::each_batch(
         w, *this, [](internal::Kernel& kernel, std::span<Robot> of_batch, internal::Memory memory_of, ThreadWork&) {
           kernel.finish(of_batch, memory_of);
         });
   internal::report_answer(scene, *this, refinement, report);
-  if (drops && !internal::report_dependence(scene, data, *this, report)) return false;
+  if (dependent && !internal::report_dependence(scene, data, *this, report)) return false;
   state = w.state;
   return true;
 }
 
 bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const TangentProduct& p) {
-  if (drops) return false;  // the whole K has what the forces of least norm add
+  if (owner.deficient) return false;  // the whole K has what the forces of least norm add
   internal::place_at_state(scene, data, owner.island);
   internal::tangent_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });
@@ -413,7 +395,7 @@ bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const T
 }
 
 bool RobotsSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const AdjointProduct& p) {
-  if (drops) return false;  // the whole K has what the forces of least norm add
+  if (owner.deficient) return false;  // the whole K has what the forces of least norm add
   internal::place_at_state(scene, data, owner.island);
   internal::adjoint_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });
@@ -421,7 +403,7 @@ bool RobotsSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const A
 }
 
 bool RobotsSystem::invert(const Scene& scene, SceneData& data, ThreadWork&, ProductWork& work) {
-  if (drops) return false;
+  if (owner.deficient) return false;
   internal::solve_once_refined(scene, data, *this, work);
   return true;
 }

@@ -61,9 +61,7 @@ struct InLanes {
 /// An island of one robot in a SIMD batch with others of its group: batch by batch, all of a scene's by one call (the
 /// functions of `alone.cpp` below). For one island alone it has no solution, and the whole K solves what batches left.
 struct AloneSystem final : IslandSystem {
-  BlockGroup* group = nullptr;      // nullptr: it is in no SIMD batch; by prepare
-  BlockGroup* dependent = nullptr;  // group with the last rows found dependent dropped; nullptr: none were
-  BlockGroup* by = nullptr;         // the one of the two that gave the last solution
+  BlockGroup* group = nullptr;  // nullptr: it is in no SIMD batch; by prepare
   // set by the last solution that came from a SIMD batch
   bool panel_is_safe = false;  // whether derivatives may come from there too
   bool refine_panel = false;   // and are refined once
@@ -75,20 +73,18 @@ class RobotsSystem final : public IslandSystem {
   explicit RobotsSystem(IslandWork& island);
   ~RobotsSystem() override;
 
-  /// Rows dropped are of contacts on single robots. Allocates for rows found that are others than before.
-  bool solve(const Scene&, SceneData&, ThreadWork&, Dropped, IslandReport&) override;
+  /// Rows that depend on others are of contacts on single robots.
+  bool solve(const Scene&, SceneData&, ThreadWork&, IslandReport&) override;
   bool differentiate(const Scene&, SceneData&, ThreadWork&, IslandDerivatives&) override;
   bool jvp(const Scene&, SceneData&, ThreadWork&, const TangentProduct&) override;
   bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) override;
   bool invert(const Scene&, SceneData&, ThreadWork&, ProductWork&) override;
 
-  /// Uses the groups with or without the rows of `dropped` from now on.
-  void drop_rows(bool on);
-
   /// The factors of the robots and of the interface rows, and the right-hand side, at the current state. False where
   /// these are not sound.
   bool factorize(const Scene& scene, SceneData& data);
-  bool solve_in_use(const Scene&, SceneData&, IslandReport&);  // solves by the groups in use
+  /// Whether rows of any robot depend on others, in these factors.
+  bool rows_depend() const;
   /// Growth of K's entries in these factors, as Factor has it.
   double growth() const;
 
@@ -113,9 +109,7 @@ class RobotsSystem final : public IslandSystem {
     double smallest_row, motion;
   };
   struct OfRobot {
-    BlockGroup* group;  // the one in use, of these two
-    BlockGroup* ordinary;
-    BlockGroup* dependent = nullptr;  // nullptr: no row of it is dropped
+    BlockGroup* group;
     std::vector<int> contacts = {};   // contacts on it alone, numbers in the scene
     int member = 0;                   // index in `members`: its place in `order`
     std::vector<int> couplings = {};  // indices in `contacts`: those that join it, in the order of its joins
@@ -127,8 +121,6 @@ class RobotsSystem final : public IslandSystem {
   Order within = Order::kLeafToRoot;  // order in which each robot is eliminated
   std::vector<int> order;             // robots of the island, group by group
   std::vector<OfRobot> robots;
-  std::vector<int> dropped;    // rows of the island that depended on others when last solved, robots' own all of them
-  bool drops = false;          // robots' groups are those without them
   bool contradiction = false;  // the last solution was inconsistent: derivatives have a term of it, in the whole K
   // set by prepare, for the current island
   std::vector<Coupling> contacts;  // group by group, like ones together
@@ -163,10 +155,9 @@ void forget_unused_groups(Workspace& work);
 /// island.robots, settled, where that is possible; made when first asked for.
 void make_robots(const Scene& scene, Workspace& work, IslandWork& island);
 
-/// Solves the islands of one robot that have a place in a SIMD batch, at w.q, data.v, data.tau: those not solved yet,
-/// or, of rows found to depend, those that the whole K solved.
+/// Solves the islands of one robot that have a place in a SIMD batch, at w.q, data.v, data.tau: those not solved yet.
 /// start: of a step, whose forces are then not in data.tau.
-void solve_alone(const Scene& scene, SceneData& data, Dropped dropped, const StartOfStep* start = nullptr);
+void solve_alone(const Scene& scene, SceneData& data, const StartOfStep* start = nullptr);
 /// Whether all robots are islands that have a place in a SIMD batch of doubles.
 bool stand_alone(const Scene& scene, const Workspace& w);
 /// The same islands, those not solved yet, in single precision where the options ask for it. Islands whose
@@ -174,14 +165,9 @@ bool stand_alone(const Scene& scene, const Workspace& w);
 void solve_alone_in_single(const Scene& scene, SceneData& data);
 /// How many robots alone, or states, a SIMD batch has at most; 1 without SIMD batches.
 int batch_width(const Workspace& w);
-/// Reports the rows of an island's J that were dropped: status, rank, names.
-void report_dropped_rows(const Scene& scene, const SceneData& data, IslandWork& island, std::span<const int> rows,
-                         const rank::Contradiction<double>& contradiction, IslandReport& report);
-/// robots.dropped and the robots' groups without these, of the rows that the factor of the whole K dropped. False where
-/// they have no place in SIMD batches: rows that join robots are among them.
-bool find_dependent_groups(Workspace& work, RobotsSystem& robots);
-/// island.alone.dependent of the rows that the factor of the whole K dropped; nullptr: no SIMD batch takes it.
-void find_dependent_group(Workspace& work, IslandWork& island);
+/// Reports the rows of an island's J that depend on others: status, rank, names.
+void report_dependent_rows(const Scene& scene, const SceneData& data, IslandWork& island, std::span<const int> rows,
+                           const rank::Contradiction<double>& contradiction, IslandReport& report);
 /// Derivatives of islands that SIMD batches serve (IslandWork::served_in_lanes) into w.derivatives, and products with
 /// them. Vectors are in the scene's coordinates, as in jvp.hpp.
 void differentiate_alone(const Scene& scene, SceneData& data);

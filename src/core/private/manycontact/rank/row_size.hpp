@@ -11,10 +11,13 @@ namespace manycontact {
 /// a hundredth of the rotation times the moment arms it was computed with; of a rotation that alone, in radians: a
 /// moment arm of a million metres does not make it small. After contact_rows.
 template <class S>
-S row_size(const Contact& contact, const ContactData<S>& data, int k) {
-  const MotionSizes<S> of = motion_sizes<S>(contact, data);
+S row_size(const MotionSizes<S>& of, const Contact& contact, const ContactData<S>& data, int k) {
   if (contact.pair) return data.pair->terms(k, 0) * of.of_point + data.pair->terms(k, 1) * of.turning;
   return k < 3 ? of.of_point : of.turning;
+}
+template <class S>
+S row_size(const Contact& contact, const ContactData<S>& data, int k) {
+  return row_size<S>(motion_sizes<S>(contact, data), contact, data, k);
 }
 
 namespace internal {

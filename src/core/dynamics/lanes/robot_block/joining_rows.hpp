@@ -1,0 +1,150 @@
+#pragma once
+// Waiting rows of robots alone that do not depend on the rows kept, K1, and were only badly placed: they join K1 by
+// their Schur complement (rank/waiting_rows.hpp). The k-th of each element, other rows in other elements, is one column
+// of
+//
+//     Z = K1^-1 B,    T = B^T Z = L D L^T,    y = T^-1 (Z^T b1 - b2),    x = K1^-1 b1 - Z y.
+
+#include <algorithm>
+#include <vector>
+
+#include "../arrays.hpp"
+#include "manycontact/sparse/tile.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+
+namespace manycontact::lanes {
+
+/// G = L D L^T in its place, n x n by rows, the inverse of D on the diagonal: inverse_of(k, D_k).
+template <class S, class InverseOf>
+void factor_dense(S* G, std::ptrdiff_t n, InverseOf&& inverse_of) {
+  for (std::ptrdiff_t a = 0; a < n; ++a) {
+    S* row = G + a * n;
+    for (std::ptrdiff_t b = 0; b < a; ++b)
+      for (std::ptrdiff_t c = 0; c < b; ++c) row[b] = subtract_product(row[c], G[b * n + c], row[b]);
+    for (std::ptrdiff_t b = 0; b < a; ++b) {
+      const S ld = row[b];
+      row[b] = ld * G[b * n + b];
+      row[a] = subtract_product(row[b], ld, row[a]);
+    }
+    row[a] = inverse_of(static_cast<int>(a), row[a]);
+  }
+}
+/// t <- G^-1 t of C columns.
+template <int C, class V>
+void solve_dense(const V* G, int n, V* t) {
+  using Row = sparse::kernel::Tile<V, C>;
+  const auto row = [&](int a, int from, int to, auto&& l, const V& scale) {
+    Row sum = Row::load(t + a * C).times(scale);
+    for (int b = from; b < to; ++b) sum.subtract(l(b), Row::load(t + b * C));
+    sum.store(t + a * C);
+  };
+  for (int a = 0; a < n; ++a)
+    row(
+        a, 0, a, [&](int b) { return G[a * n + b]; }, V(1));
+  for (int a = n; a-- > 0;)
+    row(
+        a, a + 1, n, [&](int b) { return G[b * n + a]; }, G[a * n + a]);
+}
+
+template <class S>
+class JoiningRows {
+ public:
+  static constexpr int W = S::width;
+  using Mask = typename S::Mask;
+  JoiningRows(int rows, std::size_t most)
+      : rows_(rows), most_(static_cast<int>(most)), B_(most * rows), Z_(B_.size()), T_(most * most), t_(most) {
+    listed_.resize(W * most);
+  }
+
+  void reserve(int columns) { t_.resize(std::max(t_.size(), static_cast<std::size_t>(most_ * columns))); }
+
+  void clear() { most_in_any_ = 0, std::fill_n(count_, W, 0); }
+  /// Row k, of an element's list.
+  void add(int lane, int k) {
+    listed_[lane * most_ + count_[lane]++] = k;
+    most_in_any_ = std::max(most_in_any_, count_[lane]);
+  }
+  bool any() const { return most_in_any_ > 0; }
+
+  /// Factorizes T. entries(lane, k, use): use(row of K1, entry of row k there). terms(lane, k): of its pivot. A row
+  /// that depends on K1 and those before it does not join: left(lane, k). solve(b, x): x <- K1^-1 b.
+  template <class Entries, class Terms, class Solve, class Left>
+  void factorize(Entries&& entries, Terms&& terms, Solve&& solve, Left&& left) {
+    std::fill_n(B_.begin(), std::ptrdiff_t{most_in_any_} * rows_, S(0));
+    each([&](int l, int a, int k) { entries(l, k, [&](int row, double x) { B(a)[row].set(l, x); }); });
+    for (int a = 0; a < most_in_any_; ++a) {
+      solve(B(a), Z(a));
+      S has(0);
+      each_of(a, [&](int l, int) { has.set(l, 1); });
+      for (int k = 0; k < rows_; ++k) Z(a)[k] = select(has > S(0), Z(a)[k], S(0));
+      for (int b = 0; b <= a; ++b) {
+        S sum(0);
+        for (int k = 0; k < rows_; ++k) sum = multiply_add(B(b)[k], Z(a)[k], sum);
+        T_[static_cast<std::size_t>(a * most_in_any_ + b)] = sum;
+      }
+    }
+    factor_dense(T_.data(), most_in_any_, [&](int a, const S& d) {
+      S least(std::numeric_limits<double>::infinity());
+      each_of(a, [&](int l, int k) { least.set(l, tolerance::kJoins * terms(l, k)); });
+      const Mask joins = d > least;
+      each_of(a, [&](int l, int k) {
+        if (!joins[l]) left(l, k);
+      });
+      return select(joins, S(1) / d, S(0));
+    });
+  }
+
+  /// Before and after x <- K1^-1 x of C columns, row after row.
+  template <int C, class V>
+  void before(const V* x) {
+    using Row = sparse::kernel::Tile<V, C>;
+    V* t = as_scalar(t_.data());
+    for (int a = 0; a < most_in_any_; ++a) {
+      Row sum = Row::all(V(0));
+      for (int k = 0; k < rows_; ++k) sum.add(*as_scalar(Z(a) + k), x + std::ptrdiff_t{k} * C);
+      sum.store(t + a * C);
+    }
+    each([&](int l, int a, int k) {
+      for (int c = 0; c < C; ++c) {
+        S& to = t_[static_cast<std::size_t>(a * C + c)];
+        to.set(l, to[l] - reinterpret_cast<const S*>(x)[std::ptrdiff_t{k} * C + c][l]);
+      }
+    });
+    solve_dense<C>(as_scalar(T_.data()), most_in_any_, t);
+  }
+  template <int C, class V>
+  void after(V* x) {
+    using Row = sparse::kernel::Tile<V, C>;
+    for (int k = 0; k < rows_; ++k) {
+      Row row = Row::load(x + std::ptrdiff_t{k} * C);
+      for (int a = 0; a < most_in_any_; ++a)
+        row.subtract(*as_scalar(Z(a) + k), Row::load(as_scalar(t_.data()) + a * C));
+      row.store(x + std::ptrdiff_t{k} * C);
+    }
+    each([&](int l, int a, int k) {
+      for (int c = 0; c < C; ++c)
+        reinterpret_cast<S*>(x)[std::ptrdiff_t{k} * C + c].set(l, t_[static_cast<std::size_t>(a * C + c)][l]);
+    });
+  }
+
+ private:
+  S* B(int a) { return B_.data() + std::ptrdiff_t{a} * rows_; }
+  S* Z(int a) { return Z_.data() + std::ptrdiff_t{a} * rows_; }
+  /// use(element, row) of those whose column a is; use(element, column, row) of all.
+  template <class Use>
+  void each_of(int a, Use&& use) const {
+    for (int l = 0; l < W; ++l)
+      if (a < count_[l]) use(l, listed_[static_cast<std::size_t>(l * most_ + a)]);
+  }
+  template <class Use>
+  void each(Use&& use) const {
+    for (int a = 0; a < most_in_any_; ++a) each_of(a, [&](int l, int k) { use(l, a, k); });
+  }
+
+  int rows_, most_, most_in_any_ = 0;
+  int count_[W] = {};
+  std::vector<S> B_, Z_, T_, t_;
+  std::vector<int> listed_;
+};
+
+}  // namespace manycontact::lanes

@@ -1,0 +1,409 @@
+#pragma once
+// Rows of J that wait, of robots in a SIMD batch (rank/dependent_rows.hpp). A row without a sound pivot in one element
+// has the inverse pivot zero there, and its number is in this element's list. The k-th row of each element's list,
+// other rows in other elements, is one column n = e - z of N: J^T z is this row, z a combination of the rows kept. Rows
+// of robots alone that do not depend on these join them (joining_rows.hpp). Q has N's columns, made orthogonal.
+
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "../arrays.hpp"
+#include "joining_rows.hpp"
+#include "manycontact/sparse/ldl_kernels.hpp"
+#include "manycontact/sparse/tolerances.hpp"
+
+namespace manycontact::lanes {
+
+template <class S>
+class WaitingRows {
+ public:
+  static constexpr int W = S::width;
+  using Mask = typename S::Mask;
+  explicit WaitingRows(const BlockPlan& plan);
+
+  /// Memory to project so many columns at a time.
+  void reserve(int columns) {
+    t_.resize(std::max(t_.size(), most_ * static_cast<std::size_t>(columns)));
+    joining_.reserve(columns);
+  }
+
+  /// Sets the memory of the current robots' numbers: BlockPlan::waiting_size of each.
+  void use(S* memory) {
+    waiting_ = memory;
+    row_terms_ = waiting_ + 1;
+    row_size_ = row_terms_ + rows_;
+    entry_ = row_size_ + rows_;
+    null_component_ = entry_ + rows_;
+    N_ = null_component_ + rows_;
+    inverse_ = N_ + 2 * most_ * rows_;
+    count_ = reinterpret_cast<int*>(inverse_ + most_);
+    listed_ = count_ + 1 + W;
+    lists_ = listed_ + most_ * W;
+  }
+  /// The size that row k of J, in K's order, is judged relative to (rank/row_size.hpp), and its largest entry; to be
+  /// set before the factorization.
+  S& row_size(int k) const { return row_size_[k]; }
+  S& largest_entry(int k) const { return entry_[k]; }
+  /// The largest term that its a0 is computed from (contact_drift), which its inconsistency is judged relative to.
+  S& row_terms(int k) const { return row_terms_[k]; }
+  /// The part of row k that project_out kept.
+  const S& null_component(int k) const { return null_component_[k]; }
+
+  /// Whether rows wait in any element, and in which, those that joined too; and which depend, in K's order.
+  bool any() const { return *count_ > 0 || joining_.any(); }
+  Mask elements() const { return *waiting_ > S(0); }
+  std::span<const int> of(int lane) const {
+    return {listed_ + lane * most_, static_cast<std::size_t>(count_[1 + lane])};
+  }
+
+  /// How many times rounding a pivot has to leave, or its row waits: where such rows cannot join, no more than once.
+  double margin() const { return can_join_ ? tolerance::kWaits : 1; }
+  /// Before a factorization: no row waits. During it: row k waits in the elements where its pivot is not sound.
+  void clear() {
+    std::fill_n(count_, 1 + W, 0);
+    joining_.clear();
+  }
+  void add(int k, Mask sound) const {
+    for (int l = 0; l < W; ++l) {
+      if (sound[l]) continue;
+      int& count = count_[1 + l];
+      if (count < static_cast<int>(most_)) listed_[l * static_cast<int>(most_) + count] = k;
+      ++count;
+    }
+    *count_ = 1;
+  }
+
+  /// After it: the null space and its projector, and returns the elements whose waiting rows join the rows kept, or
+  /// depend on these by numbers that the projector can take. Those that are not usable have none. solve(x): x <- K1^-1
+  /// x, of all the pattern's rows.
+  template <class Solve>
+  Mask hold(Mask usable, const S* K, const S* L, S* D, S* pivot_terms, Solve&& solve);
+
+  /// The part of rows that joined, before and after x <- K1^-1 x of C columns.
+  template <int C, class V>
+  void before_solve(const V* x) {
+    if (joining_.any()) joining_.template before<C>(x);
+  }
+  template <int C, class V>
+  void after_solve(V* x) {
+    if (joining_.any()) joining_.template after<C>(x);
+  }
+
+  /// Computes the sizes that residuals of all rows are judged relative to (rank::scale_of_dependent), into `judged`.
+  void scale_of_dependent(const S* scale, S* judged) const {
+    std::copy_n(scale, rows_, judged);
+    for (int c = 0; c < *count_; ++c) {
+      S sum(0);
+      for (int j : column(c)) sum = multiply_add(abs(N(c, j)), scale[j], sum);
+      each_of_column(c, [&](int l, int k) { judged[k].set(l, sum[l]); });
+    }
+  }
+
+  /// x -= P x, of the rows of J; P x into null_component where `keep`.
+  void project_out(S* x, bool keep = false) {
+    project_out<1>(as_scalar(x));
+    if (!keep) return;
+    std::fill_n(null_component_, rows_, S(0));
+    for (int c = 0; c < *count_; ++c)
+      for (int j : column(of_Q(c))) null_component_[j] = multiply_add(N(of_Q(c), j), t_[c], null_component_[j]);
+  }
+  /// x -= P x of C columns, row after row.
+  template <int C, class V>
+  void project_out(V* x) {
+    subtract_null_component<C>(x, x);
+  }
+  /// x -= P y in the same way.
+  template <int C, class V>
+  void subtract_null_component(const V* y, V* x) {
+    using Row = sparse::kernel::Tile<V, C>;
+    V* t = as_scalar(t_.data());
+    for (int c = 0; c < *count_; ++c) {
+      Row sum = Row::all(V(0));
+      for (int j : column(of_Q(c))) sum.add(*as_scalar(&N(of_Q(c), j)), y + std::ptrdiff_t{j} * C);
+      sum.times(*as_scalar(inverse_ + c)).store(t + c * C);
+    }
+    for (int c = 0; c < *count_; ++c) {
+      const Row of_column = Row::load(t + c * C);
+      for (int j : column(of_Q(c))) {
+        Row row = Row::load(x + std::ptrdiff_t{j} * C);
+        row.subtract(*as_scalar(&N(of_Q(c), j)), of_column);
+        row.store(x + std::ptrdiff_t{j} * C);
+      }
+    }
+  }
+
+ private:
+  static constexpr int kJoined = -1;  // stands for the number of a row
+  struct Entry {  // an entry of J's row in K: its slot, and the column of J, or the row of L before it and its slot
+    int row, slot;
+  };
+  /// Lists of entries, one per row of K.
+  struct Entries {
+    std::vector<int> first;
+    std::vector<Entry> of;
+    std::span<const Entry> at(int k) const { return std::span(of).subspan(first[k], first[k + 1] - first[k]); }
+  };
+
+  /// Entries of column c of N, then of Q.
+  int of_Q(int c) const { return static_cast<int>(most_) + c; }
+  S& N(int c, int row) const { return N_[static_cast<std::ptrdiff_t>(c) * rows_ + row]; }
+  /// Rows of such a column that are not zero in any element, ascending; their number precedes them.
+  int* list(int c) const { return lists_ + c * (static_cast<int>(of_J_.size()) + 1); }
+  std::span<const int> column(int c) const { return {list(c) + 1, static_cast<std::size_t>(*list(c))}; }
+  void list_column(int c) const {
+    int* rows = list(c);
+    rows[0] = 0;
+    for (int k : of_J_)
+      if (!is_zero(N(c, k))) rows[++rows[0]] = k;
+  }
+  /// use(element, row) of the rows that wait and whose column c is.
+  template <class Use>
+  void each_of_column(int c, Use&& use) const {
+    for (int l = 0; l < W; ++l)
+      if (c < count_[1 + l]) use(l, of(l)[c]);
+  }
+  static bool is_zero(const S& x) { return (abs(x) <= S(0)).all(); }
+  static S without_rounding(const S& z) { return select(abs(z) <= S(tolerance::kNullEntry), S(0), z); }
+
+  Mask count(Mask usable, S* D, S* pivot_terms);
+  template <class Solve>
+  void join(const S* K, Solve&& solve);
+  template <class Solve>
+  Mask refine(int c, Mask of, const S* K, Solve&& solve);
+  void forget(int lane);
+  void null_column(int c, const S* L);
+  S residual(int c, const S* K);
+  template <class Solve>
+  void refine_column(int c, Mask open, Solve&& solve);
+  Mask make_orthogonal(Mask of, const S* K);
+
+  const KktPattern& pattern_;
+  int rows_;
+  std::size_t most_;
+  bool can_join_;
+  std::vector<int> of_J_;       // rows of J in K's order, ascending
+  Entries of_row_, of_factor_;  // J's rows: entries of K in rows of M; of L in rows of J before them
+  S *waiting_, *row_terms_, *row_size_, *entry_, *null_component_;  // waiting_: how many rows wait; of each row of K
+  S *N_, *inverse_;                // N and Q by columns, as these; inverse squares of the lengths of Q's
+  int *count_, *listed_, *lists_;  // numbers of columns and of each element's rows; these rows; rows of the columns
+  std::vector<S> left_, x_, t_;    // t: of each column of Q, what is projected at a time
+  std::vector<S> terms_, error_;   // the terms of the pivots that waiting rows do not have; what columns of N leave of J
+  JoiningRows<S> joining_;
+};
+
+template <class S>
+WaitingRows<S>::WaitingRows(const BlockPlan& plan)
+    : pattern_(*plan.pattern),
+      rows_(plan.rows()),
+      most_(plan.most_waiting()),
+      can_join_(plan.border == 0),
+      left_(rows_),
+      x_(plan.pattern->size()),
+      t_(most_),
+      terms_(rows_),
+      error_(most_),
+      joining_(rows_, can_join_ ? most_ : 0) {
+  const KktPattern& p = *plan.pattern;
+  const auto of_M = [&p](int k) { return p.perm[k] < p.nv; };
+  for (int k = 0; k < rows_; ++k)
+    if (!of_M(k)) of_J_.push_back(k);
+  const auto fill = [this](Entries& to, auto&& each) {
+    to.first.assign(rows_ + 2, 0);
+    each([&](int row, Entry) { ++to.first[row + 2]; });
+    for (int k = 2; k <= rows_ + 1; ++k) to.first[k] += to.first[k - 1];
+    to.of.resize(to.first.back());
+    each([&](int row, Entry entry) { to.of[to.first[row + 1]++] = entry; });
+  };
+  fill(of_row_, [&](auto&& use) {
+    for (int k = 0; k < rows_; ++k)
+      for (int slot = p.K.p[k]; slot < p.K.p[k + 1]; ++slot)
+        if (const int i = p.K.i[slot]; of_M(i) != of_M(k)) of_M(k) ? use(i, Entry{k, slot}) : use(k, Entry{i, slot});
+  });
+  fill(of_factor_, [&](auto&& use) {
+    for (int k : of_J_)
+      for (int q = p.ldl.Rp[k]; q < p.ldl.Rp[k + 1]; ++q)
+        if (!of_M(p.ldl.Rj[q])) use(k, Entry{p.ldl.Rj[q], p.ldl.Rk[q]});
+  });
+}
+
+template <class S>
+template <class Solve>
+typename S::Mask WaitingRows<S>::hold(Mask usable, const S* K, const S* L, S* D, S* pivot_terms, Solve&& solve) {
+  Mask out = count(usable, D, pivot_terms);
+  for (int c = 0; c < *count_; ++c) {
+    null_column(c, L);
+    error_[c] = residual(c, K);
+    if (!can_join_) continue;
+    const Mask depends = error_[c] <= S(tolerance::kRowLeft);
+    each_of_column(c, [&](int l, int k) {
+      if (out[l] && !depends[l]) joining_.add(l, k), listed_[l * most_ + c] = kJoined;
+    });
+  }
+  if (joining_.any()) join(K, solve);
+  for (int c = 0; c < *count_ && out.any(); ++c) out = out & refine(c, out, K, solve);
+  out = make_orthogonal(out, K);
+  S kept(0);  // no more than there are coordinates, or they depend
+  for (int l = 0; l < W; ++l) kept.set(l, static_cast<double>(of_J_.size() - of(l).size()));
+  out = out & (kept <= S(pattern_.nv));
+  if (!out.any()) clear();
+  return out;
+}
+
+/// Refines column c of N with the rows kept, and returns the elements where the row that waits depends on these.
+template <class S>
+template <class Solve>
+typename S::Mask WaitingRows<S>::refine(int c, Mask of, const S* K, Solve&& solve) {
+  for (int step = 0; step <= tolerance::kNullColumnSteps; ++step) {
+    const Mask open = of & (error_[c] > S(tolerance::kNullColumn));
+    if (!open.any()) break;
+    refine_column(c, open, solve);
+    error_[c] = residual(c, K);
+  }
+  Mask depends = error_[c] <= S(tolerance::kRowLeft);
+  for (int j : column(c)) depends = depends & (abs(N(c, j)) <= S(tolerance::kLargestEntry));
+  return depends;
+}
+
+/// Rows that do not depend on the rows kept join them. Those left begin with z = 0.
+template <class S>
+template <class Solve>
+void WaitingRows<S>::join(const S* K, Solve&& solve) {
+  const auto diagonal = [&](int k) -> const S& { return K[pattern_.K.p[k + 1] - 1]; };
+  const auto entries = [&](int l, int k, auto&& use) {
+    for (const Entry& entry : of_row_.at(k)) use(entry.row, K[entry.slot][l]);
+  };
+  const auto terms = [&](int l, int k) {  // a row that is only rounding does not join
+    double sum = terms_[k][l];
+    if (!(entry_[k][l] > tolerance::kRank * row_size_[k][l])) sum = std::numeric_limits<double>::infinity();
+    entries(l, k, [&](int i, double x) { sum += i > k ? x * x / diagonal(i)[l] : 0; });
+    return sum;
+  };
+  const auto solve_refined = [&](const S* b, S* x) {  // once
+    std::copy_n(b, rows_, x);
+    solve(x);
+    sparse::ldl_scheduled_residual(pattern_.K, as_scalar(K), as_scalar(x), as_scalar(b), as_scalar(x_.data()));
+    solve(x_.data());
+    for (int k = 0; k < rows_; ++k) x[k] += x_[k];
+  };
+  for (int l = 0; l < W; ++l) forget(l);
+  joining_.factorize(entries, terms, solve_refined, [&](int l, int k) {
+    const int c = count_[1 + l]++;
+    listed_[l * most_ + c] = k;
+    for (int j : of_J_) N(c, j).set(l, j == k);
+  });
+  *count_ = *std::max_element(count_ + 1, count_ + 1 + W);
+  for (int c = 0; c < *count_; ++c) {
+    list_column(c);
+    error_[c] = residual(c, K);
+  }
+}
+
+/// Takes the rows that join from an element's list, and their columns of N.
+template <class S>
+void WaitingRows<S>::forget(int lane) {
+  int *const rows = listed_ + lane * most_, kept = 0;
+  for (int c = 0; c < *count_; ++c) {
+    const bool keep = c < count_[1 + lane] && rows[c] != kJoined;
+    for (int j : of_J_) {
+      const double entry = N(c, j)[lane];
+      N(c, j).set(lane, 0);
+      if (keep) N(kept, j).set(lane, entry);
+    }
+    if (keep) rows[kept++] = rows[c];
+  }
+  count_[1 + lane] = kept;
+}
+
+/// Counts the rows that wait, and takes their pivots away. Returns the usable elements without too many.
+template <class S>
+typename S::Mask WaitingRows<S>::count(Mask usable, S* D, S* pivot_terms) {
+  *waiting_ = S(0), *count_ = 0;
+  for (int l = 0; l < W; ++l) {
+    int& count = count_[1 + l];
+    if (!usable[l]) count = 0;
+    waiting_->set(l, count);
+    count = std::min(count, static_cast<int>(most_));
+    *count_ = std::max(*count_, count);
+    for (int k : of(l)) {
+      D[k].set(l, std::numeric_limits<double>::infinity());
+      terms_[k].set(l, pivot_terms[k][l]);
+      pivot_terms[k].set(l, 0);
+    }
+  }
+  return usable & (*waiting_ <= S(static_cast<double>(most_)));
+}
+
+/// L^T z = l_k over the rows of J before k, and the column e_k - z of N.
+template <class S>
+void WaitingRows<S>::null_column(int c, const S* L) {
+  for (int k : of_J_) x_[k] = N(c, k) = S(0);
+  each_of_column(c, [&](int l, int k) {
+    N(c, k).set(l, 1);
+    for (const Entry& entry : of_factor_.at(k)) x_[entry.row].set(l, L[entry.slot][l]);
+  });
+  for (std::size_t j = of_J_.size(); j-- > 0;) {
+    const int k = of_J_[j];
+    const S z = without_rounding(x_[k]);
+    if (is_zero(z)) continue;
+    N(c, k) -= z;
+    for (const Entry& entry : of_factor_.at(k)) x_[entry.row] = subtract_product(L[entry.slot], z, x_[entry.row]);
+  }
+  list_column(c);
+}
+
+/// left <- J^T n; returns its largest entry relative to the sizes of the rows. NaN where any is.
+template <class S>
+S WaitingRows<S>::residual(int c, const S* K) {
+  std::fill(left_.begin(), left_.end(), S(0));
+  S size(0), largest(0), sum(0);
+  for (int j : column(c)) {
+    const S n = N(c, j);
+    size = larger(abs(n) * row_size_[j], size);
+    for (const Entry& entry : of_row_.at(j)) left_[entry.row] = multiply_add(n, K[entry.slot], left_[entry.row]);
+  }
+  for (const S& r : left_) largest = larger(abs(r), largest), sum += abs(r);
+  return select(largest > S(0), largest / size, sum);
+}
+
+/// z += K_kept^-1 of what z leaves, in the elements that are open: where the pivots kept were too small for l_k to be
+/// accurate, or a row depends on later ones, too.
+template <class S>
+template <class Solve>
+void WaitingRows<S>::refine_column(int c, Mask open, Solve&& solve) {
+  std::fill(x_.begin(), x_.end(), S(0));
+  std::copy(left_.begin(), left_.end(), x_.begin());
+  before_solve<1>(as_scalar(x_.data()));
+  solve(x_.data());
+  after_solve<1>(as_scalar(x_.data()));
+  for (int k : of_J_) N(c, k) = without_rounding(N(c, k) - select(open, x_[k], S(0)));
+  list_column(c);
+}
+
+/// Q, whose projector is as accurate with large entries of N as with small ones. Returns the elements of `of` where its
+/// columns leave no more of J's rows than rounding. Elements with fewer columns have zeros in the others.
+template <class S>
+typename S::Mask WaitingRows<S>::make_orthogonal(Mask of, const S* K) {
+  for (int c = 0; c < *count_ && of.any(); ++c) {
+    const int q = of_Q(c);
+    std::copy_n(&N(c, 0), rows_, &N(q, 0));
+    bool changed = false;
+    for (int b = 0; b < 2 * c; ++b) {  // twice: the second time takes out what rounding left
+      const int other = of_Q(b % c);
+      S sum(0);
+      for (int j : column(other)) sum = multiply_add(N(other, j), N(q, j), sum);
+      if (is_zero(sum)) continue;
+      sum = sum * inverse_[b % c];
+      for (int j : column(other)) N(q, j) = subtract_product(N(other, j), sum, N(q, j));
+      changed = true;
+    }
+    list_column(q);
+    S square(0);
+    for (int j : column(q)) square = multiply_add(N(q, j), N(q, j), square);
+    inverse_[c] = select(square > S(0), S(1) / square, S(0));
+    if (changed) of = of & (residual(q, K) <= S(tolerance::kRowLeft));
+  }
+  return of;
+}
+
+}  // namespace manycontact::lanes
