@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "manycontact/control/sparse.hpp"
+#include "manycontact/detail/control/sparse.hpp"
 #include "manycontact/task/problem.hpp"
 #include "scenes.hpp"
 #include "settings.hpp"

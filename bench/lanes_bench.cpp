@@ -13,7 +13,7 @@ namespace {
 
 enum class What { kSolve, kDerivatives, kVjp };
 
-void in_lanes(benchmark::State& state, int robots, Lanes lanes, What what) {
+void in_lanes(benchmark::State& state, int robots, SimdLevel lanes, What what) {
   const Posed s = bench::robots(robots);
   SceneData data(s.scene, {Method::kSparseLdl, {}, lanes});
   benchmark::DoNotOptimize(solve(s.scene, s.q, s.v, s.u, data));
@@ -31,9 +31,9 @@ void in_lanes(benchmark::State& state, int robots, Lanes lanes, What what) {
 }
 
 const Registration registered([] {
-  std::vector<Lanes> all = lanes_here();
-  all.push_back(Lanes::kOff);
-  for (const Lanes lanes : all)
+  std::vector<SimdLevel> all = available_simd_levels();
+  all.push_back(SimdLevel::kOff);
+  for (const SimdLevel lanes : all)
     for (const int n : {1, 16, 256, 1024})
       for (const What what : {What::kSolve, What::kDerivatives, What::kVjp}) {
         const char* names[] = {"solve", "derivatives", "vjp"};

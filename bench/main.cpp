@@ -90,7 +90,7 @@ std::string load_average() {
 
 std::string levels() {
   std::string all;
-  for (const Lanes lanes : lanes_here()) all += (all.empty() ? "" : " ") + to_string(lanes);
+  for (const SimdLevel lanes : available_simd_levels()) all += (all.empty() ? "" : " ") + to_string(lanes);
   return all;
 }
 

@@ -33,7 +33,7 @@ double median_time(Loaded& loaded) {
 
 // Returns an empty string, or a feature that no peer receives.
 std::string beyond_peers(const Scene& scene) {
-  if (!scene.pushes.empty() || !scene.springs.empty() || !scene.joint_springs.empty()) return "pushes or springs";
+  if (!scene.wrenches.empty() || !scene.springs.empty() || !scene.joint_springs.empty()) return "wrenches or springs";
   if (scene.damping != 0) return "a damping";
   for (const Contact& c : scene.contacts)
     if (c.alpha != 0 || c.beta != 0) return "gains";

@@ -4,9 +4,9 @@
 #include <benchmark/benchmark.h>
 
 #include "manycontact/algorithm/aba.hpp"
-#include "manycontact/algorithm/crba.hpp"
-#include "manycontact/algorithm/rnea.hpp"
-#include "manycontact/algorithm/rnea_derivatives.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
+#include "manycontact/detail/algorithm/rnea.hpp"
+#include "manycontact/detail/algorithm/rnea_derivatives.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/solve.hpp"
@@ -48,10 +48,11 @@ struct Fixture {
     qdd = data.a;
     tau = Eigen::VectorXd::Zero(model.nv);
     complete(s.scene, data);
-    kin = kinematics_of(data, 0);
+    kin = robot_kinematics(data, 0);
     crba<double>(model, kin, Yc, M.data());
     M_spans.emplace_back(M);
-    for (std::size_t c = 0; c < s.scene.contacts.size(); ++c) contacts.push_back(contact_of(data, static_cast<int>(c)));
+    for (std::size_t c = 0; c < s.scene.contacts.size(); ++c)
+      contacts.push_back(contact_data(data, static_cast<int>(c)));
     for (const ContactData<double>& c : contacts) J_spans.emplace_back(c.J.data(), c.J.size());
     K = assembled_matrix_of(data, 0);
     v.resize(K.size());
@@ -99,8 +100,8 @@ void crba_alone(benchmark::State& state, Fixture& f) {
 void rows(benchmark::State& state, Fixture& f) {
   for (auto _ : state)
     for (std::size_t c = 0; c < f.s.scene.contacts.size(); ++c)
-      contact_rows<double>(f.s.scene, f.s.scene.contacts[c], support_of(f.data, static_cast<int>(c)), f.kin, nullptr,
-                           f.contacts[c]);
+      contact_rows<double>(f.s.scene, f.s.scene.contacts[c], contact_support(f.data, static_cast<int>(c)), f.kin,
+                           nullptr, f.contacts[c]);
 }
 
 void assemble_k(benchmark::State& state, Fixture& f) {

@@ -19,7 +19,7 @@ struct Humanoid {
   const Scene& scene = file.scene;
   RigidBodyData data{scene};
   Eigen::VectorXd q = file.q, v = Eigen::VectorXd::LinSpaced(scene.nv, -1, 0.7), a = 2 * v;
-  Attachment hand = frame_called(scene, "left_hand");
+  Attachment hand = find_frame(scene, "left_hand");
 };
 
 template <class Run>

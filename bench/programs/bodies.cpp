@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
 
 namespace manycontact::bench {
 
@@ -51,7 +51,7 @@ std::vector<Body> bodies_of(const Posed& s) {
       b.com = j.inertia.h / j.inertia.m;
       b.inertia = j.inertia.I - b.mass * (b.com.squaredNorm() * Mat3<double>::Identity() - b.com * b.com.transpose());
       b.idx_v = r.idx_v + j.idx_v;
-      b.idx_u = j.type == JointType::kFloating ? -1 : r.idx_u + model.torque_of(j);
+      b.idx_u = j.type == JointType::kFloating ? -1 : r.idx_u + model.torque_index(j);
       bodies.push_back(b);
     }
   }

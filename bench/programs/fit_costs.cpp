@@ -44,7 +44,7 @@ CostModel ldl(Order order) {
   using namespace costs;
   const bool early = order == Order::kContactsEarly;
   Options options;
-  options.method = Method::kSparseLdl, options.order = order, options.lanes = Lanes::kOff;
+  options.method = Method::kSparseLdl, options.order = order, options.simd_level = SimdLevel::kOff;
   return {early ? "sparse-ldl, contacts-early" : "sparse-ldl, leaf-to-root",
           options,
           {{"kTermsRow + kLdlRow", kTermsRow + kLdlRow},
@@ -85,7 +85,7 @@ CostModel cholmod() {
 CostModel bodies() {
   using namespace costs;
   Options options;
-  options.method = Method::kSparseBodies, options.lanes = Lanes::kOff;
+  options.method = Method::kSparseBodies, options.simd_level = SimdLevel::kOff;
   return {"sparse-bodies",
           options,
           {{"kBody", kBody},
@@ -130,7 +130,7 @@ void measure(const CostModel& model, const std::string& name, const Posed& s, st
   SceneData data(s.scene, options);
   const Report& report = solve(s.scene, s.q, s.v, s.u, data);
   if (report.status != Status::kOk || report.islands.size() != 1) return;
-  IslandShape shape(s.scene, island_of(data, 0));
+  IslandShape shape(s.scene, solved_island(data, 0));
   samples.push_back({name, model.counts(shape), seconds_of(s, data) / costs::kPredictedSecond});
 }
 

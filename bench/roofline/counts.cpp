@@ -1,10 +1,10 @@
 #include "counts.hpp"
 
-#include "manycontact/algorithm/crba.hpp"
-#include "manycontact/algorithm/rnea.hpp"
-#include "manycontact/algorithm/rnea_derivatives.hpp"
-#include "manycontact/contact/derivatives.hpp"
 #include "manycontact/contact/products.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
+#include "manycontact/detail/algorithm/rnea.hpp"
+#include "manycontact/detail/algorithm/rnea_derivatives.hpp"
+#include "manycontact/detail/contact/derivatives.hpp"
 
 namespace {
 double operations = 0;

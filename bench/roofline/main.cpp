@@ -55,7 +55,7 @@ Factor factor_of(const Scene& scene, const SceneData& data) {
   Factor out;
   for (std::size_t i = 0; i < island_count(data); ++i) {
     IslandShape& shape = *shape_of(data, i);
-    const auto counts = shape.counts(choice_of(data, i).order);
+    const auto counts = shape.counts(chosen_method(data, i).order);
     out.rows += shape.island().size();
     out.entries += 0.5 * (cli::nonzeros_of_K(shape, scene.damping) + shape.island().size());
     out.below += counts.nonzeros;

@@ -7,7 +7,7 @@ set(own CostModelSum ConstraintModelManager ContactModelMultiple ImpulseModelMul
 list(TRANSFORM own APPEND Tpl OUTPUT_VARIABLE own_templates)
 
 set(open ${roots})
-set(read manycontact/spatial/pack.hpp)  # it has numbers of SIMD batches alone
+set(read manycontact/detail/spatial/pack.hpp)  # it has numbers of SIMD batches alone
 set(names)
 while(open)
   list(POP_FRONT open header)

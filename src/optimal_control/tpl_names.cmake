@@ -19,7 +19,7 @@ function(write_tpl module includes names)
 endfunction()
 
 set(includes
-    action/contact_fwddyn action/impulse action/num_diff action/num_diff_parts action/residuals/centroidal_residuals
+    action/contact_fwddyn action/impulse action/num_diff detail/action/num_diff_parts action/residuals/centroidal_residuals
     action/residuals/contact_residuals action/residuals/frame_residuals action/residuals/gravity_residuals
     action/residuals/impulse_residuals action/residuals/state_residuals action/squashing action/thrusters)
 set(names

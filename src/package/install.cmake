@@ -42,7 +42,7 @@ install(FILES ${PROJECT_BINARY_DIR}/manycontactConfig.cmake ${PROJECT_BINARY_DIR
               src/suitesparse.cmake DESTINATION ${package_dir})
 set(without_optimal_control)
 if(NOT MANYCONTACT_OPTIMAL_CONTROL)
-  set(without_optimal_control REGEX "manycontact/(action|control|task|crocoddyl)(\\.hpp)?$" EXCLUDE)
+  set(without_optimal_control REGEX "manycontact/(detail/)?(action|control|task|crocoddyl)(\\.hpp)?$" EXCLUDE)
 endif()
 install(DIRECTORY include/ ${PROJECT_BINARY_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
         FILES_MATCHING PATTERN "*.hpp" ${without_optimal_control})

@@ -59,7 +59,7 @@ void add_forces_on_bodies(py::module_& m) {
     const auto Q = checked("q", q, scene.nq), V = checked("v", v, scene.nv);
     return rows_of_wrenches(data.use([&](SceneData& d) {
       if (d.serial == 0) throw std::logic_error("forces_on_bodies: solve first");
-      return forces_on_bodies(scene, Q, V, d.f, d.f_offset, d.pushes);
+      return forces_on_bodies(scene, Q, V, d.f, d.f_offset, d.wrenches);
     }));
   });
 }

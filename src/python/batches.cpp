@@ -106,7 +106,8 @@ Products batch_of_products(const Scene& scene, py::handle q, py::handle v, py::h
   const Eigen::Index n = Q.array.shape(0);
   const Rows V = rows_of(name, "V", v, n), U = rows_of(name, "U", u, n);
   const Rows WA = rows_of(name, "WA", wa, n), WF = rows_of(name, "WF", wf, n);
-  NewRows WQ(n, scene.nv), WV(n, scene.nv), WU(n, scene.nu), WW(n, static_cast<Eigen::Index>(6 * scene.pushes.size()));
+  NewRows WQ(n, scene.nv), WV(n, scene.nv), WU(n, scene.nu),
+      WW(n, static_cast<Eigen::Index>(6 * scene.wrenches.size()));
   std::vector<Status> status(static_cast<std::size_t>(n));
   run_batch(n, [&](Eigen::Index k, Eigen::Index count) {
     vjp_batch(scene, {Q.part(k, count), V.part(k, count), U.part(k, count)}, WA.part(k, count), WF.part(k, count),
@@ -127,9 +128,9 @@ void add_batch_data(py::module_& m) {
           [](const Batch& b, const Options& options) { b->options = options; })
       .property(
           "active", [](py::object self) { return flags_view(self.cast<BatchData&>().active, self); },
-          [](BatchData& b, py::handle values) { set_flags("BatchData.active", values, b.active); }, "pushes",
-          [](py::object self) { return wrenches_view(self.cast<BatchData&>().pushes, self); },
-          [](BatchData& b, py::handle values) { set_wrenches("BatchData.pushes", values, b.pushes); });
+          [](BatchData& b, py::handle values) { set_flags("BatchData.active", values, b.active); }, "wrenches",
+          [](py::object self) { return wrenches_view(self.cast<BatchData&>().wrenches, self); },
+          [](BatchData& b, py::handle values) { set_wrenches("BatchData.wrenches", values, b.wrenches); });
 }
 
 void add_batch_functions(py::module_& m) {
@@ -146,7 +147,7 @@ void add_batch_functions(py::module_& m) {
         const Products p = batch_of_products(scene, Q, V, U, WA, WF, batch);
         return std::make_tuple(p.q, p.v, p.u, p.status);
       });
-  def(m, "vjp_batch_with_pushes",
+  def(m, "vjp_batch_with_wrenches",
       [](const Scene& scene, py::object Q, py::object V, py::object U, py::object WA, py::object WF, BatchData& batch) {
         const Products p = batch_of_products(scene, Q, V, U, WA, WF, batch);
         return std::make_tuple(p.q, p.v, p.u, p.w, p.status);

@@ -65,13 +65,13 @@ py::object kkt_matrix(const Scene& scene, const Data& data, int island) {
   const SceneData& d = data.at_rest();
   const auto count = static_cast<int>(island_count(d));
   if (island < -1 || island >= count)
-    throw py::value_error("matrix_of: there is no island " + std::to_string(island) + " of " + std::to_string(count));
+    throw py::value_error("kkt_matrix: there is no island " + std::to_string(island) + " of " + std::to_string(count));
   std::vector<int> rows, columns;
   std::vector<double> values;
   int size = 0;
   for (int i = std::max(0, island); i < (island < 0 ? count : island + 1); ++i) {
-    const Eigen::SparseMatrix<double> K = matrix_of(d, i);
-    const Island& at = island_of(d, i);
+    const Eigen::SparseMatrix<double> K = kkt_matrix(d, i);
+    const Island& at = solved_island(d, i);
     std::vector<int> place(at.size());  // positions of the island's [a; f] in the matrix
     for (int k = 0; k < at.size(); ++k) place[k] = k;
     if (island < 0) {
@@ -102,7 +102,7 @@ void add_derivative_classes(py::module_& m) {
   value<DerivativeRequest>(m)
       .from_members<bool, bool, bool, bool, bool, bool>()
       .write<&DerivativeRequest::q, &DerivativeRequest::v, &DerivativeRequest::u, &DerivativeRequest::forces,
-             &DerivativeRequest::tau, &DerivativeRequest::pushes>();
+             &DerivativeRequest::tau, &DerivativeRequest::wrenches>();
 
   using D = IslandDerivatives;
   const auto get = [](const IslandBlocks& b) -> const D& { return b.get(); };
@@ -113,7 +113,7 @@ void add_derivative_classes(py::module_& m) {
           block_property(&D::dforces_du), "da_dw",
           [](const IslandBlocks& b) { return read_only(copy(b.get().da_dw())); }, "dforces_dw",
           [](const IslandBlocks& b) { return read_only(copy(b.get().dforces_dw())); })
-      .read_at<&D::pushes, &D::nv, &D::nc, &D::nu>(get);
+      .read_at<&D::wrenches, &D::nv, &D::nc, &D::nu>(get);
 
   struct Islands : Derivatives {};
   Class<Islands>(m, "IslandDerivativesList")
@@ -146,7 +146,7 @@ void add_differentiate(py::module_& m) {
       }));
   def(m, "sparse_derivatives", with_data(&sparse_derivatives, scipy_csc));
   def(m, "release_derivatives", [](const Data& data) { data.use([](SceneData& d) { release_derivatives(d); }); });
-  def(m, "matrix_of", &kkt_matrix);
+  def(m, "kkt_matrix", &kkt_matrix);
   def(m, "jvp",
       [](const Scene& scene, const Data& data, const Vector& dq, const Vector& dv, const Vector& du,
          const std::optional<Vector>& dw) {
@@ -160,8 +160,8 @@ void add_differentiate(py::module_& m) {
     data.use([&](SceneData& d) { vjp(scene, d, wa, wf, wq, wv, wu); });
     return std::make_tuple(std::move(wq), std::move(wv), std::move(wu));
   });
-  def(m, "vjp_with_pushes", [](const Scene& scene, const Data& data, const Vector& wa, const Vector& wf) {
-    Vector wq(scene.nv), wv(scene.nv), wu(scene.nu), ww(static_cast<Eigen::Index>(6 * scene.pushes.size()));
+  def(m, "vjp_with_wrenches", [](const Scene& scene, const Data& data, const Vector& wa, const Vector& wf) {
+    Vector wq(scene.nv), wv(scene.nv), wu(scene.nu), ww(static_cast<Eigen::Index>(6 * scene.wrenches.size()));
     data.use([&](SceneData& d) { vjp(scene, d, wa, wf, wq, wv, wu, ww); });
     return std::make_tuple(std::move(wq), std::move(wv), std::move(wu), std::move(ww));
   });

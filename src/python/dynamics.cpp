@@ -3,7 +3,7 @@
 #include <variant>
 
 #include "data.hpp"
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/model/suggestion.hpp"
@@ -85,9 +85,9 @@ void add_data(py::module_& m) {
           [](const Shared& d, const Options& options) { d->at_rest().options = options; })
       .property(
           "active", [](const Shared& d) { return flags_view(d->at_rest().active, py::cast(d)); },
-          [](const Data& d, py::handle values) { set_flags("SceneData.active", values, d.at_rest().active); }, "pushes",
-          [](const Shared& d) { return wrenches_view(d->at_rest().pushes, py::cast(d)); },
-          [](const Data& d, py::handle values) { set_wrenches("SceneData.pushes", values, d.at_rest().pushes); })
+          [](const Data& d, py::handle values) { set_flags("SceneData.active", values, d.at_rest().active); },
+          "wrenches", [](const Shared& d) { return wrenches_view(d->at_rest().wrenches, py::cast(d)); },
+          [](const Data& d, py::handle values) { set_wrenches("SceneData.wrenches", values, d.at_rest().wrenches); })
       .read_at<&S::a, &S::f, &S::v, &S::tau, &S::serial, &S::f_offset, &S::report>(&Data::at_rest);
 }
 
@@ -121,7 +121,7 @@ void add_solutions(py::module_& m) {
     const py::gil_scoped_release unlocked;
     return quasi_static(scene, Q);
   });
-  def(m, "lanes_here", &lanes_here);
+  def(m, "available_simd_levels", &available_simd_levels);
   def(m, "force_names", [](const Scene& scene, const Data& data) { return force_names(scene, data.at_rest()); });
   def(m, "contact_force",
       [](const Scene& scene, const Data& data, const std::variant<int, std::string>& contact) -> Vector {
@@ -142,9 +142,9 @@ void add_views(py::module_& m) {
   value<Island>(m)
       .read<&Island::robots, &Island::contacts, &Island::dof_offset, &Island::row_offset, &Island::nv, &Island::nc>();
   def(m, "island_count", [](const Data& data) { return island_count(data.at_rest()); });
-  def(m, "island_of", [](const Data& data, std::size_t i) {
-    if (i >= island_count(data.at_rest())) throw py::value_error("island_of: there is no such island");
-    return island_of(data.at_rest(), i);
+  def(m, "solved_island", [](const Data& data, std::size_t i) {
+    if (i >= island_count(data.at_rest())) throw py::value_error("solved_island: there is no such island");
+    return solved_island(data.at_rest(), i);
   });
   def(m, "update_kinematics", [](const Scene& scene, const Vector& q, const Vector& v, const Data& data) {
     data.use([&](SceneData& d) { update_kinematics(scene, q, v, d); });
@@ -158,7 +158,7 @@ void add_views(py::module_& m) {
         if (number < 0) throw py::value_error(no_frame(robot, *owner.model, frame));
         data.use([&](SceneData& d) { d.serial != 0 ? complete(scene, d) : prepare(scene, d); });  // or refuse the scene
         const Frame& f = owner.model->frames[number];
-        return frame_placement<double>(kinematics_of(data.at_rest(), r), owner.base, f.joint, f.placement);
+        return frame_placement<double>(robot_kinematics(data.at_rest(), r), owner.base, f.joint, f.placement);
       });
   def(m, "complete", with_data(&complete));
 }

@@ -123,7 +123,7 @@ void enumeration(py::module_& m, const char* prefix = "") {
 MANYCONTACT_ENUMERATION(manycontact::Status)
 MANYCONTACT_ENUMERATION(manycontact::Method)
 MANYCONTACT_ENUMERATION(manycontact::Order)
-MANYCONTACT_ENUMERATION(manycontact::Lanes)
+MANYCONTACT_ENUMERATION(manycontact::SimdLevel)
 MANYCONTACT_ENUMERATION(manycontact::Precision)
 MANYCONTACT_ENUMERATION(manycontact::Reason)
 MANYCONTACT_ENUMERATION(manycontact::JointType)

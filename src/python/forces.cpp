@@ -11,7 +11,7 @@ namespace {
 
 std::array<Attachment*, 2> ends(Contact& x) { return {&x.A, &x.B}; }
 std::array<Attachment*, 2> ends(Spring& x) { return {&x.A, &x.B}; }
-std::array<Attachment*, 1> ends(Push& x) { return {&x.at}; }
+std::array<Attachment*, 1> ends(ExternalWrench& x) { return {&x.at}; }
 
 // Returns the item as `add` would store it in the scene, by its robots alone. Throws if it does not fit.
 template <class T>
@@ -64,8 +64,8 @@ Items<Handle<T>> items_of(const std::shared_ptr<Scene>& scene, std::vector<T> Sc
 Items<Handle<Contact>> contacts_of(const std::shared_ptr<Scene>& scene) {
   return items_of(scene, &Scene::contacts, &Scene::contact_index, &add_contact, "contact");
 }
-Items<Handle<Push>> pushes_of(const std::shared_ptr<Scene>& scene) {
-  return items_of(scene, &Scene::pushes, &Scene::push_index, &add_push, "push");
+Items<Handle<ExternalWrench>> wrenches_of(const std::shared_ptr<Scene>& scene) {
+  return items_of(scene, &Scene::wrenches, &Scene::wrench_index, &add_external_wrench, "push");
 }
 Items<Handle<Spring>> springs_of(const std::shared_ptr<Scene>& scene) {
   return items_of(scene, &Scene::springs, &Scene::spring_index, &add_spring, "spring");
@@ -91,16 +91,16 @@ Eigen::MatrixXd rows_of_wrenches(const std::vector<Vec6<double>>& w) {
 }
 
 void add_force_classes(py::module_& m) {
-  value<Handle<Push>>(m)
+  value<Handle<ExternalWrench>>(m)
       .from_members<std::string, Attachment, ReferenceFrame, Vec6<double>>()
-      .fields<&Push::name, &Push::at, &Push::reference_frame, &Push::wrench>();
-  add_items<Handle<Push>>(m, "PushList");
+      .fields<&ExternalWrench::name, &ExternalWrench::at, &ExternalWrench::reference_frame, &ExternalWrench::wrench>();
+  add_items<Handle<ExternalWrench>>(m, "ExternalWrenchList");
   value<Handle<Spring>>(m)
       .from_members<std::string, Attachment, Attachment, double, double, double>()
       .fields<&Spring::name, &Spring::A, &Spring::B, &Spring::stiffness, &Spring::length, &Spring::damping>();
   add_items<Handle<Spring>>(m, "SpringList");
 }
 
-void add_forces(py::module_& m) { functions<&add_push, &add_spring, &add_joint_spring, &push_names>(m); }
+void add_forces(py::module_& m) { functions<&add_external_wrench, &add_spring, &add_joint_spring, &wrench_names>(m); }
 
 }  // namespace manycontact::python

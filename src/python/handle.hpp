@@ -134,7 +134,7 @@ void add_items(py::module_& m, const char* name, bool named = true) {
   }
 MANYCONTACT_HANDLE(manycontact::Contact)
 MANYCONTACT_HANDLE(manycontact::Attachment)
-MANYCONTACT_HANDLE(manycontact::Push)
+MANYCONTACT_HANDLE(manycontact::ExternalWrench)
 MANYCONTACT_HANDLE(manycontact::Robot)
 MANYCONTACT_HANDLE(manycontact::Spring)
 MANYCONTACT_HANDLE(manycontact::Options)

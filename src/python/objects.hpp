@@ -41,7 +41,7 @@ void view_property(Class<T, Options...>& c, const char* name, M member) {
 
 /// A scene's, by number or name.
 Items<Handle<Contact>> contacts_of(const std::shared_ptr<Scene>& scene);
-Items<Handle<Push>> pushes_of(const std::shared_ptr<Scene>& scene);
+Items<Handle<ExternalWrench>> wrenches_of(const std::shared_ptr<Scene>& scene);
 Items<Handle<Spring>> springs_of(const std::shared_ptr<Scene>& scene);
 
 /// The numbers of `given`, which are finite; the second function expects `size` of them.

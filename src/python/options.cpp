@@ -11,7 +11,7 @@ void add_enumerations(py::module_& m) {
   enumeration<Status>(m);
   enumeration<Method>(m);
   enumeration<Order>(m);
-  enumeration<Lanes>(m);
+  enumeration<SimdLevel>(m);
   enumeration<Precision>(m);
   enumeration<Reason>(m);
 }
@@ -19,13 +19,13 @@ void add_enumerations(py::module_& m) {
 void add_how_to_solve(py::module_& m) {
   using Held = Handle<Options>;
   value<Held>(m)
-      .from_members<Method, std::optional<Order>, Lanes, int, bool, Precision>()
-      .fields<&Options::method, &Options::order, &Options::lanes, &Options::threads, &Options::reduce_pairs,
+      .from_members<Method, std::optional<Order>, SimdLevel, int, bool, Precision>()
+      .fields<&Options::method, &Options::order, &Options::simd_level, &Options::threads, &Options::reduce_pairs,
               &Options::precision>()
       .def("__repr__", [](const Held& h) {
         const Options& o = h.get();
         return "Options('" + to_string(o.method) + "'" + (o.order ? ", '" + to_string(*o.order) + "'" : "") +
-               (o.lanes == Lanes::kAuto ? "" : ", lanes='" + to_string(o.lanes) + "'") +
+               (o.simd_level == SimdLevel::kAuto ? "" : ", simd_level='" + to_string(o.simd_level) + "'") +
                (o.threads == 1 ? "" : ", threads=" + std::to_string(o.threads)) +
                (o.reduce_pairs ? "" : ", reduce_pairs=False") +
                (o.precision == Precision::kDouble ? "" : ", precision='" + to_string(o.precision) + "'") + ")";
@@ -56,7 +56,7 @@ void add_reports(py::module_& m) {
       .read<&R::status, &R::method, &R::nv, &R::nc, &R::rank, &R::factor_nonzeros, &R::refinement_steps,
             &R::residual_dynamics, &R::residual_contact, &R::backward_error, &R::condition, &R::error_acceleration,
             &R::error_forces, &R::times>()
-      .read("islands", islands, "remedy", [](const R& r) { return remedy(r); })
+      .read("islands", islands, "ok", &R::ok, "remedy", [](const R& r) { return remedy(r); })
       .def("__repr__", [](const Report& r) {
         return "<Report: " + to_string(r.status) + ", " + std::to_string(r.islands.size()) +
                (r.islands.size() == 1 ? " island" : " islands") + ", nv = " + std::to_string(r.nv) +

@@ -19,7 +19,7 @@ struct FrameName {
   std::variant<std::string, Handle<Attachment>> of = std::string();
   Attachment in(const RigidBodies& bodies) const {
     const auto* name = std::get_if<std::string>(&of);
-    return name ? frame_called(bodies, *name) : std::get<Handle<Attachment>>(of).get();
+    return name ? find_frame(bodies, *name) : std::get<Handle<Attachment>>(of).get();
   }
 };
 

@@ -46,13 +46,11 @@ void add_bodies(py::module_& m) {
       .read_at<&RigidBodies::nq, &RigidBodies::nv, &RigidBodies::njoints>(
           [](const Bodies& b) -> const RigidBodies& { return *b.view; });
   shared<RigidBodyData>(m).constructors<void(const RigidBodies&)>(py::keep_alive<1, 2>());
-  functions<&frame_names, &joint_names, &frame_called>(m);
-  m.attr("frame_id") = m.attr("frame_called");
-  def(m, "joint_called", [](const RigidBodies& bodies, const std::string& name) {
-    const BodyJoint joint = joint_called(bodies, name);
+  functions<&frame_names, &joint_names, &find_frame>(m);
+  def(m, "find_joint", [](const RigidBodies& bodies, const std::string& name) {
+    const BodyJoint joint = find_joint(bodies, name);
     return std::make_tuple(joint.robot, joint.joint);
   });
-  m.attr("joint_id") = m.attr("joint_called");
 }
 
 auto seeded(Vector (*random)(const RigidBodies&, std::mt19937&)) {
@@ -139,7 +137,7 @@ auto of_frame(Motion motion) {
 
 void add_body_frames(py::module_& m) {
   def(m, "forward_kinematics",
-      [](const RigidBodies& bodies, RigidBodyData& data, const Input& q, const std::optional<Vector>& v,
+      [](const RigidBodies& bodies, const Input& q, RigidBodyData& data, const std::optional<Vector>& v,
          const std::optional<Vector>& a) {
         if (a && !v) throw py::value_error("forward_kinematics: a is given, but not v");
         if (a)
@@ -153,14 +151,14 @@ void add_body_frames(py::module_& m) {
     return frame_placement(bodies, data, frame.in(bodies));
   });
   functions(m, "frame_velocity", of_frame(&frame_velocity), "frame_acceleration", of_frame(&frame_acceleration),
-            "frame_classical_acceleration", of_frame(&frame_classical_acceleration), "frame_drift",
-            of_frame(&frame_drift));
+            "frame_classical_acceleration", of_frame(&frame_classical_acceleration), "frame_bias_acceleration",
+            of_frame(&frame_bias_acceleration));
   def(m, "frame_jacobian",
       [](const RigidBodies& bodies, const RigidBodyData& data, const FrameName& frame, ReferenceFrame axes) {
         return frame_jacobian(bodies, data, frame.in(bodies), axes);
       });
   def(m, "joint_wrench", [](const RigidBodies& bodies, const RigidBodyData& data, const std::string& joint) {
-    return joint_wrench(bodies, data, joint_called(bodies, joint));
+    return joint_wrench(bodies, data, find_joint(bodies, joint));
   });
 }
 
@@ -174,8 +172,8 @@ void add_contact_rows(py::module_& m) {
   def(m, "contact_jacobian", [](const Scene& scene, const Input& q, const py::object& active) {
     return contact_jacobian(scene, q, flags_of(scene, active));
   });
-  def(m, "contact_drift", [](const Scene& scene, const Input& q, const Input& v, const py::object& active) {
-    return contact_drift(scene, q, v, flags_of(scene, active));
+  def(m, "contact_bias_acceleration", [](const Scene& scene, const Input& q, const Input& v, const py::object& active) {
+    return contact_bias_acceleration(scene, q, v, flags_of(scene, active));
   });
   def(m, "contact_forces_on_bodies",
       [](const Scene& scene, const Input& q, const Input& f, const std::vector<int>& f_offset) {

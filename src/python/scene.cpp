@@ -1,7 +1,7 @@
 // Scenes, their contacts and their files.
 
 #include "manycontact/analysis/load_scene.hpp"
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "manycontact/model/suggestion.hpp"
 #include "objects.hpp"
 
@@ -61,7 +61,7 @@ void take_model(Scene& scene, std::size_t number, const std::shared_ptr<const Mo
     at.placement = model->frames[to].placement * old->frames[from].placement.inverse() * at.placement;
   };
   for (Contact& contact : scene.contacts) follow(contact.A), follow(contact.B);
-  for (Push& push : scene.pushes) follow(push.at);
+  for (ExternalWrench& push : scene.wrenches) follow(push.at);
   for (Spring& spring : scene.springs) follow(spring.A), follow(spring.B);
   scene.robots.at(number).model = model;
 }
@@ -96,7 +96,7 @@ void add_robots(py::module_& m) {
   add_items<Held>(m, "RobotList");
 }
 
-Handle<Contact> contact_of(const std::shared_ptr<Scene>& scene, const std::string& name) {
+Handle<Contact> contact_data(const std::shared_ptr<Scene>& scene, const std::string& name) {
   return contacts_of(scene).at(static_cast<std::size_t>(contact_called(*scene, name)));
 }
 
@@ -104,7 +104,7 @@ Handle<Contact> contact_of(const std::shared_ptr<Scene>& scene, const std::strin
 void change_contact(const std::shared_ptr<Scene>& scene, const std::string& name,
                     const std::optional<Placement>& placement, const std::optional<Eigen::Vector2d>& gains,
                     std::optional<ReferenceFrame> frame) {
-  contact_of(scene, name).change([&](Contact& contact) {
+  contact_data(scene, name).change([&](Contact& contact) {
     if (placement) contact.B.placement = *placement;
     if (gains) contact.alpha = (*gains)[0], contact.beta = (*gains)[1];
     if (frame) contact.reference_frame = *frame;
@@ -135,8 +135,8 @@ void add_scene(py::module_& m) {
           set_number("Scene.damping", &S::damping, true), "tolerance", [](const S& s) { return s.tolerance; },
           set_number("Scene.tolerance", &S::tolerance, true), "moment_length",
           [](const S& s) { return s.moment_length; }, set_number("Scene.moment_length", &S::moment_length, false))
-      .read("robots", &robots_of, "contacts", &contacts_of, "pushes", &pushes_of, "springs", &springs_of)
-      .methods("contact", &contact_of)
+      .read("robots", &robots_of, "contacts", &contacts_of, "wrenches", &wrenches_of, "springs", &springs_of)
+      .methods("contact", &contact_data)
       .methods<&change_contact>()
       .read<&S::nq, &S::nv, &S::nu, &S::robot_index, &S::contact_index>()
       .def("__repr__", [](const S& s) {

@@ -5,10 +5,10 @@
 #include <variant>
 
 #include "data.hpp"
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
+#include "manycontact/detail/simulation/invariants.hpp"
 #include "manycontact/model/expect_state.hpp"
 #include "manycontact/simulation/gains.hpp"
-#include "manycontact/simulation/invariants.hpp"
 #include "manycontact/simulation/step.hpp"
 #include "manycontact/simulation/step_batch.hpp"
 #include "manycontact/simulation/switch.hpp"
@@ -179,7 +179,7 @@ struct Many {
   }
 };
 
-BatchMatrix matrix_of(const char* name, py::handle source) {
+BatchMatrix kkt_matrix(const char* name, py::handle source) {
   const Doubles X = as_doubles(source, true);
   if (!X || X.ndim() != 2) throw py::value_error(std::string(name) + " has to be a matrix, one state per row");
   check_numbers(name, X.data(), X.size());
@@ -187,7 +187,7 @@ BatchMatrix matrix_of(const char* name, py::handle source) {
 }
 
 py::array_t<std::int8_t> step_many(const Scene& scene, py::handle u, Many& many, int steps) {
-  const BatchMatrix U = matrix_of("step_batch: u", u);
+  const BatchMatrix U = kkt_matrix("step_batch: u", u);
   return many.use([&](SimulationBatch& batch) {
     std::vector<StepStatus> worst(batch.status.size(), StepStatus::kOk);
     {
@@ -214,7 +214,7 @@ auto put(M SimulationBatch::*member) {
   return [member](Many& m, const M& x) { m.use([&](SimulationBatch& b) { b.*member = x; }); };
 }
 auto put(const char* name, BatchMatrix SimulationBatch::*member) {
-  return [=](Many& m, py::handle x) { m.use([&](SimulationBatch& b) { b.*member = matrix_of(name, x); }); };
+  return [=](Many& m, py::handle x) { m.use([&](SimulationBatch& b) { b.*member = kkt_matrix(name, x); }); };
 }
 
 void add_batch_of_simulations(py::module_& m) {
@@ -222,7 +222,7 @@ void add_batch_of_simulations(py::module_& m) {
   Class<Many>(m, "SimulationBatch")
       .def(py::init([](const Scene& scene, py::handle q, py::handle v, Integrator integrator, double h, int threads,
                        const Options& options) {
-        return Many{B(scene, matrix_of("SimulationBatch: q", q), matrix_of("SimulationBatch: v", v), integrator, h,
+        return Many{B(scene, kkt_matrix("SimulationBatch: q", q), kkt_matrix("SimulationBatch: v", v), integrator, h,
                       threads, options)};
       }))
       .read("q", got(&B::q), "v", got(&B::v), "f", got(&B::f))
@@ -242,8 +242,8 @@ void add_batch_of_simulations(py::module_& m) {
 
 void add_invariants(py::module_& m) {
   value<Invariants>(m)
-      .read<&Invariants::position_drift, &Invariants::velocity_drift, &Invariants::kinetic, &Invariants::potential,
-            &Invariants::energy, &Invariants::momentum>();
+      .read<&Invariants::violation_position, &Invariants::violation_velocity, &Invariants::kinetic,
+            &Invariants::potential, &Invariants::energy, &Invariants::momentum>();
   def(m, "invariants", [](const Scene& scene, const std::vector<bool>& active, const Vector& q, const Vector& v) {
     if (active.size() != scene.contacts.size() || q.size() != scene.nq || v.size() != scene.nv)
       throw py::value_error("invariants: active, q or v do not fit the scene");

@@ -14,8 +14,8 @@ import types
 HEADER = '''"""Written from the module by src/python/stubs.py."""
 
 from typing import (
-    AbstractSet, Any, Callable, Dict, Generic, Iterator, List, Mapping, Optional, Sequence, Set, Tuple, TypeVar, Union,
-    overload,
+    AbstractSet, Any, Callable, Dict, Generic, Iterable, Iterator, List, Mapping, Optional, Sequence, Set, Tuple,
+    TypeVar, Union, overload,
 )
 
 import numpy

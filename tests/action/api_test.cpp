@@ -148,7 +148,7 @@ TEST(ActionApi, Armature) {
   EXPECT_TRUE(model->get_armature() == w.state->get_model()->armature);
   const DataPtr data = evaluated(*model, w.x, w.u);
   const auto inertia = [](const SceneData& d) {
-    const std::span<const double> M = inertia_of(d, 0);
+    const std::span<const double> M = joint_space_inertia(d, 0);
     return std::vector<double>(M.begin(), M.end());
   };
   const std::vector<double> M = inertia(as_fwddyn(data).multibody->solution);
@@ -163,7 +163,7 @@ TEST(ActionApi, Armature) {
   copy.armature = armature;
   scene.robots[0].model = std::make_shared<const Model>(copy);
   for (Contact& c : scene.contacts) c.alpha = 100, c.beta = 20;
-  SceneData own(scene, {Method::kAuto, {}, Lanes::kOff});
+  SceneData own(scene, {Method::kAuto, {}, SimdLevel::kOff});
   (void)solve(scene, w.x.head(scene.nq), w.x.tail(scene.nv), w.u, own);
   differentiate(scene, own);
   EXPECT_LT(error_of(data->xout, own.a), 1e-9);

@@ -3,8 +3,8 @@
 
 #include "action/residual_factory.hpp"
 #include "action/walker.hpp"
-#include "manycontact/action/frame_motion.hpp"
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/detail/action/frame_motion.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 
 namespace manycontact::test {
 namespace {

@@ -16,7 +16,7 @@ constexpr int kLargest = 60;
 // Returns rows [a; f], columns [q | v | u] of an island, from the action's data.
 Eigen::MatrixXd answer_of(const FwdDynData& d, std::size_t i) {
   const IslandColumns& c = d.multibody->islands[i];
-  const Island& island = island_of(d.multibody->solution, i);
+  const Island& island = solved_island(d.multibody->solution, i);
   Eigen::MatrixXd out(island.size(), c.x.size() + c.u.size());
   out.topRows(island.nv) << d.Fx(c.v, c.x), d.Fu(c.v, c.u);
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
@@ -45,7 +45,7 @@ void expect_true_derivatives(const Problem& p) {
   model->calcDiff(data, p.x, p.u);
   const std::vector<MatX<Quad>> truth = differences(scene, solution, s);
   for (std::size_t i = 0; i < island_count(solution); ++i) {
-    const Island& island = island_of(solution, i);
+    const Island& island = solved_island(solution, i);
     const DerivativeErrors e =
         derivative_errors(scene, island, answer_of(d, i), truth[i], column_kinds(island, truth[i]), condition[i]);
     EXPECT_LT(e.excess, 1);

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "manycontact/action/contact_fwddyn.hpp"
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
 

@@ -5,9 +5,9 @@
 
 #include "action/problem.hpp"
 #include "action/residual_factory.hpp"
-#include "manycontact/algorithm/crba.hpp"
-#include "manycontact/algorithm/energy.hpp"
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
+#include "manycontact/detail/algorithm/energy.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 #include "support/applied.hpp"
 
 namespace manycontact::test {
@@ -206,7 +206,7 @@ TEST(ResidualValues, OfGravityAreWhatAccelerates) {
     for (int i = 0; i < shared.scene.nrobots(); ++i) {
       const Robot& robot = shared.scene.robots[i];
       Eigen::MatrixXd M(robot.model->nv, robot.model->nv);
-      unpack_inertia<double>(*robot.model, inertia_of(shared.solution, i).data(), M);
+      unpack_inertia<double>(*robot.model, joint_space_inertia(shared.solution, i).data(), M);
       Ma.segment(robot.idx_v, robot.model->nv) = M * t.data->xout.segment(robot.idx_v, robot.model->nv);
     }
     const Eigen::VectorXd by_contacts = t.of("ContactControlGrav").r, alone = t.of("ControlGrav").r;

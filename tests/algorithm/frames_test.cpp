@@ -1,12 +1,12 @@
 // Placement, velocity, acceleration and Jacobian of frames agree in every choice of axes, with each other and with
 // differences of the placement in quadruple precision.
 
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 
 #include <gtest/gtest.h>
 
-#include "manycontact/algorithm/energy.hpp"
 #include "manycontact/algorithm/integrate.hpp"
+#include "manycontact/detail/algorithm/energy.hpp"
 #include "support/random.hpp"
 
 namespace manycontact {

@@ -5,9 +5,9 @@
 
 #include "algorithm/shapes.hpp"
 #include "manycontact/algorithm/configuration.hpp"
-#include "manycontact/algorithm/energy.hpp"
-#include "manycontact/algorithm/frames.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
+#include "manycontact/detail/algorithm/energy.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 #include "support/allocations.hpp"
 #include "support/dense.hpp"
 
@@ -276,7 +276,7 @@ TEST_P(RigidBody, FramesMove) {
   RigidBodyData data(scene);
   forward_kinematics(scene, q, v, a, data);
   const Robot& robot = scene.robots[1];
-  Attachment frame = frame_called(scene, "middle/link" + std::to_string(robot.model->njoints() - 1));
+  Attachment frame = find_frame(scene, "middle/link" + std::to_string(robot.model->njoints() - 1));
   frame.placement = random_placement(rng);
   for (const ReferenceFrame axes : kAllAxes) {
     const ReferenceFrame quads = axes == ReferenceFrame::kLocal   ? ReferenceFrame::kLocal
@@ -286,7 +286,8 @@ TEST_P(RigidBody, FramesMove) {
       return frame_velocity<Quad>(along(robot, t).kin, robot.base, frame.joint, frame.placement, quads);
     };
     const Mat6X<double> J = frame_jacobian(scene, data, frame, axes);
-    const Vec6<double> now = frame_velocity(scene, data, frame, axes), drift = frame_drift(scene, data, frame, axes);
+    const Vec6<double> now = frame_velocity(scene, data, frame, axes),
+                       drift = frame_bias_acceleration(scene, data, frame, axes);
     const Vec6<Quad> change = rate(velocity);
     const double size = std::max(size_of(change), size_of(J * a));
     EXPECT_LE(error_of(Vec6<double>(J * v), now), kClose);
@@ -302,7 +303,7 @@ TEST_P(RigidBody, FramesMove) {
   EXPECT_LE(difference_of(frame_placement(scene, data, frame), truth), 1e3 * kEps);
 
   forward_kinematics(scene, q, v, data);  // a = 0
-  EXPECT_EQ(frame_drift(scene, data, frame), frame_acceleration(scene, data, frame));
+  EXPECT_EQ(frame_bias_acceleration(scene, data, frame), frame_acceleration(scene, data, frame));
   forward_kinematics(scene, q, data);  // at rest
   EXPECT_EQ(frame_velocity(scene, data, frame).norm(), 0);
   EXPECT_EQ(frame_acceleration(scene, data, frame).norm(), 0);
@@ -359,10 +360,10 @@ TEST_P(RigidBody, RateOfMomentumIsTheSumOfOuterForces) {
   for (const Robot& robot : scene.robots)
     for (const Joint& joint : robot.model->joints) {
       if (joint.parent >= 0) continue;
-      const Attachment at = frame_called(scene, robot.name + "/link" + joint.name.substr(5));
+      const Attachment at = find_frame(scene, robot.name + "/link" + joint.name.substr(5));
       const SE3<double> from_center{Mat3<double>::Identity(), -c};
       outer += (from_center * frame_placement(scene, data, at))
-                   .act_force(joint_wrench(scene, data, joint_called(scene, robot.name + "/" + joint.name)));
+                   .act_force(joint_wrench(scene, data, find_joint(scene, robot.name + "/" + joint.name)));
     }
   EXPECT_LE(difference_of(centroidal_momentum_rate(scene, data), outer), kClose * std::max(1.0, size_of(outer)));
   (void)gravity_torques(scene, q, data);
@@ -459,13 +460,13 @@ TEST_P(RigidBody, OneRobotIsItsPartOfTheScene) {
   EXPECT_EQ(VectorXd(rnea(RigidBodies(model, robot.base, scene.gravity), own_q, own(v, robot), own(a, robot), alone)),
             torques);
   const std::string link = "link" + std::to_string(model.njoints() - 1);
-  const Attachment frame = frame_called(one, link);
+  const Attachment frame = find_frame(one, link);
   EXPECT_EQ(frame.robot, 1);
-  EXPECT_EQ(frame_called(scene, "middle/" + link).joint, frame.joint);
-  EXPECT_EQ(frame_called(model, link).robot, 0);
+  EXPECT_EQ(find_frame(scene, "middle/" + link).joint, frame.joint);
+  EXPECT_EQ(find_frame(model, link).robot, 0);
   EXPECT_EQ(frame_jacobian(one, data, frame), frame_jacobian(scene, all, frame).middleCols(robot.idx_v, model.nv));
-  EXPECT_EQ(joint_wrench(one, data, joint_called(one, "joint0")),
-            joint_wrench(scene, all, joint_called(scene, "middle/joint0")));
+  EXPECT_EQ(joint_wrench(one, data, find_joint(one, "joint0")),
+            joint_wrench(scene, all, find_joint(scene, "middle/joint0")));
   EXPECT_EQ(frame_names(one).back(), link);
   EXPECT_EQ(joint_names(scene)[scene.robots[0].model->njoints()], "middle/joint0");
   EXPECT_EQ(neutral(one), VectorXd(neutral(scene).segment(robot.idx_q, model.nq)));
@@ -514,10 +515,10 @@ TEST(RigidBodies, SayWhatIsWrong) {
     }
     return "";
   };
-  EXPECT_NE(message([&] { (void)frame_called(scene, "link0"); }).find("expected robot/name"), std::string::npos);
-  EXPECT_NE(message([&] { (void)frame_called(scene, "x/link0"); }).find("'a', 'b'"), std::string::npos);
-  EXPECT_NE(message([&] { (void)frame_called(scene, "a/lnk0"); }).find("'link0'"), std::string::npos);
-  EXPECT_NE(message([&] { (void)joint_called(scene, "a/knee"); }).find("'joint0'"), std::string::npos);
+  EXPECT_NE(message([&] { (void)find_frame(scene, "link0"); }).find("expected robot/name"), std::string::npos);
+  EXPECT_NE(message([&] { (void)find_frame(scene, "x/link0"); }).find("'a', 'b'"), std::string::npos);
+  EXPECT_NE(message([&] { (void)find_frame(scene, "a/lnk0"); }).find("'link0'"), std::string::npos);
+  EXPECT_NE(message([&] { (void)find_joint(scene, "a/knee"); }).find("'joint0'"), std::string::npos);
   EXPECT_NE(message([&] { (void)frame_velocity(scene, data, {7, 0, {}}); }).find("not among"), std::string::npos);
   EXPECT_THROW((void)joint_wrench(scene, data, {0, 0}), std::logic_error);
   (void)rnea(scene, q, v, v, data);

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "manycontact/algorithm/aba.hpp"
-#include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/integrate.hpp"
-#include "manycontact/algorithm/rnea.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
+#include "manycontact/detail/algorithm/rnea.hpp"
 #include "spatial/compare.hpp"
 #include "support/random.hpp"
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "manycontact/algorithm/configuration.hpp"
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "support/dense.hpp"
 #include "support/folder.hpp"
 #include "support/scenes.hpp"

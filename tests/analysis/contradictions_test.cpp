@@ -5,7 +5,7 @@
 #include "manycontact/analysis/consistent.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/rounding.hpp"
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
@@ -114,11 +114,11 @@ TEST(Contradictions, AreComparedWithTheLoads) {
     for (const double apart : {1e-13, 1e-9}) {
       SceneFile file = ends(apart, "", gravity ? "gravity=\"0 0 -9.81\"" : "gravity=\"0 0 0\"");
       if (!gravity) {
-        Push pull;
+        ExternalWrench pull;
         pull.name = "pull";
         pull.at = file.scene.contacts[0].A;
         pull.wrench << 0, 0, 9.81 * file.scene.robots[0].model->joints[0].inertia.m, 0, 0, 0;
-        file.scene.pushes.push_back(pull);
+        file.scene.wrenches.push_back(pull);
       }
       for (Contact& c : file.scene.contacts) c.alpha = 1;
       for (const bool pairs : {true, false})

@@ -73,7 +73,7 @@ TEST(PlaceSearch, BendsWhatIsStretched) {
     for (const auto& lengths : std::vector<std::vector<double>>{{0.5, 0.4, 0.3}, {0.3, 0.3, 0.3, 0.3}}) {
       const Arm arm(lengths, -2.8, 2.8);
       const PlacedScene found = place(arm.file.scene, arm.file.q,
-                                      {pose_goal(frame_called(arm.file.scene, "r/tip"), Partial{x, 0.0, kAnywhere})},
+                                      {pose_goal(find_frame(arm.file.scene, "r/tip"), Partial{x, 0.0, kAnywhere})},
                                       {.restarts = 20});  // a target behind leads some searches to limits first
       EXPECT_TRUE(found.met(kSearched)) << x << " " << lengths.size();
     }
@@ -97,7 +97,7 @@ TEST(PlaceSearch, CrouchesFromStraightKnees) {
         std::to_string(0.85 - down) + "' rpy='0 0 0'/></scene>");
     RigidBodyData data(file.scene);
     forward_kinematics(file.scene, file.q, data);
-    EXPECT_NEAR(frame_placement(file.scene, data, frame_called(file.scene, "h/pelvis")).p[2], 0.85 - down, kSearched);
+    EXPECT_NEAR(frame_placement(file.scene, data, find_frame(file.scene, "h/pelvis")).p[2], 0.85 - down, kSearched);
     for (const char* knee : {"left_knee", "right_knee"}) EXPECT_GT(file.q[q_index(file.scene, "h", knee)], 0.05);
     EXPECT_TRUE(file.q.tail(7).isZero(0));
   }
@@ -115,7 +115,7 @@ TEST(PlaceSearch, FindsMinimaInTensOfSteps) {
     std::vector<Goal> goals;
     for (const char* frame : {"h/left_hand", "h/right_hand", "h/left_sole", "h/right_sole"}) {
       const VectorXd x = random_vector(3, rng, 1.5);
-      goals.push_back(pose_goal(frame_called(scene, frame), SE3<double>{Mat3<double>::Identity(), x.head<3>()}));
+      goals.push_back(pose_goal(find_frame(scene, frame), SE3<double>{Mat3<double>::Identity(), x.head<3>()}));
     }
     const PlacedScene found = place(scene, start, goals);
     EXPECT_LE(found.iterations, 90) << seed;
@@ -140,7 +140,7 @@ TEST(PlaceSearch, MeetsGoalsFarAway) {
     VectorXd q = neutral(file.scene);
     q[0] = far;
     const PlacedScene found =
-        place(file.scene, q, {pose_goal(frame_called(file.scene, "b/crate"), Partial{far + 1e-6, 1e-9, kAnywhere})});
+        place(file.scene, q, {pose_goal(find_frame(file.scene, "b/crate"), Partial{far + 1e-6, 1e-9, kAnywhere})});
     EXPECT_LE(found.left[0].position, 4e-16 * 4 * far + 1e-12) << far;
     EXPECT_LE(found.iterations, 20) << far;
   }
@@ -150,12 +150,12 @@ TEST(PlaceSearch, EqualLimitsLock) {
   const Arm arm({0.5, 0.4, 0.3}, 0.4, 0.4);
   const Scene& scene = arm.file.scene;
   const PlacedScene found =
-      place(scene, arm.file.q, {pose_goal(frame_called(scene, "r/tip"), Partial{0.2, 0.2, kAnywhere})});
+      place(scene, arm.file.q, {pose_goal(find_frame(scene, "r/tip"), Partial{0.2, 0.2, kAnywhere})});
   EXPECT_EQ(found.q[1], 0.4);
   EXPECT_EQ(found.q[2], 0.4);
   RigidBodyData data(scene);
   forward_kinematics(scene, found.q, data);
-  const Vec3<double> p = frame_placement(scene, data, frame_called(scene, "r/tip")).p;
+  const Vec3<double> p = frame_placement(scene, data, find_frame(scene, "r/tip")).p;
   EXPECT_NEAR(p[0], p[1], 1e-8);  // it points to the goal
 }
 
@@ -170,7 +170,7 @@ TEST(PlaceSearch, StartsAgainWhenAsked) {
     const VectorXd wanted = random_configuration(scene, rng);
     RigidBodyData data(scene);
     forward_kinematics(scene, wanted, data);
-    const Attachment tool = frame_called(scene, "a/tool");
+    const Attachment tool = find_frame(scene, "a/tool");
     const std::vector<Goal> goals = {pose_goal(tool, frame_placement(scene, data, tool))};
     const VectorXd start = random_configuration(scene, rng);
     alone += place(scene, start, goals).met(kSearched);
@@ -209,8 +209,8 @@ Vec3<double> center(const SceneFile& file) {
 Vec3<double> middle_of_soles(const SceneFile& file) {
   RigidBodyData data(file.scene);
   forward_kinematics(file.scene, file.q, data);
-  return 0.5 * (frame_placement(file.scene, data, frame_called(file.scene, "h/left_sole")).p +
-                frame_placement(file.scene, data, frame_called(file.scene, "h/right_sole")).p);
+  return 0.5 * (frame_placement(file.scene, data, find_frame(file.scene, "h/left_sole")).p +
+                frame_placement(file.scene, data, find_frame(file.scene, "h/right_sole")).p);
 }
 
 // The pages' scene, and a symmetrical edition, are balanced, since the poses leave them free to be.
@@ -242,7 +242,7 @@ TEST(PoseRestarts, AreAsked) {
   const Arm arm({0.3, 0.3, 0.3, 0.3}, -2.8, 2.8, pose, "restarts='20'");
   RigidBodyData data(arm.file.scene);
   forward_kinematics(arm.file.scene, arm.file.q, data);
-  EXPECT_NEAR(frame_placement(arm.file.scene, data, frame_called(arm.file.scene, "r/tip")).p[0], -1.1, kSearched);
+  EXPECT_NEAR(frame_placement(arm.file.scene, data, find_frame(arm.file.scene, "r/tip")).p[0], -1.1, kSearched);
   EXPECT_THROW(Arm({0.3}, 0, 0, "", "restarts='-1'"), InputError);
 }
 

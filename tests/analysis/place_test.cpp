@@ -13,7 +13,7 @@
 #include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/load_scene.hpp"
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "manycontact/io/urdf.hpp"
 #include "support/folder.hpp"
 #include "support/random.hpp"
@@ -66,8 +66,8 @@ TEST(Place, MeetsGoalsOfEveryKind) {
   const Scene& scene = file.scene;
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const Nearby near(scene, seed, 0.1);
-    const Attachment left = frame_called(scene, "h/left_hand"), right = frame_called(scene, "h/right_sole"),
-                     tool = frame_called(scene, "a/tool"), crate = frame_called(scene, "b/crate");
+    const Attachment left = find_frame(scene, "h/left_hand"), right = find_frame(scene, "h/right_sole"),
+                     tool = find_frame(scene, "a/tool"), crate = find_frame(scene, "b/crate");
     const auto at = [&](const Attachment& frame) { return frame_placement(scene, *near.data, frame); };
     const Vec3<double> hand = at(left).p, c = center_of_mass(RigidBodies(scene), *near.data);
     const Mat3<double> R = at(tool).R;
@@ -104,7 +104,7 @@ TEST(Place, MeetsGoalsOfEveryKind) {
 // Goals are angles alone: yaw, and pitch with yaw.
 TEST(Place, MeetsSingleAngles) {
   const SceneFile file = two_robots();
-  const Attachment crate = frame_called(file.scene, "b/crate");
+  const Attachment crate = find_frame(file.scene, "b/crate");
   const VectorXd q = neutral(file.scene);
   const auto angles = [&](const Partial& rpy) {
     const PlacedScene found = place(file.scene, q, {pose_goal(crate, Partial{}, rpy)});
@@ -150,7 +150,7 @@ TEST(Place, ReachesAsFarAsLimitsAllow) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     const Nearby near(scene, seed, 0.3);
     const std::vector<Goal> goals = {
-        pose_goal(frame_called(scene, "a/tool"), SE3<double>{Mat3<double>::Identity(), {4, 1 - 2.0 * seed, 0.5}}),
+        pose_goal(find_frame(scene, "a/tool"), SE3<double>{Mat3<double>::Identity(), {4, 1 - 2.0 * seed, 0.5}}),
         joint_goal(scene, "h/left_knee", 4),
         joint_goal(scene, "h/right_knee", -4),
     };
@@ -193,7 +193,7 @@ TEST(Place, StartsWithinLimits) {
 
 TEST(Place, ContradictingGoalsShareByWeight) {
   const SceneFile file = load_text("<scene><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/></scene>");
-  const Attachment crate = frame_called(file.scene, "crate");
+  const Attachment crate = find_frame(file.scene, "crate");
   const PlacedScene found =
       place(file.scene, neutral(file.scene),
             {pose_goal(crate, Partial{1.0, kOpen, kOpen}, {}, 3), pose_goal(crate, Partial{5.0, kOpen, kOpen}, {}, 1),
@@ -278,7 +278,7 @@ TEST(PlacePublicRobots, StandOnTheirSoles) {
     std::vector<Goal> goals;
     double lowest = 0;
     for (const char* name : robot.frames) {
-      const Attachment foot = frame_called(scene, std::string("r/") + name);
+      const Attachment foot = find_frame(scene, std::string("r/") + name);
       const SE3<double> M = frame_placement(scene, data, foot);
       lowest = std::min(lowest, M.p[2]);
       const double roll = std::atan2(M.R(2, 1), M.R(2, 2)), pitch = std::asin(std::clamp(-M.R(2, 0), -1.0, 1.0));
@@ -286,7 +286,7 @@ TEST(PlacePublicRobots, StandOnTheirSoles) {
                                 robot.flat ? Partial{roll, pitch, kOpen} : Partial{kOpen, kOpen, kOpen}));
     }
     const std::size_t soles = goals.size();
-    const Attachment trunk = frame_called(scene, "r/" + scene.robots[0].model->frames[0].name);
+    const Attachment trunk = find_frame(scene, "r/" + scene.robots[0].model->frames[0].name);
     goals.push_back(pose_goal(trunk, Partial{0.0, 0.0, (robot.lower - 1) * lowest}, Partial{0.0, 0.1, 0.0}));
     const PlacedScene found = place(scene, start, goals, {.iterations = 30});
     for (std::size_t g = 0; g < soles; ++g) {
@@ -338,11 +338,11 @@ TEST(Poses, ArePutInPlaceWhenLoaded) {
   RigidBodyData data(file.scene);
   forward_kinematics(file.scene, file.q, data);
   for (const char* foot : {"h/left_sole", "h/right_sole"}) {
-    const SE3<double> M = frame_placement(file.scene, data, frame_called(file.scene, foot));
+    const SE3<double> M = frame_placement(file.scene, data, find_frame(file.scene, foot));
     EXPECT_NEAR(M.p[2], 0, kFound);
     EXPECT_NEAR(M.R(2, 2), 1, kFound);
   }
-  EXPECT_NEAR(frame_placement(file.scene, data, frame_called(file.scene, "h/" + trunk)).p[2], 0.7, kFound);
+  EXPECT_NEAR(frame_placement(file.scene, data, find_frame(file.scene, "h/" + trunk)).p[2], 0.7, kFound);
   EXPECT_TRUE(placement_errors(file.scene, {1}, file.q).empty());  // its reference is there
   expect_within_limits(file.scene, file.q);
   EXPECT_GT(file.u.norm(), 1);          // quasi-static there
@@ -367,7 +367,7 @@ TEST(Poses, AreMetTogetherWithContacts) {
   RigidBodyData data(file.scene);
   forward_kinematics(file.scene, file.q, data);
   for (const char* foot : {"h0/left_sole", "h1/right_sole"})
-    EXPECT_NEAR(frame_placement(file.scene, data, frame_called(file.scene, foot)).p[2], 0, kFound) << foot;
+    EXPECT_NEAR(frame_placement(file.scene, data, find_frame(file.scene, foot)).p[2], 0, kFound) << foot;
   expect_within_limits(file.scene, file.q);
 }
 
@@ -418,7 +418,7 @@ TEST(Place, MissingLimitsAreNone) {
     Scene scene;
     add_robot(scene, "two", std::make_shared<const Model>(load_urdf(path)));
     const VectorXd q = Eigen::Vector2d(0.9, -1.8);
-    const Goal goal = pose_goal(frame_called(scene, "two/b"), Partial{0.3 * std::sin(-0.5), kOpen, kOpen});
+    const Goal goal = pose_goal(find_frame(scene, "two/b"), Partial{0.3 * std::sin(-0.5), kOpen, kOpen});
     const PlacedScene out = place(scene, q, {goal});
     EXPECT_TRUE(out.met());
     return out.q[1];
@@ -450,7 +450,7 @@ TEST(Place, SearchesWhileTheErrorFalls) {
 // Goals that contradict each other end the search at a minimum, not for lack of steps.
 TEST(Place, EndsWhereTheErrorStays) {
   const SceneFile file = two_robots();
-  const Attachment tool = frame_called(file.scene, "a/tool");
+  const Attachment tool = find_frame(file.scene, "a/tool");
   const PlacedScene found = place(
       file.scene, file.q, {pose_goal(tool, Partial{9, kOpen, kOpen}), pose_goal(tool, Partial{-9, kOpen, kOpen})});
   EXPECT_FALSE(found.met());

@@ -6,7 +6,7 @@
 
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/contact/jacobian.hpp"
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "support/dense.hpp"
 #include "support/folder.hpp"

@@ -6,7 +6,7 @@
 
 #include <numeric>
 
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "support/dense.hpp"
 #include "support/random.hpp"
@@ -24,7 +24,7 @@ struct RankedScene {
     (void)solve(file.scene, file.q, file.v, file.u, data);
   }
   IslandRanks ranks(std::size_t island = 0) const { return find_ranks(file.scene, data, island); }
-  RowSelection selection() const { return select_rows(file.scene, island_of(data, 0), ranks()); }
+  RowSelection selection() const { return select_rows(file.scene, solved_island(data, 0), ranks()); }
 };
 
 RankedScene on_humanoid(const std::string& contacts) {
@@ -87,7 +87,7 @@ TEST(Ranks, OfRandomScenesAreThoseOfTheirRows) {
     (void)solve(r.scene, r.q, r.v, r.u, data);
     const Eigen::MatrixXd J = contact_jacobian(r.scene, r.q);
     for (std::size_t i = 0; i < island_count(data); ++i) {
-      const Island& island = island_of(data, i);
+      const Island& island = solved_island(data, i);
       const IslandRanks ranks = find_ranks(r.scene, data, i);
       std::vector<int> all, kept;
       each_force_block(r.scene, data.f_offset, island, [&](int f, int row, int count) {

@@ -32,7 +32,7 @@ class UnusableStates : public testing::Test {
         {"crba", [this](const State& s) { (void)crba(scene(), s.q, body_); }},
         {"coriolis_matrix", [this](const State& s) { (void)coriolis_matrix(scene(), s.q, s.v, body_); }},
         {"contact_jacobian", [this](const State& s) { (void)contact_jacobian(scene(), s.q); }},
-        {"contact_drift", [this](const State& s) { (void)contact_drift(scene(), s.q, s.v); }},
+        {"contact_bias_acceleration", [this](const State& s) { (void)contact_bias_acceleration(scene(), s.q, s.v); }},
         {"resolve_references", [this](const State& s) { resolve_references(file_.scene, s.q); }},
         {"resolver", [this](const State& s) { ReferenceResolver(scene(), s.q); }},
         {"place", [this](const State& s) { (void)place(scene(), s.q, {}); }},
@@ -72,8 +72,8 @@ TEST_F(UnusableStates, AreRefused) {
 }
 
 TEST_F(UnusableStates, OfVelocitiesToo) {
-  for (const char* name : {"integrate", "forward_kinematics", "rnea", "aba", "coriolis_matrix", "contact_drift",
-                           "make_consistent", "update_kinematics", "velocity_errors"}) {
+  for (const char* name : {"integrate", "forward_kinematics", "rnea", "aba", "coriolis_matrix",
+                           "contact_bias_acceleration", "make_consistent", "update_kinematics", "velocity_errors"}) {
     State s = usable();
     s.v[0] = kNaN;
     EXPECT_THROW(of_q_.at(name)(s), std::invalid_argument) << name;

@@ -92,7 +92,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Kinds{"Units", {"units"}, 1600, 20}, Kinds{"Mixed", {"mixed"}, 1700, 20},
                     Kinds{"Joints", {"joint"}, 1800, 30}, Kinds{"Chain", {"chain", "redundant"}, 1900, 20},
                     Kinds{"Exact", {"exact", "redundant"}, 2000, 40}, Kinds{"Lever", {"lever"}, 2100, 40},
-                    Kinds{"Pushes", {"push"}, 2200, 30}, Kinds{"Springs", {"spring", "multi"}, 2300, 30},
+                    Kinds{"ExternalWrenches", {"push"}, 2200, 30}, Kinds{"Springs", {"spring", "multi"}, 2300, 30},
                     Kinds{"JointSprings", {"joint_spring", "damper"}, 2400, 20},
                     Kinds{"Forces", {"push", "spring", "joint_spring", "damper", "fast", "redundant"}, 2500, 30},
                     Kinds{"Rerooted", {"root", "push", "lock"}, 2600, 30},

@@ -50,7 +50,7 @@ void drop_refused(Case& c) {
     const int b = h.to_tree < 0 ? -1 : moving_link(c.trees[h.to_tree], h.to_link);
     return (a < 0 && b < 0) || (h.tree == h.to_tree && a == b);
   });
-  std::erase_if(c.pushes, [&](const Push& p) { return moving_link(c.trees[p.tree], p.link) < 0; });
+  std::erase_if(c.wrenches, [&](const ExternalWrench& p) { return moving_link(c.trees[p.tree], p.link) < 0; });
   std::erase_if(c.springs, [&](const Spring& s) {
     const int a = moving_link(c.trees[s.tree], s.link);
     return a < 0 || (s.tree == s.to_tree && a == moving_link(c.trees[s.tree], s.to_link));
@@ -137,7 +137,7 @@ std::string contact_element(const Case& c, const Hold& h, int k) {
   return text + "/>\n";
 }
 
-std::string push_element(const Case& c, const Push& p, int k) {
+std::string push_element(const Case& c, const ExternalWrench& p, int k) {
   return "<push name=\"p" + std::to_string(k) + "\" frame=\"" + frame_of(c, p.tree, p.link) + "\" offset=\"" +
          numbers(p.offset) + "\" force=\"" + numbers(p.force) + "\" torque=\"" + numbers(p.torque) +
          "\" reference_frame=\"" + (p.world ? "world" : "local") + "\"/>\n";
@@ -184,7 +184,7 @@ std::string scene_text(const Case& c) {
       "<scene name=\"attack\" gravity=\"" + numbers(c.gravity) + "\" damping=\"" + number(c.damping) + "\">\n";
   for (std::size_t k = 0; k < c.trees.size(); ++k) text += robot_element(c, static_cast<int>(k));
   for (std::size_t k = 0; k < c.holds.size(); ++k) text += contact_element(c, c.holds[k], static_cast<int>(k));
-  for (std::size_t k = 0; k < c.pushes.size(); ++k) text += push_element(c, c.pushes[k], static_cast<int>(k));
+  for (std::size_t k = 0; k < c.wrenches.size(); ++k) text += push_element(c, c.wrenches[k], static_cast<int>(k));
   for (std::size_t k = 0; k < c.springs.size(); ++k) text += spring_element(c, c.springs[k], static_cast<int>(k));
   return text + "</scene>\n";
 }

@@ -60,7 +60,7 @@ struct Hold {      // a contact
   double alpha = 0, beta = 0;
 };
 
-struct Push {
+struct ExternalWrench {
   int tree = 0, link = 0;
   Numbers offset = {}, force = {}, torque = {};
   bool world = false;  // in the world's axes
@@ -82,12 +82,12 @@ struct Case {
   double damping = 0;
   std::vector<Tree> trees;
   std::vector<Hold> holds;
-  std::vector<Push> pushes;
+  std::vector<ExternalWrench> wrenches;
   std::vector<Spring> springs;
 
   int nv() const;
   int rows() const;
-  int wrenches() const { return static_cast<int>(6 * pushes.size()); }  // entries of all wrenches
+  int wrench_entries() const { return static_cast<int>(6 * wrenches.size()); }  // entries of all wrenches
 };
 
 /// Sets iq, iv of all links, nq, nv: depth first, children in the byte order of their joints' names.
@@ -97,7 +97,7 @@ void number_coordinates(Tree& tree);
 int moving_link(const Tree& tree, int link);
 
 /// Leaves out what the library refuses: contacts and springs of a body with itself, or of two that cannot move, and
-/// pushes on bodies that cannot move.
+/// wrenches on bodies that cannot move.
 void drop_refused(Case& c);
 
 /// Returns the scene file's text; trees that come from no file are named r<k>.urdf in its folder.

@@ -71,7 +71,7 @@ struct Makes {  // one scene
   void pile(Case& c);
   void reverse(Tree& t);
   void spring_joints(Tree& t);
-  Push push(const Case& c);
+  ExternalWrench push(const Case& c);
   Spring spring(const Case& c);
   void rescale(Case& c, double length, double mass, bool last_alone);
 };
@@ -174,8 +174,8 @@ void Makes::spring_joints(Tree& t) {
   }
 }
 
-Push Makes::push(const Case& c) {
-  Push p;
+ExternalWrench Makes::push(const Case& c) {
+  ExternalWrench p;
   p.tree = r.below(static_cast<int>(c.trees.size()));
   p.link = r.below(static_cast<int>(c.trees[p.tree].links.size()));
   if (r.chance(0.7)) p.offset = r.vector(0.2);
@@ -258,7 +258,7 @@ void Makes::rescale(Case& c, double length, double mass, bool last_alone) {
   }
   for (Hold& h : c.holds)
     if (h.tree >= static_cast<int>(first)) h.offset = scaled(h.offset, length), h.place = scaled(h.place, length);
-  for (Push& p : c.pushes) {
+  for (ExternalWrench& p : c.wrenches) {
     if (p.tree < static_cast<int>(first)) continue;
     p.offset = scaled(p.offset, length), p.force = scaled(p.force, mass * length);
     p.torque = scaled(p.torque, mass * length * length);
@@ -361,7 +361,7 @@ Case Makes::make() {
     if ((has("redundant") || has("near")) && r.chance(0.8)) c.holds.push_back(copy_of(c.holds.back()));
   }
   if (has("damping")) c.damping = r.of(std::vector<double>{1e-14, 1e-12, 1e-9, 1e-6, 1e-3, 1});
-  for (int n = has("push") ? 1 + r.below(3) : 0; n > 0; --n) c.pushes.push_back(push(c));
+  for (int n = has("push") ? 1 + r.below(3) : 0; n > 0; --n) c.wrenches.push_back(push(c));
   for (int n = !has("spring") ? 0 : has("herd") ? r.below(3) : 1 + r.below(3); n > 0; --n)
     c.springs.push_back(spring(c));
   drop_refused(c);

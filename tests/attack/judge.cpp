@@ -122,7 +122,7 @@ struct Trial {
   }
 };
 
-constexpr int kKinds = 4;  // of coordinates: q, v, u, and the wrenches of pushes
+constexpr int kKinds = 4;  // of coordinates: q, v, u, and the wrenches of wrenches
 
 struct Blocks {  // derivatives
   const Eigen::MatrixXd *a[kKinds], *f[kKinds];
@@ -261,8 +261,8 @@ std::vector<Places> places_of(const Scene& scene, const SceneData& data) {
         for (int k = 0; k < n; ++k) to.push_back(static_cast<std::size_t>(at + k));
       };
     };
-    each_velocity_block(scene, island_of(data, i), add_to(list[i].a));
-    each_force_block(scene, data.f_offset, island_of(data, i), add_to(list[i].f));
+    each_velocity_block(scene, solved_island(data, i), add_to(list[i].a));
+    each_force_block(scene, data.f_offset, solved_island(data, i), add_to(list[i].f));
   }
   return list;
 }
@@ -341,7 +341,7 @@ void add(const Case& c, const Probe& p, Direction& d) {
 }
 Direction direction_of(const Case& c, const std::vector<Probe>& all) {
   const std::vector<double> none(c.nv(), 0.0);
-  Direction d{none, none, none, std::vector<double>(c.wrenches(), 0.0)};
+  Direction d{none, none, none, std::vector<double>(c.wrench_entries(), 0.0)};
   for (const Probe& p : all) add(c, p, d);
   return d;
 }
@@ -401,7 +401,7 @@ std::array<bool, 2> Trying::judge_derivative_bounds(const Answer& t, const std::
 void Trying::judge_derivatives(const Answer& t) {
   const Scene& scene = file.scene;
   DerivativeRequest request;
-  request.pushes = true;
+  request.wrenches = true;
   differentiate(scene, data, request);
   const SceneDerivatives d = dense_derivatives(scene, data);
   const Blocks blocks{{&d.da_dq, &d.da_dv, &d.da_du, &d.da_dw},
@@ -425,7 +425,7 @@ void Trying::judge_derivatives(const Answer& t) {
   const Bounds bounds = numbers(stated.front());
   bool good = true;
   int number = 0;
-  for (const Probe& p : probes({scene.nv, scene.nv, scene.nu, trial.c.wrenches()})) {
+  for (const Probe& p : probes({scene.nv, scene.nv, scene.nu, trial.c.wrench_entries()})) {
     const Direction along = direction_of(trial.c, {p});
     const Slopes& truth = trial.along(t.rank, ++number, along);
     const std::array<bool, 2> within =
@@ -469,7 +469,7 @@ void Trying::judge_products(const Answer& t, const Blocks& blocks, const double*
   };
   // Each kind has the same weight: a product is one number for all of them.
   std::vector<Probe> x = {{0, signs(scene.nv)}, {1, signs(scene.nv)}, {2, signs(scene.nu)}};
-  Eigen::VectorXd da(scene.nv), df(data.f.size()), none(trial.c.wrenches());
+  Eigen::VectorXd da(scene.nv), df(data.f.size()), none(trial.c.wrench_entries());
   x.push_back({3, signs(none.size())});
   jvp(scene, data, x[0].x, x[1].x, x[2].x, x[3].x, da, df);
   Eigen::VectorXd right_a = Eigen::VectorXd::Zero(da.size()), right_f = Eigen::VectorXd::Zero(df.size());
@@ -560,10 +560,10 @@ bool Trying::values() {
   return true;
 }
 
-// Returns the size of the terms of pushes and springs, which may cancel.
+// Returns the size of the terms of wrenches and springs, which may cancel.
 double applied_size(const Case& c) {
   double size = 0;
-  for (const Push& p : c.pushes)
+  for (const ExternalWrench& p : c.wrenches)
     for (const Numbers* x : {&p.force, &p.torque})
       for (double e : *x) size = std::max(size, std::abs(e));
   for (const Spring& s : c.springs) {

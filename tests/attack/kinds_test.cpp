@@ -9,7 +9,7 @@
 #include "manycontact/analysis/errors.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/load_scene.hpp"
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"

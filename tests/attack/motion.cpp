@@ -1,6 +1,6 @@
 #include "motion.hpp"
 
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact::attack {
 

@@ -14,7 +14,7 @@ namespace {
 template <class T>
 using Bodies = std::vector<std::vector<Body<T>>>;
 
-// Coordinates of all trees one after the other, and the pushes' wrenches.
+// Coordinates of all trees one after the other, and the wrenches' wrenches.
 template <class T>
 struct State {
   std::vector<T> q, v, a, w;
@@ -38,7 +38,7 @@ std::vector<T> all_v(const Case& c) {
 
 std::vector<double> all_w(const Case& c) {
   std::vector<double> w;
-  for (const Push& p : c.pushes)
+  for (const ExternalWrench& p : c.wrenches)
     for (const Numbers* x : {&p.force, &p.torque}) w.insert(w.end(), x->begin(), x->end());
   return w;
 }
@@ -105,8 +105,8 @@ void act_at(const Body<T>& at, const Body<T>& link, const Vec<T>& force, const V
 
 template <class T>
 void add_pushes(const Case& c, const State<T>& s, const Bodies<T>& bodies, std::vector<std::vector<Wrench<T>>>& on) {
-  for (std::size_t k = 0; k < c.pushes.size(); ++k) {
-    const Push& p = c.pushes[k];
+  for (std::size_t k = 0; k < c.wrenches.size(); ++k) {
+    const ExternalWrench& p = c.wrenches[k];
     const Body<T>& link = bodies[p.tree][p.link];
     const T* w = s.w.data() + 6 * k;
     Vec<T> force(w[0], w[1], w[2]), moment(w[3], w[4], w[5]);
@@ -132,7 +132,7 @@ void add_springs(const Case& c, const Bodies<T>& bodies, std::vector<std::vector
   }
 }
 
-// Returns the joint forces for the motion s, with the contacts' forces and, if `acting`, gravity, pushes, springs and
+// Returns the joint forces for the motion s, with the contacts' forces and, if `acting`, gravity, wrenches, springs and
 // dampers.
 template <class T>
 std::vector<T> forces_at(const Case& c, const State<T>& s, const Bodies<T>& bodies, const Column& f, bool acting) {
@@ -432,7 +432,7 @@ Case blurred(const Case& c, std::uint64_t seed) {
   for (Hold& h : out.holds) blur(h.offset), blur(h.place), blur(h.axis), blur(h.turned), blur(h.place_turned);
   for (Tree& t : out.trees)
     for (Link& l : t.links) blur_one(l.stiffness), blur_one(l.rest), blur_one(l.damping);
-  for (Push& p : out.pushes) blur(p.offset), blur(p.force), blur(p.torque);
+  for (ExternalWrench& p : out.wrenches) blur(p.offset), blur(p.force), blur(p.torque);
   for (Spring& s : out.springs)
     blur(s.offset), blur(s.place), blur_one(s.stiffness), blur_one(s.length), blur_one(s.damping);
   return out;

@@ -31,7 +31,7 @@ struct Slopes {  // derivatives of a and f along one direction
   Column a, f;
 };
 
-/// Tangent of q, v, the torques of all coordinates and the pushes' wrenches, force before torque.
+/// Tangent of q, v, the torques of all coordinates and the wrenches' wrenches, force before torque.
 struct Direction {
   std::vector<double> q, v, tau, w;
 };

@@ -19,7 +19,7 @@ bool drop_last_link(Case& c, int tree) {
   if (last == 0 || !t.urdf.empty()) return false;
   for (const Hold& h : c.holds)
     if ((h.tree == tree && h.link == last) || (h.to_tree == tree && h.to_link == last)) return false;
-  for (const Push& p : c.pushes)
+  for (const ExternalWrench& p : c.wrenches)
     if (p.tree == tree && p.link == last) return false;
   for (const Spring& s : c.springs)
     if ((s.tree == tree && s.link == last) || (s.to_tree == tree && s.to_link == last)) return false;
@@ -41,7 +41,7 @@ bool drop_last_tree(Case& c) {
   const auto is_on = [last](const auto& x) { return x.tree == last || x.to_tree == last; };
   if (last == 0 || std::any_of(c.holds.begin(), c.holds.end(), is_on) ||
       std::any_of(c.springs.begin(), c.springs.end(), is_on) ||
-      std::any_of(c.pushes.begin(), c.pushes.end(), [last](const Push& p) { return p.tree == last; }))
+      std::any_of(c.wrenches.begin(), c.wrenches.end(), [last](const ExternalWrench& p) { return p.tree == last; }))
     return false;
   c.trees.pop_back();
   return true;
@@ -69,11 +69,11 @@ std::vector<Case> smaller_cases(const Case& c) {
     with([&](Case& s) { return put(s.holds[k].axis, Numbers{0, 0, 1}); });
     for (int rows : {1, 2, 3, 5}) with([&](Case& s) { return rows < s.holds[k].rows && put(s.holds[k].rows, rows); });
   }
-  for (std::size_t k = 0; k < c.pushes.size(); ++k) {
-    with([&](Case& s) { return s.pushes.erase(s.pushes.begin() + static_cast<std::ptrdiff_t>(k)), true; });
-    with([&](Case& s) { return put(s.pushes[k].offset, Numbers{}); });
-    with([&](Case& s) { return put(s.pushes[k].force, Numbers{}); });
-    with([&](Case& s) { return put(s.pushes[k].torque, Numbers{}); });
+  for (std::size_t k = 0; k < c.wrenches.size(); ++k) {
+    with([&](Case& s) { return s.wrenches.erase(s.wrenches.begin() + static_cast<std::ptrdiff_t>(k)), true; });
+    with([&](Case& s) { return put(s.wrenches[k].offset, Numbers{}); });
+    with([&](Case& s) { return put(s.wrenches[k].force, Numbers{}); });
+    with([&](Case& s) { return put(s.wrenches[k].torque, Numbers{}); });
   }
   for (std::size_t k = 0; k < c.springs.size(); ++k) {
     with([&](Case& s) { return s.springs.erase(s.springs.begin() + static_cast<std::ptrdiff_t>(k)), true; });

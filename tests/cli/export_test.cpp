@@ -164,7 +164,7 @@ TEST_F(Export, DerivativesSolveTheirSystem) {
             1e-9 * df_du.cwiseAbs().maxCoeff());
 }
 
-// Pushes, springs and joint friction are part of b.
+// ExternalWrenches, springs and joint friction are part of b.
 TEST_F(Export, AppliedForcesAreInTheRightHandSide) {
   const std::string file = scene(
       "<robot name=\"load\" urdf=\"box.urdf\" base=\"floating\"/><spring frame=\"load/crate\" xyz=\"0 0 2\" "

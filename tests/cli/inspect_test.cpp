@@ -22,7 +22,7 @@ constexpr char kHumanoid[] = R"(<robot name="h" urdf="humanoid.urdf" base="float
   <joint name="left_knee" q="0.8"/> <joint name="right_knee" q="0.6"/> <joint name="left_elbow" q="-0.5" v="1"/></robot>
 )";
 
-// Springs and pushes are listed with places, lengths and forces; a body that hangs on springs is not free.
+// Springs and wrenches are listed with places, lengths and forces; a body that hangs on springs is not free.
 TEST_F(Inspect, ListsSpringsAndPushes) {
   const std::string file = scene(
       "<robot name=\"load\" urdf=\"box.urdf\" base=\"floating\"/><spring frame=\"load/crate\" "

@@ -114,7 +114,7 @@ TEST_F(Simulate, KeepsWhatIsDoneWhenInterrupted) {
 TEST_F(Simulate, LinesWithoutEndAreRefused) {
   const std::string file =
       scene("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/><push name=\"p\" frame=\"b/crate\"/>");
-  const Outcome outcome = run(words(file, {"--pushes", "/dev/zero"}));
+  const Outcome outcome = run(words(file, {"--wrenches", "/dev/zero"}));
   EXPECT_EQ(outcome.status, 2);
   expect_contains(outcome.err, "/dev/zero:1: is a line of more than 64 MB");
 }
@@ -131,13 +131,13 @@ TEST_F(Simulate, WritesTheTrajectory) {
     EXPECT_EQ(csv.names[0], "t");
     EXPECT_EQ(csv.names[1], "q:humanoid/root[0]");
     EXPECT_EQ(csv.names[40], "v:humanoid/root[0]");
-    EXPECT_EQ(csv.names[78], "drift_position");
+    EXPECT_EQ(csv.names[78], "violation_position");
     EXPECT_EQ(csv.names.back(), "momentum[5]");
     ASSERT_EQ(csv.rows, 101u);
     EXPECT_EQ(csv.at("t", 0), 0);
     EXPECT_NEAR(csv.last("t"), 0.1, 1e-15);
     EXPECT_LT(csv.last("q:humanoid/root[2]"), csv.at("q:humanoid/root[2]", 0) - 0.01);  // it falls
-    EXPECT_LT(csv.last("drift_position"), 0.01);
+    EXPECT_LT(csv.last("violation_position"), 0.01);
     EXPECT_NEAR(csv.last("energy"), csv.at("energy", 0), 3);
   }
 }
@@ -150,26 +150,26 @@ TEST_F(Simulate, PushesAndSprings) {
   EXPECT_EQ(run(words(pushed)).status, 0);
   EXPECT_NEAR(trajectory().last("momentum[2]"), 0, 1e-6);  // its weight, given in the scene
   std::ofstream(path("w.csv")) << "t,w:lift[2]\n0.05,125.568\n";
-  const Outcome outcome = run(words(pushed, {"--pushes", path("w.csv"), "--json", path("s.json")}));
+  const Outcome outcome = run(words(pushed, {"--wrenches", path("w.csv"), "--json", path("s.json")}));
   EXPECT_EQ(outcome.status, 0);
   EXPECT_NEAR(trajectory().last("momentum[2]"), 0.05 * 62.784, 1e-6);
-  expect_contains(outcome.out, "work of pushes");
-  EXPECT_GT(nlohmann::json::parse(read_text(path("s.json"))).at("work_of_pushes"), 1);
+  expect_contains(outcome.out, "work of wrenches");
+  EXPECT_GT(nlohmann::json::parse(read_text(path("s.json"))).at("work_of_wrenches"), 1);
   const Outcome solved = run({"solve", pushed, "--derivatives", "--json", path("p.json")});
   EXPECT_EQ(solved.status, 0);
-  expect_contains(run({"solve", pushed}).out, "in 1 island, pushes: 1");
+  expect_contains(run({"solve", pushed}).out, "in 1 island, wrenches: 1");
   const auto json = nlohmann::json::parse(read_text(path("p.json")));
-  EXPECT_EQ(json.at("push_names").at(2), "lift[2]");
+  EXPECT_EQ(json.at("wrench_names").at(2), "lift[2]");
   EXPECT_NEAR(json.at("da_dw").at(2).at(2), 1 / 6.4, 1e-12);
   const auto refused = [&](const std::string& file, const std::string& text, const std::string& message) {
     std::ofstream(path("bad.csv")) << text;
-    const Outcome bad = run(words(file, {"--pushes", path("bad.csv")}));
+    const Outcome bad = run(words(file, {"--wrenches", path("bad.csv")}));
     EXPECT_EQ(bad.status, 2);
     expect_contains(bad.err, message);
   };
   refused(pushed, "t,w:wind[2]\n0,1\n", "bad.csv:1: column 'w:wind[2]' is none of the scene's");
-  refused(pushed, "t,u:x\n0,1\n", "bad.csv:1: has no column of a push, expected columns like w:lift[0]");
-  refused(scene(box), "t,w:lift[2]\n0,1\n", "the scene has no <push>");
+  refused(pushed, "t,u:x\n0,1\n", "bad.csv:1: has no column of a wrench, expected columns like w:lift[0]");
+  refused(scene(box), "t,w:lift[2]\n0,1\n", "the scene has no <wrench>");
   const std::string spring = "<spring name=\"rope\" frame=\"b/crate\" xyz=\"0 0 1\" stiffness=\"";
   const Outcome soft = run(words(scene(box + spring + "100\"/>")));
   expect_lacks(soft.out, "unstable");
@@ -191,7 +191,7 @@ TEST_F(Simulate, FreeFall) {
   EXPECT_NEAR(csv.last("q:b/root[2]"), -9.81 * 0.005, 1e-14);
   EXPECT_NEAR(csv.last("v:b/root[2]"), -0.981, 1e-14);
   EXPECT_NEAR(csv.last("momentum[2]"), -6.4 * 0.981, 1e-3);
-  EXPECT_EQ(csv.last("drift_position"), 0);
+  EXPECT_EQ(csv.last("violation_position"), 0);
 }
 
 TEST_F(Simulate, EveryNthAndTheLast) {
@@ -205,7 +205,7 @@ TEST_F(Simulate, EveryNthAndTheLast) {
 TEST_F(Simulate, GainsHoldTheContacts) {
   const auto drift = [&](const std::string& gains) {
     EXPECT_EQ(run(words(model("humanoid_standing.xml"), {"--passive", "--gains", gains})).status, 0);
-    return trajectory().last("drift_position");
+    return trajectory().last("violation_position");
   };
   const double none = drift("0 0");
   EXPECT_LT(drift("400 40"), 0.9 * none);
@@ -325,7 +325,7 @@ TEST_F(Simulate, StabilityMeasuresAndDraws) {
   for (std::size_t k = 0; k < drift.rows; ++k) {
     if (drift.columns.at("gains")[k] == "recommended" || drift.at("alpha", k) != 1e6) continue;
     const double h = drift.at("step_s", k), limit = drift.at("largest_stable_step_s", k);
-    const bool good = drift.columns.at("stopped")[k].empty() && drift.at("largest_position_drift", k) < 0.01;
+    const bool good = drift.columns.at("stopped")[k].empty() && drift.at("largest_violation_position", k) < 0.01;
     if (h < limit) {
       EXPECT_TRUE(good) << h;
     }

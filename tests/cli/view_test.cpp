@@ -5,7 +5,7 @@
 
 #include "cli/mesh.hpp"
 #include "cli/page.hpp"
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 #include "manycontact/io/task_file.hpp"
 #include "manycontact/manycontact.hpp"
 
@@ -81,8 +81,8 @@ void expect_forces(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Ve
       continue;
     }
     const Robot& robot = scene.robots[static_cast<std::size_t>(contact.A.robot)];
-    const SE3<double> oMA =
-        frame_placement<double>(kinematics_of(data, contact.A.robot), robot.base, contact.A.joint, contact.A.placement);
+    const SE3<double> oMA = frame_placement<double>(robot_kinematics(data, contact.A.robot), robot.base,
+                                                    contact.A.joint, contact.A.placement);
     const Vec3<double> f = contact_force(scene, solved, static_cast<int>(c)).head<3>();
     const Vec3<double> in_world = contact.reference_frame == ReferenceFrame::kLocal ? Vec3<double>(oMA.R * f) : f;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -165,7 +165,7 @@ TEST_F(View, SimulateShowsWhatItWrites) {
 
   // The CSV gives the same, except for the forces, which it does not contain.
   const ViewPage again = view(scene, {"--trajectory", path("t.csv")});
-  for (const char* name : {"t", "positions", "quaternions", "points", "kinetic", "position_drift"})
+  for (const char* name : {"t", "positions", "quaternions", "points", "kinetic", "violation_position"})
     EXPECT_EQ(again.scene["frames"][name], page.scene["frames"][name]) << name;
   EXPECT_EQ(view(scene, {"--trajectory", path("t.csv"), "--rate", "1000"}).frames(), 106u);
 }
@@ -387,7 +387,7 @@ TEST_F(View, PushesAndSprings) {
     <push frame="b/crate" offset="0 0 0.5" force="0 7 0"/>
     <spring frame="b/crate" xyz="1 2 5" stiffness="3"/>)");
   const ViewPage page = view(file);
-  EXPECT_EQ(page.list<float>("pushes"), (std::vector<float>{1, 2, 3.5F, 0, 7, 0}));
+  EXPECT_EQ(page.list<float>("wrenches"), (std::vector<float>{1, 2, 3.5F, 0, 7, 0}));
   EXPECT_EQ(page.list<float>("springs"), (std::vector<float>{1, 2, 3, 1, 2, 5}));
 }
 

@@ -31,7 +31,7 @@ TEST(ContactJacobian, SolutionsObeyTheEquations) {
     data.active = active;
     ASSERT_EQ(solve(s.scene, s.q, s.v, s.u, data).status, Status::kOk);
     const Eigen::MatrixXd J = contact_jacobian(s.scene, s.q, active);
-    const VectorXd a0 = contact_drift(s.scene, s.q, s.v, active);
+    const VectorXd a0 = contact_bias_acceleration(s.scene, s.q, s.v, active);
     ASSERT_EQ(J.rows(), data.f.size());
     EXPECT_LE(size_of(J * data.a + a0), 1e-9 * (1 + size_of(a0)));
 
@@ -50,7 +50,7 @@ TEST(ContactJacobian, SolutionsObeyTheEquations) {
   }
 }
 
-// With pushes and springs, those in joints being part of rnea, motors give the remaining torques.
+// With wrenches and springs, those in joints being part of rnea, motors give the remaining torques.
 TEST(ContactJacobian, ForcesOnBodiesAreAllFromOutsideTheJoints) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     std::mt19937 rng(seed);
@@ -58,10 +58,10 @@ TEST(ContactJacobian, ForcesOnBodiesAreAllFromOutsideTheJoints) {
     add_random_forces(s.scene, rng);
     SceneData data(s.scene);
     ASSERT_EQ(solve(s.scene, s.q, s.v, s.u, data).status, Status::kOk);
-    data.pushes[1] *= 2;
+    data.wrenches[1] *= 2;
     ASSERT_EQ(solve(s.scene, s.q, s.v, s.u, data).status, Status::kOk);
     RigidBodyData bodies(s.scene);
-    const auto forces = forces_on_bodies(s.scene, s.q, s.v, data.f, data.f_offset, data.pushes);
+    const auto forces = forces_on_bodies(s.scene, s.q, s.v, data.f, data.f_offset, data.wrenches);
     const VectorXd tau = rnea(s.scene, s.q, s.v, data.a, bodies, forces);
     VectorXd motors = VectorXd::Zero(s.scene.nv);
     for (const Robot& robot : s.scene.robots)
@@ -69,7 +69,7 @@ TEST(ContactJacobian, ForcesOnBodiesAreAllFromOutsideTheJoints) {
     const double size = 1 + size_of(nonlinear_effects(s.scene, s.q, s.v, bodies)) + size_of(data.f);
     EXPECT_LE(difference_of(tau, motors), 1e-9 * size);
     EXPECT_LE(difference_of(aba(s.scene, s.q, s.v, motors, bodies, forces), data.a), 1e-8 * (1 + size_of(data.a)));
-    EXPECT_THROW((void)forces_on_bodies(s.scene, s.q, s.v, data.f, data.f_offset, {data.pushes.data(), 1}),
+    EXPECT_THROW((void)forces_on_bodies(s.scene, s.q, s.v, data.f, data.f_offset, {data.wrenches.data(), 1}),
                  std::invalid_argument);
   }
 }
@@ -80,7 +80,7 @@ TEST(ContactJacobian, DriftIsTheRateOfJv) {
     RandomScene s = some_scene(seed);
     for (Contact& contact : s.scene.contacts) contact.alpha = contact.beta = 0;
     const Eigen::MatrixXd J = contact_jacobian(s.scene, s.q);
-    const VectorXd a0 = contact_drift(s.scene, s.q, s.v);
+    const VectorXd a0 = contact_bias_acceleration(s.scene, s.q, s.v);
     const double h = 1e-6;
     const auto velocities = [&](double t) -> VectorXd {
       return contact_jacobian(s.scene, integrate(s.scene, s.q, t * s.v)) * s.v;
@@ -102,7 +102,7 @@ TEST(ContactJacobian, SizesAreLookedAt) {
   RandomScene s = some_scene(3);
   EXPECT_THROW((void)contact_jacobian(s.scene, s.q.head(2)), std::invalid_argument);
   EXPECT_THROW((void)contact_jacobian(s.scene, s.q, {1}), std::invalid_argument);
-  EXPECT_THROW((void)contact_drift(s.scene, s.q, s.v.head(1)), std::invalid_argument);
+  EXPECT_THROW((void)contact_bias_acceleration(s.scene, s.q, s.v.head(1)), std::invalid_argument);
   EXPECT_THROW((void)contact_forces_on_bodies(s.scene, s.q, s.v.head(1), {0}), std::invalid_argument);
 }
 

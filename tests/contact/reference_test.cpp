@@ -1,6 +1,6 @@
 // References are set from a configuration.
 
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 
 #include <gtest/gtest.h>
 

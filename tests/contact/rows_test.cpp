@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "contact/scene_rows.hpp"
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "support/allocations.hpp"
 #include "support/dense.hpp"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "manycontact/algorithm/integrate.hpp"
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 #include "spatial/compare.hpp"
 #include "support/random.hpp"
 

@@ -1,4 +1,5 @@
-// Pushes and springs act in nodes of optimal control: values agree with the simulation, derivatives with differences.
+// ExternalWrenches and springs act in nodes of optimal control: values agree with the simulation, derivatives with
+// differences.
 
 #include "control/nodes.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
@@ -81,11 +82,11 @@ std::string frame_of(const Scene& scene) {
   return (scene.nrobots() > 1 ? robot.name + "/" : "") + robot.model->frames.back().name;
 }
 
-// Nothing pushes during an impact, which takes no time.
+// Nothing wrenches during an impact, which takes no time.
 TEST(AppliedForcesInNodes, ImpactsDoNotSeeThem) {
   const RandomScene s = pushed(311, false);
   Scene bare = s.scene;
-  bare.pushes.clear(), bare.springs.clear(), bare.joint_springs.clear();
+  bare.wrenches.clear(), bare.springs.clear(), bare.joint_springs.clear();
   Eigen::VectorXd x(s.q.size() + s.v.size());
   x << s.q, s.v;
   Eigen::VectorXd next[2];

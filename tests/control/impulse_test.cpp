@@ -2,7 +2,7 @@
 
 #include "contact/scene_rows.hpp"
 #include "control/nodes.hpp"
-#include "manycontact/algorithm/crba.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
 #include "manycontact/kkt/dense.hpp"
 #include "support/allocations.hpp"
 

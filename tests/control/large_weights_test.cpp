@@ -7,7 +7,7 @@
 
 #include "manycontact/control/augmented_lagrangian.hpp"
 #include "manycontact/control/box_solvers.hpp"
-#include "manycontact/control/state_vector.hpp"
+#include "manycontact/detail/control/state_vector.hpp"
 
 namespace manycontact::test {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "manycontact/algorithm/frames.hpp"
 #include "manycontact/crocoddyl.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 #include "manycontact/io/urdf.hpp"
 
 namespace {

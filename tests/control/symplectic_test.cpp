@@ -3,8 +3,8 @@
 
 #include "control/nodes.hpp"
 #include "derivatives/differences.hpp"
-#include "manycontact/algorithm/crba.hpp"
-#include "manycontact/algorithm/rnea.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
+#include "manycontact/detail/algorithm/rnea.hpp"
 #include "manycontact/simulation/step.hpp"
 #include "manycontact/spatial/explog.hpp"
 #include "simulation/scenes.hpp"

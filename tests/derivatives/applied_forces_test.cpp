@@ -1,4 +1,5 @@
-// With pushes and springs all derivatives of every method agree with differences of the truth, products with matrices.
+// With wrenches and springs all derivatives of every method agree with differences of the truth, products with
+// matrices.
 
 #include "derivatives/judge.hpp"
 #include "manycontact/dynamics/jvp.hpp"
@@ -36,12 +37,12 @@ TEST_P(AppliedForcesOf, AllMatricesByEveryMethod) {
 MatX<Quad> differences_by_wrenches(const RandomScene& s, const std::vector<char>& active, Eigen::Index nf) {
   const Scene& scene = s.scene;
   const VecX<Quad> q = s.q.cast<Quad>(), v = s.v.cast<Quad>(), u = s.u.cast<Quad>();
-  MatX<Quad> out(scene.nv + nf, 6 * scene.pushes.size());
+  MatX<Quad> out(scene.nv + nf, 6 * scene.wrenches.size());
   const Quad h = Quad(1) / Quad(10000000000LL);
   for (Eigen::Index k = 0; k < out.cols(); ++k) {
     const auto moved = [&](const Quad& by) {
       std::vector<Vec6<Quad>> w;
-      for (const Push& push : scene.pushes) w.push_back(push.wrench.cast<Quad>());
+      for (const ExternalWrench& push : scene.wrenches) w.push_back(push.wrench.cast<Quad>());
       w[k / 6][k % 6] += by;
       return solve_truth<Quad>(scene, active, q, v, u, w);
     };
@@ -130,7 +131,7 @@ TEST_P(AppliedForcesOf, PartsOfTheMatrices) {
 TEST_P(AppliedForcesOf, Products) {
   const RandomScene s = pushed_scene(GetParam());
   const Scene& scene = s.scene;
-  const int nv = scene.nv, nu = scene.nu, nw = static_cast<int>(6 * scene.pushes.size());
+  const int nv = scene.nv, nu = scene.nu, nw = static_cast<int>(6 * scene.wrenches.size());
   for (const Way& way : ways(true)) {
     SCOPED_TRACE(way.name);
     std::mt19937 rng(5);

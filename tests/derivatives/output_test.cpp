@@ -77,9 +77,9 @@ class Output : public testing::Test {
 TEST_F(Output, TheSceneIsWhatItShouldBe) {
   SceneData data(scene);
   ASSERT_EQ(island_count(data), 2u);
-  EXPECT_EQ(island_of(data, 0).robots, (std::vector<int>{0, 2}));
-  EXPECT_EQ(island_of(data, 1).robots, (std::vector<int>{1}));
-  for (std::size_t i = 0; i < 2; ++i) EXPECT_GT(island_of(data, i).nc, 0);
+  EXPECT_EQ(solved_island(data, 0).robots, (std::vector<int>{0, 2}));
+  EXPECT_EQ(solved_island(data, 1).robots, (std::vector<int>{1}));
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_GT(solved_island(data, i).nc, 0);
   EXPECT_EQ(status_at(scene, state), Status::kOk);
 }
 
@@ -99,7 +99,7 @@ TEST_F(Output, BlocksMatricesAndTheSparseMatrixAreOne) {
     MatrixXd rest = whole;  // outside the islands' blocks: zero
     for (std::size_t i = 0; i < dd.islands.size(); ++i) {
       const IslandDerivatives& d = dd.islands[i];
-      const Places p(scene, data, island_of(data, i));
+      const Places p(scene, data, solved_island(data, i));
       std::vector<int> rows = p.v, columns = p.v;
       for (int f : p.f) rows.push_back(scene.nv + f);
       for (int v : p.v) columns.push_back(scene.nv + v);

@@ -1,6 +1,6 @@
 // Derivatives of inverse dynamics, and products with them, agree with central differences in quadruple precision.
 
-#include "manycontact/algorithm/rnea_derivatives.hpp"
+#include "manycontact/detail/algorithm/rnea_derivatives.hpp"
 
 #include "algorithm/shapes.hpp"
 #include "manycontact/algorithm/rnea_products.hpp"

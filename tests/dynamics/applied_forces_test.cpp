@@ -1,10 +1,10 @@
-// Pushes and springs are compared with torques written out and with the truth. Bounds, memory and refused input are
-// tested too.
+// ExternalWrenches and springs are compared with torques written out and with the truth. Bounds, memory and refused
+// input are tested too.
 
 #include <gtest/gtest.h>
 
 #include "manycontact/algorithm/configuration.hpp"
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 #include "manycontact/dynamics/batch.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
@@ -33,7 +33,7 @@ RandomScene pushed_scene(int seed) {
 }
 
 Scene without_forces(Scene scene) {
-  scene.pushes.clear();
+  scene.wrenches.clear();
   scene.springs.clear();
   scene.joint_springs.clear();
   return scene;
@@ -65,7 +65,7 @@ struct Point {
 // Returns the torques of all forces, computed with Jacobians of frames.
 VectorXd torques_of(const RandomScene& s) {
   VectorXd tau = VectorXd::Zero(s.scene.nv);
-  for (const Push& push : s.scene.pushes) {
+  for (const ExternalWrench& push : s.scene.wrenches) {
     const Point p(s, push.at);
     Vec6<double> w = push.wrench;
     if (push.reference_frame == ReferenceFrame::kLocal) w << p.place.R * w.head<3>(), p.place.R * w.tail<3>();
@@ -126,7 +126,7 @@ void expect_within_bounds(const RandomScene& s, double factor) {
     estimate_errors(s.scene, data);
     for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
       double error_a = 0, error_f = 0, size_a = 0, size_f = 0;
-      const Island& island = island_of(data, i);
+      const Island& island = solved_island(data, i);
       each_velocity_block(s.scene, island, [&](int at, int, int n) {
         for (int k = at; k < at + n; ++k) {
           error_a = std::max(error_a, static_cast<double>(abs(data.a[k] - truth.a[k])));
@@ -153,20 +153,20 @@ TEST(AppliedForces, AreTrueToTheBound) {
   }
 }
 
-// Pushes cancel on one body, and springs are so stiff that rounding of positions counts. tau is a small difference of
-// large numbers, which bounds have to include.
+// ExternalWrenches cancel on one body, and springs are so stiff that rounding of positions counts. tau is a small
+// difference of large numbers, which bounds have to include.
 TEST(AppliedForces, BoundsKnowWhatCancels) {
   for (int seed = 730; seed < 738; ++seed) {
     SCOPED_TRACE(seed);
     RandomScene s = pushed_scene(seed);
     std::mt19937 rng(seed);
-    Push push = s.scene.pushes[0];
+    ExternalWrench push = s.scene.wrenches[0];
     push.wrench = random_vector(6, rng, 1e9);
     push.name = "there";
-    add_push(s.scene, push);
+    add_external_wrench(s.scene, push);
     push.wrench *= -1;
     push.name = "back";
-    add_push(s.scene, push);
+    add_external_wrench(s.scene, push);
     Spring stiff = s.scene.springs[0];
     stiff.name = "stiff", stiff.stiffness = 1e10, stiff.damping = 0;
     stiff.length = (Point(s, stiff.A).place.p - Point(s, stiff.B).place.p).norm();
@@ -182,7 +182,7 @@ TEST(AppliedForces, ChangeBetweenSolvesWithoutAllocations) {
     if (way.options.method == Method::kDenseSchur) continue;
     SCOPED_TRACE(way.name);
     SceneData data(s.scene, way.options);
-    VectorXd dq = VectorXd::Ones(s.scene.nv), dw = VectorXd::Ones(static_cast<int>(6 * s.scene.pushes.size()));
+    VectorXd dq = VectorXd::Ones(s.scene.nv), dw = VectorXd::Ones(static_cast<int>(6 * s.scene.wrenches.size()));
     VectorXd du = VectorXd::Ones(s.scene.nu), da = dq, df(data.f.size()), wq = dq, wv = dq, wu = du, ww = dw;
     const auto all = [&] {
       (void)solve(s.scene, s.q, s.v, s.u, data);
@@ -192,7 +192,7 @@ TEST(AppliedForces, ChangeBetweenSolvesWithoutAllocations) {
     };
     all();
     const VectorXd before = data.a;
-    data.pushes[0] *= 2;
+    data.wrenches[0] *= 2;
     s.scene.springs[0].stiffness *= 1.5;
     EXPECT_EQ(allocations(all), 0u);
     EXPECT_NE(data.a, before);
@@ -202,7 +202,7 @@ TEST(AppliedForces, ChangeBetweenSolvesWithoutAllocations) {
 TEST(AppliedForces, BatchesOfStates) {
   const RandomScene s = pushed_scene(750);  // one robot: states share a SIMD batch
   BatchData batch(s.scene, 1);
-  for (Vec6<double>& w : batch.pushes) w *= 3;
+  for (Vec6<double>& w : batch.wrenches) w *= 3;
   const int n = 6;
   BatchMatrix Q(n, s.scene.nq), V(n, s.scene.nv), U(n, s.scene.nu);
   BatchMatrix A(n, s.scene.nv), F(n, force_rows(s.scene, batch));
@@ -216,10 +216,10 @@ TEST(AppliedForces, BatchesOfStates) {
   std::vector<Status> status(n);
   differentiate_batch(s.scene, {Q, V, U}, batch, A, F, D, status);
   const BatchMatrix WA = BatchMatrix::Ones(n, A.cols()), WF = BatchMatrix::Ones(n, F.cols());
-  BatchMatrix WQ = V, WV = V, WU = U, WW(n, 6 * s.scene.pushes.size());
+  BatchMatrix WQ = V, WV = V, WU = U, WW(n, 6 * s.scene.wrenches.size());
   vjp_batch(s.scene, {Q, V, U}, WA, WF, batch, WQ, WV, WU, WW, status);
   SceneData data(s.scene);
-  data.pushes = batch.pushes;
+  data.wrenches = batch.wrenches;
   for (int k = 0; k < n; ++k) {
     (void)solve(s.scene, Q.row(k), V.row(k), U.row(k), data);
     EXPECT_EQ(A.row(k).transpose(), data.a);
@@ -319,7 +319,7 @@ TEST(AppliedForces, EndsThatCoincideHaveNoDirection) {
   EXPECT_EQ(data.report.islands[0].reason, Reason::kNotFinite);
 }
 
-// Quasi-static torques keep a robot at rest under gravity, pushes and springs.
+// Quasi-static torques keep a robot at rest under gravity, wrenches and springs.
 TEST(AppliedForces, QuasiStaticTorquesHold) {
   std::mt19937 rng(760);
   RandomScene s;
@@ -328,7 +328,7 @@ TEST(AppliedForces, QuasiStaticTorquesHold) {
   s.v = VectorXd::Zero(s.scene.nv);
   add_random_forces(s.scene, rng);
   SceneData data(s.scene);
-  for (Vec6<double>& w : data.pushes) w *= 2;
+  for (Vec6<double>& w : data.wrenches) w *= 2;
   const VectorXd u = quasi_static(s.scene, s.q, data);
   (void)solve(s.scene, s.q, s.v, u, data);
   EXPECT_LE(data.a.cwiseAbs().maxCoeff(), 1e-10);
@@ -350,16 +350,16 @@ std::string refusal(Call&& call) {
 TEST(AppliedForces, WhatIsRefused) {
   RandomScene s = two_sliders();
   const Attachment a = attach(s.scene, "a", "mass"), b = attach(s.scene, "b", "mass");
-  add_push(s.scene, {"wind", a});
-  const auto push = [&](Push p) { return refusal([&] { add_push(s.scene, p); }); };
+  add_external_wrench(s.scene, {"wind", a});
+  const auto push = [&](ExternalWrench p) { return refusal([&] { add_external_wrench(s.scene, p); }); };
   const auto spring = [&](Spring x) { return refusal([&] { add_spring(s.scene, x); }); };
-  EXPECT_EQ(push({"wind", a}), "push 'wind' exists already, expected names used once");
-  EXPECT_EQ(push({"x", {}}), "push 'x' is on the world, expected it on a robot");
+  EXPECT_EQ(push({"wind", a}), "wrench 'wind' exists already, expected names used once");
+  EXPECT_EQ(push({"x", {}}), "wrench 'x' is on the world, expected it on a robot");
   EXPECT_EQ(push({"x", {0, -1, {}}}),
-            "push 'x' is on the base of robot 'a', which cannot move, expected a body that moves");
-  EXPECT_EQ(push({"x", {7, 0, {}}}), "push 'x' names robot 7 of 2");
+            "wrench 'x' is on the base of robot 'a', which cannot move, expected a body that moves");
+  EXPECT_EQ(push({"x", {7, 0, {}}}), "wrench 'x' names robot 7 of 2");
   EXPECT_EQ(push({"x", a, ReferenceFrame::kLocal, Vec6<double>::Constant(NAN)}),
-            "push 'x' has a force or torque that is not finite");
+            "wrench 'x' has a force or torque that is not finite");
   EXPECT_EQ(spring({"s", a, b, -1}), "spring 's' has a stiffness that is not 0 or more");
   EXPECT_EQ(spring({"s", a, b, 1, NAN}), "spring 's' has a length that is not 0 or more");
   EXPECT_EQ(spring({"s", a, a, 1}),
@@ -374,18 +374,18 @@ TEST(AppliedForces, WhatIsRefused) {
   EXPECT_NE(refusal([&] { add_joint_spring(s.scene, "a", "slip", 3); }), "");
 
   SceneData data(s.scene);
-  data.pushes.clear();
+  data.wrenches.clear();
   EXPECT_EQ(refusal([&] { (void)solve(s.scene, s.q, s.v, s.u, data); }),
-            "solve: data.pushes has 0 wrenches for 1 pushes");
-  data.pushes.resize(1, Vec6<double>::Zero());
+            "solve: data.wrenches has 0 wrenches for 1 wrenches");
+  data.wrenches.resize(1, Vec6<double>::Zero());
   Scene moved = s.scene;
-  moved.pushes[0].at = b;
+  moved.wrenches[0].at = b;
   EXPECT_EQ(refusal([&] { (void)solve(moved, s.q, s.v, s.u, data); }),
             "solve: the data do not fit the scene: push 'wind' is on another body; make new data");
   moved = s.scene;
-  moved.springs[0].stiffness = 7, moved.pushes[0].at.placement.p.setOnes();
+  moved.springs[0].stiffness = 7, moved.wrenches[0].at.placement.p.setOnes();
   EXPECT_EQ(refusal([&] { (void)solve(moved, s.q, s.v, s.u, data); }), "");
-  add_push(moved, {"more", b});
+  add_external_wrench(moved, {"more", b});
   EXPECT_NE(refusal([&] { (void)solve(moved, s.q, s.v, s.u, data); }), "");
 }
 
@@ -409,9 +409,9 @@ TEST(AppliedForces, DerivativesOfRobotsSideBySideAreAsWideAgain) {
       c.B.placement = random_placement(rng, 0.1);
       add_contact(s.scene, c);
     }
-  Push push{"push", {0, 2, random_placement(rng, 0.1)}};
+  ExternalWrench push{"push", {0, 2, random_placement(rng, 0.1)}};
   push.wrench = random_vector(6, rng, 5);
-  add_push(s.scene, push);
+  add_external_wrench(s.scene, push);
   s.q.resize(s.scene.nq);
   for (const Robot& r : s.scene.robots) s.q.segment(r.idx_q, model->nq) = random_configuration(*model, rng);
   s.v = random_vector(s.scene.nv, rng, 0.5), s.u = random_vector(s.scene.nu, rng, 5);

@@ -56,7 +56,7 @@ struct Answers {
     F = poisoned(nf);
     D = poisoned((scene.nv + nf) * (2 * scene.nv + scene.nu));
     WU = poisoned(scene.nu);
-    WW = poisoned(static_cast<Eigen::Index>(6 * scene.pushes.size()));
+    WW = poisoned(static_cast<Eigen::Index>(6 * scene.wrenches.size()));
     std::mt19937 rng(5);  // the same weights for each state
     WA = random_vector(scene.nv, rng).transpose().replicate(count, 1);
     WF = random_vector(nf, rng).transpose().replicate(count, 1);
@@ -250,7 +250,7 @@ TEST(Batch, StatesStandInLanes) {
   <contact name="push" type="3d" frame="other/tool" to="box/face_back" gains="50 10"/>
   <push frame="arm/tool" force="1 2 3" torque="0 0.1 0"/> <push frame="box/crate" force="0 5 0" reference_frame="world"/>
 </scene>)");
-  for (Lanes lanes : lanes_here()) {
+  for (SimdLevel lanes : available_simd_levels()) {
     Scene scene = file.scene;
     const Options options{Method::kAuto, {}, lanes};
     BatchData batch(scene, 1, options);
@@ -363,12 +363,12 @@ TEST(Batch, AnExceptionInAThreadComesOut) {
   <robot name="arm" urdf="arm.urdf" base="fixed"/> <contact name="hold" type="6d" frame="arm/tool"/>
 </scene>)");
   const States s = disturbed_states(file, 5, 0.5, 6);
-  const Answers expected = alone(file.scene, s, {Method::kAuto, {}, Lanes::kOff}, {1});
+  const Answers expected = alone(file.scene, s, {Method::kAuto, {}, SimdLevel::kOff}, {1});
   for (int threads : {1, 3}) {
     // OpenMP makes its threads before memory fails; without memory it would end the program
     BatchData first(file.scene, threads), batch(file.scene, threads);
     (void)in_batch(file.scene, s, first);
-    batch.options.lanes = Lanes::kOff;
+    batch.options.simd_level = SimdLevel::kOff;
     bool threw = false;
     {
       Answers x(file.scene, 6, s.count());

@@ -99,7 +99,7 @@ TEST(Bodies, PartsAgreeWithTheOracle) {
     SceneData dense(s.scene, {Method::kDense, {}});
     (void)solve(s.scene, s.q, s.v, s.u, dense);
     sound += dense.report.status == Status::kOk;
-    for (const Lanes level : lanes_here()) {
+    for (const SimdLevel level : available_simd_levels()) {
       SceneData bodies(s.scene, {Method::kSparseBodies, {}, level});
       (void)solve(s.scene, s.q, s.v, s.u, bodies);
       EXPECT_EQ(bodies.report.status, dense.report.status) << trial << to_string(level);
@@ -138,7 +138,7 @@ TEST(Bodies, PartsOfChains) {
 // The numbers of a part do not depend on its place among the parts, nor on their numbers. The first links of a longer
 // chain accelerate alike, to the last bit; if links at its end move differently, the parts before keep their bits.
 TEST(Bodies, PartsHaveTheirOwnBits) {
-  for (const Lanes level : lanes_here()) {
+  for (const SimdLevel level : available_simd_levels()) {
     const Options bodies{Method::kSparseBodies, {}, level};
     ChainOptions options;
     options.links = 230;  // 23 parts: some elements of batches stay empty
@@ -204,7 +204,7 @@ TEST(Bodies, PartsHaveTheirOwnBitsInEveryLane) {
   options.links = 100;
   const int cut = 30, rest = options.links - cut;
   const Chain c = make_chain(options), one = two_branches(c, cut, false), other = two_branches(c, cut, true);
-  for (const Lanes level : lanes_here()) {
+  for (const SimdLevel level : available_simd_levels()) {
     SceneData x(one.scene, {Method::kSparseBodies, {}, level}), y(other.scene, {Method::kSparseBodies, {}, level});
     ASSERT_EQ(solve(one.scene, one.q, one.v, one.u, x).status, Status::kOk);
     ASSERT_EQ(solve(other.scene, other.q, other.v, other.u, y).status, Status::kOk);
@@ -276,9 +276,9 @@ TEST(Bodies, ChainsAgreeWithQuadruplePrecision) {
     ASSERT_TRUE(truth.regular[0]);
     // joint-space K has a condition of 1e10; no row of the bodies' own equations is close to that
     const VectorXd a = truth.a.cast<double>(), f = truth.f.cast<double>();
-    std::vector<Lanes> levels = lanes_here();
-    levels.push_back(Lanes::kOff);
-    for (const Lanes level : levels) {
+    std::vector<SimdLevel> levels = available_simd_levels();
+    levels.push_back(SimdLevel::kOff);
+    for (const SimdLevel level : levels) {
       const Options bodies{Method::kSparseBodies, {}, level};
       SceneData x(c.scene, bodies);
       ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, x).status, Status::kOk);
@@ -323,7 +323,7 @@ TEST(Bodies, DerivativesHaveTheSameBoundsAfterProducts) {
   for (const int held_every : {0, 10}) {
     const Chain c = held_or_looped(120, held_every);
     SceneData x(c.scene);
-    ASSERT_EQ(choice_of(x, 0).method, Method::kSparseBodies);
+    ASSERT_EQ(chosen_method(x, 0).method, Method::kSparseBodies);
     ASSERT_EQ(solve(c.scene, c.q, c.v, c.u, x).status, Status::kOk);
     (void)differentiate(c.scene, x);
     const DerivativeBounds before = estimate_derivative_errors(c.scene, x).front();
@@ -376,15 +376,15 @@ TEST(Bodies, AutoTakesThemForDeepTreesAlone) {
   const Chain deep = make_chain(options);
   SceneData x(deep.scene);
   ASSERT_EQ(solve(deep.scene, deep.q, deep.v, deep.u, x).status, Status::kOk);
-  EXPECT_EQ(choice_of(x, 0).method, Method::kSparseBodies);
+  EXPECT_EQ(chosen_method(x, 0).method, Method::kSparseBodies);
   EXPECT_LE(x.report.backward_error, 1e-14);
   EXPECT_THROW((void)assembled_matrix_of(x, 0), std::logic_error);
-  EXPECT_THROW((void)inertia_of(x, 0), std::logic_error);
+  EXPECT_THROW((void)joint_space_inertia(x, 0), std::logic_error);
   EXPECT_THROW(differentiate(deep.scene, x), std::length_error);
   options.links = 6;
   options.held_every = 0;
   const Chain shallow = make_chain(options);
-  EXPECT_EQ(choice_of(SceneData(shallow.scene), 0).method, Method::kSparseLdl);
+  EXPECT_EQ(chosen_method(SceneData(shallow.scene), 0).method, Method::kSparseLdl);
 }
 
 // A point of each leaf of a complete binary tree, on its joint, is constrained along one direction.
@@ -428,7 +428,7 @@ TEST(Bodies, AutoTakesThemForLargeTreesOfFewOpenRows) {
   for (const auto& [leaves, method] : {std::pair(18, Method::kSparseLdl), std::pair(150, Method::kSparseBodies)}) {
     const Chain c = binary_tree(leaves);
     SceneData x(c.scene);
-    EXPECT_EQ(choice_of(x, 0).method, method) << leaves;
+    EXPECT_EQ(chosen_method(x, 0).method, method) << leaves;
     EXPECT_EQ(solve(c.scene, c.q, c.v, c.u, x).status, Status::kOk) << leaves;
     EXPECT_EQ(x.report.islands[0].method, method) << leaves;
   }

@@ -130,7 +130,7 @@ Solution solution_of(const RandomScene& s, const Options& options) {
   return {data.a, data.f, data.report};
 }
 
-class Cut : public testing::TestWithParam<Lanes> {
+class Cut : public testing::TestWithParam<SimdLevel> {
  protected:
   Options options() const { return {Method::kSparseLdl, {}, GetParam()}; }
   Options by_factor() const { return {Method::kSparseLdl, Order::kLeafToRoot, GetParam()}; }
@@ -295,7 +295,7 @@ TEST_P(Cut, AllocatesNothingLater) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(, Cut, testing::ValuesIn(lanes_here()),
+INSTANTIATE_TEST_SUITE_P(, Cut, testing::ValuesIn(available_simd_levels()),
                          [](const auto& level) { return to_string(level.param); });
 
 }  // namespace

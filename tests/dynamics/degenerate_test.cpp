@@ -8,7 +8,7 @@
 #include "manycontact/analysis/errors.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/contact/jacobian.hpp"
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "support/chains.hpp"
@@ -113,7 +113,7 @@ TEST(Dependent, MomentsCountByTheScenesLength) {
     EXPECT_LE((J * least_norm(J, Wf, 1e-9) - Wf).cwiseAbs().maxCoeff(), 1e-10 * Wf.cwiseAbs().maxCoeff());
     if (weighed.report.islands[0].method != Method::kSparseBodies) {  // K has unweighted rows
       complete(file.scene, weighed);
-      const Eigen::MatrixXd K = matrix_of(weighed, 0);
+      const Eigen::MatrixXd K = kkt_matrix(weighed, 0);
       EXPECT_LE((K.bottomLeftCorner(J.rows(), J.cols()) - J).cwiseAbs().maxCoeff(), 1e-14 * J.cwiseAbs().maxCoeff());
     }
     estimate_errors(file.scene, weighed);

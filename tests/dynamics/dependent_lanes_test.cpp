@@ -95,9 +95,9 @@ Products products(const Case& c, SceneData& data) {
 
 // Expects the results of the whole K and of the dense reference solver. All states have inconsistent contacts, except
 // for gain 0, where only velocities cause them.
-void expect_as_without_lanes(const Case& c, Lanes lanes) {
-  SceneData data(c.scene, {Method::kSparseLdl, {}, lanes}), off(c.scene, {Method::kSparseLdl, {}, Lanes::kOff}),
-      oracle(c.scene, {Method::kDense, {}, Lanes::kOff});
+void expect_as_without_lanes(const Case& c, SimdLevel lanes) {
+  SceneData data(c.scene, {Method::kSparseLdl, {}, lanes}), off(c.scene, {Method::kSparseLdl, {}, SimdLevel::kOff}),
+      oracle(c.scene, {Method::kDense, {}, SimdLevel::kOff});
   for (SceneData* d : {&data, &off, &oracle}) (void)solve(c.scene, c.q, c.v, c.u, *d);
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
     const IslandReport &x = data.report.islands[i], &y = off.report.islands[i], &z = oracle.report.islands[i];
@@ -116,7 +116,7 @@ void expect_as_without_lanes(const Case& c, Lanes lanes) {
   for (std::size_t k = 0; k < X.size(); ++k) EXPECT_LT(relative(X[k], Y[k]), 1e-9) << k;
 }
 
-class DependentInLanes : public testing::TestWithParam<Lanes> {};
+class DependentInLanes : public testing::TestWithParam<SimdLevel> {};
 
 TEST_P(DependentInLanes, AsWithoutLanes) {
   std::mt19937 rng(4);
@@ -150,7 +150,7 @@ TEST_P(DependentInLanes, DerivativesByRequest) {
   std::mt19937 rng(7);
   Case c = on_corners(rng, 9, Hold::kApart, 0);
   c.v.setZero();
-  SceneData data(c.scene, {Method::kSparseLdl, {}, GetParam()}), oracle(c.scene, {Method::kDense, {}, Lanes::kOff});
+  SceneData data(c.scene, {Method::kSparseLdl, {}, GetParam()}), oracle(c.scene, {Method::kDense, {}, SimdLevel::kOff});
   (void)solve(c.scene, c.q, c.v, c.u, data);
   (void)solve(c.scene, c.q, c.v, c.u, oracle);
   for (const DerivativeRequest& request : {DerivativeRequest{.q = false}, DerivativeRequest{.v = false, .u = false},
@@ -243,7 +243,7 @@ TEST_P(DependentInLanes, KeepWhatTheyMayNeedAgain) {
   std::mt19937 rng(2);
   file.q = integrate(scene, file.q, random_vector(scene.nv, rng, 0.3));
   for (Contact& c : scene.contacts) c.alpha = c.beta = 0;
-  SceneData data(scene, {.method = Method::kSparseLdl, .lanes = GetParam(), .reduce_pairs = false});
+  SceneData data(scene, {.method = Method::kSparseLdl, .simd_level = GetParam(), .reduce_pairs = false});
   data.active.back() = 0;
   for (int k : {0, 1}) {
     EXPECT_EQ(solve(scene, file.q, file.v, file.u, data).status, Status::kRedundant) << k;
@@ -297,7 +297,7 @@ TEST_P(DependentInLanes, BadlyPlacedRowsJoin) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Levels, DependentInLanes, testing::ValuesIn(lanes_here()),
+INSTANTIATE_TEST_SUITE_P(Levels, DependentInLanes, testing::ValuesIn(available_simd_levels()),
                          [](const auto& param) { return to_string(param.param); });
 
 }  // namespace

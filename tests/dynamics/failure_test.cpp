@@ -6,7 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "support/islands.hpp"

@@ -35,7 +35,7 @@ Options random_options(std::mt19937& rng) {
                             Method::kSparseCholmod, Method::kSuiteSparseLdl, Method::kDense};
   Options out;
   out.method = methods[integer(rng, 0, 8)];
-  if (chance(rng, 0.2)) out.lanes = Lanes::kOff;
+  if (chance(rng, 0.2)) out.simd_level = SimdLevel::kOff;
   if (chance(rng, 0.15)) out.precision = kPrecisions[integer(rng, 0, 2)];
   return out;
 }
@@ -110,7 +110,7 @@ std::string difference_of_sequence(int seed) {
       (void)solve(s.scene, s.q, v, s.u, used);
     }
     RandomScene at = s;
-    if (chance(rng, 0.1)) at.scene.pushes.clear(), at.scene.springs.clear();
+    if (chance(rng, 0.1)) at.scene.wrenches.clear(), at.scene.springs.clear();
     SceneData fresh(at.scene, used.options);
     fresh.active = used.active;
     for (SceneData* data : {&used, &fresh}) (void)solve(at.scene, s.q, s.v, s.u, *data);

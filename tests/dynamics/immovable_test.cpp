@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
@@ -14,7 +14,7 @@ namespace manycontact::test {
 namespace {
 
 // Two crates are attached to the base of an arm, the first one before it, so that its island is solved before the
-// arm's. A second arm pushes one crate, and contacts are in every reference frame.
+// arm's. A second arm wrenches one crate, and contacts are in every reference frame.
 class OnABase : public testing::Test {
  protected:
   void SetUp() override {

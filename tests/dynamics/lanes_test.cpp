@@ -74,7 +74,7 @@ Herd any_herd(std::mt19937& rng, int count, bool floating, double damping, int n
 Herd random_herd(std::mt19937& rng, int count, bool floating, double damping = 0, int njoints = 14) {
   for (;;) {
     Herd h = any_herd(rng, count, floating, damping, njoints);
-    SceneData data(h.scene, {Method::kSparseLdl, {}, Lanes::kOff});
+    SceneData data(h.scene, {Method::kSparseLdl, {}, SimdLevel::kOff});
     if (solve(h.scene, h.q, h.v, h.u, data).status == Status::kOk) return h;
   }
 }
@@ -139,7 +139,7 @@ struct Answer {
   std::vector<IslandDerivatives::Panel> X;
   Report report;
 };
-Answer answer(const Herd& h, Lanes lanes) {
+Answer answer(const Herd& h, SimdLevel lanes) {
   SceneData data(h.scene, {Method::kSparseLdl, {}, lanes});
   (void)solve(h.scene, h.q, h.v, h.u, data);
   differentiate(h.scene, data);
@@ -163,7 +163,7 @@ void expect_same(const Herd& h, const Answer& x, int number, const Answer& y) {
   EXPECT_EQ(x.report.islands[number].backward_error, y.report.islands[0].backward_error) << number;
 }
 
-class InLanes : public testing::TestWithParam<Lanes> {};
+class InLanes : public testing::TestWithParam<SimdLevel> {};
 
 TEST_P(InLanes, ARobotsBitsAreItsOwn) {
   std::mt19937 rng(11);
@@ -187,10 +187,10 @@ TEST_P(InLanes, ARobotsBitsAreItsOwn) {
 TEST_P(InLanes, PanelsOfLargeRobots) {
   std::mt19937 rng(17);
   const Herd herd = random_herd(rng, 9, true, 0, 150);
-  SceneData data(herd.scene, {Method::kSparseLdl, {}, Lanes::kOff});
+  SceneData data(herd.scene, {Method::kSparseLdl, {}, SimdLevel::kOff});
   (void)solve(herd.scene, herd.q, herd.v, herd.u, data);
   estimate_condition(herd.scene, data);
-  const Answer all = answer(herd, GetParam()), off = answer(herd, Lanes::kOff);
+  const Answer all = answer(herd, GetParam()), off = answer(herd, SimdLevel::kOff);
   ASSERT_EQ(all.report.status, Status::kOk);
   ASSERT_GT(2 * 8 * all.X.front().size(), 1 << 19);  // kBand
   for (const int r : {0, 1, 7, 8}) {
@@ -258,10 +258,10 @@ TEST_P(InLanes, LevelsAgreeToRounding) {
   std::mt19937 rng(12);
   for (int k = 0; k < 6; ++k) {
     const Herd herd = random_herd(rng, 9, k % 2, k < 3 ? 0 : 1e-4);
-    SceneData data(herd.scene, {Method::kSparseLdl, {}, Lanes::kOff});
+    SceneData data(herd.scene, {Method::kSparseLdl, {}, SimdLevel::kOff});
     (void)solve(herd.scene, herd.q, herd.v, herd.u, data);
     estimate_condition(herd.scene, data);
-    const Answer off = answer(herd, Lanes::kOff), on = answer(herd, GetParam());
+    const Answer off = answer(herd, SimdLevel::kOff), on = answer(herd, GetParam());
     const int nv = herd.scene.robots[0].model->nv;
     for (int r = 0; r < 9; ++r) {
       const double allowed = std::max(1e-12, 100 * 2.2e-16 * data.report.islands[r].condition);
@@ -293,7 +293,7 @@ TEST_P(InLanes, ALaneFallsOutAlone) {
   herd.v[herd.scene.robots[7].idx_v] = 1e200;            // overflows
   herd.u[herd.scene.robots[9].idx_u] = std::numeric_limits<double>::infinity();
   const Answer after = answer(herd, GetParam());
-  const Answer off = answer(herd, Lanes::kOff);
+  const Answer off = answer(herd, SimdLevel::kOff);
   const int nv = model.nv;
   for (int r = 0; r < 11; ++r) {
     if (r == 2 || r == 4 || r == 5 || r == 7 || r == 9) {
@@ -344,7 +344,7 @@ TEST_P(InLanes, DependentRowsOfOneRobotAreItsOwn) {
   // scene is made again with robot 3's second contact at the first one's point.
   Herd twice = h;
   twice.scene.contacts[7].A.placement = twice.scene.contacts[6].A.placement;
-  const Answer on = answer(twice, GetParam()), off = answer(twice, Lanes::kOff);
+  const Answer on = answer(twice, GetParam()), off = answer(twice, SimdLevel::kOff);
   EXPECT_EQ(on.report.islands[3].rank, 1);
   EXPECT_EQ(on.report.islands[3].dependent_rows, off.report.islands[3].dependent_rows);
   EXPECT_LT((on.a.segment(24, 8) - off.a.segment(24, 8)).norm(), 1e-12 * off.a.segment(24, 8).norm());
@@ -355,10 +355,11 @@ TEST_P(InLanes, DependentRowsOfOneRobotAreItsOwn) {
 TEST_P(InLanes, LeaveNothingButTheAnswerUntilCompleted) {
   std::mt19937 rng(15);
   const Herd h = random_herd(rng, 3, true);
-  SceneData data(h.scene, {Method::kSparseLdl, {}, GetParam()}), off(h.scene, {Method::kSparseLdl, {}, Lanes::kOff});
+  SceneData data(h.scene, {Method::kSparseLdl, {}, GetParam()}),
+      off(h.scene, {Method::kSparseLdl, {}, SimdLevel::kOff});
   (void)solve(h.scene, h.q, h.v, h.u, data);
   (void)solve(h.scene, h.q, h.v, h.u, off);
-  EXPECT_THROW((void)kinematics_of(data, 0), std::logic_error);
+  EXPECT_THROW((void)robot_kinematics(data, 0), std::logic_error);
   EXPECT_THROW((void)assembled_matrix_of(data, 0), std::logic_error);
   StaticTorque at_rest(h.scene), at_rest_off(h.scene);
   EXPECT_THROW(static_torque(h.scene, data, h.q.data(), true, at_rest), std::logic_error);
@@ -369,16 +370,16 @@ TEST_P(InLanes, LeaveNothingButTheAnswerUntilCompleted) {
   static_torque(h.scene, off, h.q.data(), true, at_rest_off);
   EXPECT_LT((at_rest.tau - at_rest_off.tau).norm(), 1e-11 * at_rest_off.tau.norm());
   for (int r = 0; r < 3; ++r) {
-    EXPECT_TRUE(same(kinematics_of(data, r).J, kinematics_of(off, r).J));
+    EXPECT_TRUE(same(robot_kinematics(data, r).J, robot_kinematics(off, r).J));
     EXPECT_EQ(assembled_matrix_of(data, r).values, assembled_matrix_of(off, r).values);
-    const Eigen::MatrixXd K = matrix_of(data, r);
+    const Eigen::MatrixXd K = kkt_matrix(data, r);
     EXPECT_TRUE(same(K, K.transpose()));
     const Model& model = *h.scene.robots[r].model;
-    for (int i = 0; i < model.nv; ++i) EXPECT_EQ(K(i, i), inertia_of(data, r)[model.M_begin[i]]);
-    const Island& island = island_of(data, r);
+    for (int i = 0; i < model.nv; ++i) EXPECT_EQ(K(i, i), joint_space_inertia(data, r)[model.M_begin[i]]);
+    const Island& island = solved_island(data, r);
     for (std::size_t c = 0; c < island.contacts.size(); ++c) {
-      const Eigen::MatrixXd& J = contact_of(data, island.contacts[c]).J;
-      const std::vector<int>& columns = support_of(data, island.contacts[c]).a;
+      const Eigen::MatrixXd& J = contact_data(data, island.contacts[c]).J;
+      const std::vector<int>& columns = contact_support(data, island.contacts[c]).a;
       for (std::size_t k = 0; k < columns.size(); ++k)
         EXPECT_TRUE(same(K.col(columns[k]).segment(island.nv + island.row_offset[c], J.rows()), J.col(k)));
     }
@@ -431,9 +432,9 @@ TEST_P(InLanes, JoinedBoxesTakeLittleMemory) {
   const VectorXd zero = VectorXd::Zero(scene.nv);
   EXPECT_EQ(solve(scene, q, zero, VectorXd::Zero(scene.nu), data).status, Status::kOk);
   EXPECT_LE((heap() - before) / (n * n), 13000);
-  EXPECT_THROW((void)support_of(data, 0), std::logic_error);
+  EXPECT_THROW((void)contact_support(data, 0), std::logic_error);
   complete(scene, data);
-  EXPECT_NO_THROW((void)support_of(data, 0));
+  EXPECT_NO_THROW((void)contact_support(data, 0));
 }
 
 TEST_P(InLanes, DerivativesOfWhatWasAskedFor) {
@@ -483,7 +484,7 @@ void expect_same_contact(const ContactData<double>& x, const ContactData<double>
   EXPECT_TRUE(same(x.vA, y.vA) && same(x.vB, y.vB) && same(x.aA, y.aA) && same(x.aB, y.aB));
 }
 void expect_same_terms(const SceneData& x, int r, const SceneData& y, int s) {
-  const Kinematics<double>&a = kinematics_of(x, r), &b = kinematics_of(y, s);
+  const Kinematics<double>&a = robot_kinematics(x, r), &b = robot_kinematics(y, s);
   EXPECT_TRUE(same(a.J, b.J) && same(a.origin(0), b.origin(0)) && same(a.a_base, b.a_base));
   for (std::size_t i = 0; i < a.oMi.size(); ++i) {
     EXPECT_TRUE(same(a.oMi[i].R, b.oMi[i].R) && same(a.oMi[i].p, b.oMi[i].p)) << i;
@@ -491,8 +492,8 @@ void expect_same_terms(const SceneData& x, int r, const SceneData& y, int s) {
     EXPECT_TRUE(same(a.Y[i].matrix(), b.Y[i].matrix())) << i;
     EXPECT_TRUE(same(composite_inertias(x, r)[i].matrix(), composite_inertias(y, s)[i].matrix())) << i;
   }
-  EXPECT_TRUE(std::ranges::equal(inertia_of(x, r), inertia_of(y, s)));
-  EXPECT_TRUE(same(bias_of(x, r), bias_of(y, s)));
+  EXPECT_TRUE(std::ranges::equal(joint_space_inertia(x, r), joint_space_inertia(y, s)));
+  EXPECT_TRUE(same(bias_torques(x, r), bias_torques(y, s)));
 }
 
 TEST_P(InLanes, InAnIslandARobotsTermsAreItsOwn) {
@@ -515,8 +516,8 @@ TEST_P(InLanes, InAnIslandARobotsTermsAreItsOwn) {
       SceneData of_two(two.scene, options);
       (void)solve(two.scene, two.q, two.v, two.u, of_two);
       for (int k = 0; k < 2; ++k) expect_same_terms(data, (r + k) % 11, of_two, k);
-      for (int k = 0; k < 4; ++k) expect_same_contact(contact_of(data, 4 * r + k), contact_of(of_two, k));
-      expect_same_contact(contact_of(data, 44 + r), contact_of(of_two, 8));
+      for (int k = 0; k < 4; ++k) expect_same_contact(contact_data(data, 4 * r + k), contact_data(of_two, k));
+      expect_same_contact(contact_data(data, 44 + r), contact_data(of_two, 8));
 
       Herd alone = part_of(herd, {r});  // next to one of another model
       add_robot(alone.scene, "other", other);
@@ -530,7 +531,7 @@ TEST_P(InLanes, InAnIslandARobotsTermsAreItsOwn) {
       (void)solve(alone.scene, q, v, u, of_one);
       ASSERT_EQ(island_count(of_one), 1u);
       expect_same_terms(data, r, of_one, 0);
-      for (int k = 0; k < 4; ++k) expect_same_contact(contact_of(data, 4 * r + k), contact_of(of_one, k));
+      for (int k = 0; k < 4; ++k) expect_same_contact(contact_data(data, 4 * r + k), contact_data(of_one, k));
     }
   }
 }
@@ -540,10 +541,10 @@ TEST_P(InLanes, InAnIslandLevelsAgreeToRounding) {
   for (int k = 0; k < 4; ++k) {
     Herd ring = joined_in_a_ring(random_herd(rng, 5, k % 2, k < 2 ? 0 : 1e-3), holding(rng));
     ring.scene.contacts[3].alpha = 2;  // one differs from the others
-    SceneData data(ring.scene, {Method::kSparseLdl, {}, Lanes::kOff});
+    SceneData data(ring.scene, {Method::kSparseLdl, {}, SimdLevel::kOff});
     if (solve(ring.scene, ring.q, ring.v, ring.u, data).status != Status::kOk) continue;
     estimate_condition(ring.scene, data);
-    const Answer off = answer(ring, Lanes::kOff), on = answer(ring, GetParam());
+    const Answer off = answer(ring, SimdLevel::kOff), on = answer(ring, GetParam());
     const double allowed = std::max(1e-12, 100 * 2.2e-16 * data.report.islands[0].condition);
     EXPECT_LE((on.a - off.a).lpNorm<Eigen::Infinity>(), allowed * off.a.lpNorm<Eigen::Infinity>());
     EXPECT_LE((on.f - off.f).lpNorm<Eigen::Infinity>(), allowed * off.f.lpNorm<Eigen::Infinity>());
@@ -563,7 +564,7 @@ TEST_P(InLanes, RobotsOfOwnNumbersToo) {
         EXPECT_NE(robot.model, alike.scene.robots[0].model);
         EXPECT_EQ(robot.model->structure, alike.scene.robots[0].model->structure);
       }
-      const Answer all = answer(herd, GetParam()), off = answer(herd, Lanes::kOff);
+      const Answer all = answer(herd, GetParam()), off = answer(herd, SimdLevel::kOff);
       ASSERT_EQ(off.report.status, Status::kOk);
       const auto expect_near = [](const auto& x, const auto& y) {
         EXPECT_LE((x - y).template lpNorm<Eigen::Infinity>(), 1e-8 * y.template lpNorm<Eigen::Infinity>());
@@ -574,7 +575,7 @@ TEST_P(InLanes, RobotsOfOwnNumbersToo) {
         expect_near(all.X[r], off.X[r]);
       }
       const VectorXd d = random_vector(herd.scene.nv, rng), du = random_vector(herd.scene.nu, rng);
-      const auto tangents = [&](Lanes lanes) {
+      const auto tangents = [&](SimdLevel lanes) {
         SceneData data(herd.scene, {Method::kSparseLdl, {}, lanes});
         (void)solve(herd.scene, herd.q, herd.v, herd.u, data);
         VectorXd da(data.a.size()), df(data.f.size());
@@ -583,11 +584,11 @@ TEST_P(InLanes, RobotsOfOwnNumbersToo) {
         out << da, df;
         return out;
       };
-      expect_near(tangents(GetParam()), tangents(Lanes::kOff));
+      expect_near(tangents(GetParam()), tangents(SimdLevel::kOff));
 
       const Contact like = holding(rng);
       const Answer ring = answer(joined_in_a_ring(herd, like), GetParam());
-      const Answer without = answer(joined_in_a_ring(herd, like), Lanes::kOff);
+      const Answer without = answer(joined_in_a_ring(herd, like), SimdLevel::kOff);
       expect_near(ring.a, without.a), expect_near(ring.f, without.f), expect_near(ring.X[0], without.X[0]);
     }
 }
@@ -603,7 +604,7 @@ TEST_P(InLanes, InAnIslandALaneFallsOutAlone) {
   ASSERT_GE(angle, 0);
   const Options on{Method::kSparseLdl, Order::kLeafToRoot, GetParam()};
   SceneData before(ring.scene, on), after(ring.scene, on),
-      off(ring.scene, {Method::kSparseLdl, Order::kLeafToRoot, Lanes::kOff});
+      off(ring.scene, {Method::kSparseLdl, Order::kLeafToRoot, SimdLevel::kOff});
   (void)solve(ring.scene, ring.q, ring.v, ring.u, before);
   double& at = ring.q[ring.scene.robots[5].idx_q + angle];
   at = std::remainder(at, 1) + 3e7;
@@ -626,7 +627,7 @@ TEST_P(InLanes, RobotsJoinedBySpringsLeaveOthersAsTheyAre) {
         const Answer bare = answer(herd, GetParam());
         for (int r = 1; r < joined; ++r)
           add_spring(herd.scene, {"s" + std::to_string(r), {r - 1, 7, {}}, {r, 7, {}}, 100, 0.3, 1});
-        const Answer on = answer(herd, GetParam()), off = answer(herd, Lanes::kOff);
+        const Answer on = answer(herd, GetParam()), off = answer(herd, SimdLevel::kOff);
         ASSERT_EQ(on.report.islands.size(), 1u + alone);
         EXPECT_LE((on.X[0] - off.X[0]).lpNorm<Eigen::Infinity>(), 1e-8 * off.X[0].lpNorm<Eigen::Infinity>());
         for (int k = 1; k <= alone; ++k) EXPECT_TRUE(same(on.X[k], bare.X[joined + k - 1])) << k << " of " << alone;
@@ -639,7 +640,7 @@ TEST_P(InLanes, RobotsJoinedBySpringsLeaveOthersAsTheyAre) {
         VectorXd Jx(nv + nf), yJ(2 * nv + nu);
         jvp(herd.scene, data, x.head(nv), x.segment(nv, nv), x.tail(nu), Jx.head(nv), Jx.tail(nf));
         vjp(herd.scene, data, y.head(nv), y.tail(nf), yJ.head(nv), yJ.segment(nv, nv), yJ.tail(nu));
-        SceneData other(herd.scene, {Method::kSparseLdl, {}, Lanes::kOff});
+        SceneData other(herd.scene, {Method::kSparseLdl, {}, SimdLevel::kOff});
         (void)solve(herd.scene, herd.q, herd.v, herd.u, other);
         differentiate(herd.scene, other);
         const Eigen::MatrixXd J(sparse_derivatives(herd.scene, other));
@@ -649,7 +650,7 @@ TEST_P(InLanes, RobotsJoinedBySpringsLeaveOthersAsTheyAre) {
       }
 }
 
-INSTANTIATE_TEST_SUITE_P(Levels, InLanes, testing::ValuesIn(lanes_here()),
+INSTANTIATE_TEST_SUITE_P(Levels, InLanes, testing::ValuesIn(available_simd_levels()),
                          [](const auto& level) { return to_string(level.param); });
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 #include "dynamics/simulation.hpp"
 #include "manycontact/algorithm/aba.hpp"
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "support/measure.hpp"
 #include "support/methods.hpp"
 #include "support/scenes.hpp"

@@ -73,7 +73,7 @@ TEST_F(Lifecycle, DerivativesOfAnEarlierSolutionAreNotHandedOut) {
     EXPECT_THROW((void)derivatives(data), std::logic_error);
     EXPECT_THROW((void)block.da_dq(), std::logic_error);
     EXPECT_THROW((void)block.dforces_du(), std::logic_error);
-    EXPECT_THROW((void)contact_derivatives_of(data, 0), std::logic_error);
+    EXPECT_THROW((void)contact_derivatives(data, 0), std::logic_error);
     differentiate(scene, data);
     EXPECT_NE(dense_derivatives(scene, data).da_dq, before);
     EXPECT_NE(Eigen::MatrixXd(derivatives(data).islands[0].da_dq()), of_island);

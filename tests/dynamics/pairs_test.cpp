@@ -161,7 +161,7 @@ TEST(Pairs, NoDependentRowsAreLeft) {
   EXPECT_EQ(report.rank, 48);
   EXPECT_EQ(report.islands[0].reason, Reason::kNone);
   EXPECT_EQ(report.islands[0].dependent_rows.size(), 48u);
-  EXPECT_EQ(island_of(data, 0).nc, 96);
+  EXPECT_EQ(solved_island(data, 0).nc, 96);
   EXPECT_EQ(data_solved(data).report.nc, 48);
   EXPECT_EQ(data_solved(data).report.rank, 48);
 }

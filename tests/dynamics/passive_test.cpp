@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "manycontact/algorithm/joint_friction.hpp"
-#include "manycontact/algorithm/rnea.hpp"
+#include "manycontact/detail/algorithm/rnea.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
@@ -59,7 +59,7 @@ TEST(Passive, SameDynamicsFewerTorques) {
     const Pair p = pair_of(seed);
     ASSERT_LT(p.some.scene.nu, p.all.scene.nu);
     ASSERT_GT(p.some.scene.nu, 0);
-    const Options one_by_one{Method::kAuto, {}, Lanes::kOff};  // the models differ, and so would SIMD batches
+    const Options one_by_one{Method::kAuto, {}, SimdLevel::kOff};  // the models differ, and so would SIMD batches
     SceneData all(p.all.scene, one_by_one), some(p.some.scene, one_by_one);
     (void)solve(p.all.scene, p.all.q, p.all.v, p.all.u, all);
     (void)solve(p.some.scene, p.some.q, p.some.v, p.some.u, some);
@@ -121,7 +121,7 @@ TEST(Friction, IsATorque) {
   }
   take_contacts(s.scene, bare);
   EXPECT_LT(tau.dot(s.v), 0);  // friction takes energy
-  const Options one_by_one{Method::kAuto, {}, Lanes::kOff};
+  const Options one_by_one{Method::kAuto, {}, SimdLevel::kOff};
   SceneData with(s.scene, one_by_one), of_torques(bare, one_by_one);
   (void)solve_tau(s.scene, s.q, s.v, without, with);
   (void)solve_tau(bare, s.q, s.v, tau, of_torques);

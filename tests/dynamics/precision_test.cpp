@@ -23,9 +23,9 @@ using Eigen::VectorXd;
 
 constexpr double kFloat = 1.2e-7;  // eps
 
-Options in_precision(Precision precision, Lanes lanes = Lanes::kAuto) {
+Options in_precision(Precision precision, SimdLevel lanes = SimdLevel::kAuto) {
   Options options;
-  options.lanes = lanes;
+  options.simd_level = lanes;
   options.precision = precision;
   return options;
 }
@@ -116,7 +116,7 @@ TEST(Precision, SingleErrsAsTheConditionPredicts) {
       const IslandReport& report = data.report.islands[i];
       ++all, single += report.precision == Precision::kSingle;
       if (report.precision != Precision::kSingle) continue;
-      const Robot& robot = s.scene.robots[island_of(data, i).robots.front()];
+      const Robot& robot = s.scene.robots[solved_island(data, i).robots.front()];
       const auto at = Eigen::seqN(robot.idx_v, robot.model->nv);
       EXPECT_LE(largest_difference(data.a(at), exact.a(at)),
                 std::min(1e-2, 100 * kFloat * exact.report.islands[i].condition));
@@ -128,7 +128,7 @@ TEST(Precision, SingleErrsAsTheConditionPredicts) {
 
 TEST(Precision, SingleHasTheSameBitsAloneAndInABatch) {
   std::mt19937 rng(5);
-  for (const Lanes lanes : lanes_here()) {
+  for (const SimdLevel lanes : available_simd_levels()) {
     const RandomScene s = random_robots(rng, 37, true);
     SceneData together(s.scene, in_precision(Precision::kSingle, lanes));
     (void)solve(s.scene, s.q, s.v, s.u, together);

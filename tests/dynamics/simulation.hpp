@@ -4,8 +4,8 @@
 
 #include <functional>
 
-#include "manycontact/algorithm/kinematics.hpp"
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "support/dense.hpp"
 #include "support/random.hpp"

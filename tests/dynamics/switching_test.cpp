@@ -24,7 +24,7 @@ int contact_named(const Scene& scene, const std::string& name) { return scene.co
 // In a herd of quadrupeds one lifts a foot, then another one lifts the same foot.
 TEST(Switching, TouchesItsIslandAlone) {
   SceneFile file = load_scene(kModels + "herd.xml");
-  SceneData data(file.scene, {Method::kSparseLdl, {}, Lanes::kOff});
+  SceneData data(file.scene, {Method::kSparseLdl, {}, SimdLevel::kOff});
   solve_at(file, data);
   ASSERT_EQ(shapes_analysed(data), 1u);
   std::vector<const double*> before;
@@ -84,10 +84,10 @@ TEST(Switching, SplitsAndJoinsIslands) {
     const std::vector<Island> expected = find_islands(scene, data.active);
     ASSERT_EQ(island_count(data), expected.size());
     for (std::size_t i = 0; i < expected.size(); ++i) {
-      EXPECT_EQ(island_of(data, i).robots, expected[i].robots);
-      EXPECT_EQ(island_of(data, i).contacts, expected[i].contacts);
-      EXPECT_EQ(island_of(data, i).dof_offset, expected[i].dof_offset);
-      EXPECT_EQ(island_of(data, i).row_offset, expected[i].row_offset);
+      EXPECT_EQ(solved_island(data, i).robots, expected[i].robots);
+      EXPECT_EQ(solved_island(data, i).contacts, expected[i].contacts);
+      EXPECT_EQ(solved_island(data, i).dof_offset, expected[i].dof_offset);
+      EXPECT_EQ(solved_island(data, i).row_offset, expected[i].row_offset);
       for (int r : expected[i].robots) EXPECT_EQ(island_with_robot(data, r), static_cast<int>(i));
     }
   }

@@ -113,7 +113,7 @@ TEST(Threads, InsideACallCountForNothing) {
 TEST(Threads, InsideACallAllocateNothingTheSecondTime) {
   if (!MANYCONTACT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be counted here";
   for (const char* name : {"herd", "ring_of_humanoids", "two_humanoids_carry_beam"})
-    for (const Lanes lanes : {Lanes::kAuto, Lanes::kOff}) {
+    for (const SimdLevel lanes : {SimdLevel::kAuto, SimdLevel::kOff}) {
       SCOPED_TRACE(name);
       SceneFile file = file_of(name);
       const Scene& scene = file.scene;
@@ -137,7 +137,7 @@ TEST(Threads, InsideACallAllocateNothingTheSecondTime) {
 TEST(Threads, AnExceptionInsideACallComesOut) {
   if (!MANYCONTACT_FAILS_ALLOCATIONS) GTEST_SKIP() << "malloc cannot be made to fail here";
   const SceneFile file = file_of("herd");
-  const Options options{Method::kSparseLdl, {}, Lanes::kOff, 3};
+  const Options options{Method::kSparseLdl, {}, SimdLevel::kOff, 3};
   const std::vector<VectorXd> expected = everything(file, options);  // OpenMP's threads exist from now on
   SceneData data(file.scene, options);
   bool threw = false;

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "support/chains.hpp"
@@ -32,7 +32,7 @@ Scene scene_of(const Model& model, std::mt19937& rng) {
   return scene;
 }
 
-Contact contact_of(ContactType type, int joint, const SE3<double>& offset) {
+Contact contact_data(ContactType type, int joint, const SE3<double>& offset) {
   Contact c;
   c.name = "hold";
   c.type = type;
@@ -45,7 +45,7 @@ TEST(Vanishing, APointOnTheJointsAxisHoldsNothing) {
   for (int k = 0; k < 20; ++k) {
     const Model model = chain(rng, 1);
     Scene scene = scene_of(model, rng);
-    Contact c = contact_of(ContactType::k3D, 0, {random_rotation(rng), 0.3 * model.joints[0].axis});
+    Contact c = contact_data(ContactType::k3D, 0, {random_rotation(rng), 0.3 * model.joints[0].axis});
     const VectorXd q = random_vector(1, rng), v = VectorXd::Zero(1), u = random_vector(1, rng);
     resolve_reference(scene, q, true, true, c);
     add_contact(scene, c);
@@ -93,7 +93,7 @@ TEST(Vanishing, APointMassOnTheLastJointsAxisOfAHeldChain) {
     c.scene.robots[0].model = std::make_shared<const Model>(std::move(model));
     std::mt19937 rng(seed);
     c.q = random_vector(35, rng);
-    for (const Lanes level : kLanes) {
+    for (const SimdLevel level : kSimdLevels) {
       const Options bodies{Method::kSparseBodies, {}, level};
       SceneData data(c.scene, bodies);
       (void)solve(c.scene, c.q, c.v, c.u, data);
@@ -128,7 +128,7 @@ TEST(Vanishing, ContactsThatDoNotHoldAMasslessLinkDoNotMakeItSoundByRounding) {
     model.joints.back().inertia = {};
     Scene scene = scene_of(model, rng);
     const VectorXd q = random_vector(7, rng), v = random_vector(7, rng), u = random_vector(7, rng);
-    Contact c = contact_of(ContactType::k6D, 5, random_placement(rng));
+    Contact c = contact_data(ContactType::k6D, 5, random_placement(rng));
     resolve_reference(scene, q, true, true, c);
     add_contact(scene, c);
     if (k % 2) {
@@ -154,7 +154,7 @@ TEST(Vanishing, LinksOfNearlyNoInertiaHideNoContradiction) {
       finalize(model);
       Scene scene = scene_of(model, rng);
       const VectorXd q = random_vector(3, rng), v = VectorXd::Zero(3), u = random_vector(3, rng);
-      Contact point = contact_of(ContactType::k3D, 2, random_placement(rng));
+      Contact point = contact_data(ContactType::k3D, 2, random_placement(rng));
       point.alpha = 2500;
       resolve_reference(scene, q, true, true, point);
       add_contact(scene, point);
@@ -175,7 +175,7 @@ TEST(Vanishing, LinksOfNearlyNoInertiaHideNoContradiction) {
 TEST(Vanishing, ASmallRowBeforeThoseThatDependOnItTakesNoDigits) {
   std::mt19937 rng(407);
   const Model model = chain(rng, 1);
-  Contact point = contact_of(ContactType::k3D, 0, {random_rotation(rng), {0.3, 0.2, 0.1}});
+  Contact point = contact_data(ContactType::k3D, 0, {random_rotation(rng), {0.3, 0.2, 0.1}});
   const VectorXd q = random_vector(1, rng), v = VectorXd::Zero(1), u = random_vector(1, rng);
   for (double small : {1e-2, 1e-4, 1e-6, 1e-8, 1e-10}) {
     Scene scene = scene_of(model, rng);
@@ -206,7 +206,7 @@ TEST(Vanishing, RoundingOfFastMotionIsNoContradiction) {
   for (int k = 0; k < 20; ++k) {  // a point of a rotating body does not move along the axis
     const Model model = chain(rng, 1);
     Scene scene = scene_of(model, rng);
-    Contact c = contact_of(ContactType::k1D, 0, {Mat3<double>::Identity(), random_vector(3, rng)});
+    Contact c = contact_data(ContactType::k1D, 0, {Mat3<double>::Identity(), random_vector(3, rng)});
     c.axis = model.joints[0].axis;
     const VectorXd q = random_vector(1, rng), v = VectorXd::Constant(1, 1e4), u = random_vector(1, rng);
     resolve_reference(scene, q, true, true, c);
@@ -252,8 +252,8 @@ TEST(Vanishing, WhatContactsEarlyCannotHoldIsAnsweredAsByLeafToRoot) {
     add_contact(scene, c);
   }
   const Eigen::VectorXd q = neutral(model), v = Eigen::VectorXd::Zero(model.nv), u = Eigen::VectorXd::Ones(scene.nu);
-  SceneData early(scene, {Method::kSparseLdl, Order::kContactsEarly, Lanes::kOff});
-  SceneData last(scene, {Method::kSparseLdl, Order::kLeafToRoot, Lanes::kOff});
+  SceneData early(scene, {Method::kSparseLdl, Order::kContactsEarly, SimdLevel::kOff});
+  SceneData last(scene, {Method::kSparseLdl, Order::kLeafToRoot, SimdLevel::kOff});
   ASSERT_EQ(solve(scene, q, v, u, last).status, Status::kOk);
   ASSERT_EQ(solve(scene, q, v, u, early).status, Status::kOk);
   const IslandReport& report = early.report.islands[0];
@@ -274,7 +274,7 @@ TEST(Vanishing, ARobotWithoutJointsIsSolvedAndDifferentiated) {
     for (bool held : {false, true}) {  // the object constrains the last link of the chain
       Scene scene = scene_of(chain(rng, 3), rng);
       add_robot(scene, "object", std::make_shared<Model>(object), {});
-      Contact c = contact_of(type, -1, random_placement(rng));
+      Contact c = contact_data(type, -1, random_placement(rng));
       c.A.robot = 1;
       c.B = {0, 2, random_placement(rng)};
       if (held) add_contact(scene, c);
@@ -324,7 +324,7 @@ TEST(Vanishing, AFrameFarAwayOnBLeavesRowsAsTheyAre) {
   for (const ContactType type : {ContactType::k1D, ContactType::k2D, ContactType::k3D}) {
     Scene scene = scene_of(chain(rng, 4), rng);
     add_robot(scene, "other", std::make_shared<Model>(chain(rng, 4)), random_placement(rng));
-    Contact c = contact_of(type, 3, random_placement(rng));
+    Contact c = contact_data(type, 3, random_placement(rng));
     c.axis = random_vector(3, rng).normalized();
     c.B = {1, 3, {random_rotation(rng), 1e20 * random_vector(3, rng)}};
     add_contact(scene, c);
@@ -351,7 +351,7 @@ TEST(Vanishing, BoundsHoldForForcesOfLeastNormBesideLargeOnes) {
     add_robot(scene, "robot", std::make_shared<Model>(model));
     const VectorXd q = random_configuration(model, rng);
     const VectorXd v = VectorXd::Zero(scene.nv), u = random_vector(scene.nu, rng);
-    Contact far = contact_of(ContactType::k1D, 0, {Mat3<double>::Identity(), 1e6 * random_vector(3, rng)});
+    Contact far = contact_data(ContactType::k1D, 0, {Mat3<double>::Identity(), 1e6 * random_vector(3, rng)});
     far.axis = random_vector(3, rng).normalized();
     add_contact(scene, far);
     far.name = "again";
@@ -359,7 +359,7 @@ TEST(Vanishing, BoundsHoldForForcesOfLeastNormBesideLargeOnes) {
     const Eigen::Vector4d r = q.segment<4>(3);
     far.axis = rotation_of_quaternion(r[0], r[1], r[2], r[3]) * far.axis;
     add_contact(scene, far);
-    Contact near = contact_of(ContactType::k3D, 0, random_placement(rng));
+    Contact near = contact_data(ContactType::k3D, 0, random_placement(rng));
     near.name = "near";
     add_contact(scene, near);
     const Truth<Quad> truth = solve_truth<Quad>(scene, {1, 1, 1}, q.cast<Quad>(), v.cast<Quad>(), u.cast<Quad>());

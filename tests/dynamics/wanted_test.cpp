@@ -52,7 +52,7 @@ TEST(Wanted, ContactsAccelerateAsAsked) {
 TEST(Wanted, InLanes) {
   const SceneFile file = load_scene(MANYCONTACT_SOURCE_DIR "/models/herd.xml");
   const VectorXd tau = torques_of(file.scene, file.u);
-  SceneData in_lanes(file.scene), alone(file.scene, {Method::kSparseLdl, {}, Lanes::kOff});
+  SceneData in_lanes(file.scene), alone(file.scene, {Method::kSparseLdl, {}, SimdLevel::kOff});
   prepare(file.scene, in_lanes);
   std::mt19937 rng(42);
   const VectorXd wanted = random_vector(static_cast<int>(in_lanes.f.size()), rng);

@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 
 namespace manycontact::fuzz {
 

@@ -514,7 +514,7 @@ TEST_F(BadInput, PushesAndSprings) {
   expect(R"(<push frame="r/b"><x/></push>)", "<x>");
   expect(R"(<push frame="r/a"/>)", "cannot move");
   expect(R"(<push frame="r/b" name=""/>)", "name of <push> is empty");
-  expect(R"(<push frame="r/b"/><push frame="r/b"/>)", "push 'r/b' exists already");
+  expect(R"(<push frame="r/b"/><push frame="r/b"/>)", "wrench 'r/b' exists already");
   expect(R"(<spring frame="r/b" to="r/d"/>)", "<spring> has no attribute 'stiffness'");
   expect(R"(<spring frame="r/b" stiffness="1"/>)", "neither 'to' nor xyz");
   expect(R"(<spring frame="r/b" to="r/d" xyz="0 0 0" stiffness="1"/>)", "both 'to' and xyz");

@@ -6,7 +6,7 @@
 #include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/contact/jacobian.hpp"
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/io/input_error.hpp"
 #include "manycontact/io/urdf.hpp"
@@ -122,8 +122,8 @@ TEST(Root, IsTheSameRobotOnAFloatingBase) {
       (void)rnea(scene, q2, v2, data2.a, carried2, forces_on_bodies(scene, q2, v2, data2.f, data2.f_offset));
       for (const std::string& name : joint_names(filed)) {
         if (name == "root") continue;
-        const Vec6<double> wrench = joint_wrench(filed, carried, joint_called(filed, name));
-        EXPECT_LT((joint_wrench(scene, carried2, joint_called(scene, name)) - wrench).norm(), 1e-9 * wrench.norm());
+        const Vec6<double> wrench = joint_wrench(filed, carried, find_joint(filed, name));
+        EXPECT_LT((joint_wrench(scene, carried2, find_joint(scene, name)) - wrench).norm(), 1e-9 * wrench.norm());
       }
       RigidBodyData at2(scene);
       forward_kinematics(filed, q, v, data.a, at);

@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include "manycontact/algorithm/configuration.hpp"
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "manycontact/io/urdf.hpp"
 #include "support/folder.hpp"
 
@@ -468,7 +468,7 @@ TEST(SceneFile, SharedScenes) {
   EXPECT_GT(scenes, 0);
 }
 
-TEST_F(SceneFileTest, Pushes) {
+TEST_F(SceneFileTest, ExternalWrenches) {
   const SceneFile file = load(R"(
     <robot name="one" urdf="robot.urdf" base="floating"/>
     <robot name="many" urdf="robot.urdf" base="floating" copies="3" arrange="circle" spacing="2"/>
@@ -476,8 +476,8 @@ TEST_F(SceneFileTest, Pushes) {
     <push name="wind" frame="many/hand" force="0 7 0" reference_frame="world"/>
     <push frame="many2/leg"/>)");
   const Scene& scene = file.scene;
-  ASSERT_EQ(scene.pushes.size(), 5u);
-  const Push& first = scene.pushes[0];
+  ASSERT_EQ(scene.wrenches.size(), 5u);
+  const ExternalWrench& first = scene.wrenches[0];
   EXPECT_EQ(first.name, "one/foot");
   EXPECT_EQ(first.wrench, (Vec6<double>() << 1, 2, 3, 4, 5, 6).finished());
   EXPECT_EQ(first.reference_frame, ReferenceFrame::kLocal);
@@ -486,14 +486,14 @@ TEST_F(SceneFileTest, Pushes) {
   EXPECT_EQ(first.at.joint, foot.joint);
   expect_near(first.at.placement, foot.placement);
   for (int k = 0; k < 3; ++k) {  // the world's axes apply to every copy
-    const Push& wind = scene.pushes[static_cast<std::size_t>(1 + k)];
+    const ExternalWrench& wind = scene.wrenches[static_cast<std::size_t>(1 + k)];
     EXPECT_EQ(wind.name, "wind" + std::to_string(k));
     EXPECT_EQ(wind.at.robot, 1 + k);
     EXPECT_EQ(wind.wrench[1], 7);
     EXPECT_EQ(wind.reference_frame, ReferenceFrame::kWorld);
   }
-  EXPECT_EQ(scene.pushes[4].name, "many2/leg");
-  EXPECT_EQ(scene.push_index.at("wind2"), 3);
+  EXPECT_EQ(scene.wrenches[4].name, "many2/leg");
+  EXPECT_EQ(scene.wrench_index.at("wind2"), 3);
 }
 
 TEST_F(SceneFileTest, Springs) {

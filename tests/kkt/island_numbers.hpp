@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "contact/scene_rows.hpp"
-#include "manycontact/algorithm/crba.hpp"
-#include "manycontact/kkt/island.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
+#include "manycontact/detail/kkt/island.hpp"
 #include "manycontact/kkt/shape.hpp"
 
 namespace manycontact::test {

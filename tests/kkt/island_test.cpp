@@ -1,6 +1,6 @@
 // Islands determine which robots belong together, and where their coordinates and rows are.
 
-#include "manycontact/kkt/island.hpp"
+#include "manycontact/detail/kkt/island.hpp"
 
 #include <gtest/gtest.h>
 

@@ -69,7 +69,7 @@ def more_objects():
         mc.ConstraintModelNumDiff(mc.ConstraintModelResidual(state, others[0])),
         mc.SimulationBatch(scene, [pushed.q], [pushed.v], "semi-implicit-euler", 1e-3),
     ]  # fmt: skip
-    items = parts + [scene.robots[0], mc.dense_derivatives(scene, data), costs.costs["u"], made.costs["u"], mc.system_quality(scene, data)[0], scene.pushes[0], spring, goal, batch, data, mc.CallbackVerbose()]
+    items = parts + [scene.robots[0], mc.dense_derivatives(scene, data), costs.costs["u"], made.costs["u"], mc.system_quality(scene, data)[0], scene.wrenches[0], spring, goal, batch, data, mc.CallbackVerbose()]
     return items + frames + others + contacts + activations + [node, made, impact, *residual_data(state)]
 
 

@@ -178,7 +178,7 @@ def test_matrices_agree(humanoid):
     with pytest.raises(ValueError, match="jvp"):
         mc.jvp(scene, data, dx[0][1:], dx[1], dx[2])
 
-    K = mc.matrix_of(scene, data)
+    K = mc.kkt_matrix(scene, data)
     assert K.shape == (50, 50) and abs(K - K.T).max() == 0
     x = np.concatenate([data.a, -data.f])
     gravity = np.zeros(scene.nv)
@@ -198,14 +198,14 @@ def test_islands_of_a_scene():
     assert len(islands) == len(report.islands) == mc.island_count(data)
     dense = mc.dense_derivatives(file.scene, data)
     for i, blocks in enumerate(islands):
-        island = mc.island_of(data, i)
+        island = mc.solved_island(data, i)
         first = file.scene.robots[island.robots[0]].idx_v
         assert (blocks.da_dq == dense.da_dq[first : first + blocks.nv, first : first + blocks.nv]).all()
     with pytest.raises(IndexError):
         islands[len(islands)]
-    assert mc.matrix_of(file.scene, data, 1).shape[0] == islands[1].nv + islands[1].nc
+    assert mc.kkt_matrix(file.scene, data, 1).shape[0] == islands[1].nv + islands[1].nc
     size = file.scene.nv + data.f.size
-    assert mc.matrix_of(file.scene, data).shape == (size, size)
+    assert mc.kkt_matrix(file.scene, data).shape == (size, size)
 
 
 def test_batches(humanoid):

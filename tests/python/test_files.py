@@ -18,7 +18,7 @@ def test_limits(humanoid):
     file, _ = humanoid
     limits = mc.joint_limits(file.scene)
     knee = mc.v_index(file.scene, "humanoid", "left_knee")
-    joint = file.scene.robots[0].model.joints[mc.joint_called(file.scene, "left_knee")[1]]
+    joint = file.scene.robots[0].model.joints[mc.find_joint(file.scene, "left_knee")[1]]
     assert [x.shape for x in limits] == [(38,)] * 4
     assert np.isinf(limits.lower[:6]).all() and np.isinf(limits.effort[:6]).all()
     assert limits.upper[knee] == joint.upper[0] and limits.effort[knee] == joint.effort_limit[0]

@@ -1,4 +1,4 @@
-"""Pushes and springs: scenes built and loaded, wrenches that change, derivatives with respect to them."""
+"""ExternalWrenches and springs: scenes built and loaded, wrenches that change, derivatives with respect to them."""
 
 import manycontact as mc
 import numpy as np
@@ -27,14 +27,14 @@ def pushed():
 def test_what_the_file_says(pushed):
     file, data = pushed
     scene = file.scene
-    assert len(scene.pushes) == 1 and len(scene.springs) == 1
-    push, spring = scene.pushes["wind"], scene.springs["rope"]
+    assert len(scene.wrenches) == 1 and len(scene.springs) == 1
+    push, spring = scene.wrenches["wind"], scene.springs["rope"]
     assert push.reference_frame == mc.WORLD and np.array_equal(push.wrench, [10, 0, 0, 0, 1, 0])
     assert (spring.stiffness, spring.length, spring.damping) == (50, 0.2, 1)
-    assert np.array_equal(data.pushes, [[10, 0, 0, 0, 1, 0]])
-    assert mc.push_names(scene) == [f"wind[{k}]" for k in range(6)]
+    assert np.array_equal(data.wrenches, [[10, 0, 0, 0, 1, 0]])
+    assert mc.wrench_names(scene) == [f"wind[{k}]" for k in range(6)]
     with pytest.raises(ValueError, match="there is no push 'x', expected 'wind'"):
-        scene.pushes["x"]
+        scene.wrenches["x"]
 
 
 def test_wrenches_change_between_solves(pushed):
@@ -43,37 +43,37 @@ def test_wrenches_change_between_solves(pushed):
     mc.solve(scene, file.q, file.v, file.u, data)
     assert len(data.report.islands) == 1  # the rope couples the two
     a = data.a
-    request = mc.DerivativeRequest(pushes=True)
+    request = mc.DerivativeRequest(wrenches=True)
     blocks = mc.differentiate(scene, data, request).islands[0]
-    assert blocks.pushes == [0] and blocks.da_dw.shape == (scene.nv, 6)
+    assert blocks.wrenches == [0] and blocks.da_dw.shape == (scene.nv, 6)
     dense = mc.dense_derivatives(scene, data)
     da_dw, df_dw = np.array(dense.da_dw), np.array(dense.dforces_dw)
     f = data.f
     step = np.array([3.0, -2, 1, 0.5, 1, -1])
-    data.pushes[0] += step  # the effect is exactly linear
+    data.wrenches[0] += step  # the effect is exactly linear
     mc.solve(scene, file.q, file.v, file.u, data)
     assert np.allclose(data.a - a, da_dw @ step, atol=1e-9)
     assert np.allclose(data.f - f, df_dw @ step, atol=1e-8)
-    data.pushes = np.zeros((1, 6))
+    data.wrenches = np.zeros((1, 6))
     mc.solve(scene, file.q, file.v, file.u, data)
-    assert np.allclose(data.a - a, -da_dw @ scene.pushes[0].wrench, atol=1e-9)
+    assert np.allclose(data.a - a, -da_dw @ scene.wrenches[0].wrench, atol=1e-9)
     for wrong in (np.zeros((2, 6)), np.zeros(6), [[np.nan] * 6]):
         with pytest.raises(ValueError):
-            data.pushes = wrong
+            data.wrenches = wrong
 
 
 def test_products(pushed):
     file, data = pushed
     scene = file.scene
     mc.solve(scene, file.q, file.v, file.u, data)
-    mc.differentiate(scene, data, mc.DerivativeRequest(pushes=True))
+    mc.differentiate(scene, data, mc.DerivativeRequest(wrenches=True))
     J = mc.sparse_derivatives(scene, data)
     rng = np.random.default_rng(1)
     x, y = rng.normal(size=J.shape[1]), rng.normal(size=J.shape[0])
     nv, nu = scene.nv, scene.nu
     da, df = mc.jvp(scene, data, x[:nv], x[nv : 2 * nv], x[2 * nv : 2 * nv + nu], x[-6:])
     assert np.allclose(np.concatenate([da, df]), J @ x, rtol=1e-9, atol=1e-8)
-    back = mc.vjp_with_pushes(scene, data, y[:nv], y[nv:])
+    back = mc.vjp_with_wrenches(scene, data, y[:nv], y[nv:])
     assert np.allclose(np.concatenate(back), J.T @ y, rtol=1e-9, atol=1e-8)
     assert all(np.array_equal(a, b) for a, b in zip(mc.vjp(scene, data, y[:nv], y[nv:]), back))
 
@@ -82,22 +82,22 @@ def test_built_in_code():
     scene = mc.Scene("built")
     mc.add_robot(scene, "box", mc.load_urdf(str(MODELS / "box.urdf"), floating_base=True))
     at = mc.attach(scene, "box", "crate")
-    mc.add_push(scene, mc.Push(name="lift", at=at, wrench=[0, 0, 5, 0, 0, 0]))
+    mc.add_external_wrench(scene, mc.ExternalWrench(name="lift", at=at, wrench=[0, 0, 5, 0, 0, 0]))
     mc.add_spring(scene, mc.Spring(name="up", A=at, B=mc.Attachment(placement=mc.SE3()), stiffness=7))
     q = mc.neutral(scene)
     data = mc.SceneData(scene)
     mc.solve(scene, q, np.zeros(6), np.zeros(0), data)
     rise = data.a[2] + 9.81
     scene.springs[0].stiffness = 0
-    scene.pushes[0].reference_frame = mc.WORLD
+    scene.wrenches[0].reference_frame = mc.WORLD
     mc.solve(scene, q, np.zeros(6), np.zeros(0), data)
     assert rise > 0 and data.a[2] > -9.81
-    with pytest.raises(ValueError, match="push 'lift' exists already"):
-        mc.add_push(scene, mc.Push(name="lift", at=at))
+    with pytest.raises(ValueError, match="wrench 'lift' exists already"):
+        mc.add_external_wrench(scene, mc.ExternalWrench(name="lift", at=at))
     with pytest.raises(ValueError, match="stiffness that is not 0 or more"):
         scene.springs[0].stiffness = -1
     with pytest.raises(ValueError, match="keeps its name"):
-        scene.pushes[0].name = "other"
+        scene.wrenches[0].name = "other"
     with pytest.raises(ValueError, match="several coordinates"):
         mc.add_joint_spring(scene, "box", "root", 1)
 
@@ -106,15 +106,15 @@ def test_simulation_and_batches(pushed):
     file, data = pushed
     scene = file.scene
     sim = mc.SimulationData(scene, file.q, file.v, "semi-implicit-euler", 1e-3)
-    sim.dynamics.pushes[0] = 0
+    sim.dynamics.wrenches[0] = 0
     for _ in range(3):
         assert mc.step(scene, file.u, sim) == mc.StepStatus.OK
     batch = mc.BatchData(scene)
-    batch.pushes[0] *= 2
+    batch.wrenches[0] *= 2
     A, F, status = mc.solve_batch(scene, file.q[None], file.v[None], file.u[None], batch)
-    data.pushes[0] *= 2
+    data.wrenches[0] *= 2
     mc.solve(scene, file.q, file.v, file.u, data)
     assert np.array_equal(A[0], data.a) and np.array_equal(F[0], data.f)
-    WQ, WV, WU, WW, _ = mc.vjp_batch_with_pushes(scene, file.q[None], file.v[None], file.u[None], A, F, batch)
-    for many, one in zip((WQ, WV, WU, WW), mc.vjp_with_pushes(scene, data, data.a, data.f)):
+    WQ, WV, WU, WW, _ = mc.vjp_batch_with_wrenches(scene, file.q[None], file.v[None], file.u[None], A, F, batch)
+    for many, one in zip((WQ, WV, WU, WW), mc.vjp_with_wrenches(scene, data, data.a, data.f)):
         assert np.array_equal(many[0], one)

@@ -166,8 +166,8 @@ def test_the_walk_finds_copies():
 def test_parts_of_laws_springs_pushes_and_thrusters():
     scene = objects()[0]
     scene.springs[0].A.placement = mc.SE3(p=[1, 2, 3])
-    scene.pushes[0].at.placement = mc.SE3(p=[4, 5, 6])
-    assert scene.springs[0].A.placement.p[0] == 1 and scene.pushes[0].at.placement.p[2] == 6
+    scene.wrenches[0].at.placement = mc.SE3(p=[4, 5, 6])
+    assert scene.springs[0].A.placement.p[0] == 1 and scene.wrenches[0].at.placement.p[2] == 6
     file = mc.load_scene(str(fuzz.ROOT / "models/humanoid_standing.xml"))
     sim = mc.SimulationData(file.scene, file.q, file.v, "rk4", 1e-3)
     sim.pd = mc.PdLaws(*[np.zeros(file.scene.nv)] * 4)

@@ -48,7 +48,7 @@ def test_the_wheel_holds_what_it_should(environment, tmp_path):
         names = set(archive.namelist())
         info = f"manycontact-{mc.__version__}.dist-info/"
         module = pathlib.Path(mc._manycontact.__file__).name
-        expected = {"__init__.py", "_classes.py", "notebook.py", "torch.py", "__init__.pyi", "py.typed", module}
+        expected = {"__init__.py", "_classes.py", "descriptions.py", "files.py", "mcap.py", "notebook.py", "torch.py", "__init__.pyi", "py.typed", module}
         assert names == {"manycontact/" + n for n in expected} | {
             info + n for n in ("METADATA", "WHEEL", "RECORD", "LICENSE", "LICENCES.txt")
         }

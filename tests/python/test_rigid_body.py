@@ -65,7 +65,7 @@ def test_the_reference(urdf, floating):
     close(mc.aba(model, q, v, M @ a + h), a, 1e-9)
 
     data = mc.RigidBodyData(model)
-    mc.forward_kinematics(model, data, q, v)
+    mc.forward_kinematics(model, q, data, v)
     links = theirs.kin(q, v)
     assert set(links) <= set(mc.frame_names(model))
     for name, (R, p, Jw, Jp, w, velocity, alpha, acceleration) in links.items():
@@ -74,7 +74,7 @@ def test_the_reference(urdf, floating):
         close(place.p, p, 1e-12)
         close(mc.frame_jacobian(model, data, name, "local_world_aligned"), np.vstack([Jp, Jw]), 1e-12)
         close(mc.frame_velocity(model, data, name, "local_world_aligned"), np.concatenate([velocity, w]), 1e-12)
-        close(mc.frame_drift(model, data, name, "local_world_aligned"), np.concatenate([acceleration, alpha]), 1e-11)
+        close(mc.frame_bias_acceleration(model, data, name, "local_world_aligned"), np.concatenate([acceleration, alpha]), 1e-11)
         spin = mc.frame_velocity(model, data, name)
         close(spin, np.concatenate([R.T @ velocity, R.T @ w]), 1e-12)
         if name in locked:
@@ -178,14 +178,14 @@ def test_frames_move(scene, axes):
     frame = mc.attach(scene, "r0", "left_hand", mc.SE3(p=[0.1, 0.2, 0.3]))
 
     def velocity(t):
-        mc.forward_kinematics(scene, data, mc.integrate(scene, q, t * v + t * t / 2 * a), v + t * a)
+        mc.forward_kinematics(scene, mc.integrate(scene, q, t * v + t * t / 2 * a), data, v + t * a)
         return mc.frame_velocity(scene, data, frame, axes)
 
     rate = (velocity(H) - velocity(-H)) / (2 * H)
-    mc.forward_kinematics(scene, data, q, v, a)
+    mc.forward_kinematics(scene, q, data, v, a)
     J = mc.frame_jacobian(scene, data, frame, axes)
     close(J @ v, mc.frame_velocity(scene, data, frame, axes))
-    close(J @ a + mc.frame_drift(scene, data, frame, axes), rate, 1e-7)
+    close(J @ a + mc.frame_bias_acceleration(scene, data, frame, axes), rate, 1e-7)
     classical = mc.frame_classical_acceleration(scene, data, frame, axes)
     spatial = mc.frame_acceleration(scene, data, frame, axes)
     close(classical if axes == "local_world_aligned" else spatial, rate, 1e-7)
@@ -196,7 +196,7 @@ def test_the_whole(scene):
     data = mc.RigidBodyData(scene)
 
     def at(t):
-        mc.forward_kinematics(scene, data, mc.integrate(scene, q, t * v + t * t / 2 * a), v + t * a, a)
+        mc.forward_kinematics(scene, mc.integrate(scene, q, t * v + t * t / 2 * a), data, v + t * a, a)
         return mc.center_of_mass(scene, data), mc.centroidal_momentum(scene, data)
 
     (c1, h1), (c0, h0) = at(H), at(-H)
@@ -208,7 +208,7 @@ def test_the_whole(scene):
     close(h[:3], mc.total_mass(scene) * mc.center_of_mass_velocity(scene, data))
     close(mc.centroidal_momentum_rate(scene, data)[:3], mc.total_mass(scene) * mc.center_of_mass_acceleration(scene, data))
     close(mc.kinetic_energy(scene, data), v @ mc.crba(scene, q) @ v / 2)
-    mc.forward_kinematics(scene, data, q)
+    mc.forward_kinematics(scene, q, data)
     close(mc.potential_energy(scene, data), 9.81 * mc.total_mass(scene) * c[2])
 
 
@@ -225,9 +225,9 @@ def test_one_robot(scene):
     scene.gravity = [0, 0, -1.62]
     moon = mc.RigidBodies(robot.model, gravity=[0, 0, -1.62])
     assert np.array_equal(mc.gravity_torques(one, own_q), mc.gravity_torques(moon, own_q))
-    assert mc.frame_called(one, "LF_foot").robot == 2
-    assert mc.frame_called(scene, "r2/LF_foot").frame == "LF_foot"
-    assert mc.joint_called(scene, mc.joint_names(scene)[-1]) == (2, 12)
+    assert mc.find_frame(one, "LF_foot").robot == 2
+    assert mc.find_frame(scene, "r2/LF_foot").frame == "LF_foot"
+    assert mc.find_joint(scene, mc.joint_names(scene)[-1]) == (2, 12)
     assert (np.abs(mc.random_velocity(one, 1)) > 0).all()
 
 
@@ -244,7 +244,7 @@ def test_what_does_not_fit(scene):
         (lambda: mc.joint_wrench(scene, data, "r0/left_knee"), "before"),
         (lambda: mc.inverse_inertia_times(scene, q, np.zeros((2, 2))), "(nv, n)"),
         (lambda: mc.RigidBodies(scene, "r9"), "no robot 'r9'"),
-        (lambda: mc.forward_kinematics(scene, data, q, a=a), "not v"),
+        (lambda: mc.forward_kinematics(scene, q, data, a=a), "not v"),
         (lambda: mc.rnea(scene, q, v, np.full(scene.nv, np.nan)), "nan"),
     ]:
         with pytest.raises(ValueError, match=None) as error:
@@ -262,7 +262,7 @@ def test_contacts_and_what_joints_carry(humanoid):
     scene = file.scene
     v = mc.random_velocity(scene, 2) / 10
     mc.solve(scene, file.q, v, file.u, data)
-    J, a0 = mc.contact_jacobian(scene, file.q), mc.contact_drift(scene, file.q, v)
+    J, a0 = mc.contact_jacobian(scene, file.q), mc.contact_bias_acceleration(scene, file.q, v)
     assert J.shape == (12, scene.nv)
     close(J @ data.a, -a0, 1e-8)
     tau = torques(scene, file.u)
@@ -335,7 +335,7 @@ def test_place():
     found = mc.place(scene, mc.neutral(scene), goals)
     assert found.met() and found.iterations <= 30
     data = mc.RigidBodyData(scene)
-    mc.forward_kinematics(scene, data, found.q)
+    mc.forward_kinematics(scene, found.q, data)
     close(mc.frame_placement(scene, data, "left_sole").p[2], 0, 1e-9)
     close(mc.frame_placement(scene, data, "left_hand").p, wall.p, 1e-9)
     close(mc.center_of_mass(scene, data)[2], 0.65, 1e-9)
@@ -360,7 +360,7 @@ def test_place_starts_again():
     scene, data = file.scene, mc.RigidBodyData(file.scene)
     met = [0, 0]
     for seed in range(10):
-        mc.forward_kinematics(scene, data, mc.random_configuration(scene, seed))
+        mc.forward_kinematics(scene, mc.random_configuration(scene, seed), data)
         goals = [mc.pose_goal(scene, "a/tool", mc.frame_placement(scene, data, "a/tool"))]
         start = mc.random_configuration(scene, seed + 100)
         found = [mc.place(scene, start, goals, restarts=n, seed=3) for n in (0, 30)]
@@ -374,7 +374,7 @@ def test_poses_of_scene_files():
       <pose frame="h/pelvis" z="0.65"/></scene>"""
     file = mc.load_scene_text(text, str(MODELS / "scene.xml"))
     data = mc.RigidBodyData(file.scene)
-    mc.forward_kinematics(file.scene, data, file.q)
+    mc.forward_kinematics(file.scene, file.q, data)
     close(mc.frame_placement(file.scene, data, "left_sole").p, [0, 0.1, 0], 1e-9)
     close(mc.frame_placement(file.scene, data, "pelvis").p[2], 0.65, 1e-9)
     assert [f.kind for f in file.findings] == ["pose"]

@@ -162,7 +162,7 @@ problem.xs = solver.xs
 one = mc.RigidBodies(scene, "r")
 bodies = mc.RigidBodyData(one)
 tau = mc.rnea(one, file.q, file.v, [0.0] * one.nv, bodies, fext=None)
-J = mc.frame_jacobian(one, bodies, "f", "world") @ tau + mc.frame_drift(one, bodies, A, mc.ReferenceFrame.WORLD)
+J = mc.frame_jacobian(one, bodies, "f", "world") @ tau + mc.frame_bias_acceleration(one, bodies, A, mc.ReferenceFrame.WORLD)
 goals = [mc.pose_goal(scene, "r/f", position=(None, None, 0.0)), mc.joint_goal(scene, "r/knee", 0.4)]
 left: float = mc.place(scene, file.q, goals).left[0].position
 cost: float = mc.optimize(task, problem, each=lambda i: i.cost < 3).cost

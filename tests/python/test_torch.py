@@ -19,7 +19,7 @@ PLANAR = """<robot name="cart"><link name="world"/>
 
 @pytest.fixture
 def mixed(tmp_path):
-    """A box, an arm that pushes it, a cart in a plane; all pushed."""
+    """A box, an arm that wrenches it, a cart in a plane; all pushed."""
     (tmp_path / "cart.urdf").write_text(PLANAR)
     scene = tmp_path / "scene.xml"
     scene.write_text(f"""<scene>
@@ -55,9 +55,9 @@ def test_values_are_those_of_solve(mixed):
 def test_gradients(mixed):
     dynamics = mt.Dynamics(mixed.scene, threads=2)
     q, v, u = states(mixed, 2)
-    pushes = torch.tensor(np.random.default_rng(2).standard_normal((2, 6)))
+    wrenches = torch.tensor(np.random.default_rng(2).standard_normal((2, 6)))
     q = q * (1 + 0.1 * torch.rand(1))  # quaternions not of unit length, too
-    inputs = [x.requires_grad_() for x in (q, v, u, pushes)]
+    inputs = [x.requires_grad_() for x in (q, v, u, wrenches)]
     assert torch.autograd.gradcheck(dynamics, inputs, eps=3e-5, atol=1e-4, rtol=1e-5)
 
 

@@ -127,7 +127,7 @@ ASSIGNED = [  # these must change it
     attribute("data.options.method", "dense"),
     attribute("data.options.order", "camd"),
     attribute("data.options.threads", 2),
-    attribute("batch.options.lanes", "off"),
+    attribute("batch.options.simd_level", "off"),
     attribute("sim.dynamics.options.method", mc.Method.DENSE),
     attribute("sim.velocity_limit", 5.0),
     attribute("action.options.method", "dense"),
@@ -336,12 +336,12 @@ def test_names_of_members_wherever_one_is_taken(file):
     for name in (mc.Method.SPARSE_LDL, "sparse-ldl", "sparse_ldl", "SPARSE_LDL"):
         assert mc.Options(name).method == mc.Method.SPARSE_LDL
     assert str(mc.Method.SPARSE_LDL) == "sparse-ldl"
-    options = mc.Options("dense", order="camd", lanes="off", threads=2)
-    assert (options.order, options.lanes, options.threads) == (mc.Order.CAMD, mc.Lanes.OFF, 2)
+    options = mc.Options("dense", order="camd", simd_level="off", threads=2)
+    assert (options.order, options.simd_level, options.threads) == (mc.Order.CAMD, mc.SimdLevel.OFF, 2)
     options.order = None
     assert options.order is None
     options.precision = "extended"
-    assert options == mc.Options("dense", lanes="off", threads=2, precision=mc.Precision.EXTENDED)
+    assert options == mc.Options("dense", simd_level="off", threads=2, precision=mc.Precision.EXTENDED)
     data = mc.SceneData(scene, mc.Options(precision="extended"))
     report = mc.solve(scene, file.q, file.v, file.u, data)
     assert {island.precision for island in report.islands} == {mc.Precision.EXTENDED}
@@ -401,7 +401,7 @@ def values():
     gains = mc.Gains(1, 2)
     out = [world.file, world.scene, world.scene.contacts[0], world.scene.contacts[0].B, world.scene.robots[0]]
     out += [world.model, world.model.joints[1], world.model.frames[0], mc.SE3(p=[1, 2, 3]), world.data.options]
-    out += [world.report, world.report.islands[0], mc.island_of(world.data, 0), gains, world.trajectory]
+    out += [world.report, world.report.islands[0], mc.solved_island(world.data, 0), gains, world.trajectory]
     out += [mc.invariants(world.scene, world.data.active, world.file.q, world.file.v), mc.DerivativeRequest(v=False)]
     out += [mc.Dependence(q=True), task, solution, solution.iterations[0], solution.times, solution.gains[0]]
     out += [mc.simulate(task, solution, substeps=1), mc.Contact(name="c", A=mc.Attachment(robot=0, joint=1), mu=0.5)]

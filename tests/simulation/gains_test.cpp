@@ -86,12 +86,12 @@ struct Ran {
 Ran run(RandomScene s, Integrator integrator, const Gains& gains, double h, int steps) {
   set_gains(s.scene, gains.alpha, gains.beta);
   SimulationData sim(s.scene, s.q, s.v, integrator, h, {Method::kSparseLdl, {}});
-  Ran out{start_of(s).position_drift, 0, 0, StepStatus::kOk};
+  Ran out{start_of(s).violation_position, 0, 0, StepStatus::kOk};
   out.largest = out.start;
   InvariantsData room(s.scene);
   for (int k = 0; k < steps && out.stopped == StepStatus::kOk; ++k) {
     out.stopped = step(s.scene, s.u, sim);
-    out.end = invariants(s.scene, sim.dynamics.active, sim.q, sim.v, room).position_drift;
+    out.end = invariants(s.scene, sim.dynamics.active, sim.q, sim.v, room).violation_position;
     out.largest = std::max(out.largest, out.end);
   }
   return out;

@@ -107,12 +107,12 @@ TEST(Invariants, DriftIsTheContactsError) {
         contact + "/></scene>");
     return start_of(of_file(file));
   };
-  EXPECT_NEAR(drift("type=\"3d\"").position_drift, 0.3, 1e-15);
-  EXPECT_NEAR(drift("type=\"3d\"").velocity_drift, 3, 1e-15);
-  EXPECT_NEAR(drift("type=\"1d\" axis=\"0 1 0\"").position_drift, 0.2, 1e-15);
-  EXPECT_NEAR(drift("type=\"1d\" axis=\"0 1 0\"").velocity_drift, 2, 1e-15);
-  EXPECT_NEAR(drift("type=\"6d\"").position_drift, 0.3, 1e-15);
-  EXPECT_EQ(drift("type=\"6d\" active=\"false\"").position_drift, 0.3);  // the caller's flag counts, not the file's
+  EXPECT_NEAR(drift("type=\"3d\"").violation_position, 0.3, 1e-15);
+  EXPECT_NEAR(drift("type=\"3d\"").violation_velocity, 3, 1e-15);
+  EXPECT_NEAR(drift("type=\"1d\" axis=\"0 1 0\"").violation_position, 0.2, 1e-15);
+  EXPECT_NEAR(drift("type=\"1d\" axis=\"0 1 0\"").violation_velocity, 2, 1e-15);
+  EXPECT_NEAR(drift("type=\"6d\"").violation_position, 0.3, 1e-15);
+  EXPECT_EQ(drift("type=\"6d\" active=\"false\"").violation_position, 0.3);  // the caller's flag counts, not the file's
   InvariantsData room(load_text("<scene><robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/></scene>").scene);
   EXPECT_TRUE(room.contacts.empty());
 }

@@ -3,7 +3,7 @@
 
 #include "dynamics/simulation.hpp"
 #include "manycontact/algorithm/integrate.hpp"
-#include "manycontact/simulation/invariants.hpp"
+#include "manycontact/detail/simulation/invariants.hpp"
 #include "manycontact/simulation/step.hpp"
 #include "spatial/compare.hpp"
 #include "support/scenes.hpp"

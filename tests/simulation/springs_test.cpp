@@ -1,4 +1,4 @@
-// Pushes and springs act through time.
+// ExternalWrenches and springs act through time.
 
 #include <Eigen/Eigenvalues>
 
@@ -172,26 +172,26 @@ TEST(Springs, MomentumOfBodiesOnASpring) {
 }
 
 // A push acts on a body in space: momentum grows by exactly force times time.
-TEST(Pushes, MomentumGrows) {
+TEST(ExternalWrenches, MomentumGrows) {
   RandomScene s = free_scene(7);
   s.scene.gravity.setZero();
   s.u.setZero();
   Vec6<double> w = Vec6<double>::Zero();
   w.head<3>() << 1, 2, 3;
-  add_push(s.scene, {"push", {0, 0, {Mat3<double>::Identity(), {0.1, 0, 0}}}, ReferenceFrame::kWorld, w});
+  add_external_wrench(s.scene, {"push", {0, 0, {Mat3<double>::Identity(), {0.1, 0, 0}}}, ReferenceFrame::kWorld, w});
   const SimulationData sim = simulated(s, Integrator::kSemiImplicitEuler, 0.2, 100);
   EXPECT_LE(difference_of(Vec3<double>(end_of(s, sim).momentum.head<3>()),
                           Vec3<double>(start_of(s).momentum.head<3>() + 0.2 * w.head<3>())),
             1e-12);
 }
 
-TEST(Pushes, ChangeBetweenSteps) {
+TEST(ExternalWrenches, ChangeBetweenSteps) {
   RandomScene s = oscillator(0, 0);
-  add_push(s.scene, {"push", s.scene.springs[0].A});
+  add_external_wrench(s.scene, {"push", s.scene.springs[0].A});
   for (const Integrator integrator : kIntegrators) {
     SimulationData sim(s.scene, VectorXd::Zero(1), s.v, integrator, 0.01);
     for (int k = 0; k < 100; ++k) {
-      sim.dynamics.pushes[0][0] = k < 50 ? 4 : 0;
+      sim.dynamics.wrenches[0][0] = k < 50 ? 4 : 0;
       ASSERT_EQ(step(s.scene, s.u, sim), StepStatus::kOk);
     }
     EXPECT_NEAR(sim.v[0], 1, 1e-12);  // 4 N on 2 kg for half a second
@@ -284,7 +284,7 @@ void expect_equations_of_the_step(bool displaced) {
   Scene stiff = joints.with_inertias(scene);
   const SpringMobilities mobilities = spring_mobilities(stiff, {}, sim.dynamics.active, s.q);
   AppliedForces<double> at_start(scene);
-  std::vector<Vec6<double>> no_pushes(scene.pushes.size(), Vec6<double>::Zero());
+  std::vector<Vec6<double>> no_pushes(scene.wrenches.size(), Vec6<double>::Zero());
   find_applied_wrenches<double>(scene, s.q.data(), s.v.data(), no_pushes, at_start);
   VectorXd tau = VectorXd::Zero(scene.nv);
   for (const Robot& robot : scene.robots)
@@ -314,7 +314,7 @@ void expect_equations_of_the_step(bool displaced) {
   Scene plain = scene;
   plain.springs.clear(), plain.joint_springs.clear();
   SceneData data(plain);
-  (void)solve_tau(plain, s.q, s.v, tau, data);  // pushes too: M a + h = tau + J^T f
+  (void)solve_tau(plain, s.q, s.v, tau, data);  // wrenches too: M a + h = tau + J^T f
   RigidBodyData rigid(plain);
   const VectorXd held = contact_jacobian(plain, s.q).transpose() * (sim.dynamics.f - data.f);
   const VectorXd left = crba(plain, s.q, rigid) * (sim.dynamics.a - data.a) - held;

@@ -22,7 +22,7 @@ struct Herd {
   BatchMatrix q, v, u;
 };
 
-// Returns robots with contacts, and optionally with pushes, springs and friction in joints.
+// Returns robots with contacts, and optionally with wrenches, springs and friction in joints.
 Herd herd(int seed, int states, bool with_forces) {
   Herd out{tied_scene(seed), {}, {}, {}};
   std::mt19937 rng(static_cast<unsigned>(seed));
@@ -69,7 +69,7 @@ TEST(StepBatch, EachIsStepped) {
 TEST(StepBatch, RobotsAloneMoveAsWithoutSimdBatches) {
   constexpr int kSteps = 30;
   Options plain;
-  plain.lanes = Lanes::kOff;
+  plain.simd_level = SimdLevel::kOff;
   for (const bool with_forces : {false, true})
     for (const bool with_laws : {false, true}) {
       SCOPED_TRACE(std::string(with_forces ? "with forces" : "") + (with_laws ? " with PD laws" : ""));

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "manycontact/dynamics/aligned_panel.hpp"
+#include "manycontact/detail/dynamics/aligned_panel.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "spatial/compare.hpp"
 #include "support/random.hpp"

@@ -23,7 +23,7 @@ const std::vector<Way>& extended_ways() {
   static const std::vector<Way> all = [] {
     std::vector<Way> out = {{"auto", {}},
                             {"sparse-ldl", {Method::kSparseLdl, {}}},
-                            {"sparse-ldl robot by robot", {Method::kSparseLdl, {}, Lanes::kOff}},
+                            {"sparse-ldl robot by robot", {Method::kSparseLdl, {}, SimdLevel::kOff}},
                             {"sparse-bodies", {Method::kSparseBodies, {}}},
                             {"dense", {Method::kDense, {}}}};
     out.push_back(out.front());

@@ -190,7 +190,7 @@ void expect_same_answer(const Answer& near, const Answer& far, const std::string
 void compare(const Case& c, const Problem& near, void (*move)(const Vec3<double>&, Problem&), const char* how) {
   const FarWay ways[] = {{"auto", {}, false},
                          {"dense", {Method::kDense, {}}, true},
-                         {"sparse-ldl off", {Method::kSparseLdl, {}, Lanes::kOff}, true},
+                         {"sparse-ldl off", {Method::kSparseLdl, {}, SimdLevel::kOff}, true},
                          {"sparse-bodies", {Method::kSparseBodies, {}}, false}};
   for (const FarWay& way : ways) {
     if (way.small_only && !c.small) continue;

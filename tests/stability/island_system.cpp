@@ -1,7 +1,7 @@
 #include "stability/island_system.hpp"
 
-#include "manycontact/algorithm/crba.hpp"
-#include "manycontact/kkt/island.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
+#include "manycontact/detail/kkt/island.hpp"
 
 namespace manycontact::test {
 

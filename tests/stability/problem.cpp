@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "support/dense.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"

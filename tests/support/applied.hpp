@@ -1,5 +1,5 @@
 #pragma once
-// Pushes and springs are added to scenes.
+// ExternalWrenches and springs are added to scenes.
 
 #include "manycontact/model/scene.hpp"
 #include "support/random.hpp"
@@ -12,14 +12,14 @@ inline Attachment random_body(const Scene& scene, std::mt19937& rng) {
   return {robot, static_cast<int>(uniform(rng, 0, model.njoints() - 1e-9)), random_placement(rng, 0.3)};
 }
 
-/// Adds pushes in the axes of bodies and of the world; springs to the world, within a robot and between robots, one of
-/// zero length; springs in joints.
-inline void add_random_forces(Scene& scene, std::mt19937& rng, int pushes = 3, int springs = 5) {
-  for (int k = 0; k < pushes; ++k) {
-    Push push{"push" + std::to_string(k), random_body(scene, rng)};
+/// Adds wrenches in the axes of bodies and of the world; springs to the world, within a robot and between robots, one
+/// of zero length; springs in joints.
+inline void add_random_forces(Scene& scene, std::mt19937& rng, int wrenches = 3, int springs = 5) {
+  for (int k = 0; k < wrenches; ++k) {
+    ExternalWrench push{"push" + std::to_string(k), random_body(scene, rng)};
     push.reference_frame = k % 2 == 0 ? ReferenceFrame::kLocal : ReferenceFrame::kWorld;
     push.wrench = random_vector(6, rng, 5);
-    add_push(scene, push);
+    add_external_wrench(scene, push);
   }
   for (int k = 0; k < springs;) {
     Spring spring{"spring" + std::to_string(k), random_body(scene, rng), random_body(scene, rng)};

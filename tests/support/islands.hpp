@@ -1,8 +1,8 @@
 #pragma once
 // The islands of a scene as tests count them, independent of any method.
 
+#include "manycontact/detail/kkt/island.hpp"
 #include "manycontact/dynamics/data.hpp"
-#include "manycontact/kkt/island.hpp"
 
 namespace manycontact::test {
 

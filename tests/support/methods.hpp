@@ -25,14 +25,14 @@ inline std::vector<Way> ways(bool with_oracle = false) {
     if (!has_order(method)) continue;
     for (Order order : kOrders) out.push_back({to_string(method) + " " + to_string(order), {method, order}});
   }
-  out.push_back({"sparse-ldl robot by robot", {Method::kSparseLdl, {}, Lanes::kOff}});
+  out.push_back({"sparse-ldl robot by robot", {Method::kSparseLdl, {}, SimdLevel::kOff}});
   return out;
 }
 
 /// Returns the same, and sparse-ldl at each level of instructions that runs here.
 inline std::vector<Way> ways_here(bool with_oracle = false) {
   std::vector<Way> out = ways(with_oracle);
-  for (Lanes lanes : lanes_here())
+  for (SimdLevel lanes : available_simd_levels())
     out.push_back({"sparse-ldl in lanes " + to_string(lanes), {Method::kSparseLdl, {}, lanes}});
   return out;
 }

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <string>
 
-#include "manycontact/contact/reference.hpp"
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/contact/reference.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 #include "manycontact/spatial/explog.hpp"
 
 namespace manycontact::test {

@@ -1,7 +1,7 @@
 #pragma once
 // Random scenes in which several contacts join the same two bodies, so that rows depend on each other.
 
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "support/piles.hpp"
 #include "support/random.hpp"
 
@@ -29,7 +29,7 @@ inline RandomScene random_boxes(std::mt19937& rng) {
   for (Contact& c : s.scene.contacts)
     if (chance(rng, 0.7)) c.alpha = uniform(rng, 0, 100), c.beta = uniform(rng, 0, 20);
   const Attachment corner{0, 0, random_placement(rng, 0.3)};
-  if (chance(rng, 0.3)) s.scene.pushes.push_back({"push", corner, ReferenceFrame::kLocal, Vec6<double>::Constant(3)});
+  if (chance(rng, 0.3)) s.scene.wrenches.push_back({"push", corner, ReferenceFrame::kLocal, Vec6<double>::Constant(3)});
   if (chance(rng, 0.3))
     s.scene.springs.push_back({"spring", corner, {boxes - 1, 0, random_placement(rng, 0.4)}, 50, 0.1, 1});
   return s;

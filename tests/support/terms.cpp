@@ -1,6 +1,6 @@
 #include "support/terms.hpp"
 
-#include "manycontact/algorithm/crba.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "spatial/compare.hpp"
@@ -19,20 +19,20 @@ Terms::Terms(const Scene& scene, const std::vector<char>& active, const Eigen::V
   for (int r = 0; r < scene.nrobots(); ++r) {
     const Robot& robot = scene.robots[r];
     const int o = robot.idx_v, nv = robot.model->nv;
-    unpack_inertia<double>(*robot.model, inertia_of(data, r).data(), M.block(o, o, nv, nv));
-    tau_b.segment(o, nv) = -bias_of(data, r);
+    unpack_inertia<double>(*robot.model, joint_space_inertia(data, r).data(), M.block(o, o, nv, nv));
+    tau_b.segment(o, nv) = -bias_torques(data, r);
     for (int k = 0; k < robot.model->nu(); ++k) tau_b[o + robot.model->actuated[k]] += u[robot.idx_u + k];
   }
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     if (data.f_offset[c] < 0) continue;
     const Contact& contact = scene.contacts[c];
     const int rows = contact.rows();
-    a0.segment(data.f_offset[c], rows) = contact_of(data, c).a0;
+    a0.segment(data.f_offset[c], rows) = contact_data(data, c).a0;
     int k = 0;
-    for (int i : support_of(data, c).a)
-      J.col(scene.robots[contact.A.robot].idx_v + i).segment(data.f_offset[c], rows) = contact_of(data, c).J.col(k++);
-    for (int i : support_of(data, c).b)
-      J.col(scene.robots[contact.B.robot].idx_v + i).segment(data.f_offset[c], rows) = contact_of(data, c).J.col(k++);
+    for (int i : contact_support(data, c).a)
+      J.col(scene.robots[contact.A.robot].idx_v + i).segment(data.f_offset[c], rows) = contact_data(data, c).J.col(k++);
+    for (int i : contact_support(data, c).b)
+      J.col(scene.robots[contact.B.robot].idx_v + i).segment(data.f_offset[c], rows) = contact_data(data, c).J.col(k++);
   }
 }
 

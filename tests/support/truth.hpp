@@ -9,9 +9,10 @@ namespace manycontact {
 /// external wrenches, or those of the scene if none are given.
 template <class S>
 Truth<S> solve_truth(const Scene& scene, const std::vector<char>& active, const VecX<S>& q, const VecX<S>& v,
-                     const VecX<S>& u, std::span<const Vec6<S>> pushes = {}) {
-  std::vector<Vec6<S>> w(pushes.begin(), pushes.end());
-  for (std::size_t k = w.size(); k < scene.pushes.size(); ++k) w.push_back(scene.pushes[k].wrench.template cast<S>());
+                     const VecX<S>& u, std::span<const Vec6<S>> wrenches = {}) {
+  std::vector<Vec6<S>> w(wrenches.begin(), wrenches.end());
+  for (std::size_t k = w.size(); k < scene.wrenches.size(); ++k)
+    w.push_back(scene.wrenches[k].wrench.template cast<S>());
   const internal::TruthTerms<S> terms = internal::truth_terms<S>(scene, active, q, v, w);
   std::vector<int> f_offset(scene.contacts.size(), -1);
   int rows = 0;

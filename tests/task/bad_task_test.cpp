@@ -161,8 +161,8 @@ TEST_F(BadTask, EveryTermIsMade) {
   EXPECT_EQ(problem.us.size(), 3u);
 }
 
-TEST_F(BadTask, Pushes) {
-  bad_term(R"(<push name="wind" force="1 0 0"/>)", "there is no push 'wind' in the scene, there are none");
+TEST_F(BadTask, ExternalWrenches) {
+  bad_term(R"(<push name="wind" force="1 0 0"/>)", "there is no external wrench 'wind' in the scene, there are none");
   bad_term(R"(<push force="1 0 0"/>)", "<push> has no attribute 'name'");
   refused(write(head() + "\n<phase nodes=\"3\" contacts=\"\"/>\n<terminal>\n<push name=\"x\"/></terminal></task>"), 4,
           "<push>");

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 #include "manycontact/task/optimize.hpp"
 #include "support/folder.hpp"
 #include "support/sanitized.hpp"

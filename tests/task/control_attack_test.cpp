@@ -9,8 +9,8 @@
 #include <map>
 #include <numeric>
 
-#include "manycontact/algorithm/frames.hpp"
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "manycontact/task/optimize.hpp"
 #include "support/random.hpp"
 

@@ -12,9 +12,9 @@
 #include "manycontact/control/box_solvers.hpp"
 #include "manycontact/control/callbacks.hpp"
 #include "manycontact/control/coupled_direction.hpp"
-#include "manycontact/control/couplings.hpp"
 #include "manycontact/control/kkt_residual.hpp"
-#include "manycontact/control/sparse.hpp"
+#include "manycontact/detail/control/couplings.hpp"
+#include "manycontact/detail/control/sparse.hpp"
 #include "manycontact/task/forces.hpp"
 #include "manycontact/task/parts.hpp"
 #include "manycontact/task/simulate.hpp"
@@ -79,7 +79,7 @@ Candidate random_candidate(const TaskProblem& problem, unsigned seed, double siz
   return out;
 }
 
-// Returns the chain in its second phase, with pushes, and with springs of its own for each robot.
+// Returns the chain in its second phase, with wrenches, and with springs of its own for each robot.
 TaskFile pushed_chain(int robots) {
   std::string scene = chain_scene(robots);
   scene.resize(scene.size() - std::string("</scene>").size());
@@ -96,16 +96,16 @@ TaskFile pushed_chain(int robots) {
 
 TEST(Joined, PushesOfPhases) {
   const TaskFile task = pushed_chain(3);
-  ASSERT_EQ(task.scene.scene.pushes.size(), 4u);
+  ASSERT_EQ(task.scene.scene.wrenches.size(), 4u);
   for (int k = 0; k < 3; ++k) {
-    const Vec6<double>& w = task.phases[1].pushes[static_cast<std::size_t>(k)];
+    const Vec6<double>& w = task.phases[1].wrenches[static_cast<std::size_t>(k)];
     EXPECT_EQ(w, (Vec6<double>() << -7, 0, 1, 0, 1, 0).finished());
   }
-  EXPECT_EQ(task.phases[0].pushes[2][0], 5);
-  EXPECT_EQ(task.phases[1].pushes[3][2], 4);
+  EXPECT_EQ(task.phases[0].wrenches[2][0], 5);
+  EXPECT_EQ(task.phases[1].wrenches[3][2], 4);
   const TaskFile part = part_of(task, {1, 2});
-  EXPECT_EQ(part.scene.scene.pushes.size(), 2u);
-  EXPECT_EQ(part.phases[1].pushes.size(), 2u);
+  EXPECT_EQ(part.scene.scene.wrenches.size(), 2u);
+  EXPECT_EQ(part.phases[1].wrenches.size(), 2u);
   EXPECT_EQ(part.scene.scene.springs.size(), 4u);
 }
 

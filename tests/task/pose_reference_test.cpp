@@ -28,7 +28,7 @@ SE3<double> at(const TaskFile& task, const TaskTerm& term, const std::string& fr
   const Scene& scene = task.scene.scene;
   RigidBodyData data(scene);
   forward_kinematics(scene, term.reference.head(scene.nq), data);
-  return frame_placement(scene, data, frame_called(scene, frame));
+  return frame_placement(scene, data, find_frame(scene, frame));
 }
 
 TEST(PoseReference, IsMetWithTheContactsInPlace) {
@@ -47,7 +47,7 @@ TEST(PoseReference, IsMetWithTheContactsInPlace) {
   const TaskSolution solution = optimize(task, problem, {{}, 1, {}});
   RigidBodyData data(scene);
   forward_kinematics(scene, solution.xs.back().head(scene.nq), data);
-  EXPECT_NEAR(frame_placement(scene, data, frame_called(scene, "humanoid/pelvis")).p[2], 0.7, 0.01);
+  EXPECT_NEAR(frame_placement(scene, data, find_frame(scene, "humanoid/pelvis")).p[2], 0.7, 0.01);
 }
 
 // A foot that is lifted and set down again has no reference in the scene, unless the phase defines it.

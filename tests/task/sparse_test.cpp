@@ -1,6 +1,6 @@
 // The sparse solver has tasks of several robots: separate ones, and ones that contacts couple for a while.
 
-#include "manycontact/control/sparse.hpp"
+#include "manycontact/detail/control/sparse.hpp"
 
 #include <gtest/gtest.h>
 

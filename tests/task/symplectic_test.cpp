@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "manycontact/simulation/invariants.hpp"
+#include "manycontact/detail/simulation/invariants.hpp"
 #include "manycontact/simulation/step.hpp"
 #include "manycontact/task/forces.hpp"
 #include "manycontact/task/optimize.hpp"

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "manycontact/action/fwd.hpp"
+#include "manycontact/detail/action/fwd.hpp"
 
 namespace manycontact {
 

@@ -7,7 +7,7 @@
 #include <iosfwd>
 #include <limits>
 
-#include "manycontact/action/fwd.hpp"
+#include "manycontact/detail/action/fwd.hpp"
 
 namespace manycontact {
 

@@ -2,8 +2,8 @@
 // Constraints on residuals, and stacks of them. Names and interface are Crocoddyl's.
 
 #include "manycontact/action/diff_action.hpp"
-#include "manycontact/action/named_parts.hpp"
 #include "manycontact/action/residual.hpp"
+#include "manycontact/detail/action/named_parts.hpp"
 
 namespace manycontact {
 

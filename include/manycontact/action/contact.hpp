@@ -1,15 +1,15 @@
 #pragma once
 // Contacts with Crocoddyl's names and constructors (sobec's for 1D and 3D), contacts between two bodies, and stacks of
-// contacts. The equations are those of contact/rows.hpp, which the action model evaluates; classes here define
+// contacts. The equations are those of detail/contact/rows.hpp, which the action model evaluates; classes here define
 // contacts. Without nu their constructors use nu = nv of the state. They throw std::invalid_argument for a frame that
 // does not exist, or numbers that are not finite.
 
-#include "manycontact/action/named_parts.hpp"
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/action/named_parts.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact {
 
-class MultibodyData;  // defined in collector.hpp
+class MultibodyData;  // defined in detail/action/collector.hpp
 
 /// A force [linear; angular] with Pinocchio's member names.
 struct SpatialForce : Vec6<double> {

@@ -85,10 +85,10 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   void set_start(const Eigen::VectorXd& x0);  // throws std::invalid_argument for a wrong size
 
   /// The external wrenches that act in the solves [N, N m]; initially those of the state's scene.
-  const std::vector<Vec6<double>>& get_pushes() const { return pushes_; }
+  const std::vector<Vec6<double>>& get_wrenches() const { return wrenches_; }
   /// Sets one wrench per external wrench of the scene, for new and existing data. Throws std::invalid_argument for
   /// another number.
-  void set_pushes(const std::vector<Vec6<double>>& pushes);
+  void set_wrenches(const std::vector<Vec6<double>>& wrenches);
 
   std::size_t get_nr() const override { return costs_->get_nr(); }
   std::size_t get_ng() const override { return constraints_ ? constraints_->get_ng() : 0; }
@@ -124,7 +124,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   bool enable_force_;
   Options options_;
   Eigen::VectorXd start_;
-  std::vector<Vec6<double>> pushes_;
+  std::vector<Vec6<double>> wrenches_;
   static constexpr std::size_t kNeverSet = static_cast<std::size_t>(-1);
   /// Status of the constraints when set_g_lb, set_g_ub were called.
   std::size_t g_lb_status_ = kNeverSet, g_ub_status_ = kNeverSet;

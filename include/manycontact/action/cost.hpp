@@ -2,10 +2,10 @@
 // Costs a(r(x, u)) and their weighted sum, with Gauss-Newton Hessians. Names and interface are Crocoddyl's.
 
 #include "manycontact/action/activation.hpp"
-#include "manycontact/action/cost_derivatives.hpp"
-#include "manycontact/action/cost_groups.hpp"
-#include "manycontact/action/named_parts.hpp"
 #include "manycontact/action/residual.hpp"
+#include "manycontact/detail/action/cost_derivatives.hpp"
+#include "manycontact/detail/action/cost_groups.hpp"
+#include "manycontact/detail/action/named_parts.hpp"
 
 namespace manycontact {
 

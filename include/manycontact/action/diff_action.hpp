@@ -1,8 +1,8 @@
 #pragma once
 // The interface of Crocoddyl's DifferentialActionModelAbstract: continuous dynamics, cost and constraints of one node.
 
-#include "manycontact/action/cost_derivatives.hpp"
 #include "manycontact/action/state.hpp"
+#include "manycontact/detail/action/cost_derivatives.hpp"
 
 namespace manycontact {
 

@@ -1,9 +1,10 @@
 #pragma once
 // A residual r(x, u), the base of all residuals. The interface is that of Crocoddyl's ResidualModelAbstract, except
 // that action models store Jacobians as blocks of the rows and columns that are not zero. Whole matrices Rx, Ru exist
-// if a residual is evaluated standalone (collector.hpp), and for user-defined residuals written for Crocoddyl.
+// if a residual is evaluated standalone (detail/action/collector.hpp), and for user-defined residuals written for
+// Crocoddyl.
 
-#include "manycontact/action/collector.hpp"
+#include "manycontact/detail/action/collector.hpp"
 
 namespace manycontact {
 

@@ -4,7 +4,7 @@
 //
 //     RigidBodyData data(scene);
 //     const Eigen::VectorXd& tau = rnea(scene, q, v, a, data);
-//     const Vec6<double> foot = frame_velocity(scene, data, frame_called(scene, "talos/left_sole"));
+//     const Vec6<double> foot = frame_velocity(scene, data, find_frame(scene, "talos/left_sole"));
 //
 // q has nq entries; v, a and tau have nv. Units are SI; motions and forces have their linear part first. The equations
 // of motion are
@@ -105,7 +105,7 @@ void forward_kinematics(const RigidBodies& bodies, const ConstVectorRef& q, cons
 
 // ---- frames, at the state of the data ------------------------------------------------------------------------------
 // `axes` selects the reference frame. Local: the frame's axes, at its origin. World: the world's axes, at the world's
-// origin. Local_world_aligned: the world's axes, at the frame's origin. `frame` is a result of frame_called or attach;
+// origin. Local_world_aligned: the world's axes, at the frame's origin. `frame` is a result of find_frame or attach;
 // a frame of the world is at rest.
 
 /// The placement oMf of a frame in the world.
@@ -124,8 +124,8 @@ Mat6X<double> frame_jacobian(const RigidBodies& bodies, const RigidBodyData& dat
                              ReferenceFrame axes = ReferenceFrame::kLocal);
 /// Computes the bias acceleration (dJ/dt) v of a frame: the rate of frame_velocity for a = 0. In local and world axes
 /// it is the spatial acceleration, in local_world_aligned axes the classical one.
-Vec6<double> frame_drift(const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame,
-                         ReferenceFrame axes = ReferenceFrame::kLocal);
+Vec6<double> frame_bias_acceleration(const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame,
+                                     ReferenceFrame axes = ReferenceFrame::kLocal);
 
 // ---- quantities of the whole, at the state of the data -------------------------------------------------------------
 // They refer to all bodies that move, in the world's axes. Bodies merged into a fixed base are not part of a model.

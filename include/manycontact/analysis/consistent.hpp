@@ -1,6 +1,6 @@
 #pragma once
 // Computes a state that is consistent with the contacts: their placement errors and velocities are zero. With e the
-// placement errors (contact/rows.hpp, the alpha term) and J the constraint rows,
+// placement errors (detail/contact/rows.hpp, the alpha term) and J the constraint rows,
 //
 //     q := q (+) dq     min dq^T M dq   over the dq with least |J dq + e|    repeated until e is a rounding error
 //     v := v + dv       min dv^T M dv   over the dv with least |J dv + J v|  once, at that q

@@ -54,7 +54,7 @@ struct Goal {
 
 /// A goal for the placement of a frame in the world, complete, or only given components of x, y, z [m] and roll, pitch,
 /// yaw [rad]. Roll and pitch without yaw define the tilt of the frame ({0, 0, open}: its z is up). Other incomplete
-/// angles are those of rpy, which are singular at a pitch of pi/2. frame: a frame of a robot, from frame_called or
+/// angles are those of rpy, which are singular at a pitch of pi/2. frame: a frame of a robot, from find_frame or
 /// attach.
 Goal pose_goal(const Attachment& frame, const SE3<double>& placement, double weight = 1);
 Goal pose_goal(const Attachment& frame, const Partial& position, const Partial& rpy = {}, double weight = 1);

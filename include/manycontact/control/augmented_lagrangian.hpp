@@ -1,7 +1,7 @@
 #pragma once
 // Problems with constraints g_lb <= g <= g_ub, h = 0 of the nodes, solved by the method of multipliers. An
-// unconstrained solver minimises the augmented Lagrangian (augmented_action.hpp) at fixed multipliers y and penalty
-// rho. Then
+// unconstrained solver minimises the augmented Lagrangian (detail/control/augmented_action.hpp) at fixed multipliers y
+// and penalty rho. Then
 //
 //     y <- y+,    rho <- 10 rho  if  m = max |y+ - y| / rho  decreased by less than a factor of 10,
 //
@@ -37,10 +37,10 @@
 #include <array>
 #include <functional>
 
-#include "manycontact/control/augmented_action.hpp"
 #include "manycontact/control/ddp.hpp"
 #include "manycontact/control/kkt_residual.hpp"
-#include "manycontact/control/parts.hpp"
+#include "manycontact/detail/control/augmented_action.hpp"
+#include "manycontact/detail/control/parts.hpp"
 
 namespace manycontact {
 

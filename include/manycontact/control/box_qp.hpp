@@ -5,7 +5,7 @@
 #include <Eigen/Cholesky>
 #include <vector>
 
-#include "manycontact/action/fwd.hpp"
+#include "manycontact/detail/action/fwd.hpp"
 
 namespace manycontact {
 

@@ -11,8 +11,8 @@
 // algorithm and defaults are those of Crocoddyl 3.0's SolverDDP (Tassa, Mansard, Todorov, ICRA 2014; Mastalli et al.,
 // ICRA 2020).
 
-#include "manycontact/control/limited_bfgs.hpp"
 #include "manycontact/control/solver.hpp"
+#include "manycontact/detail/control/limited_bfgs.hpp"
 
 namespace manycontact {
 
@@ -67,7 +67,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   ///     u = us + nu - K (x (-) xs),    K and Quu of one backward pass,
   ///
   /// Gauss-Newton's Hessian with respect to nu is diag(Quu) (complete the squares of the backward pass), from which
-  /// L-BFGS starts (limited_bfgs.hpp). The gradient is exact, with p_T = lx_T,
+  /// L-BFGS starts (detail/control/limited_bfgs.hpp). The gradient is exact, with p_T = lx_T,
   ///
   ///     g = lu + fu^T p',    p = lx + fx^T p' - K^T g.
   ///

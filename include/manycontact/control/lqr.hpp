@@ -7,7 +7,7 @@
 // Crocoddyl's ActionModelLQR.
 
 #include "manycontact/control/action_model.hpp"
-#include "manycontact/control/state_vector.hpp"
+#include "manycontact/detail/control/state_vector.hpp"
 
 namespace manycontact {
 

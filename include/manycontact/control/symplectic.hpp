@@ -5,7 +5,7 @@
 //     [ M  J^T     ] [  a ]   [ tau - h(q, v)       ]
 //     [ J  -delta I] [ -f ] = [ -beta J v - alpha e ]      q+ = q (+) h v+,   v+ = v + h a
 //
-// Then the momentum of each free group is corrected (simulation/momentum.hpp). Unlike in Euler's node
+// Then the momentum of each free group is corrected (detail/simulation/momentum.hpp). Unlike in Euler's node
 // (control/euler.hpp) the bias J' v is left out: J(q) v+ = (1 - beta h) J(q) v - alpha h e. The next state is the
 // result of `step` for a SimulationData that starts at x. A simulation that continues differs, since it uses J v at the
 // last q.

@@ -6,7 +6,7 @@
 // Crocoddyl's ActionModelUnicycle.
 
 #include "manycontact/control/action_model.hpp"
-#include "manycontact/control/state_vector.hpp"
+#include "manycontact/detail/control/state_vector.hpp"
 
 namespace manycontact {
 

@@ -43,7 +43,7 @@ struct BatchData {
   // These members are set by the caller, between calls.
   Options options;                   // Options::threads is ignored: each state is solved by one thread.
   std::vector<char> active;          // one flag per contact; initially as in the scene
-  std::vector<Vec6<double>> pushes;  // the external wrenches, the same in all states; initially the scene's [N, N m]
+  std::vector<Vec6<double>> wrenches;  // the external wrenches, the same in all states; initially the scene's [N, N m]
 
   struct Thread {  // The memory of one thread.
     SceneData data;
@@ -80,7 +80,7 @@ void vjp_batch(const Scene& scene, const BatchStates& states, const ConstBatchRo
                BatchData& batch, BatchRows WQ, BatchRows WV, BatchRows WU, std::span<Status> status);
 
 /// Also computes WW, the product with respect to the external wrenches, with 6 columns for each of them in its own axes
-/// (`Push::reference_frame`).
+/// (`ExternalWrench::reference_frame`).
 void vjp_batch(const Scene& scene, const BatchStates& states, const ConstBatchRows& WA, const ConstBatchRows& WF,
                BatchData& batch, BatchRows WQ, BatchRows WV, BatchRows WU, BatchRows WW, std::span<Status> status);
 

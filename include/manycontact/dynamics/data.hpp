@@ -45,7 +45,7 @@ struct SceneData : Solution {                                           // The v
   // These members are set by the caller, between solves.
   Options options;
   std::vector<char> active;          // one flag per contact; initially as in the scene
-  std::vector<Vec6<double>> pushes;  // the external wrenches [N, N m], each in its own axes; initially the scene's
+  std::vector<Vec6<double>> wrenches;  // the external wrenches [N, N m], each in its own axes; initially the scene's
 
   std::unique_ptr<Workspace> workspace;
 };

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "manycontact/dynamics/aligned_panel.hpp"
+#include "manycontact/detail/dynamics/aligned_panel.hpp"
 
 namespace manycontact {
 
@@ -14,7 +14,7 @@ struct DerivativeRequest {
   bool forces = true;   // dforces_*; the blocks da_* are always computed
   bool tau = false;     // da_du, dforces_du are with respect to the torques of all velocity coordinates: nv columns
                         // instead of nu
-  bool pushes = false;  // da_dw, dforces_dw
+  bool wrenches = false;  // da_dw, dforces_dw
   bool operator==(const DerivativeRequest&) const = default;
 };
 
@@ -34,7 +34,7 @@ struct IslandDerivatives {
   using Panel = AlignedPanel::Matrix;
   AlignedPanel X;           // use the views instead; the row stride is a multiple of 8, padded by zero columns
   AlignedPanel W;           // rows as X, columns [w]: with respect to the external wrenches, if requested
-  std::vector<int> pushes;  // numbers of the external wrenches on the island's robots, ascending
+  std::vector<int> wrenches;  // numbers of the external wrenches on the island's robots, ascending
   int nv = 0, nc = 0, nu = 0;
   int q_first = 0, v_first = 0, u_first = 0, cols = 0;
   DerivativeRequest request;
@@ -47,9 +47,9 @@ struct IslandDerivatives {
   auto dforces_dq() const { return block(nv, q_first, nc, request.q ? nv : 0); }  // nc x nv
   auto dforces_dv() const { return block(nv, v_first, nc, request.v ? nv : 0); }  // nc x nv
   auto dforces_du() const { return block(nv, u_first, nc, request.u ? nu : 0); }  // nc x nu
-  // Derivatives with respect to [force; torque] of each of `pushes`, in its own axes: 6 columns each.
-  auto da_dw() const { return block(W, 0, 0, nv, of_pushes()); }        // nv x 6 `pushes`
-  auto dforces_dw() const { return block(W, nv, 0, nc, of_pushes()); }  // nc x 6 `pushes`
+  // Derivatives with respect to [force; torque] of each of `wrenches`, in its own axes: 6 columns each.
+  auto da_dw() const { return block(W, 0, 0, nv, of_wrenches()); }        // nv x 6 `wrenches`
+  auto dforces_dw() const { return block(W, nv, 0, nc, of_wrenches()); }  // nc x 6 `wrenches`
   /// Throws std::logic_error unless these are derivatives of the current solution.
   void check() const;
 
@@ -61,7 +61,7 @@ struct IslandDerivatives {
     check();
     return of.block(row, col, rows, columns);
   }
-  int of_pushes() const { return request.pushes ? 6 * static_cast<int>(pushes.size()) : 0; }
+  int of_wrenches() const { return request.wrenches ? 6 * static_cast<int>(wrenches.size()) : 0; }
 };
 
 /// The result of `differentiate`: one entry per island, in the order of report.islands. Island::robots maps an entry to

@@ -20,8 +20,8 @@ void jvp(const Scene& scene, SceneData& data, const ConstVectorRef& dq, const Co
 void vjp(const Scene& scene, SceneData& data, const ConstVectorRef& wa, const ConstVectorRef& wf, VectorRef wq,
          VectorRef wv, VectorRef wu);
 
-/// These overloads include the external wrenches, each in its own axes (`Push::reference_frame`): dw and ww have 6
-/// entries per external wrench of the scene.
+/// These overloads include the external wrenches, each in its own axes (`ExternalWrench::reference_frame`): dw and ww
+/// have 6 entries per external wrench of the scene.
 void jvp(const Scene& scene, SceneData& data, const ConstVectorRef& dq, const ConstVectorRef& dv,
          const ConstVectorRef& du, const ConstVectorRef& dw, VectorRef da, VectorRef df);
 void vjp(const Scene& scene, SceneData& data, const ConstVectorRef& wa, const ConstVectorRef& wf, VectorRef wq,

@@ -10,8 +10,9 @@ namespace manycontact {
 ///
 ///     [S^T J^T] [u; f] = h(q, 0) - J_F^T w - tau_s(q, 0),
 ///
-/// where S selects the actuated joints, J contains the active contacts, w are the external wrenches `data.pushes`, and
-/// tau_s are the torques of the springs. If the scene cannot be kept at rest, the residual is not zero; see Unbalanced.
+/// where S selects the actuated joints, J contains the active contacts, w are the external wrenches `data.wrenches`,
+/// and tau_s are the torques of the springs. If the scene cannot be kept at rest, the residual is not zero; see
+/// Unbalanced.
 ///
 /// The result is NaN for islands that cannot be computed. Throws std::invalid_argument if q has a wrong size or is
 /// refused by solve(). Throws std::length_error for trees too deep for the joint-space inertia (2^22 terms). `data` is

@@ -90,6 +90,9 @@ struct Report {  // Status and accuracy of the solution of the whole scene.
   double condition = kNotEstimated, error_acceleration = kNotEstimated, error_forces = kNotEstimated;
 
   SolveTimes times;
+
+  /// Whether a and f are a solution: the status is kInconsistent (the least-squares solution) or better.
+  bool ok() const { return status <= Status::kInconsistent; }
 };
 
 /// Computes the other fields, except `method` and `times`, from report.islands.

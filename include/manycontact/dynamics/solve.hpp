@@ -11,7 +11,7 @@ using ConstVector = ConstVectorRef;  // former name
 ///     [ M  J^T     ] [  a ]   [ S^T u + J_F^T w + tau_s(q, v) - h ]
 ///     [ J  -delta I] [ -f ] = [              -a0                  ]
 ///
-/// island by island, with data.options.method. Here w are the external wrenches `data.pushes` at their frames
+/// island by island, with data.options.method. Here w are the external wrenches `data.wrenches` at their frames
 /// F, and tau_s are the torques of its springs and of joint friction.
 ///
 /// `q`: configuration (scene.nq) [m, rad, unit quaternions]. `v`: velocity (scene.nv) [m/s, rad/s]; that of a floating
@@ -38,7 +38,7 @@ using ConstVector = ConstVectorRef;  // former name
                                       const ConstVectorRef& tau, SceneData& data);
 
 /// The SIMD instruction sets that are compiled in and supported by this processor, widest first.
-std::vector<Lanes> lanes_here();
+std::vector<SimdLevel> available_simd_levels();
 
 /// Estimates the 1-norm condition number of each island's K after a solve, and stores it in the report. It takes a few
 /// solves with the existing factor (Hager, Higham). If K is singular because rows are dependent, the number is |K|_1

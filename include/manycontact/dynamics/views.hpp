@@ -2,16 +2,16 @@
 // Intermediate results of a solve: islands, K, kinematics, and the Jacobians of contacts. All functions throw
 // std::logic_error if the requested result was not computed. References remain valid until the next call with the data.
 //
-// Robots that were solved in a SIMD batch (`Options::lanes`) have no intermediate results until `complete` is called.
-// With sparse-bodies there is no K, and J and Jl of contacts are NaN.
+// Robots that were solved in a SIMD batch (`Options::simd_level`) have no intermediate results until `complete` is
+// called. With sparse-bodies there is no K, and J and Jl of contacts are NaN.
 
 #include <Eigen/SparseCore>
 #include <span>
 
-#include "manycontact/contact/derivatives.hpp"
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/contact/derivatives.hpp"
+#include "manycontact/detail/contact/rows.hpp"
+#include "manycontact/detail/kkt/island.hpp"
 #include "manycontact/dynamics/data.hpp"
-#include "manycontact/kkt/island.hpp"
 #include "manycontact/kkt/options.hpp"
 
 namespace manycontact {
@@ -25,35 +25,36 @@ void complete(const Scene& scene, const SceneData& data);
 bool is_prepared(const SceneData& data);
 /// The islands of data.report.islands, by number. Call these functions after prepare or solve.
 std::size_t island_count(const SceneData& data);
-const Island& island_of(const SceneData& data, std::size_t i);
+const Island& solved_island(const SceneData& data, std::size_t i);
 /// The number of the island that contains a robot of the scene.
 int island_with_robot(const SceneData& data, int robot);
 /// The method and order chosen for an island when it was set up. Its report contains the method that computed the
 /// solution.
-Choice choice_of(const SceneData& data, std::size_t i);
+Choice chosen_method(const SceneData& data, std::size_t i);
 /// K = [M J^T; J -delta I] of an island at the last solve, nv + nc rows, both triangles, in the island's order. Its
 /// delta is zero if the damping was below the rounding errors of K (Reason::kDampingLost). Call `complete` first for
 /// robots that were solved in a SIMD batch. Allocates.
-Eigen::SparseMatrix<double> matrix_of(const SceneData& data, std::size_t i);
+Eigen::SparseMatrix<double> kkt_matrix(const SceneData& data, std::size_t i);
 
-/// The kinematics of a robot's bodies in its tree frame (algorithm/kinematics.hpp) at the last q, v. The accelerations
-/// are those for zero joint accelerations.
-const Kinematics<double>& kinematics_of(const SceneData& data, int robot);
+/// The kinematics of a robot's bodies in its tree frame (detail/algorithm/kinematics.hpp) at the last q, v. The
+/// accelerations are those for zero joint accelerations.
+const Kinematics<double>& robot_kinematics(const SceneData& data, int robot);
 /// The inertia of each joint's subtree in the tree frame [kg, kg m, kg m^2].
 std::span<const Inertia<double>> composite_inertias(const SceneData& data, int robot);
-/// The packed joint-space inertia (algorithm/crba.hpp), and the bias torques h (nv) [N m, N] of a robot.
-std::span<const double> inertia_of(const SceneData& data, int robot);
-const Eigen::VectorXd& bias_of(const SceneData& data, int robot);
-/// The constraint rows of an active contact: J, a0 and the quantities that they are computed from (contact/rows.hpp).
-const ContactData<double>& contact_of(const SceneData& data, int contact);
+/// The packed joint-space inertia (detail/algorithm/crba.hpp), and the bias torques h (nv) [N m, N] of a robot.
+std::span<const double> joint_space_inertia(const SceneData& data, int robot);
+const Eigen::VectorXd& bias_torques(const SceneData& data, int robot);
+/// The constraint rows of an active contact: J, a0 and the quantities that they are computed from
+/// (detail/contact/rows.hpp).
+const ContactData<double>& contact_data(const SceneData& data, int contact);
 /// The velocity coordinates that the contact acts on.
-const ContactSupport& support_of(const SceneData& data, int contact);
+const ContactSupport& contact_support(const SceneData& data, int contact);
 /// The constraint rows of an active contact at the accelerations of the solution, and their derivatives. Call these
 /// functions after differentiate.
 const ContactData<double>& contact_at_solution(const SceneData& data, int contact);
-const ContactDerivatives& contact_derivatives_of(const SceneData& data, int contact);
+const ContactDerivatives& contact_derivatives(const SceneData& data, int contact);
 
-/// Computes the placements, velocities and inertias of all robots at q (nq) and v (nv), for kinematics_of and
+/// Computes the placements, velocities and inertias of all robots at q (nq) and v (nv), for robot_kinematics and
 /// composite_inertias. It discards the solution. Throws std::invalid_argument for a wrong size, and for q or v that
 /// solve would refuse.
 void update_kinematics(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v, SceneData& data);

@@ -75,7 +75,7 @@ struct TaskPhase {
   bool at_scene = false;             // contacts that close do so at their placement in the scene; false: where their
                                      // frames are then
   std::vector<bool> active;          // one flag per contact of the scene
-  std::vector<Vec6<double>> pushes;  // external wrenches in these nodes, as in SceneData; empty: the scene's
+  std::vector<Vec6<double>> wrenches;  // external wrenches in these nodes, as in SceneData; empty: the scene's
   std::vector<TaskTerm> costs, constraints;
 };
 

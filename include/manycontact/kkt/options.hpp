@@ -53,17 +53,18 @@ struct Choice {
 /// Islands of several robots are batched robot by robot by sparse-ldl, if this is cheaper. With sparse-bodies, the
 /// subtrees between constrained bodies are batched. A level that is not compiled in, or not supported by the processor,
 /// is treated as kOff.
-enum class Lanes {
+enum class SimdLevel {
   kAuto,  // the widest level that this processor supports
   kOff,   // no batches: one robot or subtree at a time
   kBaseline,
   kAvx2,
   kAvx512,
 };
-inline constexpr Lanes kLanes[] = {Lanes::kAuto, Lanes::kOff, Lanes::kBaseline, Lanes::kAvx2, Lanes::kAvx512};
-std::string to_string(Lanes lanes);                               // "auto", "off", "baseline", "avx2", "avx512"
-std::optional<Lanes> lanes_from_string(const std::string& name);  // the level with the given name, as to_string writes
-                                                                  // it
+inline constexpr SimdLevel kSimdLevels[] = {SimdLevel::kAuto, SimdLevel::kOff, SimdLevel::kBaseline, SimdLevel::kAvx2,
+                                            SimdLevel::kAvx512};
+std::string to_string(SimdLevel lanes);  // "auto", "off", "baseline", "avx2", "avx512"
+std::optional<SimdLevel> simd_level_from_string(const std::string& name);  // the level with the given name, as
+                                                                           // to_string writes it
 
 /// The arithmetic of a solve: of the terms of K and of the right-hand side, of its factor, and of the residuals of
 /// iterative refinement. Derivatives and products at the solution are always computed in double.
@@ -83,7 +84,7 @@ inline constexpr int kMostThreads = 4096;  // larger numbers of threads are refu
 struct Options {  // How to solve.
   Method method = Method::kAuto;
   std::optional<Order> order;  // used by methods with has_order; none: the order of least predicted cost
-  Lanes lanes = Lanes::kAuto;
+  SimdLevel simd_level = SimdLevel::kAuto;
   /// Threads of OpenMP inside a call of solve, differentiate, jvp and vjp, kMostThreads at most. They work on islands,
   /// on SIMD batches, and on the robots of a large island. 0 takes as many as OpenMP offers.
   ///

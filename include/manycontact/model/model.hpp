@@ -61,8 +61,8 @@ struct Model {  // A robot's joints, frames and inertias.
   std::vector<Tree> trees;       // sorted by their roots
   std::vector<int> tree_of;      // one entry per joint: the number of its tree
   std::vector<char> on_path;     // one entry per joint: whether it is on its tree's path
-  std::vector<int> M_begin;      // nv+1: start of row i of the packed M (algorithm/crba.hpp). It is empty if the tree
-                                 // is so deep that M has 2^31 entries or more.
+  std::vector<int> M_begin;      // nv+1: start of row i of the packed M (detail/algorithm/crba.hpp). It is empty if the
+                             // tree is so deep that M has 2^31 entries or more.
   /// The same object for models that are identical except for names, masses, placements, armatures, damping, friction
   /// and limits. The analysis of one such model is valid for all of them.
   std::shared_ptr<const struct ModelStructure> structure;
@@ -76,7 +76,7 @@ struct Model {  // A robot's joints, frames and inertias.
   /// The index of the joint with the given name, or -1.
   int find_joint(const std::string& joint_name) const;
   /// The index of a joint's first torque in u, or -1.
-  int torque_of(const Joint& joint) const;
+  int torque_index(const Joint& joint) const;
   /// The total mass [kg].
   double mass() const;
 };

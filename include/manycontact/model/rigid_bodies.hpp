@@ -52,14 +52,10 @@ struct BodyJoint {
 /// Finds a frame by name: "r0/left_sole", or "left_sole" if there is only one robot. A frame is a link, or the link
 /// behind the joint with the given name, fixed joints included. Throws std::invalid_argument if there is no such name,
 /// and suggests the nearest one.
-Attachment frame_called(const RigidBodies& bodies, const std::string& name);
-/// frame_called with a name close to Pinocchio's getFrameId.
-inline Attachment frame_id(const RigidBodies& bodies, const std::string& name) { return frame_called(bodies, name); }
+Attachment find_frame(const RigidBodies& bodies, const std::string& name);
 /// Finds a joint by name: "r0/knee", or "knee" if there is only one robot. Throws std::invalid_argument if there is no
 /// such name, and suggests the nearest one.
-BodyJoint joint_called(const RigidBodies& bodies, const std::string& name);
-/// joint_called with a name close to Pinocchio's getJointId.
-inline BodyJoint joint_id(const RigidBodies& bodies, const std::string& name) { return joint_called(bodies, name); }
+BodyJoint find_joint(const RigidBodies& bodies, const std::string& name);
 
 /// All names, in the order of their numbers: "r0/knee", or "knee" if there is only one robot.
 std::vector<std::string> frame_names(const RigidBodies& bodies);

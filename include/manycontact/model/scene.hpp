@@ -70,7 +70,7 @@ inline bool moves(const Attachment& at) { return at.robot >= 0 && at.joint >= 0;
 struct PairRows;  // private to the module contact
 
 /// A bilateral contact between frame A on a robot and frame B' on another body or in the world. For its equations see
-/// contact/rows.hpp.
+/// detail/contact/rows.hpp.
 struct Contact {
   std::string name;
   ContactType type = ContactType::k6D;
@@ -96,7 +96,7 @@ struct Contact {
 };
 
 /// An external wrench on a body, at a frame: for example wind, a hand, or a rope.
-struct Push {
+struct ExternalWrench {
   std::string name;
   Attachment at;  // the frame; the force acts at its origin
   ReferenceFrame reference_frame =
@@ -141,13 +141,13 @@ struct Scene {  // Constant while it is solved; dynamics/data.hpp lists what may
   double moment_length = 1;
   std::vector<Robot> robots;
   std::vector<Contact> contacts;
-  std::vector<Push> pushes;
+  std::vector<ExternalWrench> wrenches;
   std::vector<Spring> springs;
   std::vector<JointSpring> joint_springs;
 
-  // Maintained by add_robot, add_contact, add_push and add_spring.
+  // Maintained by add_robot, add_contact, add_external_wrench and add_spring.
   int nq = 0, nv = 0, nu = 0;
-  std::unordered_map<std::string, int> robot_index, contact_index, push_index, spring_index;  // number by name
+  std::unordered_map<std::string, int> robot_index, contact_index, wrench_index, spring_index;  // number by name
 
   int nrobots() const { return static_cast<int>(robots.size()); }  // copies included
 };
@@ -180,7 +180,7 @@ int add_contact(Scene& scene, Contact contact);
 
 /// Appends an external wrench; returns its number. Existing SceneData become invalid. Throws std::invalid_argument for
 /// an unknown robot or joint, a body that cannot move, numbers that are not finite, or a name used twice.
-int add_push(Scene& scene, Push push);
+int add_external_wrench(Scene& scene, ExternalWrench push);
 
 /// Appends a spring; returns its number. Ends that cannot move are expressed in the world; the ends are exchanged if A
 /// cannot move. Existing SceneData become invalid. Throws std::invalid_argument for an unknown robot or joint, a name
@@ -194,11 +194,11 @@ int add_joint_spring(Scene& scene, const std::string& robot, const std::string& 
                      double rest = 0);
 
 /// The names of the components of all wrenches: "wind[0]", ... "wind[5]" for each external wrench.
-std::vector<std::string> push_names(const Scene& scene);
+std::vector<std::string> wrench_names(const Scene& scene);
 
 /// Whether other forces than those of motors, gravity and contacts act: external wrenches and springs.
 inline bool has_applied_forces(const Scene& scene) {
-  return !scene.pushes.empty() || !scene.springs.empty() || !scene.joint_springs.empty();
+  return !scene.wrenches.empty() || !scene.springs.empty() || !scene.joint_springs.empty();
 }
 
 /// The names of the coordinates of q, v and u: "r0/knee", or "r0/root[0]" for a joint with several coordinates.

@@ -15,7 +15,7 @@
 // r^2, is added to the right-hand side, with r = z / (1 + z), z = h^2 k / m. Oscillations that the step resolves keep
 // their energy, and those that are too fast for it are damped. Joint friction follows Coulomb: it is at most F, and a
 // joint sticks below 1e-6 rad/s or m/s. Afterwards, the momentum of bodies without connection to the world is corrected
-// (simulation/momentum.hpp).
+// (detail/simulation/momentum.hpp).
 //
 // e is the contact's placement error. c is its velocity after the last step: J v initially, then J of the last
 // configuration times x. If e = c = 0, x is the velocity nearest to v + h a_free, in the mass-weighted norm, that the
@@ -48,11 +48,11 @@
 //
 // Source: Munthe-Kaas, High order Runge-Kutta methods on manifolds, Applied Numerical Mathematics 29 (1999).
 
-#include "manycontact/algorithm/kinematics.hpp"
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
+#include "manycontact/detail/contact/rows.hpp"
+#include "manycontact/detail/simulation/momentum.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/simulation/integrator.hpp"
-#include "manycontact/simulation/momentum.hpp"
 
 namespace manycontact {
 
@@ -125,7 +125,7 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
   Status worst = Status::kOk;  // the worst status of all solves
   SceneData dynamics;          // a, f and report of the last solve; with semi-implicit Euler a is a mean acceleration,
                                // and there are no derivatives. Between steps, `dynamics.active` may be
-                               // switched (simulation/switch.hpp) and `dynamics.pushes` changed
+                               // switched (simulation/switch.hpp) and `dynamics.wrenches` changed
   PdLaws pd;                   // may be changed between steps
   Eigen::VectorXd pd_torque;   // nv, set by step: mean torque of the PD laws [N m, N]
   StepWork work;               // set by step

@@ -24,7 +24,7 @@ struct SimulationBatch {
 
   // These members are set by the caller, between steps, and apply to all states.
   std::vector<char> active;          // one flag per contact; initially as in the scene. Velocities do not jump
-  std::vector<Vec6<double>> pushes;  // one wrench per external wrench of the scene; initially as there [N, N m]
+  std::vector<Vec6<double>> wrenches;  // one wrench per external wrench of the scene; initially as there [N, N m]
   double velocity_limit = 1e5;       // m/s, rad/s; a faster state is kTooFast
   Eigen::VectorXd kp, kd;            // gains of PD laws as in PdLaws (nv), or empty
   BatchMatrix q_ref, v_ref;          // references of the PD laws, one row per state (nv columns)

@@ -2,7 +2,7 @@
 // Spatial motions and forces as 6-vectors, linear part first: m = [v; w], f = [force; moment].
 // Source: Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 2, with Pinocchio's order of the parts.
 
-#include "manycontact/spatial/products.hpp"
+#include "manycontact/detail/spatial/products.hpp"
 
 namespace manycontact {
 

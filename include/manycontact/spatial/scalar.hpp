@@ -11,7 +11,7 @@
 #include <cmath>
 
 #ifdef MANYCONTACT_LANES
-#include "manycontact/spatial/pack.hpp"
+#include "manycontact/detail/spatial/pack.hpp"
 #else
 #include "manycontact/abi.hpp"
 #endif
@@ -60,7 +60,7 @@ void sin_cos(const S& angle, S& s, S& c) {
   s = sine;
 }
 /// The number of angles that are best computed at a time. They are independent, and for a single robot they are
-/// vectorised (pack.hpp).
+/// vectorised (detail/spatial/pack.hpp).
 template <class S>
 inline constexpr int kAngles = 1;
 #ifdef MANYCONTACT_LANES

@@ -11,8 +11,8 @@ struct SimulatedMotion {
   StepStatus stopped = StepStatus::kOk;  // kOk, or why the simulation ended early
   std::vector<Eigen::VectorXd> xs;       // states at the nodes; where contacts close, before their impact
   double energy_lost = 0;                // loss in impacts, J
-  double position_drift = 0;             // largest placement error of the active contacts, after any step [m, rad]
-  double velocity_drift = 0;             // [m/s, rad/s]
+  double violation_position = 0;         // largest placement error of the active contacts, after any step [m, rad]
+  double violation_velocity = 0;         // [m/s, rad/s]
   double distance = 0;                   // largest component of x (-) xs at any node, where xs is the solution
 };
 

@@ -45,7 +45,7 @@ Vec6<S> wrench_at(const Vec3<S>& p, const Vec3<S>& force, const Vec3<S>& torque)
 }
 
 template <class S>
-void push(const Push& push, const Kinematics<S>& kin, const Vec6<S>& w, Vec6<S>& F) {
+void push(const ExternalWrench& push, const Kinematics<S>& kin, const Vec6<S>& w, Vec6<S>& F) {
   const SE3<S> M = kin.oMi[push.at.joint] * push.at.placement.template cast<S>();
   if (push.reference_frame == ReferenceFrame::kLocal)
     F = M.act_force(w);
@@ -76,10 +76,10 @@ Vec3<S> stretch(const Spring& spring, const SpringEnd<S>& A, const SpringEnd<S>&
 
 template <class S>
 AppliedForces<S>::AppliedForces(const Scene& scene)
-    : number(scene.robots.size(), -1), pushes(scene.pushes.size()), springs(scene.springs.size()) {
-  for (std::size_t k = 0; k < scene.pushes.size(); ++k) {
-    of_robot(scene, scene.pushes[k].at.robot, *this).pushes.push_back(static_cast<int>(k));
-    add_path(scene, scene.pushes[k].at, *this);
+    : number(scene.robots.size(), -1), wrenches(scene.wrenches.size()), springs(scene.springs.size()) {
+  for (std::size_t k = 0; k < scene.wrenches.size(); ++k) {
+    of_robot(scene, scene.wrenches[k].at.robot, *this).wrenches.push_back(static_cast<int>(k));
+    add_path(scene, scene.wrenches[k].at, *this);
   }
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
     of_robot(scene, scene.springs[k].A.robot, *this).springs.push_back(static_cast<int>(k));
@@ -101,10 +101,10 @@ void find_applied_wrenches(const Scene& scene, const S* q, const S* v, std::span
     forward_accelerations<S>(*robot.model, Map(v + robot.idx_v, robot.model->nv), nullptr, scene.gravity, of.kin);
     for (int i : of.joints) of.f[i].setZero();
   }
-  for (std::size_t k = 0; k < scene.pushes.size(); ++k) {
-    const Attachment& at = scene.pushes[k].at;
-    push<S>(scene.pushes[k], *kin_of(forces, at), w[k], forces.pushes[k]);
-    forces.robots[forces.number[at.robot]].f[at.joint] += forces.pushes[k];
+  for (std::size_t k = 0; k < scene.wrenches.size(); ++k) {
+    const Attachment& at = scene.wrenches[k].at;
+    push<S>(scene.wrenches[k], *kin_of(forces, at), w[k], forces.wrenches[k]);
+    forces.robots[forces.number[at.robot]].f[at.joint] += forces.wrenches[k];
   }
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
     const Spring& spring = scene.springs[k];

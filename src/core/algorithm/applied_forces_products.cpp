@@ -54,7 +54,7 @@ template <class OfPush, class OfSpring>
 void each_force(const Scene& scene, const Forces& forces, std::span<const int> robots, AppliedScratch& scratch,
                 OfPush&& push, OfSpring&& spring) {
   each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
-    for (int p : of.pushes) push(scene.pushes[p], p, of, k);
+    for (int p : of.wrenches) push(scene.wrenches[p], p, of, k);
     for (int p : of.springs)
       spring(scene.springs[p], p, end_of(forces, scene.springs[p].A, scratch),
              end_of(forces, scene.springs[p].B, scratch));
@@ -63,7 +63,8 @@ void each_force(const Scene& scene, const Forces& forces, std::span<const int> r
 
 // ---- tangent: x, v of each body, then df in u ----------------------------------------------------------------------
 
-void add_push_tangent(const Push& push, const Forces::OfRobot& of, const V6& F, const double* dw, const V6& x, V6& df) {
+void add_push_tangent(const ExternalWrench& push, const Forces::OfRobot& of, const V6& F, const double* dw, const V6& x,
+                      V6& df) {
   const SE3<double> M = of.kin.oMi[push.at.joint] * push.at.placement;
   const bool local = push.reference_frame == ReferenceFrame::kLocal;
   if (local)
@@ -96,7 +97,8 @@ void add_spring_tangent(const Spring& spring, const Forces::OfSpring& s, const E
 
 // ---- adjoint: u of each body, then the gradients by x and v --------------------------------------------------------
 
-void add_push_adjoint(const Push& push, const Forces::OfRobot& of, const V6& F, const V6& u, V6& x, double* ww) {
+void add_push_adjoint(const ExternalWrench& push, const Forces::OfRobot& of, const V6& F, const V6& u, V6& x,
+                      double* ww) {
   const SE3<double> M = of.kin.oMi[push.at.joint] * push.at.placement;
   if (push.reference_frame == ReferenceFrame::kLocal) {
     x -= cross_force(u, F);
@@ -149,9 +151,9 @@ void add_applied_tangent(const Scene& scene, const double* v, const AppliedForce
   });
   each_force(
       scene, forces, robots, scratch,
-      [&](const Push& push, int p, const Forces::OfRobot& of, std::size_t k) {
+      [&](const ExternalWrench& push, int p, const Forces::OfRobot& of, std::size_t k) {
         const int i = push.at.joint;
-        add_push_tangent(push, of, forces.pushes[p], dw ? dw + 6 * p : nullptr, scratch.x[k][i], scratch.u[k][i]);
+        add_push_tangent(push, of, forces.wrenches[p], dw ? dw + 6 * p : nullptr, scratch.x[k][i], scratch.u[k][i]);
       },
       [&](const Spring& spring, int p, const End& A, const End& B) {
         add_spring_tangent(spring, forces.springs[p], A, B);
@@ -188,9 +190,9 @@ void add_applied_adjoint(const Scene& scene, const double* v, const AppliedForce
   });
   each_force(
       scene, forces, robots, scratch,
-      [&](const Push& push, int p, const Forces::OfRobot& of, std::size_t k) {
+      [&](const ExternalWrench& push, int p, const Forces::OfRobot& of, std::size_t k) {
         const int i = push.at.joint;
-        add_push_adjoint(push, of, forces.pushes[p], scratch.u[k][i], scratch.x[k][i], ww ? ww + 6 * p : nullptr);
+        add_push_adjoint(push, of, forces.wrenches[p], scratch.u[k][i], scratch.x[k][i], ww ? ww + 6 * p : nullptr);
       },
       [&](const Spring& spring, int p, const End& A, const End& B) {
         add_spring_adjoint(spring, forces.springs[p], A, B);

@@ -68,7 +68,8 @@ class Sizes {
     for (std::vector<double>* x : {&out_.tau, &out_.q, &out_.v, &out_.w}) x->assign(scene.nv, 0.0);
     each(robots, [&](const Forces::OfRobot& of, std::vector<OfBody>& bodies) { add_motions(of, v, bodies); });
     each(robots, [&](const Forces::OfRobot& of, std::vector<OfBody>& bodies) {
-      for (int k : of.pushes) add_push(scene.pushes[k], forces.pushes[k], of, bodies[scene.pushes[k].at.joint]);
+      for (int k : of.wrenches)
+        add_external_wrench(scene.wrenches[k], forces.wrenches[k], of, bodies[scene.wrenches[k].at.joint]);
       for (int k : of.springs) add_spring(scene.springs[k], forces.springs[k]);
     });
     each(robots, [&](const Forces::OfRobot& of, std::vector<OfBody>& bodies) {
@@ -105,11 +106,12 @@ class Sizes {
     }
   }
 
-  static double reach_of(const Push& push, const Forces::OfRobot& of) {
+  static double reach_of(const ExternalWrench& push, const Forces::OfRobot& of) {
     return largest(of.kin.oMi[push.at.joint].p) + largest(push.at.placement.p);
   }
 
-  static void add_push(const Push& push, const Vec6<double>& F, const Forces::OfRobot& of, OfBody& body) {
+  static void add_external_wrench(const ExternalWrench& push, const Vec6<double>& F, const Forces::OfRobot& of,
+                                  OfBody& body) {
     const double force = largest(F.head<3>()), reach = reach_of(push, of);
     const Size f{force, largest(F.tail<3>()) + reach * force}, &moved = body.moved;
     body.force.add(f);
@@ -153,7 +155,7 @@ class Sizes {
   void take_torques(const Forces::OfRobot& of, std::vector<OfBody>& bodies) {
     const Robot& robot = scene_.robots[of.robot];
     double reach = 0;
-    for (int k : of.pushes) reach = std::max({reach, 1.0, reach_of(scene_.pushes[k], of)});
+    for (int k : of.wrenches) reach = std::max({reach, 1.0, reach_of(scene_.wrenches[k], of)});
     for (std::size_t j = of.joints.size(); j-- > 0;) {
       const int i = of.joints[j];
       const Joint& joint = robot.model->joints[i];

@@ -1,4 +1,4 @@
-#include "manycontact/algorithm/crba.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
 
 #include "manycontact/algorithm/model_numbers.hpp"
 

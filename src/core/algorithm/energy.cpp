@@ -1,4 +1,4 @@
-#include "manycontact/algorithm/energy.hpp"
+#include "manycontact/detail/algorithm/energy.hpp"
 
 namespace manycontact {
 

@@ -1,4 +1,4 @@
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 
 namespace manycontact {
 

@@ -1,4 +1,4 @@
-#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
 
 #include <algorithm>
 
@@ -72,7 +72,7 @@ template <class S>
 template <class S>
 [[gnu::always_inline]] inline void fill_body(const Model& model, int i, Kinematics<S>& kin) {
   fill_columns<S>(model.joints[i], kin.oMi[i], kin.J);
-  kin.Y[i] = inertia_of<S>(model, kin.own, i).transformed(kin.oMi[i]);
+  kin.Y[i] = joint_space_inertia<S>(model, kin.own, i).transformed(kin.oMi[i]);
 }
 
 // A body whose parent is placed, its joint turned by the angle of s and c. In one with fill_body: a frame is read again

@@ -1,6 +1,6 @@
 #pragma once
 // How a joint's motion moves its frame, whatever origin the motion subspaces are about; and the bodies that determine
-// where a tree is, placed from its anchor on (algorithm/kinematics.hpp).
+// where a tree is, placed from its anchor on (detail/algorithm/kinematics.hpp).
 
 #include <cstdint>
 #include <limits>

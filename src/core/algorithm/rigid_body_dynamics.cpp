@@ -2,10 +2,10 @@
 
 #include <limits>
 
-#include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/inertia_factor.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
-#include "manycontact/algorithm/rnea.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
+#include "manycontact/detail/algorithm/rnea.hpp"
 #include "rigid_body_memory.hpp"
 
 namespace manycontact {

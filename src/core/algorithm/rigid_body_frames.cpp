@@ -1,7 +1,7 @@
 // Frames, the whole, and what joints carry, at the data's state.
 
-#include "manycontact/algorithm/energy.hpp"
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/detail/algorithm/energy.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 #include "rigid_body_memory.hpp"
 
 namespace manycontact {
@@ -85,7 +85,8 @@ Mat6X<double> frame_jacobian(const RigidBodies& bodies, const RigidBodyData& dat
   return J;
 }
 
-Vec6d frame_drift(const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame, ReferenceFrame axes) {
+Vec6d frame_bias_acceleration(const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame,
+                              ReferenceFrame axes) {
   const Vec6d rate = axes == ReferenceFrame::kLocalWorldAligned
                          ? frame_classical_acceleration(bodies, data, frame, axes)
                          : frame_acceleration(bodies, data, frame, axes);

@@ -1,4 +1,4 @@
-#include "manycontact/algorithm/rnea.hpp"
+#include "manycontact/detail/algorithm/rnea.hpp"
 
 namespace manycontact {
 

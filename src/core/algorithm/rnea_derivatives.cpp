@@ -1,4 +1,4 @@
-#include "manycontact/algorithm/rnea_derivatives.hpp"
+#include "manycontact/detail/algorithm/rnea_derivatives.hpp"
 
 namespace manycontact {
 

@@ -1,7 +1,7 @@
 #pragma once
 // The place of an end of a spring.
 
-#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
 #include "manycontact/model/scene.hpp"
 
 namespace manycontact {

@@ -9,10 +9,10 @@ namespace manycontact {
 
 AppliedPower power_of(const Scene& scene, const AppliedForces<double>& forces) {
   AppliedPower power;
-  for (std::size_t k = 0; k < scene.pushes.size(); ++k) {
-    const Attachment& at = scene.pushes[k].at;
+  for (std::size_t k = 0; k < scene.wrenches.size(); ++k) {
+    const Attachment& at = scene.wrenches[k].at;
     const int robot = forces.number[static_cast<std::size_t>(at.robot)];
-    power.pushes += forces.pushes[k].dot(forces.robots[static_cast<std::size_t>(robot)].kin.v[at.joint]);
+    power.wrenches += forces.wrenches[k].dot(forces.robots[static_cast<std::size_t>(robot)].kin.v[at.joint]);
   }
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
     const double speed = forces.springs[k].n.dot(forces.springs[k].rate);

@@ -1,4 +1,4 @@
-#include "manycontact/contact/derivatives.hpp"
+#include "manycontact/detail/contact/derivatives.hpp"
 
 #include "manycontact/contact/pair_motion.hpp"
 #include "spatial/pack_explog.hpp"

@@ -51,11 +51,11 @@ Eigen::MatrixXd contact_jacobian(const Scene& scene, const ConstRef& q, const st
   return J;
 }
 
-Eigen::VectorXd contact_drift(const Scene& scene, const ConstRef& q, const ConstRef& v,
-                              const std::vector<char>& given) {
-  const std::vector<char> active = flags("contact_drift", scene, given);
-  expect_configuration("contact_drift", "q", q, scene);
-  expect_numbers("contact_drift", "v", v, scene.nv);
+Eigen::VectorXd contact_bias_acceleration(const Scene& scene, const ConstRef& q, const ConstRef& v,
+                                          const std::vector<char>& given) {
+  const std::vector<char> active = flags("contact_bias_acceleration", scene, given);
+  expect_configuration("contact_bias_acceleration", "q", q, scene);
+  expect_numbers("contact_bias_acceleration", "v", v, scene.nv);
   Eigen::VectorXd a0(count_rows(scene, active));
   Eigen::Index row = 0;
   internal::each_contact_at(scene, active, q, v.data(), [&](int, const ContactData<double>& d) {
@@ -96,16 +96,16 @@ std::vector<Vec6<double>> contact_forces_on_bodies(const Scene& scene, const Con
 }
 
 std::vector<Vec6<double>> forces_on_bodies(const Scene& scene, const ConstRef& q, const ConstRef& v, const ConstRef& f,
-                                           const std::vector<int>& f_offset, std::span<const Vec6<double>> pushes) {
+                                           const std::vector<int>& f_offset, std::span<const Vec6<double>> wrenches) {
   expect_numbers("forces_on_bodies", "v", v, scene.nv);
   std::vector<Vec6<double>> out = contact_forces_on_bodies(scene, q, f, f_offset),
-                            wrenches(pushes.begin(), pushes.end());
-  if (pushes.empty())
-    for (const Push& push : scene.pushes) wrenches.push_back(push.wrench);
-  expect_size("forces_on_bodies", "pushes", static_cast<Eigen::Index>(wrenches.size()),
-              static_cast<Eigen::Index>(scene.pushes.size()));
+                            given(wrenches.begin(), wrenches.end());
+  if (given.empty())
+    for (const ExternalWrench& wrench : scene.wrenches) given.push_back(wrench.wrench);
+  expect_size("forces_on_bodies", "wrenches", static_cast<Eigen::Index>(given.size()),
+              static_cast<Eigen::Index>(scene.wrenches.size()));
   AppliedForces<double> applied(scene);
-  find_applied_wrenches<double>(scene, q.data(), v.data(), wrenches, applied);
+  find_applied_wrenches<double>(scene, q.data(), v.data(), given, applied);
   std::size_t first = 0;  // body of each robot
   for (std::size_t r = 0; r < scene.robots.size(); first += scene.robots[r++].model->joints.size())
     if (applied.number[r] >= 0) {

@@ -1,7 +1,7 @@
 #include "manycontact/contact/products.hpp"
 
-#include "manycontact/contact/derivatives.hpp"
 #include "manycontact/contact/pair_motion.hpp"
+#include "manycontact/detail/contact/derivatives.hpp"
 #include "spatial/pack_explog.hpp"
 
 namespace manycontact {

@@ -1,4 +1,4 @@
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 
 #include "manycontact/model/expect_state.hpp"
 

@@ -1,4 +1,4 @@
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 
 #include "manycontact/contact/pair_motion.hpp"
 #include "spatial/pack_explog.hpp"

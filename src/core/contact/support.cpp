@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact {
 

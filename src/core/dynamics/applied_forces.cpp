@@ -8,16 +8,16 @@
 
 namespace manycontact {
 
-AppliedWork::AppliedWork(const Scene& scene) : w(scene.pushes.size()), forces(scene) {}
+AppliedWork::AppliedWork(const Scene& scene) : w(scene.wrenches.size()), forces(scene) {}
 
 namespace internal {
 
 bool forces_are_applied(const Workspace& w) { return w.applied && w.applied->act; }
 
 void check_pushes(const Scene& scene, const SceneData& data, const char* function) {
-  if (data.pushes.size() != scene.pushes.size() && has_applied_forces(scene))
-    throw std::invalid_argument(std::string(function) + ": data.pushes has " + std::to_string(data.pushes.size()) +
-                                " wrenches for " + std::to_string(scene.pushes.size()) + " pushes");
+  if (data.wrenches.size() != scene.wrenches.size() && has_applied_forces(scene))
+    throw std::invalid_argument(std::string(function) + ": data.wrenches has " + std::to_string(data.wrenches.size()) +
+                                " wrenches for " + std::to_string(scene.wrenches.size()) + " wrenches");
 }
 
 void add_applied_forces(const Scene& scene, SceneData& data, const double* q, const double* v, double* tau) {
@@ -29,8 +29,8 @@ void add_applied_forces(const Scene& scene, SceneData& data, const double* q, co
   while (applied.threads.size() < work.threads.size())
     applied.threads.push_back({AppliedScratch(applied.forces), Eigen::VectorXd::Zero(scene.nv),
                                Eigen::VectorXd::Zero(scene.nv), Eigen::VectorXd::Zero(scene.nv),
-                               Eigen::VectorXd::Zero(static_cast<Eigen::Index>(6 * scene.pushes.size()))});
-  applied.w = data.pushes;
+                               Eigen::VectorXd::Zero(static_cast<Eigen::Index>(6 * scene.wrenches.size()))});
+  applied.w = data.wrenches;
   manycontact::add_applied_forces<double>(scene, q, v, applied.w, applied.forces, tau);
 }
 
@@ -71,8 +71,8 @@ void add_row(const Scene& scene, const SceneData& data, const Island& island, co
     if (out.request.q) Eigen::Map<Eigen::VectorXd>(X + out.q_first, n) += s.wq.segment(at, n);
     if (out.request.v) Eigen::Map<Eigen::VectorXd>(X + out.v_first, n) += s.wv.segment(at, n);
   });
-  for (std::size_t k = 0; out.request.pushes && k < out.pushes.size(); ++k)
-    std::copy_n(s.ww.data() + 6 * out.pushes[k], 6, &out.W(row, 0) + 6 * k);
+  for (std::size_t k = 0; out.request.wrenches && k < out.wrenches.size(); ++k)
+    std::copy_n(s.ww.data() + 6 * out.wrenches[k], 6, &out.W(row, 0) + 6 * k);
 }
 
 // Row by row: the row of d/dtau is l, and its products with dtau/dq, dtau/dv, J_F^T are added.

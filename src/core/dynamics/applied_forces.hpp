@@ -1,13 +1,14 @@
 #pragma once
-// Pushes and springs in solves and derivatives. To K x = b they are torques: nothing of K changes, and b = [tau - h;
+// ExternalWrenches and springs in solves and derivatives. To K x = b they are torques: nothing of K changes, and b =
+// [tau - h;
 // ..] is linear in them. So derivatives and products are those by q, v and torques on all coordinates, which every
 // system has, joined with the torques' own:
 //
 //     d/dq  +=  d/dtau dtau/dq,     d/dv  +=  d/dtau dtau/dv,     d/dw  =  d/dtau J_F^T.
 
 #include "manycontact/algorithm/applied_forces.hpp"
+#include "manycontact/detail/kkt/island.hpp"
 #include "manycontact/dynamics/derivatives.hpp"
-#include "manycontact/kkt/island.hpp"
 
 namespace manycontact {
 
@@ -33,7 +34,7 @@ namespace internal {
 
 /// Whether any act in the current solution.
 bool forces_are_applied(const Workspace& w);
-/// Throws std::invalid_argument, in the name of `function`, unless data.pushes has a wrench per push of the scene.
+/// Throws std::invalid_argument, in the name of `function`, unless data.wrenches has a wrench per push of the scene.
 void check_pushes(const Scene& scene, const SceneData& data, const char* function);
 /// tau += their torques, at q, v. tau: nv.
 void add_applied_forces(const Scene& scene, SceneData& data, const double* q, const double* v, double* tau);

@@ -23,7 +23,7 @@ struct BatchCopies {
 
 namespace {
 
-Eigen::Index wrench_numbers(const Scene& scene) { return static_cast<Eigen::Index>(6 * scene.pushes.size()); }
+Eigen::Index wrench_numbers(const Scene& scene) { return static_cast<Eigen::Index>(6 * scene.wrenches.size()); }
 
 }  // namespace
 
@@ -74,7 +74,7 @@ BatchCopies::BatchCopies(const Scene& of, int copies, const Options& options)
 
 BatchData::BatchData(const Scene& scene, int count, const Options& opts) : options(opts) {
   for (const Contact& contact : scene.contacts) active.push_back(contact.active);
-  for (const Push& push : scene.pushes) pushes.push_back(push.wrench);
+  for (const ExternalWrench& push : scene.wrenches) wrenches.push_back(push.wrench);
   if (count <= 0) count = internal::default_threads();
   threads.reserve(count);
   failures = std::make_shared<std::vector<internal::Failure>>();
@@ -111,9 +111,9 @@ void check(const char* function, const Scene& scene, const BatchStates& s, const
   if (batch.active.size() != scene.contacts.size())
     throw std::invalid_argument(std::string(function) + ": " + std::to_string(batch.active.size()) +
                                 " active flags for " + std::to_string(scene.contacts.size()) + " contacts");
-  if (batch.pushes.size() != scene.pushes.size())
-    throw std::invalid_argument(std::string(function) + ": " + std::to_string(batch.pushes.size()) + " wrenches for " +
-                                std::to_string(scene.pushes.size()) + " pushes");
+  if (batch.wrenches.size() != scene.wrenches.size())
+    throw std::invalid_argument(std::string(function) + ": " + std::to_string(batch.wrenches.size()) +
+                                " wrenches for " + std::to_string(scene.wrenches.size()) + " wrenches");
   const Eigen::Index count = s.q.rows();
   check(function, "q", s.q, count, scene.nq);
   check(function, "v", s.v, count, scene.nv);
@@ -137,7 +137,7 @@ void prepare_copies(const Scene& scene, BatchData& batch) {
     SceneData& data = thread.copies->data;
     data.options = thread.data.options;
     for (std::size_t c = 0; c < data.active.size(); ++c) data.active[c] = batch.active[c % batch.active.size()];
-    for (std::size_t k = 0; k < data.pushes.size(); ++k) data.pushes[k] = batch.pushes[k % batch.pushes.size()];
+    for (std::size_t k = 0; k < data.wrenches.size(); ++k) data.wrenches[k] = batch.wrenches[k % batch.wrenches.size()];
   }
 }
 
@@ -200,7 +200,7 @@ void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std:
     thread.data.options = batch.options;
     thread.data.options.threads = 1;
     thread.data.active = batch.active;
-    thread.data.pushes = batch.pushes;
+    thread.data.wrenches = batch.wrenches;
   }
   const std::ptrdiff_t count = s.q.rows();
   if (count == 0) return;
@@ -230,7 +230,7 @@ void write_derivatives(const Scene& scene, const Solved& s, int copy, Eigen::Ind
   D.setZero();
   for (std::size_t i = copy * s.islands(); i < (copy + 1) * s.islands(); ++i) {
     const IslandDerivatives& d = dd.islands[i];
-    const Island& island = island_of(s.data, i);
+    const Island& island = solved_island(s.data, i);
     const auto row_block = [&](Eigen::Index to, int from, int n) {
       each_velocity_block(s.scene, island, [&](int to_v, int from_v, int nv) {
         D.block(to, to_v - v0, n, nv) = d.X.block(from, d.q_first + from_v, n, nv);

@@ -59,11 +59,11 @@ void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& 
   out.q_first = 0;
   out.v_first = request.q ? out.nv : 0;
   out.u_first = out.v_first + (request.v ? out.nv : 0);
-  out.pushes.clear();
-  for (std::size_t k = 0; request.pushes && k < scene.pushes.size(); ++k)
-    if (std::binary_search(island.robots.begin(), island.robots.end(), scene.pushes[k].at.robot))
-      out.pushes.push_back(static_cast<int>(k));
-  remake(out.W, island.size(), sparse::padded(static_cast<std::ptrdiff_t>(6 * out.pushes.size())));
+  out.wrenches.clear();
+  for (std::size_t k = 0; request.wrenches && k < scene.wrenches.size(); ++k)
+    if (std::binary_search(island.robots.begin(), island.robots.end(), scene.wrenches[k].at.robot))
+      out.wrenches.push_back(static_cast<int>(k));
+  remake(out.W, island.size(), sparse::padded(static_cast<std::ptrdiff_t>(6 * out.wrenches.size())));
   out.W.setZero();
   remake(out.X, island.size(), sparse::padded(columns_of(scene, island, request)));
   out.X.setZero();

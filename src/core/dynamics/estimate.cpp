@@ -14,7 +14,7 @@ void forget_unrequested(const DerivativeRequest& request, DerivativeBounds& b) {
   if (!request.q) b.da_dq = b.dforces_dq = kNotEstimated;
   if (!request.v) b.da_dv = b.dforces_dv = kNotEstimated;
   if (!request.u) b.da_du = b.dforces_du = kNotEstimated;
-  if (!request.pushes) b.da_dw = b.dforces_dw = kNotEstimated;
+  if (!request.wrenches) b.da_dw = b.dforces_dw = kNotEstimated;
   if (!request.forces) b.dforces_dq = b.dforces_dv = b.dforces_du = b.dforces_dw = kNotEstimated;
 }
 

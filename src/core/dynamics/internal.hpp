@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "manycontact/algorithm/crba.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "workspace/workspace.hpp"
 

@@ -76,7 +76,7 @@ void add_applied_adjoint(const Scene& scene, SceneData& data, const Eigen::Vecto
                         w.applied->threads.front().scratch, wq.data(), wv.data(), ww);
 }
 
-Eigen::Index wrench_numbers(const Scene& scene) { return static_cast<Eigen::Index>(6 * scene.pushes.size()); }
+Eigen::Index wrench_numbers(const Scene& scene) { return static_cast<Eigen::Index>(6 * scene.wrenches.size()); }
 
 // dw: nullptr for zero.
 void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const ConstVector& dv, const ConstVector& du,

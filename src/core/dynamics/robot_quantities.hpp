@@ -4,8 +4,8 @@
 
 #include <limits>
 
-#include "manycontact/algorithm/crba.hpp"
-#include "manycontact/algorithm/rnea.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
+#include "manycontact/detail/algorithm/rnea.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
@@ -45,7 +45,7 @@ S without_rounding(const S& m, const Column& J, const Inertia<S>& Y) {
 
 /// M. A coordinate whose inertia is no more than rounding of its bodies', as that of a point mass on the joint's axis,
 /// has none. No pivot shows that: it may have nothing to cancel with. slot: where each entry goes, nullptr: packed
-/// (algorithm/crba.hpp).
+/// (detail/algorithm/crba.hpp).
 template <class S>
 void evaluate_inertia(const Model& model, RobotQuantities<S>& r, const int* slot, S* M) {
   if (slot)

@@ -4,7 +4,7 @@
 
 #include "derivatives/columns.hpp"
 #include "internal.hpp"
-#include "manycontact/algorithm/rnea.hpp"
+#include "manycontact/detail/algorithm/rnea.hpp"
 
 namespace manycontact {
 
@@ -44,7 +44,7 @@ void static_torque(const Scene& scene, const SceneData& data, const double* q, b
   }
   if (!has_applied_forces(scene)) return;
   s.tau_s.setZero();
-  add_applied_forces<double>(scene, q, s.l.data(), data.pushes, s.applied, s.tau_s.data());  // l: zero velocity
+  add_applied_forces<double>(scene, q, s.l.data(), data.wrenches, s.applied, s.tau_s.data());  // l: zero velocity
   s.tau -= s.tau_s;
 }
 
@@ -90,7 +90,7 @@ void static_torque_derivative(const Scene& scene, const SceneData& data, std::si
     const int c = island.contacts[k];
     const Contact& contact = scene.contacts[c];
     const int oA = first_dof(island, contact.A), oB = first_dof(island, contact.B);
-    internal::force_columns(contact_at_solution(data, c), contact_derivatives_of(data, c),
+    internal::force_columns(contact_at_solution(data, c), contact_derivatives(data, c),
                             w.islands[i]->shape->support().columns[k], oA, oB, out);
   }
   out *= -1;

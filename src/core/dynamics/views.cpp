@@ -40,7 +40,7 @@ const Linearisation& linearised(const SceneData& data, int contact) {
   const Workspace& w = prepared(data);
   if (!internal::has_derivatives(data) || w.linearisation->state.at(contact) != w.state)
     throw std::logic_error(
-        "views of a scene's derivatives: call differentiate first, without SIMD batches (Options::lanes)");
+        "views of a scene's derivatives: call differentiate first, without SIMD batches (Options::simd_level)");
   return *w.linearisation;
 }
 
@@ -51,12 +51,12 @@ bool is_prepared(const SceneData& data) {
   return w && w->prepared && w->active == data.active && w->options == data.options;
 }
 std::size_t island_count(const SceneData& data) { return solver(data).islands.size(); }
-const Island& island_of(const SceneData& data, std::size_t i) {
+const Island& solved_island(const SceneData& data, std::size_t i) {
   const Workspace& w = prepared(data);
   return w.reduction ? w.reduction->islands.at(i) : w.islands.at(i)->island;
 }
 int island_with_robot(const SceneData& data, int robot) { return solver(data).robot_island.at(robot); }
-Choice choice_of(const SceneData& data, std::size_t i) { return solver(data).islands.at(i)->choice; }
+Choice chosen_method(const SceneData& data, std::size_t i) { return solver(data).islands.at(i)->choice; }
 const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t i) {
   return solver(data).islands.at(i)->shape;
 }
@@ -77,7 +77,7 @@ const KktMatrix& assembled_matrix_of(const SceneData& data, std::size_t i) {
   if (matrix.state != w.state) not_there(data);
   return matrix.K;
 }
-Eigen::SparseMatrix<double> matrix_of(const SceneData& data, std::size_t i) {
+Eigen::SparseMatrix<double> kkt_matrix(const SceneData& data, std::size_t i) {
   const KktMatrix& K = assembled_matrix_of(data, i);
   const MatrixSystem& matrix = prepared(data).islands[i]->matrix;
   const KktPattern& p = *K.pattern;
@@ -95,18 +95,18 @@ Eigen::SparseMatrix<double> matrix_of(const SceneData& data, std::size_t i) {
   return out;
 }
 
-const Kinematics<double>& kinematics_of(const SceneData& data, int robot) { return robot_at_state(data, robot).kin; }
+const Kinematics<double>& robot_kinematics(const SceneData& data, int robot) { return robot_at_state(data, robot).kin; }
 std::span<const Inertia<double>> composite_inertias(const SceneData& data, int robot) {
   return robot_at_state(data, robot).Yc;
 }
-std::span<const double> inertia_of(const SceneData& data, int robot) { return robot_at_state(data, robot).M; }
-const Eigen::VectorXd& bias_of(const SceneData& data, int robot) { return robot_at_state(data, robot).h; }
-const ContactData<double>& contact_of(const SceneData& data, int contact) {
+std::span<const double> joint_space_inertia(const SceneData& data, int robot) { return robot_at_state(data, robot).M; }
+const Eigen::VectorXd& bias_torques(const SceneData& data, int robot) { return robot_at_state(data, robot).h; }
+const ContactData<double>& contact_data(const SceneData& data, int contact) {
   const Workspace& w = prepared(data);
   if (w.rows_state.at(contact) != w.state || !w.contacts.has(contact)) not_there(data);
   return w.contacts[contact];
 }
-const ContactSupport& support_of(const SceneData& data, int contact) {
+const ContactSupport& contact_support(const SceneData& data, int contact) {
   const Workspace& w = prepared(data);
   if (!w.supports.has(static_cast<std::size_t>(contact)))
     throw std::logic_error("views of a scene's data: no island has needed this contact's columns yet");
@@ -116,7 +116,7 @@ const ContactSupport& support_of(const SceneData& data, int contact) {
 const ContactData<double>& contact_at_solution(const SceneData& data, int contact) {
   return linearised(data, contact).contacts[contact];
 }
-const ContactDerivatives& contact_derivatives_of(const SceneData& data, int contact) {
+const ContactDerivatives& contact_derivatives(const SceneData& data, int contact) {
   return linearised(data, contact).derivatives[contact];
 }
 

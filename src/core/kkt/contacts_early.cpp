@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
-#include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/integrate.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
 #include "manycontact/kkt/choose.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/sparse/decompositions.hpp"

@@ -1,4 +1,4 @@
-#include "manycontact/kkt/island.hpp"
+#include "manycontact/detail/kkt/island.hpp"
 
 #include <algorithm>
 #include <numeric>

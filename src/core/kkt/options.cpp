@@ -20,9 +20,9 @@ constexpr Named<Order> kOrderNames[] = {
     {Order::kContactsEarly, "contacts-early"},
     {Order::kCamd, "camd"},
 };
-constexpr Named<Lanes> kLanesNames[] = {
-    {Lanes::kAuto, "auto"}, {Lanes::kOff, "off"},       {Lanes::kBaseline, "baseline"},
-    {Lanes::kAvx2, "avx2"}, {Lanes::kAvx512, "avx512"},
+constexpr Named<SimdLevel> kSimdLevelNames[] = {
+    {SimdLevel::kAuto, "auto"}, {SimdLevel::kOff, "off"},       {SimdLevel::kBaseline, "baseline"},
+    {SimdLevel::kAvx2, "avx2"}, {SimdLevel::kAvx512, "avx512"},
 };
 constexpr Named<Precision> kPrecisionNames[] = {
     {Precision::kSingle, "single"},
@@ -34,12 +34,12 @@ constexpr Named<Precision> kPrecisionNames[] = {
 
 std::string to_string(Method method) { return name_of(kMethodNames, method); }
 std::string to_string(Order order) { return name_of(kOrderNames, order); }
-std::string to_string(Lanes lanes) { return name_of(kLanesNames, lanes); }
+std::string to_string(SimdLevel lanes) { return name_of(kSimdLevelNames, lanes); }
 std::string to_string(Precision precision) { return name_of(kPrecisionNames, precision); }
 
 std::optional<Method> method_from_string(const std::string& name) { return called(kMethodNames, name); }
 std::optional<Order> order_from_string(const std::string& name) { return called(kOrderNames, name); }
-std::optional<Lanes> lanes_from_string(const std::string& name) { return called(kLanesNames, name); }
+std::optional<SimdLevel> simd_level_from_string(const std::string& name) { return called(kSimdLevelNames, name); }
 std::optional<Precision> precision_from_string(const std::string& name) { return called(kPrecisionNames, name); }
 
 }  // namespace manycontact

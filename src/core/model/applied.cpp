@@ -27,16 +27,16 @@ int append(std::vector<Named>& list, std::unordered_map<std::string, int>& index
 
 }  // namespace
 
-int add_push(Scene& scene, Push push) {
+int add_external_wrench(Scene& scene, ExternalWrench push) {
   const auto refuse_if = [&](const std::string& what) {
-    if (!what.empty()) throw std::invalid_argument("push " + quote(push.name) + " " + what);
+    if (!what.empty()) throw std::invalid_argument("wrench " + quote(push.name) + " " + what);
   };
   refuse_if(problem(scene, push.at));
   if (push.at.robot < 0) refuse_if("is on the world, expected it on a robot");
   if (push.at.joint < 0)
     refuse_if("is on " + describe(scene, push.at) + ", which cannot move, expected a body that moves");
   if (!push.wrench.allFinite()) refuse_if("has a force or torque that is not finite");
-  return append(scene.pushes, scene.push_index, std::move(push), "push ");
+  return append(scene.wrenches, scene.wrench_index, std::move(push), "wrench ");
 }
 
 int add_spring(Scene& scene, Spring spring) {
@@ -73,10 +73,10 @@ int add_joint_spring(Scene& scene, const std::string& robot, const std::string& 
 }
 
 void drop_applied_forces(Scene& scene) {
-  scene.pushes.clear();
+  scene.wrenches.clear();
   scene.springs.clear();
   scene.joint_springs.clear();
-  scene.push_index.clear();
+  scene.wrench_index.clear();
   scene.spring_index.clear();
 }
 
@@ -85,10 +85,10 @@ void take_applied_forces(const Scene& from, const std::vector<int>& robot_at, Sc
     if (robot >= 0) robot = robot_at[static_cast<std::size_t>(robot)];
     return robot >= 0;
   };
-  for (Push push : from.pushes) {
+  for (ExternalWrench push : from.wrenches) {
     if (!move(push.at.robot)) continue;
-    to.push_index.emplace(push.name, static_cast<int>(to.pushes.size()));
-    to.pushes.push_back(std::move(push));
+    to.wrench_index.emplace(push.name, static_cast<int>(to.wrenches.size()));
+    to.wrenches.push_back(std::move(push));
   }
   for (Spring spring : from.springs) {
     const bool in_world = spring.B.robot < 0;
@@ -100,9 +100,9 @@ void take_applied_forces(const Scene& from, const std::vector<int>& robot_at, Sc
     if (move(spring.robot)) to.joint_springs.push_back(spring);
 }
 
-std::vector<std::string> push_names(const Scene& scene) {
+std::vector<std::string> wrench_names(const Scene& scene) {
   std::vector<std::string> out;
-  for (const Push& push : scene.pushes)
+  for (const ExternalWrench& push : scene.wrenches)
     for (int k = 0; k < 6; ++k) out.push_back(push.name + "[" + std::to_string(k) + "]");
   return out;
 }

@@ -21,7 +21,7 @@ int Model::find_joint(const std::string& joint_name) const {
   return -1;
 }
 
-int Model::torque_of(const Joint& joint) const {
+int Model::torque_index(const Joint& joint) const {
   const auto at = std::lower_bound(actuated.begin(), actuated.end(), joint.idx_v);
   return at != actuated.end() && *at == joint.idx_v ? static_cast<int>(at - actuated.begin()) : -1;
 }

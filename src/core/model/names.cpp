@@ -14,7 +14,7 @@ std::vector<std::string> names(const Scene& scene, int (*count)(JointType), bool
   std::vector<std::string> out;
   for (const Robot& robot : scene.robots)
     for (const Joint& joint : robot.model->joints) {
-      if (actuated && robot.model->torque_of(joint) < 0) continue;
+      if (actuated && robot.model->torque_index(joint) < 0) continue;
       const int n = count(joint.type);
       for (int k = 0; k < n; ++k)
         out.push_back(robot.name + "/" + joint.name + (n > 1 ? "[" + std::to_string(k) + "]" : ""));
@@ -52,7 +52,7 @@ int v_index(const Scene& scene, const std::string& robot, const std::string& joi
 }
 int u_index(const Scene& scene, const std::string& robot, const std::string& joint) {
   const Place at = find(scene, robot, joint);
-  const int u = at.robot.model->torque_of(at.joint);
+  const int u = at.robot.model->torque_index(at.joint);
   if (u < 0)
     throw std::invalid_argument("joint " + quote(joint) + " of robot " + quote(robot) + " is " +
                                 (at.joint.actuated ? "its floating base" : "passive") +

@@ -98,7 +98,7 @@ std::vector<std::string> names(const RigidBodies& bodies, std::vector<Named> Mod
 
 }  // namespace
 
-Attachment frame_called(const RigidBodies& bodies, const std::string& name) {
+Attachment find_frame(const RigidBodies& bodies, const std::string& name) {
   const Found found = find(bodies, name, frame_number, [](const Robot& robot, const std::string& frame) {
     return no_frame(robot.name, *robot.model, frame);
   });
@@ -106,7 +106,7 @@ Attachment frame_called(const RigidBodies& bodies, const std::string& name) {
   return {bodies.first() + found.robot, frame.joint, frame.placement, frame.name};
 }
 
-BodyJoint joint_called(const RigidBodies& bodies, const std::string& name) {
+BodyJoint find_joint(const RigidBodies& bodies, const std::string& name) {
   const Found found = find(bodies, name, joint_number, [](const Robot& robot, const std::string& joint) {
     return "robot " + quote(robot.name) + ": " + no_joint(*robot.model, joint);
   });

@@ -1,8 +1,8 @@
-#include "manycontact/action/block_sparse.hpp"
+#include "manycontact/detail/action/block_sparse.hpp"
 
 #include <algorithm>
 
-#include "manycontact/action/cost_derivatives.hpp"
+#include "manycontact/detail/action/cost_derivatives.hpp"
 
 namespace manycontact {
 

@@ -1,11 +1,11 @@
-#include "manycontact/action/collector.hpp"
+#include "manycontact/detail/action/collector.hpp"
 
 namespace manycontact {
 
 namespace {
 // Costs read intermediate results of every contact, which SIMD batches and reduced pairs do not provide.
 Options robot_by_robot(Options options) {
-  options.lanes = Lanes::kOff;
+  options.simd_level = SimdLevel::kOff;
   options.reduce_pairs = false;
   return options;
 }
@@ -36,7 +36,7 @@ void MultibodyData::update(const ConstVectorRef& at_q, const ConstVectorRef& at_
   a = at_a;
   for (std::size_t r = 0; r < scene.robots.size(); ++r) {
     const Robot& robot = scene.robots[r];
-    motion[r] = kinematics_of(solution, static_cast<int>(r));
+    motion[r] = robot_kinematics(solution, static_cast<int>(r));
     const std::span<const Inertia<double>> Yc = composite_inertias(solution, static_cast<int>(r));
     forward_accelerations<double>(*robot.model, v.segment(robot.idx_v, robot.model->nv), a.data() + robot.idx_v,
                                   scene.gravity, motion[r]);
@@ -77,7 +77,7 @@ DataCollector::DataCollector(MultibodyData* motion, std::shared_ptr<ActuationDat
     IslandColumns& columns = islands.emplace_back();
     columns.x = internal::range(0, 2 * nv);
     columns.u = internal::range(0, nu);
-    for (const int r : island_of(solution, i).robots) {
+    for (const int r : solved_island(solution, i).robots) {
       const std::vector<int> of_robot = internal::range(scene.robots[r].idx_v, scene.robots[r].model->nv);
       columns.v.insert(columns.v.end(), of_robot.begin(), of_robot.end());
     }
@@ -97,7 +97,7 @@ DataCollector::~DataCollector() = default;
 void DataCollector::prepare() {
   manycontact::prepare(scene, solution);
   for (std::size_t i = 0; i < island_count(solution); ++i) {
-    if (choice_of(solution, i).method != Method::kSparseBodies) continue;
+    if (chosen_method(solution, i).method != Method::kSparseBodies) continue;
     solution.options.method = Method::kSparseLdl;
     manycontact::prepare(scene, solution);
     return;

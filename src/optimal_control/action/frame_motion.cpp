@@ -1,8 +1,8 @@
-#include "manycontact/action/frame_motion.hpp"
+#include "manycontact/detail/action/frame_motion.hpp"
 
 #include <stdexcept>
 
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 
 namespace manycontact {
 

@@ -3,7 +3,7 @@
 
 #include <ostream>
 
-#include "manycontact/action/named_parts.hpp"
+#include "manycontact/detail/action/named_parts.hpp"
 
 namespace manycontact::internal {
 

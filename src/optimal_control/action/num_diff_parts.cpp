@@ -1,4 +1,4 @@
-#include "manycontact/action/num_diff_parts.hpp"
+#include "manycontact/detail/action/num_diff_parts.hpp"
 
 #include <Eigen/QR>
 

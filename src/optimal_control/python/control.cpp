@@ -1,16 +1,16 @@
 // Nodes of optimal control problems.
 
 #include "action.hpp"
-#include "manycontact/control/augmented_action.hpp"
 #include "manycontact/control/euler.hpp"
 #include "manycontact/control/impulse_fwddyn.hpp"
 #include "manycontact/control/lqr.hpp"
 #include "manycontact/control/num_diff.hpp"
-#include "manycontact/control/parts.hpp"
 #include "manycontact/control/rk.hpp"
-#include "manycontact/control/state_vector.hpp"
 #include "manycontact/control/symplectic.hpp"
 #include "manycontact/control/unicycle.hpp"
+#include "manycontact/detail/control/augmented_action.hpp"
+#include "manycontact/detail/control/parts.hpp"
+#include "manycontact/detail/control/state_vector.hpp"
 
 namespace manycontact::python {
 

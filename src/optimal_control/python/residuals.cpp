@@ -7,7 +7,7 @@
 #include "manycontact/action/residuals/gravity_residuals.hpp"
 #include "manycontact/action/residuals/impulse_residuals.hpp"
 #include "manycontact/action/residuals/state_residuals.hpp"
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 #include "shared.hpp"
 
 namespace manycontact::python {

@@ -3,8 +3,8 @@
 // while its calc, calcDiff or createData runs.
 
 #include "action.hpp"
-#include "manycontact/action/collector.hpp"
 #include "manycontact/action/state.hpp"
+#include "manycontact/detail/action/collector.hpp"
 
 namespace manycontact::python {
 

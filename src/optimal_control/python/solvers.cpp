@@ -6,7 +6,7 @@
 #include "manycontact/control/callbacks.hpp"
 #include "manycontact/control/kkt_residual.hpp"
 #include "manycontact/control/solver_kkt.hpp"
-#include "manycontact/control/sparse.hpp"
+#include "manycontact/detail/control/sparse.hpp"
 
 namespace manycontact::python {
 

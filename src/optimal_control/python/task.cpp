@@ -31,7 +31,7 @@ TaskSolution optimize_task(const TaskFile& task, const std::shared_ptr<TaskProbl
 void add_simulated_motion(py::module_& m) {
   value<SimulatedMotion>(m)
       .read<&SimulatedMotion::stopped, &SimulatedMotion::xs, &SimulatedMotion::energy_lost,
-            &SimulatedMotion::position_drift, &SimulatedMotion::velocity_drift, &SimulatedMotion::distance>();
+            &SimulatedMotion::violation_position, &SimulatedMotion::violation_velocity, &SimulatedMotion::distance>();
   def_as(
       m, "simulate", "simulate_solution",
       [](const TaskFile& task, const TaskSolution& solution, Integrator integrator, int substeps) {

@@ -6,12 +6,12 @@
 
 #include "action.hpp"
 #include "manycontact/action/contact.hpp"
-#include "manycontact/action/num_diff_parts.hpp"
 #include "manycontact/action/squashing.hpp"
 #include "manycontact/action/thrusters.hpp"
 #include "manycontact/control/box_qp.hpp"
 #include "manycontact/control/control_parametrization.hpp"
 #include "manycontact/control/diff_lqr.hpp"
+#include "manycontact/detail/action/num_diff_parts.hpp"
 
 namespace manycontact::python {
 

@@ -1,7 +1,7 @@
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/control/impulse_fwddyn.hpp"
 #include "manycontact/control/integrated_action.hpp"
-#include "manycontact/control/parts.hpp"
+#include "manycontact/detail/control/parts.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/task/violations.hpp"
 
@@ -25,7 +25,7 @@ void add_dynamics(std::size_t t, const DifferentialActionDataAbstract& data, std
     if (islands[i].status != Status::kFailed) continue;
     fails = true;
     if (islands[i].reason != Reason::kSingularInertia)
-      out.push_back({t, "failed", robots_of(scene, island_of(solution, i)), to_string(islands[i].reason)});
+      out.push_back({t, "failed", robots_of(scene, solved_island(solution, i)), to_string(islands[i].reason)});
   }
   if (!fails) return;
   for (const MasslessJoint& joint : massless_joints(scene, solution, own.x.head(scene.nq)))

@@ -2,9 +2,9 @@
 
 #include <map>
 
-#include "manycontact/control/couplings.hpp"
 #include "manycontact/control/impulse_fwddyn.hpp"
 #include "manycontact/control/integrated_action.hpp"
+#include "manycontact/detail/control/couplings.hpp"
 
 namespace manycontact {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "manycontact/control/coupled_direction.hpp"
-#include "manycontact/control/couplings.hpp"
-#include "manycontact/kkt/island.hpp"
+#include "manycontact/detail/control/couplings.hpp"
+#include "manycontact/detail/kkt/island.hpp"
 #include "manycontact/sparse/union_find.hpp"
 #include "manycontact/task/parts.hpp"
 #include "nodes.hpp"

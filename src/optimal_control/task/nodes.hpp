@@ -1,7 +1,7 @@
 #pragma once
 // The parts of nodes, phase by phase.
 
-#include "manycontact/control/parts.hpp"
+#include "manycontact/detail/control/parts.hpp"
 #include "manycontact/task/problem.hpp"
 
 namespace manycontact::task {

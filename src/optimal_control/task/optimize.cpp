@@ -9,8 +9,8 @@
 #include "beside.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
 #include "manycontact/control/box_solvers.hpp"
-#include "manycontact/control/sparse.hpp"
-#include "manycontact/control/timer.hpp"
+#include "manycontact/detail/control/sparse.hpp"
+#include "manycontact/detail/control/timer.hpp"
 #include "memory.hpp"
 #include "torque_bounds.hpp"
 

@@ -135,8 +135,8 @@ TaskPhase phase_of(const TaskPhase& phase, const Scene& scene, const Share& shar
   out.impact = phase.impact;
   out.at_scene = phase.at_scene;
   for (const int c : share.contacts) out.active.push_back(phase.active[c]);
-  for (std::size_t k = 0; k < phase.pushes.size(); ++k)  // the same selection as in take_applied_forces
-    if (share.robot_at[scene.pushes[k].at.robot] >= 0) out.pushes.push_back(phase.pushes[k]);
+  for (std::size_t k = 0; k < phase.wrenches.size(); ++k)  // the same selection as in take_applied_forces
+    if (share.robot_at[scene.wrenches[k].at.robot] >= 0) out.wrenches.push_back(phase.wrenches[k]);
   for (auto terms : {&TaskPhase::costs, &TaskPhase::constraints})
     for (const TaskTerm& term : phase.*terms)
       for (TaskTerm& own : terms_of(term, scene, share)) (out.*terms).push_back(std::move(own));

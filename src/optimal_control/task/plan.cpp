@@ -8,12 +8,12 @@
 #include <sstream>
 #include <tuple>
 
-#include "manycontact/algorithm/frames.hpp"
 #include "manycontact/analysis/names.hpp"
 #include "manycontact/analysis/near_dependent.hpp"
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/control/integrated_action.hpp"
-#include "manycontact/control/parts.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
+#include "manycontact/detail/control/parts.hpp"
 #include "nodes.hpp"
 
 namespace manycontact {

@@ -73,7 +73,7 @@ std::shared_ptr<DiffModel> model_of(const TaskFile& task, const TaskPhase& phase
   auto model =
       std::make_shared<DiffModel>(state, actuation, parts.contacts, costs, constraints, task.scene.scene.damping);
   model->set_storage(storage);
-  if (!phase.pushes.empty()) model->set_pushes(phase.pushes);
+  if (!phase.wrenches.empty()) model->set_wrenches(phase.wrenches);
   if (const Eigen::VectorXd x0 = x0_of(task.scene); dependent_rows(scene_in(task, phase), x0) > 0) model->set_start(x0);
   return model;
 }
@@ -106,7 +106,7 @@ Scene scene_with(const TaskFile& task, const std::vector<bool>& active) {
 
 Scene scene_in(const TaskFile& task, const TaskPhase& phase) {
   Scene scene = scene_with(task, phase.active);
-  for (std::size_t k = 0; k < phase.pushes.size(); ++k) scene.pushes[k].wrench = phase.pushes[k];
+  for (std::size_t k = 0; k < phase.wrenches.size(); ++k) scene.wrenches[k].wrench = phase.wrenches[k];
   return scene;
 }
 

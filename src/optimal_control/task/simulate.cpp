@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "manycontact/contact/reference.hpp"
-#include "manycontact/control/parts.hpp"
+#include "manycontact/detail/contact/reference.hpp"
+#include "manycontact/detail/control/parts.hpp"
+#include "manycontact/detail/simulation/invariants.hpp"
 #include "manycontact/simulation/gains.hpp"
-#include "manycontact/simulation/invariants.hpp"
 #include "nodes.hpp"
 
 namespace manycontact {
@@ -80,7 +80,8 @@ SimulatedMotion simulate(const TaskFile& task, const TaskSolution& solution, Int
       return out;
     }
     if (nodes[t].impact) continue;
-    if (const TaskPhase& phase = phase_at(task, nodes[t]); !phase.pushes.empty()) world.dynamics.pushes = phase.pushes;
+    if (const TaskPhase& phase = phase_at(task, nodes[t]); !phase.wrenches.empty())
+      world.dynamics.wrenches = phase.wrenches;
     x << world.q, world.v;
     state.diff(solution.xs[t], x, dx);
     const Eigen::VectorXd u = torques(solution, t, dx);
@@ -88,8 +89,8 @@ SimulatedMotion simulate(const TaskFile& task, const TaskSolution& solution, Int
       out.stopped = step(scene, u, world);
       if (out.stopped != StepStatus::kOk) return out;
       const Invariants at = invariants(scene, world.dynamics.active, world.q, world.v, room);
-      out.position_drift = std::max(out.position_drift, at.position_drift);
-      out.velocity_drift = std::max(out.velocity_drift, at.velocity_drift);
+      out.violation_position = std::max(out.violation_position, at.violation_position);
+      out.violation_velocity = std::max(out.violation_velocity, at.violation_velocity);
     }
   }
 }

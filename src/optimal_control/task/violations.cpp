@@ -6,7 +6,7 @@
 
 #include "manycontact/control/impulse_fwddyn.hpp"
 #include "manycontact/control/integrated_action.hpp"
-#include "manycontact/control/parts.hpp"
+#include "manycontact/detail/control/parts.hpp"
 
 namespace manycontact {
 

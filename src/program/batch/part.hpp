@@ -1,7 +1,7 @@
 #pragma once
 // Some islands of a scene as a scene of their own, and the indices of its numbers in those of the whole scene.
 
-#include "manycontact/kkt/island.hpp"
+#include "manycontact/detail/kkt/island.hpp"
 
 namespace manycontact::cli {
 

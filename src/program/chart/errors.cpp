@@ -112,7 +112,7 @@ double derivative_error(const Scene& scene, const SceneData& data, const ChartTr
     if (!of_truth.derivatives_known) return NAN;
     const auto i = static_cast<std::size_t>(island_with_robot(data, of_truth.island.robots.front()));
     const IslandDerivatives& d = derivatives(data).islands[i];
-    const PanelPlaces places = places_in(scene, island_of(data, i), d, of_truth.island);
+    const PanelPlaces places = places_in(scene, solved_island(data, i), d, of_truth.island);
     Eigen::MatrixXd answer = d.X(places.rows, places.columns);
     if (of_truth.along.rows() != of_truth.along.cols()) answer = Eigen::MatrixXd(answer * of_truth.along);
     error = worse(error, island_error(scene, of_truth, scales, answer));

@@ -94,7 +94,7 @@ void note_status(const Candidate& c) {
   row.fallback.clear();
   const std::vector<IslandReport>& reports = c.data->report.islands;
   for (std::size_t i = 0; i < reports.size() && row.fallback.empty(); ++i)
-    if (reports[i].status != Status::kFailed) row.fallback = why_changed(choice_of(*c.data, i), reports[i]);
+    if (reports[i].status != Status::kFailed) row.fallback = why_changed(chosen_method(*c.data, i), reports[i]);
 }
 
 // Large derivatives of fifty candidates would not fit into memory together.

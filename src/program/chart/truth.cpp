@@ -127,7 +127,7 @@ ChartTruth find_truth(const SceneFile& file, SceneData& data) {
   std::vector<Places> places;
   for (std::size_t i = 0; i < island_count(data); ++i) {
     ChartTruth::OfIsland& o = truth.islands.emplace_back();
-    o.island = island_of(data, i);
+    o.island = solved_island(data, i);
     o.known = o.derivatives_known = here.regular[i];
     choose_directions(places.emplace_back(scene, data, o.island), rng, o);
     truth.sampled += o.island.nv > kWholeUpTo;

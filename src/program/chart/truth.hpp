@@ -1,10 +1,10 @@
 #pragma once
 // The solution of a scene and its derivatives in quadruple precision, and the errors of results relative to it.
 
+#include "manycontact/detail/kkt/island.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/truth.hpp"
 #include "manycontact/io/scene_file.hpp"
-#include "manycontact/kkt/island.hpp"
 
 namespace manycontact::cli {
 

@@ -37,7 +37,7 @@ def mark_height(choice):
 
 def draw_curve(axes, rows, colour, mark, **style):
     """Draws a curve through the runs that kept the contacts, and marks those that lost them."""
-    drift = [float(r["largest_position_drift"]) if not r["stopped"] else TOP for r in rows]
+    drift = [float(r["largest_violation_position"]) if not r["stopped"] else TOP for r in rows]
     steps = [float(r["step_s"]) for r in rows]
     axes.plot(steps, [max(d, BOTTOM) if d < TOP else math.nan for d in drift], "o-", markersize=3, color=colour, **style)
     axes.plot([h for h, d in zip(steps, drift) if not d < TOP], [mark for d in drift if not d < TOP], "x", color=colour, markeredgewidth=2)
@@ -45,7 +45,7 @@ def draw_curve(axes, rows, colour, mark, **style):
 
 def draw_drift(scene, time, rows, base):
     integrators, choices = (list(dict.fromkeys(r[of] for r in rows)) for of in ("integrator", "gains"))
-    least = min((d for d in (float(r["largest_position_drift"]) for r in rows) if d < TOP), default=TOP)
+    least = min((d for d in (float(r["largest_violation_position"]) for r in rows) if d < TOP), default=TOP)
     lowest, highest = 10.0 ** math.floor(math.log10(max(least, BOTTOM))), mark_height(len(choices))
     figure, panels = plt.subplots(1, 2, figsize=(11, 6.4), sharey=True)
     for axes, integrator in zip(panels, integrators):

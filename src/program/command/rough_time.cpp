@@ -21,7 +21,7 @@ double dense(const Island& island) {
 template <class Time>
 double sum_over_islands(const SceneData& data, Time&& time) {
   double sum = 0;
-  for (std::size_t i = 0; i < island_count(data); ++i) sum += time(island_of(data, i));
+  for (std::size_t i = 0; i < island_count(data); ++i) sum += time(solved_island(data, i));
   return sum;
 }
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "manycontact/detail/kkt/island.hpp"
 #include "manycontact/dynamics/data.hpp"
 #include "manycontact/dynamics/truth.hpp"
 #include "manycontact/io/scene_file.hpp"
-#include "manycontact/kkt/island.hpp"
 
 namespace manycontact::cli {
 

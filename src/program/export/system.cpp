@@ -1,7 +1,7 @@
 // K, b and the right-hand sides of derivatives of one island, from the intermediate results of a solve.
 
 #include "export.hpp"
-#include "manycontact/algorithm/crba.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/views.hpp"
 
@@ -20,15 +20,15 @@ void add_block(const Eigen::MatrixXd& block, int row, int column, Triplets& out)
 void add_inertia(const Scene& scene, const SceneData& data, int robot, int offset, Triplets& out) {
   const Model& model = *scene.robots[robot].model;
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(model.nv, model.nv);
-  unpack_inertia<double>(model, inertia_of(data, robot).data(), M);
+  unpack_inertia<double>(model, joint_space_inertia(data, robot).data(), M);
   add_block(M, offset, offset, out);
 }
 
 // J and its transpose: columns of A's coordinates, then of B's.
 void add_rows(const Scene& scene, const SceneData& data, const Island& island, int contact, int row, Triplets& out) {
   const Contact& c = scene.contacts[contact];
-  const MatX<double>& J = contact_of(data, contact).J;
-  const ContactSupport& support = support_of(data, contact);
+  const MatX<double>& J = contact_data(data, contact).J;
+  const ContactSupport& support = contact_support(data, contact);
   int j = 0;
   const auto add = [&](const std::vector<int>& columns, int first) {
     for (int i : columns) {
@@ -57,10 +57,10 @@ Eigen::VectorXd right_hand_side(const Scene& scene, const SceneData& data, const
   for (std::size_t k = 0; k < island.robots.size(); ++k) {
     const Robot& robot = scene.robots[island.robots[k]];
     b.segment(island.dof_offset[k], robot.model->nv) =
-        data.tau.segment(robot.idx_v, robot.model->nv) - bias_of(data, island.robots[k]);
+        data.tau.segment(robot.idx_v, robot.model->nv) - bias_torques(data, island.robots[k]);
   }
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
-    const auto& a0 = contact_of(data, island.contacts[k]).a0;
+    const auto& a0 = contact_data(data, island.contacts[k]).a0;
     b.segment(island.nv + island.row_offset[k], a0.size()) = -a0;
   }
   return b;
@@ -89,7 +89,7 @@ Eigen::MatrixXd derivative_right_hand_sides(const Eigen::SparseMatrix<double>& K
 
 Options export_options() {
   Options options;
-  options.lanes = Lanes::kOff;
+  options.simd_level = SimdLevel::kOff;
   options.method = Method::kSparseLdl;
   options.reduce_pairs = false;
   return options;
@@ -97,7 +97,7 @@ Options export_options() {
 
 ExportedSystem system_of(const Scene& scene, const SceneData& data, std::size_t i, bool with_derivatives) {
   ExportedSystem out;
-  out.island = island_of(data, i);
+  out.island = solved_island(data, i);
   out.K = matrix(scene, data, out.island);
   out.b = right_hand_side(scene, data, out.island);
   if (with_derivatives) out.db = derivative_right_hand_sides(out.K, derivatives(data).islands[i]);

@@ -4,10 +4,10 @@
 
 #include "../text/table.hpp"
 #include "inspect.hpp"
-#include "manycontact/algorithm/frames.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/names.hpp"
-#include "manycontact/simulation/invariants.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
+#include "manycontact/detail/simulation/invariants.hpp"
 
 namespace manycontact::cli {
 

@@ -83,12 +83,12 @@ void print_costs(std::ostream& out, IslandShape& shape, const Options& options, 
 }  // namespace
 
 const KktPattern& Inspection::pattern(std::size_t island) const {
-  return *shape_of(data, island)->pattern(choice_of(data, island).order);
+  return *shape_of(data, island)->pattern(chosen_method(data, island).order);
 }
 
 std::string Inspection::name(const IslandKind& kind) const {
   std::vector<const Island*> islands;
-  for (int i : kind.islands) islands.push_back(&island_of(data, static_cast<std::size_t>(i)));
+  for (int i : kind.islands) islands.push_back(&solved_island(data, static_cast<std::size_t>(i)));
   return islands_name(file, islands);
 }
 
@@ -110,7 +110,7 @@ void print_islands(std::ostream& out, const Inspection& x) {
     table.add(
         {std::to_string(x.kinds[k].islands.size()), x.name(x.kinds[k]), std::to_string(island.nv),
          std::to_string(island.nc), rank_text(x.kinds[k].ranks),
-         std::to_string(island_of(data_solved(x.data), x.first(x.kinds[k])).size()),
+         std::to_string(solved_island(data_solved(x.data), x.first(x.kinds[k])).size()),
          std::to_string(std::llround(nonzeros_of_K(*shape_of(x.data, x.first(x.kinds[k])), x.file.scene.damping)))});
   }
   table.print(out);
@@ -162,9 +162,9 @@ void print_costs(std::ostream& out, const Inspection& x) {
     const std::size_t i = x.first(kind);
     if (k > 0) out << "\n";
     wrap(out, x.name(kind), 2);
-    print_costs(out, *shape_of(x.data, i), x.data.options, choice_of(x.data, i));
+    print_costs(out, *shape_of(x.data, i), x.data.options, chosen_method(x.data, i));
     wrap(out, "solve tries, until one is sound: " + ways_of(scene_solved(x.file.scene, x.data), x.data, i), 4);
-    const std::string changed = why_changed(choice_of(x.data, i), x.data.report.islands[i]);
+    const std::string changed = why_changed(chosen_method(x.data, i), x.data.report.islands[i]);
     if (!changed.empty()) wrap(out, "at the scene's state " + changed, 4);
   }
   print_more(out, x.kinds.size(), kMostKinds, "kinds of island");

@@ -16,7 +16,7 @@ struct Inspection {
 
   /// The first island of a kind, whose name, shape and ranks are those of all.
   std::size_t first(const IslandKind& kind) const { return static_cast<std::size_t>(kind.islands.front()); }
-  const Island& island(const IslandKind& kind) const { return island_of(data, first(kind)); }
+  const Island& island(const IslandKind& kind) const { return solved_island(data, first(kind)); }
   /// The pattern, analysed in the order that the solve chose.
   const KktPattern& pattern(std::size_t island) const;
   std::string name(const IslandKind& kind) const;

@@ -40,9 +40,10 @@ void add_islands(const Inspection& x, Json& to) {
   for (std::size_t i = 0; i < island_count(x.data); ++i) {
     const auto [at, fresh] = numbers.emplace(&x.pattern(i), numbers.size());
     if (fresh) to["patterns"].push_back(json_of(x.pattern(i)));
-    to["islands"].push_back({{"pattern", at->second},
-                             {"rows", rows_in_scene(scene_solved(x.file.scene, x.data), solved, island_of(solved, i))},
-                             {"order", to_string(choice_of(x.data, i).order)}});
+    to["islands"].push_back(
+        {{"pattern", at->second},
+         {"rows", rows_in_scene(scene_solved(x.file.scene, x.data), solved, solved_island(solved, i))},
+         {"order", to_string(chosen_method(x.data, i).order)}});
   }
 }
 

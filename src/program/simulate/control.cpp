@@ -122,7 +122,7 @@ void Control::follow(const std::string& gains, const std::optional<std::string>&
 void Control::for_all(double kp, double kd) {
   for (const Robot& robot : file_.scene.robots)
     for (const Joint& joint : robot.model->joints) {
-      if (robot.model->torque_of(joint) < 0) continue;
+      if (robot.model->torque_index(joint) < 0) continue;
       if (joint.nv() > 1)
         throw InputError(
             file_.path, 1,
@@ -156,7 +156,7 @@ const Eigen::VectorXd& Control::at(double t, const Eigen::VectorXd& q, const Eig
   set_pd(t, pd_);
   for (const Robot& robot : file_.scene.robots)
     for (const Joint& joint : robot.model->joints)
-      if (const int k = robot.model->torque_of(joint), i = robot.idx_v + joint.idx_v; k >= 0 && joint.nv() == 1)
+      if (const int k = robot.model->torque_index(joint), i = robot.idx_v + joint.idx_v; k >= 0 && joint.nv() == 1)
         out_[robot.idx_u + k] +=
             kp_[i] * (pd_.q_ref[i] - q[robot.idx_q + joint.idx_q]) + kd_[i] * (pd_.v_ref[i] - v[i]);
   return out_;

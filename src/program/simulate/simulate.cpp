@@ -73,15 +73,15 @@ struct Around {
   Watch watch;
   std::optional<Switches> switches;
   std::unique_ptr<CsvFile> forces;
-  std::optional<TimeTable> pushes;
+  std::optional<TimeTable> wrenches_in_time;
   Eigen::VectorXd wrenches;  // all external wrenches, one after the other
 
   /// The wrenches at t, where a file has them, into the data of the next step.
   void push(double t, SimulationData& sim) {
-    if (!pushes) return;
-    pushes->at(t, false, wrenches);
-    for (std::size_t k = 0; k < sim.dynamics.pushes.size(); ++k)
-      sim.dynamics.pushes[k] = wrenches.segment<6>(static_cast<Eigen::Index>(6 * k));
+    if (!wrenches_in_time) return;
+    wrenches_in_time->at(t, false, wrenches);
+    for (std::size_t k = 0; k < sim.dynamics.wrenches.size(); ++k)
+      sim.dynamics.wrenches[k] = wrenches.segment<6>(static_cast<Eigen::Index>(6 * k));
   }
   /// These, and the PD law's reference at the end of the step from t, or in its middle, as the integrator takes it.
   void act(double t, SimulationData& sim) {
@@ -116,8 +116,8 @@ void simulate(Scene& scene, Around& around, bool progress_always, SimulationData
   InvariantsData room(scene);
   const auto record = [&] {
     run.end = invariants(scene, sim.dynamics.active, sim.q, sim.v, room);
-    run.largest.position_drift = std::max(run.largest.position_drift, run.end.position_drift);
-    run.largest.velocity_drift = std::max(run.largest.velocity_drift, run.end.velocity_drift);
+    run.largest.violation_position = std::max(run.largest.violation_position, run.end.violation_position);
+    run.largest.violation_velocity = std::max(run.largest.violation_velocity, run.end.violation_velocity);
     run.largest.kinetic = std::max(run.largest.kinetic, run.end.kinetic);
     write_trajectory_row(sim.time(), sim.q, sim.v, run.end, csv);
     if (run.view) {
@@ -128,8 +128,8 @@ void simulate(Scene& scene, Around& around, bool progress_always, SimulationData
                  .v = sim.v,
                  .active = sim.dynamics.active,
                  .u = u,
-                 .drift = Eigen::Vector2d(run.end.position_drift, run.end.velocity_drift),
-                 .pushes = sim.dynamics.pushes},
+                 .drift = Eigen::Vector2d(run.end.violation_position, run.end.violation_velocity),
+                 .wrenches = sim.dynamics.wrenches},
                 *run.view);
     }
   };
@@ -260,13 +260,14 @@ void print_summary(std::ostream& out, const SceneFile& file, const SimulationDat
       << " s, status " << to_string(sim.worst) << "\n";
   Table table("<|start|end|largest|<");
   const auto short_of = [](double x) { return x == 0 ? std::string("0") : scientific(x); };
-  table.add({"drift, position", short_of(run.start.position_drift), short_of(run.end.position_drift),
-             short_of(run.largest.position_drift), "m, rad"});
-  table.add({"drift, velocity", short_of(run.start.velocity_drift), short_of(run.end.velocity_drift),
-             short_of(run.largest.velocity_drift), "m/s, rad/s"});
+  table.add({"drift, position", short_of(run.start.violation_position), short_of(run.end.violation_position),
+             short_of(run.largest.violation_position), "m, rad"});
+  table.add({"drift, velocity", short_of(run.start.violation_velocity), short_of(run.end.violation_velocity),
+             short_of(run.largest.violation_velocity), "m/s, rad/s"});
   table.add({"energy", number(run.start.energy(), 6), number(run.end.energy(), 6), "", "J"});
   table.add({"work of torques", "", number(around.watch.work(), 6), "", "J; energy lost in impacts is subtracted"});
-  if (!file.scene.pushes.empty()) table.add({"work of pushes", "", number(around.watch.work_of_pushes(), 6), "", "J"});
+  if (!file.scene.wrenches.empty())
+    table.add({"work of wrenches", "", number(around.watch.work_of_wrenches(), 6), "", "J"});
   table.print(out);
   print_impacts(out, file.scene, around);
   const std::string late = switches_not_reached(around, sim);
@@ -291,7 +292,7 @@ Json document(const SceneFile& file, const SimulationData& sim, const Around& ar
                            : run.interrupted              ? Json(kInterrupted)
                                                           : Json(nullptr)},
                {"energy", {run.start.energy(), run.end.energy()}},
-               {"largest_position_drift", run.largest.position_drift}};
+               {"largest_violation_position", run.largest.violation_position}};
   json["largest_step_of_springs"] = run.shortest.any() ? Json(run.shortest.largest) : Json(nullptr);
   const std::string advice = spring_advice(file.scene, sim, run.shortest);
   json["step_too_long"] = advice.empty() ? Json(nullptr) : Json(advice);
@@ -310,16 +311,16 @@ Json document(const SceneFile& file, const SimulationData& sim, const Around& ar
 // Torques over time or a PD law, switches, and the file for forces.
 Around around_of(const Arguments& arguments, const SceneFile& file) {
   Around out{Control(file), Watch(file.scene, solver_options(arguments)), std::nullopt, nullptr, std::nullopt, {}};
-  if (const auto pushes = arguments.value("--pushes")) {
-    if (file.scene.pushes.empty())
-      throw InputError(file.path, 1, "the scene has no <push>, expected those that --pushes gives wrenches");
-    out.pushes.emplace(*pushes, "w:", push_names(file.scene));
-    if (out.pushes->empty())
-      throw InputError(*pushes, 1,
-                       "has no column of a push, expected columns like w:" + push_names(file.scene).front());
-    out.wrenches.resize(static_cast<Eigen::Index>(6 * file.scene.pushes.size()));
-    for (std::size_t k = 0; k < file.scene.pushes.size(); ++k)
-      out.wrenches.segment<6>(static_cast<Eigen::Index>(6 * k)) = file.scene.pushes[k].wrench;
+  if (const auto wrenches = arguments.value("--wrenches")) {
+    if (file.scene.wrenches.empty())
+      throw InputError(file.path, 1, "the scene has no <wrench>, expected those that --wrenches names");
+    out.wrenches_in_time.emplace(*wrenches, "w:", wrench_names(file.scene));
+    if (out.wrenches_in_time->empty())
+      throw InputError(*wrenches, 1,
+                       "has no column of a wrench, expected columns like w:" + wrench_names(file.scene).front());
+    out.wrenches.resize(static_cast<Eigen::Index>(6 * file.scene.wrenches.size()));
+    for (std::size_t k = 0; k < file.scene.wrenches.size(); ++k)
+      out.wrenches.segment<6>(static_cast<Eigen::Index>(6 * k)) = file.scene.wrenches[k].wrench;
   }
   if (const auto torques = arguments.value("--torques")) out.control.read_torques(*torques);
   const auto pd = arguments.value("--pd"), reference = arguments.value("--reference");
@@ -358,7 +359,7 @@ int run_simulate(const Arguments& arguments) {
   const std::string out = arguments.required("--out");
   check_files(arguments,
               {path, arguments.value("--torques").value_or("-"), arguments.value("--reference").value_or("-"),
-               arguments.value("--pushes").value_or("-")},
+               arguments.value("--wrenches").value_or("-")},
               {"--out", "--forces", "--json", "--view"});
 
   SceneFile file = load_scene(path);

@@ -2,9 +2,9 @@
 // Common parts of `manycontact simulate`, `manycontact optimize` and `manycontact stability`.
 
 #include "../files/csv_file.hpp"
+#include "manycontact/detail/simulation/invariants.hpp"
 #include "manycontact/io/scene_file.hpp"
 #include "manycontact/simulation/gains.hpp"
-#include "manycontact/simulation/invariants.hpp"
 #include "manycontact/simulation/step.hpp"
 
 namespace manycontact::cli {

@@ -8,7 +8,7 @@
 
 #include "../command/arguments.hpp"
 #include "../text/table.hpp"
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "manycontact/model/suggestion.hpp"
 
 namespace manycontact::cli {

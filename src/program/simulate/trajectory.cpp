@@ -23,8 +23,8 @@ void write_trajectory_header(const Scene& scene, CsvFile& csv) {
   csv << "t";
   write_names(scene, "q:", &Joint::nq, csv);
   write_names(scene, "v:", &Joint::nv, csv);
-  csv << "drift_position"
-      << "drift_velocity"
+  csv << "violation_position"
+      << "violation_velocity"
       << "energy";
   for (int k = 0; k < 6; ++k) csv << "momentum[" + std::to_string(k) + "]";
   csv.end_row();
@@ -35,7 +35,7 @@ void write_trajectory_row(double t, const Eigen::VectorXd& q, const Eigen::Vecto
   csv << t;
   for (double x : q) csv << x;
   for (double x : v) csv << x;
-  csv << at.position_drift << at.velocity_drift << at.energy();
+  csv << at.violation_position << at.violation_velocity << at.energy();
   for (double x : at.momentum) csv << x;
   csv.end_row();
 }

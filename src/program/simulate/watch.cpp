@@ -98,7 +98,7 @@ struct Watch::Applied {
 
   AppliedPower at(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const SimulationData& sim) {
     tau.setZero();
-    add_applied_forces<double>(scene, q.data(), v.data(), sim.dynamics.pushes, forces, tau.data());
+    add_applied_forces<double>(scene, q.data(), v.data(), sim.dynamics.wrenches, forces, tau.data());
     return power_of(scene, forces);
   }
 };
@@ -116,7 +116,7 @@ void Watch::look(const Scene& scene, double t, const Eigen::VectorXd& q, const E
   spring_work_ += sim.work.springs;
   if (applied_) {
     const AppliedPower before = applied_->at(scene, q, v, sim), after = applied_->at(scene, sim.q, sim.v, sim);
-    push_work_ += sim.h * (before.pushes + after.pushes) / 2;
+    push_work_ += sim.h * (before.wrenches + after.wrenches) / 2;
   }
   keep_dependent_as(sim.dynamics, posture_.rest.scene, posture_.dynamics);
   const ClosestPosture closest = follow_posture(scene, sim.dynamics.active, q, posture_);
@@ -161,7 +161,7 @@ void Watch::print(std::ostream& out, const SceneFile& file, const SimulationData
   const bool gains = std::any_of(scene.contacts.begin(), scene.contacts.end(),
                                  [](const Contact& c) { return c.alpha != 0 || c.beta != 0; });
   const std::string advice =
-      (!gains && end.position_drift >= kPlacementError ? ", --gains recommended keeps loops closed" : "") +
+      (!gains && end.violation_position >= kPlacementError ? ", --gains recommended keeps loops closed" : "") +
       std::string(gained != 0 ? ", shorter steps keep more of the energy" : "");
   const bool passed = singular_time_ >= 0 && (rank_time_ < 0 || singular_time_ < rank_time_);
   if (passed || rank_time_ >= 0 || largest_condition_ > kSingular * first_condition_)
@@ -201,8 +201,8 @@ void Watch::print_energy(std::ostream& out, const Scene& scene, const Simulation
                                     (gained < 0 && scene.damping > 0 ? ", or --damping dissipates it" : "")
                               : near_dependent_;
   wrap(out,
-       gained > 0 ? "energy grew by " + number(gained) + " J more than the torques" + (applied_ ? " and pushes" : "") +
-                        " gave: " + why
+       gained > 0 ? "energy grew by " + number(gained) + " J more than the torques" +
+                        (applied_ ? " and wrenches" : "") + " gave: " + why
                   : "energy fell by " + number(-gained) + " J more than torques" +
                         (friction_work_ < 0 ? ", friction" : "") + " and impacts dissipated: " + why,
        2);
@@ -222,7 +222,7 @@ void Watch::add_to(Json& json, const Scene& scene) const {
   list("turning_rows", turning_);
   json["work_of_torques"] = work_;
   json["work_of_friction"] = friction_work_;
-  json["work_of_pushes"] = push_work_;
+  json["work_of_wrenches"] = push_work_;
   json["taken_from_springs"] = -spring_work_;
   json["closest_to_singular"] = least_share_;
   json["closest_to_singular_time"] = share_time_;

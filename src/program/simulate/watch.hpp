@@ -29,7 +29,7 @@ class Watch {
   void lost(double energy) { work_ -= energy; }  // `energy` dissipated by an impact
 
   double work() const { return work_; }                 // J, of the torques, less what impacts took
-  double work_of_pushes() const { return push_work_; }  // J
+  double work_of_wrenches() const { return push_work_; }  // J
   /// Copies of a robot or a contact share a line.
   void print(std::ostream& out, const SceneFile& file, const SimulationData& sim, const Invariants& start,
              const Invariants& end, double most_kinetic) const;
@@ -51,7 +51,7 @@ class Watch {
   void print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, double gained,
                     const Invariants& start, const Invariants& end, double most_kinetic) const;
 
-  // The power of external wrenches and dampers [W]; `pushes` as in `sim`.
+  // The power of external wrenches and dampers [W]; `wrenches` as in `sim`.
   struct Applied;
   std::unique_ptr<Applied> applied_;  // nullptr: the scene has none
 

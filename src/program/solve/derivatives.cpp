@@ -56,7 +56,7 @@ void print_derivatives(std::ostream& out, const SolvedScene& s) {
   const DerivativeData& dd = derivatives(s.data);
   for (std::size_t i = 0; i < dd.islands.size(); ++i) {
     if (s.data.report.islands[i].status == Status::kFailed) continue;
-    const Names n = names_of(s.file.scene, island_of(s.data, i));
+    const Names n = names_of(s.file.scene, solved_island(s.data, i));
     const IslandDerivatives& d = dd.islands[i];
     const DerivativeBounds& of = s.derivative_errors[i];
     if (d.X.hasNaN()) {

@@ -78,7 +78,7 @@ Json report(const SolvedScene& s) {
   std::set<std::string> answered;
   const std::vector<std::string> names = force_names(s.file.scene, s.data);
   for (std::size_t i = 0; i < r.islands.size(); ++i) {
-    list.push_back(island_entry(s.file.scene, island_of(s.data, i), r.islands[i], names));
+    list.push_back(island_entry(s.file.scene, solved_island(s.data, i), r.islands[i], names));
     if (!s.quality.empty()) list.back()["quality"] = quality_entry(s.quality[i]);
     answered.insert(to_string(r.islands[i].method));
   }
@@ -144,8 +144,8 @@ Json document(const SolvedScene& s) {
     const SceneDerivatives d = dense_derivatives(s.file.scene, s.data);
     for (const Block& block : kBlocks) json[block.name] = matrix(d.*block.matrix);
     json["derivative_errors"] = largest_of(s.derivative_errors);
-    if (!s.file.scene.pushes.empty()) {
-      json["push_names"] = push_names(s.file.scene);
+    if (!s.file.scene.wrenches.empty()) {
+      json["wrench_names"] = wrench_names(s.file.scene);
       json["da_dw"] = matrix(d.da_dw);
       json["dforces_dw"] = matrix(d.dforces_dw);
     }

@@ -51,7 +51,7 @@ void analyse(const Scene& scene, const std::vector<Island>& islands, const Optio
 double time_of_analysis(const Scene& scene, const SceneData& data, int repeat) {
   const Scene& solved = scene_solved(scene, data);
   std::vector<Island> islands;
-  for (std::size_t i = 0; i < island_count(data); ++i) islands.push_back(island_of(data_solved(data), i));
+  for (std::size_t i = 0; i < island_count(data); ++i) islands.push_back(solved_island(data_solved(data), i));
   std::optional<ShapeCache> shapes;
   return median_time(
       repeat, [&] { shapes.emplace(); }, [&] { analyse(solved, islands, data.options, *shapes); });
@@ -88,7 +88,7 @@ SolvedScene solve_scene(const SceneFile& file, const Options& options, int repea
   time.solve = median_time(repeat, once);
   if (derivatives) {
     DerivativeRequest request;
-    request.pushes = !scene.pushes.empty();
+    request.wrenches = !scene.wrenches.empty();
     const auto again = [&] { (void)differentiate(scene, s.data, request); };
     again();
     time.derivatives = median_time(repeat, again);
@@ -125,7 +125,7 @@ int run_solve(const Arguments& arguments) {
     write_json(solved, *json);
   else
     print_summary(std::cout, solved);
-  return solved.data.report.status <= Status::kInconsistent ? kExitOk : kExitUnsound;
+  return solved.data.report.ok() ? kExitOk : kExitUnsound;
 }
 
 }  // namespace manycontact::cli

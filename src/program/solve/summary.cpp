@@ -59,7 +59,7 @@ std::vector<Alike> alike_islands(const SceneData& data) {
     const auto [at, fresh] = seen.emplace(key, out.size());
     if (fresh) out.push_back({{}, i, r});
     Alike& alike = out[at->second];
-    alike.islands.push_back(&island_of(data, i));
+    alike.islands.push_back(&solved_island(data, i));
     const auto keep_larger = [&r, &alike](double IslandReport::*x) {
       alike.report.*x = sparse::larger_or_nan(alike.report.*x, r.*x);
     };
@@ -74,7 +74,7 @@ std::vector<Alike> alike_islands(const SceneData& data) {
 }
 
 std::string why(const SolvedScene& s, const Alike& kind) {
-  const Choice choice = choice_of(s.data, kind.number);
+  const Choice choice = chosen_method(s.data, kind.number);
   std::string text;
   if (s.data.options.method == Method::kAuto)
     text = "auto chose " + why_chosen(choice, predict_costs(*shape_of(s.data, kind.number)), s.data.options);

@@ -87,12 +87,12 @@ void measure_drift(SceneFile file, const Options& options, Integrator integrator
   while (sim.steps < steps && stopped == StepStatus::kOk) {
     stopped = step(file.scene, file.u, sim);
     const Invariants at = invariants(file.scene, sim.dynamics.active, sim.q, sim.v, room);
-    largest.position_drift = std::max(largest.position_drift, at.position_drift);
-    largest.velocity_drift = std::max(largest.velocity_drift, at.velocity_drift);
+    largest.violation_position = std::max(largest.violation_position, at.violation_position);
+    largest.violation_velocity = std::max(largest.violation_velocity, at.violation_velocity);
     each(sim.steps);
   }
   csv << to_string(integrator) << choice.name << gains.alpha << gains.beta << h << static_cast<double>(steps)
-      << largest.position_drift << largest.velocity_drift << to_string(stopped)
+      << largest.violation_position << largest.violation_velocity << to_string(stopped)
       << largest_stable_step(integrator, gains);
   csv.end_row();
 }
@@ -115,8 +115,9 @@ EnergyRun measure_energy(SceneFile file, const Options& options, Integrator inte
     out.kinetic = std::max(out.kinetic, at.kinetic);
     each(sim.steps);
     if (static_cast<double>(sim.steps) < next && sim.steps != steps) continue;
-    out.last = {sim.steps, largest, at.position_drift};
-    csv << to_string(integrator) << choice.name << h << static_cast<double>(sim.steps) << largest << at.position_drift;
+    out.last = {sim.steps, largest, at.violation_position};
+    csv << to_string(integrator) << choice.name << h << static_cast<double>(sim.steps) << largest
+        << at.violation_position;
     csv.end_row();
     while (growth > 1 && next <= static_cast<double>(sim.steps)) next *= growth;
   }
@@ -156,10 +157,10 @@ std::vector<EnergyRun> measure(const SceneFile& file, const Options& options, co
     };
   };
   CsvFile drift((folder / "drift.csv").string()), energy((folder / "energy.csv").string());
-  begin_csv({"integrator", "gains", "alpha", "beta", "step_s", "steps", "largest_position_drift",
-             "largest_velocity_drift", "stopped", "largest_stable_step_s"},
+  begin_csv({"integrator", "gains", "alpha", "beta", "step_s", "steps", "largest_violation_position",
+             "largest_violation_velocity", "stopped", "largest_stable_step_s"},
             drift);
-  begin_csv({"integrator", "gains", "step_s", "step", "largest_energy_error_J", "position_drift"}, energy);
+  begin_csv({"integrator", "gains", "step_s", "step", "largest_energy_error_J", "violation_position"}, energy);
   for (Integrator integrator : kIntegrators)
     for (const GainsChoice& choice : choices)
       for (double h : step_sizes()) {

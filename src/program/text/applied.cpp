@@ -4,7 +4,7 @@
 
 #include "lines.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 #include "table.hpp"
 
 namespace manycontact::cli {
@@ -28,7 +28,7 @@ struct At {
 
   explicit At(const SceneFile& file) : scene(file.scene), forces(scene) {
     std::vector<Vec6<double>> wrenches;
-    for (const Push& push : scene.pushes) wrenches.push_back(push.wrench);
+    for (const ExternalWrench& push : scene.wrenches) wrenches.push_back(push.wrench);
     find_applied_wrenches<double>(scene, file.q.data(), file.v.data(), wrenches, forces);
   }
   Vec3<double> place(const Attachment& at) const {
@@ -39,17 +39,17 @@ struct At {
   }
 };
 
-void print_pushes(std::ostream& out, const Scene& scene, const At& at) {
-  if (scene.pushes.empty()) return;
+void print_wrenches(std::ostream& out, const Scene& scene, const At& at) {
+  if (scene.wrenches.empty()) return;
   out << "\nPushes: where they act [m], force [N] and torque [N m]\n";
-  Table table("push<|on<|at|force|torque|axes<");
-  for (std::size_t k = 0; k < std::min(scene.pushes.size(), kMostListed); ++k) {
-    const Push& push = scene.pushes[k];
+  Table table("wrench<|on<|at|force|torque|axes<");
+  for (std::size_t k = 0; k < std::min(scene.wrenches.size(), kMostListed); ++k) {
+    const ExternalWrench& push = scene.wrenches[k];
     table.add({push.name, name_of(scene, push.at), three(at.place(push.at)), three(push.wrench.head<3>()),
                three(push.wrench.tail<3>()), push.reference_frame == ReferenceFrame::kLocal ? "local" : "world"});
   }
   table.print(out);
-  print_more(out, scene.pushes.size(), kMostListed);
+  print_more(out, scene.wrenches.size(), kMostListed);
 }
 
 void print_springs(std::ostream& out, const Scene& scene, const At& at) {
@@ -88,7 +88,7 @@ void print_joint_springs(std::ostream& out, const SceneFile& file) {
 
 void print_applied_forces(std::ostream& out, const SceneFile& file) {
   const At at(file);
-  print_pushes(out, file.scene, at);
+  print_wrenches(out, file.scene, at);
   print_springs(out, file.scene, at);
   print_joint_springs(out, file);
 }

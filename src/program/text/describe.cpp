@@ -12,11 +12,11 @@ namespace {
 
 constexpr std::size_t kMostRobotLines = 24;  // lines, and kinds of notes
 
-// Returns ", `pushes`: 2, springs: 3", or nothing if the scene has neither.
+// Returns ", `wrenches`: 2, springs: 3", or nothing if the scene has neither.
 std::string applied_forces(const Scene& scene) {
   const std::size_t springs = scene.springs.size() + scene.joint_springs.size();
   std::string out;
-  if (!scene.pushes.empty()) out += ", pushes: " + std::to_string(scene.pushes.size());
+  if (!scene.wrenches.empty()) out += ", wrenches: " + std::to_string(scene.wrenches.size());
   if (springs > 0) out += ", springs: " + std::to_string(springs);
   return out;
 }

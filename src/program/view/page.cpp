@@ -54,8 +54,8 @@ Json frames_of(const Recording& r) {
           {"t", base64_of(r.t)},
           {"kinetic", base64_of(r.kinetic)},
           {"potential", base64_of(r.potential)},
-          {"position_drift", base64_of(r.position_drift)},
-          {"velocity_drift", base64_of(r.velocity_drift)},
+          {"violation_position", base64_of(r.violation_position)},
+          {"violation_velocity", base64_of(r.violation_velocity)},
           {"positions", base64_of(r.positions)},
           {"quaternions", base64_of(r.quaternions)},
           {"islands", base64_of(r.islands)},
@@ -63,7 +63,7 @@ Json frames_of(const Recording& r) {
           {"held", base64_of(r.held)},
           {"normals", base64_of(r.normals)},
           {"forces", base64_of(r.forces)},
-          {"pushes", base64_of(r.pushes)},
+          {"wrenches", base64_of(r.wrenches)},
           {"springs", base64_of(r.springs)},
           {"flags", base64_of(r.flags)}};
 }
@@ -93,7 +93,7 @@ void check_size(const Recording& r) {
   const double bytes = 4. / 3 *
                        (4. * static_cast<double>(r.positions.size()) + 2. * static_cast<double>(r.quaternions.size()) +
                         20. * static_cast<double>(r.points.size()) +  // normals, forces and the places of contacts too
-                        4. * static_cast<double>(r.pushes.size() + r.springs.size()));
+                        4. * static_cast<double>(r.wrenches.size() + r.springs.size()));
   if (bytes > kLargestPage)
     throw UsageError("the view would be " + number(bytes / 1e6) + " MB with " + number(frames, 6) +
                      " frames, expected at most " + number(kLargestPage / 1e6) + ": a shorter motion or fewer robots");
@@ -116,7 +116,7 @@ std::vector<std::string> write_view(const SceneFile& file, Recording& recording,
   scene.update(shapes_of(file, notes, meshes));
   check_unread("the page", path, meshes);
   scene["contacts"] = contacts_of(recording);
-  scene["pushes"] = file.scene.pushes.size();
+  scene["wrenches"] = file.scene.wrenches.size();
   scene["springs"] = file.scene.springs.size();
   scene["frames"] = frames_of(recording);
   scene["notes"] = notes;

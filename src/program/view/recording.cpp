@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include "manycontact/algorithm/frames.hpp"
 #include "manycontact/analysis/unique_forces.hpp"
 #include "manycontact/contact/normal.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "page.hpp"
@@ -87,12 +87,12 @@ void record_contacts(const ViewState& state, Recording& r) {
 }
 
 void record_forces(Recording& r) {
-  for (std::size_t k = 0; k < r.scene->pushes.size(); ++k) {
-    const Push& push = r.scene->pushes[k];
+  for (std::size_t k = 0; k < r.scene->wrenches.size(); ++k) {
+    const ExternalWrench& push = r.scene->wrenches[k];
     const SE3<double> at = placement_of(push.at, r);
-    const Vec3<double> force = r.dynamics.pushes[k].head<3>();
-    append(at.p, r.pushes);
-    append(push.reference_frame == ReferenceFrame::kLocal ? Vec3<double>(at.R * force) : force, r.pushes);
+    const Vec3<double> force = r.dynamics.wrenches[k].head<3>();
+    append(at.p, r.wrenches);
+    append(push.reference_frame == ReferenceFrame::kLocal ? Vec3<double>(at.R * force) : force, r.wrenches);
   }
   for (const Spring& spring : r.scene->springs)
     for (const Attachment* end : {&spring.A, &spring.B}) append(placement_of(*end, r).p, r.springs);
@@ -110,16 +110,16 @@ void record_islands(Recording& r) {
 
 void record(const ViewState& state, Recording& r) {
   r.dynamics.active = state.active;
-  if (state.pushes) r.dynamics.pushes = *state.pushes;
+  if (state.wrenches) r.dynamics.wrenches = *state.wrenches;
   const Eigen::VectorXd u = state.u.value_or(Eigen::VectorXd::Zero(r.scene->nu));
   (void)solve(*r.scene, state.q, state.v, u, r.dynamics);  // forces of an island that failed are NaN, thus unknown
   const Invariants at = invariants(*r.scene, state.active, state.q, state.v, r.room);
-  const Eigen::Vector2d drift = state.drift.value_or(Eigen::Vector2d(at.position_drift, at.velocity_drift));
+  const Eigen::Vector2d drift = state.drift.value_or(Eigen::Vector2d(at.violation_position, at.violation_velocity));
   r.t.push_back(state.t);
   r.kinetic.push_back(static_cast<float>(at.kinetic));
   r.potential.push_back(static_cast<float>(at.potential));
-  r.position_drift.push_back(static_cast<float>(drift[0]));
-  r.velocity_drift.push_back(static_cast<float>(drift[1]));
+  r.violation_position.push_back(static_cast<float>(drift[0]));
+  r.violation_velocity.push_back(static_cast<float>(drift[1]));
   record_bodies(r);
   record_contacts(state, r);
   record_forces(r);

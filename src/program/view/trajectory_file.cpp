@@ -75,7 +75,7 @@ void read_trajectory(const std::string& path, const std::optional<std::string>& 
                      Recording& recording) {
   CsvReader row(path);
   const Columns q = columns(row, "q:", configuration_names(scene)), v = columns(row, "v:", velocity_names(scene));
-  const bool drift = row.has("drift_position") && row.has("drift_velocity");
+  const bool drift = row.has("violation_position") && row.has("violation_velocity");
   std::optional<Forces> forces_file;
   if (forces) forces_file.emplace(*forces, scene);
 
@@ -84,7 +84,8 @@ void read_trajectory(const std::string& path, const std::optional<std::string>& 
   while (row.next()) {
     ViewState state{row.t(), numbers(row, q), numbers(row, v), active};
     if (const std::string why = unusable_configuration("q", state.q, scene, kUnitLength); !why.empty()) row.fail(why);
-    if (drift) state.drift.emplace(row.number(row.column("drift_position")), row.number(row.column("drift_velocity")));
+    if (drift)
+      state.drift.emplace(row.number(row.column("violation_position")), row.number(row.column("violation_velocity")));
     if (forces_file) forces_file->set(state);
     add_state(state, recording);
   }

@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "../command/command.hpp"
+#include "manycontact/detail/simulation/invariants.hpp"
 #include "manycontact/dynamics/data.hpp"
 #include "manycontact/io/scene_file.hpp"
-#include "manycontact/simulation/invariants.hpp"
 
 namespace manycontact::cli {
 
@@ -19,7 +19,7 @@ struct ViewState {
   std::optional<Eigen::VectorXd> u = {};                    // torques of this state
   std::optional<std::vector<Eigen::VectorXd>> forces = {};  // one entry per contact, in its reference frame
   std::optional<Eigen::Vector2d> drift = {};                // position, velocity; default: those of `active`
-  std::optional<std::vector<Vec6<double>>> pushes = {};     // wrenches; default: the scene's
+  std::optional<std::vector<Vec6<double>>> wrenches = {};   // wrenches; default: the scene's
 };
 
 /// The data that the page draws, one frame after the other.
@@ -35,14 +35,14 @@ struct Recording {
   // These members have entries for each frame.
   std::vector<double> t;                              // s
   std::vector<float> kinetic, potential;              // J
-  std::vector<float> position_drift, velocity_drift;  // m or rad, and per s
+  std::vector<float> violation_position, violation_velocity;  // m or rad, and per s
   std::vector<float> positions;                       // 3 per body, m: bodies of all robots, in their order
   std::vector<std::int16_t> quaternions;              // 4 per body, x y z w times 32767
   std::vector<std::int32_t> islands;                  // one per robot: the first robot of its island
   std::vector<float> points, normals, forces;         // 3 per contact, in the world: A's origin, the contact's
                                                       // normal, the force on A [N], NaN: unknown
   std::vector<float> held;                            // 6 per contact: B' and the frame it was attached by
-  std::vector<float> pushes, springs;                 // 6 per external wrench, in the world: point of application,
+  std::vector<float> wrenches, springs;               // 6 per external wrench, in the world: point of application,
                                                       // force [N]; 6 per spring: its ends
   std::vector<std::uint8_t> flags;                    // one per contact: kActive | kRedundant | kShared
   static constexpr std::uint8_t kActive = 1, kRedundant = 2, kShared = 4;

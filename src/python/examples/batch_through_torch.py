@@ -1,4 +1,4 @@
-"""Ten thousand states of an arm that pushes a box, as one function in torch, and its gradients.
+"""Ten thousand states of an arm that wrenches a box, as one function in torch, and its gradients.
 
     batch_through_torch.py models/arm_pushes_box.xml [states]
 

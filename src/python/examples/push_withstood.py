@@ -19,7 +19,7 @@ still = np.zeros(scene.nv)
 
 def judged(push):
     """What a force on the first push's frame, in the world's axes, does to the contacts."""
-    data.pushes[0] = [*push, 0, 0, 0]
+    data.wrenches[0] = [*push, 0, 0, 0]
     u = mc.quasi_static(scene, file.q, data)
     mc.solve(scene, file.q, still, u, data)
     if abs(data.a).max() > 1e-6:

@@ -139,7 +139,7 @@ def _scene_element(scene: Scene, urdfs: Mapping[str, str], q: Any, v: Any, u: An
                 element.set("normal", _numbers(contact.normal))
             if numpy.any(contact.box):
                 element.set("box", _numbers(contact.box))
-    for push in scene.pushes:
+    for push in scene.wrenches:
         frame, offset = _frame(scene, push.at)
         element = xml.SubElement(top, "push", name=push.name, frame=frame, offset=_numbers(offset.p))
         element.set("reference_frame", _text(push.reference_frame))

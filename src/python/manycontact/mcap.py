@@ -66,7 +66,7 @@ def write_mcap(path: str, scene: Any, trajectory: Any, rate: float = 50) -> int:
             next_time = t + 1 / rate
             nanoseconds = round(t * 1e9)
             stamp = {"sec": nanoseconds // 10**9, "nsec": nanoseconds % 10**9}
-            forward_kinematics(scene, data, q)
+            forward_kinematics(scene, q, data)
             transforms = []
             for name in names:
                 at = frame_placement(scene, data, name)

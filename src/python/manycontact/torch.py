@@ -15,7 +15,7 @@ from typing import List, Optional, Tuple
 import numpy
 import torch  # type: ignore[import]
 
-from . import BatchData, JointType, Options, Scene, solve_batch, vjp_batch_with_pushes
+from . import BatchData, JointType, Options, Scene, solve_batch, vjp_batch_with_wrenches
 
 
 def _numbers(tensor):
@@ -24,19 +24,19 @@ def _numbers(tensor):
 
 class _Solve(torch.autograd.Function):
     @staticmethod
-    def forward(ctx, dynamics, q, v, u, pushes):
+    def forward(ctx, dynamics, q, v, u, wrenches):
         ctx.dynamics, ctx.active = dynamics, numpy.array(dynamics.batch.active)
-        ctx.save_for_backward(q, v, u, pushes)
-        dynamics._set(ctx.active, _numbers(pushes))
+        ctx.save_for_backward(q, v, u, wrenches)
+        dynamics._set(ctx.active, _numbers(wrenches))
         a, f, dynamics.status = solve_batch(dynamics.scene, *map(_numbers, (q, v, u)), dynamics.batch)
         return q.new_tensor(a), q.new_tensor(f)
 
     @staticmethod
     @torch.autograd.function.once_differentiable
     def backward(ctx, by_a, by_f):
-        dynamics, (q, v, u, pushes) = ctx.dynamics, ctx.saved_tensors
-        dynamics._set(ctx.active, _numbers(pushes))
-        wq, wv, wu, ww, _ = vjp_batch_with_pushes(
+        dynamics, (q, v, u, wrenches) = ctx.dynamics, ctx.saved_tensors
+        dynamics._set(ctx.active, _numbers(wrenches))
+        wq, wv, wu, ww, _ = vjp_batch_with_wrenches(
             dynamics.scene, *map(_numbers, (q, v, u, by_a, by_f)), dynamics.batch
         )
         by_q = dynamics._by_numbers_of_q(_numbers(q), wq)
@@ -78,19 +78,19 @@ class Dynamics:
     def active(self, flags):
         self.batch.active = flags
 
-    def __call__(self, q, v, u, pushes=None):
-        """(a, f). pushes: (pushes of the scene, 6), wrenches in all states; default: those of the scene."""
-        if pushes is None:
-            pushes = q.new_tensor(numpy.array([push.wrench for push in self.scene.pushes])).reshape(-1, 6)
+    def __call__(self, q, v, u, wrenches=None):
+        """(a, f). wrenches: (wrenches of the scene, 6), wrenches in all states; default: those of the scene."""
+        if wrenches is None:
+            wrenches = q.new_tensor(numpy.array([push.wrench for push in self.scene.wrenches])).reshape(-1, 6)
         one = q.dim() == 1
         if one:
             q, v, u = q[None], v[None], u[None]
-        a, f = _Solve.apply(self, self._unit(q), v, u, pushes)
+        a, f = _Solve.apply(self, self._unit(q), v, u, wrenches)
         return (a[0], f[0]) if one else (a, f)
 
-    def _set(self, active, pushes):
+    def _set(self, active, wrenches):
         self.batch.active = active
-        self.batch.pushes = pushes
+        self.batch.wrenches = wrenches
 
     def _unit(self, q):
         if not self._quaternions:

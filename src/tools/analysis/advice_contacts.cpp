@@ -135,7 +135,7 @@ std::vector<std::string> advise_on_contacts(const Scene& scene, const SceneData&
   if (data.serial == 0) throw std::logic_error("advise_on_contacts: solve first");
   std::vector<std::string> advice;
   for (const IslandKind& kind : kinds) {
-    const Subject subject{scene, island_of(data, static_cast<std::size_t>(kind.islands.front())), kind};
+    const Subject subject{scene, solved_island(data, static_cast<std::size_t>(kind.islands.front())), kind};
     advise_rows(subject, advice);
     advise_pairs(subject, advice);
     advise_lighter(subject, advice);

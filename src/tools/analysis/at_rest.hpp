@@ -21,7 +21,7 @@ inline std::vector<char> active_of(const SceneData& data) {
 /// Calls act(row) for an island's rows of f.
 template <class Act>
 void each_row(const Scene& scene, const SceneData& data, std::size_t island, Act&& act) {
-  for (const int c : island_of(data, island).contacts)
+  for (const int c : solved_island(data, island).contacts)
     for (int k = 0; k < scene.contacts[c].rows(); ++k) act(data.f_offset[c] + k);
 }
 inline std::vector<int> rows_of(const Scene& scene, const SceneData& data, std::size_t island) {
@@ -43,7 +43,7 @@ inline double change_in(const Scene& scene, const SceneData& data, std::size_t i
 /// Calls act(i) for the velocity coordinates of an island's robots.
 template <class Act>
 void each_coordinate(const Scene& scene, const SceneData& data, std::size_t island, Act&& act) {
-  for (const int r : island_of(data, island).robots)
+  for (const int r : solved_island(data, island).robots)
     for (int k = 0; k < scene.robots[r].model->nv; ++k) act(scene.robots[r].idx_v + k);
 }
 

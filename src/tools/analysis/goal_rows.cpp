@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "manycontact/algorithm/frames.hpp"
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 #include "manycontact/spatial/explog.hpp"
 #include "manycontact/spatial/rpy.hpp"
 

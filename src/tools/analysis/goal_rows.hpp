@@ -5,9 +5,9 @@
 #include <map>
 #include <memory>
 
-#include "manycontact/algorithm/kinematics.hpp"
 #include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/analysis/place.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
 
 namespace manycontact::internal {
 

@@ -49,7 +49,7 @@ std::vector<LimitPassed> limits_passed(const Scene& scene, const ConstVectorRef&
   for (int r = 0; r < scene.nrobots(); ++r) {
     const Robot& robot = scene.robots[r];
     for (const Joint& joint : robot.model->joints) {
-      const int torque = robot.model->torque_of(joint);
+      const int torque = robot.model->torque_index(joint);
       for (int k = 0; k < joint.nv() && joint.type != JointType::kFloating; ++k) {
         const LimitPassed at{r, joint.idx_v + k, LimitKind::kPosition, 0, 0};
         look_at(joint, k, LimitKind::kPosition, q[robot.idx_q + joint.idx_q + k], at, out);

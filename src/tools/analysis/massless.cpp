@@ -1,8 +1,8 @@
 #include <set>
 
-#include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/inertia_factor.hpp"
 #include "manycontact/analysis/findings.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
 #include "manycontact/dynamics/views.hpp"
 
 namespace manycontact {
@@ -69,7 +69,7 @@ std::vector<MasslessJoint> massless_joints(const Scene& scene, const SceneData& 
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
     const IslandReport& report = data.report.islands[i];
     if (report.status != Status::kFailed || report.reason != Reason::kSingularInertia) continue;
-    for (int r : island_of(data, i).robots) {
+    for (int r : solved_island(data, i).robots) {
       const Robot& robot = scene.robots[r];
       for (const int j : massless_of(robot, q.segment(robot.idx_q, robot.model->nq)))
         out.push_back({robot.name + "/" + robot.model->joints[j].name, why_massless(*robot.model, j)});

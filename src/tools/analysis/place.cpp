@@ -29,7 +29,7 @@ Goal center_of_mass_goal(const Scene& scene, const Partial& position, const std:
 }
 
 Goal joint_goal(const Scene& scene, const std::string& joint, double value, double weight) {
-  const BodyJoint found = joint_called(scene, joint);
+  const BodyJoint found = find_joint(scene, joint);
   return {.target = Goal::Target::kJoint,
           .name = joint,
           .weight = weight,

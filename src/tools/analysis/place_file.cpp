@@ -5,7 +5,7 @@
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/analysis/place.hpp"
 #include "manycontact/analysis/text.hpp"
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "manycontact/io/task_file.hpp"
 #include "manycontact/model/suggestion.hpp"
 #include "moved_most.hpp"

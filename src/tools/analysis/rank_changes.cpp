@@ -43,7 +43,7 @@ class Probe {
   std::vector<int> contacts(std::size_t island) const {
     std::vector<int> out;
     const double least = kNoChange * largest_of_n(island);
-    for (const int c : island_of(data_, island).contacts) {
+    for (const int c : solved_island(data_, island).contacts) {
       const auto of_contact = n_.segment(data_.f_offset[c], scene_.contacts[c].rows());
       if (of_contact.cwiseAbs().maxCoeff() > least) out.push_back(c);
     }
@@ -55,7 +55,7 @@ class Probe {
     std::vector<std::vector<int>> of(islands.size());
     std::size_t most = 0;
     for (std::size_t k = 0; k < islands.size(); ++k) {
-      const double nv = island_of(data_, islands[k]).nv;
+      const double nv = solved_island(data_, islands[k]).nv;
       if (nv * static_cast<double>(scene_.contacts.size()) > kMostLooked) continue;
       internal::each_coordinate(scene_, data_, islands[k], [&](int i) { of[k].push_back(i); });
       most = std::max(most, of[k].size());

@@ -30,7 +30,7 @@ struct Examined {
   const IslandSupport& support;
 
   const Contact& contact(int position) const { return scene.contacts[island.contacts[position]]; }
-  const ContactData<double>& numbers(int position) const { return contact_of(data, island.contacts[position]); }
+  const ContactData<double>& numbers(int position) const { return contact_data(data, island.contacts[position]); }
   /// Positions of all contacts; empty where the island is too deep for rows in joint space.
   std::vector<int> all() const {
     std::vector<int> out(island.contacts.size());
@@ -260,7 +260,7 @@ IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t nu
 }
 
 IslandRanks internal::ranks_of_island(const Scene& scene, const SceneData& data, std::size_t number) {
-  const Island& island = island_of(data, number);
+  const Island& island = solved_island(data, number);
   const Examined x{scene, data, island, island_support_of(data, number)};
   IslandRanks out;
   const std::vector<int> all = x.all();
@@ -280,7 +280,7 @@ IslandRanks internal::ranks_of_island(const Scene& scene, const SceneData& data,
 }
 
 internal::RowRemainders internal::row_remainders(const Scene& scene, const SceneData& data, std::size_t number) {
-  const Island& island = island_of(data, number);
+  const Island& island = solved_island(data, number);
   const Examined x{scene, data, island, island_support_of(data, number)};
   const std::vector<int> all = x.all();
   if (all.size() != island.contacts.size()) return {};

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include "manycontact/algorithm/frames.hpp"
 #include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/contact/motion_of.hpp"
 #include "manycontact/contact/normal.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 
 namespace manycontact::internal {
 

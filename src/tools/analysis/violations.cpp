@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "manycontact/algorithm/frames.hpp"
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/contact/motion_of.hpp"
 #include "manycontact/contact/normal.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 #include "manycontact/model/expect_state.hpp"
 
 namespace manycontact {

@@ -1,6 +1,6 @@
 #include <unordered_map>
 
-#include "manycontact/contact/reference.hpp"
+#include "manycontact/detail/contact/reference.hpp"
 #include "scene_parts.hpp"
 
 namespace manycontact::io {

@@ -32,7 +32,7 @@ class IncludeReader {
     out_.files.push_back(std::make_unique<XmlFile>(path, text, "scene"));
     const Element root = out_.files.back()->root();
     root.allow_attributes({"name", "gravity", "damping", "tolerance", "moment_length", "consistent", "restarts"});
-    root.allow_children({"robot", "contact", "push", "spring", "pose", "include"});
+    root.allow_children({"robot", "contact", "wrench", "push", "spring", "pose", "include"});
     for (const char* name : {"damping", "tolerance"}) (void)root.number_from_0(name, 0);  // or refused
     (void)root.positive("moment_length", 1, "a length");
     (void)consistent(root);
@@ -58,7 +58,8 @@ class IncludeReader {
   std::vector<Element>& list_of(const std::string& name) {
     return name == "robot"    ? out_.robots
            : name == "pose"   ? out_.poses
-           : name == "push"   ? out_.pushes
+           : name == "wrench" ? out_.wrenches
+           : name == "push"   ? out_.wrenches
            : name == "spring" ? out_.springs
                               : out_.contacts;
   }
@@ -122,7 +123,7 @@ SceneFile scene_of(const std::string& bytes, const std::string& path) {
   add_robots(elements.robots, out);
   out.files = files_of(elements, out.robot_groups);
   add_contacts(elements.contacts, out);
-  add_pushes(elements.pushes, out);
+  add_wrenches(elements.wrenches, out);
   add_springs(elements.springs, out);
   add_joint_springs(elements.robots, out);
   add_poses(elements.poses, out);

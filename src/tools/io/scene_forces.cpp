@@ -1,4 +1,4 @@
-// `<push>`, `<spring>`, and springs of `<joint>` elements.
+// `<wrench>`, `<spring>`, and springs of `<joint>` elements.
 
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "scene_parts.hpp"
@@ -40,20 +40,20 @@ void add_or_fail(const Element& e, Add&& add) {
 
 }  // namespace
 
-void add_pushes(const std::vector<Element>& elements, SceneFile& out) {
+void add_wrenches(const std::vector<Element>& elements, SceneFile& out) {
   EndReader ends(out);
   for (const Element& e : elements) {
     e.allow_attributes({"name", "frame", "offset", "force", "torque", "reference_frame"});
     e.allow_children({});
     const End end = ends.read_first(e, "frame");
     for (int i = 0; i < end.count; ++i) {
-      Push push;
+      ExternalWrench push;
       push.at = attachment(end, end.first + i, three(e, "offset"));
       push.name = name_of(e, frame_name(out, push.at), end.copied, i);
       push.reference_frame = read_reference_frame(e);
       const Vec3<double> force = three(e, "force"), torque = three(e, "torque");
       push.wrench << force, torque;
-      add_or_fail(e, [&] { add_push(out.scene, std::move(push)); });
+      add_or_fail(e, [&] { add_external_wrench(out.scene, std::move(push)); });
     }
   }
 }

@@ -18,7 +18,7 @@ namespace manycontact::io {
 /// The elements of a scene file and of those it includes, in the order in which they are met.
 struct SceneElements {
   std::vector<std::unique_ptr<XmlFile>> files;
-  std::vector<Element> robots, contacts, pushes, springs, poses;
+  std::vector<Element> robots, contacts, wrenches, springs, poses;
 };
 
 /// "line 3", or "line 3 of other.xml": where a name was given, seen from a place in a file.
@@ -117,7 +117,7 @@ class EndReader {
 void add_contacts(const std::vector<Element>& elements, SceneFile& out);
 
 /// Adds all external wrenches, springs between points and springs in joints; out.q must be complete.
-void add_pushes(const std::vector<Element>& elements, SceneFile& out);
+void add_wrenches(const std::vector<Element>& elements, SceneFile& out);
 void add_springs(const std::vector<Element>& elements, SceneFile& out);
 void add_joint_springs(const std::vector<Element>& robots, SceneFile& out);
 

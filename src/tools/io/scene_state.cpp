@@ -44,7 +44,7 @@ struct Quantity {
 const Quantity kQ{"q", [](const Joint& j) { return j.nq(); }, [](const Model&, const Joint& j) { return j.idx_q; }};
 const Quantity kV{"v", [](const Joint& j) { return j.nv(); }, [](const Model&, const Joint& j) { return j.idx_v; }};
 const Quantity kU{"u", [](const Joint& j) { return j.nv(); },
-                  [](const Model& m, const Joint& j) { return m.torque_of(j); }};
+                  [](const Model& m, const Joint& j) { return m.torque_index(j); }};
 
 class StateReader {
  public:

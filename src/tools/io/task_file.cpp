@@ -27,11 +27,14 @@ namespace {
 
 constexpr int kMostNodes = 1000000;
 
+// <push> is an alias.
+bool is_wrench(const Element& e) { return e.name() == "wrench" || e.name() == "push"; }
+
 // <cost> and <constraint> children of a phase; names are used once in each phase.
 void read_terms(const Element& e, bool terminal, TermReader& reader, TaskPhase& phase) {
   std::map<std::string, int> names;
   for (auto child = e.child(); child; child = child->next(nullptr)) {
-    if (child->name() == "push") continue;
+    if (is_wrench(*child)) continue;
     TaskTerm term = reader.read(*child, phase.active, terminal);
     const auto [at, is_new] = names.emplace(term.name, term.line);
     if (!is_new)
@@ -42,34 +45,36 @@ void read_terms(const Element& e, bool terminal, TermReader& reader, TaskPhase& 
 }
 
 // Returns the external wrenches of that name: one, or those of all copies.
-std::vector<int> pushes_called(const Scene& scene, const std::string& name) {
-  if (const auto found = scene.push_index.find(name); found != scene.push_index.end()) return {found->second};
+std::vector<int> wrenches_called(const Scene& scene, const std::string& name) {
+  if (const auto found = scene.wrench_index.find(name); found != scene.wrench_index.end()) return {found->second};
   std::vector<int> out;
   for (int k = 0;; ++k) {
-    const auto copy = scene.push_index.find(name + std::to_string(k));
-    if (copy == scene.push_index.end()) return out;
+    const auto copy = scene.wrench_index.find(name + std::to_string(k));
+    if (copy == scene.wrench_index.end()) return out;
     out.push_back(copy->second);
   }
 }
 
-// Reads `<push>` children: other external wrenches in these nodes.
-void read_pushes(const Element& e, const Scene& scene, TaskPhase& phase) {
-  for (const Push& push : scene.pushes) phase.pushes.push_back(push.wrench);
-  for (auto child = e.child("push"); child; child = child->next("push")) {
+// Reads `<wrench>` children: other external wrenches in these nodes.
+void read_wrenches(const Element& e, const Scene& scene, TaskPhase& phase) {
+  for (const ExternalWrench& push : scene.wrenches) phase.wrenches.push_back(push.wrench);
+  for (auto child = e.child(); child; child = child->next(nullptr)) {
+    if (!is_wrench(*child)) continue;
     child->allow_attributes({"name", "force", "torque"});
     child->allow_children({});
     const std::string name = child->required("name");
-    const std::vector<int> numbers = pushes_called(scene, name);
+    const std::vector<int> numbers = wrenches_called(scene, name);
     if (numbers.empty()) {
       std::vector<std::string> known;
-      for (const Push& push : scene.pushes) known.push_back(push.name);
-      child->where("name").fail("there is no push " + quote(name) + " in the scene, " + suggestion(name, known));
+      for (const ExternalWrench& push : scene.wrenches) known.push_back(push.name);
+      child->where("name").fail("there is no external wrench " + quote(name) + " in the scene, " +
+                                suggestion(name, known));
     }
     std::optional<Vec3<double>> force, torque;
     child->read("force", force), child->read("torque", torque);
     for (const int k : numbers) {
-      if (force) phase.pushes[k].head<3>() = *force;
-      if (torque) phase.pushes[k].tail<3>() = *torque;
+      if (force) phase.wrenches[k].head<3>() = *force;
+      if (torque) phase.wrenches[k].tail<3>() = *torque;
     }
   }
 }
@@ -86,7 +91,7 @@ void read_impact(const Element& e, const TaskPhase* before, TaskPhase& phase) {
 
 TaskPhase read_phase(const Element& e, const Scene& scene, const TaskPhase* before, TermReader& reader) {
   e.allow_attributes({"nodes", "contacts", "impact", "at"});
-  e.allow_children({"cost", "constraint", "push"});
+  e.allow_children({"cost", "constraint", "wrench", "push"});
   TaskPhase phase;
   phase.line = e.line();
   phase.nodes = e.count("nodes", 1, kMostNodes);
@@ -100,7 +105,7 @@ TaskPhase read_phase(const Element& e, const Scene& scene, const TaskPhase* befo
     }
   phase.at_scene = e.choice("at", {"closing", "scene"}, 0) == 1;
   read_impact(e, before, phase);
-  read_pushes(e, scene, phase);
+  read_wrenches(e, scene, phase);
   read_terms(e, false, reader, phase);
   return phase;
 }

@@ -55,7 +55,7 @@ SE3<double> placement_of(const urdf::Pose& pose) {
   return {rotation_of_quaternion(x, y, z, w), Vec3<double>(pose.position.x, pose.position.y, pose.position.z)};
 }
 
-Inertia<double> inertia_of(const urdf::Inertial& i) {
+Inertia<double> joint_space_inertia(const urdf::Inertial& i) {
   const SE3<double> at = placement_of(i.origin);
   Mat3<double> I;
   I << i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz;
@@ -230,7 +230,7 @@ class Builder {
     frame.joint = place.joint;
     frame.placement = place.placement;
     frame.merged = place.joint >= 0 && body_link_[place.joint] != link.name;
-    if (link.inertial) frame.inertia = inertia_of(*link.inertial);
+    if (link.inertial) frame.inertia = joint_space_inertia(*link.inertial);
     if (place.joint >= 0 && frame.inertia.m < 0)
       tell("inertia", link.name, details_.link.at(link.name),
            "the mass " + io::show(frame.inertia.m) + " kg, compensated by the bodies that the link is merged with");

@@ -1,4 +1,4 @@
-#include "manycontact/algorithm/rnea.hpp"
+#include "manycontact/detail/algorithm/rnea.hpp"
 #include "manycontact/model/applied_forces.hpp"
 #include "manycontact/simulation/step.hpp"
 

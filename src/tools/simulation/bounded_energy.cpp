@@ -18,7 +18,7 @@
 #include <numeric>
 
 #include "internal.hpp"
-#include "manycontact/algorithm/energy.hpp"
+#include "manycontact/detail/algorithm/energy.hpp"
 #include "one_body.hpp"
 #include "resisting_forces.hpp"
 #include "robot_sets.hpp"

@@ -33,7 +33,7 @@ void turn_together(std::span<const int> members, const Vec3<double>& dL, double 
     FreeGroup& group = groups.groups[static_cast<std::size_t>(g)];
     const Vec3<double> C = centre_of(group);
     add_impulse(group, h, C, group.Y.m * dw.cross(Vec3<double>(C - body.C)));
-    group.L_next += inertia_of(group) * dw;
+    group.L_next += joint_space_inertia(group) * dw;
   }
 }
 

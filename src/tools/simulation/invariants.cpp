@@ -1,7 +1,7 @@
-#include "manycontact/simulation/invariants.hpp"
+#include "manycontact/detail/simulation/invariants.hpp"
 
 #include "manycontact/algorithm/applied_forces.hpp"
-#include "manycontact/algorithm/energy.hpp"
+#include "manycontact/detail/algorithm/energy.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/spatial/explog.hpp"
 
@@ -57,8 +57,8 @@ Invariants invariants(const Scene& scene, const std::vector<char>& active, const
                          contact.B.robot < 0 ? nullptr : &data.kin[contact.B.robot], d);
     const Vec6<double> e = placement_error(contact, d);
     for (Eigen::Index i = 0; i < d.W.rows(); ++i) {
-      raise(out.position_drift, e[i]);
-      raise(out.velocity_drift, d.W.row(i).dot(d.nu));  // J v = W nu
+      raise(out.violation_position, e[i]);
+      raise(out.violation_velocity, d.W.row(i).dot(d.nu));  // J v = W nu
     }
   }
   return out;

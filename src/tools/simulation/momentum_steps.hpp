@@ -1,7 +1,7 @@
 #pragma once
-// A step's end (simulation/momentum.hpp) and its derivatives share these functions.
+// A step's end (detail/simulation/momentum.hpp) and its derivatives share these functions.
 
-#include "manycontact/simulation/momentum.hpp"
+#include "manycontact/detail/simulation/momentum.hpp"
 
 namespace manycontact::internal {
 

@@ -14,7 +14,7 @@ OneBody one_body(std::span<const int> members, const FreeGroups& groups) {
   for (const int g : members) {
     const FreeGroup& group = groups.groups[static_cast<std::size_t>(g)];
     const Vec3<double> r = centre_of(group) - out.C;
-    out.I += inertia_of(group) + group.Y.m * (r.squaredNorm() * Mat3<double>::Identity() - r * r.transpose());
+    out.I += joint_space_inertia(group) + group.Y.m * (r.squaredNorm() * Mat3<double>::Identity() - r * r.transpose());
     L += spin(group, group.Y.h / group.Y.m) + r.cross(Vec3<double>(group.momentum.head<3>()));
   }
   out.V = P / out.m, out.w = turn_for(out.plane, out.I, L);

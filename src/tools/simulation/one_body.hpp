@@ -1,5 +1,5 @@
 #pragma once
-// Free groups of bodies (simulation/momentum.hpp) as one rigid body.
+// Free groups of bodies (detail/simulation/momentum.hpp) as one rigid body.
 
 #include <span>
 
@@ -20,6 +20,6 @@ OneBody one_body(std::span<const int> members, const FreeGroups& groups);
 /// Returns the centre of mass of a group in the world.
 inline Vec3<double> centre_of(const FreeGroup& group) { return group.reference + group.Y.h / group.Y.m; }
 /// Returns the inertia of a group about its centre of mass.
-inline Mat3<double> inertia_of(const FreeGroup& group) { return group.Y.seen_at(-group.Y.h / group.Y.m).I; }
+inline Mat3<double> joint_space_inertia(const FreeGroup& group) { return group.Y.seen_at(-group.Y.h / group.Y.m).I; }
 
 }  // namespace manycontact::internal

@@ -48,7 +48,7 @@ void begin(const Scene& scene, const std::vector<char>& active, PostureData& d) 
   d.w.resize(d.dynamics.f.size());
   for (Eigen::Index k = 0; k < d.w.size(); ++k) d.w[k] = std::cos(static_cast<double>(k * k));
   for (std::size_t i = 0; i < island_count(d.dynamics); ++i) {
-    const Island& island = island_of(d.dynamics, i);
+    const Island& island = solved_island(d.dynamics, i);
     const double size = std::sqrt(product(scene, d.dynamics, island, d.w, d.w));
     each_row_block(scene, d.dynamics, island, [&](int at, int n) { d.w.segment(at, n) /= size; });
   }
@@ -67,7 +67,7 @@ ClosestPosture closest_between(double size0, double size1, double product01) {
 
 // w+, x and sigma of an island after an iteration, and the closest between the last state and this one.
 ClosestPosture advance(const Scene& scene, std::size_t i, PostureData& d) {
-  const Island& island = island_of(d.dynamics, i);
+  const Island& island = solved_island(d.dynamics, i);
   const double size = take_rows(scene, island, d);
   if (size == 0) return {};
   double sigma2 = 0;  // w+^T J x = w+^T w / |f|
@@ -105,7 +105,7 @@ ClosestPosture follow_posture(const Scene& scene, const std::vector<char>& activ
       return {};
     }
     for (std::size_t i = 0; k > 1 && i < island_count(d.dynamics); ++i)
-      (void)take_rows(scene, island_of(d.dynamics, i), d);
+      (void)take_rows(scene, solved_island(d.dynamics, i), d);
   }
   // J x with the last state's x, for x_k^T M x_k+1 = w_k+1^T J x_k
   d.Jx.resize(d.w.size());

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "manycontact/algorithm/configuration.hpp"
-#include "manycontact/algorithm/crba.hpp"
 #include "manycontact/algorithm/inertia_factor.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
 #include "resisting_forces.hpp"
 #include "spring_share.hpp"
 

@@ -43,9 +43,9 @@ Scene without_springs(const Scene& scene) {
 }
 
 void follow_loads(const Scene& scene, Scene& loads) {
-  for (std::size_t k = 0; k < scene.pushes.size(); ++k) {
-    loads.pushes[k].at.placement = scene.pushes[k].at.placement;
-    loads.pushes[k].reference_frame = scene.pushes[k].reference_frame;
+  for (std::size_t k = 0; k < scene.wrenches.size(); ++k) {
+    loads.wrenches[k].at.placement = scene.wrenches[k].at.placement;
+    loads.wrenches[k].reference_frame = scene.wrenches[k].reference_frame;
   }
   for (std::size_t k = 0; k < scene.joint_springs.size(); ++k) {
     loads.joint_springs[k].stiffness = scene.joint_springs[k].stiffness;
@@ -143,7 +143,7 @@ class WithoutGains {
 
 bool islands_fit(const SceneData& data) {
   for (std::size_t i = 0; i < island_count(data); ++i)
-    if (island_of(data, i).nv > kMostCoordinates) return false;
+    if (solved_island(data, i).nv > kMostCoordinates) return false;
   return true;
 }
 
@@ -166,7 +166,7 @@ void multiply(const Scene& rest, const SceneData& data, const DerivativeData& in
               Eigen::VectorXd& a) {
   a.setZero(b.size());
   for (std::size_t i = 0; i < inverse.islands.size(); ++i) {
-    const std::vector<int>& robots = island_of(data, i).robots;
+    const std::vector<int>& robots = solved_island(data, i).robots;
     const auto X = inverse.islands[i].da_du();
     for (int by = 0, column = 0; const int r : robots) {
       const Robot& from = rest.robots[static_cast<std::size_t>(r)];
@@ -308,11 +308,11 @@ ResistingSprings::ResistingSprings(const Scene& scene)
 void add_loads(const Scene& scene, SimulationData& d) {
   if (!d.applied) return;
   ResistingSprings* s = d.resisting && d.resisting->springs ? &*d.resisting->springs : nullptr;
-  if (!s) return add_applied_forces<double>(scene, d.q.data(), d.v.data(), d.dynamics.pushes, *d.applied, d.w.data());
-  find_applied_wrenches<double>(scene, d.q.data(), d.v.data(), d.dynamics.pushes, *d.applied);
+  if (!s) return add_applied_forces<double>(scene, d.q.data(), d.v.data(), d.dynamics.wrenches, *d.applied, d.w.data());
+  find_applied_wrenches<double>(scene, d.q.data(), d.v.data(), d.dynamics.wrenches, *d.applied);
   follow_loads(scene, s->loads);
   if (s->of_loads)
-    add_applied_forces<double>(s->loads, d.q.data(), d.v.data(), d.dynamics.pushes, *s->of_loads, d.w.data());
+    add_applied_forces<double>(s->loads, d.q.data(), d.v.data(), d.dynamics.wrenches, *s->of_loads, d.w.data());
 }
 
 void take_springs(const Scene& scene, SimulationData& d) {

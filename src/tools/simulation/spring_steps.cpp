@@ -108,7 +108,7 @@ SpringStep shortest_spring_step(const Scene& scene, const PdLaws& pd, const std:
   if (!scene.springs.empty()) {
     AppliedForces<double> at_q(scene);
     const Eigen::VectorXd rest = Eigen::VectorXd::Zero(scene.nv);
-    std::vector<Vec6<double>> none(scene.pushes.size(), Vec6<double>::Zero());
+    std::vector<Vec6<double>> none(scene.wrenches.size(), Vec6<double>::Zero());
     find_applied_wrenches<double>(scene, q.data(), rest.data(), none, at_q);
     for (std::size_t s = 0; s < scene.springs.size(); ++s) {
       const Spring& spring = scene.springs[s];

@@ -66,7 +66,8 @@ int states_at_once(const Scene& scene, const Options& options) {
 void take_settings(const SimulationBatch& b, Eigen::Index first, int states, SimulationData& d) {
   d.velocity_limit = b.velocity_limit;
   for (std::size_t c = 0; c < d.dynamics.active.size(); ++c) d.dynamics.active[c] = b.active[c % b.active.size()];
-  for (std::size_t k = 0; k < d.dynamics.pushes.size(); ++k) d.dynamics.pushes[k] = b.pushes[k % b.pushes.size()];
+  for (std::size_t k = 0; k < d.dynamics.wrenches.size(); ++k)
+    d.dynamics.wrenches[k] = b.wrenches[k % b.wrenches.size()];
   if (b.kp.size() == 0) {
     d.pd = {};
     return;
@@ -191,7 +192,7 @@ void check(const Scene& scene, const ConstBatchRows& u, const SimulationBatch& b
          "step_batch: u does not fit, expected a row of nu numbers for each state");
   expect(steps >= 0, "step_batch: the number of steps is negative");
   expect(b.active.size() == scene.contacts.size(), "step_batch: batch.active does not fit the scene");
-  expect(b.pushes.size() == scene.pushes.size(), "step_batch: batch.pushes does not fit the scene");
+  expect(b.wrenches.size() == scene.wrenches.size(), "step_batch: batch.wrenches does not fit the scene");
   const Eigen::Index gains = b.kp.size();
   expect(b.kd.size() == gains && (gains == 0 || gains == scene.nv), "step_batch: batch.kp and kd do not fit the scene");
   for (const BatchMatrix* X : {&b.q_ref, &b.v_ref})
@@ -208,7 +209,7 @@ SimulationBatch::SimulationBatch(const Scene& scene, const ConstBatchRows& q_, c
          "SimulationBatch: q or v does not fit the scene");
   expect(threads >= 0 && threads <= kMostThreads, "SimulationBatch: the number of threads is negative or too large");
   for (const Contact& contact : scene.contacts) active.push_back(contact.active);
-  for (const Push& push : scene.pushes) pushes.push_back(push.wrench);
+  for (const ExternalWrench& push : scene.wrenches) wrenches.push_back(push.wrench);
   Options of_part = options;
   of_part.threads = 1;
   const int copies = static_cast<int>(std::clamp<Eigen::Index>(q.rows(), 1, states_at_once(scene, of_part)));

@@ -23,8 +23,8 @@ Scene with_ends(const Scene& scene, std::vector<int> (&push)[2]) {
   for (const Spring& spring : scene.springs)
     for (const int end : {0, 1}) {
       const Attachment& at = end == 0 ? spring.A : spring.B;
-      push[end].push_back(at.robot < 0 ? -1 : static_cast<int>(out.pushes.size()));
-      if (at.robot >= 0) out.pushes.push_back({"", at, ReferenceFrame::kWorld});
+      push[end].push_back(at.robot < 0 ? -1 : static_cast<int>(out.wrenches.size()));
+      if (at.robot >= 0) out.wrenches.push_back({"", at, ReferenceFrame::kWorld});
     }
   return out;
 }
@@ -66,7 +66,7 @@ UnitTorques::UnitTorques(const Scene& scene)
       forces_(ends_),
       scratch_(forces_),
       robots_(scene.robots.size()),
-      w_(ends_.pushes.size(), Vec6<double>::Zero()) {
+      w_(ends_.wrenches.size(), Vec6<double>::Zero()) {
   std::iota(robots_.begin(), robots_.end(), 0);
   for (std::vector<int>& islands : island_of_end_) islands.assign(scene.springs.size(), -1);
   for (Eigen::VectorXd* x : {&rest_, &tau_, &joints_, &a_, &by_q_, &by_v_}) x->setZero(scene.nv);

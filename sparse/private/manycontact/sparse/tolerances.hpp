@@ -18,9 +18,9 @@ namespace manycontact::tolerance {
 /// ldl_factor_dependent (as a row that may depend on others, until the null space confirms it); least_norm_solution.
 inline constexpr double kPivotLeft = 1e-11;
 
-/// Row of J relative to the largest motion its contact is picked from (motion_scale [J's units], contact/rows.hpp):
-/// smaller rows, or parts of rows orthogonal to the others, are rounding errors. It has the same margin over rounding
-/// errors as kPivotLeft, and for the same reason; here lengths are compared, not squares.
+/// Row of J relative to the largest motion its contact is picked from (motion_scale [J's units],
+/// detail/contact/rows.hpp): smaller rows, or parts of rows orthogonal to the others, are rounding errors. It has the
+/// same margin over rounding errors as kPivotLeft, and for the same reason; here lengths are compared, not squares.
 /// Used by: the dense reference solver's rank; rows of J that vanish; ldl_factor_dependent; least_norm_solution;
 /// analysis/ranks.
 inline constexpr double kRank = 1e-11;
@@ -283,8 +283,8 @@ inline constexpr std::size_t kMostWaiting = 300;
 /// Rounding errors of accelerations that loads cause and contacts cancel: relative to gravity some thousand eps, and
 /// relative to those of each robot's largest inertia by torques a few eps. Used by: the judge of contradictions.
 inline constexpr double kLoadRounding = 1e-12, kTorqueRounding = 1e-15;
-/// ... unless of every row it is rounding of the largest term that its a0 is computed from (contact_drift, [m/s^2] or
-/// [rad/s^2]): 500 eps, of chains of up to hundreds of joints.
+/// ... unless of every row it is rounding of the largest term that its a0 is computed from (contact_bias_acceleration,
+/// [m/s^2] or [rad/s^2]): 500 eps, of chains of up to hundreds of joints.
 inline constexpr double kDriftRounding = 1e-13;
 /// Derivatives have the term of what is left sooner, from 20 eps on: of rounding it is rounding, too.
 inline constexpr double kDriftNoise = 4e-15;

@@ -2,7 +2,7 @@
 // Parts of the right-hand sides -dr of an island's derivatives: what robots and contacts write into blocks of columns
 // that belong to q or to v, one column per coordinate of the island. For doubles, and for packs of robots.
 
-#include "manycontact/contact/derivatives.hpp"
+#include "manycontact/detail/contact/derivatives.hpp"
 
 namespace manycontact::internal {
 

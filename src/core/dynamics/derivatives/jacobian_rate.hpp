@@ -1,6 +1,6 @@
 #pragma once
-// How J of one contact changes with q. With s_i the columns of J_l, in A's axes (contact/rows.hpp), and s_i moved along
-// by the joints above it on its own body, while all is seen from A:
+// How J of one contact changes with q. With s_i the columns of J_l, in A's axes (detail/contact/rows.hpp), and s_i
+// moved along by the joints above it on its own body, while all is seen from A:
 //
 //   ds_i/dq_k = -s_k x s_i   k above A:  where i is above B', or above A but on a joint above k's
 //                            k above B': where i is above B', on k's joint or on one below
@@ -9,7 +9,7 @@
 // A, joints above both bodies included. So J's derivative times a vector takes sums of s_i along the two chains, and
 // its cost is linear in their lengths.
 
-#include "manycontact/contact/derivatives.hpp"
+#include "manycontact/detail/contact/derivatives.hpp"
 
 namespace manycontact::internal {
 

@@ -2,11 +2,11 @@
 // Motions and contact rows at the solution's accelerations: what derivatives, products with them and quasi-static
 // torques start from.
 
-#include "manycontact/algorithm/rnea_derivatives.hpp"
-#include "manycontact/contact/derivatives.hpp"
 #include "manycontact/contact/products.hpp"
+#include "manycontact/detail/algorithm/rnea_derivatives.hpp"
+#include "manycontact/detail/contact/derivatives.hpp"
+#include "manycontact/detail/kkt/island.hpp"
 #include "manycontact/dynamics/data.hpp"
-#include "manycontact/kkt/island.hpp"
 
 namespace manycontact {
 

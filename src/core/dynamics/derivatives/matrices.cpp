@@ -25,7 +25,7 @@ void each_entry(const Scene& scene, const SceneData& data, const Island& island,
     u = v;
   else
     each_torque_block(scene, island, list(u));
-  for (int push : d.pushes)
+  for (int push : d.wrenches)
     for (int k = 0; k < 6; ++k) w.push_back(6 * push + k);
   const auto each = [&](const auto& block, const std::vector<int>& rows, const std::vector<int>& columns, Columns by) {
     for (Eigen::Index k = 0; k < block.rows(); ++k)
@@ -52,7 +52,7 @@ Sizes sizes_of(const Scene& scene, const SceneData& data, const DerivativeData& 
            !r.u    ? 0
            : r.tau ? scene.nv
                    : scene.nu,
-           r.pushes ? 6 * static_cast<int>(scene.pushes.size()) : 0},
+           r.wrenches ? 6 * static_cast<int>(scene.wrenches.size()) : 0},
           r.forces ? static_cast<int>(data.f.size()) : 0};
 }
 
@@ -70,7 +70,7 @@ SceneDerivatives dense_derivatives(const Scene& scene, const SceneData& data) {
     of_f[by]->setZero(sizes.forces, sizes.columns[by]);
   }
   for (std::size_t i = 0; i < dd.islands.size(); ++i)
-    each_entry(scene, data, island_of(data, i), dd.islands[i],
+    each_entry(scene, data, solved_island(data, i), dd.islands[i],
                [&](double value, int row, int column, Columns by, bool of_forces) {
                  (*(of_forces ? of_f : of_a)[by])(row, column) = value;
                });
@@ -85,7 +85,7 @@ Eigen::SparseMatrix<double> sparse_derivatives(const Scene& scene, const SceneDa
   for (const Columns by : {kOfQ, kOfV, kOfU, kOfW}) first[by + 1] = first[by] + sizes.columns[by];
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t i = 0; i < dd.islands.size(); ++i)
-    each_entry(scene, data, island_of(data, i), dd.islands[i],
+    each_entry(scene, data, solved_island(data, i), dd.islands[i],
                [&](double value, int row, int column, Columns by, bool of_forces) {
                  entries.emplace_back((of_forces ? scene.nv : 0) + row, first[by] + column, value);
                });

@@ -45,7 +45,7 @@ void take_part(const SceneData& data, ExtendedWork& e) {
   e.contacts.clear();
   for (std::size_t i = 0; i < e.islands.size(); ++i) {
     if (!e.islands[i].open) continue;
-    const Island& island = island_of(data, i);
+    const Island& island = solved_island(data, i);
     e.robots.insert(e.robots.end(), island.robots.begin(), island.robots.end());
     e.contacts.insert(e.contacts.end(), island.contacts.begin(), island.contacts.end());
   }
@@ -134,7 +134,7 @@ double change_of_parts(const Scene& scene, const SceneData& data, const Extended
 // Whether an island has converged or cannot, by the current correction, which is yet to be added.
 enum class Progress { kGoesOn, kConverged, kFailed };
 Progress judge(const Scene& scene, const SceneData& data, const ExtendedWork& e, std::size_t i, OfIsland& of) {
-  const Island& island = island_of(data, i);
+  const Island& island = solved_island(data, i);
   const double da = largest(scene, island, e.r_a), df = largest_force(scene, data.f_offset, island, e.r);
   const double a = largest(scene, island, e.a), f = largest_force(scene, data.f_offset, island, e.f);
   if (!std::isfinite(da) || !std::isfinite(df)) return Progress::kFailed;
@@ -221,7 +221,7 @@ void refuse_unless_dependent(const Scene& scene, SceneData& data, ExtendedWork& 
   repeat(
       data, e,
       [&](std::size_t i, OfIsland& of, int step) {
-        const Island& island = island_of(data, i);
+        const Island& island = solved_island(data, i);
         const double left = e.equations->torque_of_rest({island.robots, island.contacts}, e.r_a.data());
         if (left <= tolerance::kExtendedDependent) return Progress::kConverged;
         if (!std::isfinite(left) || (step > 1 && left >= kExtendedSlow * of.before)) return Progress::kFailed;
@@ -255,7 +255,7 @@ void project(const Scene& scene, SceneData& data, extended::Equations::Projected
   repeat(
       data, e,
       [&](std::size_t i, OfIsland& of, int step) {
-        const Island& island = island_of(data, i);
+        const Island& island = solved_island(data, i);
         if (step == 0) of.rest = largest_force(scene, data.f_offset, island, forces ? e.f : e.rest);
         const double change = step == 0 ? of.rest : largest_force(scene, data.f_offset, island, e.rest);
         const double digits =
@@ -312,7 +312,7 @@ void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
       of.status = report.rank < report.nc ? Status::kRedundant : Status::kOk;
       of.reason = Reason::kNone;
     }
-    const Island& island = island_of(data, i);
+    const Island& island = solved_island(data, i);
     const double damping = report.reason == Reason::kDampingLost ? 0 : scene.damping;
     for (int c : island.contacts) e.damping[static_cast<std::size_t>(c)] = damping;
     of.projects = damping == 0 && (report.rank < report.nc || (reduction && has_pairs(*reduction, i)));
@@ -338,7 +338,7 @@ void refine(const Scene& scene, SceneData& data, ExtendedWork& e) {
                           w.q.data(),
                           data.v.data(),
                           w.given.data(),
-                          data.pushes,
+                          data.wrenches,
                           forces_are_applied(*solved_data(data).workspace),
                           w.prescribed.empty() ? nullptr : w.prescribed.data(),
                           e.damping.data(),
@@ -367,7 +367,7 @@ void take_answers(const Scene& scene, SceneData& data, ExtendedWork& e) {
       if (report.status < Status::kRegularised) report.reason = Reason::kLowPrecision;
       continue;
     }
-    const Island& island = island_of(data, i);
+    const Island& island = solved_island(data, i);
     each_velocity_block(scene, island, [&](int at, int, int n) { data.a.segment(at, n) = e.a.segment(at, n); });
     each_force_block(scene, data.f_offset, island,
                      [&](int at, int, int n) { data.f.segment(at, n) = e.f.segment(at, n); });
@@ -425,7 +425,7 @@ void take_extended_bounds(const Scene& scene, SceneData& data) {
     const OfIsland& of = e.islands[i];
     if (!of.refined) continue;
     IslandReport& report = data.report.islands[i];
-    const Island& island = island_of(data, i);
+    const Island& island = solved_island(data, i);
     const bool extended = report.precision == Precision::kExtended;
     const Distance a{largest(scene, island, data.a),
                      of.size_a,

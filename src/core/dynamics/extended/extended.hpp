@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "equations.hpp"
+#include "manycontact/detail/kkt/island.hpp"
 #include "manycontact/dynamics/report.hpp"
-#include "manycontact/kkt/island.hpp"
 
 namespace manycontact {
 

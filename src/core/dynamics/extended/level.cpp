@@ -7,9 +7,9 @@
 #include "equations.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
-#include "manycontact/algorithm/rnea.hpp"
 #include "manycontact/contact/products.hpp"
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/algorithm/rnea.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 #include "manycontact/spatial/double_double.hpp"
 #include "simd/levels.hpp"
 
@@ -104,7 +104,7 @@ LevelEquations::LevelEquations(const Scene& scene) : contacts_(scene.contacts.si
     all += scene.contacts[c].rows();
   }
   if (has_applied_forces(scene)) applied_.emplace(scene);
-  w_.resize(scene.pushes.size());
+  w_.resize(scene.wrenches.size());
   q_.resize(scene.nq);
   for (VecX<S>* x : {&v_, &tau_, &a_, &b_a_, &r_a_, &y_, &torque_}) x->resize(scene.nv);
   for (VecX<S>* x : {&f_, &b_f_, &r_f_, &rest_, &square_, &weighed_}) x->resize(all);

@@ -7,7 +7,7 @@
 
 #include "block.hpp"
 #include "manycontact/contact/pair_rows.hpp"
-#include "manycontact/spatial/pack.hpp"
+#include "manycontact/detail/spatial/pack.hpp"
 
 namespace manycontact::lanes {
 
@@ -109,17 +109,18 @@ std::span<P const> side_by_side(std::span<Item> items, P (&memory)[N], At&& at) 
 /// Loads what pairs of contacts have in place of a contact's own numbers, for the contact of each item. `common` are
 /// the numbers that all elements of the batch contain already, or nullptr.
 template <class S, class Item, class Of>
-void load_pair(std::span<Item> items, Of&& contact_of, ContactData<S>& to, const PairNumbers<double>*& common) {
+void load_pair(std::span<Item> items, Of&& contact_data, ContactData<S>& to, const PairNumbers<double>*& common) {
   const double* from[kMostInBatch];
   const auto load = [&](auto&& numbers, S* at, Eigen::Index count) {
-    load_arrays(side_by_side(items, from, [&](auto& item) -> const double* { return numbers(*contact_of(item).pair); }),
-                static_cast<int>(count), at);
+    load_arrays(
+        side_by_side(items, from, [&](auto& item) -> const double* { return numbers(*contact_data(item).pair); }),
+        static_cast<int>(count), at);
   };
   for (std::size_t m = 0; m < to.pair_B.size(); ++m)
     load([m](const PairRows& pair) { return pair.B[m].R.data(); }, to.pair_B[m].R.data(), 12);
-  const PairNumbers<double>* const first = contact_of(items.front()).pair->numbers.get();
+  const PairNumbers<double>* const first = contact_data(items.front()).pair->numbers.get();
   const bool alike =
-      std::ranges::all_of(items, [&](auto& item) { return contact_of(item).pair->numbers.get() == first; });
+      std::ranges::all_of(items, [&](auto& item) { return contact_data(item).pair->numbers.get() == first; });
   if (alike && common == first) return;
   common = alike ? first : nullptr;
   PairNumbers<S>& own = *to.pair;

@@ -15,7 +15,7 @@ namespace manycontact::lanes {
 struct JoinedEnd {  // origin, oMi, v, a, J
   static std::size_t size(std::size_t coordinates) { return 30 + 6 * coordinates; }
 };
-/// ... and for derivatives, Psid, Psidd, Sv of these columns (algorithm/rnea_derivatives.hpp).
+/// ... and for derivatives, Psid, Psidd, Sv of these columns (detail/algorithm/rnea_derivatives.hpp).
 struct MovingEnd {
   static std::size_t size(std::size_t coordinates) { return 30 + 24 * coordinates; }
 };

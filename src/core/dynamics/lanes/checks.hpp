@@ -5,10 +5,10 @@
 #include <span>
 #include <type_traits>
 
+#include "manycontact/detail/spatial/pack.hpp"
 #include "manycontact/model/model.hpp"
 #include "manycontact/rank/pivots.hpp"
 #include "manycontact/sparse/tolerances.hpp"
-#include "manycontact/spatial/pack.hpp"
 
 namespace manycontact::lanes {
 

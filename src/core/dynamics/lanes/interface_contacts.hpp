@@ -5,7 +5,7 @@
 
 #include "arrays.hpp"
 #include "lanes.hpp"
-#include "manycontact/contact/derivatives.hpp"
+#include "manycontact/detail/contact/derivatives.hpp"
 
 namespace manycontact::lanes {
 

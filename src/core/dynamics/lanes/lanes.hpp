@@ -207,7 +207,7 @@ struct OneOrBatch {
 };
 
 /// The one that options ask for; nullptr: none, or it does not run here.
-const Level* level_of(Lanes lanes);
+const Level* level_of(SimdLevel lanes);
 
 /// Whether contacts of one type on the same joints can share a SIMD batch: they are identical except for placements.
 bool alike_rows(const Contact& x, const Contact& y);

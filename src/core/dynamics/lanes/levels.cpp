@@ -8,9 +8,9 @@
 namespace manycontact {
 namespace lanes {
 
-const Level* level_of(Lanes lanes) {
-  if (lanes == Lanes::kOff) return nullptr;
-  if (lanes == Lanes::kAuto) return &simd::levels().front().robots;
+const Level* level_of(SimdLevel lanes) {
+  if (lanes == SimdLevel::kOff) return nullptr;
+  if (lanes == SimdLevel::kAuto) return &simd::levels().front().robots;
   for (const simd::Level& level : simd::levels())
     if (level.name == to_string(lanes)) return &level.robots;
   return nullptr;
@@ -18,9 +18,9 @@ const Level* level_of(Lanes lanes) {
 
 }  // namespace lanes
 
-std::vector<Lanes> lanes_here() {
-  std::vector<Lanes> out;
-  for (const simd::Level& level : simd::levels()) out.push_back(*lanes_from_string(level.name));
+std::vector<SimdLevel> available_simd_levels() {
+  std::vector<SimdLevel> out;
+  for (const simd::Level& level : simd::levels()) out.push_back(*simd_level_from_string(level.name));
   return out;
 }
 

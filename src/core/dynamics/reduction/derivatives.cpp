@@ -31,7 +31,7 @@ int row_of(const Island& island, int contact) {
 // Rows of forces of an island's panel, from those of the scene solved.
 template <class From, class To>
 void expand_rows(const Reduction& r, std::size_t i, const From& from, To&& to) {
-  const Island &solved = island_of(*r.data, i), &own = r.islands[i];
+  const Island &solved = solved_island(*r.data, i), &own = r.islands[i];
   for (std::size_t k = 0; k < solved.contacts.size(); ++k) {
     const int c = solved.contacts[k], first = solved.row_offset[k];
     const int rows = r.scene.contacts[static_cast<std::size_t>(c)].rows();
@@ -54,7 +54,7 @@ void expand_panel(const Scene& scene, const Reduction& r, std::size_t i, const I
                   IslandDerivatives& out) {
   const Island& island = r.islands[i];
   if (out.request != from.request || out.X.rows() != island.size() || out.cols != from.cols ||
-      out.u_offset != from.u_offset || out.pushes != from.pushes)
+      out.u_offset != from.u_offset || out.wrenches != from.wrenches)
     lay_out(scene, island, from.request, out);
   const Eigen::Index nv = island.nv, cols = out.cols, w = std::min(out.W.cols(), from.W.cols());
   out.X.topLeftCorner(nv, cols) = from.X.topLeftCorner(nv, cols);
@@ -66,7 +66,7 @@ void expand_panel(const Scene& scene, const Reduction& r, std::size_t i, const I
 // The largest sum of sizes of a row of S Q: the largest error of f from an error of y.
 double largest_share(const Reduction& r, std::size_t i) {
   double largest = 1;
-  for (int c : island_of(*r.data, i).contacts) {
+  for (int c : solved_island(*r.data, i).contacts) {
     const PairRows* pair = r.pair_of(c);
     if (!pair) continue;
     for (std::size_t row = 0; row < pair->unit.size(); ++row)
@@ -88,7 +88,7 @@ void take_bounds(const Scene& scene, SceneData& data, const Reduction& r) {
     to.error_acceleration = from.error_acceleration;
     to.condition = from.condition;
     to.error_forces = relative_to_forces(from.error_forces, largest_share(r, i),
-                                         largest_force(r.scene, r.data->f_offset, island_of(*r.data, i), r.data->f),
+                                         largest_force(r.scene, r.data->f_offset, solved_island(*r.data, i), r.data->f),
                                          largest_force(scene, data.f_offset, r.islands[i], data.f));
     if (from.status == Status::kRegularised) to.status = from.status, to.reason = from.reason;
   }
@@ -114,7 +114,7 @@ SceneData& differentiated(const Scene& scene, SceneData& data) {
   if (!r.plain) r.plain = std::make_unique<SceneData>(scene, options);
   r.plain->options = options;
   r.plain->active = data.active;
-  r.plain->pushes = data.pushes;
+  r.plain->wrenches = data.wrenches;
   (void)solve_tau(scene, w.q, data.v, w.given, *r.plain);
   r.plain_is_current = true;
   return *r.plain;

@@ -116,7 +116,7 @@ Scene unnamed(const Scene& from) {
   for (const Robot& robot : from.robots)
     out.robots.push_back({{}, robot.model, robot.base, robot.idx_q, robot.idx_v, robot.idx_u});
   for (const Contact& contact : from.contacts) out.contacts.push_back(unnamed(contact));
-  out.pushes = from.pushes, out.springs = from.springs, out.joint_springs = from.joint_springs;
+  out.wrenches = from.wrenches, out.springs = from.springs, out.joint_springs = from.joint_springs;
   return out;
 }
 
@@ -154,7 +154,7 @@ void number_islands(const Scene& scene, Reduction& r) {
   const std::size_t count = island_count(*r.data);
   r.islands.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const Island& solved = island_of(*r.data, i);
+    const Island& solved = solved_island(*r.data, i);
     Island& own = r.islands[i];
     own.robots = solved.robots;
     own.contacts.clear();
@@ -179,7 +179,7 @@ std::unique_ptr<Reduction> begin_reduction(const Scene& scene) {
 }  // namespace
 
 bool has_pairs(const Reduction& r, std::size_t i) {
-  return r.islands[i].contacts.size() != island_of(*r.data, i).contacts.size();
+  return r.islands[i].contacts.size() != solved_island(*r.data, i).contacts.size();
 }
 
 bool reduction_is_current(const Scene& scene, const SceneData& data) {

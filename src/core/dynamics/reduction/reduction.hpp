@@ -11,10 +11,10 @@
 #include <set>
 
 #include "manycontact/contact/pair_rows.hpp"
+#include "manycontact/detail/kkt/island.hpp"
 #include "manycontact/dynamics/data.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/solve.hpp"
-#include "manycontact/kkt/island.hpp"
 
 namespace manycontact {
 

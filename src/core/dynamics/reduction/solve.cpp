@@ -19,7 +19,7 @@ void refresh(const Scene& scene, const SceneData& data, Reduction& r) {
     if (r.data->active[c]) take_changes(scene.contacts[c], r.scene.contacts[c]);
   for (std::size_t k = 0; k < r.pairs.size(); ++k)
     refresh_pair(scene, *r.pairs[k], r.scene.contacts[static_cast<std::size_t>(r.first_pair()) + k]);
-  r.data->pushes = data.pushes;
+  r.data->wrenches = data.wrenches;
 }
 
 // use(first row of the scene's f, first row of the pair, rows) for each contact of a pair.
@@ -71,7 +71,7 @@ rank::Contradiction<double> contradiction_of(const SceneData& data, const Reduct
                                              std::span<const double> wanted) {
   rank::Contradiction<double> out;
   out.Ja = r.data->report.islands[island].contact_terms;
-  for (int c : island_of(*r.data, island).contacts) {
+  for (int c : solved_island(*r.data, island).contacts) {
     const PairRows* pair = r.pair_of(c);
     if (!pair) continue;
     const double* left = left_of_pair(r, c);
@@ -100,7 +100,7 @@ void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t 
   const std::vector<int>& solved = r.data->report.islands[island].dependent_rows;
   const auto depends = [&](int row) { return std::binary_search(solved.begin(), solved.end(), row); };
   report.dependent_rows.clear();
-  for (int c : island_of(*r.data, island).contacts) {
+  for (int c : solved_island(*r.data, island).contacts) {
     int at = r.data->f_offset[static_cast<std::size_t>(c)];
     const PairRows* pair = r.pair_of(c);
     for (int i = 0; !pair && i < r.scene.contacts[static_cast<std::size_t>(c)].rows(); ++i)

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "manycontact/algorithm/crba.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
 #include "manycontact/rank/row_size.hpp"
 #include "manycontact/rank/row_units.hpp"
 #include "truth_terms.hpp"

@@ -2,9 +2,9 @@
 // The two truths share the terms of a scene in S, and the dense solution of one island.
 
 #include "../robot_quantities.hpp"
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/contact/rows.hpp"
+#include "manycontact/detail/kkt/island.hpp"
 #include "manycontact/dynamics/truth.hpp"
-#include "manycontact/kkt/island.hpp"
 
 namespace manycontact::internal {
 

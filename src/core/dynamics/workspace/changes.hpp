@@ -23,10 +23,10 @@ inline void take_changes(const Scene& from, Scene& to) {
     for (std::size_t k = 0; k < list.size(); ++k) take(list[k], given[k % given.size()]);
   };
   if (!has_applied_forces(from)) {  // nothing of that kind acts
-    to.pushes.clear(), to.springs.clear(), to.joint_springs.clear();
+    to.wrenches.clear(), to.springs.clear(), to.joint_springs.clear();
     return;
   }
-  each(to.pushes, from.pushes, [](Push& push, const Push& given) {
+  each(to.wrenches, from.wrenches, [](ExternalWrench& push, const ExternalWrench& given) {
     push.at.placement = given.at.placement;
     push.reference_frame = given.reference_frame;
   });

@@ -25,7 +25,7 @@ Workspace::Workspace(const Scene& s)
 SceneData::SceneData(const Scene& scene, const Options& opts) : options(opts) {
   for (Eigen::VectorXd* x : {&v, &tau, &a}) x->setZero(scene.nv);
   for (const Contact& contact : scene.contacts) active.push_back(contact.active);
-  for (const Push& push : scene.pushes) pushes.push_back(push.wrench);
+  for (const ExternalWrench& push : scene.wrenches) wrenches.push_back(push.wrench);
   workspace = std::make_unique<Workspace>(scene);
   prepare(scene, *this);
 }

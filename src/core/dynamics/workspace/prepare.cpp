@@ -14,7 +14,7 @@ namespace manycontact {
 IslandWork::IslandWork(std::shared_ptr<IslandShape> s, const Options& options)
     : shape(std::move(s)), choice(choose(*shape, options)), matrix(*this) {
   if (choice.method == Method::kSparseBodies)
-    bodies = std::make_unique<BodiesSystem>(*this, lanes::level_of(options.lanes));
+    bodies = std::make_unique<BodiesSystem>(*this, lanes::level_of(options.simd_level));
 }
 
 namespace {
@@ -172,7 +172,7 @@ void internal::prepare_islands(const Scene& scene, const SceneData& data) {
     if (!w.reduction) w.derivatives.islands.clear();
     make_threads(data.options.threads, w);
   }
-  w.lanes.level = lanes::level_of(data.options.lanes);
+  w.lanes.level = lanes::level_of(data.options.simd_level);
   w.options = w.islands_options = data.options;
   change_islands(scene, data, w, all);
   if (w.linearisation) w.linearisation->forget_places();

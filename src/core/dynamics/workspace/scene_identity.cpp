@@ -10,7 +10,7 @@ SceneIdentity::SceneIdentity(const Scene& scene) {
   for (const Robot& robot : scene.robots) models_.push_back(robot.model);
   for (const Contact& c : scene.contacts)
     contacts_.push_back({c.type, c.A.robot, c.A.joint, c.B.robot, c.B.joint, c.A.placement, c.axis});
-  for (const Push& push : scene.pushes) pushes_.push_back({push.at.robot, push.at.joint});
+  for (const ExternalWrench& push : scene.wrenches) wrenches_.push_back({push.at.robot, push.at.joint});
   for (const Spring& spring : scene.springs)
     for (const Attachment* end : {&spring.A, &spring.B}) springs_.push_back({end->robot, end->joint});
   for (const JointSpring& spring : scene.joint_springs) joint_springs_.push_back({spring.robot, spring.joint});
@@ -51,12 +51,12 @@ std::string SceneIdentity::difference(const Scene& scene) const {
 }
 
 std::string SceneIdentity::difference_of_forces(const Scene& scene) const {
-  if (pushes_.size() != scene.pushes.size()) return counts("pushes", pushes_.size(), scene.pushes.size());
+  if (wrenches_.size() != scene.wrenches.size()) return counts("wrenches", wrenches_.size(), scene.wrenches.size());
   if (springs_.size() != 2 * scene.springs.size()) return counts("springs", springs_.size() / 2, scene.springs.size());
   if (joint_springs_.size() != scene.joint_springs.size())
     return counts("springs in joints", joint_springs_.size(), scene.joint_springs.size());
-  for (std::size_t k = 0; k < pushes_.size(); ++k)
-    if (!pushes_[k].is(scene.pushes[k].at)) return "push '" + scene.pushes[k].name + "' is on another body";
+  for (std::size_t k = 0; k < wrenches_.size(); ++k)
+    if (!wrenches_[k].is(scene.wrenches[k].at)) return "wrench '" + scene.wrenches[k].name + "' is on another body";
   for (std::size_t k = 0; k < scene.springs.size(); ++k)
     if (!springs_[2 * k].is(scene.springs[k].A) || !springs_[2 * k + 1].is(scene.springs[k].B))
       return "spring '" + scene.springs[k].name + "' is on other bodies";

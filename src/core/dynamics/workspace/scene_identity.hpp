@@ -26,7 +26,7 @@ class SceneIdentity {
     int robot, joint;
     bool is(const Attachment& at) const { return at.robot == robot && at.joint == joint; }
   };
-  std::vector<Body> pushes_, springs_, joint_springs_;  // springs: A, B of each
+  std::vector<Body> wrenches_, springs_, joint_springs_;  // springs: A, B of each
 };
 
 }  // namespace manycontact

@@ -29,7 +29,7 @@ struct RobotData : RobotQuantities<double> {
   using RobotQuantities::RobotQuantities;
   std::uint64_t state = 0;   // the state that all of it belongs to
   std::uint64_t placed = 0;  // the state that the placements in kin belong to, if these alone were asked for
-  std::vector<double> M;     // packed inertia (algorithm/crba.hpp); empty until make_joint_space
+  std::vector<double> M;     // packed inertia (detail/algorithm/crba.hpp); empty until make_joint_space
 };
 
 /// One island at work. It fits a shape, not an island: when contacts are switched it goes back to its shape's pool,

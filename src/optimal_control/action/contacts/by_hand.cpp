@@ -2,9 +2,9 @@
 
 #include "../named.hpp"
 #include "contact_columns.hpp"
-#include "manycontact/action/collector.hpp"
 #include "manycontact/action/impulse.hpp"
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/detail/action/collector.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 
 namespace manycontact {
 

@@ -2,7 +2,7 @@
 // Copies a contact's rows to the matrices of its data.
 
 #include "manycontact/action/contact.hpp"
-#include "manycontact/contact/derivatives.hpp"
+#include "manycontact/detail/contact/derivatives.hpp"
 
 namespace manycontact::internal {
 

@@ -58,7 +58,7 @@ Model_::DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody
     g_lb_ = constraints_->get_lb();
     g_ub_ = constraints_->get_ub();
   }
-  for (const Push& push : multibody_->get_model()->scene().pushes) pushes_.push_back(push.wrench);
+  for (const ExternalWrench& push : multibody_->get_model()->scene().wrenches) wrenches_.push_back(push.wrench);
   set_damping_factor(damping);
   models_ = std::make_shared<std::vector<std::shared_ptr<const Model>>>();
   set_armature(armature_);
@@ -82,9 +82,9 @@ void Model_::set_start(const Eigen::VectorXd& x0) {
   start_ = x0;
 }
 
-void Model_::set_pushes(const std::vector<Vec6<double>>& pushes) {
-  check_size("set_pushes", "pushes", pushes.size(), pushes_.size());
-  pushes_ = pushes;
+void Model_::set_wrenches(const std::vector<Vec6<double>>& wrenches) {
+  check_size("set_wrenches", "wrenches", wrenches.size(), wrenches_.size());
+  wrenches_ = wrenches;
 }
 
 void Model_::set_armature(const Eigen::VectorXd& armature) {
@@ -136,7 +136,7 @@ Model_::Data& Model_::refresh(const char* where, const DataPtr& data, const Cons
     internal::update_contacts(*contacts_, m.scene, m.solution);
     d.laid_out = false;
   }
-  m.solution.pushes = pushes_;
+  m.solution.wrenches = wrenches_;
   if (!is_prepared(m.solution)) {
     m.prepare();
     d.laid_out = false;

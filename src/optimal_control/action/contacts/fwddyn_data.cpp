@@ -131,7 +131,7 @@ void lay_out_islands(const ActuationModelAbstract& actuation, DifferentialAction
   data.Fu_blocks.clear();
   for (std::size_t i = 0; i < m.islands.size(); ++i) {
     IslandColumns& columns = m.islands[i];
-    for (int r : island_of(m.solution, i).robots) {
+    for (int r : solved_island(m.solution, i).robots) {
       const Robot& robot = m.scene.robots[r];
       for (int k = 0; k < robot.model->nv; ++k) columns.v.push_back(robot.idx_v + k);
       for (int k = 0; how == Actuation::kActuated && k < robot.model->nu(); ++k) columns.u.push_back(robot.idx_u + k);

@@ -36,8 +36,8 @@ void fill_contacts(DataCollector& m) {
   for (auto& [name, data] : m.contacts->contacts) {
     if (!data->active) continue;
     const Contact& contact = m.scene.contacts[data->index];
-    const ContactData<double>& rows = contact_of(m.solution, data->index);
-    each_column(columns_of(m.scene, contact), support_of(m.solution, data->index),
+    const ContactData<double>& rows = contact_data(m.solution, data->index);
+    each_column(columns_of(m.scene, contact), contact_support(m.solution, data->index),
                 [&](int to, int k) { data->Jc.col(to) = rows.J.col(k); });
     data->a0 = rows.a0;
     data->f = m.solution.f.segment(m.solution.f_offset[data->index], contact.rows());
@@ -53,11 +53,12 @@ void fill_contact_derivatives(bool forces, DataCollector& m) {
       data->da0_dx.setConstant(std::numeric_limits<double>::quiet_NaN());
     } else {
       const ContactData<double>& rows = contact_at_solution(m.solution, data->index);
-      const ContactDerivatives& d = contact_derivatives_of(m.solution, data->index);
-      set_drift_derivatives(columns_of(m.scene, contact), support_of(m.solution, data->index), rows, d, data->da0_dx);
+      const ContactDerivatives& d = contact_derivatives(m.solution, data->index);
+      set_drift_derivatives(columns_of(m.scene, contact), contact_support(m.solution, data->index), rows, d,
+                            data->da0_dx);
     }
     if (!forces) continue;
-    const Island& island = island_of(m.solution, i);
+    const Island& island = solved_island(m.solution, i);
     const std::size_t c =
         std::lower_bound(island.contacts.begin(), island.contacts.end(), data->index) - island.contacts.begin();
     const PanelView P = m.panel(i);

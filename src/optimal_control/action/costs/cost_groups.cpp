@@ -1,4 +1,4 @@
-#include "manycontact/action/cost_groups.hpp"
+#include "manycontact/detail/action/cost_groups.hpp"
 
 #include <algorithm>
 #include <map>

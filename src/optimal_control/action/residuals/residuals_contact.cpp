@@ -2,7 +2,7 @@
 
 #include "../contacts/contact_columns.hpp"
 #include "manycontact/action/residuals/contact_residuals.hpp"
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 #include "residual_parts.hpp"
 
 namespace manycontact {

@@ -1,7 +1,7 @@
 #include <ostream>
 
 #include "manycontact/action/residuals/frame_residuals.hpp"
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 #include "manycontact/spatial/explog.hpp"
 #include "residual_parts.hpp"
 

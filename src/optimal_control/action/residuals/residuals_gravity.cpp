@@ -42,12 +42,12 @@ void add_part(const GravityData& d, int island, const Eigen::SparseMatrix<double
 // += J^T df, df the lower rows of the island's panel.
 void add_force_part(GravityData& d, std::size_t i) {
   ResidualBlock& block = d.blocks[i];
-  const Island& island = island_of(d.shared->solution, i);
+  const Island& island = solved_island(d.shared->solution, i);
   const PanelView panel = d.shared->panel(i);
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const Contact& contact = d.shared->scene.contacts[island.contacts[k]];
-    const Eigen::MatrixXd& J = contact_of(d.shared->solution, island.contacts[k]).J;
-    const ContactSupport& support = support_of(d.shared->solution, island.contacts[k]);
+    const Eigen::MatrixXd& J = contact_data(d.shared->solution, island.contacts[k]).J;
+    const ContactSupport& support = contact_support(d.shared->solution, island.contacts[k]);
     const auto above_A = static_cast<Eigen::Index>(support.a.size());
     const auto df = panel.middleRows(island.nv + island.row_offset[k], J.rows());
     for (Eigen::Index c = 0; c < J.cols(); ++c) {

@@ -1,4 +1,4 @@
-#include "manycontact/control/augmented_action.hpp"
+#include "manycontact/detail/control/augmented_action.hpp"
 
 #include <cmath>
 #include <ostream>

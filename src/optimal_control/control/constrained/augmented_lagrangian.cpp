@@ -10,7 +10,7 @@
 #include "constraint_rows.hpp"
 #include "kkt_residual.hpp"
 #include "manycontact/control/box_solvers.hpp"
-#include "manycontact/control/sparse.hpp"
+#include "manycontact/detail/control/sparse.hpp"
 #include "manycontact/sparse/largest.hpp"
 
 namespace manycontact {

@@ -5,7 +5,7 @@
 #include "../multi_robot/coordinates.hpp"
 #include "constraint_rows.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
-#include "manycontact/control/parts.hpp"
+#include "manycontact/detail/control/parts.hpp"
 
 namespace manycontact {
 

@@ -7,7 +7,7 @@
 #include "../multi_robot/coordinates.hpp"
 #include "constraint_rows.hpp"
 #include "manycontact/control/coupled_direction.hpp"
-#include "manycontact/control/couplings.hpp"
+#include "manycontact/detail/control/couplings.hpp"
 
 namespace manycontact {
 

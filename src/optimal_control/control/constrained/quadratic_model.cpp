@@ -2,7 +2,7 @@
 
 #include "../integrators/euler_steps.hpp"
 #include "manycontact/control/coupled_direction.hpp"
-#include "manycontact/control/couplings.hpp"
+#include "manycontact/detail/control/couplings.hpp"
 
 namespace manycontact::internal {
 

@@ -1,7 +1,7 @@
 #pragma once
 // The linear-quadratic problem of a shooting problem's nodes, for the solvers of lq.
 
-#include "manycontact/control/parts.hpp"
+#include "manycontact/detail/control/parts.hpp"
 #include "manycontact/lq/problem.hpp"
 
 namespace manycontact::internal {

@@ -3,7 +3,7 @@
 #include <typeinfo>
 
 #include "manycontact/action/contact_fwddyn.hpp"
-#include "manycontact/control/state_vector.hpp"
+#include "manycontact/detail/control/state_vector.hpp"
 #include "steps.hpp"
 #include "wide_joints.hpp"
 

@@ -2,8 +2,8 @@
 // Nodes of symplectic Euler, whose new configuration is the old one stepped by the new velocity, as
 // lq::SymplecticStructure.
 
-#include "manycontact/control/augmented_action.hpp"
 #include "manycontact/control/euler.hpp"
+#include "manycontact/detail/control/augmented_action.hpp"
 #include "manycontact/lq/problem.hpp"
 
 namespace manycontact::internal {

@@ -1,9 +1,9 @@
 #include "held_velocities.hpp"
 
-#include "manycontact/algorithm/crba.hpp"
-#include "manycontact/algorithm/rnea.hpp"
-#include "manycontact/algorithm/rnea_derivatives.hpp"
 #include "manycontact/contact/turning_rows.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
+#include "manycontact/detail/algorithm/rnea.hpp"
+#include "manycontact/detail/algorithm/rnea_derivatives.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
 #include "manycontact/model/applied_forces.hpp"
 #include "manycontact/simulation/free_joints.hpp"
@@ -81,7 +81,7 @@ HeldVelocities::HeldVelocities(const DataCollector& of, std::size_t nw, double h
 void HeldVelocities::take_torques(const DataCollector& of) {
   torques_ = of.actuation->tau;
   if (applied_)
-    add_applied_forces<double>(of.scene, q.data(), v.data(), of.solution.pushes, *applied_, torques_.data());
+    add_applied_forces<double>(of.scene, q.data(), v.data(), of.solution.wrenches, *applied_, torques_.data());
 }
 
 // A row of dtau by each coordinate's torque.
@@ -215,7 +215,7 @@ void HeldVelocities::differentiate_at(const DataCollector& of, Eigen::Ref<Eigen:
     const IslandDerivatives& d = all.islands[i];
     const auto each = [&](auto&& use) {  // use(row of the island, of the scene, how many), robot by robot
       int row = 0;
-      for (int r : island_of(solution, i).robots) {
+      for (int r : solved_island(solution, i).robots) {
         const Robot& robot = scene.robots[r];
         use(row, robot.idx_v, robot.model->nv);
         row += robot.model->nv;

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "manycontact/control/parts.hpp"
+#include "manycontact/detail/control/parts.hpp"
 
 namespace manycontact::internal {
 

@@ -4,7 +4,7 @@
 
 #include "../constrained/quadratic_model.hpp"
 #include "coordinates.hpp"
-#include "manycontact/control/couplings.hpp"
+#include "manycontact/detail/control/couplings.hpp"
 #include "manycontact/lq/choose.hpp"
 #include "manycontact/lq/coupling_schur.hpp"
 #include "manycontact/lq/kkt.hpp"

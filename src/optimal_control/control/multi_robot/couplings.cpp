@@ -1,12 +1,12 @@
 // Coupled subproblems: structure and values.
 
-#include "manycontact/control/couplings.hpp"
+#include "manycontact/detail/control/couplings.hpp"
 
 #include <algorithm>
 
 #include "../integrators/euler_steps.hpp"
 #include "manycontact/action/contact_fwddyn.hpp"
-#include "manycontact/kkt/island.hpp"
+#include "manycontact/detail/kkt/island.hpp"
 
 namespace manycontact {
 

@@ -6,7 +6,7 @@
 #include "../integrators/euler_steps.hpp"
 #include "coordinates.hpp"
 #include "manycontact/action/contact_fwddyn.hpp"
-#include "manycontact/control/couplings.hpp"
+#include "manycontact/detail/control/couplings.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 
 namespace manycontact {

@@ -1,9 +1,9 @@
-#include "manycontact/control/parts.hpp"
+#include "manycontact/detail/control/parts.hpp"
 
 #include <ostream>
 
 #include "coordinates.hpp"
-#include "manycontact/control/couplings.hpp"
+#include "manycontact/detail/control/couplings.hpp"
 
 namespace manycontact {
 

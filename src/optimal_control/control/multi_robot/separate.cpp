@@ -1,6 +1,6 @@
 // Separates a shooting problem into its subproblems.
 
-#include "manycontact/control/parts.hpp"
+#include "manycontact/detail/control/parts.hpp"
 
 namespace manycontact {
 

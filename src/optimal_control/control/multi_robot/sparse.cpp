@@ -1,4 +1,4 @@
-#include "manycontact/control/sparse.hpp"
+#include "manycontact/detail/control/sparse.hpp"
 
 #include "manycontact/control/coupled_direction.hpp"
 #include "manycontact/control/riccati_direction.hpp"

@@ -1,9 +1,9 @@
-#include "manycontact/control/wrenches.hpp"
+#include "manycontact/detail/control/wrenches.hpp"
 
 #include <ostream>
 #include <stdexcept>
 
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact {
 

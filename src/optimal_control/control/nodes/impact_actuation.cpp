@@ -1,8 +1,8 @@
 #include "impact_actuation.hpp"
 
-#include "manycontact/algorithm/crba.hpp"
-#include "manycontact/algorithm/rnea.hpp"
-#include "manycontact/algorithm/rnea_derivatives.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
+#include "manycontact/detail/algorithm/rnea.hpp"
+#include "manycontact/detail/algorithm/rnea_derivatives.hpp"
 
 namespace manycontact::internal {
 

@@ -1,4 +1,4 @@
-#include "manycontact/control/state_vector.hpp"
+#include "manycontact/detail/control/state_vector.hpp"
 
 #include <random>
 

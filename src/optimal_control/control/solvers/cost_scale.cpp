@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "manycontact/control/augmented_action.hpp"
 #include "manycontact/control/euler.hpp"
-#include "manycontact/control/parts.hpp"
+#include "manycontact/detail/control/augmented_action.hpp"
+#include "manycontact/detail/control/parts.hpp"
 
 namespace manycontact::internal {
 

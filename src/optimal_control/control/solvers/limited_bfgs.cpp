@@ -1,4 +1,4 @@
-#include "manycontact/control/limited_bfgs.hpp"
+#include "manycontact/detail/control/limited_bfgs.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "manycontact/action/fwd.hpp"
+#include "manycontact/detail/action/fwd.hpp"
 
 namespace manycontact::internal {
 

@@ -58,8 +58,8 @@ Json report(const OptimizedTask& motion) {
   };
   if (const auto& simulation = motion.simulation)
     out["simulation"] = {{"completed", simulation->stopped == StepStatus::kOk},
-                         {"position_drift", simulation->position_drift},
-                         {"velocity_drift", simulation->velocity_drift},
+                         {"violation_position", simulation->violation_position},
+                         {"violation_velocity", simulation->violation_velocity},
                          {"energy_lost", simulation->energy_lost},
                          {"distance", simulation->distance}};
   return out;

@@ -2,8 +2,8 @@
 
 #include <set>
 
-#include "manycontact/algorithm/energy.hpp"
-#include "manycontact/algorithm/frames.hpp"
+#include "manycontact/detail/algorithm/energy.hpp"
+#include "manycontact/detail/algorithm/frames.hpp"
 #include "optimize.hpp"
 #include "program/text/table.hpp"
 

@@ -23,7 +23,7 @@ void print_constraints(std::ostream& out, const TaskSolution& s) {
 
 void print_simulation(std::ostream& out, const SimulatedMotion& s) {
   out << "in simulation" << (s.stopped == StepStatus::kOk ? "" : ", which stopped early,") << " contacts drift by "
-      << scientific(s.position_drift) << " m or rad at most, and the state is " << number(s.distance)
+      << scientific(s.violation_position) << " m or rad at most, and the state is " << number(s.distance)
       << " from the plan's";
   if (s.energy_lost > 0) out << "; impacts take " << number(s.energy_lost) << " J";
   out << "\n";

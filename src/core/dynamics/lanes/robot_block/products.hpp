@@ -1,7 +1,7 @@
 #pragma once
 // Products with the derivatives of robots alone: derivatives/products.cpp for a whole SIMD batch.
 
-#include "manycontact/spatial/products.hpp"
+#include "manycontact/detail/spatial/products.hpp"
 #include "robot_block.hpp"
 
 namespace manycontact::lanes {

@@ -45,7 +45,8 @@ class WaitingRows {
   /// set before the factorization.
   S& row_size(int k) const { return row_size_[k]; }
   S& largest_entry(int k) const { return entry_[k]; }
-  /// The largest term that its a0 is computed from (contact_drift), which its inconsistency is judged relative to.
+  /// The largest term that its a0 is computed from (contact_bias_acceleration), which its inconsistency is judged
+  /// relative to.
   S& row_terms(int k) const { return row_terms_[k]; }
   /// The part of row k that project_out kept.
   const S& null_component(int k) const { return null_component_[k]; }

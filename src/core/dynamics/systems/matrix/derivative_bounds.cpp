@@ -4,8 +4,8 @@
 //
 // T are the sizes of the terms that R is computed from, for they may cancel, and |K| has those of its entries. T_x are
 // the terms that errors of a and f make: derivatives by q are linear in these, and no other derivative has them. Terms
-// of pushes and springs have neither. Where rows depend, and contradict each other by rho and by columns of derivatives
-// P R, as rounding of a solution (bounds.cpp)
+// of wrenches and springs have neither. Where rows depend, and contradict each other by rho and by columns of
+// derivatives P R, as rounding of a solution (bounds.cpp)
 //
 //     + |K^+ K^+| (|dJ^T P R| + |d(J^T drho)/dq|),
 //
@@ -291,7 +291,7 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
     return own;
   };
   const DerivativeRequest& request = derivatives.request;
-  const int by_w = request.pushes ? static_cast<int>(6 * derivatives.pushes.size()) : 0;
+  const int by_w = request.wrenches ? static_cast<int>(6 * derivatives.wrenches.size()) : 0;
   out = {};
   bound_columns({X, derivatives.q_first, request.q ? island.nv : 0, &alone, &terms.q, of_island(applied.q), true},
                 out.da_dq, out.dforces_dq);

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "../system.hpp"
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/kkt/factor/refined.hpp"

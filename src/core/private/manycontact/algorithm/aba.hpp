@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
 
 namespace manycontact {
 

@@ -5,15 +5,15 @@
 //     tau(q, v, w) = J_F(q)^T w + tau_s(q, v)
 //
 // on the velocity coordinates, and products with their derivatives without any matrix. Each force on a body is a wrench
-// F in the tree frame (algorithm/kinematics.hpp), f_i the sum over the subtree of body i, and tau_i = S_i^T f_i. Along
-// (dq, dv) body i moves by xi_i = sum of S_j dq_j on its path, and its velocity changes by dv_i, both as seen from the
-// tree frame, which is at rest; then
+// F in the tree frame (detail/algorithm/kinematics.hpp), f_i the sum over the subtree of body i, and tau_i = S_i^T f_i.
+// Along (dq, dv) body i moves by xi_i = sum of S_j dq_j on its path, and its velocity changes by dv_i, both as seen
+// from the tree frame, which is at rest; then
 //
 //     dtau_i = S_i^T df_i + (xi_i x S_i)^T f_i.
 
 #include <span>
 
-#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
 #include "manycontact/model/scene.hpp"
 
 namespace manycontact {
@@ -26,7 +26,7 @@ struct AppliedForces {
   struct OfRobot {                                    // a robot with an external wrench, a spring or a spring in a
                                                       // joint
     int robot = -1;                                   // number in the scene
-    std::vector<int> pushes, springs, joint_springs;  // forces on it; springs: with end A on it
+    std::vector<int> wrenches, springs, joint_springs;  // forces on it; springs: with end A on it
     std::vector<int> joints;  // ascending: of the bodies that forces act on, and of those before them in the tree
     Kinematics<S> kin;        // velocities too; not of a robot with joints' springs alone
     std::vector<Vec6<S>> f;   // njoints, of `joints`: on the body; after add_applied_forces on its subtree
@@ -40,7 +40,7 @@ struct AppliedForces {
 
   std::vector<OfRobot> robots;    // ascending by robot number
   std::vector<int> number;        // one entry per robot of the scene: its place in `robots`, -1: nothing acts on it
-  std::vector<Vec6<S>> pushes;    // one entry per external wrench: on its body, in the tree frame
+  std::vector<Vec6<S>> wrenches;  // one entry per external wrench: on its body, in the tree frame
   std::vector<OfSpring> springs;  // one entry per spring
 };
 
@@ -88,7 +88,7 @@ AppliedSizes applied_sizes(const Scene& scene, const double* q, const double* v,
 /// The power of external wrenches and dampers at the state of the last add_applied_forces [W]; that of dampers is
 /// negative.
 struct AppliedPower {
-  double pushes = 0, dampers = 0;
+  double wrenches = 0, dampers = 0;
 };
 AppliedPower power_of(const Scene& scene, const AppliedForces<double>& forces);
 

@@ -1,14 +1,14 @@
 #pragma once
 // Forward kinematics of a robot for deep trees, joint by joint, each body in its **body frame**: world axes, origin at
 // the current place of the body's own child frame. Bodies far from the base lose no digits, as they do in the tree
-// frame (algorithm/kinematics.hpp), where inertias grow with the square of the distance. From a body to the next there
-// is a translation r:
+// frame (detail/algorithm/kinematics.hpp), where inertias grow with the square of the distance. From a body to the next
+// there is a translation r:
 //
 //   motions, to the child:  v_lin += w x r        forces, to the parent:  n += r x f
 
 #include <vector>
 
-#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
 
 namespace manycontact {
 
@@ -39,7 +39,7 @@ struct BodyKinematics {
   explicit BodyKinematics(const Model& model);  // workspace for this robot
 
   // set by place_trees, from q
-  std::vector<WorldPoint<S>> origins;  // one entry per tree: origin of its frame (algorithm/kinematics.hpp)
+  std::vector<WorldPoint<S>> origins;  // one entry per tree: origin of its frame (detail/algorithm/kinematics.hpp)
 
   // set by body_kinematics, from q, v
   std::vector<Mat3<S>> R;  // njoints: the child frame's axes in the world

@@ -1,7 +1,7 @@
 #pragma once
 // M = L^T D L along the tree, leaves first: nothing fills in. Featherstone (2008), table 6.3.
 //
-// Packed as M is (algorithm/crba.hpp): row k has D_k, then L(k, i) of its ancestors i.
+// Packed as M is (detail/algorithm/crba.hpp): row k has D_k, then L(k, i) of its ancestors i.
 
 #include <limits>
 #include <vector>

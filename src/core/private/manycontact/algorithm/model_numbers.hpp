@@ -2,7 +2,7 @@
 // The numbers of a robot's model that algorithms read. For double these are those of the model; in SIMD batches of
 // robots of one structure each may have its own.
 
-#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
 
 namespace manycontact {
 
@@ -37,7 +37,7 @@ struct PlacementOf {
 };
 
 template <class S>
-[[gnu::always_inline]] inline Inertia<S> inertia_of(const Model& model, const ModelNumbers<S>* own, int i) {
+[[gnu::always_inline]] inline Inertia<S> joint_space_inertia(const Model& model, const ModelNumbers<S>* own, int i) {
   if constexpr (requires { S::width; })
     if (own) return own->inertia[i];
   return model.joints[i].inertia.template cast<S>();

@@ -3,7 +3,7 @@
 // Everything is in the tree frame. A displacement dq moves body i by the motion xi_i = sum of S_j dq_j along its chain.
 // Source: the forward and reverse modes of Featherstone's RNEA in an inertial frame; derivation ours.
 
-#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
 
 namespace manycontact {
 

@@ -3,7 +3,7 @@
 // (algorithm/body_kinematics.hpp), and no columns of joints, of which there may be many.
 
 #include "manycontact/algorithm/body_kinematics.hpp"
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact {
 

@@ -1,8 +1,8 @@
 #pragma once
 #include <memory>
 
-#include "manycontact/algorithm/kinematics.hpp"
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact::internal {
 
@@ -37,16 +37,16 @@ class MotionOf {
   Eigen::VectorXd own_v_;
 };
 
-/// look(c, support, rows) for each contact flagged `active`, at q and v (nullptr: at rest). support_of(contact): the
-/// columns of J, which has those alone.
+/// look(c, support, rows) for each contact flagged `active`, at q and v (nullptr: at rest). contact_support(contact):
+/// the columns of J, which has those alone.
 template <class Support, class Look>
 void each_contact_at(const Scene& scene, const std::vector<char>& active, const Eigen::Ref<const Eigen::VectorXd>& q,
-                     const double* v, Support&& support_of, Look&& look) {
+                     const double* v, Support&& contact_support, Look&& look) {
   MotionOf on_A(scene, q, v), on_B(scene, q, v);
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     if (!active[c]) continue;
     const Contact& contact = scene.contacts[c];
-    const ContactSupport support = support_of(contact);
+    const ContactSupport support = contact_support(contact);
     ContactData<double> rows(contact, support);
     const Kinematics<double>& kinA = on_A.of(contact.A.robot);
     const Kinematics<double>* kinB = contact.B.robot < 0                  ? nullptr

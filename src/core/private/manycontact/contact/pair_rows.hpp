@@ -13,7 +13,7 @@
 #include <memory>
 #include <span>
 
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact {
 

@@ -1,8 +1,9 @@
 #pragma once
-// Products with the derivatives of one contact, without the matrices (forward and reverse mode of contact/rows.hpp).
+// Products with the derivatives of one contact, without the matrices (forward and reverse mode of
+// detail/contact/rows.hpp).
 
 #include "manycontact/algorithm/rnea_products.hpp"
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact {
 

@@ -1,14 +1,14 @@
 #pragma once
-// Rows of 1D and 2D contacts whose axes rotate. contact/rows.hpp has the acceleration of A seen from B', picked along
-// the rows (as Crocoddyl): the rate of that velocity along axes that are fixed in B'. With w the rotation of the rows'
-// axes seen from B' (nu_ang in A's axes; minus that of B' in the world's) the rate of J v is
+// Rows of 1D and 2D contacts whose axes rotate. detail/contact/rows.hpp has the acceleration of A seen from B', picked
+// along the rows (as Crocoddyl): the rate of that velocity along axes that are fixed in B'. With w the rotation of the
+// rows' axes seen from B' (nu_ang in A's axes; minus that of B' in the world's) the rate of J v is
 //
 //     d(W nu)/dt = W (nudot_lin + nu_ang x nu_lin) - W (w x nu_lin)
 //
 // Rows of 3D contacts and others leave nothing of nu_lin, so that the two constrain the same. Here the rows leave the
 // part of nu_lin across them, and only that counts: what is along them vanishes if the contact is satisfied.
 
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact::internal {
 

@@ -4,7 +4,7 @@
 //     tau = g(q) - J^T f - tau_s(q, 0, w)        tau_s: of algorithm/applied_forces.hpp
 
 #include "manycontact/algorithm/applied_forces.hpp"
-#include "manycontact/algorithm/rnea_derivatives.hpp"
+#include "manycontact/detail/algorithm/rnea_derivatives.hpp"
 #include "manycontact/dynamics/data.hpp"
 #include "manycontact/dynamics/derivatives.hpp"
 
@@ -23,7 +23,7 @@ struct StaticTorque {
   Eigen::VectorXd l, wq, wv;                       // nv: scratch, l zero between uses
 };
 
-/// s.tau (nv): with the contact forces, or without `contacts` as if there were none; with data.pushes. q: nq. After
+/// s.tau (nv): with the contact forces, or without `contacts` as if there were none; with data.wrenches. q: nq. After
 /// forward_kinematics of data's robots at q and, with `contacts`, a solve; throws std::logic_error where SIMD batches
 /// solved and `complete` was not called since.
 void static_torque(const Scene& scene, const SceneData& data, const double* q, bool contacts, StaticTorque& s);

@@ -14,7 +14,7 @@ struct KktMatrix {
   std::shared_ptr<const KktPattern> pattern;
   std::vector<double> values;  // entries in the pattern's slots
   double damping = 0;          // delta
-  /// Rows of J are judged relative to this: the largest of the motions they are picked from (contact/rows.hpp,
+  /// Rows of J are judged relative to this: the largest of the motions they are picked from (detail/contact/rows.hpp,
   /// motion_scale). All of J may be rounding errors.
   double row_scale = 0;
 

@@ -5,7 +5,7 @@
 #include <mutex>
 #include <vector>
 
-#include "manycontact/kkt/island.hpp"
+#include "manycontact/detail/kkt/island.hpp"
 #include "manycontact/kkt/options.hpp"
 #include "manycontact/sparse/ldl_schedule.hpp"
 #include "manycontact/sparse/tolerances.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-#include "manycontact/kkt/island.hpp"
+#include "manycontact/detail/kkt/island.hpp"
 
 namespace manycontact {
 

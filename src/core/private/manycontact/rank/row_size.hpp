@@ -3,7 +3,7 @@
 // the terms it is computed from. Below, a row or what is left of it is rounding. Templates on the scalar: SIMD batches
 // have one value per robot.
 
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact {
 
@@ -108,8 +108,9 @@ RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const 
 /// The largest terms that a contact's a0 is computed from: the bodies' velocities and accelerations as the tree has
 /// them, about its base: at the contact they may cancel. place: B's in the world [m].
 template <class S>
-RowTerms<S> contact_drift(const Contact& contact, const ContactData<S>& data, const Model& A, const Kinematics<S>& kinA,
-                          const Model& B, const Kinematics<S>& kinB, const Vec3<S>& place) {
+RowTerms<S> contact_bias_acceleration(const Contact& contact, const ContactData<S>& data, const Model& A,
+                                      const Kinematics<S>& kinA, const Model& B, const Kinematics<S>& kinB,
+                                      const Vec3<S>& place) {
   RowTerms<S> most = row_terms<S>(contact, data, A, kinA, B, kinB);
   const auto add_body = [&](const Attachment& at, const Kinematics<S>& kin, const Vec3<S>& p) {
     if (!moves(at)) return;

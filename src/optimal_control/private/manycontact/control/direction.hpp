@@ -7,7 +7,7 @@
 //   BoxDirection       the same with the models' limits on controls
 //   CoupledDirection   coupled robots, by an lq::DirectionSolver (control/coupled_direction.hpp)
 
-#include "manycontact/control/parts.hpp"
+#include "manycontact/detail/control/parts.hpp"
 
 namespace manycontact {
 

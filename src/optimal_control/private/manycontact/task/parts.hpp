@@ -1,7 +1,7 @@
 #pragma once
 // A task taken apart: robots that neither contacts nor costs join at any node have motions of their own.
 
-#include "manycontact/control/parts.hpp"
+#include "manycontact/detail/control/parts.hpp"
 #include "manycontact/io/task_file.hpp"
 #include "manycontact/sparse/union_find.hpp"
 

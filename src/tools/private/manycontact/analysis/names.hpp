@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "manycontact/kkt/island.hpp"
+#include "manycontact/detail/kkt/island.hpp"
 
 namespace manycontact {
 

@@ -1,6 +1,6 @@
 #pragma once
-// Derivatives of a step's end by simulation/momentum.hpp. With C a group's centre of mass, P its momentum and L its
-// angular momentum about C, the end q+, v+ of a step obeys
+// Derivatives of a step's end by detail/simulation/momentum.hpp. With C a group's centre of mass, P its momentum and L
+// its angular momentum about C, the end q+, v+ of a step obeys
 //
 //     C(q+) = C+        P(q+, v+) = P+        L(q+, v+) = L+
 //
@@ -22,7 +22,7 @@
 
 #include <Eigen/SparseCore>
 
-#include "manycontact/simulation/momentum.hpp"
+#include "manycontact/detail/simulation/momentum.hpp"
 
 namespace manycontact {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "manycontact/kkt/island.hpp"
+#include "manycontact/detail/kkt/island.hpp"
 
 namespace manycontact {
 

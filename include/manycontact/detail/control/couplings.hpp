@@ -14,17 +14,17 @@
 //
 //     C_i = J_i da_i/dx_i + (derivative of the rows' bias with respect to x_i),    D_i = J_i da_i/d[u_i; w].
 //
-// If the force were fixed to A's frame, B's torques would depend on A's state (contact/derivatives.hpp). All couplings
-// have six numbers w. A contact of m < 6 rows transmits F = W^T f only. The wrench that moves with A therefore has no
-// component in the complement N of W's rows; this gives the other 6 - m rows of the coupling,
+// If the force were fixed to A's frame, B's torques would depend on A's state (detail/contact/derivatives.hpp). All
+// couplings have six numbers w. A contact of m < 6 rows transmits F = W^T f only. The wrench that moves with A
+// therefore has no component in the complement N of W's rows; this gives the other 6 - m rows of the coupling,
 //
 //     N (X^T w - (J_A dq_A) x* F + (rotation of a world-aligned frame)) = 0.
 //
 // Elimination of dw gives the exact derivatives of the whole scene, including Gauss-Newton Hessians of the costs: a
 // cost of subproblem i is a function of (x_i, u_i, w).
 
-#include "manycontact/control/parts.hpp"
-#include "manycontact/control/wrenches.hpp"
+#include "manycontact/detail/control/parts.hpp"
+#include "manycontact/detail/control/wrenches.hpp"
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/views.hpp"
 

@@ -6,7 +6,7 @@
 //     world                 the world's axes, at the world's origin
 //     local_world_aligned   the world's axes, at the frame's origin
 
-#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
 #include "manycontact/model/scene.hpp"
 
 namespace manycontact {

@@ -21,7 +21,7 @@
 #include <cmath>
 #include <optional>
 
-#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
 #include "manycontact/model/scene.hpp"
 
 namespace manycontact {

@@ -9,7 +9,7 @@
 //     d tau_k / dq_j = (S_j x S_k)^T w     for j a coordinate of k's joint or of one above it, else 0.
 
 #include "manycontact/action/actuation.hpp"
-#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
 
 namespace manycontact {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "manycontact/action/cost_derivatives.hpp"
-#include "manycontact/action/fwd.hpp"
+#include "manycontact/detail/action/cost_derivatives.hpp"
+#include "manycontact/detail/action/fwd.hpp"
 
 namespace manycontact {
 

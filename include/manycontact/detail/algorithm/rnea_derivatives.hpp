@@ -15,11 +15,11 @@
 
 #include <span>
 
-#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
 
 namespace manycontact {
 
-/// The derivatives, packed like M (algorithm/crba.hpp): entry of row i and its d-th ancestor j.
+/// The derivatives, packed like M (detail/algorithm/crba.hpp): entry of row i and its d-th ancestor j.
 template <class S>
 struct RneaDerivativesOf {
   explicit RneaDerivativesOf(const Model& model);  // allocates the workspace of this robot

@@ -4,7 +4,7 @@
 // M is stored in packed form. Row i contains M(i, i), M(i, p), M(i, p'), ... along the ancestors p = dof_parent[i],
 // ..., and starts at model.M_begin[i]. All other entries of the lower triangle are zero.
 
-#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
 
 namespace manycontact {
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
 
 namespace manycontact {
 

@@ -4,8 +4,8 @@
 //     data->r = frame_placement(*state_, *data->shared, frame_).p - target_;                              // calc
 //     data->Rx.leftCols(nv) = frame_jacobian(*state_, *data->shared, frame_, LOCAL_WORLD_ALIGNED).topRows(3);
 
-#include "manycontact/action/collector.hpp"
 #include "manycontact/action/state.hpp"
+#include "manycontact/detail/action/collector.hpp"
 
 namespace manycontact {
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact {
 

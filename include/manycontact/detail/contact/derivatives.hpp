@@ -1,8 +1,8 @@
 #pragma once
 // Derivatives of one contact's constraint rows and of its terms in the dynamics, in A's axes. Let s_i be the column of
-// J_l (sign included), and P1, P2, P3 the columns Psid_i, Psidd_i, Psid_i + Sd_i (algorithm/rnea_derivatives.hpp),
-// placed and signed like s_i. Let v_B = X v_B', a_B = X a_B', and let e = R_A^T (p_A - p_B') be the position error.
-// Then
+// J_l (sign included), and P1, P2, P3 the columns Psid_i, Psidd_i, Psid_i + Sd_i
+// (detail/algorithm/rnea_derivatives.hpp), placed and signed like s_i. Let v_B = X v_B', a_B = X a_B', and let e =
+// R_A^T (p_A - p_B') be the position error. Then
 //
 // clang-format off
 //     d nu/dq_i      = P1 + s_i x v_B
@@ -16,10 +16,10 @@
 // for the joints between A and B'. For joints above both, all derivatives are zero. The axes of a world-aligned frame
 // rotate relative to A. For every joint above A, with th_i the angular part of A's motion, dW/dq_i y = W (th_i x y),
 // applied to both parts of y. Derived from Singh, Russell, Wensing, arXiv 2105.05102, eq. for da/dq; relative motion as
-// in contact/rows.hpp.
+// in detail/contact/rows.hpp.
 
-#include "manycontact/algorithm/rnea_derivatives.hpp"
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/algorithm/rnea_derivatives.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact {
 

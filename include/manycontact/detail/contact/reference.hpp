@@ -2,7 +2,7 @@
 #include <array>
 #include <memory>
 
-#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
 #include "manycontact/model/scene.hpp"
 
 namespace manycontact {

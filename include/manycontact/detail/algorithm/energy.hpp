@@ -1,5 +1,5 @@
 #pragma once
-#include "manycontact/algorithm/kinematics.hpp"
+#include "manycontact/detail/algorithm/kinematics.hpp"
 
 namespace manycontact {
 

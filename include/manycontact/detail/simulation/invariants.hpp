@@ -5,13 +5,13 @@
 
 #include <vector>
 
-#include "manycontact/contact/rows.hpp"
+#include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact {
 
 struct Invariants {           // The quantities of a scene at one state.
-  double position_drift = 0;  // max |W e| of the active contacts, with e = log6(G) or R_A^T (p_A - p_B') [m, rad]
-  double velocity_drift = 0;  // max |J v| [m/s, rad/s]
+  double violation_position = 0;  // max |W e| of the active contacts, with e = log6(G) or R_A^T (p_A - p_B') [m, rad]
+  double violation_velocity = 0;  // max |J v| [m/s, rad/s]
   double kinetic = 0;         // J, rotors (armature) included
   double potential = 0;       // J, due to gravity (zero at the world's origin) and springs
   Vec6<double> momentum = Vec6<double>::Zero();  // momentum of the bodies, about the world's origin: linear
@@ -29,8 +29,8 @@ struct InvariantsData {
 };
 
 /// Computes the quantities at q (nq), v (nv), with the contacts flagged `active`. W and e are those of
-/// contact/rows.hpp. A 1D or 2D contact whose axes rotate constrains a direction rather than a position. Therefore its
-/// position error grows in exact motion, too. Allocates nothing. Thread-safe for distinct data.
+/// detail/contact/rows.hpp. A 1D or 2D contact whose axes rotate constrains a direction rather than a position.
+/// Therefore its position error grows in exact motion, too. Allocates nothing. Thread-safe for distinct data.
 Invariants invariants(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
                       const ConstVectorRef& v, InvariantsData& data);
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "manycontact/action/block_sparse.hpp"
+#include "manycontact/detail/action/block_sparse.hpp"
 
 namespace manycontact {
 
