@@ -381,7 +381,7 @@ TEST(AppliedForces, WhatIsRefused) {
   Scene moved = s.scene;
   moved.wrenches[0].at = b;
   EXPECT_EQ(refusal([&] { (void)solve(moved, s.q, s.v, s.u, data); }),
-            "solve: the data do not fit the scene: push 'wind' is on another body; make new data");
+            "solve: the data do not fit the scene: wrench 'wind' is on another body; make new data");
   moved = s.scene;
   moved.springs[0].stiffness = 7, moved.wrenches[0].at.placement.p.setOnes();
   EXPECT_EQ(refusal([&] { (void)solve(moved, s.q, s.v, s.u, data); }), "");
