@@ -364,7 +364,7 @@ def test_names_of_members_wherever_one_is_taken(file):
     assert mc.recommended_gains("rk4", H) == mc.recommended_gains(mc.Integrator.RK4, H)
     for call, says in [
         (lambda: mc.Options("sparse"), "unknown method 'sparse', expected one of 'dense', "),
-        (lambda: setattr(options, "lanes", "avx3"), "expected one of 'auto', 'off', 'baseline', 'avx2', 'avx512'"),
+        (lambda: setattr(options, "simd_level", "avx3"), "expected one of 'auto', 'off', 'baseline', 'avx2', 'avx512'"),
         (lambda: mc.Options(precision="half"), "expected one of 'single', 'double', 'extended'"),
         (lambda: setattr(model, "type", "locl"), "'local', 'world', 'local-world-aligned'"),
         (lambda: mc.SimulationData(scene, file.q, file.v, "euler", H), "'semi-implicit-euler', 'rk4'"),
