@@ -206,9 +206,6 @@ bool depends_globally(const MatrixSystem& m) {
   return m.owner.island.nc > tolerance::kFewRows && m.owner.shape->loops() > tolerance::kFewLoops;
 }
 
-// Then some rows depend on others, and no factor of all rows is sound.
-bool has_more_rows_than_coordinates(const Island& island) { return island.nc > island.nv; }
-
 Attempt with_dependent_rows(const MatrixSystem& m, Order order = Order::kLeafToRoot) {
   return {depends_globally(m) ? FactorKind::kProximal : FactorKind::kDependentRows, order, 0};
 }
@@ -220,14 +217,13 @@ Attempts attempts_of(const Scene& scene, const MatrixSystem& m) {
   const double damping = scene.damping;
   const auto [method, order] = m.owner.choice;
   const bool globally = damping == 0 && depends_globally(m);
-  const bool some_depend = m.owner.deficient || (damping == 0 && has_more_rows_than_coordinates(m.owner.island));
   const bool refused_in_lanes =
       globally && m.owner.stands_in_lanes() && !m.owner.answered && !is_inexact(scene, m.owner);
-  if (method == Method::kDenseSchur || (method != Method::kDense && !some_depend && !refused_in_lanes))
+  if (method != Method::kDense && !m.owner.deficient && !refused_in_lanes)
     out.add({FactorKind::kChosen, order, damping});
   if (method == Method::kDenseSchur) return out;  // the baseline has no fallback
   if (damping == 0 && drops_in_chosen_order(m)) out.add(with_dependent_rows(m, order));
-  if (!globally && !some_depend && order != Order::kLeafToRoot &&
+  if (!globally && !m.owner.deficient && order != Order::kLeafToRoot &&
       (damping > 0 ? has_order(method) : method == Method::kSparseLdl || method == Method::kSparseBodies))
     out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
   if (method != Method::kDense && damping == 0) out.add(with_dependent_rows(m));

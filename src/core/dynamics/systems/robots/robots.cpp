@@ -367,9 +367,7 @@ double RobotsSystem::growth() const {
 
 bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, IslandReport& report) {
   Workspace& w = *data.workspace;
-  // Interface rows that outnumber the coordinates depend on each other.
-  const bool some_depend = scene.damping == 0 && b.size() > static_cast<std::size_t>(owner.island.nv);
-  if (!solves || some_depend || !internal::usable_numbers(scene) || !factorize(scene, data)) return false;
+  if (!solves || !internal::usable_numbers(scene) || !factorize(scene, data)) return false;
   const sparse::Refinement refinement = internal::solve_refined(w, scene.damping, tolerance::kRefinementSteps, *this);
   state = 0;  // set once the solution is judged
   if (!(refinement.backward_error <= tolerance::kConverged)) return false;
