@@ -28,11 +28,11 @@ void add_errors(py::module_& m) {
       });
   def(m, "placement_errors", [](const Scene& scene, const Raw& q, const py::object& active) {
     const auto Q = checked("q", q, scene.nq);
-    return placement_errors(scene, flags_of(scene, active), Q);
+    return placement_errors(scene, Q, flags_of(scene, active));
   });
   def(m, "velocity_errors", [](const Scene& scene, const Raw& q, const Raw& v, const py::object& active) {
     const auto Q = checked("q", q, scene.nq), V = checked("v", v, scene.nv);
-    return velocity_errors(scene, flags_of(scene, active), Q, V);
+    return velocity_errors(scene, Q, V, flags_of(scene, active));
   });
 }
 

@@ -23,7 +23,7 @@ std::vector<char> active_of(const Scene& scene) {
   return active;
 }
 std::vector<VelocityError> moving(const SceneFile& file) {
-  return velocity_errors(file.scene, active_of(file.scene), file.q, file.v);
+  return velocity_errors(file.scene, file.q, file.v, active_of(file.scene));
 }
 
 // A four-bar in its plane is closed by its pin with the first crank at q1 = 0.3.
@@ -134,7 +134,7 @@ TEST(MakeConsistent, LeavesWhatFits) {
 TEST(MakeConsistent, ClosesALoop) {
   const FourBar bar("", kAway);
   SceneFile file = bar.load();
-  ASSERT_EQ(placement_errors(file.scene, {1}, file.q).size(), 1u);
+  ASSERT_EQ(placement_errors(file.scene, file.q, {1}).size(), 1u);
   const ConsistentState state = make_consistent(file.scene, file.q, file.v);
   EXPECT_TRUE(state.consistent());
   EXPECT_GT(state.steps, 1);
@@ -242,7 +242,7 @@ TEST(ConsistentScenes, AreMadeSoWhenLoaded) {
   EXPECT_TRUE(plain.load().findings.empty());
   EXPECT_EQ(no.load().q, plain.load().q);
   const SceneFile file = bar.load();
-  EXPECT_TRUE(placement_errors(file.scene, {1}, file.q).empty());
+  EXPECT_TRUE(placement_errors(file.scene, file.q, {1}).empty());
   EXPECT_TRUE(moving(file).empty());
   ASSERT_EQ(file.findings.size(), 1u);
   EXPECT_EQ(file.findings[0].kind, "consistent");

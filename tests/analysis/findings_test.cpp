@@ -20,7 +20,7 @@ SceneFile held(const std::string& contact) { return load_text("<scene>" + kBox +
 std::vector<PlacementError> errors_of(const SceneFile& file) {
   std::vector<char> active;
   for (const Contact& contact : file.scene.contacts) active.push_back(contact.active);
-  return placement_errors(file.scene, active, file.q);
+  return placement_errors(file.scene, file.q, active);
 }
 
 TEST(PlacementErrors, OfEveryType) {
@@ -211,7 +211,7 @@ TEST(TurningRows, OfPointsThatSlide) {
   };
   const auto rate_of = [&](const std::string& contact, const std::string& v) {
     const SceneFile file = scene(contact, v);
-    const auto found = turning_rows(file.scene, {1}, file.q, file.v);
+    const auto found = turning_rows(file.scene, file.q, file.v, {1});
     return found.empty() ? 0 : found[0].rate;
   };
   EXPECT_DOUBLE_EQ(rate_of("type=\"1d\"", "3 0 0 0 2 0"), 6);

@@ -133,11 +133,11 @@ TEST(Place, ClosesContacts) {
     for (const Contact& contact : s.scene.contacts) goals.push_back(contact_goal(s.scene, contact.name));
     const VectorXd start = integrate(s.scene, s.q, random_vector(s.scene.nv, rng, 0.05));
     const std::vector<char> all(goals.size(), 1);
-    EXPECT_FALSE(placement_errors(s.scene, all, start).empty()) << seed;
+    EXPECT_FALSE(placement_errors(s.scene, start, all).empty()) << seed;
     const PlacedScene found = place(s.scene, start, goals);
     EXPECT_TRUE(found.met(kFound)) << seed;
     EXPECT_LE(found.iterations, 25) << seed;
-    EXPECT_TRUE(placement_errors(s.scene, all, found.q).empty()) << seed;
+    EXPECT_TRUE(placement_errors(s.scene, found.q, all).empty()) << seed;
   }
 }
 
@@ -343,7 +343,7 @@ TEST(Poses, ArePutInPlaceWhenLoaded) {
     EXPECT_NEAR(M.R(2, 2), 1, kFound);
   }
   EXPECT_NEAR(frame_placement(file.scene, data, find_frame(file.scene, "h/" + trunk)).p[2], 0.7, kFound);
-  EXPECT_TRUE(placement_errors(file.scene, {1}, file.q).empty());  // its reference is there
+  EXPECT_TRUE(placement_errors(file.scene, file.q, {1}).empty());  // its reference is there
   expect_within_limits(file.scene, file.q);
   EXPECT_GT(file.u.norm(), 1);          // quasi-static there
   ASSERT_EQ(file.findings.size(), 2u);  // the other: it is on its left foot alone, and not in balance
@@ -363,7 +363,7 @@ TEST(Poses, AreMetTogetherWithContacts) {
       "<contact name=\"foot\" type=\"6d\" frame=\"h/left_sole\"/></scene>");
   EXPECT_EQ(file.poses.size(), 4u);
   EXPECT_EQ(file.poses[1].name, "h1/left_sole");
-  EXPECT_TRUE(placement_errors(file.scene, std::vector<char>(file.scene.contacts.size(), 1), file.q).empty());
+  EXPECT_TRUE(placement_errors(file.scene, file.q, std::vector<char>(file.scene.contacts.size(), 1)).empty());
   RigidBodyData data(file.scene);
   forward_kinematics(file.scene, file.q, data);
   for (const char* foot : {"h0/left_sole", "h1/right_sole"})

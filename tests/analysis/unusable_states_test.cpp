@@ -38,8 +38,8 @@ class UnusableStates : public testing::Test {
         {"place", [this](const State& s) { (void)place(scene(), s.q, {}); }},
         {"make_consistent", [this](const State& s) { (void)make_consistent(scene(), s.q, s.v); }},
         {"update_kinematics", [this](const State& s) { update_kinematics(scene(), s.q, s.v, data_); }},
-        {"placement_errors", [=, this](const State& s) { (void)placement_errors(scene(), active, s.q); }},
-        {"velocity_errors", [=, this](const State& s) { (void)velocity_errors(scene(), active, s.q, s.v); }},
+        {"placement_errors", [=, this](const State& s) { (void)placement_errors(scene(), s.q, active); }},
+        {"velocity_errors", [=, this](const State& s) { (void)velocity_errors(scene(), s.q, s.v, active); }},
         {"quasi_static", [this](const State& s) { (void)quasi_static(scene(), s.q); }},
     };
   }

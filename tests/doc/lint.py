@@ -20,6 +20,7 @@ import csv
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
@@ -127,8 +128,9 @@ def prose_faults(line, text):
 
 
 def tracked():
-    listed = subprocess.run(["git", "-C", TOP, "ls-files", "-co", "--exclude-standard"], capture_output=True, text=True)
-    files = [TOP / f for f in listed.stdout.split("\n") if f] or [f for f in TOP.rglob("*") if "build" not in f.parts]
+    git = ["git", "-C", TOP, "ls-files", "-co", "--exclude-standard"]
+    listed = subprocess.run(git, capture_output=True, text=True).stdout if shutil.which("git") else ""
+    files = [TOP / f for f in listed.split("\n") if f] or [f for f in TOP.rglob("*") if "build" not in f.parts]
     return [f for f in files if f.is_file()]
 
 

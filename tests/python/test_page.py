@@ -48,3 +48,31 @@ def test_faults_are_found():
     assert misfits(PAGE.replace("`solve(scene, q, v, u, data)`", "`solve(scene, v, q, u, data)`")) == ["solve"]
     assert misfits(PAGE.replace("`crba(bodies, q, [data])`", "`crba(bodies, q, [inertia])`")) == ["crba"]
     assert functions() - {name for name, _ in listed(PAGE.replace("`unique_forces(", "`unique("))} == {"unique_forces"}
+
+
+def declarations():
+    """Returns, by name, the names of the parameters of each function that the installed headers declare."""
+    found = {}
+    for header in sorted((ROOT / "include").rglob("*.hpp")):
+        text = re.sub(r"//.*", "", header.read_text())
+        for name, parameters in re.findall(r"(?m)^[\w:<>&*, ]*[ &*>](\w+)\(((?:[^()]|\(\))*)\)(?: const)?;", text):
+            plain = re.sub(r"=[^,]*", "", re.sub(r"<[^<>]*>", "", re.sub(r"<[^<>]*>", "", parameters)))
+            found.setdefault(name, []).append([p.split()[-1].strip("&*") for p in plain.split(",") if p.split()])
+    return found
+
+
+def out_of_order(python, cpp):
+    """Returns functions whose arguments have another order in Python than in every declaration of C++."""
+
+    def agrees(ours, theirs):
+        common = set(ours) & set(theirs)
+        return [a for a in ours if a in common] == [a for a in theirs if a in common]
+
+    return [name for name, lists in python.items() if name in cpp and not all(any(agrees(a, b) for b in cpp[name]) for a in lists)]
+
+
+def test_arguments_have_the_order_of_cpp():
+    python, cpp = {name: signatures(name) for name in functions()}, declarations()
+    assert out_of_order(python, cpp) == []
+    assert len(python.keys() & cpp.keys()) > 80
+    assert out_of_order({"solve": [["scene", "v", "q", "u", "data"]]}, cpp) == ["solve"]

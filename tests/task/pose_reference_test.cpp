@@ -40,7 +40,7 @@ TEST(PoseReference, IsMetWithTheContactsInPlace) {
   for (const TaskTerm* term : {&task.phases[0].costs[0], &task.terminal.costs[0]}) {
     ASSERT_EQ(term->reference.size(), scene.nq + scene.nv);
     EXPECT_NEAR(at(task, *term, "humanoid/pelvis").p[2], 0.7, 1e-9);
-    EXPECT_TRUE(placement_errors(scene, {1, 1}, term->reference.head(scene.nq)).empty());
+    EXPECT_TRUE(placement_errors(scene, term->reference.head(scene.nq), {1, 1}).empty());
     EXPECT_TRUE(term->reference.tail(scene.nv).isZero(0));
   }
   TaskProblem problem = make_problem(task);

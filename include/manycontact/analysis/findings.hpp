@@ -23,8 +23,8 @@ struct PlacementError {
 
 /// Lists those contacts flagged `active` whose placement error at q (scene.nq) is kPlacementError or more. Throws
 /// std::invalid_argument for wrong sizes. Thread-safe.
-std::vector<PlacementError> placement_errors(const Scene& scene, const std::vector<char>& active,
-                                             const ConstVectorRef& q);
+std::vector<PlacementError> placement_errors(const Scene& scene, const ConstVectorRef& q,
+                                             const std::vector<char>& active);
 
 /// Describes an error: "0.1 m and 0.02 rad", without negligible parts.
 std::string in_words(const PlacementError& error);
@@ -40,8 +40,8 @@ struct VelocityError {
 
 /// Lists those contacts flagged `active` that move by kVelocityError or more at q (scene.nq), v (scene.nv). To correct
 /// q and v, use make_consistent (analysis/consistent.hpp). Throws std::invalid_argument for wrong sizes. Thread-safe.
-std::vector<VelocityError> velocity_errors(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
-                                           const ConstVectorRef& v);
+std::vector<VelocityError> velocity_errors(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
+                                           const std::vector<char>& active);
 
 /// Describes an error: "0.5 m/s and 0.1 rad/s", without negligible parts.
 std::string in_words(const VelocityError& error);
@@ -64,8 +64,8 @@ struct TurningRows {
 
 /// Lists those contacts flagged `active` where the rate is kTurningRows or more at q (scene.nq), v (scene.nv). `solve`
 /// has that rate; `step` keeps J v constant. Throws std::invalid_argument for wrong sizes. Thread-safe.
-std::vector<TurningRows> turning_rows(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
-                                      const ConstVectorRef& v);
+std::vector<TurningRows> turning_rows(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
+                                      const std::vector<char>& active);
 
 /// The ways in which a contact force can violate the conditions of a unilateral contact with friction.
 enum class ViolationKind { kPulls, kSlips, kTips, kTurns };

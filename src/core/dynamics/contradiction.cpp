@@ -1,5 +1,5 @@
 // The judge of contradictions, for all systems and for pairs of bodies: rank/contradiction.hpp, and no rounding error
-// of the loads' accelerations, gravity and |J| |tau - h| / max M_ii, which contacts may cancel in a.
+// of the loads' accelerations, which contacts may cancel in a: of gravity, or without it of |J| |tau - h| / max M_ii.
 
 #include <algorithm>
 #include <cmath>
@@ -46,12 +46,10 @@ double accelerations_of_torques(const Scene& scene, const SceneData& data, const
 
 bool contradicts(const Scene& scene, const SceneData& data, rank::Contradiction<double> of, IslandWork& d) {
   if (!of.contradicts()) return false;
-  double rounding = tolerance::kLoadRounding * scene.gravity.norm();
-  const auto exceeds_rounding = [&] { return !(of.left <= rounding); };
-  if (!exceeds_rounding() || !joint_space_fits(d)) return exceeds_rounding();
+  if (const double gravity = scene.gravity.norm(); gravity > 0) return !(of.left <= tolerance::kLoadRounding * gravity);
+  if (!joint_space_fits(d)) return true;
   evaluate_at_state(scene, data, d);
-  rounding += tolerance::kTorqueRounding * accelerations_of_torques(scene, data, d);
-  return exceeds_rounding();
+  return !(of.left <= tolerance::kTorqueRounding * accelerations_of_torques(scene, data, d));
 }
 
 }  // namespace manycontact::internal

@@ -48,9 +48,9 @@ void print_contacts(std::ostream& out, const SceneFile& file) {
   const Scene& scene = file.scene;
   const std::vector<char> all(scene.contacts.size(), 1);
   std::vector<PlacementError> errors(scene.contacts.size());
-  for (const PlacementError& error : placement_errors(scene, all, file.q)) errors[error.contact] = error;
+  for (const PlacementError& error : placement_errors(scene, file.q, all)) errors[error.contact] = error;
   std::vector<VelocityError> velocities(scene.contacts.size());
-  for (const VelocityError& error : velocity_errors(scene, all, file.q, file.v)) velocities[error.contact] = error;
+  for (const VelocityError& error : velocity_errors(scene, file.q, file.v, all)) velocities[error.contact] = error;
   InvariantsData room(scene);
   (void)invariants(scene, all, file.q, file.v, room);
 

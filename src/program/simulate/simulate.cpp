@@ -377,8 +377,8 @@ int run_simulate(const Arguments& arguments) {
   around.control.set_pd(0, sim.pd);
   run.shortest = shortest_spring_step(file.scene, sim.pd, sim.dynamics.active, file.q, run.integrator);
   run.at_start.files = file.findings;
-  run.at_start.misplaced = placement_errors(file.scene, sim.dynamics.active, file.q);
-  run.at_start.moving = velocity_errors(file.scene, sim.dynamics.active, file.q, file.v);
+  run.at_start.misplaced = placement_errors(file.scene, file.q, sim.dynamics.active);
+  run.at_start.moving = velocity_errors(file.scene, file.q, file.v, sim.dynamics.active);
   simulate(file.scene, around, arguments.has("--progress"), sim, csv, run);
   if (run.stopped != StepStatus::kOk) around.watch.judge_rows(file.scene, file.u, sim, run.at_start);
   if (run.stopped == StepStatus::kSolverFailed)

@@ -98,7 +98,7 @@ bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
   for (const Event* event : closing)
     if (active[static_cast<std::size_t>(event->first)])  // not off at once
       closed.push_back(event->contact + (held.contains(event) ? " (on before)" : ""));
-  if (!closed.empty()) blows_.push_back({t, join(closed, 4), jump, placement_errors(scene, on, sim.q)});
+  if (!closed.empty()) blows_.push_back({t, join(closed, 4), jump, placement_errors(scene, sim.q, on)});
   return jump.status != Status::kFailed;
 }
 

@@ -131,7 +131,7 @@ void Watch::look(const Scene& scene, double t, const Eigen::VectorXd& q, const E
   }
   take(violations(scene, q, sim.f, sim.f_offset, loads), t, violations_);
   take(limits_passed(scene, q, v, u), t, limits_);
-  take(turning_rows(scene, sim.dynamics.active, q, v), t, turning_);
+  take(turning_rows(scene, q, v, sim.dynamics.active), t, turning_);
   if (first_condition_ == 0 && std::isfinite(sim.condition)) first_condition_ = sim.condition;
   if (sim.condition > largest_condition_) largest_condition_ = sim.condition, condition_time_ = t;
   if (active_ != sim.dynamics.active) active_ = sim.dynamics.active, most_rank_ = -1;

@@ -143,15 +143,15 @@ void find_near_dependent(const Scene& scene, const Eigen::VectorXd& q, const Sce
 Findings find(const SceneFile& file, const SceneData& data) {
   Findings f;
   f.files = file.findings;
-  f.misplaced = placement_errors(file.scene, data.active, file.q);
-  f.moving = velocity_errors(file.scene, data.active, file.q, file.v);
+  f.misplaced = placement_errors(file.scene, file.q, data.active);
+  f.moving = velocity_errors(file.scene, file.q, file.v, data.active);
   f.violations = violations(file.scene, file.q, data.f, data.f_offset);
   f.limits = limits_passed(file.scene, file.q, file.v, file.u);
   f.contradictions = contradictions(file.scene, data);
   f.massless = massless_joints(file.scene, data, file.q);
   f.rank_changes = rank_changes(file.scene, file.q, data);
   if (!f.rank_changes.empty()) f.velocity_names = velocity_names(file.scene);
-  f.turning = turning_rows(file.scene, data.active, file.q, file.v);
+  f.turning = turning_rows(file.scene, file.q, file.v, data.active);
   find_near_dependent(file.scene, file.q, data, f);
   return f;
 }

@@ -11,6 +11,7 @@ import io
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -128,8 +129,8 @@ def build_editable(wheel_directory, config_settings=None, metadata_directory=Non
 
 def _sources():
     """Paths of the source tree: those that git knows, or in an unpacked archive all but builds."""
-    listed = subprocess.run(["git", "-C", TOP, "ls-files", "-z"], capture_output=True)
-    if listed.returncode == 0:
+    listed = shutil.which("git") and subprocess.run(["git", "-C", TOP, "ls-files", "-z"], capture_output=True)
+    if listed and listed.returncode == 0:
         return [p for p in listed.stdout.decode().split("\0") if p and (TOP / p).is_file()]
     files = (p.relative_to(TOP) for p in TOP.rglob("*") if p.is_file() or p.is_symlink())
     return sorted(str(p) for p in files if p.parts[0] != "build" and "__pycache__" not in p.parts)

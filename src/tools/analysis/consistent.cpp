@@ -58,7 +58,7 @@ int close_positions(const Scene& scene, const std::vector<char>& active, interna
         is_aside = true;
         return aside(scene, active, x);
       },
-      [&](const Eigen::VectorXd& x) { return placement_errors(scene, active, x).empty() ? 0 : rest.errors(x).norm(); });
+      [&](const Eigen::VectorXd& x) { return placement_errors(scene, x, active).empty() ? 0 : rest.errors(x).norm(); });
   return steps;
 }
 
@@ -78,8 +78,8 @@ ConsistentState make_consistent(const Scene& scene, const std::vector<char>& act
   Eigen::VectorXd dv;
   if (!Jv.isZero(0) && rest.least_motion(out.q, -Jv, dv) && dv.allFinite()) out.v += dv;
   out.status = rest.worst();
-  out.misplaced = placement_errors(scene, active, out.q);
-  out.moving = velocity_errors(scene, active, out.q, out.v);
+  out.misplaced = placement_errors(scene, out.q, active);
+  out.moving = velocity_errors(scene, out.q, out.v, active);
   return out;
 }
 

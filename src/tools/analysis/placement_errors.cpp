@@ -22,8 +22,8 @@ double angle_between(const Contact& contact, const Mat3<double>& G) {
 
 }  // namespace
 
-std::vector<PlacementError> placement_errors(const Scene& scene, const std::vector<char>& active,
-                                             const ConstVectorRef& q) {
+std::vector<PlacementError> placement_errors(const Scene& scene, const ConstVectorRef& q,
+                                             const std::vector<char>& active) {
   expect_configuration("placement_errors", "q", q, scene);
   std::vector<PlacementError> out;
   internal::each_contact_at(scene, active, q, nullptr, [&](int c, const ContactData<double>& d) {
@@ -36,8 +36,8 @@ std::vector<PlacementError> placement_errors(const Scene& scene, const std::vect
   return out;
 }
 
-std::vector<VelocityError> velocity_errors(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
-                                           const ConstVectorRef& v) {
+std::vector<VelocityError> velocity_errors(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
+                                           const std::vector<char>& active) {
   expect_configuration("velocity_errors", "q", q, scene);
   expect_numbers("velocity_errors", "v", v, scene.nv);
   std::vector<VelocityError> out;
@@ -50,8 +50,8 @@ std::vector<VelocityError> velocity_errors(const Scene& scene, const std::vector
   return out;
 }
 
-std::vector<TurningRows> turning_rows(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
-                                      const ConstVectorRef& v) {
+std::vector<TurningRows> turning_rows(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
+                                      const std::vector<char>& active) {
   expect_configuration("turning_rows", "q", q, scene);
   expect_numbers("turning_rows", "v", v, scene.nv);
   std::vector<TurningRows> out;

@@ -280,8 +280,8 @@ inline constexpr double kJoins = 1e-9;
 /// Rows that may wait: S is dense. Used by: let_rows_wait.
 inline constexpr std::size_t kMostWaiting = 300;
 
-/// Rounding errors of accelerations that loads cause and contacts cancel: relative to gravity some thousand eps, and
-/// relative to those of each robot's largest inertia by torques a few eps. Used by: the judge of contradictions.
+/// Rounding errors of accelerations that loads cause and contacts cancel: relative to gravity some thousand eps,
+/// without gravity a few eps of those of each robot's largest inertia by torques. Used by: the judge of contradictions.
 inline constexpr double kLoadRounding = 1e-12, kTorqueRounding = 1e-15;
 /// ... unless of every row it is rounding of the largest term that its a0 is computed from (contact_bias_acceleration,
 /// [m/s^2] or [rad/s^2]): 500 eps, of chains of up to hundreds of joints.

@@ -29,8 +29,6 @@ using tolerance::kExtendedConverged, tolerance::kExtendedVanishing, tolerance::k
 
 using OfIsland = ExtendedWork::OfIsland;
 
-SceneData& solved_data(SceneData& data) { return data.workspace->reduction ? *data.workspace->reduction->data : data; }
-
 // Whether the double solution is one of this scene's equations. With damping all rows count: none may be left out.
 bool may_refine(const Scene& scene, const IslandWork& d, const IslandReport& report) {
   if (!d.answered || (d.matrix.tolerated > 0 && !d.matrix.within.changes().empty())) return false;
@@ -85,7 +83,7 @@ void invert_islands(const Scene& scene, SceneData& data, const ExtendedWork& e) 
 
 // The step [da; df] of the open islands for residuals e.r_a, e.r, which it overwrites.
 void invert(const Scene& scene, SceneData& data, ExtendedWork& e) {
-  SceneData& solved = solved_data(data);
+  SceneData& solved = data.workspace->reduction ? *data.workspace->reduction->data : data;
   const Scene& of = &solved == &data ? scene : data.workspace->reduction->scene;
   ProductWork& x = products_of(of, *solved.workspace);
   const Eigen::Index rows = data.f.size();
@@ -339,7 +337,7 @@ void refine(const Scene& scene, SceneData& data, ExtendedWork& e) {
                           data.v.data(),
                           w.given.data(),
                           data.wrenches,
-                          forces_are_applied(*solved_data(data).workspace),
+                          forces_are_applied(solver_of(data)),
                           w.prescribed.empty() ? nullptr : w.prescribed.data(),
                           e.damping.data(),
                           data.f_offset};

@@ -19,7 +19,7 @@ namespace {
 
 const std::vector<std::string> kFiles = {"--out", "--json", "--view", "--torques", "--forces"};
 
-std::optional<TaskSolver> solver_of(const Arguments& arguments) {
+std::optional<TaskSolver> task_solver(const Arguments& arguments) {
   const auto name = arguments.value("--solver");
   if (!name) return std::nullopt;
   for (const TaskSolver solver : {TaskSolver::kFddp, TaskSolver::kBoxFddp, TaskSolver::kSparse, TaskSolver::kAuto})
@@ -68,7 +68,7 @@ std::optional<SimulatedMotion> simulated(const Arguments& arguments, const TaskF
 
 int run_optimize(const Arguments& arguments) {
   const std::string path = scene_operand(arguments, "TASK");
-  const std::optional<TaskSolver> solver = solver_of(arguments);
+  const std::optional<TaskSolver> solver = task_solver(arguments);
   const int threads = arguments.integer("--threads", 1, kMostThreads, 0);
   if (arguments.has("--simulate")) (void)arguments.positive("--simulate");  // throws now, not after hours
   const std::string out = arguments.required("--out");
