@@ -55,7 +55,7 @@ def declarations():
     found = {}
     for header in sorted((ROOT / "include").rglob("*.hpp")):
         text = re.sub(r"//.*", "", header.read_text())
-        for name, parameters in re.findall(r"(?m)^[\w:<>&*, ]*[ &*>](\w+)\(((?:[^()]|\(\))*)\)(?: const)?;", text):
+        for name, parameters in re.findall(r"(?m)^[\w\[][\w:<>&*,\[\] ]*[ &*>](\w+)\(((?:[^()]|\(\))*)\)(?: const)?;", text):
             plain = re.sub(r"=[^,]*", "", re.sub(r"<[^<>]*>", "", re.sub(r"<[^<>]*>", "", parameters)))
             found.setdefault(name, []).append([p.split()[-1].strip("&*") for p in plain.split(",") if p.split()])
     return found
@@ -64,15 +64,25 @@ def declarations():
 def out_of_order(python, cpp):
     """Returns functions whose arguments have another order in Python than in every declaration of C++."""
 
-    def agrees(ours, theirs):
-        common = set(ours) & set(theirs)
-        return [a for a in ours if a in common] == [a for a in theirs if a in common]
+    def agrees(ours, declared):
+        shared = max(len(set(ours) & set(theirs)) for theirs in declared)
+        nearest = [theirs for theirs in declared if len(set(ours) & set(theirs)) == shared]
+        return any([a for a in ours if a in theirs] == [a for a in theirs if a in ours] for theirs in nearest)
 
-    return [name for name, lists in python.items() if name in cpp and not all(any(agrees(a, b) for b in cpp[name]) for a in lists)]
+    return [name for name, lists in python.items() if name in cpp and not all(agrees(ours, cpp[name]) for ours in lists)]
+
+
+def required(name):
+    """Returns the names of the arguments of each overload that have no default value: the others come last in Python."""
+    if inspect.isfunction(getattr(mc, name, None)):
+        return [[k for k, p in inspect.signature(getattr(mc, name)).parameters.items() if p.default is p.empty]]
+    found = re.findall(r"(?m)^(?:\d+\. )?\w+\((.*)\) -> ", getattr(mc, name).__doc__)
+    return [re.findall(r"(?:^|, )(\w+): [^,=]*(?=,|$)", re.sub(r"\[[^\]]*\]", "", text)) for text in found]
 
 
 def test_arguments_have_the_order_of_cpp():
-    python, cpp = {name: signatures(name) for name in functions()}, declarations()
+    python, cpp = {name: required(name) for name in functions()}, declarations()
+    assert python["forward_kinematics"] == [["bodies", "q", "data"]]
     assert out_of_order(python, cpp) == []
     assert len(python.keys() & cpp.keys()) > 80
     assert out_of_order({"solve": [["scene", "v", "q", "u", "data"]]}, cpp) == ["solve"]
