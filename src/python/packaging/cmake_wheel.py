@@ -43,6 +43,8 @@ def _built(settings):
     python = next((p for p, test in zip(pythons, tests) if test.returncode == 0), pythons[1])
     options = [f"-DMANYCONTACT_{name}=OFF" for name in ("TESTS", "CHART", "BENCH")]
     options.append(f"-DMANYCONTACT_PORTABLE={(settings or {}).get('portable', 'OFF')}")
+    if not shutil.which("cmake"):
+        raise SystemExit("cmake was not found; install the packages that README.md lists, or run ./run build once")
     if not (folder / "CMakeCache.txt").exists():
         options += ["-DCMAKE_BUILD_TYPE=Release", "-DMANYCONTACT_PYTHON=ON", f"-DPython3_EXECUTABLE={python}"]
         subprocess.run(["cmake", "-S", TOP, "-B", folder, *options], check=True, env=environment)
