@@ -650,7 +650,7 @@ class RowSizes : public testing::Test {
   }
   Terms terms(double origin = 0) const { return internal::row_terms<double>(contact_, data_, origin); }
   Terms drift(const Vec3<double>& place = Vec3<double>::Zero()) const {
-    return internal::contact_bias_acceleration<double>(contact_, data_, model_, *kin_, model_, *kin_, place);
+    return internal::bias_acceleration_terms<double>(contact_, data_, model_, *kin_, model_, *kin_, place);
   }
   static void expect(const Terms& found, double linear, double angular) {
     EXPECT_EQ(found.linear, linear);

@@ -55,11 +55,11 @@ void take_scales(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const 
   for (std::size_t c = 0; c < w.rows.size(); ++c)
     for (int p = s.Rp[w.rows[c]]; p < s.Rp[w.rows[c] + 1]; ++p)
       if (const double d = D[s.Rj[p]]; std::isfinite(d)) terms[c] += Lx[s.Rk[p]] * Lx[s.Rk[p]] * std::abs(d);
+  largest.assign(w.rows.size(), 0.0);
   each_entry_of_B(K, Kx, D, w, [&](int i, int c, double value) {
+    largest[c] = std::max(largest[c], std::abs(value));
     if (of_M[i] && i > w.rows[c]) terms[c] += value * value / Kx[K.p[i + 1] - 1];
   });
-  largest.assign(w.rows.size(), 0.0);
-  each_entry_of_B(K, Kx, D, w, [&](int, int c, double value) { largest[c] = std::max(largest[c], std::abs(value)); });
   for (std::size_t c = 0; c < w.rows.size(); ++c) {
     const bool is_plain = largest[c] > tolerance::kRank * row_size[w.rows[c]];
     terms[c] = is_plain && terms[c] > 0 ? 1 / std::sqrt(terms[c]) : 0;

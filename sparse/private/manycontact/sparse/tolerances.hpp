@@ -272,7 +272,7 @@ inline constexpr double kHalfTurn = 1e-4;
 inline constexpr double kContradiction = 1e-8;
 
 /// A row of J waits below this many times kPivotLeft: 1e-6 of the terms of its pivot, so that the other rows' factor
-/// loses no more than six digits, which refinement brings back. Used by: DependentRowsFactor.
+/// loses no more than six digits, which refinement brings back. Used by: DependentRowsFactor, SIMD batches.
 inline constexpr double kWaits = 1e5;
 /// Pivot of a waiting row in -S, relative to the row's terms. Rows that depend leave 1e-16, times the six digits that
 /// the factor may have lost; rows that were badly placed left 1e-7 and more in all scenes that were tried.
@@ -283,7 +283,7 @@ inline constexpr std::size_t kMostWaiting = 300;
 /// Rounding errors of accelerations that loads cause and contacts cancel: relative to gravity some thousand eps,
 /// without gravity a few eps of those of each robot's largest inertia by torques. Used by: the judge of contradictions.
 inline constexpr double kLoadRounding = 1e-12, kTorqueRounding = 1e-15;
-/// ... unless of every row it is rounding of the largest term that its a0 is computed from (contact_bias_acceleration,
+/// ... unless of every row it is rounding of the largest term that its a0 is computed from (bias_acceleration_terms,
 /// [m/s^2] or [rad/s^2]): 500 eps, of chains of up to hundreds of joints.
 inline constexpr double kDriftRounding = 1e-13;
 /// Derivatives have the term of what is left sooner, from 20 eps on: of rounding it is rounding, too.

@@ -190,7 +190,7 @@ void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots) {
     const Contact& c = scene.contacts[robots.front().contacts[k]];
     const Vec3<S> place = c.B.robot < 0 ? standing_[k][1].origin : Vec3<S>(Vec3<S>::Zero());
     const auto& kin = robot_.kin;
-    const auto terms = internal::contact_bias_acceleration<S>(c, contacts_[k], *model_, kin, *model_, kin, place);
+    const auto terms = internal::bias_acceleration_terms<S>(c, contacts_[k], *model_, kin, *model_, kin, place);
     for (int i = 0; i < c.rows(); ++i) waiting_.row_terms(rows_of(k)[i]) = terms.of_row(i);
   }
 }

@@ -114,7 +114,7 @@ void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots, const S& a, S
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& c = scene.contacts[robots.front().contacts[k]];
     const Vec3<S> place = c.B.robot < 0 ? standing_[k][1].origin : Vec3<S>(Vec3<S>::Zero());
-    const auto terms = internal::contact_bias_acceleration<S>(c, contacts_[k], *model_, kin, *model_, kin, place);
+    const auto terms = internal::bias_acceleration_terms<S>(c, contacts_[k], *model_, kin, *model_, kin, place);
     double gain = std::abs(c.alpha);
     for (std::size_t m = 0; c.pair && m < c.pair->members.size(); ++m)
       gain = std::max(gain, std::abs(c.pair->members[m].alpha));

@@ -45,7 +45,7 @@ class WaitingRows {
   /// set before the factorization.
   S& row_size(int k) const { return row_size_[k]; }
   S& largest_entry(int k) const { return entry_[k]; }
-  /// The largest term that its a0 is computed from (contact_bias_acceleration), which its inconsistency is judged
+  /// The largest term that its a0 is computed from (bias_acceleration_terms), which its inconsistency is judged
   /// relative to.
   S& row_terms(int k) const { return row_terms_[k]; }
   /// The part of row k that project_out kept.

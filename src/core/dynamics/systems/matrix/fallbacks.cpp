@@ -66,7 +66,7 @@ rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace
   std::vector<double>& terms = m.row_terms;
   terms.resize(island.nc);
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
-    const RowTerms<double> drift = contact_bias_acceleration(scene, w, island.contacts[c]);
+    const RowTerms<double> drift = bias_acceleration_terms(scene, w, island.contacts[c]);
     for (int i = 0, row = island.row_offset[c]; i < scene.contacts[island.contacts[c]].rows(); ++i, ++row)
       terms[row] = drift.of_row(i) * unit_of(m, row);
   }

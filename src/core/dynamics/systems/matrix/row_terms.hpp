@@ -19,10 +19,10 @@ inline RowTerms<double> row_terms(const Scene& scene, const Workspace& work, int
                         [&](const auto&... robots) { return row_terms<double>(contact, work.contacts[c], robots...); });
 }
 
-inline RowTerms<double> contact_bias_acceleration(const Scene& scene, const Workspace& work, int c) {
+inline RowTerms<double> bias_acceleration_terms(const Scene& scene, const Workspace& work, int c) {
   const Contact& contact = scene.contacts[c];
   return with_robots_of(scene, work, contact, [&](const auto&... robots) {
-    return contact_bias_acceleration<double>(contact, work.contacts[c], robots..., contact.B.placement.p);
+    return bias_acceleration_terms<double>(contact, work.contacts[c], robots..., contact.B.placement.p);
   });
 }
 

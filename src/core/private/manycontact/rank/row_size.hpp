@@ -108,9 +108,9 @@ RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const 
 /// The largest terms that a contact's a0 is computed from: the bodies' velocities and accelerations as the tree has
 /// them, about its base: at the contact they may cancel. place: B's in the world [m].
 template <class S>
-RowTerms<S> contact_bias_acceleration(const Contact& contact, const ContactData<S>& data, const Model& A,
-                                      const Kinematics<S>& kinA, const Model& B, const Kinematics<S>& kinB,
-                                      const Vec3<S>& place) {
+RowTerms<S> bias_acceleration_terms(const Contact& contact, const ContactData<S>& data, const Model& A,
+                                    const Kinematics<S>& kinA, const Model& B, const Kinematics<S>& kinB,
+                                    const Vec3<S>& place) {
   RowTerms<S> most = row_terms<S>(contact, data, A, kinA, B, kinB);
   const auto add_body = [&](const Attachment& at, const Kinematics<S>& kin, const Vec3<S>& p) {
     if (!moves(at)) return;
