@@ -29,8 +29,10 @@ function(module name folder)
     set_target_properties(${target} PROPERTIES ARCHIVE_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
     target_compile_options(${target} PRIVATE ${own_flags})
     target_link_libraries(${target} PRIVATE ${arg_PRIVATE})
-    if(NOT CMAKE_CURRENT_SOURCE_DIR STREQUAL manycontact_top OR folder MATCHES "^src/tools/")  # no kernels: what is inlined matters little
+    if(NOT CMAKE_CURRENT_SOURCE_DIR STREQUAL manycontact_top OR folder MATCHES "^src/tools/")
       set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE 12)
+    endif()
+    if(name MATCHES "^(io|analysis|task)$")  # no loops over numbers; action, lq and control lose a tenth of their speed by -O2
       target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O2>)
     endif()
   else()
