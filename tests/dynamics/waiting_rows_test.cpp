@@ -52,5 +52,44 @@ TEST(WaitingRows, OfLongClosedChainsJoin) {
   }
 }
 
+// Bars between the joints of a plane truss of square bays with one diagonal each, whose lower corners are fixed.
+Pile truss(int bays) {
+  PileMaker maker;
+  struct Joint {
+    double x, z;
+    int first;  // number of the first bar there
+  };
+  std::vector<Joint> joints;
+  for (int k = 0; k <= bays; ++k) joints.push_back({1.0 * k, 0, -1}), joints.push_back({1.0 * k, 1, -1});
+  std::vector<std::pair<int, int>> bars;  // between joints: 2k below and 2k + 1 above
+  for (int k = 0; k <= bays; ++k) bars.emplace_back(2 * k, 2 * k + 1);
+  for (int k = 0; k < 2 * bays; ++k) bars.emplace_back(k, k + 2);
+  for (int k = 0; k < bays; ++k) bars.emplace_back(2 * k, 2 * k + 3);
+  for (const auto& [a, b] : bars) (void)maker.box((joints[a].x + joints[b].x) / 2, 0, (joints[a].z + joints[b].z) / 2);
+  for (int bar = 0; bar < static_cast<int>(bars.size()); ++bar)
+    for (int end : {bars[bar].first, bars[bar].second}) {
+      Joint& joint = joints[end];
+      if (joint.first < 0)
+        joint.first = bar;
+      else
+        maker.join(ContactType::k3D, bar, joint.first, {joint.x, 0, joint.z});
+    }
+  for (int end : {0, 2 * bays}) maker.join(ContactType::k3D, joints[end].first, -1, {joints[end].x, 0, 0});
+  return maker.finish(0);
+}
+
+// The pivots of a truss fall with the fourth power of its length, and one of its rows depends on all the others.
+TEST(WaitingRows, OfLongTrussesAndChainsAreFew) {
+  for (const Pile& pile : {truss(200), closed_chain(400)}) {
+    SceneData data(pile.scene);
+    (void)solve(pile.scene, pile.q, pile.v, pile.u, data);
+    EXPECT_EQ(data.report.status, Status::kRedundant);
+    EXPECT_EQ(data.report.islands[0].method, Method::kSparseLdl);
+    EXPECT_GE(data.report.rank, data.f.size() - 3);
+    EXPECT_LE(data.report.residual_dynamics, 1e-12);
+    EXPECT_LE(data.report.residual_contact, 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace manycontact::test

@@ -26,6 +26,7 @@ using rank::DependentRows;
 
 struct FactorOfRows {
   Symmetric K;
+  double margin;
   int nv;
   std::vector<char> of_M;
   std::vector<double> row_scale;
@@ -35,8 +36,9 @@ struct FactorOfRows {
   DependentRows rows;
   int done = -1;
 
-  explicit FactorOfRows(const SaddlePoint& s)
+  explicit FactorOfRows(const SaddlePoint& s, double most_rounding = 1)
       : K(s.dense()),
+        margin(most_rounding),
         nv(s.nv()),
         of_M(K.n(), 0),
         row_scale(K.n(), s.J_size()),
@@ -47,8 +49,8 @@ struct FactorOfRows {
     factor();
   }
   void factor() {
-    done = rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, 1, row_scale.data(), work, L.data(),
-                                      D.data(), rows);
+    done = rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, margin, row_scale.data(), K.n(), work,
+                                      L.data(), D.data(), rows);
     if (done == K.n())
       find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), D.data(), rows);
   }
@@ -479,8 +481,8 @@ TEST(DependentRows, AmongRowsOfMAfterThem) {
   std::vector<double> L(symbolic.nonzeros()), D(n), row_scale(n, J.cwiseAbs().maxCoeff());
   sparse::LdlWorkspace work;
   DependentRows found;
-  ASSERT_EQ(rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, 1, row_scale.data(), work, L.data(),
-                                       D.data(), found),
+  ASSERT_EQ(rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, tolerance::kWaits, row_scale.data(), 8,
+                                       work, L.data(), D.data(), found),
             n);
   EXPECT_EQ(found.dropped, (std::vector<int>{first[1] + 2, first[4] + 1, first[4] + 2}));
   find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), D.data(), found);
@@ -493,14 +495,18 @@ TEST(DependentRows, AmongRowsOfMAfterThem) {
   EXPECT_EQ(N(columns, Eigen::all).cwiseAbs().maxCoeff(), 0);
 }
 
-// J's second row is small beside the first, and the third depends on both: its pivot is the second's error enlarged.
-TEST(DependentRows, AreFoundWhereSmallPivotsPassTheirErrorsOn) {
+// J's second row is nearly the first, and depends on the first and the third: it waits, since its small pivot would
+// pass an enlarged error on to the third.
+TEST(DependentRows, WaitBeforeSmallPivotsPassTheirErrorsOn) {
   for (double small : {1e-4, 3e-5, 1e-5}) {
     SaddlePoint s{"passed on", MatrixXd::Identity(2, 2) / 3, MatrixXd(3, 2)};
     s.J << 1, 0, 1, small, 0, 1;
-    const FactorOfRows f(s);
+    FactorOfRows f(s, tolerance::kWaits);
     ASSERT_EQ(f.done, s.n()) << small;
-    EXPECT_EQ(f.rows.dropped, std::vector<int>{4}) << small;
+    EXPECT_TRUE(find_dependence(f.K.pattern, f.symbolic, f.K.x.data(), f.of_M, f.row_scale.data(), f.L.data(),
+                                f.D.data(), f.rows))
+        << small;
+    EXPECT_EQ(f.rows.dropped, std::vector<int>{3}) << small;
   }
 }
 
@@ -522,9 +528,9 @@ TEST(DependentRows, ARowOfMThatRowsOfJBuryIsReturned) {
   std::vector<double> L(symbolic.nonzeros()), D(3);
   sparse::LdlWorkspace work;
   DependentRows found;
-  EXPECT_EQ(
-      rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, 1, row_size, work, L.data(), D.data(), found),
-      2);
+  EXPECT_EQ(rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, 1, row_size, 1, work, L.data(), D.data(),
+                                       found),
+            2);
 }
 
 // The judges of pivots: each condition decides by itself.

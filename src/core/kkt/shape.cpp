@@ -7,7 +7,6 @@
 #include "manycontact/kkt/choose.hpp"
 #include "manycontact/sparse/ordering.hpp"
 #include "manycontact/sparse/relaxed_supernodes.hpp"
-#include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact {
 
@@ -108,27 +107,6 @@ const std::shared_ptr<const KktPattern>& IslandShape::pattern(Order order) {
       analyze(scene_, island_, support(), natural_pattern(scene_, island_, support()), order, permutation(order));
   sparse::relax_supernodes(fresh.ldl);
   return p = std::make_shared<const KktPattern>(std::move(fresh));
-}
-
-int IslandShape::loops() {
-  const std::lock_guard lock(mutex_);
-  if (loops_) return *loops_;
-  std::set<std::pair<int, int>> joined;  // the ground is robot n
-  const int n = scene_.nrobots();
-  for (const Contact& contact : scene_.contacts) {
-    const int a = contact.A.robot, b = moves(contact.B) ? contact.B.robot : n;
-    if (a != b) joined.insert(std::minmax(a, b));
-  }
-  std::vector<int> memory(n + 1);
-  sparse::UnionFind sets(memory);
-  loops_ = 0;
-  for (const auto& [a, b] : joined) {
-    if (sets.root(a) == sets.root(b))
-      ++*loops_;
-    else
-      sets.join(a, b);
-  }
-  return *loops_;
 }
 
 const std::shared_ptr<const sparse::CholmodSymbolic>& IslandShape::cholmod(Order order) {

@@ -17,15 +17,14 @@ bool DependentRows::accepted() const {
 }
 
 int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx,
-                         std::span<const char> of_M, double margin, const double* row_size, sparse::LdlWorkspace& w,
-                         double* Lx, double* D, DependentRows& rows) {
+                         std::span<const char> of_M, double margin, const double* row_size, std::size_t most,
+                         sparse::LdlWorkspace& w, double* Lx, double* D, DependentRows& rows) {
   w.reserve(s);
   rows.dropped.clear();
   rows.turned.clear();
   rows.waiting.rows.clear();
   rows.waiting.joined = 0;
   rows.inverse.resize(s.n);
-  rows.noise.resize(s.n);
   double* y = w.Y.data();  // may have any value: entry j is zero from step j on, between rows
   for (int k = 0; k < s.n; ++k) {
     // row k of L: L(0:k-1, 0:k-1) D l_k = K(0:k-1, k)
@@ -34,7 +33,7 @@ int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s
       y[K.i[p]] = Kx[p];
       size = std::max(size, std::abs(Kx[p]));
     }
-    double d = y[k], terms = std::abs(d), passed_on = 0;
+    double d = y[k], terms = std::abs(d);
     const double own = y[k];
     y[k] = 0;
     for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p) {
@@ -49,19 +48,15 @@ int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s
       Lx[end] = l;
       d -= l * yj;
       terms += std::abs(l * yj);
-      if (!of_M[k] || !of_M[j]) passed_on += l * l * rows.noise[j];
     }
-    // Rounding of its own terms, and of the pivots before it times what they are multiplied by here: a small pivot has
-    // large multiples, and what it is wrong by may look like a pivot in a row that has none. (Not among rows of M,
-    // which is definite: there nothing grows, and down a long tree the sum would.) A row of M after rows of J has what
-    // these add, too: where that buries M's own entry, they had no pivot from the rows of M before them.
-    rows.noise[k] = tolerance::kRowRounding * terms + passed_on;
+    // A row of M after rows of J has what these add, too: where that buries M's own entry, they had no pivot from the
+    // rows of M before them.
     const Pivot<double> pivot{of_M[k] != 0, d, terms, of_M[k] ? own : size, row_size[k]};
-    const bool left = std::abs(d) > rows.noise[k] && is_left(pivot, of_M[k] ? 1 : margin);
-    if (!of_M[k] && !left && std::isfinite(terms)) {
+    const bool left = is_left(pivot, of_M[k] ? 1 : margin);
+    if (!of_M[k] && !left && std::isfinite(terms) && rows.dropped.size() < most) {
       rows.dropped.push_back(k);
       D[k] = std::numeric_limits<double>::infinity();
-      rows.inverse[k] = rows.noise[k] = 0;
+      rows.inverse[k] = 0;
       continue;
     }
     if (!left || !has_its_sign(pivot)) return k;
@@ -226,24 +221,25 @@ void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, co
     }
 }
 
-bool let_rows_wait(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx,
-                   std::span<const char> of_M, const double* row_size, const double* Lx, const double* D,
-                   DependentRows& rows) {
+bool find_dependence(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx,
+                     std::span<const char> of_M, const double* row_size, const double* Lx, const double* D,
+                     DependentRows& rows) {
+  find_null_space(K, s, Kx, of_M, row_size, Lx, D, rows);
+  if (rows.accepted()) return true;
   std::vector<int>& waiting = rows.waiting.rows;
-  waiting.clear();
   std::size_t plain = 0;
   for (std::size_t c = 0; c < rows.dropped.size(); ++c)
     if (const int k = rows.dropped[c]; rows.plain[c])
       rows.dropped[plain++] = k;
     else
       waiting.push_back(k);
-  if (waiting.size() > tolerance::kMostWaiting) return false;
   join_waiting_rows(K, s, Kx, of_M, row_size, Lx, D, rows.waiting);
   std::copy(waiting.begin() + rows.waiting.joined, waiting.end(),
             rows.dropped.begin() + static_cast<std::ptrdiff_t>(plain));
   rows.dropped.resize(plain + waiting.size() - rows.waiting.joined);
   std::sort(rows.dropped.begin(), rows.dropped.end());
-  return true;
+  find_null_space(K, s, Kx, of_M, row_size, Lx, D, rows);
+  return rows.accepted();
 }
 
 }  // namespace manycontact::rank

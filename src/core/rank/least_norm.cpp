@@ -38,8 +38,9 @@ std::vector<double> augmented_values(const sparse::UpperCsc& K, int cols, const 
 }
 
 // z += K^-1 (b - K z), until the componentwise backward error is rounding.
-bool refine_solution(const sparse::UpperCsc& K, const std::vector<double>& Kx, const sparse::LdlSymbolic& symbolic,
-                     const double* Lx, const double* D, const std::vector<double>& b, std::vector<double>& z) {
+template <class Solve>
+bool refine_solution(const sparse::UpperCsc& K, const std::vector<double>& Kx, const Solve& solve,
+                     const std::vector<double>& b, std::vector<double>& z) {
   std::vector<double> r(K.n), scale(K.n);
   const sparse::Refinement refinement = sparse::refine(
       tolerance::kRefinementSteps, tolerance::kRefined,
@@ -48,7 +49,7 @@ bool refine_solution(const sparse::UpperCsc& K, const std::vector<double>& Kx, c
         return sparse::componentwise_backward_error(r, scale);
       },
       [&] {
-        sparse::ldl_solve(symbolic, Lx, D, r.data());
+        solve(r.data());
         for (int k = 0; k < K.n; ++k) z[k] += r[k];
       });
   return refinement.backward_error <= tolerance::kConverged;
@@ -68,18 +69,20 @@ std::optional<Eigen::VectorXd> by_ldl(int rows, int cols, const Entries& A, cons
   const std::vector<double> row_scale(K.n, size);
   std::vector<char> of_M(K.n, 0);
   std::fill_n(of_M.begin(), cols, 1);
-  if (ldl_factor_dependent(K, symbolic, Kx.data(), of_M, 1, row_scale.data(), work, Lx.data(), D.data(), dependent) !=
-      K.n)
+  if (ldl_factor_dependent(K, symbolic, Kx.data(), of_M, tolerance::kWaits, row_scale.data(), rows, work, Lx.data(),
+                           D.data(), dependent) != K.n ||
+      !find_dependence(K, symbolic, Kx.data(), of_M, row_scale.data(), Lx.data(), D.data(), dependent))
     return std::nullopt;
-  find_null_space(K, symbolic, Kx.data(), of_M, row_scale.data(), Lx.data(), D.data(), dependent);
-  if (!dependent.accepted()) return std::nullopt;
+  const auto solve = [&](double* x) {
+    solve_kept(dependent, x, [&](double* y) { sparse::ldl_solve(symbolic, Lx.data(), D.data(), y); });
+  };
 
   std::vector<double> rhs(K.n, 0.0);
   for (int k = 0; k < rows; ++k) rhs[iperm[cols + k]] = b[k];
   project_out(dependent, rhs.data());
   std::vector<double> z = rhs;
-  sparse::ldl_solve(symbolic, Lx.data(), D.data(), z.data());
-  if (!refine_solution(K, Kx, symbolic, Lx.data(), D.data(), rhs, z)) return std::nullopt;
+  solve(z.data());
+  if (!refine_solution(K, Kx, solve, rhs, z)) return std::nullopt;
   Eigen::VectorXd x(cols);
   for (int k = 0; k < cols; ++k) x[k] = z[iperm[k]];
   return x;

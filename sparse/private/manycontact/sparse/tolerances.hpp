@@ -15,7 +15,7 @@ namespace manycontact::tolerance {
 /// times that a small number cannot be distinguished from zero. Geometrically: a row of J that keeps less than
 /// sqrt(1e-11) = 3e-6 of its length has no other direction than those before it.
 /// Used by: the judges of LDL, CHOLMOD, dense-schur and the inertia's own LDL;
-/// ldl_factor_dependent (as a row that may depend on others, until the null space confirms it); least_norm_solution.
+/// ldl_factor_dependent (times kWaits: as a row that may depend on others, until the null space confirms it).
 inline constexpr double kPivotLeft = 1e-11;
 
 /// Row of J relative to the largest motion its contact is picked from (motion_scale [J's units],
@@ -142,9 +142,6 @@ inline constexpr double kLeastWeight = 1e-10;
 /// Rows of J up to which the dense solver confirms doubtful solutions of others: 300 rows take 30 ms, 600 rows 170 ms.
 /// Used by: the ways to solve the whole K, as all in this part.
 inline constexpr int kFewRows = 300;
-/// Beyond so many loops of robots, in islands of more rows, rows that depend are found by the proximal factor: where
-/// they are dropped, the null space of 64 boxes in a pyramid takes 2.4 ms, of 100 in a grid 33 ms, and it 1 and 3 ms.
-inline constexpr int kFewLoops = 8;
 /// Rows of K up to which the dense solver is used after all others have refused: 3000 take 2 s and 72 MB a matrix.
 inline constexpr int kDenseSize = 3000;
 /// Rows of K up to which it differentiates islands solved by sparse-bodies: bodies solve for columns one by one, which
@@ -277,8 +274,9 @@ inline constexpr double kWaits = 1e5;
 /// Pivot of a waiting row in -S, relative to the row's terms. Rows that depend leave 1e-16, times the six digits that
 /// the factor may have lost; rows that were badly placed left 1e-7 and more in all scenes that were tried.
 inline constexpr double kJoins = 1e-9;
-/// Rows that may wait: S is dense. Used by: let_rows_wait.
-inline constexpr std::size_t kMostWaiting = 300;
+/// Rows that may wait in islands of more than kFewRows: each has a column of N, or one of S, which is dense. Beyond,
+/// the proximal factor is cheaper. Used by: DependentRowsFactor.
+inline constexpr std::size_t kMostWaiting = 24;
 
 /// Rounding errors of accelerations that loads cause and contacts cancel: relative to gravity some thousand eps,
 /// without gravity a few eps of those of each robot's largest inertia by torques. Used by: the judge of contradictions.

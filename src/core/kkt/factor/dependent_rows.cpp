@@ -20,18 +20,25 @@ class DependentRowsFactor final : public Factor {
  public:
   Method method() const override { return Method::kSparseLdl; }
 
-  // A row of J with less than kPivotLeft left of its pivot may depend on the others (below 3e-6 of its length it has no
-  // direction of its own). J's rows themselves decide far more sharply whether it does: their remainder must be
-  // rounding errors; in between, the dense reference solver decides.
+  // A row of J without a plain pivot waits (tolerance::kWaits). J's rows themselves decide whether it depends on the
+  // others: their remainder must be rounding errors. In between, the dense reference solver decides.
   Reason factorize(const KktMatrix& K, FactorScratch& scratch) override {
     if (ldl_.pattern != K.pattern) take(K.pattern);
-    dependence_.waiting.rows.clear();
-    dependence_.waiting.joined = 0;
+    const KktPattern& p = *ldl_.pattern;
     scratch.scale.resize(std::max<std::size_t>(scratch.scale.size(), K.size()));
-    scratch.ldl.reserve(ldl_.pattern->ldl);
+    scratch.ldl.reserve(p.ldl);
     take_sizes(K, scratch);
-    if (const Reason reason = drop(K, scratch, 1); reason != Reason::kNone) return reason;
-    return dependence_.accepted() || let_rows_wait(K, scratch) ? Reason::kNone : Reason::kSmallPivot;
+    const std::size_t most = p.nc <= tolerance::kFewRows ? p.nc : tolerance::kMostWaiting;
+    const int done = rank::ldl_factor_dependent(p.K, p.ldl, K.values.data(), of_M_, tolerance::kWaits, row_size_.data(),
+                                                most, scratch.ldl, ldl_.L.data(), ldl_.D.data(), dependence_);
+    if (done < p.size())
+      return of_M_[done]                         ? Reason::kSingularInertia
+             : dependence_.dropped.size() < most ? Reason::kWrongInertia
+                                                 : Reason::kSmallPivot;
+    growth_ = growth(K, scratch.scale);
+    const bool found = rank::find_dependence(p.K, p.ldl, K.values.data(), of_M_, row_size_.data(), ldl_.L.data(),
+                                             ldl_.D.data(), dependence_);
+    return found ? Reason::kNone : Reason::kSmallPivot;
   }
 
   // (I - P) K_kept^-1 (I - P) x
@@ -97,36 +104,8 @@ class DependentRowsFactor final : public Factor {
     for (int k = 0; k < p.nc; ++k) row_size_[p.iperm[p.nv + k]] = internal::size_of_row(K, scratch, k);
   }
 
-  // Rows that depend on those before them, and the null space. margin: how many times rounding a pivot has to leave.
-  Reason drop(const KktMatrix& K, FactorScratch& scratch, double margin) {
-    const KktPattern& p = *ldl_.pattern;
-    const int done = rank::ldl_factor_dependent(p.K, p.ldl, K.values.data(), of_M_, margin, row_size_.data(),
-                                                scratch.ldl, ldl_.L.data(), ldl_.D.data(), dependence_);
-    if (done < p.size()) return of_M_[done] ? Reason::kSingularInertia : Reason::kWrongInertia;
-    growth_ = growth(K, scratch.scale);
-    find_null_space(K);
-    return Reason::kNone;
-  }
-
-  // Once more, and rows without a plain pivot wait. False where rounding hides which rows depend.
-  bool let_rows_wait(const KktMatrix& K, FactorScratch& scratch) {
-    const KktPattern& p = *ldl_.pattern;
-    if (drop(K, scratch, tolerance::kWaits) != Reason::kNone) return false;
-    if (!rank::let_rows_wait(p.K, p.ldl, K.values.data(), of_M_, row_size_.data(), ldl_.L.data(), ldl_.D.data(),
-                             dependence_))
-      return false;
-    find_null_space(K);
-    return dependence_.accepted();
-  }
-
   void solve_kept(double* x) {
     rank::solve_kept(dependence_, x, [this](double* y) { ldl_.solve(y); });
-  }
-
-  void find_null_space(const KktMatrix& K) {
-    const KktPattern& p = *ldl_.pattern;
-    rank::find_null_space(p.K, p.ldl, K.values.data(), of_M_, row_size_.data(), ldl_.L.data(), ldl_.D.data(),
-                          dependence_);
   }
 
   // Computes growth_of without the dropped rows, whose D is infinite.

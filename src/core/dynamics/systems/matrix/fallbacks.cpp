@@ -200,33 +200,26 @@ bool drops_in_chosen_order(const MatrixSystem& m) {
   return cost(order) < tolerance::kFarCheaper * cost(Order::kLeafToRoot);
 }
 
-// Whether rows may depend on each other across many bodies: then how they do is no sparse matrix, and rows are not
-// dropped.
-bool depends_globally(const MatrixSystem& m) {
-  return m.owner.island.nc > tolerance::kFewRows && m.owner.shape->loops() > tolerance::kFewLoops;
-}
-
-Attempt with_dependent_rows(const MatrixSystem& m, Order order = Order::kLeafToRoot) {
-  return {depends_globally(m) ? FactorKind::kProximal : FactorKind::kDependentRows, order, 0};
-}
-
 }  // namespace
 
 Attempts attempts_of(const Scene& scene, const MatrixSystem& m) {
   Attempts out;
   const double damping = scene.damping;
   const auto [method, order] = m.owner.choice;
-  const bool globally = damping == 0 && depends_globally(m);
-  const bool refused_in_lanes =
-      globally && m.owner.stands_in_lanes() && !m.owner.answered && !is_inexact(scene, m.owner);
-  if (method != Method::kDense && !m.owner.deficient && !refused_in_lanes)
-    out.add({FactorKind::kChosen, order, damping});
+  const bool exact = damping == 0, last = order == Order::kLeafToRoot, large = m.owner.island.nc > tolerance::kFewRows;
+  // Where SIMD batches refused a large island, its rows of J have no sound pivots.
+  const bool refused = exact && large && m.owner.stands_in_lanes() && !m.owner.answered && !is_inexact(scene, m.owner);
+  const bool chosen = method != Method::kDense && !m.owner.deficient && !refused;
+  const auto add_with_dependent_rows = [&](Order by) {
+    out.add({FactorKind::kDependentRows, by, 0});
+    if (large) out.add({FactorKind::kProximal, by, 0});  // too many rows wait
+  };
+  if (chosen) out.add({FactorKind::kChosen, order, damping});
   if (method == Method::kDenseSchur) return out;  // the baseline has no fallback
-  if (damping == 0 && drops_in_chosen_order(m)) out.add(with_dependent_rows(m, order));
-  if (!globally && !m.owner.deficient && order != Order::kLeafToRoot &&
-      (damping > 0 ? has_order(method) : method == Method::kSparseLdl || method == Method::kSparseBodies))
+  if (exact && drops_in_chosen_order(m)) add_with_dependent_rows(order);
+  if (chosen && !last && (exact ? method == Method::kSparseLdl || method == Method::kSparseBodies : has_order(method)))
     out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
-  if (method != Method::kDense && damping == 0) out.add(with_dependent_rows(m));
+  if (method != Method::kDense && exact) add_with_dependent_rows(Order::kLeafToRoot);
   // The last: near a singular configuration no sparse factor may be sound.
   if (method == Method::kDense || m.owner.island.size() <= tolerance::kDenseSize)
     out.add({FactorKind::kDense, order, damping});
@@ -251,7 +244,8 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
   report.reason = last;
   if (last != Reason::kSmallPivot || scene.damping == 0 || method == Method::kDenseSchur) return false;
   // A damping below the rounding of K: the solution without it, as a neighbouring problem's.
-  if (attempt(scene, data, scratch, with_dependent_rows(m), m, report) != Reason::kNone) return false;
+  if (attempt(scene, data, scratch, {FactorKind::kDependentRows, Order::kLeafToRoot, 0}, m, report) != Reason::kNone)
+    return false;
   report.status = Status::kRegularised;
   report.reason = Reason::kDampingLost;
   return true;

@@ -150,9 +150,9 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
 /// A way to factorize K. The attempts of an island, in order: the chosen method and order; LDL that drops dependent
 /// rows in the chosen order, if that costs less than half of leaf-to-root; the chosen method in leaf-to-root order,
 /// which is sound unless rows depend on each other (CHOLMOD only with damping, since it allocates); LDL that drops
-/// dependent rows in leaf-to-root order; the dense reference solver. In large islands with many loops the proximal
-/// factor takes the place of the two that drop rows. Where another system has found rows dependent at this state, or
-/// a large island's robots in SIMD batches have no sound solution, the first attempt is left out.
+/// dependent rows in leaf-to-root order; the dense reference solver. In large islands the proximal factor comes after
+/// each of the two that drop rows, for many that wait. Where another system has found rows dependent at this state, or
+/// robots in SIMD batches have no sound solution, the chosen method is left out.
 enum class FactorKind { kChosen, kDependentRows, kProximal, kDense };
 struct Attempt {
   FactorKind kind;
@@ -160,7 +160,7 @@ struct Attempt {
   double damping;
 };
 struct Attempts {
-  std::array<Attempt, 5> list;
+  std::array<Attempt, 7> list;
   int count = 0;
   void add(const Attempt& attempt) { list[count++] = attempt; }
 };

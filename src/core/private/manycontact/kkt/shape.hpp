@@ -32,8 +32,6 @@ class IslandShape {
   /// Counts of the factor in that order, whose pattern need not be made for them.
   const sparse::LdlCounts& counts(Order order);
   const std::shared_ptr<const KktPattern>& pattern(Order order);
-  /// The number of independent loops in the graph of robots and ground. Contacts between the same two count once.
-  int loops();
   /// CHOLMOD's analysis of K in that order, rows left as they are.
   const std::shared_ptr<const sparse::CholmodSymbolic>& cholmod(Order order);
   /// The bodies and rows of the body-space system.
@@ -52,7 +50,6 @@ class IslandShape {
   std::unique_ptr<const BodySubtrees> body_parts_;
   std::array<std::shared_ptr<const KktPattern>, std::size(kOrders)> patterns_;
   std::array<std::shared_ptr<const sparse::CholmodSymbolic>, std::size(kOrders)> cholmod_;
-  std::optional<int> loops_;
 };
 
 /// The shapes met so far. A shape that was met is not analysed again: keys are all that an analysis reads, compared

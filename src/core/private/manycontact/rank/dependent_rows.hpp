@@ -56,23 +56,24 @@ struct DependentRows {
   std::vector<double> Bx, gram;
 
   // scratch
-  std::vector<double> inverse, noise, x, residual, panel, t;
+  std::vector<double> inverse, x, residual, panel, t;
   std::vector<int> owner, touched, open;
   std::vector<char> is_open;
   std::vector<int> Jp, Ji;  // entries of row k of J, from Jp[k] on: K's slots and columns in the rows of M after it
   bool M_first = true;      // no row of M comes after one of J
 };
 
-/// Factorizes K (n rows). D of dropped rows is infinite, so that ldl_solve gives zero there. A row of J is dropped when
-/// no more than `margin` times rounding is left of its pivot or of the row itself (rank/pivots.hpp), or no more than
-/// the rounding that small pivots before it passed on; a row of M never. row_size: n, unused for rows of M. Returns n,
-/// or the row whose pivot has the wrong sign, or the row of M with only rounding left.
+/// Factorizes K (n rows). A row of J waits where no more than `margin` times rounding is left of its pivot or of the
+/// row itself (rank/pivots.hpp); a row of M never. `dropped` lists the rows that wait. D of these rows is infinite, so
+/// that ldl_solve gives zero there. row_size: n, unused for rows of M. Returns n, or the first row of M without a sound
+/// pivot, or the row of J whose pivot has the wrong sign or that would wait after `most` others.
 [[nodiscard]] int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                                        std::span<const char> of_M, double margin, const double* row_size,
-                                       sparse::LdlWorkspace& work, double* Lx, double* D, DependentRows& rows);
+                                       std::size_t most, sparse::LdlWorkspace& work, double* Lx, double* D,
+                                       DependentRows& rows);
 
-/// N and its projector, after ldl_factor_dependent; row_scale: as there. Sets largest_residual, which is rounding
-/// when the dropped rows depend on the others in truth, and largest_entry.
+/// N and its projector of the rows that `dropped` lists; row_scale: as row_size there. Sets largest_residual, which is
+/// rounding when these rows depend on the others in truth, and largest_entry.
 void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                      std::span<const char> of_M, const double* row_scale, const double* Lx, const double* D,
                      DependentRows& rows);
@@ -85,12 +86,12 @@ void make_projector(int n, DependentRows& rows);
 /// again. False where nothing was exchanged, or a cluster is too large for that.
 [[nodiscard]] bool exchange_rows(DependentRows& rows);
 
-/// Rows dropped that do not plainly depend on rows before them wait, and join the rows kept by their Schur complement;
-/// only those that depend on the rows kept are dropped in the end. After find_null_space, which is to be called again.
-/// False where too many wait.
-[[nodiscard]] bool let_rows_wait(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
-                                 std::span<const char> of_M, const double* row_size, const double* Lx,
-                                 const double* D, DependentRows& rows);
+/// Which of the rows that wait depend on the others, after ldl_factor_dependent. Those that do not plainly depend on
+/// rows before them join the rows kept by their Schur complement; only those that depend on the rows kept are dropped
+/// in the end. Then N and its projector. False where rounding hides which rows depend.
+[[nodiscard]] bool find_dependence(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
+                                   std::span<const char> of_M, const double* row_size, const double* Lx,
+                                   const double* D, DependentRows& rows);
 
 /// x <- K_kept^-1 x, n in K's order: `ldl_solve`, by whichever L and D, with the waiting rows.
 template <class LdlSolve>
