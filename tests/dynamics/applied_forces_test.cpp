@@ -376,7 +376,7 @@ TEST(AppliedForces, WhatIsRefused) {
   SceneData data(s.scene);
   data.wrenches.clear();
   EXPECT_EQ(refusal([&] { (void)solve(s.scene, s.q, s.v, s.u, data); }),
-            "solve: data.wrenches has 0 wrenches for 1 wrenches");
+            "solve: data.wrenches has 0 wrenches, the scene expects 1");
   data.wrenches.resize(1, Vec6<double>::Zero());
   Scene moved = s.scene;
   moved.wrenches[0].at = b;

@@ -112,8 +112,8 @@ void check(const char* function, const Scene& scene, const BatchStates& s, const
     throw std::invalid_argument(std::string(function) + ": " + std::to_string(batch.active.size()) +
                                 " active flags for " + std::to_string(scene.contacts.size()) + " contacts");
   if (batch.wrenches.size() != scene.wrenches.size())
-    throw std::invalid_argument(std::string(function) + ": " + std::to_string(batch.wrenches.size()) +
-                                " wrenches for " + std::to_string(scene.wrenches.size()) + " wrenches");
+    throw std::invalid_argument(std::string(function) + ": batch.wrenches has " + std::to_string(batch.wrenches.size()) +
+                                " wrenches, the scene expects " + std::to_string(scene.wrenches.size()));
   const Eigen::Index count = s.q.rows();
   check(function, "q", s.q, count, scene.nq);
   check(function, "v", s.v, count, scene.nv);
