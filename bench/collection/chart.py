@@ -9,7 +9,6 @@ the results of `./run bench`, accuracy_peers.svg. Python needs numpy and matplot
 
 import argparse
 import csv
-import datetime
 import json
 import pathlib
 import re
@@ -101,7 +100,7 @@ def measure(scene, bin, lines):
 
 def available(solver, bin):
     if solver.startswith("peer:"):
-        return (bin / f"manycontact_bench_{solver.split(':')[1]}").exists()
+        return run.peer_program(bin, solver.split(":")[1]).exists()
     return solver.startswith("manycontact") or solver.split(":")[0] in run.versions(bin)
 
 
@@ -130,7 +129,7 @@ def draw(found, title, path):
     axes.grid(True, which="major", alpha=0.3)
     axes.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.01, 1), borderaxespad=0, frameon=False)
     figure.text(0.01, 0.01, "Errors against quadruple precision. manycontact: kinematics, K, factor and refinement; "
-                f"of K: factor and solution of the same K alone. {run.processor()}, {datetime.date.today()}.", fontsize=7)
+                f"of K: factor and solution of the same K alone. {run.drawing.machine()}.", fontsize=7)
     save(figure, path)
 
 
@@ -191,7 +190,7 @@ one island times their number.
 
 
 def write_page(titles, out, with_peers):
-    text = PAGE
+    text = f"{PAGE}\nThe times are of {run.drawing.machine()}.\n"
     for name, title in titles.items():
         text += f"\n## {name}\n\n![{title}](accuracy_{name}.svg)\n"
     if with_peers:
