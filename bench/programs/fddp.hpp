@@ -24,8 +24,10 @@ struct Fddp : Loaded {
     x << s.q, s.v;
     us.assign(20, s.u);
     xs.assign(us.size() + 1, x);
-    solver = std::make_unique<api::SolverFDDP>(std::make_shared<api::ShootingProblem>(
-        x, std::vector<std::shared_ptr<api::ActionModelAbstract>>(us.size(), node), node));
+    const auto problem = std::make_shared<api::ShootingProblem>(
+        x, std::vector<std::shared_ptr<api::ActionModelAbstract>>(us.size(), node), node);
+    problem->set_nthreads(1);
+    solver = std::make_unique<api::SolverFDDP>(problem);
   }
   void run() override { solver->solve(xs, us, 1); }
 
