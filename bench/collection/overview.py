@@ -25,18 +25,18 @@ SCENES = {
     "points_100nm": ("One humanoid on points 0.1 µm apart", make.SYSTEMS["points_100nm"][2]),
 }
 CONSISTENT = 'consistent="true"'  # peers damp velocities that the contacts do not allow
-ITERATIONS = (1, 2, 3, 5, 10, 20)
+ITERATIONS = (1, 3, 5, 10, 20)
 BLACK, BLUE, ORANGE, GREEN, PURPLE, PINK, BROWN = "black", "#0072B2", "#D55E00", "#009E73", "#882255", "#CC6699", "#8C6D31"
-# line: (colour, marker, [(dial, solver, damping of the scene)], label of a dial)
+# line: (colour, marker, [(dial, solver, damping of the scene)], what the last dial is)
 SOLVES = {
-    "manycontact": (BLACK, "*", [(p, f"manycontact:{p}", None) for p in run.PRECISIONS], "{}"),
-    "Pinocchio constraintDynamics": (PURPLE, "s", [(f"{n}", f"peer:pinocchio:constraintDynamics:1e-6:{n}", None) for n in ITERATIONS], "{} iterations"),
-    "Pinocchio constrainedABA": (PINK, "D", [(f"{n}", f"peer:pinocchio:constrainedABA:1e-6:{n}", None) for n in ITERATIONS], "{} iterations"),
+    "manycontact": (BLACK, "*", [(p, f"manycontact:{p}", None) for p in run.PRECISIONS], ""),
+    "Pinocchio constraintDynamics": (PURPLE, "s", [(f"{n}", f"peer:pinocchio:constraintDynamics:1e-6:{n}", None) for n in ITERATIONS], "iterations"),
+    "Pinocchio constrainedABA": (PINK, "D", [(f"{n}", f"peer:pinocchio:constrainedABA:1e-6:{n}", None) for n in ITERATIONS], "iterations"),
     "Crocoddyl calc": (GREEN, "v", [("calc", "peer:crocoddyl:calc", None)], ""),
-    "MuJoCo mj_forward, soft": (BROWN, "^", [(d, f"peer:mujoco:mj_forward:1e-8:{d}", None) for d in ("0.9", "0.9999")], "impedance {}"),
+    "MuJoCo mj_forward, soft": (BROWN, "^", [(d, f"peer:mujoco:mj_forward:1e-8:{d}", None) for d in ("0.9", "0.9999")], "impedance"),
 }
 FACTORS = {
-    "our LDL of K damped by 1e-5, refined": (BLUE, "o", [(f"{s}", f"sparse-ldl:1e-5:{s}", None) for s in chart.STEPS], "{} steps"),
+    "our LDL of K damped by 1e-5, refined": (BLUE, "o", [(f"{s}", f"sparse-ldl:1e-5:{s}", None) for s in chart.STEPS], "steps"),
     "LAPACK dsysv": (ORANGE, "s", [("", "dsysv", None)], ""),
     "LAPACK dsysv_rook": (ORANGE, "D", [("", "dsysv_rook", None)], ""),
     "LAPACK dsysvx": (ORANGE, "^", [("", "dsysvx", None)], ""),
@@ -66,7 +66,7 @@ def finding(table, scene):
     """What a panel shows: how much longer the fastest other program takes, of those that are right to 1e-9."""
     ours = dict((dial, time) for dial, time, _ in points_of(table, scene, "manycontact"))["double"]
     time, peer = min((time, line) for line in SOLVES if line != "manycontact" for _, time, error in points_of(table, scene, line) if error < 1e-9)
-    return f"{SCENES[scene][0]}:\n{time / ours:.2g} times as fast as {peer}"
+    return f"{SCENES[scene][0]}:\n{time / ours:.2g} times as fast as {peer.split()[0]}"
 
 
 def draw(table, lines, titles, note, path):
@@ -79,11 +79,12 @@ def draw(table, lines, titles, note, path):
             _, times, errors = zip(*points or [("", float("nan"), float("nan"))])
             axes.plot(times, errors, "-", color=colour, linewidth=1, alpha=0.5)
             axes.plot(times, errors, marker, color=colour, markersize=15 if marker == "*" else 6, linestyle="none", label=line)
-            for dial, time, error in points if marker == "*" else points[:: max(1, len(points) - 1)]:
-                text = label.format(dial).replace("1 iterations", "1 iteration")
-                axes.annotate(text, (time, error), textcoords="offset points", xytext=(9, -3), fontsize=8, color=colour)
+            for dial, time, error in points if marker == "*" else points[:: len(points) - 1] if label else ():
+                last = marker != "*" and dial == points[-1][0]
+                axes.annotate(f"{dial} {label}" if last else dial, (time, error), textcoords="offset points", xytext=(0, -14) if last else (9, -3),
+                              ha="center" if last else "left", fontsize=8, color=colour)
         if missing := [line for line in lines if not points_of(table, scene, line)]:
-            axes.text(0.98, 0.02, "no result:\n" + "\n".join(missing), transform=axes.transAxes, fontsize=8, ha="right")
+            axes.text(0.98, 0.8, "no result:\n" + "\n".join(missing), transform=axes.transAxes, fontsize=8, ha="right", va="top")
         low, high = axes.get_xlim()
         axes.set_xlim(low, high * (high / low) ** 0.25)  # for the labels
         axes.xaxis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5) if high / low < 100 else (1,)))

@@ -29,6 +29,7 @@ using crocoddyl::StateMultibody;
 // Adds holds as frames of the model, in their order: "hold0", "hold1", ...
 std::shared_ptr<pin::Model> with_frames(const Posed& s, const std::vector<Hold>& holds) {
   auto model = std::make_shared<pin::Model>(model_of(s));
+  model->names[1] = "root_joint";  // ActuationModelFloatingBase looks for it
   for (std::size_t k = 0; k < holds.size(); ++k)
     model->addFrame(pin::Frame("hold" + std::to_string(k), holds[k].a + 1, 0, place(holds[k].in_a), pin::OP_FRAME));
   return model;

@@ -72,7 +72,7 @@ std::string otherwise(const std::string& program) {
   if (program == "Simbody") return "Simbody: the same solution; no derivatives";
   if (program == "Pinocchio")
     return "Pinocchio: the same solution; constraintDynamics: one iteration, with a mu of 1e-6 where contacts are "
-           "redundant; iterated: mu 1e-6, to 1e-12 or 20 iterations; constrainedABA: mu 1e-6, 5 iterations, no contacts "
+           "redundant; iterated: mu 1e-6, 3 iterations; constrainedABA: mu 1e-6, 5 iterations, no contacts "
            "between bodies";
   if (program == "Crocoddyl")
     return "Crocoddyl: the same solution; one dense system for all robots, no contacts between bodies, none that are "

@@ -331,7 +331,7 @@ TIMED = {
     "manycontact `vjp`, after a solve": ("manycontact", "vjp"),
     "manycontact derivatives, after a solve": ("manycontact", "derivatives"),
     "Pinocchio `constraintDynamics`, one iteration": ("Pinocchio", "constraintDynamics"),
-    "Pinocchio `constraintDynamics`, iterated": ("Pinocchio", "constraintDynamics iterated"),
+    "Pinocchio `constraintDynamics`, three iterations": ("Pinocchio", "constraintDynamics iterated"),
     "Pinocchio `constrainedABA`": ("Pinocchio", "constrainedABA"),
     "Pinocchio derivatives": ("Pinocchio", "derivatives"),
     "Crocoddyl `calc`": ("Crocoddyl", "calc"),
@@ -341,7 +341,21 @@ TIMED = {
     "DART `step`": ("DART", "step"),
 }
 # Times in the text: the page, the number, its program and name in results.csv, and by how much it is divided.
+BATCHES = (
+    ("a humanoid, solve", "solve/separate/1"),
+    ("a humanoid, solve and derivatives", "differentiate/separate/1"),
+    ("a humanoid, solve and `vjp`", "vjp/separate/1"),
+    ("4 humanoids, solve", "solve/separate/4"),
+)
 QUOTED = (
+    ("README.md", r"20 nodes takes ([\d.]+) ms here", "manycontact", "sweep/one/1/FDDP", 1000),
+    ("README.md", r"here, ([\d.]+) ms with Crocoddyl", "Crocoddyl", "sweep/one/1/FDDP", 1000),
+    ("README.md", r"and ([\d.]+) ms with its native build", "Crocoddyl native", "sweep/one/1/FDDP", 1000),
+    *(
+        ("src/doc/performance.md", rf"(?m)^\| 64 states of {what} \|{' [^|]* .' * (k - 1)} ([\d.]+) \|", "manycontact", f"batch/{name}/threads:{k}/real_time", 1)
+        for what, name in BATCHES
+        for k in (1, 2)
+    ),
 )
 
 
@@ -357,6 +371,9 @@ def time_faults(page, text, results):
     heads, _, *rows = (re.split(r" *\| *", line)[1:-1] for line in re.search(r"(?m)(^\| us per robot.*\n)(^\|.*\n)+", text)[0].splitlines())
     for label, *cells in rows:
         label, _, native = label.partition(", native")
+        if label not in TIMED:
+            yield f"{page}: no program and task is known of the row {label} (TIMED)"
+            continue
         program, task = TIMED[label]
         for head, cell in zip(heads[1:], cells):
             size = 1 if "one by one" in cell else int(re.search(r"\d+", head)[0])
