@@ -71,9 +71,8 @@ std::string otherwise(const std::string& program) {
     return "DART: contacts between velocities over a step of 1 ms, and the step itself; no derivatives";
   if (program == "Simbody") return "Simbody: the same solution; no derivatives";
   if (program == "Pinocchio")
-    return "Pinocchio: the same solution; constraintDynamics: one iteration, with a mu of 1e-6 where contacts are "
-           "redundant; iterated: mu 1e-6, 3 iterations; constrainedABA: mu 1e-6, 5 iterations, no contacts "
-           "between bodies";
+    return "Pinocchio: the same solution; one iteration, iterated: 3 with mu 1e-6; constrainedABA: 5, no contacts between "
+           "bodies";
   if (program == "Crocoddyl")
     return "Crocoddyl: the same solution; one dense system for all robots, no contacts between bodies, none that are "
            "redundant";
