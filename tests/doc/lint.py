@@ -362,6 +362,7 @@ QUOTED = (
 def time_faults(page, text, results):
     """Returns times of a page's table and text that are not those of results.csv, rounded, and a missing date, processor or version."""
     times = {(row["program"], row["name"]): float(row["us"]) for row in results}
+    versions = {row["program"]: row["version"] for row in results}
 
     def wrong(shown, program, name, divisor):
         us = times.get((program, name), float("inf")) / divisor
@@ -380,11 +381,13 @@ def time_faults(page, text, results):
             scene = re.search(r"ring|points|$", head)[0] or "separate"
             for shown, build in zip(re.findall(r"[\d.]+", cell), (" native",) if native else ("", " native")):
                 yield from wrong(shown, program + build, f"sweep/{scene}/{size}/{task}", 1 if scene == "points" else size)
-        if f"{program} {next(row['version'] for row in results if row['program'] == program)}" not in text:
+        if f"{program} {versions.get(program)}" not in text:
             yield f"{page}: the version of {program} is missing"
     for where, pattern, *of in QUOTED:
-        if where == page:
-            yield from wrong(re.search(pattern, text)[1], *of)
+        if where == page and (found := re.search(pattern, text)):
+            yield from wrong(found[1], *of)
+        elif where == page:
+            yield f"{page}: nothing matches {pattern}: correct QUOTED"
     for known in (results[0]["processor"], results[0]["date"].split()[0]):
         if known not in text:
             yield f"{page}: the table's {known} is missing"
@@ -417,7 +420,8 @@ def measured_faults():
     for page in ("README.md", "src/doc/performance.md"):
         found += time_faults(page, (TOP / page).read_text(), known)
     folder = TOP / "bench" / "charts"
-    charts = [("performance.md", *row) for row in re.findall(r"(?m)^\| ([^|]*), (solve|vjp|derivatives) \| ([\d.e+]+) \|", PERFORMANCE.read_text())]
+    rooflines = PERFORMANCE.read_text().partition("## Rooflines")[2].partition("\n## ")[0]
+    charts = [("performance.md", *row) for row in re.findall(r"(?m)^\| ([^|]*), (\w+) \| ([\d.e+]+) \|", rooflines)]
     for file, ours in (("chart.csv", ("auto", "none", "none")), ("overview.csv", ("manycontact", "double"))):
         for scene, *row in csv.reader(open(folder / file)):
             if tuple(row[: len(ours)]) == ours and scene in CHARTED:

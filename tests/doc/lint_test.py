@@ -93,7 +93,8 @@ def check_thresholds():
 def check_times():
     """lint.time_faults finds a time, a version and a date that are not those of results.csv, chart_faults a time that differs by more than 25 %."""
     text, results = (lint.TOP / "README.md").read_text(), lint.results()
-    version, date = next(r["version"] for r in results if r["program"] == "Pinocchio"), results[0]["date"].split()[0]
+    version = next(r["version"] for r in results if r["program"] == "Pinocchio")
+    date = results[0]["date"].split()[0]
     solve = next(line for line in text.splitlines() if line.startswith("| manycontact solve |"))
     changes = (("", ""), (solve, re.sub(r"\d+", "77", solve, count=1)), (f"Pinocchio {version}", "Pinocchio"), (date, "yesterday"))
     found = [len(set(lint.time_faults("README.md", text.replace(*change), results))) for change in changes]
