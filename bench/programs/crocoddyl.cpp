@@ -89,7 +89,7 @@ struct CalcDiff : Calc {
 };
 
 std::string refuses(const Posed& s, const std::string& task) {
-  if (s.scene.nv > (task == "derivatives" ? 700 : 2500)) return "its matrices are dense";
+  if (s.scene.nv > 700) return "its matrices are dense";
   for (const Contact& c : s.scene.contacts)
     if (c.B.robot >= 0) return "it has no contacts between bodies";
   SceneData data(s.scene);

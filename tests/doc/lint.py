@@ -341,21 +341,10 @@ TIMED = {
     "DART `step`": ("DART", "step"),
 }
 # Times in the text: the page, the number, its program and name in results.csv, and by how much it is divided.
-BATCHES = (
-    ("a humanoid, solve", "solve/separate/1"),
-    ("a humanoid, solve and derivatives", "differentiate/separate/1"),
-    ("a humanoid, solve and `vjp`", "vjp/separate/1"),
-    ("4 humanoids, solve", "solve/separate/4"),
-)
 QUOTED = (
     ("README.md", r"20 nodes takes ([\d.]+) ms here", "manycontact", "sweep/one/1/FDDP", 1000),
     ("README.md", r"here, ([\d.]+) ms with Crocoddyl", "Crocoddyl", "sweep/one/1/FDDP", 1000),
     ("README.md", r"and ([\d.]+) ms with its native build", "Crocoddyl native", "sweep/one/1/FDDP", 1000),
-    *(
-        ("src/doc/performance.md", rf"(?m)^\| 64 states of {what} \|{' [^|]* .' * (k - 1)} ([\d.]+) \|", "manycontact", f"batch/{name}/threads:{k}/real_time", 1)
-        for what, name in BATCHES
-        for k in (1, 2)
-    ),
 )
 
 
@@ -371,7 +360,7 @@ def time_faults(page, text, results):
 
     heads, _, *rows = (re.split(r" *\| *", line)[1:-1] for line in re.search(r"(?m)(^\| us per robot.*\n)(^\|.*\n)+", text)[0].splitlines())
     for label, *cells in rows:
-        label, _, native = label.partition(", native")
+        label, native, _ = label.partition(", native")
         if label not in TIMED:
             yield f"{page}: no program and task is known of the row {label} (TIMED)"
             continue
@@ -428,7 +417,7 @@ def measured_faults():
                 charts.append((file, scene, "solve", row[4] if file == "chart.csv" else row[2]))
     found += chart_faults(charts, known)
     machine = f"{known[0]['processor']}, {known[0]['date'].split()[0]}"
-    for file in ("README.md", "overview.csv", "accuracy/README.md"):
+    for file in ("README.md", "overview.csv"):
         if machine not in (folder / file).read_text():
             found.append(f"bench/charts/{file} is not of {machine}, as bench/results")
     return [*found, *memory_faults(PERFORMANCE.read_text(), known)]
