@@ -370,7 +370,7 @@ def time_faults(page, text, results):
             scene = re.search(r"ring|points|$", head)[0] or "separate"
             for shown, build in zip(re.findall(r"[\d.]+", cell), (" native",) if native else ("", " native")):
                 yield from wrong(shown, program + build, f"sweep/{scene}/{size}/{task}", 1 if scene == "points" else size)
-        if f"{program} {versions.get(program)}" not in text:
+        if f"{program} {versions.get(program)}" not in " ".join(text.split()):
             yield f"{page}: the version of {program} is missing"
     for where, pattern, *of in QUOTED:
         if where == page and (found := re.search(pattern, text)):
