@@ -97,7 +97,7 @@ std::string levels() {
 std::map<std::string, std::string> machine() {
   return {{"processor", processor()},
           {"cores", std::to_string(std::thread::hardware_concurrency())},
-          {"instructions", levels()},
+          {"instructions", program().name == "manycontact" ? levels() : ""},
           {"compiler", MANYCONTACT_COMPILER},
           {"flags", MANYCONTACT_FLAGS},
           {"feet", robot_frames()},

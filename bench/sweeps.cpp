@@ -32,7 +32,7 @@ const Sweep kSweeps[] = {
     {"ring", [](int n) { return robots(n, true); }, {4, 8, 16, 64, 256, 1024}, {4, 16, 64}},
     {"feet", herd_on_feet, {1, 4, 16, 32, 48, 64}, {16, 64}},
     {"points", on_points, {1, 2, 4, 6, 8, 16, 32}, {2, 8}},
-    {"bodies", [](int n) { return robots(n); }, {1}, {1}, &Program::of_bodies},
+    {"one", [](int n) { return robots(n); }, {1}, {1}, &Program::of_one},
     {"tower", tower, {10, 40, 160, 640, 2500, 10000}, {10, 160}},
     {"table", table, {16, 64, 256, 1024, 4096, 10000}, {16, 256}},
     {"wall", wall, {16, 100, 400, 1600, 3600, 10000}, {16, 100}},

@@ -1,16 +1,14 @@
 #!/usr/bin/env python3
 """Draws accuracy against time: solvers with their dials (damping, refinement) on the K of a scene, and ours on the scene.
 
-    chart.py [SCENE...] [--out DIR] [--bin DIR] [--results results.json]
+    chart.py [SCENE...] [--out DIR] [--bin DIR]
 
-Without SCENE: all scenes of models/. DIR, by default bench/charts/accuracy, gets accuracy_SCENE.svg, accuracy.csv, a README.md and, from
-the results of `./run bench`, accuracy_peers.svg. Python needs numpy and matplotlib. Solvers of others need manycontact_collection.
+Without SCENE: all scenes of models/. DIR, by default bench/charts/accuracy, gets accuracy_SCENE.svg, accuracy.csv and a README.md.
+Python needs numpy and matplotlib. Solvers of others need manycontact_collection.
 """
 
 import argparse
 import csv
-import datetime
-import json
 import pathlib
 import re
 import subprocess
@@ -101,7 +99,7 @@ def measure(scene, bin, lines):
 
 def available(solver, bin):
     if solver.startswith("peer:"):
-        return (bin / f"manycontact_bench_{solver.split(':')[1]}").exists()
+        return run.peer_program(bin, solver.split(":")[1]).exists()
     return solver.startswith("manycontact") or solver.split(":")[0] in run.versions(bin)
 
 
@@ -130,47 +128,13 @@ def draw(found, title, path):
     axes.grid(True, which="major", alpha=0.3)
     axes.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.01, 1), borderaxespad=0, frameon=False)
     figure.text(0.01, 0.01, "Errors against quadruple precision. manycontact: kinematics, K, factor and refinement; "
-                f"of K: factor and solution of the same K alone. {run.processor()}, {datetime.date.today()}.", fontsize=7)
+                f"of K: factor and solution of the same K alone. {run.drawing.machine()}.", fontsize=7)
     save(figure, path)
 
 
 def save(figure, path):
     figure.savefig(path, bbox_inches="tight", **({"metadata": {"Date": None}} if path.suffix == ".svg" else {}))
     plt.close(figure)
-
-
-def peers_points(results):
-    """[(scene, program and task, time, difference)] of `./run bench`."""
-    out = []
-    for of in json.loads(results.read_text()):
-        for result in of["results"]:
-            words = result["name"].split("/")
-            if words[0] != "sweep" or len(words) != 4 or words[1] not in ("separate", "ring") or words[3] in ("derivatives", "vjp", "set-up"):
-                continue
-            difference = result.get("difference", -1)
-            if of["program"] == "manycontact" or difference >= 0:
-                out.append((words[1], int(words[2]), f"{of['program']} {of['version']} {words[3]}", result["us"], difference))
-    return out
-
-
-def draw_peers(results, path):
-    chosen = (("separate", 1, "one robot, both feet held"), ("separate", 16, "16 separate robots"), ("ring", 16, "16 robots hand in hand in a ring"))
-    points = peers_points(results)
-    figure, panels = plt.subplots(1, len(chosen), figsize=(11, 4.2), sharey=True)
-    programs = sorted({p[2] for p in points}, key=lambda p: (not p.startswith("manycontact"), p))
-    colours = dict(zip(programs, ("black", *THEIRS, "#0072B2", "#F0E442")))
-    for axes, (scene, size, title) in zip(panels, chosen):
-        for _, _, program, time, difference in [p for p in points if p[:2] == (scene, size)]:
-            axes.plot(time, max(difference, 1e-15), "*" if program.startswith("manycontact") else "o", color=colours[program], markersize=9)
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-        axes.set_title(title, fontsize=10)
-        axes.set_xlabel("time [us]")
-        axes.grid(True, which="major", alpha=0.3)
-    panels[0].set_ylabel("largest relative difference of accelerations\nfrom those of manycontact (itself: drawn at 1e-15)")
-    handles = [plt.Line2D([], [], color=colours[p], marker="*" if p.startswith("manycontact") else "o", linestyle="none", label=p) for p in programs]
-    figure.legend(handles=handles, fontsize=8, loc="lower center", ncol=4, frameon=False, bbox_to_anchor=(0.5, -0.09))
-    save(figure, path)
 
 
 PAGE = """# Accuracy against time, with dials
@@ -190,13 +154,10 @@ one island times their number.
 """
 
 
-def write_page(titles, out, with_peers):
-    text = PAGE
+def write_page(titles, out):
+    text = f"{PAGE}\nThe times are of {run.drawing.machine()}.\n"
     for name, title in titles.items():
         text += f"\n## {name}\n\n![{title}](accuracy_{name}.svg)\n"
-    if with_peers:
-        text += "\n## Peers on the same scenes\n\nFrom the results of `./run bench` ([differences between the programs](../../results/README.md#differences-between-the-programs)).\n"
-        text += "\n![Time of peers and difference of their accelerations from ours](accuracy_peers.svg)\n"
     (out / "README.md").write_text(text)
 
 
@@ -205,7 +166,6 @@ def main():
     parser.add_argument("scenes", nargs="*", type=pathlib.Path, metavar="SCENE")
     parser.add_argument("--out", type=pathlib.Path, default=TOP / "bench/charts/accuracy")
     parser.add_argument("--bin", type=pathlib.Path, default=TOP / "build/release/bin")
-    parser.add_argument("--results", type=pathlib.Path, default=TOP / "bench/results/results.json")
     words = parser.parse_args()
     words.out.mkdir(parents=True, exist_ok=True)
     matplotlib.rcParams.update({"svg.hashsalt": "manycontact", "svg.fonttype": "none"})
@@ -223,9 +183,7 @@ def main():
     if table:
         with open(words.out / "accuracy.csv", "w", newline="") as file:
             csv.writer(file, lineterminator="\n").writerows([("scene", "line", "dial", "time_us", "error"), *table])
-    if words.results.exists():
-        draw_peers(words.results, words.out / "accuracy_peers.svg")
-    write_page(titles, words.out, words.results.exists())
+    write_page(titles, words.out)
 
 
 if __name__ == "__main__":

@@ -17,11 +17,9 @@ Without --systems: matrices/ beside this file, and build/collection where make.p
 """
 
 import argparse
-import datetime
 import json
 import os
 import pathlib
-import platform
 import subprocess
 import sys
 import tempfile
@@ -30,6 +28,9 @@ import numpy as np
 
 HERE = pathlib.Path(__file__).resolve().parent
 TOP = HERE.parents[1]
+sys.path.append(str(TOP / "src/program/charts"))  # its chart.py comes after that of this folder
+import drawing  # noqa: E402
+
 SHOWN = ("humanoid", "two_humanoids")  # before others of their kind
 KINDS = ("small", "hostile", "large")
 OURS = ("manycontact", "manycontact:dense")
@@ -150,11 +151,18 @@ def by_manycontact(program, method, system, _):
     return np.array([by_name[name] for name in names]).astype(np.longdouble), report["time_us"]["solve"]
 
 
+def peer_program(bin, name):
+    """Returns manycontact_bench_NAME, that of `./run bench --native` if there is one."""
+    program = f"manycontact_bench_{name}"
+    native = bin.parents[1] / "bench/bin" / program
+    return native if native.exists() else bin / program
+
+
 def by_peer(bin, word, system, folder):
     """Returns another program's accelerations on the scene, and the time of one call of it."""
     _, program, task = word.split(":", 2)
     out = pathlib.Path(folder) / "a.txt"
-    command = [bin / f"manycontact_bench_{program}", "--scene", "scene.xml", "--task", task, "--out", out]
+    command = [peer_program(bin, program), "--scene", "scene.xml", "--task", task, "--out", out]
     done = subprocess.run(command, cwd=system.folder, text=True, capture_output=True, timeout=600)
     if done.returncode:
         raise RuntimeError(done.stderr.strip().split("\n")[-1] or f"ended with {done.returncode}")
@@ -195,7 +203,7 @@ def solvers(words, bin):
             known[name] = (version, lambda s, t, method=method: by_manycontact(str(ours), method, s, t))
     for word in words:
         name, dials = word.split(":")[0], word.split(":")[1:]
-        if name == "peer" and dials and (bin / f"manycontact_bench_{dials[0]}").exists():
+        if name == "peer" and dials and peer_program(bin, dials[0]).exists():
             known[word] = ("", lambda s, t, word=word: by_peer(bin, word, s, t))
         if dials and name in theirs:
             known[word] = (theirs[name], lambda s, t, word=word: by_program([str(bin / "manycontact_collection"), word], s, t))
@@ -235,19 +243,12 @@ def digits(x, n=3):
     return f"{x:.0f}" if x >= 10 ** (n - 1) else f"{x:.{n}g}"
 
 
-def processor():
-    for line in open("/proc/cpuinfo"):
-        if line.startswith("model name"):
-            return line.split(":", 1)[1].strip()
-    return platform.processor()
-
-
 def page(results, chosen):
     used = sorted({version for version, _ in chosen.values() if version})
     lines = [
         "# Solvers on the collection",
         "",
-        f"Written by `bench/collection/run.py`; {', '.join(used)}; {processor()}; {datetime.date.today()},",
+        f"Written by `bench/collection/run.py`; {', '.join(used)}; {drawing.machine()},",
         f"one-minute load {os.getloadavg()[0]:.1f} at the end: above 1 the times are those of a machine that does other work, too.",
         "",
         "The errors are those of the accelerations a, relative to the largest, and of the forces f, relative to the largest,",

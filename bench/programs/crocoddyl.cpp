@@ -1,18 +1,24 @@
 // Crocoddyl runs calc of its action model with contacts, only a robot's contacts with the world, and calcDiff after it,
-// with derivatives of forces. Compiles against versions that have std::shared_ptr (3.1 and later).
+// with derivatives of forces, and an iteration of FDDP. Compiles against versions that have std::shared_ptr (3.1 and later).
 
 #include <crocoddyl/core/costs/cost-sum.hpp>
 #include <crocoddyl/core/utils/version.hpp>
+#include <crocoddyl/core/integrator/euler.hpp>
+#include <crocoddyl/core/residuals/control.hpp>
+#include <crocoddyl/core/solvers/fddp.hpp>
 #include <crocoddyl/multibody/actions/contact-fwddyn.hpp>
+#include <crocoddyl/multibody/actuations/floating-base.hpp>
 #include <crocoddyl/multibody/actuations/full.hpp>
 #include <crocoddyl/multibody/contacts/contact-3d.hpp>
 #include <crocoddyl/multibody/contacts/contact-6d.hpp>
 #include <crocoddyl/multibody/contacts/multiple-contacts.hpp>
+#include <crocoddyl/multibody/residuals/state.hpp>
 #include <crocoddyl/multibody/states/multibody.hpp>
 
 #include "manycontact/dynamics/solve.hpp"
 #include "pinocchio_model.hpp"
-#include "program.hpp"
+namespace api = crocoddyl;
+#include "fddp.hpp"
 
 namespace manycontact::bench {
 
@@ -23,6 +29,7 @@ using crocoddyl::StateMultibody;
 // Adds holds as frames of the model, in their order: "hold0", "hold1", ...
 std::shared_ptr<pin::Model> with_frames(const Posed& s, const std::vector<Hold>& holds) {
   auto model = std::make_shared<pin::Model>(model_of(s));
+  model->names[1] = "root_joint";  // ActuationModelFloatingBase looks for it
   for (std::size_t k = 0; k < holds.size(); ++k)
     model->addFrame(pin::Frame("hold" + std::to_string(k), holds[k].a + 1, 0, place(holds[k].in_a), pin::OP_FRAME));
   return model;
@@ -34,17 +41,26 @@ std::shared_ptr<crocoddyl::ContactModelAbstract> contact(const std::shared_ptr<S
   return std::make_shared<crocoddyl::ContactModel6D>(state, frame, place(hold.in_b), pin::LOCAL, nu);
 }
 
-std::shared_ptr<crocoddyl::DifferentialActionModelContactFwdDynamics> action_of(const Posed& s) {
+std::shared_ptr<StateMultibody> state_of(const Posed& s) {
+  return std::make_shared<StateMultibody>(with_frames(s, holds_of(s, bodies_of(s))));
+}
+
+std::shared_ptr<crocoddyl::ContactModelMultiple> contacts_of(const Posed& s, const std::shared_ptr<StateMultibody>& state,
+                                                             std::size_t nu) {
   const std::vector<Hold> holds = holds_of(s, bodies_of(s));
-  const auto model = with_frames(s, holds);
-  const auto state = std::make_shared<StateMultibody>(model);
-  const auto actuation = std::make_shared<crocoddyl::ActuationModelFull>(state);  // torques of all coordinates
-  const std::size_t nu = actuation->get_nu();
   const auto contacts = std::make_shared<crocoddyl::ContactModelMultiple>(state, nu);
   for (std::size_t k = 0; k < holds.size(); ++k) {
     const std::string name = "hold" + std::to_string(k);
-    contacts->addContact(name, contact(state, holds[k], model->getFrameId(name), nu));
+    contacts->addContact(name, contact(state, holds[k], state->get_pinocchio()->getFrameId(name), nu));
   }
+  return contacts;
+}
+
+std::shared_ptr<crocoddyl::DifferentialActionModelContactFwdDynamics> action_of(const Posed& s) {
+  const auto state = state_of(s);
+  const auto actuation = std::make_shared<crocoddyl::ActuationModelFull>(state);  // torques of all coordinates
+  const std::size_t nu = actuation->get_nu();
+  const auto contacts = contacts_of(s, state, nu);
   const auto costs = std::make_shared<crocoddyl::CostModelSum>(state, nu);
   return std::make_shared<crocoddyl::DifferentialActionModelContactFwdDynamics>(state, actuation, contacts, costs, 0.,
                                                                                 true);
@@ -73,7 +89,7 @@ struct CalcDiff : Calc {
 };
 
 std::string refuses(const Posed& s, const std::string& task) {
-  if (s.scene.nv > (task == "derivatives" ? 700 : 2500)) return "its matrices are dense";
+  if (s.scene.nv > 700) return "its matrices are dense";
   for (const Contact& c : s.scene.contacts)
     if (c.B.robot >= 0) return "it has no contacts between bodies";
   SceneData data(s.scene);
@@ -83,13 +99,17 @@ std::string refuses(const Posed& s, const std::string& task) {
 
 std::unique_ptr<Loaded> load(const Posed& s, const std::string& task) {
   if (task == "derivatives") return std::make_unique<CalcDiff>(s);
+  if (task == "FDDP") {
+    const auto state = state_of(s);
+    return std::make_unique<Fddp>(s, state, contacts_of(s, state, s.u.size()));
+  }
   return std::make_unique<Calc>(s);
 }
 
 }  // namespace
 
 const Program& program() {
-  static const Program p{"Crocoddyl", crocoddyl::printVersion(), {"calc", "derivatives"}, {}, refuses, load};
+  static const Program p{"Crocoddyl", crocoddyl::printVersion(), {"calc", "derivatives"}, {"FDDP"}, refuses, load};
   return p;
 }
 

@@ -1,11 +1,13 @@
-// Our tasks are solve, all derivatives after a solve, the product w^T [da; df] of them, setting a scene up, and a
-// robot's algorithms.
+// Our tasks are solve, all derivatives after a solve, the product w^T [da; df] of them, setting a scene up, a robot's
+// algorithms, and an iteration of FDDP.
 
 #include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 #include "manycontact/dynamics/jvp.hpp"
 #include "manycontact/dynamics/solve.hpp"
-#include "program.hpp"
+#include "manycontact/control.hpp"
+namespace api = manycontact;
+#include "fddp.hpp"
 
 namespace manycontact::bench {
 
@@ -72,8 +74,10 @@ std::unique_ptr<Loaded> load(const Posed& s, const std::string& task) {
   if (task == "derivatives") return std::make_unique<Derivatives>(s);
   if (task == "vjp") return std::make_unique<Products>(s);
   if (task == "set-up") return std::make_unique<SetUp>(s);
-  if (task != "solve") return std::make_unique<Bodies>(s, task);
-  return std::make_unique<Solve>(s);
+  if (task == "solve") return std::make_unique<Solve>(s);
+  if (task != "FDDP") return std::make_unique<Bodies>(s, task);
+  const auto state = std::make_shared<StateMultibody>(s.scene);
+  return std::make_unique<Fddp>(s, state, contacts_of_scene(state, s.scene, s.u.size()));
 }
 
 }  // namespace
@@ -82,7 +86,7 @@ const Program& program() {
   static const Program p{"manycontact",
                          MANYCONTACT_VERSION,
                          {"solve", "derivatives", "vjp", "set-up"},
-                         {"rnea", "aba", "crba", "frame_jacobian"},
+                         {"rnea", "aba", "crba", "frame_jacobian", "FDDP"},
                          refuses,
                          load};
   return p;

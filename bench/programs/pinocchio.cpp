@@ -1,4 +1,5 @@
-// Pinocchio runs constraintDynamics, its derivatives after it, constrainedABA, and a robot's algorithms.
+// Pinocchio runs constraintDynamics with one proximal iteration and with three, derivatives after it, constrainedABA, and a
+// robot's algorithms.
 
 #include <pinocchio/multibody/data.hpp>
 #include <pinocchio/multibody/model.hpp>
@@ -32,11 +33,13 @@ Constraints constraints_of(const Posed& s, const pin::Model& model) {
   return all;
 }
 
-// Uses no damping for independent contacts, otherwise settings that solve most of these (mu 1e-6, 20 iterations).
-pin::ProximalSettings settings_for(const Posed& s) {
+const pin::ProximalSettings kIterated(1e-12, 1e-6, 3);  // more do not change the digits of our scenes
+
+// Uses no damping for independent contacts, which are its defaults, otherwise a mu of 1e-6.
+pin::ProximalSettings one_iteration(const Posed& s) {
   SceneData data(s.scene);
   const bool dependent = solve(s.scene, s.q, s.v, s.u, data).status != Status::kOk;
-  return dependent ? pin::ProximalSettings(1e-12, 1e-6, 20) : pin::ProximalSettings(1e-12, 0, 1);
+  return {1e-12, dependent ? 1e-6 : 0, 1};
 }
 
 // "constraintDynamics:MU:ITERATIONS" runs all of these iterations, whatever their residual.
@@ -64,8 +67,7 @@ struct Common : Loaded {
 };
 
 struct ConstraintDynamics : Common {
-  explicit ConstraintDynamics(const Posed& s, const std::string& words = {})
-      : Common(s), settings(dialled(words, settings_for(s))) {
+  ConstraintDynamics(const Posed& s, const pin::ProximalSettings& given) : Common(s), settings(given) {
     pin::initConstraintDynamics(model, data, constraints);
     ConstraintDynamics::run();
   }
@@ -115,8 +117,12 @@ std::string refuses(const Posed& s, const std::string& task) {
 std::unique_ptr<Loaded> load(const Posed& s, const std::string& task) {
   const std::string name = task_of(task).name;
   if (name == "constrainedABA") return std::make_unique<ConstrainedAba>(s, task);
-  if (name == "derivatives") return std::make_unique<Derivatives>(s);
-  if (name == "constraintDynamics") return std::make_unique<ConstraintDynamics>(s, task);
+  if (name == "constraintDynamics") return std::make_unique<ConstraintDynamics>(s, dialled(task, one_iteration(s)));
+  if (name == "constraintDynamics iterated") return std::make_unique<ConstraintDynamics>(s, kIterated);
+  if (name == "derivatives") {
+    const pin::ProximalSettings once = one_iteration(s);
+    return std::make_unique<Derivatives>(s, once.mu > 0 ? kIterated : once);
+  }
   return std::make_unique<Bodies>(s, task);
 }
 
@@ -125,7 +131,7 @@ std::unique_ptr<Loaded> load(const Posed& s, const std::string& task) {
 const Program& program() {
   static const Program p{"Pinocchio",
                          PINOCCHIO_VERSION,
-                         {"constraintDynamics", "derivatives", "constrainedABA"},
+                         {"constraintDynamics", "constraintDynamics iterated", "derivatives", "constrainedABA"},
                          {"rnea", "aba", "crba", "frame_jacobian"},
                          refuses,
                          load};

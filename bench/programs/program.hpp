@@ -23,8 +23,8 @@ struct Loaded {
 struct Program {
   std::string name, version;
   std::vector<std::string> tasks;
-  /// Tasks of one robot, without its contacts: those of rnea, aba, crba, frame_jacobian that it has.
-  std::vector<std::string> of_bodies;
+  /// Tasks of one robot: those of rnea, aba, crba, frame_jacobian, without its contacts, and FDDP that it has.
+  std::vector<std::string> of_one;
   /// Returns an empty string, or why this program does not support this.
   std::string (*refuses)(const Posed& scene, const std::string& task);
   /// A task may have dials, numbers after its name: "constrainedABA:1e-6:5".

@@ -38,7 +38,7 @@ def draw(figure, differences, base):
         axes.legend(loc="upper left", bbox_to_anchor=(0, -0.15), ncol=2, frameon=False, fontsize=8)
     drawn.subplots_adjust(0.14 / len(panels), 0.38, 1 - 0.04 / len(panels), 0.88, 0.2)
     for k, text in enumerate(differences):
-        drawn.text(0.02, 0.095 - 0.023 * k, plain(text), color=drawing.GREY, fontsize=8)
+        drawn.text(0.02, 0.12 - 0.023 * k, plain(text), color=drawing.GREY, fontsize=8)
     drawing.save(drawn, base)
 
 

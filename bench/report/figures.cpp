@@ -69,11 +69,12 @@ std::string otherwise(const std::string& program) {
   if (program == "MuJoCo") return "MuJoCo: soft contacts, dJ/dt v left out, no warm start; no derivatives of contacts";
   if (program == "DART")
     return "DART: contacts between velocities over a step of 1 ms, and the step itself; no derivatives";
-  if (program == "Simbody") return "Simbody: the same answer; no derivatives";
+  if (program == "Simbody") return "Simbody: the same solution; no derivatives";
   if (program == "Pinocchio")
-    return "Pinocchio: the same answer; constrainedABA: proximal, mu 1e-6, 5 iterations, no contacts between bodies";
+    return "Pinocchio: the same solution; one iteration, iterated: 3 with mu 1e-6; constrainedABA: 5, no contacts between "
+           "bodies";
   if (program == "Crocoddyl")
-    return "Crocoddyl: the same answer; one dense system for all robots, no contacts between bodies, none that are "
+    return "Crocoddyl: the same solution; one dense system for all robots, no contacts between bodies, none that are "
            "redundant";
   return {};
 }
@@ -129,6 +130,9 @@ void write_figures(const std::vector<Figure>& figures, const std::vector<Run>& r
     }
     list.push_back({{"file", figure.file}, {"title", figure.title}, {"panels", panels}});
   }
+  const auto& machine = runs.at(0).machine;
+  if (machine.contains("processor") && machine.contains("date"))
+    differences.push_back(machine.at("processor") + ", " + machine.at("date"));
   for (const Run& run : runs)
     if (const std::string text = otherwise(run.program); !text.empty()) differences.push_back(text);
   std::ofstream out(path);

@@ -33,7 +33,7 @@ int main(int argc, char** argv) try {
     std::cerr << cli::kNoCharts << "\n";
   }
   write_page(runs, drawn, dir + "README.md");
-  std::cout << "\n" << table_of_robots(runs) << "\n" << table_of_exponents(runs) << "\n" << table_of_builds(runs);
+  std::cout << "\n" << table_of_robots(runs) << "\n" << table_of_exponents(runs);
 } catch (const std::exception& e) {
   std::cerr << "bench: " << e.what() << "\n";
   return 2;

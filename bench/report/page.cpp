@@ -20,6 +20,8 @@ void write_machine(std::ostream& out, const std::vector<Run>& runs) {
       << at("compiler") << ", `" << at("flags") << "`; " << at("date") << ", load " << at("load")
       << " at the start. Feet " << at("feet") << ".\n";
   for (const Run& r : runs) out << r.program << " " << r.version << (&r == &runs.back() ? ".\n" : ", ");
+  out << "manycontact chooses its instructions when it starts; a peer has those of its build, all of this processor in one "
+         "that is native.\n";
 }
 
 void write_differences(std::ostream& out, const std::vector<Run>& runs) {
@@ -64,16 +66,18 @@ void write_page(const std::vector<Run>& runs, const std::vector<Figure>& drawn, 
          "each\n"
          "call of the derivatives follows a new solve, whose time is not counted, so the two times differ.\n\n"
       << table_of_parts(runs.at(0));
-  const std::string bodies = table_of_bodies(runs);
-  if (!bodies.empty()) out << "\n## A robot without contacts\n\n" << bodies;
+  const std::string one = table_of_one(runs);
+  if (!one.empty())
+    out << "\n## One robot\n\n"
+           "Contacts are left out, but in `FDDP`: an iteration of `SolverFDDP` over 20 nodes with both feet fixed, which one\n"
+           "source computes with both libraries (`bench/programs/fddp.hpp`). Pinocchio's `crba` fills one triangle.\n\n"
+        << one;
   out << "\n## Growth\n\n"
          "The theory counts the numbers of the result: a derivative block of an island has about n^2. In a chain the\n"
          "factor of the joint-space matrix is dense as well, and solves with it for all columns grow with n^3; few "
          "sizes\n"
          "are measured.\n\n"
       << table_of_exponents(runs);
-  const std::string builds = table_of_builds(runs);
-  if (!builds.empty()) out << "\n## Portable and native\n\n" << builds;
   if (!out.flush()) throw std::runtime_error(path + " cannot be written");
 }
 

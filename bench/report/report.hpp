@@ -38,12 +38,10 @@ void write_figures(const std::vector<Figure>& figures, const std::vector<Run>& r
 /// Markdown. Times of a robot in us, and in units of plain ldl_numeric on its K.
 std::string table_of_robots(const std::vector<Run>& runs);
 std::string table_of_parts(const Run& ours);
-/// Returns times of each algorithm by program, in us, of a robot without contacts.
-std::string table_of_bodies(const std::vector<Run>& runs);
+/// Returns times of each algorithm of one robot by program, in us.
+std::string table_of_one(const std::vector<Run>& runs);
 /// Returns exponents fitted to time over robots and over links, next to theory.
 std::string table_of_exponents(const std::vector<Run>& runs);
-/// Returns times of the portable build divided by those of the native one; empty if only one was run.
-std::string table_of_builds(const std::vector<Run>& runs);
 
 void write_page(const std::vector<Run>& runs, const std::vector<Figure>& drawn, const std::string& path);
 

@@ -55,7 +55,7 @@ std::string table_of_robots(const std::vector<Run>& runs) {
   };
   std::vector<Column> columns;
   for (const int size : {1, 4, 16, 256, 1024}) columns.push_back({"separate", size});
-  for (const int size : {16, 64, 1024}) columns.push_back({"ring", size});
+  for (const int size : {8, 64, 1024}) columns.push_back({"ring", size});
   std::erase_if(columns, [&](const Column& c) {
     const std::string name = "sweep/" + c.scene + "/" + std::to_string(c.size) + "/";
     return std::none_of(runs.begin(), runs.end(), [&](const Run& run) {
@@ -70,7 +70,7 @@ std::string table_of_robots(const std::vector<Run>& runs) {
   for (const Run& run : runs) {
     std::vector<std::string> names = tasks(run, "separate");
     for (const std::string& task : names) {
-      if (task == "set-up" || run.program.ends_with(" native")) continue;
+      if (task == "set-up") continue;
       out << "| " << run.program << " " << task << " |";
       for (const Column& c : columns) {
         const Result* r = find(run, "sweep/" + c.scene + "/" + std::to_string(c.size) + "/" + task);
@@ -93,19 +93,19 @@ std::string table_of_parts(const Run& run) {
   return out.str();
 }
 
-std::string table_of_bodies(const std::vector<Run>& runs) {
+std::string table_of_one(const std::vector<Run>& runs) {
   std::vector<const Run*> with;
   for (const Run& run : runs)
-    if (!tasks(run, "bodies").empty()) with.push_back(&run);
+    if (!tasks(run, "one").empty()) with.push_back(&run);
   if (with.empty()) return {};
   std::vector<std::string> titles = {"one " + with.front()->robot + ", us"};
   for (const Run* run : with) titles.push_back(run->program);
   std::ostringstream out;
   out << heading(titles);
-  for (const std::string& task : tasks(*with.front(), "bodies")) {
+  for (const std::string& task : tasks(*with.front(), "one")) {
     out << "| `" << task << "` |";
     for (const Run* run : with) {
-      const Result* r = find(*run, "sweep/bodies/1/" + task);
+      const Result* r = find(*run, "sweep/one/1/" + task);
       out << " " << (r ? number(r->us) : "") << " |";
     }
     out << "\n";
@@ -133,20 +133,6 @@ std::string table_of_exponents(const std::vector<Run>& runs) {
             << (large.size() > 1 ? number(exponent(large), 3) : "") << " | " << (p > 0 ? number(p) : "") << " |\n";
       }
     }
-  return out.str();
-}
-
-std::string table_of_builds(const std::vector<Run>& runs) {
-  const Run *portable = ours(runs), *native = nullptr;
-  for (const Run& run : runs)
-    if (run.program == "manycontact native") native = &run;
-  if (!portable || !native) return {};
-  std::ostringstream out;
-  out << heading({"portable build / native build", "portable, us", "native, us", "ratio"});
-  for (const Result& r : native->results)
-    if (const Result* p = find(*portable, r.name))
-      out << "| `" << r.name << "` | " << number(p->us) << " | " << number(r.us) << " | " << number(p->us / r.us, 3)
-          << " |\n";
   return out.str();
 }
 

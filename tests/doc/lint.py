@@ -8,9 +8,8 @@
 * Blocks without a language, commands outside a block, blocks that are not run without a reason.
 * Measured numbers (us, ms, s, MB, times) in sections without a command; pages that index.md does not list.
 * Members of the status enumerations that statuses.md does not explain, commands without a row in program.md, kinds of findings
-  without one in scene_file.md, numbers of tables of times that are not those of bench/results.
-* Names in a row "none" that exist here, numbers of claims.md that are not those of the tests, a chart of another day than the
-  table of times.
+  without one in scene_file.md, times and sizes of memory that are not those of bench/results, charts of another day or machine.
+* Names in a row "none" that exist here, numbers of claims.md that are not those of the tests.
 
 Comments of headers, messages and docstrings are checked for sentences and words only, and comments of sources for their first
 word, against prose_debts.txt, whose counts may only decrease.
@@ -277,44 +276,6 @@ def set_faults():
             yield f"src/doc/program.md: no chapter on {command}"
 
 
-def bench_faults():
-    """Returns times of the README and of performance.md that differ from the last ./run bench, rounded."""
-    measured = (TOP / "bench" / "results" / "README.md").read_text()
-    measured = {row.split("|")[1].strip(): re.sub(r"\(.*?\)", "", row) for row in re.findall(r"(?m)^\| .*\d.*\|$", measured)}
-    known = {name: {float(x) for x in re.findall(r"(?<=\| )[\d.]+", row)} for name, row in measured.items()}
-    for page, rows in {
-        "src/doc/performance.md": {
-            "manycontact solve": "manycontact solve",
-            "manycontact derivatives, without the solve": "manycontact derivatives",
-            "manycontact vjp, without the solve": "manycontact vjp",
-            "MuJoCo `mj_forward`, soft contacts": "MuJoCo mj_forward",
-            "Simbody `realize`": "Simbody realize",
-            "DART `step`": "DART step",
-            "Pinocchio `constraintDynamics`": "Pinocchio constraintDynamics",
-            "Pinocchio `constrainedABA`, proximal": "Pinocchio constrainedABA",
-            "Pinocchio derivatives": "Pinocchio derivatives",
-        },
-        "README.md": {
-            "solve": "manycontact solve",
-            "gradient (`vjp`), after the solve": "manycontact vjp",
-            "all derivatives, after the solve": "manycontact derivatives",
-            "MuJoCo 3.12.1 `mj_forward`, soft contacts": "MuJoCo mj_forward",
-            "DART 6.12.1 `step`": "DART step",
-            "Pinocchio 3.7.0 `constraintDynamics`": "Pinocchio constraintDynamics",
-        },
-    }.items():
-        text = (TOP / page).read_text()
-        for row, name in rows.items():
-            found = re.search(rf"(?m)^\| {re.escape(row)} \|(.*)\|$", text)
-            if not found:
-                yield f"{page}: no row {row}"
-                continue
-            for number in re.findall(r"[\d.]+", found[1]):
-                digits = len(number.partition(".")[2])
-                if not any(abs(x - float(number)) <= 0.5001 * 10.0**-digits for x in known[name]):
-                    yield f"{page}: {row}: {number} is no time of {name} in bench/results/README.md"
-
-
 def none_faults(text, public):
     """Returns names of another library whose row says that there is none here, and which exist."""
     for number, line in enumerate(text.split("\n"), 1):
@@ -364,29 +325,102 @@ def results():
     return list(csv.DictReader(open(TOP / "bench" / "results" / "results.csv")))
 
 
-# Scenes of the chart that ./run bench times too.
-CHARTED = {"humanoid_standing": "sweep/separate/1/solve", "ring_of_humanoids": "sweep/ring/16/solve"}
+# Rows of the tables of times: program and task. "native" in a label, or a second number in a cell, is of the program's native build.
+TIMED = {
+    "manycontact solve": ("manycontact", "solve"),
+    "manycontact `vjp`, after a solve": ("manycontact", "vjp"),
+    "manycontact derivatives, after a solve": ("manycontact", "derivatives"),
+    "Pinocchio `constraintDynamics`, one iteration": ("Pinocchio", "constraintDynamics"),
+    "Pinocchio `constraintDynamics`, three iterations": ("Pinocchio", "constraintDynamics iterated"),
+    "Pinocchio `constrainedABA`": ("Pinocchio", "constrainedABA"),
+    "Pinocchio derivatives": ("Pinocchio", "derivatives"),
+    "Crocoddyl `calc`": ("Crocoddyl", "calc"),
+    "Crocoddyl `calcDiff`": ("Crocoddyl", "derivatives"),
+    "MuJoCo `mj_forward`, soft contacts": ("MuJoCo", "mj_forward"),
+    "Simbody `realize`": ("Simbody", "realize"),
+    "DART `step`": ("DART", "step"),
+}
+# Times in the text: the page, the number, its program and name in results.csv, and by how much it is divided.
+QUOTED = (
+    ("README.md", r"20 nodes takes ([\d.]+) ms here", "manycontact", "sweep/one/1/FDDP", 1000),
+    ("README.md", r"here, ([\d.]+) ms with Crocoddyl", "Crocoddyl", "sweep/one/1/FDDP", 1000),
+    ("README.md", r"and ([\d.]+) ms with its native build", "Crocoddyl native", "sweep/one/1/FDDP", 1000),
+)
 
 
-def chart_faults(chart, results):
-    """Returns what chart.csv lacks, and times of `auto` that differ from those of results.csv by more than 20 %."""
-    if missing := {"date", "machine", "version"} - set(chart[0]):
-        return None, f"skipped: chart.csv has no column {', '.join(sorted(missing))}"
+def time_faults(page, text, results):
+    """Returns times of a page's table and text that are not those of results.csv, rounded, and a missing date, processor or version."""
+    times = {(row["program"], row["name"]): float(row["us"]) for row in results}
+    versions = {row["program"]: row["version"] for row in results}
+
+    def wrong(shown, program, name, divisor):
+        us = times.get((program, name), float("inf")) / divisor
+        if abs(us - float(shown)) > 0.5001 * 10.0 ** -len(shown.partition(".")[2]):
+            yield f"{page}: {shown} is not the time of {program} {name} in results.csv, {us:.4g}"
+
+    heads, _, *rows = (re.split(r" *\| *", line)[1:-1] for line in re.search(r"(?m)(^\| us per robot.*\n)(^\|.*\n)+", text)[0].splitlines())
+    for label, *cells in rows:
+        label, native, _ = label.partition(", native")
+        if label not in TIMED:
+            yield f"{page}: no program and task is known of the row {label} (TIMED)"
+            continue
+        program, task = TIMED[label]
+        for head, cell in zip(heads[1:], cells):
+            size = 1 if "one by one" in cell else int(re.search(r"\d+", head)[0])
+            scene = re.search(r"ring|points|$", head)[0] or "separate"
+            for shown, build in zip(re.findall(r"[\d.]+", cell), (" native",) if native else ("", " native")):
+                yield from wrong(shown, program + build, f"sweep/{scene}/{size}/{task}", 1 if scene == "points" else size)
+        if f"{program} {versions.get(program)}" not in " ".join(text.split()):
+            yield f"{page}: the version of {program} is missing"
+    for where, pattern, *of in QUOTED:
+        if where == page and (found := re.search(pattern, text)):
+            yield from wrong(found[1], *of)
+        elif where == page:
+            yield f"{page}: nothing matches {pattern}: correct QUOTED"
+    for known in (results[0]["processor"], results[0]["date"].split()[0]):
+        if known not in text:
+            yield f"{page}: the table's {known} is missing"
+
+
+# Scenes of the charts and of the table of rooflines that ./run bench times too.
+CHARTED = {
+    "humanoid_standing": "separate/1",
+    "ring_of_humanoids": "ring/16",
+    "humanoid": "separate/1",
+    "ring_8": "ring/8",
+    "corners": "points/8",
+    "1 robot": "separate/1",
+    "256 robots": "separate/256",
+    "ring of 1,024": "ring/1024",
+}
+
+
+def chart_faults(charts, results):
+    """Returns times (where, scene, task, us) that differ by more than 25 % from those of results.csv."""
     times = {row["name"]: float(row["us"]) for row in results if row["program"] == "manycontact"}
-    found = [f"chart.csv: {key} is empty" for key in ("date", "machine", "version") if not all(row[key].strip() for row in chart)]
-    for row in chart:
-        if row["scene"] in CHARTED and row["method"] == "auto" and row["regularisation"] == "none":
-            us, expected = float(row["time_us"]), times[CHARTED[row["scene"]]]
-            if not 0.8 <= us / expected <= 1.25:
-                found.append(f"chart.csv: auto takes {us:.4g} us for {row['scene']}, {expected:.4g} in results.csv")
-    return found, None
+    for where, scene, task, us in charts:
+        expected = times[f"sweep/{CHARTED[scene]}/{task}"]
+        if not 0.8 <= float(us) / expected <= 1.25:
+            yield f"{where}: {task} takes {us} us for {scene}, {expected:.4g} in results.csv"
 
 
 def measured_faults():
-    found, skipped = chart_faults(list(csv.DictReader(open(TOP / "bench" / "charts" / "chart.csv"))), results())
-    if skipped:
-        print(skipped)
-    return [*(found or []), *memory_faults(PERFORMANCE.read_text(), results())]
+    found, known = [], results()
+    for page in ("README.md", "src/doc/performance.md"):
+        found += time_faults(page, (TOP / page).read_text(), known)
+    folder = TOP / "bench" / "charts"
+    rooflines = PERFORMANCE.read_text().partition("## Rooflines")[2].partition("\n## ")[0]
+    charts = [("performance.md", *row) for row in re.findall(r"(?m)^\| ([^|]*), (\w+) \| ([\d.e+]+) \|", rooflines)]
+    for file, ours in (("chart.csv", ("auto", "none", "none")), ("overview.csv", ("manycontact", "double"))):
+        for scene, *row in csv.reader(open(folder / file)):
+            if tuple(row[: len(ours)]) == ours and scene in CHARTED:
+                charts.append((file, scene, "solve", row[4] if file == "chart.csv" else row[2]))
+    found += chart_faults(charts, known)
+    machine = f"{known[0]['processor']}, {known[0]['date'].split()[0]}"
+    for file in ("README.md", "overview.csv"):
+        if machine not in (folder / file).read_text():
+            found.append(f"bench/charts/{file} is not of {machine}, as bench/results")
+    return [*found, *memory_faults(PERFORMANCE.read_text(), known)]
 
 
 def memory_faults(page, results):
@@ -500,7 +534,7 @@ def main():
     update = "--update" in sys.argv
     names = Names()
     found = [fault for page in pages.pages() for fault in page_faults(page, names)]
-    found += [*set_faults(), *bench_faults(), *threshold_faults(), *measured_faults(), *header_faults(update, names)]
+    found += [*set_faults(), *threshold_faults(), *measured_faults(), *header_faults(update, names)]
     only = [a for a in sys.argv[1:] if not a.startswith("--")]
     found = [f for f in found if not only or any(o in f for o in only)]
     for fault in found:

@@ -151,6 +151,7 @@ Written by `manycontact chart`; the numbers are in [chart.csv](chart.csv). A poi
 damping. Right is slower than the fastest one, up is a larger error, relative to a solution of the scene in
 quadruple precision. A point is on the front if no other one is at least as fast and as accurate, and
 better in one of the two; `chart.csv` marks the front of solve time and accelerations.
+The times are of {}.
 
 | Scene | fastest accurate | us | auto | us | auto / fastest | auto on the front |
 |---|---|--:|---|--:|--:|---|
@@ -158,7 +159,7 @@ better in one of the two; `chart.csv` marks the front of solve time and accelera
 
 
 def page(charts):
-    text = PAGE
+    text = PAGE.format(drawing.machine())
     for chart in charts:
         best, mine = winner(chart, 0), auto_of(chart)
         both = best and mine and mine["time_us"] is not None
@@ -297,6 +298,7 @@ def draw(chart, base):
     figure = plt.figure(figsize=(15.6, 7))
     figure.text(0.02, 0.955, plain(chart["scene"]), fontsize=13)
     figure.text(0.02, 0.92, plain(f"{chart['title']}; condition of K {scientific(chart['condition'])}"), color=drawing.GREY)
+    figure.text(0.99, 0.92, plain(drawing.machine()), color=drawing.GREY, ha="right")
     for panel in range(len(PANELS)):
         draw_panel(figure.add_axes([0.052 + 0.322 * panel, 0.325, 0.272, 0.54]), chart, panel, methods, orders)
     figure.axes[0].set_ylabel("relative error, maximum norm")

@@ -1,12 +1,14 @@
-"""What the scripts of this folder share: numbers as the program prints them, files that are written whole, and matplotlib.
+"""What the scripts of this folder share: numbers as the program prints them, the machine, files that are written whole, and matplotlib.
 
 A script ends with the status CANNOT_WRITE where a file cannot be written, and prints its name and the reason. The program reports them.
 """
 
+import datetime
 import errno
 import io
 import logging
 import os
+import platform
 import stat
 import sys
 import tempfile
@@ -43,6 +45,15 @@ def count(n, noun):
 def join(names, most=12):
     shown = len(names) if len(names) <= most + 1 else most
     return ", ".join(names[:shown]) + (f" and {len(names) - shown} more" if shown < len(names) else "")
+
+
+def machine():
+    """Returns the processor and today's date."""
+    processor = platform.processor()
+    if os.path.exists("/proc/cpuinfo"):
+        with open("/proc/cpuinfo") as file:
+            processor = next((line.partition(":")[2].strip() for line in file if line.startswith("model name")), processor)
+    return f"{processor}, {datetime.date.today()}"
 
 
 def printable(text):
