@@ -207,9 +207,9 @@ Attempts attempts_of(const Scene& scene, const MatrixSystem& m) {
   const double damping = scene.damping;
   const auto [method, order] = m.owner.choice;
   const bool exact = damping == 0, last = order == Order::kLeafToRoot, large = m.owner.island.nc > tolerance::kFewRows;
-  // Where SIMD batches refused a large island, its rows of J have no sound pivots.
-  const bool refused = exact && large && m.owner.stands_in_lanes() && !m.owner.answered && !is_inexact(scene, m.owner);
-  const bool chosen = method != Method::kDense && !m.owner.deficient && !refused;
+  const RobotsSystem* robots = m.owner.robots.get();
+  const bool refused = exact && large && robots && robots->refused && !is_inexact(scene, m.owner);
+  const bool may_choose = method != Method::kDense && !m.owner.deficient, chosen = may_choose && !refused;
   const auto add_with_dependent_rows = [&](Order by) {
     out.add({FactorKind::kDependentRows, by, 0});
     if (large) out.add({FactorKind::kProximal, by, 0});  // too many rows wait
@@ -220,6 +220,7 @@ Attempts attempts_of(const Scene& scene, const MatrixSystem& m) {
   if (chosen && !last && (exact ? method == Method::kSparseLdl || method == Method::kSparseBodies : has_order(method)))
     out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
   if (method != Method::kDense && exact) add_with_dependent_rows(Order::kLeafToRoot);
+  if (may_choose && refused) out.add({FactorKind::kChosen, order, 0});  // in tall towers small pivots are sound
   // The last: near a singular configuration no sparse factor may be sound.
   if (method == Method::kDense || m.owner.island.size() <= tolerance::kDenseSize)
     out.add({FactorKind::kDense, order, damping});

@@ -151,8 +151,8 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
 /// rows in the chosen order, if that costs less than half of leaf-to-root; the chosen method in leaf-to-root order,
 /// which is sound unless rows depend on each other (CHOLMOD only with damping, since it allocates); LDL that drops
 /// dependent rows in leaf-to-root order; the dense reference solver. In large islands the proximal factor comes after
-/// each of the two that drop rows, for many that wait. Where another system has found rows dependent at this state, or
-/// robots in SIMD batches have no sound solution, the chosen method is left out.
+/// each of the two that drop rows, for many that wait. Where another system has found rows dependent at this state, the
+/// chosen method is left out. Where robots in SIMD batches have no sound pivots, it comes last but one.
 enum class FactorKind { kChosen, kDependentRows, kProximal, kDense };
 struct Attempt {
   FactorKind kind;

@@ -367,7 +367,9 @@ double RobotsSystem::growth() const {
 
 bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, IslandReport& report) {
   Workspace& w = *data.workspace;
-  if (!solves || !internal::usable_numbers(scene) || !factorize(scene, data)) return false;
+  if (!solves || !internal::usable_numbers(scene)) return false;
+  refused = !factorize(scene, data);
+  if (refused) return false;
   const sparse::Refinement refinement = internal::solve_refined(w, scene.damping, tolerance::kRefinementSteps, *this);
   state = 0;  // set once the solution is judged
   if (!(refinement.backward_error <= tolerance::kConverged)) return false;

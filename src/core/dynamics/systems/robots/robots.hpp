@@ -117,6 +117,7 @@ class RobotsSystem final : public IslandSystem {
 
   std::shared_ptr<const Interface> interface;
   bool solves = false;                // it is the island's first way: predicted to be cheaper than its factor
+  bool refused = false;               // the pivots of the last solve were not sound
   double seconds = 0;                 // predicted, of a solve
   Order within = Order::kLeafToRoot;  // order in which each robot is eliminated
   std::vector<int> order;             // robots of the island, group by group
