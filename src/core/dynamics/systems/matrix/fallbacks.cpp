@@ -220,7 +220,7 @@ Attempts attempts_of(const Scene& scene, const MatrixSystem& m) {
   if (chosen && !last && (exact ? method == Method::kSparseLdl || method == Method::kSparseBodies : has_order(method)))
     out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
   if (method != Method::kDense && exact) add_with_dependent_rows(Order::kLeafToRoot);
-  if (may_choose && refused) out.add({FactorKind::kChosen, order, 0});  // in tall towers small pivots are sound
+  if (may_choose && refused) out.add({FactorKind::kChosen, order, 0});  // small pivots of tall towers are sound
   // The last: near a singular configuration no sparse factor may be sound.
   if (method == Method::kDense || m.owner.island.size() <= tolerance::kDenseSize)
     out.add({FactorKind::kDense, order, damping});
