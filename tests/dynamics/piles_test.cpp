@@ -97,6 +97,34 @@ TEST(PilesOnAHub, AreSolvedInAnOrderThatStaysSparse) {
   EXPECT_NEAR(contact_force(pile.scene, data, 0)[2] / (257 * 9 * 9.81), 1, 1e-10);
 }
 
+// Hundreds of rows wait in a large pyramid. A damping below rounding is lost there, and the solution is that without
+// it.
+TEST(Piles, LoseADampingBelowRounding) {
+  Pile pile = pyramid(12, 0);
+  pile.scene.damping = 1e-20;
+  SceneData data(pile.scene);
+  const Report& report = solve(pile.scene, pile.q, pile.v, pile.u, data);
+  EXPECT_EQ(report.status, Status::kRegularised);
+  EXPECT_EQ(report.islands[0].reason, Reason::kDampingLost);
+  EXPECT_LE(data.a.cwiseAbs().maxCoeff(), 1e-10);
+}
+
+// Boxes on each other by four points: the pivots of tall towers are small beside their terms, and sound.
+TEST(Piles, OfThousandsInATowerAreSolved) {
+  constexpr int kBoxes = 2500;
+  PileMaker make;
+  for (int i = 0; i < kBoxes; ++i) {
+    make.box(0, 0, i);
+    for (double x : {-0.4, 0.4})
+      for (double y : {-0.4, 0.4}) make.join(ContactType::k3D, i, i - 1, {x, y, i - 0.5});
+  }
+  const Pile pile = make.finish(0);
+  SceneData data(pile.scene);
+  const Report& report = solve(pile.scene, pile.q, pile.v, pile.u, data);
+  EXPECT_EQ(report.status, Status::kRedundant);
+  EXPECT_EQ(report.rank, pile.scene.nv);
+}
+
 // A thousand arms are bolted to a base and have their tools on a workpiece. An order that lets a few contacts wait
 // costs 364,000 entries of L; one that lets all wait for more of their joints 40 million, and its test would not end.
 TEST(ArmsOnAHub, AreAnalysedInAMoment) {

@@ -200,26 +200,31 @@ bool drops_in_chosen_order(const MatrixSystem& m) {
   return cost(order) < tolerance::kFarCheaper * cost(Order::kLeafToRoot);
 }
 
+bool is_large(const MatrixSystem& m) { return m.owner.island.nc > tolerance::kFewRows; }
+
+// The factors for rows that depend, or wait; in large islands too many may wait for the first.
+void add_with_dependent_rows(const MatrixSystem& m, Order order, Attempts& out) {
+  out.add({FactorKind::kDependentRows, order, 0});
+  if (is_large(m)) out.add({FactorKind::kProximal, order, 0});
+}
+
 }  // namespace
 
 Attempts attempts_of(const Scene& scene, const MatrixSystem& m) {
   Attempts out;
   const double damping = scene.damping;
   const auto [method, order] = m.owner.choice;
-  const bool exact = damping == 0, last = order == Order::kLeafToRoot, large = m.owner.island.nc > tolerance::kFewRows;
+  const bool exact = damping == 0;
   const RobotsSystem* robots = m.owner.robots.get();
-  const bool refused = exact && large && robots && robots->refused && !is_inexact(scene, m.owner);
+  const bool refused = exact && is_large(m) && robots && robots->refused && !is_inexact(scene, m.owner);
   const bool may_choose = method != Method::kDense && !m.owner.deficient, chosen = may_choose && !refused;
-  const auto add_with_dependent_rows = [&](Order by) {
-    out.add({FactorKind::kDependentRows, by, 0});
-    if (large) out.add({FactorKind::kProximal, by, 0});  // too many rows wait
-  };
   if (chosen) out.add({FactorKind::kChosen, order, damping});
   if (method == Method::kDenseSchur) return out;  // the baseline has no fallback
-  if (exact && drops_in_chosen_order(m)) add_with_dependent_rows(order);
-  if (chosen && !last && (exact ? method == Method::kSparseLdl || method == Method::kSparseBodies : has_order(method)))
+  if (exact && drops_in_chosen_order(m)) add_with_dependent_rows(m, order, out);
+  if (chosen && order != Order::kLeafToRoot &&
+      (exact ? method == Method::kSparseLdl || method == Method::kSparseBodies : has_order(method)))
     out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
-  if (method != Method::kDense && exact) add_with_dependent_rows(Order::kLeafToRoot);
+  if (method != Method::kDense && exact) add_with_dependent_rows(m, Order::kLeafToRoot, out);
   if (may_choose && refused) out.add({FactorKind::kChosen, order, 0});  // small pivots of tall towers are sound
   // The last: near a singular configuration no sparse factor may be sound.
   if (method == Method::kDense || m.owner.island.size() <= tolerance::kDenseSize)
@@ -245,7 +250,10 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
   report.reason = last;
   if (last != Reason::kSmallPivot || scene.damping == 0 || method == Method::kDenseSchur) return false;
   // A damping below the rounding of K: the solution without it, as a neighbouring problem's.
-  if (attempt(scene, data, scratch, {FactorKind::kDependentRows, Order::kLeafToRoot, 0}, m, report) != Reason::kNone)
+  Attempts undamped;
+  add_with_dependent_rows(m, Order::kLeafToRoot, undamped);
+  if (std::none_of(undamped.list.begin(), undamped.list.begin() + undamped.count,
+                   [&](const Attempt& by) { return attempt(scene, data, scratch, by, m, report) == Reason::kNone; }))
     return false;
   report.status = Status::kRegularised;
   report.reason = Reason::kDampingLost;
