@@ -87,8 +87,8 @@ rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace
 // The backward error relative to the data: each row is compared with the terms from which its entries of M, J and b
 // were computed. Entries of M are rounded relative to sqrt(M_jj M_kk), those of J relative to row_size; two digits less
 // are not accepted. It is used where the ordinary error is too large, since rows of a scene at rest or in free fall
-// consist of rounding. Factors that dropped rows are excluded, because such rounding decided which rows were dropped.
-// The proximal factor drops none: it leaves rounding of the largest acceleration in all rows.
+// consist of rounding: of the largest acceleration that loads amount to, where forces hold it back. Factors that dropped
+// rows are excluded, because such rounding decided which rows were dropped. The proximal factor drops none.
 double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const std::vector<double>& row_size,
                               std::vector<double>& forces) {
   const KktPattern& p = *m.K.pattern;
@@ -96,7 +96,7 @@ double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const s
   constexpr double kRounding = std::numeric_limits<double>::epsilon() / tolerance::kConverged;
   const auto inertia = [&](int k) { return m.K.values[p.K.p[p.iperm[k] + 1] - 1]; };
   double error = 0, of_rows = 0, largest_a = 0;  // terms of J's rows; accelerations that terms amount to
-  for (int k = 0; m.deficient() && k < p.size(); ++k) {
+  for (int k = 0; k < p.size(); ++k) {
     const double terms = v.scale[p.iperm[k]];
     if (k >= p.nv) of_rows = std::max(of_rows, terms);
     const double size = k < p.nv ? inertia(k) : row_size[k - p.nv];
@@ -113,7 +113,7 @@ double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const s
   const Island& island = m.owner.island;
   const std::vector<std::vector<int>>& columns = m.owner.shape->support().columns;
   forces.assign(m.K.size(), 0.0);  // sizes of J^T f at each velocity coordinate
-  for (std::size_t c = 0; m.deficient() && c < island.contacts.size(); ++c) {
+  for (std::size_t c = 0; c < island.contacts.size(); ++c) {
     double sum = 0;
     for (int i = 0, row = island.row_offset[c]; i < scene.contacts[island.contacts[c]].rows(); ++i, ++row)
       sum += row_size[row] * a(island.nv + row);
@@ -217,7 +217,7 @@ Attempts attempts_of(const Scene& scene, const MatrixSystem& m) {
   const bool exact = damping == 0;
   const RobotsSystem* robots = m.owner.robots.get();
   const bool refused = exact && is_large(m) && robots && robots->refused && !is_inexact(scene, m.owner);
-  const bool may_choose = method != Method::kDense && !m.owner.deficient, chosen = may_choose && !refused;
+  const bool chosen = method != Method::kDense && !m.owner.deficient && !refused;
   if (chosen) out.add({FactorKind::kChosen, order, damping});
   if (method == Method::kDenseSchur) return out;  // the baseline has no fallback
   if (exact && drops_in_chosen_order(m)) add_with_dependent_rows(m, order, out);
@@ -225,7 +225,6 @@ Attempts attempts_of(const Scene& scene, const MatrixSystem& m) {
       (exact ? method == Method::kSparseLdl || method == Method::kSparseBodies : has_order(method)))
     out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
   if (method != Method::kDense && exact) add_with_dependent_rows(m, Order::kLeafToRoot, out);
-  if (may_choose && refused) out.add({FactorKind::kChosen, order, 0});  // small pivots of tall towers are sound
   // The last: near a singular configuration no sparse factor may be sound.
   if (method == Method::kDense || m.owner.island.size() <= tolerance::kDenseSize)
     out.add({FactorKind::kDense, order, damping});

@@ -43,7 +43,23 @@ void share_out(const Scene& scene, const Island& island, Interface& j) {
   }
 }
 
-void analyze_interface(Interface& interface) {
+// CAMD's order, with one more row that comes last, and that rows on the robots furthest from the ground share: a tower
+// is then eliminated from the ground on (kkt/pattern.cpp).
+std::vector<int> order_of(const IslandShape& shape, const Interface& interface,
+                          std::vector<std::pair<int, int>> entries) {
+  const std::vector<char> furthest = robots_furthest_from_ground(shape.scene(), shape.island());
+  const int n = interface.rows();
+  for (std::size_t k = 0; k < interface.robots.size(); ++k)
+    for (int row : interface.robots[k].interface_rows)
+      if (furthest[k]) entries.emplace_back(row, n);
+  std::vector<int> last(static_cast<std::size_t>(n) + 1, 0);
+  last.back() = 1;
+  std::vector<int> order = sparse::camd_order(sparse::make_pattern(n + 1, std::move(entries)), last);
+  order.pop_back();
+  return order;
+}
+
+void analyze_interface(const IslandShape& shape, Interface& interface) {
   std::vector<std::pair<int, int>> entries;
   const auto each_entry = [&interface](auto&& use) {
     for (Interface::OfRobot& r : interface.robots)
@@ -51,8 +67,8 @@ void analyze_interface(Interface& interface) {
         for (std::size_t i = 0; i <= j; ++i) use(r, r.interface_rows[i], r.interface_rows[j]);
   };
   each_entry([&](Interface::OfRobot&, int i, int j) { entries.emplace_back(i, j); });
-  const sparse::UpperCsc pattern = sparse::make_pattern(interface.rows(), std::move(entries));
-  interface.perm = sparse::camd_order(pattern, {});
+  const sparse::UpperCsc pattern = sparse::make_pattern(interface.rows(), entries);
+  interface.perm = order_of(shape, interface, std::move(entries));
   interface.place = sparse::inverse(interface.perm);
   interface.S = sparse::permute(pattern, interface.place);
   sparse::LdlSymbolic L = sparse::ldl_analyze(interface.S);
@@ -87,7 +103,7 @@ sparse::LdlCounts least_interface_counts(const IslandShape& shape) {
 
 Interface::Interface(const IslandShape& shape) : robots(shape.island().robots.size()) {
   share_out(shape.scene(), shape.island(), *this);
-  analyze_interface(*this);
+  analyze_interface(shape, *this);
 }
 
 Island alone(const IslandShape& shape, const Interface& interface, std::size_t robot) {
