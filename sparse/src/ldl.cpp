@@ -111,6 +111,31 @@ int ldl_factor(const UpperCsc& A, const LdlSymbolic& s, const double* Ax, LdlWor
   return done;
 }
 
+void ldl_factor_by_rows(const UpperCsc& A, const LdlSymbolic& s, const double* Ax, const double* least, LdlWorkspace& w,
+                        double* Lx, double* D, double* scale) {
+  w.reserve(s);
+  double* y = w.Y.data();  // may have any value: entry j is zero from step j on, between rows
+  for (int k = 0; k < s.n; ++k) {
+    // row k of L: L(0:k-1, 0:k-1) D l_k = A(0:k-1, k)
+    for (int p = A.p[k]; p < A.p[k + 1]; ++p) y[A.i[p]] = Ax[p];
+    double d = y[k], terms = std::abs(d);
+    y[k] = 0;
+    for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p) {
+      const int j = s.Rj[p], end = s.Rk[p];
+      const double yj = y[j];
+      y[j] = 0;
+      const bool eliminated = std::abs(D[j]) > least[j] * scale[j];
+      const double l = eliminated ? yj / D[j] : 0;
+      Lx[end] = l;
+      if (!eliminated) continue;
+      for (int q = s.Lp[j]; q < end; ++q) y[s.Li[q]] -= Lx[q] * yj;
+      d -= l * yj;
+      terms += std::abs(l * yj);
+    }
+    D[k] = d, scale[k] = terms;
+  }
+}
+
 void ldl_solve(const LdlSymbolic& s, const double* Lx, const double* D, double* x) {
   ldl_solve_trailing(s, Lx, D, 0, x);
 }

@@ -77,13 +77,13 @@ INSTANTIATE_TEST_SUITE_P(Seed, DroppedRows, testing::Range(1u, 9u));
 TEST_P(DroppedRows, AreDroppedAgainWithTheOraclesAnswers) {
   const Matrices m(GetParam(), 4);
   FactorScratch scratch;
-  const auto again = make_dependent_rows_factor();
+  const auto again = make_waiting_ldl_factor();
   std::mt19937 rng(GetParam());
   int dropped = 0;
   for (int state = 0; state < 4; ++state) {
     SCOPED_TRACE(state);
     const KktMatrix K = m.K(state);
-    const auto fresh = make_dependent_rows_factor(), oracle = make_dense_factor();
+    const auto fresh = make_waiting_ldl_factor(), oracle = make_dense_factor();
     const Reason reason = fresh->factorize(K, scratch);
     ASSERT_EQ(again->factorize(K, scratch), reason);
     if (reason != Reason::kNone) continue;
@@ -108,7 +108,7 @@ TEST_P(DroppedRows, AreDroppedAgainWithTheOraclesAnswers) {
 TEST_P(DroppedRows, AreOthersWhereOthersDepend) {
   const Matrices m(GetParam(), 1);
   FactorScratch scratch;
-  const auto again = make_dependent_rows_factor();
+  const auto again = make_waiting_ldl_factor();
   std::mt19937 rng(GetParam());
   KktMatrix K = m.K(0);
   if (again->factorize(K, scratch) != Reason::kNone) GTEST_SKIP() << "for the oracle";
@@ -125,7 +125,7 @@ TEST_P(DroppedRows, AreOthersWhereOthersDepend) {
     for (int p = A.p[vanishing]; p < A.p[vanishing + 1] - 1; ++p) K.values[p] = 0;
     break;
   }
-  const auto fresh = make_dependent_rows_factor();
+  const auto fresh = make_waiting_ldl_factor();
   const Reason reason = fresh->factorize(K, scratch);
   ASSERT_EQ(again->factorize(K, scratch), reason);
   if (reason != Reason::kNone) return;
@@ -141,7 +141,7 @@ TEST_P(DroppedRows, AreMoreWhereARowVanishes) {
   const Matrices m(GetParam(), 1);
   FactorScratch scratch;
   const KktMatrix K = m.K(0);
-  const auto again = make_dependent_rows_factor();
+  const auto again = make_waiting_ldl_factor();
   if (again->factorize(K, scratch) != Reason::kNone) GTEST_SKIP() << "for the oracle";
   std::vector<int> before;
   again->dependent_rows(before);
@@ -152,7 +152,7 @@ TEST_P(DroppedRows, AreMoreWhereARowVanishes) {
     SCOPED_TRACE(row);
     KktMatrix one_less = K;
     for (int p = m.pattern->K.p[row]; p < m.pattern->K.p[row + 1]; ++p) one_less.values[p] = 0;
-    const auto fresh = make_dependent_rows_factor();
+    const auto fresh = make_waiting_ldl_factor();
     const Reason reason = fresh->factorize(one_less, scratch);
     ASSERT_EQ(again->factorize(one_less, scratch), reason);
     if (reason == Reason::kNone) {
@@ -191,14 +191,13 @@ double condition_of(const KktMatrix& K) {
 TEST_P(DroppedRows, TakeTurnsWithSmallerRows) {
   const Matrices m(GetParam(), 3);
   FactorScratch scratch;
-  const auto again = make_dependent_rows_factor();
+  const auto again = make_waiting_ldl_factor();
   std::mt19937 rng(GetParam());
   int judged = 0;
   for (int state = 0; state < 3; ++state) {
     SCOPED_TRACE(state);
     KktMatrix K = m.K(state);
-    const auto before = make_dependent_rows_factor(), fresh = make_dependent_rows_factor(),
-               oracle = make_dense_factor();
+    const auto before = make_waiting_ldl_factor(), fresh = make_waiting_ldl_factor(), oracle = make_dense_factor();
     if (before->factorize(K, scratch) != Reason::kNone || before->rank() == K.nc()) continue;
     std::vector<int> dropped, instead;
     before->dependent_rows(dropped);
@@ -240,7 +239,7 @@ TEST_P(DroppedRows, OfNumbersThatAreNotFinite) {
   const Matrices m(GetParam(), 1);
   FactorScratch scratch;
   KktMatrix K = m.K(0);
-  const auto again = make_dependent_rows_factor();
+  const auto again = make_waiting_ldl_factor();
   if (again->factorize(K, scratch) != Reason::kNone) GTEST_SKIP() << "for the oracle";
   for (std::size_t k = 0; k < K.values.size(); k += 7) {
     const double was = K.values[k];
@@ -258,7 +257,7 @@ TEST_P(DroppedRows, OfAnInertiaThatIsNotDefinite) {
   KktMatrix K = m.K(0), damped = m.K(0);
   const IslandNumbers& n = m.largest(0);
   assemble(n.M_spans, n.J_spans, 0.1, damped);
-  const auto again = make_dependent_rows_factor(), ldl = make_ldl_factor(Method::kSparseLdl),
+  const auto again = make_waiting_ldl_factor(), ldl = make_ldl_factor(Method::kSparseLdl),
              suitesparse = make_ldl_factor(Method::kSuiteSparseLdl);
   if (again->factorize(K, scratch) != Reason::kNone) GTEST_SKIP() << "for the oracle";
   ASSERT_EQ(ldl->factorize(damped, scratch), Reason::kNone);

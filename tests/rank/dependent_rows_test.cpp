@@ -49,8 +49,8 @@ struct FactorOfRows {
     factor();
   }
   void factor() {
-    done = rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, margin, row_scale.data(), K.n(), work,
-                                      L.data(), D.data(), rows);
+    done = rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, margin, row_scale.data(), work, L.data(),
+                                      D.data(), rows);
     if (done == K.n())
       find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), D.data(), rows);
   }
@@ -282,7 +282,7 @@ TEST(DependentRows, ScratchMayHoldAnything) {
   const FactorOfRows fresh(s);
   FactorOfRows used(s);
   std::fill(used.work.Y.begin(), used.work.Y.end(), NAN);
-  for (std::vector<double>* scratch : {&used.rows.inverse, &used.rows.x, &used.rows.residual, &used.rows.t})
+  for (std::vector<double>* scratch : {&used.rows.terms, &used.rows.x, &used.rows.residual, &used.rows.t})
     std::fill(scratch->begin(), scratch->end(), NAN);
   used.factor();
   EXPECT_EQ(used.rows.dropped, fresh.rows.dropped);
@@ -481,8 +481,8 @@ TEST(DependentRows, AmongRowsOfMAfterThem) {
   std::vector<double> L(symbolic.nonzeros()), D(n), row_scale(n, J.cwiseAbs().maxCoeff());
   sparse::LdlWorkspace work;
   DependentRows found;
-  ASSERT_EQ(rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, tolerance::kWaits, row_scale.data(), 8,
-                                       work, L.data(), D.data(), found),
+  ASSERT_EQ(rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, tolerance::kWaits, row_scale.data(), work,
+                                       L.data(), D.data(), found),
             n);
   EXPECT_EQ(found.dropped, (std::vector<int>{first[1] + 2, first[4] + 1, first[4] + 2}));
   find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), D.data(), found);
@@ -528,9 +528,9 @@ TEST(DependentRows, ARowOfMThatRowsOfJBuryIsReturned) {
   std::vector<double> L(symbolic.nonzeros()), D(3);
   sparse::LdlWorkspace work;
   DependentRows found;
-  EXPECT_EQ(rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, 1, row_size, 1, work, L.data(), D.data(),
-                                       found),
-            2);
+  EXPECT_EQ(
+      rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, 1, row_size, work, L.data(), D.data(), found),
+      2);
 }
 
 // The judges of pivots: each condition decides by itself.

@@ -173,8 +173,8 @@ TEST_F(FailingAllocations, InDependentRows) {
     std::vector<char> of_M(K.n(), 0);
     std::fill_n(of_M.begin(), s.nv(), 1);
     const auto solve = [&] {
-      if (rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, 1, row_scale.data(), K.n(), work,
-                                     L.data(), D.data(), rows) == K.n())
+      if (rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, 1, row_scale.data(), work, L.data(),
+                                     D.data(), rows) == K.n())
         find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), D.data(), rows);
       X.setOnes();
       project_out(rows, X.data());

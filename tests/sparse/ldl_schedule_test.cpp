@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "manycontact/sparse/ldl_kernels.hpp"
+#include "manycontact/sparse/panel_kernels.hpp"
 #include "sparse/four_lanes.hpp"
 #include "sparse/symmetric.hpp"
 #include "spatial/compare.hpp"
@@ -347,4 +348,46 @@ TEST(LdlSchedule, AllocatesNothing) {
 }
 
 }  // namespace
+
+// Rows whose pivots are no more than `least` of their terms are not eliminated: the others' factor, by which A is
+// eliminated in all rows, has no entries in their columns.
+TEST(LdlSchedule, RowsMayWait) {
+  std::mt19937 rng(77);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Symmetric A = quasi_definite(20, 12, 0.3, rng);
+    const Compiled c(A.pattern);
+    const int n = A.n();
+    std::vector<double> least(n, 0.0);
+    for (double& of : least)
+      if (rng() % 4 == 0) of = std::numeric_limits<double>::infinity();
+    const auto expect_factor = [&](const ScheduledFactor& f) {
+      Eigen::MatrixXd L = f.dense_L(c.symbolic);
+      Eigen::VectorXd D = f.pivots(), terms(n);
+      for (int k = 0; k < n; ++k) {
+        terms[k] = std::abs(A.dense(k, k));
+        for (int j = 0; j < k; ++j) terms[k] += L(k, j) * L(k, j) * std::abs(D[j]);
+        EXPECT_NEAR(f.scale[k], terms[k], 2 * n * kEps * terms[k]);
+        if (least[k] == 0) continue;
+        EXPECT_EQ(L.col(k).tail(n - k - 1).cwiseAbs().sum(), 0);
+        L(k, k) = 0;
+      }
+      Eigen::MatrixXd left = A.dense - L * D.asDiagonal() * L.transpose();
+      for (int k = 0; k < n; ++k)
+        for (int j = 0; j <= k; ++j)
+          if (least[j] == 0 || j == k)
+            EXPECT_NEAR(left(k, j), least[k] == 0 ? 0 : j == k ? D[k] : 0, 8 * n * kEps * (terms[k] + terms[j]));
+    };
+    for (const sparse::PanelKernels* level : sparse::panel_levels()) {
+      ScheduledFactor f(c.symbolic);
+      level->factor(c.schedule, A.x.data(), least.data(), f.L.data(), f.D.data(), f.scale.data());
+      expect_factor(f);
+    }
+    ScheduledFactor f(c.symbolic);
+    sparse::LdlWorkspace work;
+    sparse::ldl_factor_by_rows(A.pattern, c.symbolic, A.x.data(), least.data(), work, f.L.data(), f.D.data(),
+                               f.scale.data());
+    expect_factor(f);
+  }
+}
+
 }  // namespace manycontact::test

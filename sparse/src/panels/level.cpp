@@ -65,8 +65,10 @@ void residual_vector(const UpperCsc& A, const double* Ax, const double* x, const
   }
 }
 
-void factor(const LdlSchedule& schedule, const double* Ax, double* Lx, double* D, double* scale) {
-  ldl_scheduled_factor(schedule, Ax, Lx, D, scale);
+void factor(const LdlSchedule& schedule, const double* Ax, const double* least, double* Lx, double* D, double* scale) {
+  ldl_scheduled_factor(schedule, Ax, Lx, D, scale, kernel::NoPrefetch{}, [least](int k, double d, double s) {
+    return least && !(absolute(d) > least[k] * s) ? 0 : 1 / d;
+  });
 }
 
 // work, from a cache line on.

@@ -175,7 +175,7 @@ void release(IslandWork& d) {
   else if (d.robots)
     d.robots->derivatives.reset();
   d.matrix.rows.reset();
-  for (Factor* factor : {d.matrix.chosen.get(), d.matrix.dropping_in_order.get(), d.matrix.dropping.get(),
+  for (Factor* factor : {d.matrix.chosen.get(), d.matrix.waiting_in_order.get(), d.matrix.waiting.get(),
                          d.matrix.proximal.get(), d.matrix.dense.get()})
     if (factor) factor->release_panels();
 }

@@ -8,18 +8,20 @@ namespace manycontact {
 namespace {
 
 std::string text_of(const internal::Attempt& by, Method chosen) {
-  const std::string order = " in " + to_string(by.order) + " order";
+  const std::string order = " in " + to_string(by.order) + " order", ldl = "sparse-ldl" + order;
   switch (by.kind) {
-    case internal::FactorKind::kDependentRows:
-      return "sparse-ldl" + order + " without dependent rows";
+    case internal::FactorKind::kWaiting:
+      return ldl;
     case internal::FactorKind::kProximal:
-      return "sparse-ldl" + order + " with proximal steps";
+      return ldl + " with proximal steps";
     case internal::FactorKind::kDense:
       return to_string(Method::kDense);
-    default:
-      return to_string(chosen == Method::kSparseBodies ? Method::kSparseLdl : chosen) +
-             (has_order(chosen) || chosen == Method::kSparseBodies ? order : "");
+    case internal::FactorKind::kChosen:
+      break;
   }
+  const bool by_ldl = chosen == Method::kSparseLdl || chosen == Method::kSparseBodies;
+  return by_ldl ? ldl + (by.damping == 0 ? " with all rows" : "")
+                : to_string(chosen) + (has_order(chosen) ? order : "");
 }
 
 }  // namespace

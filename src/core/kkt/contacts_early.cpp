@@ -221,7 +221,7 @@ bool holds(const Scene& scene, const Island& island, const IslandSupport& suppor
       if (rows.size() > 0) matrix.row_scale = std::max(matrix.row_scale, rows.cwiseAbs().maxCoeff());
     Reason reason = factor->factorize(matrix, scratch);
     if (std::exchange(first, false) && reason != Reason::kNone) {
-      factor = island.nc > tolerance::kFewRows ? make_proximal_factor() : make_dependent_rows_factor();
+      factor = island.nc > tolerance::kFewRows ? make_proximal_factor() : make_waiting_ldl_factor();
       reason = factor->factorize(matrix, scratch);
     }
     return reason == Reason::kNone && factor->growth() < most_growth;

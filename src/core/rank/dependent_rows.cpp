@@ -16,54 +16,46 @@ bool DependentRows::accepted() const {
   return largest_residual <= tolerance::kRowLeft && largest_projected <= tolerance::kLargestEntry;
 }
 
-int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx,
-                         std::span<const char> of_M, double margin, const double* row_size, std::size_t most,
-                         sparse::LdlWorkspace& w, double* Lx, double* D, DependentRows& rows) {
-  w.reserve(s);
+void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M, double margin,
+                  const double* row_size, std::vector<double>& least) {
+  least.assign(K.n, 0.0);
+  for (int k = 0; k < K.n; ++k) {
+    if (of_M[k]) continue;
+    double size = 0;  // of J's row, as far as it was eliminated
+    for (int p = K.p[k]; p < K.p[k + 1]; ++p) size = std::max(size, std::abs(Kx[p]));
+    const bool vanishes = !(size > margin * tolerance::kRank * row_size[k]);
+    least[k] = vanishes ? std::numeric_limits<double>::infinity() : margin * tolerance::kPivotLeft;
+  }
+}
+
+int take_waiting_rows(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M, std::size_t most,
+                      const double* terms, double* D, DependentRows& rows) {
   rows.dropped.clear();
   rows.turned.clear();
   rows.waiting.rows.clear();
   rows.waiting.joined = 0;
-  rows.inverse.resize(s.n);
-  double* y = w.Y.data();  // may have any value: entry j is zero from step j on, between rows
-  for (int k = 0; k < s.n; ++k) {
-    // row k of L: L(0:k-1, 0:k-1) D l_k = K(0:k-1, k)
-    double size = 0;  // largest entry of J's row
-    for (int p = K.p[k]; p < K.p[k + 1]; ++p) {
-      y[K.i[p]] = Kx[p];
-      size = std::max(size, std::abs(Kx[p]));
-    }
-    double d = y[k], terms = std::abs(d);
-    const double own = y[k];
-    y[k] = 0;
-    for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p) {
-      const int j = s.Rj[p], end = s.Rk[p];
-      const double yj = y[j], l = yj * rows.inverse[j];
-      y[j] = 0;
-      if (rows.inverse[j] == 0) {  // dropped
-        Lx[end] = 0;
-        continue;
-      }
-      for (int q = s.Lp[j]; q < end; ++q) y[s.Li[q]] -= Lx[q] * yj;
-      Lx[end] = l;
-      d -= l * yj;
-      terms += std::abs(l * yj);
+  for (int k = 0; k < K.n; ++k) {
+    if (!of_M[k] && !(std::abs(D[k]) > rows.least[k] * terms[k]) && std::isfinite(terms[k])) {
+      if (rows.dropped.size() == most) return k;
+      rows.dropped.push_back(k);
+      D[k] = std::numeric_limits<double>::infinity();
+      continue;
     }
     // A row of M after rows of J has what these add, too: where that buries M's own entry, they had no pivot from the
     // rows of M before them.
-    const Pivot<double> pivot{of_M[k] != 0, d, terms, of_M[k] ? own : size, row_size[k]};
-    const bool left = is_left(pivot, of_M[k] ? 1 : margin);
-    if (!of_M[k] && !left && std::isfinite(terms) && rows.dropped.size() < most) {
-      rows.dropped.push_back(k);
-      D[k] = std::numeric_limits<double>::infinity();
-      rows.inverse[k] = 0;
-      continue;
-    }
-    if (!left || !has_its_sign(pivot)) return k;
-    D[k] = d;
-    rows.inverse[k] = 1 / d;
+    const Pivot<double> pivot{of_M[k] != 0, D[k], terms[k], Kx[K.p[k + 1] - 1]};
+    if (!(of_M[k] ? is_left(pivot) : std::isfinite(terms[k])) || !has_its_sign(pivot)) return k;
   }
-  return s.n;
+  return K.n;
+}
+
+int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx,
+                         std::span<const char> of_M, double margin, const double* row_size, sparse::LdlWorkspace& w,
+                         double* Lx, double* D, DependentRows& rows) {
+  least_pivots(K, Kx, of_M, margin, row_size, rows.least);
+  rows.terms.resize(K.n);
+  sparse::ldl_factor_by_rows(K, s, Kx, rows.least.data(), w, Lx, D, rows.terms.data());
+  return take_waiting_rows(K, Kx, of_M, K.n, rows.terms.data(), D, rows);
 }
 
 namespace {
@@ -191,12 +183,13 @@ void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, co
   rows.x.assign(s.n, 0.0);
   rows.residual.assign(s.n, 0.0);
   rows.touched.clear();
+  rows.largest_residual = 0;
+  if (rows.dropped.empty()) return make_projector(s.n, rows);
   rows.touched.reserve(K.nonzeros());  // the number of rows used varies with rounding, and memory must not
   rows.open.clear();
   rows.open.reserve(s.n);
   rows.is_open.assign(s.n, 0);
   take_later_entries(K, of_M, rows);
-  rows.largest_residual = 0;
   rows.plain.clear();
   for (int k : rows.dropped) {
     null_column(s, of_M, Lx, k, rows);

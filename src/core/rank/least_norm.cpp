@@ -69,8 +69,8 @@ std::optional<Eigen::VectorXd> by_ldl(int rows, int cols, const Entries& A, cons
   const std::vector<double> row_scale(K.n, size);
   std::vector<char> of_M(K.n, 0);
   std::fill_n(of_M.begin(), cols, 1);
-  if (ldl_factor_dependent(K, symbolic, Kx.data(), of_M, tolerance::kWaits, row_scale.data(), rows, work, Lx.data(),
-                           D.data(), dependent) != K.n ||
+  if (ldl_factor_dependent(K, symbolic, Kx.data(), of_M, tolerance::kWaits, row_scale.data(), work, Lx.data(), D.data(),
+                           dependent) != K.n ||
       !find_dependence(K, symbolic, Kx.data(), of_M, row_scale.data(), Lx.data(), D.data(), dependent))
     return std::nullopt;
   const auto solve = [&](double* x) {

@@ -268,13 +268,14 @@ void make_projector(int n, DependentRows& rows) {
   rows.largest_entry = rows.largest_projected = 0;
   rows.largest_cluster = 0;
   rows.clusters.clear();
+  if (rows.dropped.empty()) return;
   make_clusters(n, rows);
   for (const DependentRows::Cluster& cluster : rows.clusters) form_gram(n, rows, cluster);
 }
 
 bool exchange_rows(DependentRows& rows) {
   bool exchanged = false;
-  rows.turned.assign(rows.inverse.size(), 0);
+  rows.turned.assign(rows.least.size(), 0);
   for (const DependentRows::Cluster& cluster : rows.clusters)
     if (exchange_in_cluster(rows, cluster)) exchanged = true;
   std::sort(rows.dropped.begin(), rows.dropped.end());
@@ -282,6 +283,7 @@ bool exchange_rows(DependentRows& rows) {
 }
 
 std::span<const double> scale_of_dependent(DependentRows& rows, std::span<const double> scale) {
+  if (rows.dropped.empty()) return scale;
   rows.x.assign(scale.begin(), scale.end());
   for (std::size_t c = 0; c < rows.dropped.size(); ++c) {
     double sum = 0;

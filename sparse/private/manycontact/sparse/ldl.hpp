@@ -49,6 +49,12 @@ LdlCounts ldl_count(const UpperCsc& A);
 [[nodiscard]] int ldl_factor(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, LdlWorkspace& work,
                              double* Lx, double* D);
 
+/// The same by our own elimination, row by row, with the terms of the pivots, scale[k] = |A_kk| + sum_j L_kj^2 |D_j|
+/// (n). A row whose pivot is no more than least[k] scale[k] is not eliminated: its column of L is zero. Goes on where a
+/// pivot is zero, or no number: the caller judges D and scale.
+void ldl_factor_by_rows(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, const double* least,
+                        LdlWorkspace& work, double* Lx, double* D, double* scale);
+
 /// x <- A^-1 x.
 void ldl_solve(const LdlSymbolic& symbolic, const double* Lx, const double* D, double* x);
 /// The same in the rows from `first` on, where x is zero in those before, which are left so.

@@ -24,11 +24,17 @@ struct LdlNumbers {
     pattern = p;
   }
 
-  /// L and D of A with values Ax, and the terms of the pivots in scratch.scale. False: a pivot is zero.
-  bool factor(const double* Ax, FactorScratch& scratch) {
+  /// L and D of A with values Ax, and the terms of the pivots in scratch.scale. False: a pivot is zero. least: which
+  /// rows are not eliminated, as PanelKernels::factor has it.
+  bool factor(const double* Ax, const double* least, FactorScratch& scratch) {
     if (scratch.scale.size() < D.size()) scratch.scale.resize(D.size());
     if (schedule) {
-      sparse::panel_kernels().factor(*schedule, Ax, L.data(), D.data(), scratch.scale.data());
+      sparse::panel_kernels().factor(*schedule, Ax, least, L.data(), D.data(), scratch.scale.data());
+      return true;
+    }
+    if (least) {
+      sparse::ldl_factor_by_rows(pattern->K, pattern->ldl, Ax, least, scratch.ldl, L.data(), D.data(),
+                                 scratch.scale.data());
       return true;
     }
     const bool complete =

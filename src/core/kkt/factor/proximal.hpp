@@ -124,7 +124,7 @@ class ProximalFactor final : public Factor {
   void factorize_damped(double delta, FactorScratch& scratch) {
     std::copy(K_->values.begin(), K_->values.end(), damped_.begin());
     for (int slot : ldl_.pattern->diagonal_slot) damped_[slot] = -delta;
-    (void)ldl_.factor(damped_.data(), scratch);
+    (void)ldl_.factor(damped_.data(), nullptr, scratch);
   }
 
   // M's pivots as of any factor; those of J's rows have their sign.

@@ -22,8 +22,8 @@ Factor& factor_of(MatrixSystem& m, FactorKind kind, Order order) {
     if (!factor) factor = make();
     return *factor;
   };
-  if (kind == FactorKind::kDependentRows)
-    return made(order == Order::kLeafToRoot ? m.dropping : m.dropping_in_order, make_dependent_rows_factor);
+  if (kind == FactorKind::kWaiting)
+    return made(order == Order::kLeafToRoot ? m.waiting : m.waiting_in_order, make_waiting_ldl_factor);
   if (kind == FactorKind::kProximal) return made(m.proximal, make_proximal_factor);
   if (kind == FactorKind::kDense) return made(m.dense, make_dense_factor);
   return made(m.chosen, [&m] { return make_factor(m.owner.choice.method, m.owner.shape); });
@@ -191,21 +191,15 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   return reason;
 }
 
-// Whether redundant rows are dropped in the chosen order first: where that is far cheaper than leaf-to-root, which
-// eliminates all of M first (a hub that many robots grasp then couples all their rows).
-bool drops_in_chosen_order(const MatrixSystem& m) {
-  const auto [method, order] = m.owner.choice;
-  if (method != Method::kSparseLdl || order == Order::kLeafToRoot) return false;
-  const auto cost = [&m](Order by) { return predicted_cost_ldl(m.owner.island.size(), m.owner.shape->counts(by)); };
-  return cost(order) < tolerance::kFarCheaper * cost(Order::kLeafToRoot);
-}
-
 bool is_large(const MatrixSystem& m) { return m.owner.island.nc > tolerance::kFewRows; }
 
-// The factors for rows that depend, or wait; in large islands too many may wait for the first.
-void add_with_dependent_rows(const MatrixSystem& m, Order order, Attempts& out) {
-  out.add({FactorKind::kDependentRows, order, 0});
-  if (is_large(m)) out.add({FactorKind::kProximal, order, 0});
+// LDL whose rows of J may wait; where too many do in a large island, all of them by their pivots alone if these are
+// sound by far (`plainly`), then with proximal steps.
+void add_ldl(const MatrixSystem& m, Order order, bool plainly, Attempts& out) {
+  out.add({FactorKind::kWaiting, order, 0});
+  if (!is_large(m)) return;
+  if (plainly) out.add({FactorKind::kChosen, order, 0});
+  out.add({FactorKind::kProximal, order, 0});
 }
 
 }  // namespace
@@ -214,20 +208,21 @@ Attempts attempts_of(const Scene& scene, const MatrixSystem& m) {
   Attempts out;
   const double damping = scene.damping;
   const auto [method, order] = m.owner.choice;
-  const bool exact = damping == 0;
   const RobotsSystem* robots = m.owner.robots.get();
-  const bool refused = exact && is_large(m) && robots && robots->refused && !is_inexact(scene, m.owner);
-  const bool chosen = method != Method::kDense && !m.owner.deficient && !refused;
-  if (chosen) out.add({FactorKind::kChosen, order, damping});
-  if (method == Method::kDenseSchur) return out;  // the baseline has no fallback
-  if (exact && drops_in_chosen_order(m)) add_with_dependent_rows(m, order, out);
-  if (chosen && order != Order::kLeafToRoot &&
-      (exact ? method == Method::kSparseLdl || method == Method::kSparseBodies : has_order(method)))
-    out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
-  if (method != Method::kDense && exact) add_with_dependent_rows(m, Order::kLeafToRoot, out);
+  const bool refused = robots && robots->refused && !is_inexact(scene, m.owner), dense = method == Method::kDense;
+  const bool by_ldl = method == Method::kSparseLdl || method == Method::kSparseBodies;
+  if (damping > 0 || !by_ldl) {
+    if (!dense && !m.owner.deficient) out.add({FactorKind::kChosen, order, damping});
+    if (method == Method::kDenseSchur) return out;  // the baseline has no fallback
+    if (damping > 0 && order != Order::kLeafToRoot && has_order(method))
+      out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
+    if (damping == 0 && !dense) add_ldl(m, Order::kLeafToRoot, false, out);
+  } else {
+    add_ldl(m, order, !refused && !m.owner.deficient, out);
+    if (order != Order::kLeafToRoot) add_ldl(m, Order::kLeafToRoot, false, out);
+  }
   // The last: near a singular configuration no sparse factor may be sound.
-  if (method == Method::kDense || m.owner.island.size() <= tolerance::kDenseSize)
-    out.add({FactorKind::kDense, order, damping});
+  if (dense || m.owner.island.size() <= tolerance::kDenseSize) out.add({FactorKind::kDense, order, damping});
   return out;
 }
 
@@ -250,7 +245,7 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
   if (last != Reason::kSmallPivot || scene.damping == 0 || method == Method::kDenseSchur) return false;
   // A damping below the rounding of K: the solution without it, as a neighbouring problem's.
   Attempts undamped;
-  add_with_dependent_rows(m, Order::kLeafToRoot, undamped);
+  add_ldl(m, Order::kLeafToRoot, false, undamped);
   if (std::none_of(undamped.list.begin(), undamped.list.begin() + undamped.count,
                    [&](const Attempt& by) { return attempt(scene, data, scratch, by, m, report) == Reason::kNone; }))
     return false;

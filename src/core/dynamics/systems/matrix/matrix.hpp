@@ -69,9 +69,9 @@ class MatrixSystem final : public IslandSystem {
   KktVectors v;                   // x: the solution
   std::vector<double> row_terms;  // nc, scratch of the factorization
   std::vector<double> unit;       // nc, or empty where all are 1: S of row_units.hpp, of K and v
-  // Made when first needed, one per attempt (Attempts below): the chosen method's, those that drop dependent rows in
-  // the chosen order and leaf-to-root, the proximal factor, and the dense one.
-  std::unique_ptr<Factor> chosen, dropping_in_order, dropping, proximal, dense;
+  // Made when first needed, one per attempt (Attempts below): the chosen method's, LDL whose rows may wait in the
+  // chosen order and leaf-to-root, the proximal factor, and the dense one.
+  std::unique_ptr<Factor> chosen, waiting_in_order, waiting, proximal, dense;
   Factor* factor = nullptr;    // the one that solved; nullptr: none did
   double first_error = 0;      // backward error before refinement
   bool contradiction = false;  // the contacts are inconsistent: least squares
@@ -147,13 +147,13 @@ void assemble(const Scene& scene, const SceneData& data, Order order, double dam
 /// False where there is none. After evaluate.
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
                         IslandReport& report);
-/// A way to factorize K. The attempts of an island, in order: the chosen method and order; LDL that drops dependent
-/// rows in the chosen order, if that costs less than half of leaf-to-root; the chosen method in leaf-to-root order,
-/// which is sound unless rows depend on each other (CHOLMOD only with damping, since it allocates); LDL that drops
-/// dependent rows in leaf-to-root order; the dense reference solver. In large islands the proximal factor comes after
-/// each of the two that drop rows, for many that wait. Where another system has found rows dependent at this state, the
-/// chosen method is left out. Where robots in SIMD batches have no sound pivots, it comes last but one.
-enum class FactorKind { kChosen, kDependentRows, kProximal, kDense };
+/// A way to factorize K. The attempts of an island, in order. Of LDL without damping: that whose rows may wait, in the
+/// chosen order and then leaf-to-root. In large islands, where more may wait than serve, each is followed by the
+/// proximal factor, and in the chosen order by LDL of all rows first: pivots may be small and sound. This is left out
+/// where another system had no sound pivots, or found rows dependent, at this state. Of other methods and with damping:
+/// the chosen method and order, with damping leaf-to-root too; without, LDL whose rows may wait. The last: the dense
+/// reference solver.
+enum class FactorKind { kChosen, kWaiting, kProximal, kDense };
 struct Attempt {
   FactorKind kind;
   Order order;

@@ -137,7 +137,7 @@ bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, 
   w.L.resize(p.ldl.nonzeros()), w.D.resize(p.size());
   w.of_M.assign(p.size(), 0);
   std::fill_n(w.of_M.begin(), p.nv, 1);  // leaf-to-root
-  if (rank::ldl_factor_dependent(p.K, p.ldl, w.K.data(), w.of_M, margin, w.row_scale.data(), p.nc, w.ldl, w.L.data(),
+  if (rank::ldl_factor_dependent(p.K, p.ldl, w.K.data(), w.of_M, margin, w.row_scale.data(), w.ldl, w.L.data(),
                                  w.D.data(), w.rows) != p.size())
     w.rows.dropped.clear();  // not finite
   if (w.rows.dropped.empty()) return false;

@@ -321,7 +321,7 @@ bool differentiates_by_robots(const IslandWork& d) {
   if (!d.robots->derivatives->cheaper[d.deficient]) return false;
   if (d.deficient && d.robots->contradiction) return false;
   if (d.robots->solves) return d.answered_by(d.robots.get());
-  return d.answered_by(&d.matrix) && d.matrix.factor == d.matrix.chosen.get();
+  return d.answered_by(&d.matrix) && !d.matrix.deficient() && d.matrix.factor != d.matrix.dense.get();
 }
 
 }  // namespace internal

@@ -56,21 +56,29 @@ struct DependentRows {
   std::vector<double> Bx, gram;
 
   // scratch
-  std::vector<double> inverse, x, residual, panel, t;
+  std::vector<double> least, terms, x, residual, panel, t;
   std::vector<int> owner, touched, open;
   std::vector<char> is_open;
   std::vector<int> Jp, Ji;  // entries of row k of J, from Jp[k] on: K's slots and columns in the rows of M after it
   bool M_first = true;      // no row of M comes after one of J
 };
 
-/// Factorizes K (n rows). A row of J waits where no more than `margin` times rounding is left of its pivot or of the
-/// row itself (rank/pivots.hpp); a row of M never. `dropped` lists the rows that wait. D of these rows is infinite, so
-/// that ldl_solve gives zero there. row_size: n, unused for rows of M. Returns n, or the first row of M without a sound
-/// pivot, or the row of J whose pivot has the wrong sign or that would wait after `most` others.
+/// What a factor of K (n rows) asks of the pivots, relative to their terms, into `least` (n): a row of J waits where no
+/// more than `margin` times rounding is left of its pivot or of the row itself (rank/pivots.hpp), a row of M never.
+/// row_size: n, unused for rows of M.
+void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M, double margin,
+                  const double* row_size, std::vector<double>& least);
+
+/// After that factor, whose pivots D have these terms: lists the rows that wait in `dropped`, and makes their D
+/// infinite, so that ldl_solve gives zero there. Returns n, or the first row without a sound pivot: one of M, or one of
+/// J whose pivot has the wrong sign, or that would wait after `most` others. rows.least is an input.
+[[nodiscard]] int take_waiting_rows(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M,
+                                    std::size_t most, const double* terms, double* D, DependentRows& rows);
+
+/// Both, and the factor row by row.
 [[nodiscard]] int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                                        std::span<const char> of_M, double margin, const double* row_size,
-                                       std::size_t most, sparse::LdlWorkspace& work, double* Lx, double* D,
-                                       DependentRows& rows);
+                                       sparse::LdlWorkspace& work, double* Lx, double* D, DependentRows& rows);
 
 /// N and its projector of the rows that `dropped` lists; row_scale: as row_size there. Sets largest_residual, which is
 /// rounding when these rows depend on the others in truth, and largest_entry.

@@ -1,5 +1,5 @@
 #pragma once
-// A factor of an island's K, whatever its kind. One file each: ldl, dependent_rows, proximal, cholmod, dense,
+// A factor of an island's K, whatever its kind. One file each: ldl, proximal, cholmod, dense,
 // dense_schur.
 
 #include <algorithm>

@@ -13,10 +13,11 @@ namespace manycontact {
 /// cancellation.
 std::unique_ptr<Factor> make_ldl_factor(Method method);
 
-/// The same, damping 0, where rows of J may depend on each other: those that do are dropped
-/// (rank/dependent_rows.hpp). K may be in any order, as long as rows of M that follow rows of J have sound pivots.
-/// Refused where rounding hides which rows these are.
-std::unique_ptr<Factor> make_dependent_rows_factor();
+/// The same by the schedule, damping 0, where rows of J may depend on each other. Those without a plain pivot wait:
+/// they join the others, or depend on them and are dropped (rank/dependent_rows.hpp). K may be in any order, as long as
+/// rows of M that follow rows of J have sound pivots. Refused where rounding hides which rows depend, and where more
+/// than tolerance::kMostWaiting wait of more than kFewRows.
+std::unique_ptr<Factor> make_waiting_ldl_factor();
 
 /// The same, damping 0, where rows depend on each other across many bodies: by the factor of K with a small damping,
 /// which takes no more than that of any damped K, and steps that converge to what damping 0 gives. K in any order that
