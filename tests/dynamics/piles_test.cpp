@@ -109,8 +109,8 @@ TEST(Piles, LoseADampingBelowRounding) {
   EXPECT_LE(data.a.cwiseAbs().maxCoeff(), 1e-10);
 }
 
-// Boxes on each other by four points. From the ground on all pivots are sound. The accelerations of a tall tower at rest
-// are rounding errors of its forces, so that its contacts' residuals are as large as their terms.
+// Boxes on each other by four points. From the ground on all pivots are sound. The accelerations of a tall tower at
+// rest are rounding errors of its forces, so that its contacts' residuals are as large as their terms.
 TEST(Piles, OfThousandsInATowerAreSolved) {
   for (const int boxes : {2500, 10000}) {
     SCOPED_TRACE(boxes);

@@ -49,6 +49,7 @@ std::vector<int> order_of(const IslandShape& shape, const Interface& interface,
                           std::vector<std::pair<int, int>> entries) {
   const std::vector<char> furthest = robots_furthest_from_ground(shape.scene(), shape.island());
   const int n = interface.rows();
+  if (n == 0) return {};
   for (std::size_t k = 0; k < interface.robots.size(); ++k)
     for (int row : interface.robots[k].interface_rows)
       if (furthest[k]) entries.emplace_back(row, n);
