@@ -379,7 +379,7 @@ TEST(LdlSchedule, RowsMayWait) {
     };
     for (const sparse::PanelKernels* level : sparse::panel_levels()) {
       ScheduledFactor f(c.symbolic);
-      level->factor(c.schedule, A.x.data(), least.data(), f.L.data(), f.D.data(), f.scale.data());
+      level->factor(c.schedule, A.x.data(), least.data(), n, f.L.data(), f.D.data(), f.scale.data());
       expect_factor(f);
     }
     ScheduledFactor f(c.symbolic);

@@ -42,7 +42,7 @@ struct SparseLdl : Solver {
 
   Eigen::VectorXd solve() override {
     const sparse::PanelKernels& kernels = sparse::panel_kernels();
-    kernels.factor(schedule, damped.data(), nullptr, Lx.data(), D.data(), scale.data());
+    kernels.factor(schedule, damped.data(), nullptr, 0, Lx.data(), D.data(), scale.data());
     x = b;
     kernels.solve_vector(schedule, Lx.data(), D.data(), x.data());
     for (int step = 0; step < steps; ++step) {

@@ -65,10 +65,21 @@ void residual_vector(const UpperCsc& A, const double* Ax, const double* x, const
   }
 }
 
-void factor(const LdlSchedule& schedule, const double* Ax, const double* least, double* Lx, double* D, double* scale) {
-  ldl_scheduled_factor(schedule, Ax, Lx, D, scale, kernel::NoPrefetch{}, [least](int k, double d, double s) {
-    return least && !(absolute(d) > least[k] * s) ? 0 : 1 / d;
-  });
+// 1 / d, or 0 where that is too little: the row waits.
+struct InverseOrWait {
+  const double* least;
+  int may_wait;
+  double operator()(int k, double d, double scale) {
+    if (!least || absolute(d) > least[k] * scale) return 1 / d;
+    --may_wait;
+    return 0;
+  }
+  bool stops() const { return may_wait < 0; }
+};
+
+void factor(const LdlSchedule& schedule, const double* Ax, const double* least, int most, double* Lx, double* D,
+            double* scale) {
+  ldl_scheduled_factor(schedule, Ax, Lx, D, scale, kernel::NoPrefetch{}, InverseOrWait{least, most});
 }
 
 // work, from a cache line on.

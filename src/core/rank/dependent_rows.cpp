@@ -28,7 +28,7 @@ void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const c
   }
 }
 
-int take_waiting_rows(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M, std::size_t most,
+int take_waiting_rows(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M, int most,
                       const double* terms, double* D, DependentRows& rows) {
   rows.dropped.clear();
   rows.turned.clear();
@@ -36,7 +36,7 @@ int take_waiting_rows(const sparse::UpperCsc& K, const double* Kx, std::span<con
   rows.waiting.joined = 0;
   for (int k = 0; k < K.n; ++k) {
     if (!of_M[k] && !(std::abs(D[k]) > rows.least[k] * terms[k]) && std::isfinite(terms[k])) {
-      if (rows.dropped.size() == most) return k;
+      if (std::ssize(rows.dropped) == most) return k;
       rows.dropped.push_back(k);
       D[k] = std::numeric_limits<double>::infinity();
       continue;

@@ -157,7 +157,8 @@ inline void backward(int width, int below, const V* L, const V* D, const LdlSche
 /// A = L D L^T, and scale[k] = |A_kk| + sum_j L_kj^2 |D_j|, the terms of pivot k. Lx: as LdlSymbolic has it, D, scale:
 /// n. Goes on where a pivot is zero: L and D are not finite then, and the caller judges D and scale. A: of A's entries,
 /// which may be of higher precision. inverse_of(k, D_k, scale[k]): the inverse pivot of row k; a row whose inverse is
-/// zero is not eliminated, its column of L is zero.
+/// zero is not eliminated, its column of L is zero. Where it has stops(), the factor ends after a block that that is
+/// true of: rows behind it are not eliminated.
 template <class A, class V, class Prefetch = kernel::NoPrefetch, class InverseOf = kernel::Inverse>
 void ldl_scheduled_factor(const LdlSchedule& schedule, const A* Ax, V* Lx, V* D, V* scale, Prefetch prefetch = {},
                           InverseOf inverse_of = {}) {
@@ -188,6 +189,8 @@ void ldl_scheduled_factor(const LdlSchedule& schedule, const A* Ax, V* Lx, V* D,
       kernel::in_chunks<4>(runs[r].begin, runs[r].end, [&](int a, auto size) {
         kernel::update_columns<size.value>(schedule, runs[r], a, width, below, L, D + first, Lx, D, scale);
       });
+    if constexpr (requires { inverse_of.stops(); })
+      if (inverse_of.stops()) return;
   }
 }
 

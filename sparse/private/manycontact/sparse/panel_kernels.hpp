@@ -16,8 +16,9 @@ struct PanelKernels {
   const char* name;
   int columns;  // columns of a panel computed at a time
   /// ldl_scheduled_factor, ldl_scheduled_solve (ldl_kernels.hpp) of doubles, and residual (upper_csc.hpp). least: a row
-  /// whose pivot is no more than least[k] scale[k] is not eliminated, as by ldl_factor_by_rows (ldl.hpp); or nullptr.
-  void (*factor)(const LdlSchedule& schedule, const double* Ax, const double* least, double* Lx, double* D,
+  /// whose pivot is no more than least[k] scale[k] is not eliminated, as by ldl_factor_by_rows (ldl.hpp); ends soon
+  /// after `most` such rows. Or nullptr.
+  void (*factor)(const LdlSchedule& schedule, const double* Ax, const double* least, int most, double* Lx, double* D,
                  double* scale);
   void (*solve_vector)(const LdlSchedule& schedule, const double* Lx, const double* D, double* x);
   void (*residual_vector)(const UpperCsc& A, const double* Ax, const double* x, const double* b, double* r,

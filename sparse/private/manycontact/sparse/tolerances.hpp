@@ -15,13 +15,13 @@ namespace manycontact::tolerance {
 /// times that a small number cannot be distinguished from zero. Geometrically: a row of J that keeps less than
 /// sqrt(1e-11) = 3e-6 of its length has no other direction than those before it.
 /// Used by: the judges of LDL, CHOLMOD, dense-schur and the inertia's own LDL;
-/// ldl_factor_dependent (times kWaits: as a row that may depend on others, until the null space confirms it).
+/// least_pivots (times kWaits: as a row that may depend on others, until the null space confirms it).
 inline constexpr double kPivotLeft = 1e-11;
 
 /// Row of J relative to the largest motion its contact is picked from (motion_scale [J's units],
 /// detail/contact/rows.hpp): smaller rows, or parts of rows orthogonal to the others, are rounding errors. It has the
 /// same margin over rounding errors as kPivotLeft, and for the same reason; here lengths are compared, not squares.
-/// Used by: the dense reference solver's rank; rows of J that vanish; ldl_factor_dependent; least_norm_solution;
+/// Used by: the dense reference solver's rank; rows of J that vanish; least_pivots; least_norm_solution;
 /// analysis/ranks.
 inline constexpr double kRank = 1e-11;
 
@@ -108,8 +108,8 @@ inline constexpr double kDroppedDamping = 1e200;
 /// BlockPlan.
 inline constexpr std::size_t kMostWaitingInBatch = 64;
 
-/// Rows are dropped in the chosen order where its predicted cost is below this part of the cost of leaf-to-root, which
-/// is the sounder one. Used by: drops_in_chosen_order.
+/// An order of contacts on a hub in which a few wait for longer is taken where it costs less than this part of the
+/// other. Used by: contacts_early_order.
 inline constexpr double kFarCheaper = 0.5;
 
 /// Coordinates of an island from which sparse-bodies drops rows by itself: with fewer the whole K takes as long, and
@@ -269,14 +269,14 @@ inline constexpr double kHalfTurn = 1e-4;
 inline constexpr double kContradiction = 1e-8;
 
 /// A row of J waits below this many times kPivotLeft: 1e-6 of the terms of its pivot, so that the other rows' factor
-/// loses no more than six digits, which refinement brings back. Used by: DependentRowsFactor, SIMD batches.
+/// loses no more than six digits, which refinement brings back. Used by: LdlFactor, SIMD batches.
 inline constexpr double kWaits = 1e5;
 /// Pivot of a waiting row in -S, relative to the row's terms. Rows that depend leave 1e-16, times the six digits that
 /// the factor may have lost; rows that were badly placed left 1e-7 and more in all scenes that were tried.
 inline constexpr double kJoins = 1e-9;
 /// Rows that may wait in islands of more than kFewRows: each has a column of N, or one of S, which is dense. Beyond,
-/// the proximal factor is cheaper. Used by: DependentRowsFactor.
-inline constexpr std::size_t kMostWaiting = 24;
+/// the proximal factor is cheaper. Used by: LdlFactor.
+inline constexpr int kMostWaiting = 24;
 
 /// Rounding errors of accelerations that loads cause and contacts cancel: relative to gravity some thousand eps,
 /// without gravity a few eps of those of each robot's largest inertia by torques. Used by: the judge of contradictions.
@@ -310,7 +310,7 @@ inline constexpr int kBoundRounding = 12;
 inline constexpr double kInDoubt = 0.01 / (kBoundRounding * std::numeric_limits<double>::epsilon());
 
 /// The forces that a damped solution is compared with are at least this part of the largest load.
-/// Used by: plainly_damped of SIMD batches and of robots that contacts join.
+/// Used by: plainly_damped of SIMD batches and of robots that contacts join; proximal steps.
 inline constexpr double kLeastLoad = 1e-3;
 
 /// If a backward error is above kConverged, rows are compared with this part of the data they are computed from: two

@@ -98,7 +98,7 @@ class LdlFactor final : public Factor {
   }
 
   Reason factorize_all(const KktMatrix& K, FactorScratch& scratch) {
-    if (!ldl_.factor(K.values.data(), nullptr, scratch)) return Reason::kZeroPivot;
+    if (!ldl_.factor(K.values.data(), nullptr, 0, scratch)) return Reason::kZeroPivot;
     growth_ = internal::growth_of(K, scratch.scale.data());
     const Reason reason = internal::judge_pivots(K, ldl_.L.data(), ldl_.D.data(), scratch);
     // Growth beyond all numbers: no residual of a solve vouches for other right-hand sides.
@@ -110,15 +110,15 @@ class LdlFactor final : public Factor {
   Reason factorize_waiting(const KktMatrix& K, FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
     for (int k = 0; k < p.nc; ++k) row_size_[p.iperm[p.nv + k]] = internal::size_of_row(K, scratch, k);
-    const std::size_t most = p.nc <= tolerance::kFewRows ? p.nc : tolerance::kMostWaiting;
+    const int most = p.nc <= tolerance::kFewRows ? p.nc : tolerance::kMostWaiting;
     rank::least_pivots(p.K, K.values.data(), of_M_, tolerance::kWaits, row_size_.data(), dependence_.least);
-    (void)ldl_.factor(K.values.data(), dependence_.least.data(), scratch);
+    (void)ldl_.factor(K.values.data(), dependence_.least.data(), most, scratch);
     const int done =
         rank::take_waiting_rows(p.K, K.values.data(), of_M_, most, scratch.scale.data(), ldl_.D.data(), dependence_);
     if (done < p.size())
-      return of_M_[done]                         ? Reason::kSingularInertia
-             : dependence_.dropped.size() < most ? Reason::kWrongInertia
-                                                 : Reason::kSmallPivot;
+      return of_M_[done]                              ? Reason::kSingularInertia
+             : std::ssize(dependence_.dropped) < most ? Reason::kWrongInertia
+                                                      : Reason::kSmallPivot;
     growth_ = std::max(1.0, internal::growth_of(K, scratch.scale.data()));
     const bool found = rank::find_dependence(p.K, p.ldl, K.values.data(), of_M_, row_size_.data(), ldl_.L.data(),
                                              ldl_.D.data(), dependence_);

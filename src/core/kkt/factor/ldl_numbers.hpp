@@ -24,12 +24,12 @@ struct LdlNumbers {
     pattern = p;
   }
 
-  /// L and D of A with values Ax, and the terms of the pivots in scratch.scale. False: a pivot is zero. least: which
-  /// rows are not eliminated, as PanelKernels::factor has it.
-  bool factor(const double* Ax, const double* least, FactorScratch& scratch) {
+  /// L and D of A with values Ax, and the terms of the pivots in scratch.scale. False: a pivot is zero. least, most:
+  /// which rows are not eliminated, as PanelKernels::factor has them.
+  bool factor(const double* Ax, const double* least, int most, FactorScratch& scratch) {
     if (scratch.scale.size() < D.size()) scratch.scale.resize(D.size());
     if (schedule) {
-      sparse::panel_kernels().factor(*schedule, Ax, least, L.data(), D.data(), scratch.scale.data());
+      sparse::panel_kernels().factor(*schedule, Ax, least, most, L.data(), D.data(), scratch.scale.data());
       return true;
     }
     if (least) {

@@ -124,7 +124,7 @@ class ProximalFactor final : public Factor {
   void factorize_damped(double delta, FactorScratch& scratch) {
     std::copy(K_->values.begin(), K_->values.end(), damped_.begin());
     for (int slot : ldl_.pattern->diagonal_slot) damped_[slot] = -delta;
-    (void)ldl_.factor(damped_.data(), nullptr, scratch);
+    (void)ldl_.factor(damped_.data(), nullptr, 0, scratch);
   }
 
   // M's pivots as of any factor; those of J's rows have their sign.
@@ -216,6 +216,7 @@ class ProximalFactor final : public Factor {
   }
 
   sparse::Refinement refine(const KktMatrix& K, KktVectors& v);
+  double left_of_M(const KktVectors& v) const;
   std::array<double, 2> largest_of_parts(const std::vector<double>& x) const;
   bool agrees(const KktVectors& v) const;
   void refine_contradiction(KktVectors& v);

@@ -115,17 +115,15 @@ sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors&
   }
   if (!dropped_.empty()) {
     project(v.x.data(), nullptr, tolerance::kProjected);
-    const auto error = [&] {
-      residual(K, v);
-      return backward_error(v.r, v.scale);
-    };
-    // J^T leaves rounding of the forces that were taken out: one more step, without its part in the null space.
-    const auto step_once = [&] {
+    residual(K, v);
+    if (!(left_of_M(v) <= tolerance::kConverged)) {
+      // J^T leaves rounding of the forces that were taken out: one more step, without its part in the null space.
       ldl_.solve(v.r.data());
       project(v.r.data(), nullptr, tolerance::kProjected);
       for (std::size_t k = 0; k < v.x.size(); ++k) v.x[k] += v.r[k];
-    };
-    refinement.backward_error = sparse::refine(1, tolerance::kConverged, error, step_once).backward_error;
+      residual(K, v);
+    }
+    refinement.backward_error = backward_error(v.r, v.scale);
   }
   if (contradicts) put_back_contradiction(*this, K, v);
   return refinement;
@@ -175,6 +173,15 @@ sparse::Refinement ProximalFactor::refine(const KktMatrix& K, KktVectors& v) {
   });
   out.first = first, out.backward_error = error;
   return out;
+}
+
+// The largest residual of M's rows relative to their terms, and to a part of the largest of these.
+double ProximalFactor::left_of_M(const KktVectors& v) const {
+  const double least = tolerance::kLeastLoad * largest_of_parts(v.scale)[1];
+  double left = 0;
+  for (std::size_t k = 0; least > 0 && k < v.r.size(); ++k)
+    if (of_M_[k]) left = sparse::larger_or_nan(left, std::abs(v.r[k]) / std::max(v.scale[k], least));
+  return left;
 }
 
 // The largest entries of x, by size, in J's rows and in M's.

@@ -191,14 +191,14 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   return reason;
 }
 
-bool is_large(const MatrixSystem& m) { return m.owner.island.nc > tolerance::kFewRows; }
-
-// LDL whose rows of J may wait; where too many do in a large island, all of them by their pivots alone if these are
-// sound by far (`plainly`), then with proximal steps.
+// LDL whose rows of J may wait; where too many do in a large island, all of them by their pivots alone if these may be
+// sound by far (`plainly`), then with proximal steps. As many rows depend as there are more than coordinates.
 void add_ldl(const MatrixSystem& m, Order order, bool plainly, Attempts& out) {
-  out.add({FactorKind::kWaiting, order, 0});
-  if (!is_large(m)) return;
-  if (plainly) out.add({FactorKind::kChosen, order, 0});
+  const bool large = m.owner.island.nc > tolerance::kFewRows;
+  const int depend = m.owner.island.nc - m.owner.island.nv;
+  if (!large || depend <= tolerance::kMostWaiting) out.add({FactorKind::kWaiting, order, 0});
+  if (!large) return;
+  if (plainly && depend <= 0) out.add({FactorKind::kChosen, order, 0});
   out.add({FactorKind::kProximal, order, 0});
 }
 

@@ -147,7 +147,7 @@ bool factor_interface(double damping, RobotsSystem& s) {
     const double* S = s.member(k).border.S;
     for (int slot : interface.robots[k].slot) s.Sx[slot] += *S++;
   }
-  sparse::panel_kernels().factor(interface.schedule, s.Sx.data(), nullptr, s.L.data(), s.D.data(), s.terms.data());
+  sparse::panel_kernels().factor(interface.schedule, s.Sx.data(), nullptr, 0, s.L.data(), s.D.data(), s.terms.data());
   for (int k = 0; k < interface.rows(); ++k) s.terms[k] -= std::abs(s.Sx[interface.S.p[k + 1] - 1]);
   each_border_row(s, [&](const lanes::Border& border, std::size_t i, int row) {
     s.terms[interface.place[row]] += border.terms()[i];  // the robots' terms in its place

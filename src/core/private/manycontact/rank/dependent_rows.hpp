@@ -72,8 +72,8 @@ void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const c
 /// After that factor, whose pivots D have these terms: lists the rows that wait in `dropped`, and makes their D
 /// infinite, so that ldl_solve gives zero there. Returns n, or the first row without a sound pivot: one of M, or one of
 /// J whose pivot has the wrong sign, or that would wait after `most` others. rows.least is an input.
-[[nodiscard]] int take_waiting_rows(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M,
-                                    std::size_t most, const double* terms, double* D, DependentRows& rows);
+[[nodiscard]] int take_waiting_rows(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M, int most,
+                                    const double* terms, double* D, DependentRows& rows);
 
 /// Both, and the factor row by row.
 [[nodiscard]] int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
