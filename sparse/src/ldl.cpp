@@ -124,10 +124,9 @@ void ldl_factor_by_rows(const UpperCsc& A, const LdlSymbolic& s, const double* A
       const int j = s.Rj[p], end = s.Rk[p];
       const double yj = y[j];
       y[j] = 0;
-      const bool eliminated = std::abs(D[j]) > least[j] * scale[j];
-      const double l = eliminated ? yj / D[j] : 0;
-      Lx[end] = l;
-      if (!eliminated) continue;
+      const double inverse = std::abs(D[j]) > least[j] * scale[j] ? 1 / D[j] : 0, l = yj * inverse;
+      Lx[end] = inverse == 0 ? 0 : l;
+      if (inverse == 0) continue;
       for (int q = s.Lp[j]; q < end; ++q) y[s.Li[q]] -= Lx[q] * yj;
       d -= l * yj;
       terms += std::abs(l * yj);

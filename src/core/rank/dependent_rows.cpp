@@ -21,7 +21,7 @@ void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const c
   least.assign(K.n, 0.0);
   for (int k = 0; k < K.n; ++k) {
     if (of_M[k]) continue;
-    double size = 0;  // of J's row, as far as it was eliminated
+    double size = 0;  // largest entry of J's row in the columns before it
     for (int p = K.p[k]; p < K.p[k + 1]; ++p) size = std::max(size, std::abs(Kx[p]));
     const bool vanishes = !(size > margin * tolerance::kRank * row_size[k]);
     least[k] = vanishes ? std::numeric_limits<double>::infinity() : margin * tolerance::kPivotLeft;
