@@ -1,10 +1,10 @@
 // Piles of boxes in physics engines from npm, and in manycontact.
 //
-//   node bench/npm/piles.mjs FOLDER_WITH_node_modules [MANYCONTACT] > piles.json
+//   node bench/npm/piles.mjs FOLDER_WITH_node_modules [MANYCONTACT, or ""] [SECONDS] > piles.json
 //
-// Towers, tables and walls rest from the start. Each engine takes steps of 1/240 s for two seconds with its default solver; only
+// Towers, tables and walls rest from the start. Each engine takes steps of 1/240 s for SECONDS (2) with its default solver; only
 // sleeping is switched off. Boxes are cubes of 1 m and 9 kg, in contact where they carry each other and 0.1 m apart elsewhere.
-//   step_us        median time of a step in the last second; of manycontact, mean of a simulation's steps
+//   step_us        median time of a step in the second half; of manycontact, mean of a simulation's steps
 //   solve_us       of manycontact: one solve, the median of 50
 //   force_error    of the vertical force of the ground on the pile in the last step, relative to the weight; null: not reported
 //   penetration_mm the deepest of a body in the one below it, at the end
@@ -18,12 +18,12 @@ import os from "node:os";
 import path from "node:path";
 import { pathToFileURL } from "node:url";
 
-const [folder, manycontact] = process.argv.slice(2);
+const [folder, manycontact, seconds] = process.argv.slice(2);
 if (!folder) {
-  console.error("usage: node piles.mjs FOLDER_WITH_node_modules [MANYCONTACT]");
+  console.error("usage: node piles.mjs FOLDER_WITH_node_modules [MANYCONTACT, or \"\"] [SECONDS]");
   process.exit(2);
 }
-const H = 1 / 240, SECONDS = 2, DENSITY = 9, GRAVITY = 9.81;
+const H = 1 / 240, SECONDS = Number(seconds ?? 2), DENSITY = 9, GRAVITY = 9.81;
 const LONGEST = 60; // seconds of measurement of one scene
 const say = (text) => process.stderr.write(`${text}\n`);
 const round = (x, digits = 4) => (x == null ? null : Number(x.toPrecision(digits)));
@@ -69,7 +69,7 @@ const SCENES = KINDS.flatMap(([make, sizes]) => sizes.map((n) => {
   return { name: `${make.name} ${make === wall ? bodies.length : n}`, bodies, supports: supportsOf(bodies), weight };
 }));
 
-// ---- engines: each makes a pile { settings, step(), places(), speeds(), groundForce?(), free?() } -------------------------
+// ---- engines: each makes a pile { settings, step(), places(), speeds(), groundForce?(), free() } -------------------------
 
 const GROUND = [100, 100, 1]; // half of its sizes
 const load = (name, entry) => import(pathToFileURL(path.resolve(folder, "node_modules", name, entry)));
@@ -245,10 +245,13 @@ for (const [name, open] of [["@dimforge/rapier3d-compat", rapier], ["jolt-physic
   try {
     const { version } = JSON.parse(fs.readFileSync(path.join(folder, "node_modules", name, "package.json"), "utf8"));
     const create = await open();
+    const warm = create(SCENES[0]); // until the engine's code is compiled with all optimisations
+    for (let k = 0; k < 3000; ++k) warm.step();
+    warm.free();
     for (const scene of SCENES) {
       const pile = create(scene);
       note(name, version, pile.settings, scene, measure(scene, pile));
-      pile.free?.();
+      pile.free();
     }
   } catch (error) {
     say(`skipped: ${name}: ${String(error.message ?? error).split("\n")[0]}`);

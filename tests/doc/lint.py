@@ -16,6 +16,7 @@ word, against prose_debts.txt, whose counts may only decrease.
 """
 
 import csv
+import json
 import os
 import pathlib
 import re
@@ -404,6 +405,22 @@ def chart_faults(charts, results):
             yield f"{where}: {task} takes {us} us for {scene}, {expected:.4g} in results.csv"
 
 
+def pile_faults(page, measured):
+    """Returns times of the table of piles that are not those of npm_piles.json, to three digits, and a missing date or version."""
+    results = {(row["program"], row["scene"]): row for row in measured["results"]}
+    section = page.partition("## Piles in game")[2].partition("\n## ")[0]
+    columns = [(program, "step_us") for program in ("@dimforge/rapier3d-compat", "jolt-physics", "@mujoco/mujoco", "manycontact")]
+    columns.append(("manycontact", "solve_us"))
+    for scene, *cells in re.findall(r"(?m)^\| (\w+ \d+) " + r"\| ([\d.]+) " * len(columns) + r"\|$", section):
+        for cell, (program, key) in zip(cells, columns):
+            us = results[program, scene][key]
+            if abs(float(cell) / us - 1) > 0.0051:
+                yield f"src/doc/performance.md: {cell} is not the time of {program}, {scene} in npm_piles.json, {us}"
+    for known in (measured["date"], measured["node"][1:], *(row["version"] for row in results.values())):
+        if known not in section:
+            yield f"src/doc/performance.md: {known} of npm_piles.json is missing"
+
+
 def measured_faults():
     found, known = [], results()
     for page in ("README.md", "src/doc/performance.md"):
@@ -416,6 +433,7 @@ def measured_faults():
             if tuple(row[: len(ours)]) == ours and scene in CHARTED:
                 charts.append((file, scene, "solve", row[4] if file == "chart.csv" else row[2]))
     found += chart_faults(charts, known)
+    found += pile_faults(PERFORMANCE.read_text(), json.loads((TOP / "bench/results/npm_piles.json").read_text()))
     machine = f"{known[0]['processor']}, {known[0]['date'].split()[0]}"
     for file in ("README.md", "overview.csv"):
         if machine not in (folder / file).read_text():
