@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
 
 #include "manycontact/rank/pivots.hpp"
 #include "manycontact/sparse/largest.hpp"
@@ -119,34 +120,25 @@ void take_later_entries(const sparse::UpperCsc& K, std::span<const char> of_M, D
 void null_column(const sparse::LdlSymbolic& s, std::span<const char> of_M, const double* Lx, int k,
                  DependentRows& rows) {
   double* x = rows.x.data();
-  std::vector<int>& open = rows.open;  // a heap of the rows that x has entries in: the last comes first
-  const auto add = [&](int j, double entry) {
-    x[j] += entry;
-    if (rows.is_open[j]) return;
-    rows.is_open[j] = 1;
-    open.push_back(j);
-    std::push_heap(open.begin(), open.end());
+  int first = k;  // no entry of x is before it
+  const auto add_row = [&](int j, double factor) {
+    for (int p = s.Rp[j + 1] - 1; p >= s.Rp[j]; --p) {
+      const int i = s.Rj[p];
+      if (of_M[i] && rows.M_first) break;
+      if (of_M[i]) continue;
+      x[i] += Lx[s.Rk[p]] * factor;
+      first = std::min(first, i);
+    }
   };
-  for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p)
-    if (!of_M[s.Rj[p]]) add(s.Rj[p], Lx[s.Rk[p]]);
   rows.Ni.push_back(k);
   rows.Nx.push_back(1);
-  while (!open.empty()) {
-    std::pop_heap(open.begin(), open.end());
-    const int j = open.back();
-    open.pop_back();
-    rows.is_open[j] = 0;
-    const double xj = x[j];
-    x[j] = 0;
+  add_row(k, 1);
+  for (int j = k - 1; j >= first; --j) {
+    const double xj = std::exchange(x[j], 0);
     if (std::abs(xj) <= tolerance::kNullEntry) continue;
     rows.Ni.push_back(j);
     rows.Nx.push_back(-xj);
-    for (int p = s.Rp[j + 1] - 1; p >= s.Rp[j]; --p) {
-      if (!of_M[s.Rj[p]])
-        add(s.Rj[p], -Lx[s.Rk[p]] * xj);
-      else if (rows.M_first)
-        break;
-    }
+    add_row(j, -xj);
   }
   rows.Np.push_back(static_cast<int>(rows.Ni.size()));
 }
@@ -172,39 +164,65 @@ void refine_column(const sparse::LdlSymbolic& s, std::span<const char> of_M, con
   rows.Np.back() = static_cast<int>(rows.Ni.size());
 }
 
-}  // namespace
-
-void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx,
-                     std::span<const char> of_M, const double* row_scale, const double* Lx, const double* D,
-                     DependentRows& rows) {
+// Memory of columns that are to be found.
+void begin_columns(const sparse::UpperCsc& K, std::span<const char> of_M, DependentRows& rows) {
   rows.Np.assign(1, 0);
   rows.Ni.clear();
   rows.Nx.clear();
-  rows.x.assign(s.n, 0.0);
-  rows.residual.assign(s.n, 0.0);
+  rows.plain.clear();
   rows.touched.clear();
   rows.largest_residual = 0;
-  if (rows.dropped.empty()) return make_projector(s.n, rows);
+  if (rows.dropped.empty()) return;
+  rows.x.assign(K.n, 0.0);
+  rows.residual.assign(K.n, 0.0);
   rows.touched.reserve(K.nonzeros());  // the number of rows used varies with rounding, and memory must not
-  rows.open.clear();
-  rows.open.reserve(s.n);
-  rows.is_open.assign(s.n, 0);
   take_later_entries(K, of_M, rows);
-  rows.plain.clear();
-  for (int k : rows.dropped) {
-    null_column(s, of_M, Lx, k, rows);
+}
+
+// N's columns of the rows dropped from rows.dropped[first] on, behind those that there are.
+void find_columns(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx, std::span<const char> of_M,
+                  const double* row_scale, const double* Lx, const double* D, std::size_t first, DependentRows& rows) {
+  for (std::size_t c = first; c < rows.dropped.size(); ++c) {
+    null_column(s, of_M, Lx, rows.dropped[c], rows);
     const sparse::Refinement refinement = sparse::refine(
         tolerance::kNullColumnSteps, tolerance::kNullColumn,
         [&] {
-          const std::size_t first = rows.Np[rows.Np.size() - 2];
-          return dependence_residual(K, Kx, of_M, row_scale, std::span(rows.Ni).subspan(first),
-                                     std::span(rows.Nx).subspan(first), rows);
+          const std::size_t begin = rows.Np[rows.Np.size() - 2];
+          return dependence_residual(K, Kx, of_M, row_scale, std::span(rows.Ni).subspan(begin),
+                                     std::span(rows.Nx).subspan(begin), rows);
         },
         [&] { refine_column(s, of_M, Lx, D, rows); });
     rows.largest_residual = sparse::larger_or_nan(rows.largest_residual, refinement.backward_error);
     rows.plain.push_back(refinement.backward_error <= tolerance::kRowLeft);
   }
-  make_projector(s.n, rows);
+}
+
+// Keeps the columns of the rows that plainly depend, and these rows alone; the others wait. Returns how many it keeps.
+std::size_t keep_plain_columns(DependentRows& rows) {
+  std::size_t plain = 0;
+  int end = 0;
+  for (std::size_t c = 0; c < rows.dropped.size(); ++c) {
+    if (!rows.plain[c]) {
+      rows.waiting.rows.push_back(rows.dropped[c]);
+      continue;
+    }
+    const int first = rows.Np[c], count = rows.Np[c + 1] - first;
+    std::copy_n(rows.Ni.begin() + first, count, rows.Ni.begin() + end);
+    std::copy_n(rows.Nx.begin() + first, count, rows.Nx.begin() + end);
+    rows.dropped[plain++] = rows.dropped[c];
+    rows.Np[plain] = end += count;
+  }
+  rows.dropped.resize(plain);
+  rows.Np.resize(plain + 1);
+  rows.Ni.resize(end);
+  rows.Nx.resize(end);
+  rows.largest_residual = 0;  // of these it is at most kRowLeft
+  return plain;
+}
+
+void take_projector(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M, const double* row_scale,
+                    DependentRows& rows) {
+  make_projector(K.n, rows);
   for (const DependentRows::Cluster& cluster : rows.clusters)
     for (int a = cluster.basis; cluster.orthonormal && a < cluster.basis + cluster.size; ++a) {
       const std::size_t first = rows.Bp[a], count = rows.Bp[a + 1] - first;
@@ -214,24 +232,30 @@ void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, co
     }
 }
 
+}  // namespace
+
+void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx,
+                     std::span<const char> of_M, const double* row_scale, const double* Lx, const double* D,
+                     DependentRows& rows) {
+  begin_columns(K, of_M, rows);
+  find_columns(K, s, Kx, of_M, row_scale, Lx, D, 0, rows);
+  take_projector(K, Kx, of_M, row_scale, rows);
+}
+
 bool find_dependence(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx,
                      std::span<const char> of_M, const double* row_size, const double* Lx, const double* D,
                      DependentRows& rows) {
-  find_null_space(K, s, Kx, of_M, row_size, Lx, D, rows);
-  if (rows.accepted()) return true;
-  std::vector<int>& waiting = rows.waiting.rows;
-  std::size_t plain = 0;
-  for (std::size_t c = 0; c < rows.dropped.size(); ++c)
-    if (const int k = rows.dropped[c]; rows.plain[c])
-      rows.dropped[plain++] = k;
-    else
-      waiting.push_back(k);
-  join_waiting_rows(K, s, Kx, of_M, row_size, Lx, D, rows.waiting);
-  std::copy(waiting.begin() + rows.waiting.joined, waiting.end(),
-            rows.dropped.begin() + static_cast<std::ptrdiff_t>(plain));
-  rows.dropped.resize(plain + waiting.size() - rows.waiting.joined);
-  std::sort(rows.dropped.begin(), rows.dropped.end());
-  find_null_space(K, s, Kx, of_M, row_size, Lx, D, rows);
+  begin_columns(K, of_M, rows);
+  find_columns(K, s, Kx, of_M, row_size, Lx, D, 0, rows);
+  if (std::ranges::count(rows.plain, 0) > 0) {
+    const std::size_t plain = keep_plain_columns(rows);
+    const WaitingRows& waiting = rows.waiting;
+    join_waiting_rows(K, s, Kx, of_M, row_size, Lx, D, rows.waiting);
+    rows.dropped.insert(rows.dropped.end(), waiting.rows.begin() + waiting.joined, waiting.rows.end());
+    std::sort(rows.dropped.begin() + static_cast<std::ptrdiff_t>(plain), rows.dropped.end());
+    find_columns(K, s, Kx, of_M, row_size, Lx, D, plain, rows);
+  }
+  take_projector(K, Kx, of_M, row_size, rows);
   return rows.accepted();
 }
 

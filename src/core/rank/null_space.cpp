@@ -206,7 +206,7 @@ void form_gram(int n, DependentRows& rows, const DependentRows::Cluster& cluster
   x.assign(n, 0.0);
   for (int a = 0; a < cluster.size; ++a) {
     each_of_basis(rows, cluster, a, [&](int k, double value) { x[k] = value; });
-    for (int b = 0; b < cluster.size; ++b) {
+    for (int b = 0; b <= a; ++b) {  // the lower half
       double sum = 0;
       each_of_basis(rows, cluster, b, [&](int k, double value) { sum += value * x[k]; });
       G(a, b) = sum;

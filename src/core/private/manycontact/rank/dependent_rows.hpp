@@ -22,7 +22,7 @@ namespace manycontact::rank {
 
 /// Storage is kept between factorizations: nothing is allocated for a matrix of the same pattern and dependences.
 struct DependentRows {
-  std::vector<int> dropped;     // rows of K, ascending
+  std::vector<int> dropped;     // rows of K: those that plainly depend, then those that wait and depend, each ascending
   std::vector<char> turned;     // flags of K's rows: dropped in another's place, it may depend on later ones. Or empty
   WaitingRows waiting;          // rows without a sound pivot that are kept all the same, and those that depend on them
   std::vector<char> plain;      // flags of dropped rows: that row alone would be accepted
@@ -57,8 +57,7 @@ struct DependentRows {
 
   // scratch
   std::vector<double> least, terms, x, residual, panel, t;
-  std::vector<int> owner, touched, open;
-  std::vector<char> is_open;
+  std::vector<int> owner, touched;
   std::vector<int> Jp, Ji;  // entries of row k of J, from Jp[k] on: K's slots and columns in the rows of M after it
   bool M_first = true;      // no row of M comes after one of J
 };
