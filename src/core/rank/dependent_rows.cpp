@@ -216,7 +216,7 @@ std::size_t keep_plain_columns(DependentRows& rows) {
   rows.Np.resize(plain + 1);
   rows.Ni.resize(end);
   rows.Nx.resize(end);
-  rows.largest_residual = 0;  // of these it is at most kRowLeft
+  rows.largest_residual = 0;  // the columns that stay leave at most kRowLeft
   return plain;
 }
 
