@@ -87,8 +87,7 @@ rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace
 // The backward error relative to the data: each row is compared with the terms from which its entries of M, J and b
 // were computed. Entries of M are rounded relative to sqrt(M_jj M_kk), those of J relative to row_size; two digits less
 // are not accepted. It is used where the ordinary error is too large, since rows of a scene at rest or in free fall
-// consist of rounding: of the largest acceleration that loads amount to, where forces hold it back. Factors that
-// dropped rows are excluded, because such rounding decided which rows were dropped. The proximal factor drops none.
+// consist of rounding: of the largest acceleration that loads amount to, where forces hold it back.
 double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const std::vector<double>& row_size,
                               std::vector<double>& forces) {
   const KktPattern& p = *m.K.pattern;
@@ -161,7 +160,7 @@ Reason factorize_and_solve(const Scene& scene, const SceneData& data, FactorScra
   const double most = by.kind == FactorKind::kDense ? std::numeric_limits<double>::max() : tolerance::kConverged;
   m.factor = &factor;
   if (m.rows) m.rows->known = false;
-  if (!(refinement.backward_error <= most) && (!m.deficient() || by.kind == FactorKind::kProximal))
+  if (!(refinement.backward_error <= most))
     refinement.backward_error = backward_error_of_data(scene, m, scratch.row_scale, scratch.scale);
   if (!(refinement.backward_error <= most)) return Reason::kLargeResidual;
   m.first_error = refinement.first;
