@@ -75,11 +75,7 @@ std::vector<int> robots_by_degree(const Scene& scene, const Island& island) {
   const std::vector<char> furthest = robots_furthest_from_ground(scene, island);
   for (int r = 0; r < n; ++r)
     if (furthest[r]) joined.emplace_back(r, n);
-  std::vector<int> last(n + 1, 0);
-  last[n] = 1;
-  std::vector<int> order = sparse::camd_order(sparse::make_pattern(n + 1, std::move(joined)), last);
-  order.pop_back();
-  return order;
+  return camd_order_from_ground(n, std::move(joined));
 }
 
 // Bodies that placed contacts fix to each other: a contact of six rows fixes its two bodies. The rows of any further

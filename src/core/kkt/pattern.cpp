@@ -87,6 +87,15 @@ std::vector<char> robots_furthest_from_ground(const Scene& scene, const Island& 
   return furthest;
 }
 
+std::vector<int> camd_order_from_ground(int n, std::vector<std::pair<int, int>> entries) {
+  if (n == 0) return {};
+  std::vector<int> last(static_cast<std::size_t>(n) + 1, 0);
+  last.back() = 1;
+  std::vector<int> order = sparse::camd_order(sparse::make_pattern(n + 1, std::move(entries)), last);
+  order.pop_back();
+  return order;
+}
+
 namespace {
 
 // One more row, after all others, which the joints of the robots furthest from the ground have entries in: an order

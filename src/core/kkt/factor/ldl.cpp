@@ -74,13 +74,12 @@ class LdlFactor final : public Factor {
     rank::project_out_panel(dependence_, ldl_.pattern->perm.data(), X, ld, 0, cols);
   }
   void null_space_rows(std::span<char> rows) const override {
-    std::fill(rows.begin(), rows.end(), static_cast<char>(!waits_));
+    std::fill(rows.begin(), rows.end(), 0);
     for (int k : dependence_.Ni) rows[ldl_.pattern->perm[k] - ldl_.pattern->nv] = 1;
   }
 
   // Coefficients z of the null space enter by their square; sums go over as many as a cluster has.
   double projector_error() const override {
-    if (dependence_.dropped.empty()) return 0;
     const double z = dependence_.largest_projected, sums = dependence_.largest_cluster;
     return tolerance::kBoundRounding * std::numeric_limits<double>::epsilon() * (1 + z * z) * std::sqrt(sums);
   }

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "../../internal.hpp"
-#include "manycontact/kkt/choose.hpp"
 #include "manycontact/rank/contradiction.hpp"
 #include "manycontact/rank/row_size.hpp"
 #include "manycontact/sparse/largest.hpp"

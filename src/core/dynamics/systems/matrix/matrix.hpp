@@ -160,7 +160,7 @@ struct Attempt {
   double damping;
 };
 struct Attempts {
-  std::array<Attempt, 7> list;
+  std::array<Attempt, 6> list;
   int count = 0;
   void add(const Attempt& attempt) { list[count++] = attempt; }
 };

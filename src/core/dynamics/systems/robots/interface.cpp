@@ -43,23 +43,6 @@ void share_out(const Scene& scene, const Island& island, Interface& j) {
   }
 }
 
-// CAMD's order, with one more row that comes last, and that rows on the robots furthest from the ground share: a tower
-// is then eliminated from the ground on (kkt/pattern.cpp).
-std::vector<int> order_of(const IslandShape& shape, const Interface& interface,
-                          std::vector<std::pair<int, int>> entries) {
-  const std::vector<char> furthest = robots_furthest_from_ground(shape.scene(), shape.island());
-  const int n = interface.rows();
-  if (n == 0) return {};
-  for (std::size_t k = 0; k < interface.robots.size(); ++k)
-    for (int row : interface.robots[k].interface_rows)
-      if (furthest[k]) entries.emplace_back(row, n);
-  std::vector<int> last(static_cast<std::size_t>(n) + 1, 0);
-  last.back() = 1;
-  std::vector<int> order = sparse::camd_order(sparse::make_pattern(n + 1, std::move(entries)), last);
-  order.pop_back();
-  return order;
-}
-
 void analyze_interface(const IslandShape& shape, Interface& interface) {
   std::vector<std::pair<int, int>> entries;
   const auto each_entry = [&interface](auto&& use) {
@@ -69,7 +52,11 @@ void analyze_interface(const IslandShape& shape, Interface& interface) {
   };
   each_entry([&](Interface::OfRobot&, int i, int j) { entries.emplace_back(i, j); });
   const sparse::UpperCsc pattern = sparse::make_pattern(interface.rows(), entries);
-  interface.perm = order_of(shape, interface, std::move(entries));
+  const std::vector<char> furthest = robots_furthest_from_ground(shape.scene(), shape.island());
+  for (std::size_t k = 0; k < interface.robots.size(); ++k)
+    for (int row : interface.robots[k].interface_rows)
+      if (furthest[k]) entries.emplace_back(row, interface.rows());
+  interface.perm = camd_order_from_ground(interface.rows(), std::move(entries));
   interface.place = sparse::inverse(interface.perm);
   interface.S = sparse::permute(pattern, interface.place);
   sparse::LdlSymbolic L = sparse::ldl_analyze(interface.S);

@@ -50,6 +50,9 @@ sparse::UpperCsc natural_pattern(const Scene& scene, const Island& island, const
 /// Whether each of the island's robots has a neighbour, through a contact, and none is further from the ground, counted
 /// in contacts; false for all where no contact is with the ground. In a tower that is the free end.
 std::vector<char> robots_furthest_from_ground(const Scene& scene, const Island& island);
+/// CAMD's order of n rows with these entries (row, column). Row n comes last, and is left out: rows that share it with
+/// the robots furthest from the ground come late.
+std::vector<int> camd_order_from_ground(int n, std::vector<std::pair<int, int>> entries);
 
 /// Order::kCamd. Where it makes no other difference, contacts on the robots furthest from the ground come late.
 std::vector<int> camd_order(const Scene& scene, const Island& island, const sparse::UpperCsc& K);
