@@ -66,8 +66,7 @@ py::object kkt_matrix(const Scene& scene, const Data& data, int island) {
   const auto count = static_cast<int>(island_count(d));
   if (island < -1 || island >= count)
     throw py::value_error("kkt_matrix: there is no island " + std::to_string(island) + " of " + std::to_string(count));
-  std::vector<int> rows, columns;
-  std::vector<double> values;
+  std::vector<Eigen::Triplet<double>> entries;
   int size = 0;
   for (int i = std::max(0, island); i < (island < 0 ? count : island + 1); ++i) {
     const Eigen::SparseMatrix<double> K = kkt_matrix(d, i);
@@ -83,19 +82,13 @@ py::object kkt_matrix(const Scene& scene, const Data& data, int island) {
       });
     }
     for (int j = 0; j < K.cols(); ++j)
-      for (Eigen::SparseMatrix<double>::InnerIterator entry(K, j); entry; ++entry) {
-        rows.push_back(place[entry.row()]);
-        columns.push_back(place[j]);
-        values.push_back(entry.value());
-      }
+      for (Eigen::SparseMatrix<double>::InnerIterator entry(K, j); entry; ++entry)
+        entries.emplace_back(place[entry.row()], place[j], entry.value());
     size += at.size();
   }
-  const auto n = static_cast<py::ssize_t>(values.size());
-  return py::module_::import("scipy.sparse")
-      .attr("csc_matrix")(
-          py::make_tuple(py::array_t<double>(n, values.data()),
-                         py::make_tuple(py::array_t<int>(n, rows.data()), py::array_t<int>(n, columns.data()))),
-          py::arg("shape") = py::make_tuple(size, size));
+  Eigen::SparseMatrix<double> whole(size, size);
+  whole.setFromTriplets(entries.begin(), entries.end());
+  return scipy_csc(std::move(whole));
 }
 
 void add_derivative_classes(py::module_& m) {

@@ -8,19 +8,10 @@
 #include <concepts>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "manycontact/action/residuals/contact_residuals.hpp"
-#include "manycontact/action/state.hpp"
-#include "manycontact/action/thrusters.hpp"
-#include "manycontact/analysis/findings.hpp"
-#include "manycontact/control/callbacks.hpp"
-#include "manycontact/control/rk.hpp"
-#include "manycontact/dynamics/report.hpp"
-#include "manycontact/model/scene.hpp"
-#include "manycontact/simulation/step.hpp"
-#include "manycontact/task/optimize.hpp"
 #include "texts.hpp"
 
 namespace py = pybind11;
@@ -76,7 +67,6 @@ std::string python_name(const std::string& enumerator);
 /// (to_string) are called by Python names.
 template <class E, E... values>
 void enumeration(py::module_& m, const char* prefix = "") {
-  static_assert(std::is_base_of_v<EnumCaster<E>, py::detail::type_caster<E>>, "it has no MANYCONTACT_ENUMERATION");
   constexpr bool has_words = requires(E x) {
     { to_string(x) } -> std::convertible_to<std::string>;
   };
@@ -115,30 +105,6 @@ void enumeration(py::module_& m, const char* prefix = "") {
 
 }  // namespace manycontact::python
 
-#define MANYCONTACT_ENUMERATION(E)                               \
-  namespace pybind11::detail {                                   \
-  template <>                                                    \
-  struct type_caster<E> : manycontact::python::EnumCaster<E> {}; \
-  }
-MANYCONTACT_ENUMERATION(manycontact::Status)
-MANYCONTACT_ENUMERATION(manycontact::Method)
-MANYCONTACT_ENUMERATION(manycontact::Order)
-MANYCONTACT_ENUMERATION(manycontact::SimdLevel)
-MANYCONTACT_ENUMERATION(manycontact::Precision)
-MANYCONTACT_ENUMERATION(manycontact::Reason)
-MANYCONTACT_ENUMERATION(manycontact::JointType)
-MANYCONTACT_ENUMERATION(manycontact::ContactType)
-MANYCONTACT_ENUMERATION(manycontact::ReferenceFrame)
-MANYCONTACT_ENUMERATION(manycontact::Integrator)
-MANYCONTACT_ENUMERATION(manycontact::StepStatus)
-MANYCONTACT_ENUMERATION(manycontact::Jcomponent)
-MANYCONTACT_ENUMERATION(manycontact::MatrixStorage)
-MANYCONTACT_ENUMERATION(manycontact::RKType)
-MANYCONTACT_ENUMERATION(manycontact::StopReason)
-MANYCONTACT_ENUMERATION(manycontact::VerboseLevel)
-MANYCONTACT_ENUMERATION(manycontact::ConeAxes)
-MANYCONTACT_ENUMERATION(manycontact::TaskSolver)
-MANYCONTACT_ENUMERATION(manycontact::ViolationKind)
-MANYCONTACT_ENUMERATION(manycontact::LimitKind)
-MANYCONTACT_ENUMERATION(manycontact::ThrusterType)
-#undef MANYCONTACT_ENUMERATION
+/// Every enumeration.
+template <class E>
+struct pybind11::detail::type_caster<E, std::enable_if_t<std::is_enum_v<E>>> : manycontact::python::EnumCaster<E> {};

@@ -28,7 +28,7 @@ void add_goals(py::module_& m) {
         if (placement && (position || rpy))
           throw py::value_error(
               "pose_goal: placement is given together with position or rpy, expected one or the other");
-        const Attachment at = frame.in(scene);
+        const Attachment at = frame_in(scene, frame);
         return placement ? pose_goal(at, *placement, weight)
                          : pose_goal(at, partial("position", position), partial("rpy", rpy), weight);
       });

@@ -15,13 +15,11 @@ struct Bodies {
 };
 
 /// A frame by its name or as an Attachment; a joint by its name.
-struct FrameName {
-  std::variant<std::string, Handle<Attachment>> of = std::string();
-  Attachment in(const RigidBodies& bodies) const {
-    const auto* name = std::get_if<std::string>(&of);
-    return name ? find_frame(bodies, *name) : std::get<Handle<Attachment>>(of).get();
-  }
-};
+using FrameName = std::variant<std::string, Attachment>;
+inline Attachment frame_in(const RigidBodies& bodies, const FrameName& frame) {
+  const auto* name = std::get_if<std::string>(&frame);
+  return name ? find_frame(bodies, *name) : std::get<Attachment>(frame);
+}
 
 }  // namespace manycontact::python
 
@@ -54,22 +52,6 @@ struct type_caster<manycontact::RigidBodies> {
 
  private:
   std::optional<manycontact::RigidBodies> view_;
-};
-
-template <>
-struct type_caster<manycontact::python::FrameName> {
-  PYBIND11_TYPE_CASTER(manycontact::python::FrameName, const_name("Union[str, manycontact.Attachment]"));
-  bool load(handle source, bool convert) {
-    using namespace manycontact;
-    if (isinstance<str>(source)) {
-      value.of = source.cast<std::string>();
-      return true;
-    }
-    make_caster<python::Handle<Attachment>> attachment;
-    if (source.is_none() || !attachment.load(source, convert)) return false;
-    value.of = cast_op<python::Handle<Attachment>&>(attachment);
-    return true;
-  }
 };
 
 }  // namespace pybind11::detail

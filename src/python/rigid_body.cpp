@@ -131,7 +131,7 @@ using Motion = Vec6<double> (*)(const RigidBodies&, RigidBodyData&, const Attach
 // The motion of a frame, or of one by its name.
 auto of_frame(Motion motion) {
   return [motion](const RigidBodies& bodies, RigidBodyData& data, const FrameName& frame, ReferenceFrame axes) {
-    return motion(bodies, data, frame.in(bodies), axes);
+    return motion(bodies, data, frame_in(bodies, frame), axes);
   };
 }
 
@@ -148,14 +148,14 @@ void add_body_frames(py::module_& m) {
           forward_kinematics(bodies, q, data);
       });
   def(m, "frame_placement", [](const RigidBodies& bodies, const RigidBodyData& data, const FrameName& frame) {
-    return frame_placement(bodies, data, frame.in(bodies));
+    return frame_placement(bodies, data, frame_in(bodies, frame));
   });
   functions(m, "frame_velocity", of_frame(&frame_velocity), "frame_acceleration", of_frame(&frame_acceleration),
             "frame_classical_acceleration", of_frame(&frame_classical_acceleration), "frame_bias_acceleration",
             of_frame(&frame_bias_acceleration));
   def(m, "frame_jacobian",
       [](const RigidBodies& bodies, const RigidBodyData& data, const FrameName& frame, ReferenceFrame axes) {
-        return frame_jacobian(bodies, data, frame.in(bodies), axes);
+        return frame_jacobian(bodies, data, frame_in(bodies, frame), axes);
       });
   def(m, "joint_wrench", [](const RigidBodies& bodies, const RigidBodyData& data, const std::string& joint) {
     return joint_wrench(bodies, data, find_joint(bodies, joint));

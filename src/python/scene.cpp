@@ -21,16 +21,6 @@ void add_attachments(py::module_& m) {
       .fields<&Attachment::placement>();
 }
 
-Handle<Contact> make_contact(const std::string& name, ContactType type, ReferenceFrame frame, const Attachment& A,
-                             const Attachment& B, const Eigen::Vector3d& axis, double alpha, double beta, bool active,
-                             std::optional<double> mu, const std::optional<Eigen::Vector3d>& normal,
-                             const Eigen::Vector2d& box) {
-  Contact c;
-  c.name = name, c.type = type, c.reference_frame = frame, c.A = A, c.B = B, c.axis = axis;
-  c.alpha = alpha, c.beta = beta, c.active = active, c.mu = mu, c.normal = normal, c.box = box;
-  return Handle<Contact>(std::move(c));
-}
-
 void add_contacts(py::module_& m) {
   enumeration<ContactType>(m, "CONTACT_");
   enumeration<ReferenceFrame>(m);
@@ -39,7 +29,8 @@ void add_contacts(py::module_& m) {
 
   using Held = Handle<Contact>;
   value<Held>(m)
-      .def(py::init(&make_contact))
+      .from_members<std::string, ContactType, ReferenceFrame, Attachment, Attachment, Eigen::Vector3d, double, double,
+                    bool, std::optional<double>, std::optional<Eigen::Vector3d>, Eigen::Vector2d>()
       .fields<&Contact::name, &Contact::type, &Contact::reference_frame, &Contact::A, &Contact::B, &Contact::axis,
               &Contact::alpha, &Contact::beta, &Contact::mu, &Contact::normal, &Contact::box, &Contact::active>()
       .read_at<&Contact::rows>(&Held::get);
