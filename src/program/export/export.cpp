@@ -95,10 +95,11 @@ Json write_island(const ExportPlan& plan, const SceneFile& file, const SceneData
                {"digits", nullptr},
                {"derivative_columns", s.db.cols()},
                {"derivative_digits", nullptr}};
-  write_symmetric(plan.path(name + ".mtx"), s.K, header(plan, "K = [M J^T; J -delta I]", page));
+  write_sparse(plan.path(name + ".mtx"), s.K, true, header(plan, "K = [M J^T; J -delta I]", page));
   write_dense(plan.path(name + "_b.mtx"), Eigen::MatrixXd(s.b), header(plan, "b = [tau - h; -a0]", page));
   write_names(file.scene, data, s.island, plan.path(name + "_names.txt"));
-  if (s.db.size() > 0) write_sparse(plan.path(name + "_db.mtx"), s.db, header(plan, "db = -[dr1; dr2]", page));
+  if (s.db.size() > 0)
+    write_sparse(plan.path(name + "_db.mtx"), s.db.sparseView(), false, header(plan, "db = -[dr1; dr2]", page));
   if (plan.truth) write_truth(plan, of_island(truth, file.scene, data, s.island, i), s, page);
   return page;
 }

@@ -51,11 +51,11 @@ Truth<Quad> solve_scene(const SceneFile& file, SceneData& data);
 ExactSolution of_island(const Truth<Quad>& truth, const Scene& scene, const SceneData& data, const Island& island,
                         std::size_t i);
 
-/// Matrix Market files. `comments` are lines of the header. Throw InputError if a file cannot be written.
-void write_symmetric(const std::string& path, const Eigen::SparseMatrix<double>& K,
-                     const std::vector<std::string>& comments);
-void write_sparse(const std::string& path, const Eigen::MatrixXd& b, const std::vector<std::string>& comments);
-void write_dense(const std::string& path, const Eigen::MatrixXd& b, const std::vector<std::string>& comments);
-void write_dense(const std::string& path, const MatX<Quad>& x, const std::vector<std::string>& comments);
+/// Matrix Market files; of a symmetric matrix the lower triangle. `comments` are lines of the header. Throw InputError
+/// if a file cannot be written.
+void write_sparse(const std::string& path, const Eigen::SparseMatrix<double>& A, bool symmetric,
+                  const std::vector<std::string>& comments);
+template <class S>
+void write_dense(const std::string& path, const MatX<S>& x, const std::vector<std::string>& comments);
 
 }  // namespace manycontact::cli

@@ -24,8 +24,23 @@ void begin(std::ostream& out, const std::string& kind, const std::vector<std::st
   for (const std::string& line : comments) out << "% " << line << "\n";
 }
 
+}  // namespace
+
+void write_sparse(const std::string& path, const Eigen::SparseMatrix<double>& A, bool symmetric,
+                  const std::vector<std::string>& comments) {
+  OutputFile file(path);
+  std::ostream& out = file.stream();
+  begin(out, symmetric ? "coordinate real symmetric" : "coordinate real general", comments);
+  const Eigen::SparseMatrix<double> entries = symmetric ? Eigen::SparseMatrix<double>(A.triangularView<Eigen::Lower>()) : A;
+  out << A.rows() << " " << A.cols() << " " << entries.nonZeros() << "\n";
+  for (int j = 0; j < entries.outerSize(); ++j)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(entries, j); it; ++it)
+      out << it.row() + 1 << " " << j + 1 << " " << text_of(it.value()) << "\n";
+  file.close();
+}
+
 template <class S>
-void write_array(const std::string& path, const MatX<S>& x, const std::vector<std::string>& comments) {
+void write_dense(const std::string& path, const MatX<S>& x, const std::vector<std::string>& comments) {
   OutputFile file(path);
   std::ostream& out = file.stream();
   begin(out, "array real general", comments);
@@ -33,39 +48,7 @@ void write_array(const std::string& path, const MatX<S>& x, const std::vector<st
   for (const S& value : x.reshaped()) out << text_of(value) << "\n";
   file.close();
 }
-
-}  // namespace
-
-void write_symmetric(const std::string& path, const Eigen::SparseMatrix<double>& K,
-                     const std::vector<std::string>& comments) {
-  OutputFile file(path);
-  std::ostream& out = file.stream();
-  begin(out, "coordinate real symmetric", comments);
-  const Eigen::SparseMatrix<double> lower = K.triangularView<Eigen::Lower>();
-  out << K.rows() << " " << K.cols() << " " << lower.nonZeros() << "\n";
-  for (int j = 0; j < lower.outerSize(); ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(lower, j); it; ++it)
-      out << it.row() + 1 << " " << j + 1 << " " << text_of(it.value()) << "\n";
-  file.close();
-}
-
-void write_sparse(const std::string& path, const Eigen::MatrixXd& b, const std::vector<std::string>& comments) {
-  OutputFile file(path);
-  std::ostream& out = file.stream();
-  begin(out, "coordinate real general", comments);
-  out << b.rows() << " " << b.cols() << " " << (b.array() != 0).count() << "\n";
-  for (Eigen::Index j = 0; j < b.cols(); ++j)
-    for (Eigen::Index i = 0; i < b.rows(); ++i)
-      if (b(i, j) != 0) out << i + 1 << " " << j + 1 << " " << text_of(b(i, j)) << "\n";
-  file.close();
-}
-
-void write_dense(const std::string& path, const Eigen::MatrixXd& b, const std::vector<std::string>& comments) {
-  write_array<double>(path, b, comments);
-}
-
-void write_dense(const std::string& path, const MatX<Quad>& x, const std::vector<std::string>& comments) {
-  write_array<Quad>(path, x, comments);
-}
+template void write_dense(const std::string&, const MatX<double>&, const std::vector<std::string>&);
+template void write_dense(const std::string&, const MatX<Quad>&, const std::vector<std::string>&);
 
 }  // namespace manycontact::cli

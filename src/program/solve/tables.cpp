@@ -7,6 +7,7 @@
 #include "../text/lines.hpp"
 #include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/analysis/rounding.hpp"
+#include "manycontact/contact/normal.hpp"
 #include "solve.hpp"
 
 namespace manycontact::cli {
@@ -26,23 +27,9 @@ int fastest_joint(const Model& model, const ConstVectorRef& a) {
 // Force and moment on A in the contact's axes.
 Vec6<double> force_in_axes(const Contact& contact, const Eigen::VectorXd& f, int offset) {
   Vec6<double> w = Vec6<double>::Zero();
-  switch (contact.type) {
-    case ContactType::k1D:
-      w.head<3>() = f[offset] * contact.axis;
-      break;
-    case ContactType::k2D:
-      w[0] = f[offset], w[2] = f[offset + 1];
-      break;
-    case ContactType::k3D:
-      w.head<3>() = f.segment<3>(offset);
-      break;
-    case ContactType::k5D:
-      w << f.segment<3>(offset), across(contact.axis).transpose() * f.segment<2>(offset + 3);
-      break;
-    case ContactType::k6D:
-      w = f.segment<6>(offset);
-      break;
-  }
+  w.head<3>() = linear_force(contact, f.data() + offset);
+  if (contact.type == ContactType::k5D) w.tail<3>() = across(contact.axis).transpose() * f.segment<2>(offset + 3);
+  if (contact.type == ContactType::k6D) w.tail<3>() = f.segment<3>(offset + 3);
   return w;
 }
 
