@@ -54,10 +54,10 @@ void print_contacts(std::ostream& out, const SceneFile& file) {
   InvariantsData room(scene);
   (void)invariants(scene, all, file.q, file.v, room);
 
-  Table table("contact<24|type, axes<|frame A<24|to B'<20|A at [m]|gains|mu|normal|off by<|<");
-  std::size_t elements = 0;
+  Table table("contact<24|type, axes<|frame A<24|to B'<20|A at [m]|gains|mu|normal|off by<|<", kMostElements,
+              "elements of the file");
   for (const ContactGroup& group : file.contact_groups) {
-    if (group.count == 0 || ++elements > kMostElements) continue;
+    if (group.count == 0) continue;
     const Contact& contact = scene.contacts[group.first];
     const Contact& last = scene.contacts[group.first + group.count - 1];
     const Robot& robot = scene.robots[contact.A.robot];
@@ -81,7 +81,6 @@ void print_contacts(std::ostream& out, const SceneFile& file) {
          "Contacts: frame A constrained to B', alpha [1/s^2] and beta [1/s], the placement error of A\n"
          "and its velocity; of copies the first, and the largest of each\n";
   table.print(out);
-  print_more(out, elements, kMostElements, "elements of the file");
 }
 
 }  // namespace manycontact::cli

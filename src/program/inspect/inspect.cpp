@@ -104,17 +104,15 @@ Inspection inspect_scene(const SceneFile& file) {
 void print_islands(std::ostream& out, const Inspection& x) {
   out << "\n"
          "Islands: robots coupled by contacts, one system each; rank of the constraint rows at the scene's q\n";
-  Table table("islands|robots<34|velocities|rows|rank|K: n|non-zeros");
-  for (std::size_t k = 0; k < x.kinds.size() && k < kMostKinds; ++k) {
-    const Island& island = x.island(x.kinds[k]);
+  Table table("islands|robots<34|velocities|rows|rank|K: n|non-zeros", kMostKinds, "kinds of island");
+  for (const IslandKind& kind : x.kinds) {
+    const Island& island = x.island(kind);
     table.add(
-        {std::to_string(x.kinds[k].islands.size()), x.name(x.kinds[k]), std::to_string(island.nv),
-         std::to_string(island.nc), rank_text(x.kinds[k].ranks),
-         std::to_string(solved_island(data_solved(x.data), x.first(x.kinds[k])).size()),
-         std::to_string(std::llround(nonzeros_of_K(*shape_of(x.data, x.first(x.kinds[k])), x.file.scene.damping)))});
+        {std::to_string(kind.islands.size()), x.name(kind), std::to_string(island.nv), std::to_string(island.nc),
+         rank_text(kind.ranks), std::to_string(solved_island(data_solved(x.data), x.first(kind)).size()),
+         std::to_string(std::llround(nonzeros_of_K(*shape_of(x.data, x.first(kind)), x.file.scene.damping)))});
   }
   table.print(out);
-  print_more(out, x.kinds.size(), kMostKinds, "kinds of island");
   for (const IslandKind& kind : x.kinds)
     if (!kind.ranks.known) wrap(out, "the rank was not computed, the island is too large", 2, x.name(kind) + ": ");
   const std::vector<std::string> off = inactive(x);
@@ -123,12 +121,10 @@ void print_islands(std::ostream& out, const Inspection& x) {
 
 void print_contact_groups(std::ostream& out, const Inspection& x) {
   const Scene& scene = x.file.scene;
-  Table table("groups|between<22|and<22|contacts<22|types<14|rows|rank");
-  std::size_t all = 0;
+  Table table("groups|between<22|and<22|contacts<22|types<14|rows|rank", kMostPairs, "kinds of group");
   for (const IslandKind& kind : x.kinds)
     for (const auto& alike : alike_pairs(scene, kind.ranks.pairs)) {
       const BodyPair& p = kind.ranks.pairs[alike.front()];
-      if (++all > kMostPairs) continue;
       table.add({std::to_string(alike.size() * kind.islands.size()), p.place_A, p.place_B,
                  contact_names(scene, p.contacts), types_of(scene, p.contacts), std::to_string(p.rows),
                  std::to_string(p.rank)});
@@ -136,7 +132,6 @@ void print_contact_groups(std::ostream& out, const Inspection& x) {
   if (table.empty()) return;
   out << "\nContact groups: all contacts between the same two bodies; the first of identical ones\n";
   table.print(out);
-  print_more(out, all, kMostPairs, "kinds of group");
 }
 
 void print_memory(std::ostream& out, const Inspection& x) {

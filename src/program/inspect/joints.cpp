@@ -23,8 +23,7 @@ std::string bound(const Eigen::VectorXd& limits, int k) {
 }  // namespace
 
 void print_joints(std::ostream& out, const SceneFile& file) {
-  Table table("robot<24|joint<30|type<|lower|upper|velocity|effort|armature|<");
-  std::size_t all = 0;
+  Table table("robot<24|joint<30|type<|lower|upper|velocity|effort|armature|<", kMostJoints);
   std::map<const Model*, bool> shown;
   for (const RobotGroup& group : file.robot_groups) {
     if (group.count == 0) continue;
@@ -33,7 +32,6 @@ void print_joints(std::ostream& out, const SceneFile& file) {
     for (const Joint& joint : model.joints) {
       if (joint.type == JointType::kFloating) continue;
       for (int k = 0; k < joint.nv(); ++k) {
-        if (++all > kMostJoints) continue;
         const int i = joint.idx_v + k;
         table.add({group_name(group), dof_name(model, i), type_name(joint), bound(joint.lower, k),
                    bound(joint.upper, k), bound(joint.velocity_limit, k), bound(joint.effort_limit, k),
@@ -44,7 +42,6 @@ void print_joints(std::ostream& out, const SceneFile& file) {
   if (table.empty()) return;
   out << "\nJoints: limits of the robots' files [rad or m, rad/s or m/s, N m or N], armature [kg m^2 or kg]\n";
   table.print(out);
-  print_more(out, all, kMostJoints);
 }
 
 }  // namespace manycontact::cli

@@ -185,18 +185,18 @@ void print_several_kinds(std::ostream& out, const SolvedScene& s, const std::vec
 // How well K x = b is solved, and how hard it is.
 void print_quality(std::ostream& out, const SolvedScene& s, const std::vector<Alike>& kinds) {
   constexpr std::size_t kShown = 10;
-  Table table("islands|robots<22|backward error: entries|norms|growth|condition|scaled|signature");
-  for (std::size_t k = 0; k < std::min(kinds.size(), kShown); ++k) {
-    const SystemQuality& of = s.quality[kinds[k].number];
+  Table table("islands|robots<22|backward error: entries|norms|growth|condition|scaled|signature", kShown,
+              "kinds of island");
+  for (const Alike& kind : kinds) {
+    const SystemQuality& of = s.quality[kind.number];
     table.add(
-        {std::to_string(kinds[k].islands.size()), islands_name(s.file, kinds[k].islands),
+        {std::to_string(kind.islands.size()), islands_name(s.file, kind.islands),
          scientific(of.componentwise_backward_error), scientific(of.normwise_backward_error), scientific(of.growth),
          scientific(of.condition), scientific(of.scaled_condition),
          std::to_string(of.positive) + "+ " + std::to_string(of.negative) + "- " + std::to_string(of.zero) + "x0"});
   }
   out << "\nEquations K x = b\n";
   table.print(out);
-  print_more(out, kinds.size(), kShown, "kinds of island");
   out << "  scaled: the condition with a largest entry of 1 in each row and column; signature: signs of K's "
          "eigenvalues\n";
 }

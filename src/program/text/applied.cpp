@@ -1,7 +1,5 @@
 #include "applied.hpp"
 
-#include <algorithm>
-
 #include "lines.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/detail/algorithm/frames.hpp"
@@ -11,7 +9,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr std::size_t kMostListed = 24;  // lines of a table
+constexpr std::size_t kMostListed = 24;  // rows of a table
 
 std::string three(const Vec3<double>& x) { return number(x[0]) + " " + number(x[1]) + " " + number(x[2]); }
 
@@ -42,21 +40,18 @@ struct At {
 void print_wrenches(std::ostream& out, const Scene& scene, const At& at) {
   if (scene.wrenches.empty()) return;
   out << "\nPushes: where they act [m], force [N] and torque [N m]\n";
-  Table table("wrench<|on<|at|force|torque|axes<");
-  for (std::size_t k = 0; k < std::min(scene.wrenches.size(), kMostListed); ++k) {
-    const ExternalWrench& push = scene.wrenches[k];
+  Table table("wrench<|on<|at|force|torque|axes<", kMostListed);
+  for (const ExternalWrench& push : scene.wrenches)
     table.add({push.name, name_of(scene, push.at), three(at.place(push.at)), three(push.wrench.head<3>()),
                three(push.wrench.tail<3>()), push.reference_frame == ReferenceFrame::kLocal ? "local" : "world"});
-  }
   table.print(out);
-  print_more(out, scene.wrenches.size(), kMostListed);
 }
 
 void print_springs(std::ostream& out, const Scene& scene, const At& at) {
   if (scene.springs.empty()) return;
   out << "\nSprings: ends [m], length and length at rest [m], force [N], above 0 where it pulls the ends together\n";
-  Table table("spring<|on<|at|to<|at|length|at rest|force");
-  for (std::size_t k = 0; k < std::min(scene.springs.size(), kMostListed); ++k) {
+  Table table("spring<|on<|at|to<|at|length|at rest|force", kMostListed);
+  for (std::size_t k = 0; k < scene.springs.size(); ++k) {
     const Spring& spring = scene.springs[k];
     const auto& now = at.forces.springs[k];
     table.add({spring.name, name_of(scene, spring.A), three(at.place(spring.A)), name_of(scene, spring.B),
@@ -64,16 +59,14 @@ void print_springs(std::ostream& out, const Scene& scene, const At& at) {
                number(spring.stiffness * now.length + now.t)});
   }
   table.print(out);
-  print_more(out, scene.springs.size(), kMostListed);
 }
 
 void print_joint_springs(std::ostream& out, const SceneFile& file) {
   const Scene& scene = file.scene;
   if (scene.joint_springs.empty()) return;
   out << "\nSprings in joints: at and at rest [rad, m], torque [N m, N]\n";
-  Table table("joint<|at|at rest|torque");
-  for (std::size_t k = 0; k < std::min(scene.joint_springs.size(), kMostListed); ++k) {
-    const JointSpring& spring = scene.joint_springs[k];
+  Table table("joint<|at|at rest|torque", kMostListed);
+  for (const JointSpring& spring : scene.joint_springs) {
     const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
     const Joint& joint = robot.model->joints[spring.joint];
     const double q = file.q[robot.idx_q + joint.idx_q];
@@ -81,7 +74,6 @@ void print_joint_springs(std::ostream& out, const SceneFile& file) {
         {robot.name + "/" + joint.name, number(q), number(spring.rest), number(-spring.stiffness * (q - spring.rest))});
   }
   table.print(out);
-  print_more(out, scene.joint_springs.size(), kMostListed);
 }
 
 }  // namespace

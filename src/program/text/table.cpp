@@ -96,7 +96,7 @@ void print_more(std::ostream& out, std::size_t all, std::size_t shown, const std
   if (shown < all) out << "  ... and " << all - shown << " more" << (what.empty() ? "" : " ") << what << "\n";
 }
 
-Table::Table(const std::string& columns) {
+Table::Table(const std::string& columns, std::size_t most, const std::string& what) : most_(most), what_(what) {
   std::istringstream titles(columns + "|");
   for (std::string title; std::getline(titles, title, '|');) {
     const std::size_t mark = title.find('<');
@@ -106,6 +106,7 @@ Table::Table(const std::string& columns) {
 }
 
 void Table::add(std::vector<std::string> cells) {
+  if (++given_ > most_) return;
   cells.resize(columns_.size());
   for (std::string& cell : cells) cell = printable(std::move(cell));
   rows_.push_back(std::move(cells));
@@ -141,6 +142,7 @@ void Table::print(std::ostream& out, int indent) const {
   };
   if (titled) line([&](std::size_t k) { return columns_[k].title; });
   for (const auto& row : rows) line([&](std::size_t k) { return row[k]; });
+  print_more(out, given_, rows_.size(), what_);
 }
 
 }  // namespace manycontact::cli

@@ -35,8 +35,8 @@ void print_more(std::ostream& out, std::size_t all, std::size_t shown, const std
 class Table {
  public:
   /// Titles of the columns, "robot<24|mass [kg]|joints<": with `<` cells are aligned on the left, and with a number
-  /// longer ones lose their middle (shortened).
-  explicit Table(const std::string& columns);
+  /// longer ones lose their middle (shortened). Rows beyond `most` are left out: `print` tells how many of `what`.
+  explicit Table(const std::string& columns, std::size_t most = std::string::npos, const std::string& what = "");
   /// A row; a missing cell is empty.
   void add(std::vector<std::string> cells);
   bool empty() const { return rows_.empty(); }
@@ -51,6 +51,8 @@ class Table {
   };
   std::vector<Column> columns_;
   std::vector<std::vector<std::string>> rows_;
+  std::size_t given_ = 0, most_;  // rows
+  std::string what_;
 };
 
 }  // namespace manycontact::cli
