@@ -21,10 +21,7 @@ class ContactReader {
   void add(const Element& e) {
     const ContactElement c = read(e);
     ContactGroup group{c.contact.name, c.ends.A.copied, static_cast<int>(out_.scene.contacts.size()), 0, e.line()};
-    const auto [at, is_new] = names_.emplace(group.name, e.where());
-    if (!is_new)
-      e.where("name").fail("a contact named " + quote(group.name) + " exists already on " +
-                           line_of(at->second, e.where()) + ", expected names used once");
+    add_name(e, "a contact", group.name, names_);
     for (int i = 0; i < c.ends.A.count; ++i)
       if (const std::optional<int> target = c.ends.target(i)) add_one(e, c, i, *target);
     group.count = static_cast<int>(out_.scene.contacts.size()) - group.first;
@@ -74,10 +71,6 @@ class ContactReader {
 
   // ---- adding copy i
 
-  Attachment attachment(const End& end, int robot, const SE3<double>& offset) const {
-    return {robot, end.frame.joint, end.frame.placement * offset, end.frame.name};
-  }
-
   // Returns the rotation from the first copy of a robot to copy i.
   Mat3<double> turn_of_copy(const End& end, int i) const {
     const auto base = [&](int robot) -> const Mat3<double>& { return out_.scene.robots[robot].base.R; };
@@ -87,21 +80,19 @@ class ContactReader {
   void add_one(const Element& e, const ContactElement& c, int i, int target) {
     Contact contact = c.contact;
     if (c.ends.A.copied) contact.name += std::to_string(i);
-    contact.A = attachment(c.ends.A, c.ends.A.first + i, c.A_offset);
+    contact.A = c.ends.A.on(c.ends.A.first + i, c.A_offset);
     contact.B.placement = c.B_offset;
     if (c.ends.to_robot)
-      contact.B = attachment(c.ends.B, target, c.B_offset);
+      contact.B = c.ends.B.on(target, c.B_offset);
     else if (contact.normal)  // the world's normal is rotated as the copy is
       contact.normal = turn_of_copy(c.ends.A, i) * *contact.normal;
     if (!c.position_given || !c.orientation_given)
       references_.resolve(!c.position_given, !c.orientation_given, contact);
-    try {
+    add_or_fail(e, [&] {
       const int number = add_contact(out_.scene, std::move(contact));
       if (!c.position_given || !c.orientation_given)
         out_.open_references.push_back({number, !c.position_given, !c.orientation_given});
-    } catch (const std::invalid_argument& error) {
-      e.fail(error.what());
-    }
+    });
   }
 
   SceneFile& out_;

@@ -134,10 +134,7 @@ SceneFile scene_of(const std::string& bytes, const std::string& path) {
 }  // namespace io
 
 SceneFile read_scene(const std::string& path) {
-  std::string problem;
-  const std::string text = io::read_file(path, problem);
-  if (!problem.empty()) throw InputError(path, 1, problem + ", expected a scene file");
-  return io::scene_of(text, path);
+  return io::scene_of(io::read_file_of(path, "a scene file"), path);
 }
 
 SceneFile read_scene_text(const std::string& text, const std::string& path) {

@@ -12,10 +12,10 @@ Vec3<double> three(const Element& e, const char* attribute) {
   return x;
 }
 
-Attachment attachment(const End& end, int robot, const Vec3<double>& offset) {
+SE3<double> offset(const Element& e, const char* attribute) {
   SE3<double> at;
-  at.p = offset;
-  return {robot, end.frame.joint, end.frame.placement * at, end.frame.name};
+  at.p = three(e, attribute);
+  return at;
 }
 
 // Returns the name in the file, with a number if each copy has one. If there is none, the name of the attached frame.
@@ -29,15 +29,6 @@ std::string frame_name(const SceneFile& file, const Attachment& at) {
   return file.scene.robots[at.robot].name + "/" + at.frame;
 }
 
-template <class Add>
-void add_or_fail(const Element& e, Add&& add) {
-  try {
-    add();
-  } catch (const std::invalid_argument& error) {
-    e.fail(error.what());
-  }
-}
-
 }  // namespace
 
 void add_wrenches(const std::vector<Element>& elements, SceneFile& out) {
@@ -48,7 +39,7 @@ void add_wrenches(const std::vector<Element>& elements, SceneFile& out) {
     const End end = ends.read_first(e, "frame");
     for (int i = 0; i < end.count; ++i) {
       ExternalWrench push;
-      push.at = attachment(end, end.first + i, three(e, "offset"));
+      push.at = end.on(end.first + i, offset(e, "offset"));
       push.name = name_of(e, frame_name(out, push.at), end.copied, i);
       push.reference_frame = read_reference_frame(e);
       const Vec3<double> force = three(e, "force"), torque = three(e, "torque");
@@ -78,10 +69,10 @@ void add_springs(const std::vector<Element>& elements, SceneFile& out) {
       const std::optional<int> target = pair.target(i);
       if (!target) continue;
       Spring spring = like;
-      spring.A = attachment(pair.A, pair.A.first + i, three(e, "offset"));
+      spring.A = pair.A.on(pair.A.first + i, offset(e, "offset"));
       std::string to = "the world";
       if (pair.to_robot)
-        spring.B = attachment(pair.B, *target, three(e, "to_offset")), to = frame_name(out, spring.B);
+        spring.B = pair.B.on(*target, offset(e, "to_offset")), to = frame_name(out, spring.B);
       else
         spring.B.placement.p = three(e, "xyz");
       spring.name = name_of(e, frame_name(out, spring.A) + " to " + to, pair.A.copied, i);

@@ -21,8 +21,19 @@ struct SceneElements {
   std::vector<Element> robots, contacts, wrenches, springs, poses;
 };
 
-/// "line 3", or "line 3 of other.xml": where a name was given, seen from a place in a file.
-std::string line_of(const Where& given, const Where& seen_from);
+/// Adds a name that the attribute `name` of an element gives. Refuses one that is there; what: "a robot".
+void add_name(const Element& e, const std::string& what, const std::string& name,
+              std::unordered_map<std::string, Where>& names);
+
+/// Does `add`; what it refuses, the element is blamed for.
+template <class Add>
+void add_or_fail(const Element& e, Add&& add) {
+  try {
+    add();
+  } catch (const std::invalid_argument& error) {
+    e.fail(error.what());
+  }
+}
 
 /// A <robot> element as written.
 struct RobotElement {
@@ -41,33 +52,11 @@ struct RobotState {
   Eigen::VectorXd q, v, u;
 };
 
-/// Models by file and options, so that equal robots share one.
-class ModelCache {
- public:
-  /// findings: grows by what reading the file found odd, once for all that share the model.
-  std::shared_ptr<const Model> get(const RobotElement& robot, std::vector<Finding>& findings);
-
- private:
-  std::map<std::string, std::vector<std::pair<UrdfOptions, std::shared_ptr<const Model>>>> models_;  // key: path
-};
-
-/// Relative URDF paths start in the folder of the element's file.
-RobotElement read_robot(const Element& element);
-
 /// State from xyz, rpy, <q>, <v>, <u>, <joint>, u="gravity".
 RobotState read_state(const RobotElement& robot, const Model& model);
 
 /// xyz and rpy of <robot>.
 SE3<double> read_base(const Element& robot);
-
-/// Placement of copy i of n: `arrange` and `spacing`.
-struct Arrangement {
-  int kind = 0;  // line, circle, grid
-  double spacing = 1;
-  int count = 1;
-  /// Translation and yaw of copy i.
-  void place(int i, Vec3<double>& translation, double& yaw) const;
-};
 
 /// Adds all robots to the scene, with q, v, u (NaN for u="gravity").
 void add_robots(const std::vector<Element>& elements, SceneFile& out);
@@ -80,6 +69,11 @@ struct End {
   bool shifted = false;  // whether +k or -k is given
   long long shift = 0;   // k
   Frame frame;
+
+  /// The frame on a robot, moved by an offset in its axes.
+  Attachment on(int robot, const SE3<double>& offset) const {
+    return {robot, frame.joint, frame.placement * offset, frame.name};
+  }
 };
 
 /// The two ends of a contact or a spring: `frame`, and `to` where there is one, of as many copies.

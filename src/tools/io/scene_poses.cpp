@@ -50,7 +50,7 @@ void read_pose(const Element& e, const Scene& scene, EndReader& ends, std::vecto
   for (int i = 0; i < end.count; ++i) {
     const int robot = end.first + i;
     pose.name = scene.robots[robot].name + (pose.center_of_mass ? "" : "/" + end.frame.name);
-    pose.frame = {robot, end.frame.joint, end.frame.placement * offset, end.frame.name};
+    pose.frame = end.on(robot, offset);
     out.push_back(pose);
   }
 }

@@ -63,8 +63,7 @@ void read_options(const Element& e, RobotElement& robot) {
   }
 }
 
-}  // namespace
-
+// Relative URDF paths start in the folder of the element's file.
 RobotElement read_robot(const Element& e) {
   e.allow_attributes({"name", "urdf", "base", "xyz", "rpy", "armature", "mimic", "inertia", "dynamics", "u", "copies",
                       "arrange", "spacing", "root"});
@@ -92,49 +91,63 @@ RobotElement read_robot(const Element& e) {
   return robot;
 }
 
-std::shared_ptr<const Model> ModelCache::get(const RobotElement& robot, std::vector<Finding>& findings) {
-  const UrdfOptions& o = robot.options;
-  std::error_code failed;
-  const auto canonical = std::filesystem::weakly_canonical(robot.group.urdf, failed);
-  auto& of_file = models_[failed ? robot.group.urdf : canonical.string()];
-  const auto known = std::find_if(of_file.begin(), of_file.end(), [&](const auto& of) { return of.first == o; });
-  if (known != of_file.end()) return known->second;
+// Models by file and options, so that equal robots share one.
+class ModelCache {
+ public:
+  // findings: grows by what reading the file found odd, once for all that share the model.
+  std::shared_ptr<const Model> get(const RobotElement& robot, std::vector<Finding>& findings) {
+    const UrdfOptions& o = robot.options;
+    std::error_code failed;
+    const auto canonical = std::filesystem::weakly_canonical(robot.group.urdf, failed);
+    auto& of_file = models_[failed ? robot.group.urdf : canonical.string()];
+    const auto known = std::find_if(of_file.begin(), of_file.end(), [&](const auto& of) { return of.first == o; });
+    if (known != of_file.end()) return known->second;
 
-  const Element& e = robot.element;
-  const std::string problem = file_problem(robot.group.urdf, true);
-  if (!problem.empty())
-    e.where("urdf").fail("the robot file " + quote(robot.group.urdf) + " " + problem + ", expected a URDF file");
-  try {
-    std::vector<Finding> found;
-    of_file.emplace_back(o, std::make_shared<const Model>(load_urdf(robot.group.urdf, o, &found)));
-    for (Finding& finding : found) {
-      finding.name = robot.group.name + "/" + finding.name;
-      findings.push_back(std::move(finding));
+    const Element& e = robot.element;
+    const std::string problem = file_problem(robot.group.urdf, true);
+    if (!problem.empty())
+      e.where("urdf").fail("the robot file " + quote(robot.group.urdf) + " " + problem + ", expected a URDF file");
+    try {
+      std::vector<Finding> found;
+      of_file.emplace_back(o, std::make_shared<const Model>(load_urdf(robot.group.urdf, o, &found)));
+      for (Finding& finding : found) {
+        finding.name = robot.group.name + "/" + finding.name;
+        findings.push_back(std::move(finding));
+      }
+    } catch (const UrdfOptionError& error) {
+      const auto& blamed = error.lock ? robot.locks : robot.joints;
+      const auto joint = blamed.find(error.joint);
+      (joint == blamed.end() ? e : joint->second).fail(error.what());
     }
-  } catch (const UrdfOptionError& error) {
-    const auto& blamed = error.lock ? robot.locks : robot.joints;
-    const auto joint = blamed.find(error.joint);
-    (joint == blamed.end() ? e : joint->second).fail(error.what());
+    return of_file.back().second;
   }
-  return of_file.back().second;
-}
 
-void Arrangement::place(int i, Vec3<double>& translation, double& yaw) const {
-  yaw = 0;
-  if (kind == 0) {
-    translation = Vec3<double>(i * spacing, 0, 0);
-  } else if (kind == 1) {
-    // neighbours `spacing` apart: chord = 2 r sin(pi / n)
-    const double radius = count > 1 ? spacing / (2 * std::sin(std::numbers::pi / count)) : 0;
-    yaw = 2 * std::numbers::pi * i / count;
-    translation = Vec3<double>(radius * std::cos(yaw), radius * std::sin(yaw), 0);
-  } else {
-    int columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count))));
-    translation = Vec3<double>((i % columns) * spacing, (i / columns) * spacing, 0);
+ private:
+  std::map<std::string, std::vector<std::pair<UrdfOptions, std::shared_ptr<const Model>>>> models_;  // key: path
+};
+
+// Placement of copy i of n: `arrange` and `spacing`.
+struct Arrangement {
+  int kind = 0;  // line, circle, grid
+  double spacing = 1;
+  int count = 1;
+
+  // Translation and yaw of copy i.
+  void place(int i, Vec3<double>& translation, double& yaw) const {
+    yaw = 0;
+    if (kind == 0) {
+      translation = Vec3<double>(i * spacing, 0, 0);
+    } else if (kind == 1) {
+      // neighbours `spacing` apart: chord = 2 r sin(pi / n)
+      const double radius = count > 1 ? spacing / (2 * std::sin(std::numbers::pi / count)) : 0;
+      yaw = 2 * std::numbers::pi * i / count;
+      translation = Vec3<double>(radius * std::cos(yaw), radius * std::sin(yaw), 0);
+    } else {
+      int columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count))));
+      translation = Vec3<double>((i % columns) * spacing, (i / columns) * spacing, 0);
+    }
   }
-}
-
-namespace {
+};
 
 Arrangement read_arrangement(const Element& e, int count) {
   Arrangement out;
@@ -226,9 +239,13 @@ void check_names(const SceneFile& file, const std::unordered_map<std::string, Wh
 
 }  // namespace
 
-std::string line_of(const Where& given, const Where& seen_from) {
-  const std::string line = "line " + std::to_string(given.line);
-  return *given.file == *seen_from.file ? line : line + " of " + *given.file;
+void add_name(const Element& e, const std::string& what, const std::string& name,
+              std::unordered_map<std::string, Where>& names) {
+  const auto [at, is_new] = names.emplace(name, e.where());
+  const Where& known = at->second;
+  if (!is_new)
+    e.where("name").fail(what + " named " + quote(name) + " exists already on line " + std::to_string(known.line) +
+                         (*known.file == *e.where().file ? "" : " of " + *known.file) + ", expected names used once");
 }
 
 void add_robots(const std::vector<Element>& elements, SceneFile& out) {
@@ -237,10 +254,7 @@ void add_robots(const std::vector<Element>& elements, SceneFile& out) {
   std::unordered_map<std::string, Where> names;  // places of <robot> elements, by the name in the file
   for (const Element& e : elements) {
     RobotElement robot = read_robot(e);
-    const auto [at, is_new] = names.emplace(robot.group.name, e.where());
-    if (!is_new)
-      e.where("name").fail("a robot named " + quote(robot.group.name) + " exists already on " +
-                           line_of(at->second, e.where()) + ", expected names used once");
+    add_name(e, "a robot", robot.group.name, names);
     robot.group.first = out.scene.nrobots();
     add_copies(robot, models.get(robot, out.findings), out, all);
     out.robot_groups.push_back(robot.group);

@@ -99,9 +99,8 @@ TaskPhase read_phase(const Element& e, const Scene& scene, const TaskPhase* befo
   const std::string contacts = scene.contacts.empty() ? e.optional("contacts", "") : e.required("contacts");
   for (const std::string_view name : words(contacts))
     for (const int c : reader.contacts(e.where("contacts"), e.label("contacts"), std::string(name))) {
-      if (phase.active[static_cast<std::size_t>(c)])
-        e.refuse("contacts", " names " + quote(name) + " twice, expected once");
-      phase.active[static_cast<std::size_t>(c)] = true;
+      if (phase.active[c]) e.refuse("contacts", " names " + quote(name) + " twice, expected once");
+      phase.active[c] = true;
     }
   phase.at_scene = e.choice("at", {"closing", "scene"}, 0) == 1;
   read_impact(e, before, phase);
@@ -157,10 +156,7 @@ void read_head(const Element& root, TaskFile& out) {
 }  // namespace io
 
 TaskFile read_task(const std::string& path) {
-  std::string problem;
-  const std::string text = io::read_file(path, problem);
-  if (!problem.empty()) throw InputError(path, 1, problem + ", expected a task file");
-  const io::XmlFile file(path, text, "task");
+  const io::XmlFile file(path, io::read_file_of(path, "a task file"), "task");
   const io::Element root = file.root();
   TaskFile out;
   out.path = path;

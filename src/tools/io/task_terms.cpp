@@ -73,10 +73,10 @@ void TermReader::read_contact(const Element& e, const std::vector<bool>& active,
   for (const ContactGroup& group : scene_.contact_groups)
     term.copied = term.copied || (group.copied && group.name == name);
   for (const int c : term.contacts)
-    if (!active[static_cast<std::size_t>(c)])
+    if (!active[c])
       here.fail(e.label("contact") + ": " + quote(name) + " is not active in this phase, expected one of its contacts");
   if (term.contacts.empty()) here.fail(e.label("contact") + ": " + quote(name) + " has no copies, expected some");
-  const ContactType type = scene_.scene.contacts[static_cast<std::size_t>(term.contacts[0])].type;
+  const ContactType type = scene_.scene.contacts[term.contacts[0]].type;
   if (takes(term.residual, "box") && type != ContactType::k6D)
     here.fail(std::string(to_string(term.residual)) + " of contact " + quote(name) + ", of type " + to_string(type) +
               ", expected a 6d contact");
@@ -104,7 +104,7 @@ int TermReader::reference_size(const TaskTerm& term) const {
   if (term.residual != TaskResidual::kState) return term.nr;
   const Scene& scene = scene_.scene;
   if (term.robots.empty()) return scene.nq + scene.nv;
-  const Model& model = *scene.robots[static_cast<std::size_t>(term.robots[0])].model;
+  const Model& model = *scene.robots[term.robots[0]].model;
   return model.nq + model.nv;
 }
 
@@ -118,7 +118,7 @@ void TermReader::normalise_bases(const Element& e, TaskTerm& term) const {
                              "the quaternion of joint " + quote(joint.name) + " in " + e.label("reference"),
                              term.reference.segment<4>(first + joint.idx_q + 3));
   };
-  if (!term.robots.empty()) return normalise(*scene.robots[static_cast<std::size_t>(term.robots[0])].model, 0);
+  if (!term.robots.empty()) return normalise(*scene.robots[term.robots[0]].model, 0);
   for (const Robot& robot : scene.robots) normalise(*robot.model, robot.idx_q);
 }
 

@@ -46,6 +46,12 @@ std::string read_file(const std::string& path, std::string& problem) {
   return text;
 }
 
+std::string read_file_of(const std::string& path, const std::string& what) {
+  std::string problem, text = read_file(path, problem);
+  if (!problem.empty()) throw InputError(path, 1, problem + ", expected " + what);
+  return text;
+}
+
 std::string show(double x) {
   char digits[40];
   const auto end = std::to_chars(digits, digits + sizeof digits, x).ptr;

@@ -20,6 +20,9 @@ struct Where {
 /// The whole file; on failure fills `problem` with the reason and returns an empty string.
 std::string read_file(const std::string& path, std::string& problem);
 
+/// The same; on failure throws InputError, which says what was expected.
+std::string read_file_of(const std::string& path, const std::string& what);
+
 /// Returns why `path` cannot be opened for reading, or nothing if it can. With only_regular, devices and pipes are
 /// refused, because paths in files must not name something that may not end.
 std::string file_problem(const std::string& path, bool only_regular = false);

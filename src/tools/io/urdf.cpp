@@ -157,9 +157,7 @@ class Builder {
     if (found != robot_.links_.end()) return *found->second;
     std::vector<std::string> names;
     for (const auto& [name, link] : robot_.links_) names.push_back(name);
-    throw UrdfOptionError(
-        "", false,
-        "the robot has no link " + quote(options_.root) + " for its root, " + suggestion(options_.root, names));
+    refuse("", "the robot has no link " + quote(options_.root) + " for its root, " + suggestion(options_.root, names));
   }
 
   Place root(const std::string& link) {
@@ -196,10 +194,9 @@ class Builder {
     out.parent = parent.joint;
     out.placement = at;
     if (step.backwards && out.nv() > 1)
-      throw UrdfOptionError("", false,
-                            "joint " + quote(joint.name) + " has several coordinates and is between the file's root " +
-                                quote(robot_.getRoot()->name) + " and " + quote(options_.root) +
-                                ", expected a root on this side of it");
+      refuse("", "joint " + quote(joint.name) + " has several coordinates and is between the file's root " +
+                     quote(robot_.getRoot()->name) + " and " + quote(options_.root) +
+                     ", expected a root on this side of it");
     SE3<double> link = behind;
     if (out.type == JointType::kPlanar) {  // z of the joint frame is the normal; the link keeps URDF's frame
       link.R = rotation_from_z(axis_of(joint)).transpose();
@@ -292,27 +289,35 @@ class Builder {
 
   void check_locks() const {
     for (const auto& [name, position] : options_.locked) {
+      const auto refuse_lock = [&name = name](const std::string& what) { throw UrdfOptionError(name, true, what); };
       const auto found = robot_.joints_.find(name);
       if (found == robot_.joints_.end())
-        throw UrdfOptionError(name, true,
-                              "the robot has no joint " + quote(name) + " to lock, " + suggestion(name, joint_names()));
+        refuse_lock("the robot has no joint " + quote(name) + " to lock, " + suggestion(name, joint_names()));
       const auto type = found->second->type;
       if (type == urdf::Joint::FIXED)
-        throw UrdfOptionError(name, true, "joint " + quote(name) + " is fixed, expected one that moves, to lock");
+        refuse_lock("joint " + quote(name) + " is fixed, expected one that moves, to lock");
       if (type == urdf::Joint::FLOATING || type == urdf::Joint::PLANAR)
-        throw UrdfOptionError(name, true,
-                              "joint " + quote(name) + " has several coordinates, expected one with one, to lock");
+        refuse_lock("joint " + quote(name) + " has several coordinates, expected one with one, to lock");
       if (!std::isfinite(position))
-        throw UrdfOptionError(name, true, "joint " + quote(name) + " is locked at no finite position, expected one");
+        refuse_lock("joint " + quote(name) + " is locked at no finite position, expected one");
     }
   }
 
-  int joint_with_torques(const std::string& name) const {
+  // joint: that an option names; "" where it names none.
+  [[noreturn]] static void refuse(const std::string& joint, const std::string& what) {
+    throw UrdfOptionError(joint, false, what);
+  }
+
+  int moving_joint(const std::string& name) const {
     const int i = model_.find_joint(name);
-    if (i < 0) throw UrdfOptionError(name, false, why_absent(name));
+    if (i < 0) refuse(name, why_absent(name));
+    return i;
+  }
+
+  int joint_with_torques(const std::string& name) const {
+    const int i = moving_joint(name);
     if (model_.floating_base && i == 0)
-      throw UrdfOptionError(name, false,
-                            "joint " + quote(name) + " is the floating base, which has no torques, expected another");
+      refuse(name, "joint " + quote(name) + " is the floating base, which has no torques, expected another");
     return i;
   }
 
@@ -332,22 +337,18 @@ class Builder {
 
   void set_armature() {
     const auto sound = [](double a) { return std::isfinite(a) && a >= 0; };
-    if (!sound(options_.armature)) throw UrdfOptionError("", false, "the armature is negative, expected 0 or more");
+    if (!sound(options_.armature)) refuse("", "the armature is negative, expected 0 or more");
     model_.armature.setConstant(options_.armature);
     if (model_.floating_base) model_.armature.head<6>().setZero();
     for (const auto& [name, values] : options_.joint_armature) {
-      const int i = model_.find_joint(name);
-      if (i < 0) throw UrdfOptionError(name, false, why_absent(name));
-      const Joint& joint = model_.joints[i];
+      const Joint& joint = model_.joints[moving_joint(name)];
       if (values.size() != 1 && values.size() != static_cast<std::size_t>(joint.nv()))
-        throw UrdfOptionError(name, false,
-                              "the armature of joint " + quote(name) + " has " + std::to_string(values.size()) +
-                                  " numbers, expected 1" + (joint.nv() > 1 ? " or " + std::to_string(joint.nv()) : ""));
+        refuse(name, "the armature of joint " + quote(name) + " has " + std::to_string(values.size()) +
+                         " numbers, expected 1" + (joint.nv() > 1 ? " or " + std::to_string(joint.nv()) : ""));
       for (int k = 0; k < joint.nv(); ++k) {
         const double a = values[values.size() == 1 ? 0 : static_cast<std::size_t>(k)];
         if (!sound(a))
-          throw UrdfOptionError(name, false,
-                                "the armature of joint " + quote(name) + " is " + io::show(a) + ", expected 0 or more");
+          refuse(name, "the armature of joint " + quote(name) + " is " + io::show(a) + ", expected 0 or more");
         model_.armature[joint.idx_v + k] = a;
       }
     }
@@ -368,15 +369,11 @@ class Builder {
     if (!options_.joint_damping.empty() && model_.damping.size() == 0)
       model_.damping = Eigen::VectorXd::Zero(model_.nv);
     for (const auto& [name, damping] : options_.joint_damping) {
-      const int i = model_.find_joint(name);
-      if (i < 0) throw UrdfOptionError(name, false, why_absent(name));
-      const Joint& joint = model_.joints[i];
+      const Joint& joint = model_.joints[moving_joint(name)];
       if (joint.nv() != 1)
-        throw UrdfOptionError(name, false,
-                              "joint " + quote(name) + " has a damping and several coordinates, expected one");
+        refuse(name, "joint " + quote(name) + " has a damping and several coordinates, expected one");
       if (!(damping >= 0 && std::isfinite(damping)))
-        throw UrdfOptionError(
-            name, false, "the damping of joint " + quote(name) + " is " + io::show(damping) + ", expected 0 or more");
+        refuse(name, "the damping of joint " + quote(name) + " is " + io::show(damping) + ", expected 0 or more");
       model_.damping[joint.idx_v] = damping;
     }
   }
@@ -398,10 +395,7 @@ class Builder {
 }  // namespace
 
 Model load_urdf(const std::string& path, const UrdfOptions& options, std::vector<Finding>* findings) {
-  std::string problem;
-  const std::string text = io::read_file(path, problem);
-  if (!problem.empty()) throw InputError(path, 1, problem + ", expected a URDF file");
-  io::XmlFile file(path, text, "robot");
+  io::XmlFile file(path, io::read_file_of(path, "a URDF file"), "robot");
   UrdfDetails details = io::check_urdf(file.root());
   const urdf::ModelInterfaceSharedPtr robot = parse(file, details);
   // urdfdom's links own their children: let go one by one, a long chain is not freed recursively.

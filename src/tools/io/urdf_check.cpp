@@ -27,8 +27,7 @@ int line_of(const UrdfJoint& joint) { return joint.line; }
 // A name that is given, not empty and new.
 template <class Known>
 std::string check_name(const Element& e, Known& known) {
-  const std::string name = e.required("name");
-  if (name.empty()) e.where("name").fail(e.label("name") + " is empty, expected a name");
+  const std::string name = e.not_empty("name");
   const auto [at, is_new] = known.emplace(name, typename Known::mapped_type{e.line()});
   if (!is_new)
     e.where("name").fail(e.name() + " " + quote(name) + " exists already on line " +
@@ -167,14 +166,13 @@ Edge check_joint(const Element& joint, UrdfDetails& details) {
 
 // Checks that there is one root, one parent for every other link, and no cycle.
 void check_tree(const Element& robot, const UrdfDetails& details, const std::vector<Edge>& edges) {
+  const auto at_line = [&robot](int line) { return Where{robot.where().file, line}; };
   std::unordered_map<std::string, const Edge*> above;  // key: the child link
   for (const Edge& e : edges) {
     const auto [at, is_new] = above.emplace(e.child, &e);
-    Where here = robot.where();
-    here.line = e.line;
     if (!is_new)
-      here.fail("link " + quote(e.child) + " is the child of joint " + quote(e.joint) + " and of joint " +
-                quote(at->second->joint) + ", expected a tree");
+      at_line(e.line).fail("link " + quote(e.child) + " is the child of joint " + quote(e.joint) + " and of joint " +
+                           quote(at->second->joint) + ", expected a tree");
   }
   std::unordered_map<std::string, int> seen;  // link: number of the walk that met it first
   std::string root;
@@ -185,20 +183,17 @@ void check_tree(const Element& robot, const UrdfDetails& details, const std::vec
     while (seen.emplace(at, walk).second) {
       const auto up = above.find(at);
       if (up == above.end()) {
-        Where here = robot.where();
-        here.line = details.link.at(at);
         if (!root.empty())
-          here.fail("link " + quote(at) + " has no parent, nor has link " + quote(root) + ", expected one root");
+          at_line(details.link.at(at))
+              .fail("link " + quote(at) + " has no parent, nor has link " + quote(root) + ", expected one root");
         root = at;
         break;
       }
       at = up->second->parent;
-      if (const auto met = seen.find(at); met != seen.end() && met->second == walk) {
-        Where here = robot.where();
-        here.line = up->second->line;
-        here.fail("joint " + quote(up->second->joint) + " closes a cycle through link " + quote(at) +
+      if (const auto met = seen.find(at); met != seen.end() && met->second == walk)
+        at_line(up->second->line)
+            .fail("joint " + quote(up->second->joint) + " closes a cycle through link " + quote(at) +
                   ", expected a tree");
-      }
     }
   }
 }

@@ -59,10 +59,7 @@ bool read_shape(const io::Element& geometry, Visual& out) {
 }  // namespace
 
 std::vector<Visual> load_visuals(const std::string& urdf) {
-  std::string problem;
-  const std::string text = io::read_file(urdf, problem);
-  if (!problem.empty()) throw InputError(urdf, 1, problem + ", expected a URDF file");
-  const io::XmlFile file(urdf, text, "robot");
+  const io::XmlFile file(urdf, io::read_file_of(urdf, "a URDF file"), "robot");
   const io::Element robot = file.root();
 
   Colours named;
