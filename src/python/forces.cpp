@@ -24,14 +24,14 @@ T judged(const Scene& scene, T item, std::vector<T> Scene::*list, int (*add)(Sce
     const auto number = static_cast<int>(known - numbers.begin());
     if (known == numbers.end()) {
       numbers.push_back(at->robot);
-      around.robots.push_back(scene.robots[static_cast<std::size_t>(at->robot)]);
+      around.robots.push_back(scene.robots[at->robot]);
     }
     at->robot = number;
   }
   add(around, std::move(item));
   T taken = std::move((around.*list).front());
   for (Attachment* at : ends(taken))
-    if (at->robot >= 0) at->robot = numbers[static_cast<std::size_t>(at->robot)];
+    if (at->robot >= 0) at->robot = numbers[at->robot];
   return taken;
 }
 

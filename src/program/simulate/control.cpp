@@ -68,8 +68,7 @@ void TimeTable::slopes_at(double t, Eigen::VectorXd& slopes) const {
   slopes.setZero(static_cast<Eigen::Index>(n));
   if (after == 0 || after == t_.size()) return;
   for (std::size_t k = 0; k < n; ++k)
-    slopes[static_cast<Eigen::Index>(k)] =
-        (values_[after * n + k] - values_[(after - 1) * n + k]) / (t_[after] - t_[after - 1]);
+    slopes[k] = (values_[after * n + k] - values_[(after - 1) * n + k]) / (t_[after] - t_[after - 1]);
 }
 
 void Control::read_torques(const std::string& path) {
@@ -142,7 +141,7 @@ void Control::set_pd(double t, PdLaws& pd) {
   if (v_over_time_) v_over_time_->at(t, true, v_);
   if (q_over_time_) q_over_time_->slopes_at(t, slopes_);
   for (std::size_t k = 0; k < v_of_slope_.size(); ++k)
-    if (v_of_slope_[k] >= 0) v_[v_of_slope_[k]] = slopes_[static_cast<Eigen::Index>(k)];
+    if (v_of_slope_[k] >= 0) v_[v_of_slope_[k]] = slopes_[k];
   pd.kp = kp_, pd.kd = kd_, pd.v_ref = v_;
   pd.q_ref.setZero(kp_.size());
   for (const Robot& robot : file_.scene.robots)

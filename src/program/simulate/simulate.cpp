@@ -95,7 +95,7 @@ Eigen::VectorXd with_pd(const Scene& scene, const SimulationData& sim, Eigen::Ve
   if (sim.pd.kp.size() == 0) return u;
   for (const Robot& robot : scene.robots)
     for (int k = 0; k < robot.model->nu(); ++k)
-      u[robot.idx_u + k] += sim.pd_torque[robot.idx_v + robot.model->actuated[static_cast<std::size_t>(k)]];
+      u[robot.idx_u + k] += sim.pd_torque[robot.idx_v + robot.model->actuated[k]];
   return u;
 }
 
@@ -193,11 +193,11 @@ void print_advice(std::ostream& out, const Scene& scene, const SimulationData& s
 
 // Returns what requires the smallest step: "spring rope", "joint arm/wrist, by its spring and PD law,".
 std::string name_of(const Scene& scene, const SimulationData& sim, const SpringStep& shortest) {
-  if (shortest.spring >= 0) return "spring " + scene.springs[static_cast<std::size_t>(shortest.spring)].name;
+  if (shortest.spring >= 0) return "spring " + scene.springs[shortest.spring].name;
   const int i = shortest.coordinate;
   std::vector<std::string> by;
   for (const JointSpring& spring : scene.joint_springs) {
-    const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
+    const Robot& robot = scene.robots[spring.robot];
     if (robot.idx_v + robot.model->joints[spring.joint].idx_v == i && spring.stiffness > 0) by.push_back("spring");
   }
   for (const Robot& robot : scene.robots) {
@@ -210,7 +210,7 @@ std::string name_of(const Scene& scene, const SimulationData& sim, const SpringS
   if (sim.pd.kp.size() > 0 && (sim.pd.kp[i] > 0 || sim.pd.kd[i] > 0)) by.push_back("PD law");
   std::string list;
   for (std::size_t k = 0; k < by.size(); ++k) list += (k == 0 ? "" : k + 1 == by.size() ? " and " : ", ") + by[k];
-  return "joint " + velocity_names(scene)[static_cast<std::size_t>(i)] + ", by its " + list + ",";
+  return "joint " + velocity_names(scene)[i] + ", by its " + list + ",";
 }
 
 // Returns advice on the step if h is too long for the spring or joint `shortest`.

@@ -82,13 +82,12 @@ bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
     const Event& event = events_[done_];
     any = true;
     if (event.what != Event::kOff) closing.push_back(&event);
-    if (event.what != Event::kOff && active[static_cast<std::size_t>(event.first)]) held.insert(&event);
+    if (event.what != Event::kOff && active[event.first]) held.insert(&event);
     for (int c = event.first; c < event.first + event.count; ++c) {
-      active[static_cast<std::size_t>(c)] = event.what != Event::kOff;
-      on[static_cast<std::size_t>(c)] = event.what == Event::kOn;
-      sim.dynamics.active[static_cast<std::size_t>(c)] = false;  // so that one that is on closes again
-      if (event.what == Event::kHere)
-        resolve_reference(scene, sim.q, true, true, scene.contacts[static_cast<std::size_t>(c)]);
+      active[c] = event.what != Event::kOff;
+      on[c] = event.what == Event::kOn;
+      sim.dynamics.active[c] = false;  // so that one that is on closes again
+      if (event.what == Event::kHere) resolve_reference(scene, sim.q, true, true, scene.contacts[c]);
     }
   }
   if (!any) return true;
@@ -96,7 +95,7 @@ bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
   const VelocityJump jump = switch_contacts(scene, active, sim);
   std::vector<std::string> closed;
   for (const Event* event : closing)
-    if (active[static_cast<std::size_t>(event->first)])  // not off at once
+    if (active[event->first])  // not off at once
       closed.push_back(event->contact + (held.contains(event) ? " (on before)" : ""));
   if (!closed.empty()) blows_.push_back({t, join(closed, 4), jump, placement_errors(scene, sim.q, on)});
   return jump.status != Status::kFailed;

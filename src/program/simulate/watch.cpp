@@ -23,8 +23,7 @@ constexpr double kGained = 0.01;   // energy that nothing gave or took, of the l
 double torque_power(const Scene& scene, const Eigen::VectorXd& u, const Eigen::VectorXd& v) {
   double power = 0;
   for (const Robot& robot : scene.robots)
-    for (int k = 0; k < robot.model->nu(); ++k)
-      power += u[robot.idx_u + k] * v[robot.idx_v + robot.model->actuated[static_cast<std::size_t>(k)]];
+    for (int k = 0; k < robot.model->nu(); ++k) power += u[robot.idx_u + k] * v[robot.idx_v + robot.model->actuated[k]];
   return power;
 }
 
@@ -126,8 +125,7 @@ void Watch::look(const Scene& scene, double t, const Eigen::VectorXd& q, const E
   for (std::size_t r = 0; sim.integrator == Integrator::kSemiImplicitEuler && r < scene.robots.size(); ++r) {
     const Robot& robot = scene.robots[r];
     if (robot.model->nv > 0)
-      loads[static_cast<Eigen::Index>(r)] +=
-          robot.model->mass() * v.segment(robot.idx_v, robot.model->nv).cwiseAbs().maxCoeff() / sim.h;
+      loads[r] += robot.model->mass() * v.segment(robot.idx_v, robot.model->nv).cwiseAbs().maxCoeff() / sim.h;
   }
   take(violations(scene, q, sim.f, sim.f_offset, loads), t, violations_);
   take(limits_passed(scene, q, v, u), t, limits_);

@@ -39,9 +39,9 @@ std::vector<bool> shared_in_axes(const SolvedScene& s, int c) {
   const int first = s.data.f_offset[c];
   std::vector<bool> shared(6);
   for (int k = 0; k < contact.rows(); ++k) {
-    if (s.unique.empty() || s.unique[static_cast<std::size_t>(first + k)]) continue;
+    if (s.unique.empty() || s.unique[first + k]) continue;
     const Vec6<double> w = force_in_axes(contact, Eigen::VectorXd::Unit(contact.rows(), k), 0);
-    for (int i = 0; i < 6; ++i) shared[static_cast<std::size_t>(i)] = shared[static_cast<std::size_t>(i)] || w[i] != 0;
+    for (int i = 0; i < 6; ++i) shared[i] = shared[i] || w[i] != 0;
   }
   return shared;
 }
@@ -129,7 +129,7 @@ void print_forces(std::ostream& out, const SolvedScene& s) {
                                    contact.reference_frame == ReferenceFrame::kLocal ? "local" : "world"};
     const std::vector<bool> shared = shared_in_axes(s, c);
     for (int i = 0; i < (holds_turning(contact.type) ? 6 : 3); ++i)
-      cells.push_back(decimal(w[i]) + (!any_shared ? "" : shared[static_cast<std::size_t>(i)] ? "*" : " "));
+      cells.push_back(decimal(w[i]) + (!any_shared ? "" : shared[i] ? "*" : " "));
     add_line(lines, group[c], contact.name, cells, s.data.f.segment(s.data.f_offset[c], contact.rows()).norm());
   }
   if (lines.empty()) return;

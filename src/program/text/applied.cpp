@@ -15,7 +15,7 @@ std::string three(const Vec3<double>& x) { return number(x[0]) + " " + number(x[
 
 std::string name_of(const Scene& scene, const Attachment& at) {
   if (at.robot < 0) return "the world";
-  const Robot& robot = scene.robots[static_cast<std::size_t>(at.robot)];
+  const Robot& robot = scene.robots[at.robot];
   return robot.name + "/" + (at.frame.empty() ? robot.model->joints[at.joint].name : at.frame);
 }
 
@@ -31,8 +31,8 @@ struct At {
   }
   Vec3<double> place(const Attachment& at) const {
     if (at.robot < 0) return at.placement.p;
-    const Robot& robot = scene.robots[static_cast<std::size_t>(at.robot)];
-    const auto& of = forces.robots[static_cast<std::size_t>(forces.number[static_cast<std::size_t>(at.robot)])];
+    const Robot& robot = scene.robots[at.robot];
+    const auto& of = forces.robots[forces.number[at.robot]];
     return frame_placement<double>(of.kin, robot.base, at.joint, at.placement).p;
   }
 };
@@ -67,7 +67,7 @@ void print_joint_springs(std::ostream& out, const SceneFile& file) {
   out << "\nSprings in joints: at and at rest [rad, m], torque [N m, N]\n";
   Table table("joint<|at|at rest|torque", kMostListed);
   for (const JointSpring& spring : scene.joint_springs) {
-    const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
+    const Robot& robot = scene.robots[spring.robot];
     const Joint& joint = robot.model->joints[spring.joint];
     const double q = file.q[robot.idx_q + joint.idx_q];
     table.add(

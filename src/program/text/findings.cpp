@@ -122,14 +122,14 @@ void find_near_dependent(const Scene& scene, const Eigen::VectorXd& q, const Sce
                                 [&](const RankGap& gap) { return counts(gap) && gap.least_kept < kOnlyJust; });
   if (!near && std::none_of(gaps.begin(), gaps.end(), close)) return;
   const std::vector<std::string> forces = force_names(scene, data);
-  const auto name = [&forces](int row) { return forces[static_cast<std::size_t>(row)]; };
+  const auto name = [&forces](int row) { return forces[row]; };
   for (NearDependent& n : near ? near_dependent(scene, q, data) : std::vector<NearDependent>()) {
     NearlyDependent entry{std::move(n), {}, {}, {}};
     for (const int row : entry.found.rows) entry.rows.push_back(name(row));
     if (std::any_of(to.near_dependent.begin(), to.near_dependent.end(),
                     [&](const NearlyDependent& known) { return known.rows == entry.rows; }))
       continue;
-    entry.coordinate = velocity_names(scene)[static_cast<std::size_t>(entry.found.coordinate)];
+    entry.coordinate = velocity_names(scene)[entry.found.coordinate];
     entry.text = join(entry.rows, kMostPlaces) + ": " + in_words(scene, entry.found);
     to.near_dependent.push_back(std::move(entry));
   }
@@ -166,7 +166,7 @@ std::string in_words(const Scene& scene, const Violation& v) {
 }
 
 std::string in_words(const Scene& scene, const TurningRows& rows) {
-  const Contact& contact = scene.contacts[static_cast<std::size_t>(rows.contact)];
+  const Contact& contact = scene.contacts[rows.contact];
   const bool local = contact.reference_frame == ReferenceFrame::kLocal;
   return contact.name + " slides across its rows, which turn " + (local ? "with A" : "if seen from B'") +
          ": `solve` gives its velocity along them a rate of " + number(rows.rate) +
@@ -178,9 +178,7 @@ std::string in_words(const Scene& scene, const TurningRows& rows) {
 std::string in_words(const Scene& scene, const std::vector<std::string>& velocity_names, const RankChange& c) {
   std::string text = contact_names(scene, c.contacts) + ": rank " + std::to_string(c.rank) + " of " +
                      std::to_string(c.rows) + " rows here, more at neighbouring configurations";
-  if (c.coordinate >= 0)
-    text +=
-        ", where contacts constrain " + velocity_names[static_cast<std::size_t>(c.coordinate)] + " too, most of all";
+  if (c.coordinate >= 0) text += ", where contacts constrain " + velocity_names[c.coordinate] + " too, most of all";
   return text + (c.singular ? "; a singular configuration: accelerations are valid here only, derivatives do not exist"
                             : "; rows are dependent only while they are satisfied: derivatives exist along motions "
                               "that satisfy them, not across");
@@ -245,7 +243,7 @@ Json json_of(const Scene& scene, const Violation& v) {
 }
 
 Json json_of(const Scene& scene, const TurningRows& rows) {
-  return {{"contact", scene.contacts[static_cast<std::size_t>(rows.contact)].name}, {"rate", rows.rate}};
+  return {{"contact", scene.contacts[rows.contact].name}, {"rate", rows.rate}};
 }
 
 Json json_of(const Scene& scene, const LimitPassed& limit) {
@@ -262,9 +260,7 @@ void add_findings(const Scene& scene, const Findings& f, Json& to) {
   const auto say = [&to](const std::string& kind, const std::string& name, const std::string& text) {
     to["findings"].push_back({{"kind", kind}, {"name", name}, {"text", text}});
   };
-  const auto contact_name = [&scene](const auto& x) {
-    return scene.contacts[static_cast<std::size_t>(x.contact)].name;
-  };
+  const auto contact_name = [&scene](const auto& x) { return scene.contacts[x.contact].name; };
   for (const Finding& x : f.files) {
     say(x.kind, x.name, x.text);
     to["findings"].back().update({{"file", x.file}, {"line", x.line}});

@@ -33,7 +33,7 @@ std::string base64(const unsigned char* bytes, std::size_t size) {
 
 std::string place(const Scene& scene, const Attachment& at) {
   if (at.robot < 0) return at.frame.empty() ? "world" : "world (" + at.frame + ")";
-  return scene.robots[static_cast<std::size_t>(at.robot)].name + (at.frame.empty() ? "" : "/" + at.frame);
+  return scene.robots[at.robot].name + (at.frame.empty() ? "" : "/" + at.frame);
 }
 
 Json contacts_of(const Recording& r) {

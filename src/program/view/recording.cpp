@@ -40,11 +40,11 @@ SE3<double> placement_of(const Attachment& at, const Recording& r) {
 // The frame that B was attached by, before its offset; B' where that is not known.
 SE3<double> frame_of(const Attachment& at, const Recording& r) {
   if (at.robot < 0 || at.frame.empty()) return placement_of(at, r);
-  const Model& model = *r.scene->robots[static_cast<std::size_t>(at.robot)].model;
+  const Model& model = *r.scene->robots[at.robot].model;
   const int frame = model.find_frame(at.frame);
   if (frame < 0) return placement_of(at, r);
   Attachment bare = at;
-  bare.placement = model.frames[static_cast<std::size_t>(frame)].placement;
+  bare.placement = model.frames[frame].placement;
   return placement_of(bare, r);
 }
 
@@ -62,7 +62,7 @@ void record_contact(const Contact& contact, const std::optional<Vec3<double>>& f
 std::vector<char> dependent_rows(const Report& report, Eigen::Index rows) {
   std::vector<char> out(static_cast<std::size_t>(rows));
   for (const IslandReport& island : report.islands)
-    for (const int row : island.dependent_rows) out[static_cast<std::size_t>(row)] = 1;
+    for (const int row : island.dependent_rows) out[row] = 1;
   return out;
 }
 
@@ -74,9 +74,9 @@ void record_contacts(const ViewState& state, Recording& r) {
     const int first = r.dynamics.f_offset[c];
     std::uint8_t flags = state.active[c] ? Recording::kActive : 0;
     for (int k = 0; first >= 0 && k < contact.rows(); ++k) {
-      if (dependent[static_cast<std::size_t>(first + k)]) flags |= Recording::kRedundant;
+      if (dependent[first + k]) flags |= Recording::kRedundant;
       const bool known = std::isfinite(r.dynamics.f[first + k]);
-      if (k < 3 && known && !unique[static_cast<std::size_t>(first + k)]) flags |= Recording::kShared;  // the arrow's
+      if (k < 3 && known && !unique[first + k]) flags |= Recording::kShared;  // the arrow's
     }
     std::optional<Vec3<double>> force;
     if (state.forces && state.active[c]) force = linear_force(contact, (*state.forces)[c].data());
@@ -102,7 +102,7 @@ void record_forces(Recording& r) {
 void record_islands(Recording& r) {
   std::vector<std::int32_t> first(island_count(r.dynamics), -1);
   for (int robot = 0; robot < r.scene->nrobots(); ++robot) {
-    std::int32_t& name = first[static_cast<std::size_t>(island_with_robot(r.dynamics, robot))];
+    std::int32_t& name = first[island_with_robot(r.dynamics, robot)];
     if (name < 0) name = robot;
     r.islands.push_back(name);
   }

@@ -74,7 +74,7 @@ double reach_of(const Model& model) {
   std::vector<double> reach(model.joints.size());
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     const Joint& joint = model.joints[i];
-    if (joint.parent >= 0) reach[i] = reach[static_cast<std::size_t>(joint.parent)] + joint.placement.p.norm();
+    if (joint.parent >= 0) reach[i] = reach[joint.parent] + joint.placement.p.norm();
     longest = std::max(longest, reach[i]);
   }
   return longest;
@@ -83,7 +83,7 @@ double reach_of(const Model& model) {
 // Returns the end of a body that carries no others: its farthest frame. If the centre of mass is farther out, the point
 // at twice its distance.
 Vec3<double> tip_of(const Model& model, int joint) {
-  const Inertia<double>& Y = model.joints[static_cast<std::size_t>(joint)].inertia;
+  const Inertia<double>& Y = model.joints[joint].inertia;
   const Vec3<double> centre = Y.m > 0 ? Vec3<double>(Y.h / Y.m) : Vec3<double>::Zero();
   Vec3<double> tip = Vec3<double>::Zero();
   for (const Frame& frame : model.frames)
@@ -96,7 +96,7 @@ Vec3<double> tip_of(const Model& model, int joint) {
 void add_capsules(const Model& model, const std::vector<char>& whole, Json& shapes) {
   const double radius = std::max(0.03 * reach_of(model), 0.005);
   std::vector<std::vector<Vec3<double>>> ends(whole.size());  // one entry per body, the base first
-  for (const Joint& joint : model.joints) ends[static_cast<std::size_t>(joint.parent + 1)].push_back(joint.placement.p);
+  for (const Joint& joint : model.joints) ends[joint.parent + 1].push_back(joint.placement.p);
   for (std::size_t body = model.floating_base ? 1 : 0; body < ends.size(); ++body) {
     if (whole[body]) continue;
     const int joint = static_cast<int>(body) - 1;
@@ -113,7 +113,7 @@ Json names_of_bodies(const Model& model) {
   std::vector<std::string> names(model.joints.size());
   for (std::size_t i = 0; i < names.size(); ++i) names[i] = model.joints[i].name;
   for (const Frame& frame : model.frames)
-    if (frame.joint >= 0 && !frame.merged) names[static_cast<std::size_t>(frame.joint)] = frame.name;
+    if (frame.joint >= 0 && !frame.merged) names[frame.joint] = frame.name;
   return names;
 }
 

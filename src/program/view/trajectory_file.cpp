@@ -24,7 +24,7 @@ Columns columns(const CsvReader& row, const std::string& prefix, const std::vect
 
 Eigen::VectorXd numbers(const CsvReader& row, const Columns& list) {
   Eigen::VectorXd out(static_cast<Eigen::Index>(list.size()));
-  for (std::size_t k = 0; k < list.size(); ++k) out[static_cast<Eigen::Index>(k)] = row.number(list[k]);
+  for (std::size_t k = 0; k < list.size(); ++k) out[k] = row.number(list[k]);
   return out;
 }
 

@@ -45,7 +45,7 @@ void NormalMatrix::factorize(const Eigen::SparseMatrix<double>& J, const std::ve
   std::size_t k = 0;
   each_pair(J, [&](Eigen::Index j, int a, int b) {
     const int at = slot_[k++];
-    if (counts[static_cast<std::size_t>(j)]) A_[at] += x[a] * x[b];
+    if (counts[j]) A_[at] += x[a] * x[b];
   });
   for (const int at : diagonal_) A_[at] += mu;
   (void)sparse::ldl_factor(pattern_, symbolic_, A_.data(), work_, L_.data(), D_.data());  // positive definite

@@ -32,7 +32,7 @@ class GoalRows {
   void take_middle(const std::vector<Attachment>& frames, int axis, int row, Rows& rows);
   SE3<double> placed(const Attachment& frame) const;
   void evaluate(bool with_jacobian);
-  const Kinematics<double>& kin(int robot) const { return *kin_[static_cast<std::size_t>(robot)]; }
+  const Kinematics<double>& kin(int robot) const { return *kin_[robot]; }
 
   const Scene& scene_;
   const std::vector<Goal>& goals_;

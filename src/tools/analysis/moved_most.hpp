@@ -13,7 +13,7 @@ inline std::string moved_most(const std::string& what, const std::vector<std::st
   Eigen::Index k = 0;
   const double most = x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff(&k);
   if (!(most >= kPlacementError)) return "";
-  return ", " + what + " most of all of " + names[static_cast<std::size_t>(k)] + ", by " + text::number(x[k]);
+  return ", " + what + " most of all of " + names[k] + ", by " + text::number(x[k]);
 }
 
 }  // namespace manycontact::internal

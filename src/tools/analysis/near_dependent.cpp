@@ -59,7 +59,7 @@ void leave_out(const std::vector<int>& rows, const Eigen::VectorXd& q, internal:
   Eigen::MatrixXd X(a.size(), m), F(f.size(), m);  // responses of a and f to an acceleration of 1 demanded of each row
   Eigen::VectorXd x;
   for (Eigen::Index k = 0; k < m; ++k) {
-    (void)rest.least_motion(q, Eigen::VectorXd::Unit(f.size(), rows[static_cast<std::size_t>(k)]), x);
+    (void)rest.least_motion(q, Eigen::VectorXd::Unit(f.size(), rows[k]), x);
     X.col(k) = x;
     F.col(k) = rest.forces();
   }
@@ -132,9 +132,8 @@ std::string in_words(const Scene& scene, const NearDependent& n) {
       std::string("the other rows leave ") + left + " of " + (n.rows.size() == 1 ? "it" : "the least of them");
   if (std::isfinite(n.times) && n.times > 1) text += ", forces are " + text::number(n.times) + " times the loads";
   const double rounding = 1e-9 * std::abs(n.without);
-  text += "; without, " + velocity_names(scene)[static_cast<std::size_t>(n.coordinate)] + " would accelerate by " +
-          text::number(n.without) + " instead of " +
-          text::number(std::abs(n.acceleration) > rounding ? n.acceleration : 0);
+  text += "; without, " + velocity_names(scene)[n.coordinate] + " would accelerate by " + text::number(n.without) +
+          " instead of " + text::number(std::abs(n.acceleration) > rounding ? n.acceleration : 0);
   return text +
          ". Rounded numbers in a file cause this: `inspect` recommends other contacts, and tolerance=\"...\" of the "
          "scene sets its accuracy";

@@ -25,12 +25,12 @@ void NewtonStep::precondition(const Eigen::SparseMatrix<double>& J, double mu, c
                               Eigen::VectorXd& z) {
   z = r;
   for (Eigen::Index i = 0; i < z.size(); ++i)
-    if (!free_[static_cast<std::size_t>(i)]) z[i] = 0;
+    if (!free_[i]) z[i] = 0;
   Eigen::VectorXd y = J * z;
   normal_.solve(y);
   z = (z - J.transpose() * y) / mu;
   for (Eigen::Index i = 0; i < z.size(); ++i)
-    if (!free_[static_cast<std::size_t>(i)]) z[i] = 0;
+    if (!free_[i]) z[i] = 0;
 }
 
 // H is the Hessian and g the gradient at x = 0. r = -(g + H x), so that the model decreases by (r - g)^T x / 2.
@@ -46,8 +46,8 @@ double NewtonStep::solve(const Eigen::SparseMatrix<double>& J, double size_of_e,
   double wanted = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
     const double room = g[i] > 0 ? -lower[i] : upper[i];
-    free_[static_cast<std::size_t>(i)] = g[i] != 0 && room > 0;
-    if (free_[static_cast<std::size_t>(i)]) wanted = std::max(wanted, kSolved * std::abs(g[i]));
+    free_[i] = g[i] != 0 && room > 0;
+    if (free_[i]) wanted = std::max(wanted, kSolved * std::abs(g[i]));
   }
   bool begins = true;
   double rz = 0;
@@ -69,11 +69,11 @@ double NewtonStep::solve(const Eigen::SparseMatrix<double>& J, double size_of_e,
     begins = stopped >= 0;
     if (begins) {
       x[stopped] = p[stopped] > 0 ? upper[stopped] : lower[stopped];
-      free_[static_cast<std::size_t>(stopped)] = 0;
+      free_[stopped] = 0;
     }
     double left = 0;
     for (Eigen::Index i = 0; i < n; ++i)
-      if (free_[static_cast<std::size_t>(i)]) left = std::max(left, std::abs(r[i]));
+      if (free_[i]) left = std::max(left, std::abs(r[i]));
     if (left <= wanted) break;
   }
   x = x.cwiseMax(lower).cwiseMin(upper);

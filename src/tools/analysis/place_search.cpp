@@ -143,7 +143,7 @@ Eigen::VectorXd PlaceSearch::aside(const Eigen::VectorXd& q) {
 }
 
 bool PlaceSearch::moves(int robot) const {
-  const Robot& r = scene_.robots[static_cast<std::size_t>(robot)];
+  const Robot& r = scene_.robots[robot];
   return J_.outerSize() > 0 && J_.outerIndexPtr()[r.idx_v] < J_.outerIndexPtr()[r.idx_v + r.model->nv];
 }
 

@@ -57,7 +57,7 @@ Eigen::MatrixXd rows_of(const Examined& x, const std::vector<int>& positions) {
   for (int c : positions) {
     const Eigen::MatrixXd& J = x.numbers(c).J;
     for (Eigen::Index k = 0; k < J.cols(); ++k)
-      Jt.row(column[x.support.columns[c][static_cast<std::size_t>(k)]]).segment(row, J.rows()) = J.col(k).transpose();
+      Jt.row(column[x.support.columns[c][k]]).segment(row, J.rows()) = J.col(k).transpose();
     for (int k = 0; k < J.rows(); ++k, ++row) {
       const double size = std::max(row_size(x.contact(c), x.numbers(c), k), Jt.col(row).norm());
       if (size > 0) Jt.col(row) /= size;
@@ -293,7 +293,7 @@ RowSelection select_rows(const Scene& scene, const Island& island, const IslandR
     const Contact& contact = scene.contacts[island.contacts[c]];
     std::vector<int> rows;
     for (int i = 0; i < contact.rows(); ++i)
-      if (ranks.redundant[static_cast<std::size_t>(island.row_offset[c] + i)])
+      if (ranks.redundant[island.row_offset[c] + i])
         s.redundant.push_back(row_name(contact, i));
       else
         rows.push_back(i);

@@ -84,8 +84,7 @@ Eigen::SparseMatrix<double> force_null_space(const Scene& scene, const ConstVect
   Eigen::Index cols = 0;
   for (const IslandBasis& basis : bases_of(scene, q, data)) {
     for (Eigen::Index j = 0; j < basis.N.cols(); ++j)
-      for (Eigen::Index i = 0; i < basis.N.rows(); ++i)
-        entries.emplace_back(basis.rows[static_cast<std::size_t>(i)], cols + j, basis.N(i, j));
+      for (Eigen::Index i = 0; i < basis.N.rows(); ++i) entries.emplace_back(basis.rows[i], cols + j, basis.N(i, j));
     cols += basis.N.cols();
   }
   Eigen::SparseMatrix<double> N(data.f.size(), cols);

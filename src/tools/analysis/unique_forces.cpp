@@ -24,7 +24,7 @@ std::vector<char> unique_forces(const Scene& scene, const ConstVectorRef& q, con
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
     const IslandReport& r = data.report.islands[i];
     if (r.status == Status::kFailed)
-      internal::each_row(scene, data, i, [&](int row) { unique[static_cast<std::size_t>(row)] = 0; });
+      internal::each_row(scene, data, i, [&](int row) { unique[row] = 0; });
     else if (r.rank < r.nc)
       dependent.push_back(i);
   }
@@ -38,7 +38,7 @@ std::vector<char> unique_forces(const Scene& scene, const ConstVectorRef& q, con
       internal::each_row(scene, data, i, [&](int row) { largest = std::max(largest, std::abs(w[row])); });
       const double least = kNoPart * largest + internal::change_in(scene, data, i, w, change);
       internal::each_row(scene, data, i, [&](int row) {
-        if (!(std::abs(w[row]) <= least)) unique[static_cast<std::size_t>(row)] = 0;
+        if (!(std::abs(w[row]) <= least)) unique[row] = 0;
       });
     }
   }

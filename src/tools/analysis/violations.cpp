@@ -103,8 +103,7 @@ Eigen::Vector2d contact_pressure(const Scene& scene, int contact, const ConstVec
 
 Eigen::VectorXd robot_weights(const Scene& scene) {
   Eigen::VectorXd out(static_cast<Eigen::Index>(scene.robots.size()));
-  for (Eigen::Index r = 0; r < out.size(); ++r)
-    out[r] = scene.robots[static_cast<std::size_t>(r)].model->mass() * scene.gravity.norm();
+  for (Eigen::Index r = 0; r < out.size(); ++r) out[r] = scene.robots[r].model->mass() * scene.gravity.norm();
   return out;
 }
 

@@ -37,7 +37,7 @@ int moving_end(const Spring& spring) { return moves(spring.A) ? spring.A.robot :
 // Finds the clusters that the world constrains.
 void find_tied(const Scene& scene, const FreeGroups& groups, BoundedEnergy& e) {
   e.tied.assign(scene.robots.size(), 0);
-  const auto tie = [&](int robot) { e.tied[static_cast<std::size_t>(e.cluster[robot])] = 1; };
+  const auto tie = [&](int robot) { e.tied[e.cluster[robot]] = 1; };
   for (int r = 0; r < scene.nrobots(); ++r) {
     const std::vector<Joint>& joints = scene.robots[r].model->joints;
     for (std::size_t i = 0; i < joints.size(); ++i)
@@ -50,7 +50,7 @@ void find_tied(const Scene& scene, const FreeGroups& groups, BoundedEnergy& e) {
 }
 
 std::span<const int> groups_of(int cluster, const BoundedEnergy& e) {
-  const int first = e.first[static_cast<std::size_t>(cluster)];
+  const int first = e.first[cluster];
   return {e.members.data() + first, static_cast<std::size_t>(e.first[static_cast<std::size_t>(cluster) + 1] - first)};
 }
 
@@ -59,23 +59,21 @@ void sort_groups(const FreeGroups& groups, BoundedEnergy& e) {
   e.of_group.assign(groups.groups.size(), -1);
   e.first.assign(e.cluster.size() + 1, 0);
   for (const FreeGroups::FreeJoint& j : groups.joints) {
-    int& cluster = e.of_group[static_cast<std::size_t>(groups.group[static_cast<std::size_t>(j.node)])];
+    int& cluster = e.of_group[groups.group[j.node]];
     if (cluster >= 0 || group_at(groups, j.node).tied) continue;
-    cluster = e.cluster[static_cast<std::size_t>(j.robot)];
+    cluster = e.cluster[j.robot];
     ++e.first[static_cast<std::size_t>(cluster) + 1];
   }
   std::partial_sum(e.first.begin(), e.first.end(), e.first.begin());
   e.members.resize(static_cast<std::size_t>(e.first.back()));
   for (int g = static_cast<int>(groups.groups.size()) - 1; g >= 0; --g)
-    if (const int cluster = e.of_group[static_cast<std::size_t>(g)]; cluster >= 0)
-      e.members[static_cast<std::size_t>(--e.first[static_cast<std::size_t>(cluster) + 1])] = g;
+    if (const int cluster = e.of_group[g]; cluster >= 0)
+      e.members[--e.first[static_cast<std::size_t>(cluster) + 1]] = g;
   std::rotate(e.first.begin(), e.first.begin() + 1, e.first.end());  // first: where each cluster begins in members
   e.first.back() = static_cast<int>(e.members.size());
 }
 
-double& at_robot(Eigen::VectorXd& x, const BoundedEnergy& e, int robot) {
-  return x[e.cluster[static_cast<std::size_t>(robot)]];
-}
+double& at_robot(Eigen::VectorXd& x, const BoundedEnergy& e, int robot) { return x[e.cluster[robot]]; }
 
 // Kinetic energy of each cluster, and the energy with that in gravity; kinematics are at q, v then.
 void find_energies(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, SimulationData& d,
@@ -118,8 +116,8 @@ void find_relative_motion(const Scene& scene, SimulationData& d, BoundedEnergy& 
   e.relative = e.kinetic;
   for (int c = 0; c < scene.nrobots(); ++c) {
     const std::span<const int> groups = groups_of(c, e);
-    if (groups.empty() || e.tied[static_cast<std::size_t>(c)]) continue;
-    const OneBody& body = e.bodies[static_cast<std::size_t>(c)] = one_body(groups, d.free_groups);
+    if (groups.empty() || e.tied[c]) continue;
+    const OneBody& body = e.bodies[c] = one_body(groups, d.free_groups);
     e.relative[c] -= (body.m * body.V.squaredNorm() + body.w.dot(body.I * body.w)) / 2;
   }
 }
@@ -128,7 +126,7 @@ void find_relative_motion(const Scene& scene, SimulationData& d, BoundedEnergy& 
 void find_rigid_velocities(const Scene& scene, const SimulationData& d, BoundedEnergy& e) {
   e.rigid_v.setZero(scene.nv);
   for (const FreeGroups::FreeJoint& j : d.free_groups.joints) {
-    const auto c = static_cast<std::size_t>(e.cluster[static_cast<std::size_t>(j.robot)]);
+    const auto c = static_cast<std::size_t>(e.cluster[j.robot]);
     if (j.parent != 0 || e.tied[c]) continue;
     const OneBody& body = e.bodies[c];
     const Robot& robot = scene.robots[j.robot];
@@ -173,15 +171,15 @@ void find_stretched(const Scene& scene, const SimulationData& d, bool at_start, 
   if (at_start) e.fast_given.setZero(scene.nrobots());
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const ResistingSprings::Row& row = s.rows[i];
-    const Spring& spring = scene.springs[static_cast<std::size_t>(row.spring)];
-    const int c = e.cluster[static_cast<std::size_t>(moving_end(spring))];
+    const Spring& spring = scene.springs[row.spring];
+    const int c = e.cluster[moving_end(spring)];
     if (row.turns >= 0) continue;
     const double length = (place_of(spring.A, d.at_rest.kin) - place_of(spring.B, d.at_rest.kin)).norm(),
                  stretch = at_start ? row.e : length - spring.length, energy = row.k * stretch * stretch / 2;
     out.all[c] += energy;
-    if (!(d.h * d.h * row.k * s.own[static_cast<Eigen::Index>(i)] > kFast)) continue;
+    if (!(d.h * d.h * row.k * s.own[i] > kFast)) continue;
     out.fast[c] += energy;
-    if (at_start) e.fast_given[c] += s.given[static_cast<Eigen::Index>(i)];
+    if (at_start) e.fast_given[c] += s.given[i];
   }
 }
 
@@ -201,7 +199,7 @@ void shorten_step(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
   for (int k = 0; k < kMostTrials; ++k) {
     e.share.setOnes(scene.nrobots());
     for (int c = 0; c < scene.nrobots(); ++c)
-      if (e.tied[static_cast<std::size_t>(c)] && stretches_too_far(c, e)) e.share[c] = kSmaller;
+      if (e.tied[c] && stretches_too_far(c, e)) e.share[c] = kSmaller;
     if ((e.share.array() == 1).all()) break;
     for (int r = 0; r < scene.nrobots(); ++r)
       d.dynamics.a.segment(scene.robots[r].idx_v, scene.robots[r].model->nv) *= at_robot(e.share, e, r);
@@ -224,12 +222,12 @@ void find_most(const Scene& scene, const SimulationData& d, Eigen::VectorXd& mos
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const ResistingSprings::Row& row = s.rows[i];
     if (row.turns >= 0) continue;
-    const Spring& spring = scene.springs[static_cast<std::size_t>(row.spring)];
+    const Spring& spring = scene.springs[row.spring];
     const Vec3<double> ends = place_of(spring.A, d.at_rest.kin) - place_of(spring.B, d.at_rest.kin);
-    const double moved = (ends - d.applied->springs[static_cast<std::size_t>(row.spring)].d).norm();
+    const double moved = (ends - d.applied->springs[row.spring].d).norm();
     const double stretch = std::abs(ends.norm() - spring.length) + moved;
     most[d.resisting->bounded.cluster[moving_end(spring)]] +=
-        row.k * stretch * stretch / (1 + d.h * d.h * row.k * s.own[static_cast<Eigen::Index>(i)]);
+        row.k * stretch * stretch / (1 + d.h * d.h * row.k * s.own[i]);
   }
 }
 

@@ -50,7 +50,7 @@ void account_for_joints(const Scene& scene, SimulationData& d, const Eigen::Vect
     d.work.friction += torque * d.stage_v[i];
   }
   for (const JointSpring& spring : scene.joint_springs) {
-    const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
+    const Robot& robot = scene.robots[spring.robot];
     const Joint& joint = robot.model->joints[spring.joint];
     const int i = robot.idx_v + joint.idx_v;
     const double e = d.q[robot.idx_q + joint.idx_q] - spring.rest, moved = h * v_next[i];

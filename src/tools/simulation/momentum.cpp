@@ -26,7 +26,7 @@ bool has_own_forces(const Model& model, const Joint& joint) {
 }
 
 int node_of(const FreeGroups& groups, const Attachment& at) {
-  return moves(at) ? groups.node[static_cast<std::size_t>(groups.first_body[at.robot] + at.joint)] : 0;
+  return moves(at) ? groups.node[groups.first_body[at.robot] + at.joint] : 0;
 }
 
 // The axes of a joint's placement in the world.
@@ -145,7 +145,7 @@ void measure(const Scene& scene, const std::vector<Kinematics<double>>& kin, Fre
   for (FreeGroup& group : groups.groups) group.Y = {}, group.momentum.setZero();
   for (std::size_t r = 0; r < scene.robots.size(); ++r)
     for (int i = 0; i < scene.robots[r].model->njoints(); ++i) {
-      FreeGroup& group = group_at(groups, groups.node[static_cast<std::size_t>(groups.first_body[r] + i)]);
+      FreeGroup& group = group_at(groups, groups.node[groups.first_body[r] + i]);
       if (group.tied) continue;
       const Vec3<double> at = kin[r].origin(i) - group.reference;
       Vec6<double> h = kin[r].Y[i] * kin[r].v[i];
@@ -217,7 +217,7 @@ FreeGroups::FreeGroups(const Scene& scene) {
     first_body.push_back(static_cast<int>(node.size()));
     for (int i = 0; i < model.njoints(); ++i) {
       const Joint& joint = model.joints[i];
-      const int above = joint.parent < 0 ? 0 : node[static_cast<std::size_t>(first_body[r] + joint.parent)];
+      const int above = joint.parent < 0 ? 0 : node[first_body[r] + joint.parent];
       if (may_begin_group(joint)) joints.push_back({static_cast<int>(r), i, nodes, above});
       node.push_back(may_begin_group(joint) ? nodes++ : above);
     }

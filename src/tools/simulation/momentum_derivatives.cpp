@@ -41,7 +41,7 @@ void differentiate_robot(const Scene& scene, int r, int root, const std::vector<
   for (int i = model.njoints(); i-- > 0;) {
     FreeMotionDerivatives::Carried& own = d.carried[i];
     const Vec3<double> at = k.origin(i) - group.reference;
-    const std::size_t node = static_cast<std::size_t>(groups.node[static_cast<std::size_t>(groups.first_body[r] + i)]);
+    const std::size_t node = static_cast<std::size_t>(groups.node[groups.first_body[r] + i]);
     if (groups.group[node] == root) {
       Vec6<double> h = k.Y[i] * k.v[i];
       h.tail<3>() += at.cross(Vec3<double>(h.head<3>()));
@@ -71,9 +71,8 @@ void differentiate_momentum(const Scene& scene, const std::vector<Kinematics<dou
     if (group.tied) continue;
     for (int r = 0; r < scene.nrobots(); ++r) {
       const int njoints = scene.robots[r].model->njoints();
-      const auto first = groups.node.begin() + groups.first_body[static_cast<std::size_t>(r)];
-      if (std::any_of(first, first + njoints,
-                      [&](int node) { return groups.group[static_cast<std::size_t>(node)] == static_cast<int>(g); }))
+      const auto first = groups.node.begin() + groups.first_body[r];
+      if (std::any_of(first, first + njoints, [&](int node) { return groups.group[node] == static_cast<int>(g); }))
         out.robots.push_back(r);
     }
     const Vec3<double> C = com_of(group), P = group.momentum.head<3>();
@@ -94,7 +93,7 @@ void differentiate_momentum(const Scene& scene, const std::vector<Kinematics<dou
 bool is_free(const FreeGroups& groups, std::size_t g) { return !groups.groups[g].tied; }
 
 OfGroup& of_group(FreeMotionDerivatives& d, const FreeGroups& groups, const FreeGroup& group) {
-  return d.groups[static_cast<std::size_t>(&group - groups.groups.data())];
+  return d.groups[&group - groups.groups.data()];
 }
 
 // P+ and L+ by the torques of a free joint, and by the places at which they act.

@@ -5,18 +5,14 @@
 
 namespace manycontact::internal {
 
-inline FreeGroup& group_at(FreeGroups& groups, int node) {
-  return groups.groups[static_cast<std::size_t>(groups.group[static_cast<std::size_t>(node)])];
-}
-inline const FreeGroup& group_at(const FreeGroups& groups, int node) {
-  return groups.groups[static_cast<std::size_t>(groups.group[static_cast<std::size_t>(node)])];
-}
+inline FreeGroup& group_at(FreeGroups& groups, int node) { return groups.groups[groups.group[node]]; }
+inline const FreeGroup& group_at(const FreeGroups& groups, int node) { return groups.groups[groups.group[node]]; }
 
 /// use(group, sign) of what moves with a free joint: the group below it, and with sign -1 that above. Only groups that
 /// are free, and neither where both are one.
 template <class Groups, class Use>
 void each_side(Groups& groups, const FreeGroups::FreeJoint& j, Use&& use) {
-  if (groups.group[static_cast<std::size_t>(j.node)] == groups.group[static_cast<std::size_t>(j.parent)]) return;
+  if (groups.group[j.node] == groups.group[j.parent]) return;
   if (auto& group = group_at(groups, j.node); !group.tied) use(group, 1.0);
   if (auto& group = group_at(groups, j.parent); !group.tied) use(group, -1.0);
 }

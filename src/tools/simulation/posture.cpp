@@ -80,7 +80,7 @@ ClosestPosture advance(const Scene& scene, std::size_t i, PostureData& d) {
   d.largest[i] = std::max(d.largest[i], sigma);
   out.share = d.known && d.largest[i] > 0 ? out.share / d.largest[i] : 1;
   for (int r : island.robots) {
-    const Robot& robot = scene.robots[static_cast<std::size_t>(r)];
+    const Robot& robot = scene.robots[r];
     d.x.segment(robot.idx_v, robot.model->nv) = d.dynamics.a.segment(robot.idx_v, robot.model->nv) / size;
   }
   return out;

@@ -33,18 +33,18 @@ Eigen::VectorXd mobilities(const Scene& scene) {
   int last = -1;
   std::vector<double> M, diagonal;
   for (const JointSpring& spring : scene.joint_springs) {
-    const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
+    const Robot& robot = scene.robots[spring.robot];
     const Model& model = *robot.model;
     if (std::exchange(last, spring.robot) != spring.robot) {
       Kinematics<double> kin(model);
       std::vector<Inertia<double>> Yc(model.joints.size());
       forward_kinematics<double>(model, SE3<double>(), neutral(model), kin);
-      M.resize(static_cast<std::size_t>(model.M_begin[static_cast<std::size_t>(model.nv)]));
+      M.resize(static_cast<std::size_t>(model.M_begin[model.nv]));
       diagonal.resize(static_cast<std::size_t>(model.nv));
       crba<double>(model, kin, Yc, M.data());
       if (!factorize_inertia(model, M.data(), diagonal.data()).empty()) diagonal.clear();
     }
-    const int i = model.joints[static_cast<std::size_t>(spring.joint)].idx_v;
+    const int i = model.joints[spring.joint].idx_v;
     Eigen::VectorXd x = Eigen::VectorXd::Unit(model.nv, i);
     if (!diagonal.empty()) solve_inertia(model, M.data(), 1, x.data());
     out[robot.idx_v + i] = diagonal.empty() ? std::numeric_limits<double>::infinity() : x[i];
@@ -100,7 +100,7 @@ ResistingJoints::ResistingJoints(const Scene& scene)
 
 void add_stiffness(const Scene& scene, const PdLaws& pd, double scale, Eigen::VectorXd& k) {
   for (const JointSpring& spring : scene.joint_springs) {
-    const Robot& robot = scene.robots[static_cast<std::size_t>(spring.robot)];
+    const Robot& robot = scene.robots[spring.robot];
     k[robot.idx_v + robot.model->joints[spring.joint].idx_v] += scale * spring.stiffness;
   }
   if (pd.kp.size() > 0) k += scale * pd.kp;

@@ -57,7 +57,7 @@ void follow_loads(const Scene& scene, Scene& loads) {
 // How a spring's end accelerates while its robot's joints and its base, seen from the world, go on as they do.
 Vec3<double> acceleration_of_end(const Scene& scene, const Attachment& at, const AppliedForces<double>& forces) {
   if (!moves(at)) return Vec3<double>::Zero();
-  const Kinematics<double>& kin = forces.robots[static_cast<std::size_t>(forces.number[at.robot])].kin;
+  const Kinematics<double>& kin = forces.robots[forces.number[at.robot]].kin;
   const auto of = [&](int joint, const Vec3<double>& p) {
     const Vec6<double>&v = kin.v[joint], &a = kin.a[joint];
     const Vec3<double> w = v.tail<3>(), speed = v.head<3>() + w.cross(p);
@@ -82,7 +82,7 @@ double turning(const Scene& scene, const Spring& spring, const AppliedForces<dou
 
 void add_rows(const Scene& scene, const Spring& spring, int number, const AppliedForces<double>& forces, double h,
               double mobility, ResistingSprings& s) {
-  const AppliedForces<double>::OfSpring& at = forces.springs[static_cast<std::size_t>(number)];
+  const AppliedForces<double>::OfSpring& at = forces.springs[number];
   const double k = spring.stiffness, D = h * h * k + h * spring.damping, e = at.length - spring.length;
   const Vec3<double> n = at.length > 0 ? Vec3<double>(at.d / at.length) : Vec3<double>(Vec3<double>::UnitX());
   if (D > 0) s.rows.push_back({number, n, D, h * k * e / D, k, e, -1, 0});
@@ -169,12 +169,12 @@ void multiply(const Scene& rest, const SceneData& data, const DerivativeData& in
     const std::vector<int>& robots = solved_island(data, i).robots;
     const auto X = inverse.islands[i].da_du();
     for (int by = 0, column = 0; const int r : robots) {
-      const Robot& from = rest.robots[static_cast<std::size_t>(r)];
+      const Robot& from = rest.robots[r];
       const auto own = b.segment(from.idx_v, from.model->nv);
       column = std::exchange(by, by + from.model->nv);
       if (own.isZero(0)) continue;
       for (int row = 0; const int other : robots) {
-        const Robot& to = rest.robots[static_cast<std::size_t>(other)];
+        const Robot& to = rest.robots[other];
         a.segment(to.idx_v, to.model->nv).noalias() += X.block(row, column, to.model->nv, own.size()) * own;
         row += to.model->nv;
       }
@@ -194,7 +194,7 @@ bool each_response(SimulationData& d, ResistingSprings& s, Use&& use) {
     s.unit.clear();
     for (std::size_t k = 0; k < s.ends.size(); ++k)
       if (s.ends[k].number == number) {
-        s.asked[static_cast<std::size_t>(s.ends[k].island)] = static_cast<int>(k);
+        s.asked[s.ends[k].island] = static_cast<int>(k);
         s.unit.add(s.ends[k], 1);
       }
     s.b = s.unit.torques();
@@ -204,8 +204,7 @@ bool each_response(SimulationData& d, ResistingSprings& s, Use&& use) {
       return false;
     s.unit.look(inverse ? s.by_unit : answer(d));
     for (std::size_t k = 0; k < s.ends.size(); ++k)
-      if (const int by = s.asked[static_cast<std::size_t>(s.ends[k].island)]; by >= 0)
-        use(s.row[k], s.row[static_cast<std::size_t>(by)], s.unit.along(s.ends[k]));
+      if (const int by = s.asked[s.ends[k].island]; by >= 0) use(s.row[k], s.row[by], s.unit.along(s.ends[k]));
   }
   return true;
 }
@@ -224,7 +223,7 @@ bool find_responses(SimulationData& d, ResistingSprings& s) {
 }
 
 double rate_at_start(const SimulationData& d, const ResistingSprings::Row& row) {
-  return row.direction.dot(d.applied->springs[static_cast<std::size_t>(row.spring)].rate);
+  return row.direction.dot(d.applied->springs[row.spring].rate);
 }
 
 // g along springs: less the share of the velocity at the start.
@@ -233,7 +232,7 @@ void keep_along(const SimulationData& d, ResistingSprings& s) {
     ResistingSprings::Row& row = s.rows[i];
     if (is_across(row)) continue;
     const double stiff = d.h * d.h * row.k;
-    row.keeps = spring_share(stiff * s.own[static_cast<Eigen::Index>(i)]);
+    row.keeps = spring_share(stiff * s.own[i]);
     row.g -= row.keeps * stiff / row.D * rate_at_start(d, row);
   }
 }
@@ -243,17 +242,17 @@ void keep_along(const SimulationData& d, ResistingSprings& s) {
 void take_tensions(const SimulationData& d, ResistingSprings& s) {
   s.stretching = s.p;
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
-    double& x = s.stretching[static_cast<Eigen::Index>(i)];
+    double& x = s.stretching[i];
     x = is_across(s.rows[i]) ? 0 : x - s.rows[i].g;
   }
   solve_rows(s, s.stretching);
   double pull = 0;
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     ResistingSprings::Row& row = s.rows[i];
-    if (!is_across(row)) pull = -s.stretching[static_cast<Eigen::Index>(i)] / d.h;
+    if (!is_across(row)) pull = -s.stretching[i] / d.h;
     if (!is_across(row) || row.length == 0 || row.D == kIdle) continue;
     row.k = std::max(pull, 0.0) / row.length;
-    row.D = std::max(d.h * d.h * row.k, kNothing / std::max(s.own[static_cast<Eigen::Index>(i)], kNothing));
+    row.D = std::max(d.h * d.h * row.k, kNothing / std::max(s.own[i], kNothing));
   }
 }
 
@@ -263,7 +262,7 @@ void keep_across(const SimulationData& d, ResistingSprings& s) {
   const auto n = static_cast<Eigen::Index>(s.rows.size());
   s.rate.resize(n), s.stretching.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const ResistingSprings::Row& row = s.rows[static_cast<std::size_t>(i)];
+    const ResistingSprings::Row& row = s.rows[i];
     s.rate[i] = rate_at_start(d, row);
     s.stretching[i] = is_across(row) ? 0 : s.rate[i];
   }
@@ -273,7 +272,7 @@ void keep_across(const SimulationData& d, ResistingSprings& s) {
   else
     for (const auto& e : s.entries) s.rate[e.row()] -= e.value() * s.stretching[e.col()];
   for (Eigen::Index i = 0; i < n; ++i)
-    if (ResistingSprings::Row& row = s.rows[static_cast<std::size_t>(i)]; is_across(row)) {
+    if (ResistingSprings::Row& row = s.rows[i]; is_across(row)) {
       row.keeps = spring_share(row.D * s.own[i]);
       row.g = ((1 - row.turns) * (1 - row.keeps) - 1) * s.rate[i];
     }
@@ -328,8 +327,8 @@ void take_springs(const Scene& scene, SimulationData& d) {
     const auto first = static_cast<int>(s.rows.size());
     add_rows(scene, scene.springs[k], static_cast<int>(k), *d.applied, d.h, s.mobility[k], s);
     for (int i = first; i < static_cast<int>(s.rows.size()); ++i) {
-      if (s.rows[static_cast<std::size_t>(i)].D == kIdle) continue;
-      s.unit.add_forces(static_cast<int>(k), s.rows[static_cast<std::size_t>(i)].direction, s.ends);
+      if (s.rows[i].D == kIdle) continue;
+      s.unit.add_forces(static_cast<int>(k), s.rows[i].direction, s.ends);
       s.row.resize(s.ends.size(), i);
     }
   }
@@ -349,13 +348,13 @@ bool solve_with_springs(Eigen::VectorXd& b, SimulationData& d) {
   const auto n = static_cast<Eigen::Index>(s->rows.size());
   s->p.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const ResistingSprings::Row& row = s->rows[static_cast<std::size_t>(i)];
+    const ResistingSprings::Row& row = s->rows[i];
     s->p[i] = -s->unit.along(row.spring, row.direction, -1);
   }
   if (!find_responses(d, *s)) return false;
   keep_along(d, *s);
   if (!find_across(d, *s)) return false;
-  for (Eigen::Index i = 0; i < n; ++i) s->p[i] -= s->rows[static_cast<std::size_t>(i)].g;
+  for (Eigen::Index i = 0; i < n; ++i) s->p[i] -= s->rows[i].g;
   if (!factorize_rows(true, *s)) return false;
   solve_rows(*s, s->p);
   s->unit.clear();
@@ -370,13 +369,13 @@ void account_for_springs(const Scene& scene, SimulationData& d, const Eigen::Vec
   s.given.resize(static_cast<Eigen::Index>(s.rows.size()));
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const ResistingSprings::Row& row = s.rows[i];
-    const Spring& spring = scene.springs[static_cast<std::size_t>(row.spring)];
+    const Spring& spring = scene.springs[row.spring];
     const double before = rate_at_start(d, row), after = s.unit.along(row.spring, row.direction, -1),
                  mean = (before + after) / 2, moved = d.h * after;
     const double k = is_across(row) ? row.k * (1 - row.turns) : row.k;  // what turns with its bodies is not stretched
     const double damper = is_across(row) ? 0 : -d.h * spring.damping * after;
-    double& given = s.given[static_cast<Eigen::Index>(i)];
-    given = (s.p[static_cast<Eigen::Index>(i)] - damper) * mean;
+    double& given = s.given[i];
+    given = (s.p[i] - damper) * mean;
     d.work.dampers += damper * mean;
     d.work.springs += (1 - row.keeps) * (given + k * moved * (row.e + moved / 2));
   }

@@ -25,11 +25,11 @@ void factorize_dense(bool all, ResistingSprings& s) {
   for (std::size_t i = 0; i < s.rows.size(); ++i)
     if (takes_part(s.rows[i], all) && s.rows[i].D != kIdle) s.used.push_back(static_cast<int>(i));
   const auto n = static_cast<Eigen::Index>(s.used.size());
-  const auto row = [&](Eigen::Index k) { return s.used[static_cast<std::size_t>(k)]; };
+  const auto row = [&](Eigen::Index k) { return s.used[k]; };
   s.with_D.resize(n, n);
   for (Eigen::Index j = 0; j < n; ++j) {
     for (Eigen::Index i = 0; i < n; ++i) s.with_D(i, j) = s.C(row(i), row(j));
-    s.with_D(j, j) += 1 / s.rows[static_cast<std::size_t>(row(j))].D;
+    s.with_D(j, j) += 1 / s.rows[row(j)].D;
   }
   s.factor.compute(s.with_D);
   if (s.factor.info() != Eigen::Success) s.pivoted_factor.compute(s.with_D);
@@ -38,16 +38,16 @@ void factorize_dense(bool all, ResistingSprings& s) {
 void solve_dense(ResistingSprings& s, Eigen::VectorXd& x) {
   const auto n = static_cast<Eigen::Index>(s.used.size());
   s.of_used.resize(n);
-  for (Eigen::Index k = 0; k < n; ++k) s.of_used[k] = x[s.used[static_cast<std::size_t>(k)]];
+  for (Eigen::Index k = 0; k < n; ++k) s.of_used[k] = x[s.used[k]];
   s.factor.info() == Eigen::Success ? (void)s.factor.solveInPlace(s.of_used)
                                     : (void)s.pivoted_factor.solveInPlace(s.of_used);
   x.setZero();
-  for (Eigen::Index k = 0; k < n; ++k) x[s.used[static_cast<std::size_t>(k)]] = s.of_used[k];
+  for (Eigen::Index k = 0; k < n; ++k) x[s.used[k]] = s.of_used[k];
 }
 
 bool factorize_sparse(bool all, ResistingSprings& s) {
   const auto n = static_cast<Eigen::Index>(s.rows.size());
-  const auto has = [&](Eigen::Index i) { return takes_part(s.rows[static_cast<std::size_t>(i)], all); };
+  const auto has = [&](Eigen::Index i) { return takes_part(s.rows[i], all); };
   s.own_entries.clear();
   for (const auto& e : s.entries)
     if (has(e.row()) && has(e.col())) s.own_entries.push_back(e);

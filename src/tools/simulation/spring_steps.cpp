@@ -89,7 +89,7 @@ SpringMobilities spring_mobilities(const Scene& scene, const PdLaws& pd, const s
         out.joints[force.coordinate] = std::max(0.0, sound(unit.along(force)));
       else
         for (int k = 0; k < 3; ++k)
-          out.springs[static_cast<std::size_t>(force.spring)].row(k) +=
+          out.springs[force.spring].row(k) +=
               sound(unit.along(force.spring, Vec3<double>::Unit(k), force.island)) * force.direction.transpose();
     }
   }

@@ -76,7 +76,8 @@ SimulationData::SimulationData(const Scene& scene, const ConstVector& q_, const 
   for (Eigen::VectorXd* x : {&next_q, &stage_q}) *x = q;
   left_q.setConstant(scene.nq, std::numeric_limits<double>::quiet_NaN());  // unlike any state
   left_v = v;
-  for (Eigen::VectorXd* x : {&next_v, &stop, &stage_v, &tau, &w, &w_rate, &v_rate, &w_sum, &v_sum}) x->setZero(scene.nv);
+  for (Eigen::VectorXd* x : {&next_v, &stop, &stage_v, &tau, &w, &w_rate, &v_rate, &w_sum, &v_sum})
+    x->setZero(scene.nv);
 }
 
 StepStatus step(const Scene& scene, const ConstVector& u, SimulationData& data) {
@@ -125,7 +126,7 @@ std::string failure(const Scene& scene, const SimulationData& data, StepStatus s
   const double speed = data.next_v.cwiseAbs().maxCoeff(&fastest);
   char text[64];
   std::snprintf(text, sizeof text, " moves at %.2g, beyond %.2g m/s or rad/s", speed, data.velocity_limit);
-  return velocity_names(scene)[static_cast<std::size_t>(fastest)] + text;
+  return velocity_names(scene)[fastest] + text;
 }
 
 }  // namespace manycontact

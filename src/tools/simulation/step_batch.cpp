@@ -103,8 +103,8 @@ SimulationData taken_out(const Scene& scene, const SimulationData& d, int copy, 
 // Steps of states that have their own data.
 void step_alone(const Scene& scene, const ConstBatchRows& u, int steps, Part& part, SimulationBatch& b) {
   for (int k = 0; k < part.states; ++k) {
-    SimulationData& d = part.alone[static_cast<std::size_t>(k)];
-    StepStatus& status = b.status[static_cast<std::size_t>(part.first + k)];
+    SimulationData& d = part.alone[k];
+    StepStatus& status = b.status[part.first + k];
     take_settings(b, part.first + k, 1, d);
     status = StepStatus::kOk;
     for (int n = 0; n < steps && status == StepStatus::kOk; ++n)
@@ -158,7 +158,7 @@ int step_together(const Scene& scene, const ConstBatchRows& u, int steps, const 
       part.alone.push_back(taken_out(scene, d, k, b.f.cols()));
       continue;
     }
-    b.status[static_cast<std::size_t>(part.first + k)] = StepStatus::kOk;
+    b.status[part.first + k] = StepStatus::kOk;
     if (steps > 0) put_state(scene, d, k, part.first + k, b);
   }
   return made;
@@ -238,8 +238,7 @@ void step_batch(const Scene& scene, const ConstBatchRows& u, SimulationBatch& ba
   internal::take_all_changes(scene, work.scene);
   internal::run_items(std::span<internal::Failure>(work.failures), static_cast<std::ptrdiff_t>(work.parts.size()),
                       [&](std::ptrdiff_t k, int thread) {
-                        step_part(scene, u, steps, work, work.of_threads[static_cast<std::size_t>(thread)],
-                                  work.parts[static_cast<std::size_t>(k)], batch);
+                        step_part(scene, u, steps, work, work.of_threads[thread], work.parts[k], batch);
                       });
 }
 
@@ -267,14 +266,14 @@ void set_state(const Scene& scene, Eigen::Index k, const ConstVector& q, const C
          "set_state: q or v does not fit the scene");
   expect(k >= 0 && k < batch.q.rows(), "set_state: there is no such state");
   Work& work = *batch.work;
-  Part& part = work.parts[static_cast<std::size_t>(k / work.copies)];
+  Part& part = work.parts[k / work.copies];
   const int copy = static_cast<int>(k - part.first), last = copy + 1 == part.states ? work.copies : copy + 1;
   const auto set = [&](SimulationData& d, int at) {
     d.q.segment(at * scene.nq, scene.nq) = q;
     d.v.segment(at * scene.nv, scene.nv) = v;
   };
   if (!part.alone.empty())
-    set(part.alone[static_cast<std::size_t>(copy)], 0);
+    set(part.alone[copy], 0);
   else
     with_data(work, work.of_threads.front(), part, [&](SimulationData& d) {
       for (int at = copy; at < last; ++at) {  // the unused copies that follow the last state are set, too

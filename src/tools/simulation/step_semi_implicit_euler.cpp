@@ -92,8 +92,7 @@ void name_springs_without_direction(const Scene& scene, SimulationData& d) {
     if (d.applied->springs[k].directed) continue;
     for (const Attachment* at : {&scene.springs[k].A, &scene.springs[k].B})
       if (moves(*at))
-        d.dynamics.report.islands[static_cast<std::size_t>(island_with_robot(d.dynamics, at->robot))].reason =
-            Reason::kSpringWithoutDirection;
+        d.dynamics.report.islands[island_with_robot(d.dynamics, at->robot)].reason = Reason::kSpringWithoutDirection;
   }
 }
 

@@ -23,9 +23,8 @@ bool each_turning(const Scene& scene, SimulationData& d, Use&& use) {
     const Contact& contact = scene.contacts[k];
     if (d.dynamics.f_offset[k] < 0 || !leaves_directions(contact)) continue;
     ContactData<double>& rows = d.at_rest.contacts[k];
-    contact_rows<double>(scene, contact, {}, d.at_rest.kin[static_cast<std::size_t>(contact.A.robot)],
-                         contact.B.robot < 0 ? nullptr : &d.at_rest.kin[static_cast<std::size_t>(contact.B.robot)],
-                         rows);
+    contact_rows<double>(scene, contact, {}, d.at_rest.kin[contact.A.robot],
+                         contact.B.robot < 0 ? nullptr : &d.at_rest.kin[contact.B.robot], rows);
     const Eigen::Vector2d turning = turning_of_rows(contact, rows);
     if (turning.isZero(0)) continue;
     any = true;

@@ -36,12 +36,12 @@ void UnitTorques::find_islands(const Scene& scene, const std::vector<char>& acti
   for (std::size_t s = 0; s < scene.springs.size(); ++s)
     for (const int end : {0, 1}) {
       const Attachment& at = end == 0 ? scene.springs[s].A : scene.springs[s].B;
-      island_of_end_[end][s] = moves(at) ? islands_[static_cast<std::size_t>(at.robot)] : -1;
+      island_of_end_[end][s] = moves(at) ? islands_[at.robot] : -1;
     }
 }
 
 void UnitTorques::give_number(UnitForce& force) {
-  force.number = count_[static_cast<std::size_t>(force.island)]++;
+  force.number = count_[force.island]++;
   most_ = std::max(most_, force.number + 1);
 }
 
@@ -55,7 +55,7 @@ void UnitTorques::add_forces(int spring, const Vec3<double>& direction, std::vec
 }
 
 void UnitTorques::add_force(const Scene& scene, int coordinate, std::vector<UnitForce>& to) {
-  to.push_back({-1, Vec3<double>::Zero(), coordinate, islands_[static_cast<std::size_t>(robot_of(scene, coordinate))]});
+  to.push_back({-1, Vec3<double>::Zero(), coordinate, islands_[robot_of(scene, coordinate)]});
   give_number(to.back());
 }
 
@@ -92,8 +92,8 @@ void UnitTorques::add(const UnitForce& force, double amount) {
   }
   for (const int end : {0, 1})
     if (force.island < 0 || island_of(force.spring, end) == force.island)
-      if (const int p = push_[end][static_cast<std::size_t>(force.spring)]; p >= 0)
-        w_[static_cast<std::size_t>(p)].head<3>() += (end == 0 ? amount : -amount) * force.direction;
+      if (const int p = push_[end][force.spring]; p >= 0)
+        w_[p].head<3>() += (end == 0 ? amount : -amount) * force.direction;
 }
 
 const Eigen::VectorXd& UnitTorques::torques() {
@@ -118,8 +118,7 @@ double UnitTorques::along(int spring, const Vec3<double>& direction, int island)
   double out = 0;
   for (const int end : {0, 1})
     if (island < 0 || island_of(spring, end) == island)
-      if (const int p = push_[end][static_cast<std::size_t>(spring)]; p >= 0)
-        out += (end == 0 ? 1 : -1) * direction.dot(by_w_.segment<3>(6 * p));
+      if (const int p = push_[end][spring]; p >= 0) out += (end == 0 ? 1 : -1) * direction.dot(by_w_.segment<3>(6 * p));
   return out;
 }
 

@@ -36,7 +36,7 @@ Json torques(const OptimizedTask& motion) {
   for (Eigen::Index i = 0; i < limits.size(); ++i) {
     std::vector<double> values;
     for (std::size_t t : nodes_with_torques(motion)) values.push_back(motion.solution.us[t][i]);
-    out.push_back({{"name", names[static_cast<std::size_t>(i)]}, {"limit", limits[i]}, {"values", values}});
+    out.push_back({{"name", names[i]}, {"limit", limits[i]}, {"values", values}});
   }
   return out;
 }

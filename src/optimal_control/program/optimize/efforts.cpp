@@ -56,10 +56,10 @@ void print_torques(std::ostream& out, const OptimizedTask& motion) {
   std::vector<Torque> list(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     list[i].name = names[i];
-    list[i].limit = limits[static_cast<Eigen::Index>(i)];
+    list[i].limit = limits[i];
     for (std::size_t t = 0; t < us.size(); ++t) {
       if (nodes[t].impact) continue;
-      const double u = us[t][static_cast<Eigen::Index>(i)];
+      const double u = us[t][i];
       if (std::abs(u) > std::abs(list[i].u)) list[i].u = u, list[i].time = nodes[t].time;
     }
   }
@@ -88,8 +88,8 @@ void print_forces(std::ostream& out, const OptimizedTask& motion) {
     for (std::size_t g = 0; g < task.scene.contact_groups.size(); ++g) {
       const ContactGroup& group = task.scene.contact_groups[g];
       for (int c = group.first; c < group.first + group.count; ++c)
-        if (forces[static_cast<std::size_t>(c)].size() >= 3)
-          add_force(contact_pressure(task.scene.scene, c, q, forces[static_cast<std::size_t>(c)]),
+        if (forces[c].size() >= 3)
+          add_force(contact_pressure(task.scene.scene, c, q, forces[c]),
                     friction_of(phase_at(task, nodes[t]), c), bores[g]);
     }
   }

@@ -65,8 +65,8 @@ void print_motion(std::ostream& out, const OptimizedTask& motion) {
   }
   rows = std::min(rows, kMostRows / 2);  // leaves space for frames
   for (const auto& [r, name] : frames_of(motion.task)) {
-    const Robot& robot = scene.robots[static_cast<std::size_t>(r)];
-    const Frame& frame = robot.model->frames[static_cast<std::size_t>(robot.model->find_frame(name))];
+    const Robot& robot = scene.robots[r];
+    const Frame& frame = robot.model->frames[robot.model->find_frame(name)];
     add(robot.name + "/" + name, frame_at(robot, kinematics_at(robot, first), frame),
         frame_at(robot, kinematics_at(robot, last), frame));
   }
