@@ -1,6 +1,6 @@
 // manycontact-chart: the commands that need quadruple precision.
 
-#include "command/program.hpp"
+#include "command/command.hpp"
 
 int main(int argc, char** argv) {
   using namespace manycontact::cli;

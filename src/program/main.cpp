@@ -2,7 +2,7 @@
 
 #include "batch/batch.hpp"
 #include "command/execute.hpp"
-#include "command/program.hpp"
+#include "command/command.hpp"
 
 int main(int argc, char** argv) {
   using namespace manycontact::cli;

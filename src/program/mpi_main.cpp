@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "batch/batch.hpp"
-#include "command/program.hpp"
+#include "command/command.hpp"
 #include "manycontact/io/input_error.hpp"
 
 namespace manycontact::cli {

@@ -1,6 +1,6 @@
 // manycontact-optimize: the command that needs the modules of optimal control.
 
-#include "program/command/program.hpp"
+#include "program/command/command.hpp"
 
 int main(int argc, char** argv) {
   using namespace manycontact::cli;

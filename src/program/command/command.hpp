@@ -64,6 +64,10 @@ Options solver_options(const Arguments& arguments);
 /// The text with {methods}, {orders} and {precisions} replaced by their names.
 std::string with_names(std::string text);
 
+/// Finds the command that the first word names, runs it on the others, and turns what went wrong into one line on
+/// standard error and an exit status.
+int run_program(const std::vector<Command>& commands, const std::vector<std::string>& words);
+
 /// "usage: manycontact solve SCENE [--method M] ...", one line.
 std::string usage(const Command& command);
 /// The whole help of a command.

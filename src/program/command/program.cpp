@@ -1,4 +1,4 @@
-#include "program.hpp"
+// A program of several commands.
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -9,6 +9,7 @@
 #include <new>
 
 #include "../text/table.hpp"
+#include "command.hpp"
 #include "execute.hpp"
 #include "interrupt.hpp"
 #include "manycontact/io/input_error.hpp"

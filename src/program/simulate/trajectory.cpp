@@ -1,3 +1,6 @@
+// The files of a motion: a row per state that is written.
+
+#include "manycontact/analysis/names.hpp"
 #include "simulate.hpp"
 
 namespace manycontact::cli {
@@ -37,6 +40,20 @@ void write_trajectory_row(double t, const Eigen::VectorXd& q, const Eigen::Vecto
   for (double x : v) csv << x;
   csv << at.violation_position << at.violation_velocity << at.energy();
   for (double x : at.momentum) csv << x;
+  csv.end_row();
+}
+
+void write_forces_header(const Scene& scene, CsvFile& csv) {
+  csv << "t";
+  for (const Contact& contact : scene.contacts)
+    for (int k = 0; k < contact.rows(); ++k) csv << "f:" + row_name(contact, k);
+  csv.end_row();
+}
+
+void write_forces_row(double t, const Scene& scene, const SimulationData& sim, CsvFile& csv) {
+  csv << t;
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c)
+    for (int k = 0; k < scene.contacts[c].rows(); ++k) csv << (sim.f_offset[c] < 0 ? 0.0 : sim.f[sim.f_offset[c] + k]);
   csv.end_row();
 }
 

@@ -1,6 +1,4 @@
-#include "applied.hpp"
-
-#include "lines.hpp"
+#include "describe.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/detail/algorithm/frames.hpp"
 #include "table.hpp"

@@ -25,5 +25,8 @@ std::size_t count_islands(const Scene& scene, const SceneData& data);
 void print_heading(std::ostream& out, const SceneFile& file, const SceneData& data);
 /// Prints the links that reading the files merged and locked, by robot.
 void print_notes(std::ostream& out, const SceneFile& file);
+/// Prints external wrenches and springs at the file's q and v: points of application, lengths of springs, and forces.
+/// Prints nothing if the scene has none.
+void print_applied_forces(std::ostream& out, const SceneFile& file);
 
 }  // namespace manycontact::cli

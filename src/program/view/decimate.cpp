@@ -1,8 +1,8 @@
-#include "decimate.hpp"
-
 #include <algorithm>
 #include <set>
 #include <unordered_map>
+
+#include "mesh.hpp"
 
 namespace manycontact::cli {
 

@@ -4,7 +4,6 @@
 #include <set>
 #include <unordered_map>
 
-#include "decimate.hpp"
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/io/input_error.hpp"
 #include "manycontact/io/visuals.hpp"

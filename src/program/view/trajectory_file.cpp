@@ -1,5 +1,3 @@
-#include "trajectory_file.hpp"
-
 #include <cmath>
 #include <iomanip>
 #include <sstream>
@@ -7,6 +5,7 @@
 #include "../files/csv_read.hpp"
 #include "manycontact/analysis/names.hpp"
 #include "manycontact/model/expect_state.hpp"
+#include "view.hpp"
 
 namespace manycontact::cli {
 

@@ -5,7 +5,6 @@
 
 #include "../text/table.hpp"
 #include "manycontact/analysis/load_scene.hpp"
-#include "trajectory_file.hpp"
 
 namespace manycontact::cli {
 

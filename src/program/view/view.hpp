@@ -56,6 +56,14 @@ struct Recording {
 /// Takes the state where a frame is due; the last one given is taken in any case, by write_view.
 void add_state(const ViewState& state, Recording& recording);
 
+/// The states of a CSV in the columns of `simulate`, one by one: t, q:*, v:* of this scene in any order;
+/// violation_position and violation_velocity where it has them. Other columns are left out. With `forces`, a CSV with t
+/// and f:left[0] ... of all contacts: the forces of states at the same t; a contact whose are all 0 is not active then.
+/// Throws InputError: a file cannot be read, a column is missing, a cell is no finite number, t does not grow, forces
+/// at no state's time.
+void read_trajectory(const std::string& path, const std::optional<std::string>& forces, const Scene& scene,
+                     Recording& recording);
+
 /// The page, one file that loads nothing else; "-" is standard output. Returns what the user should know, a line each.
 /// Throws InputError when it cannot be written, UsageError when it would be larger than 500 MB.
 std::vector<std::string> write_view(const SceneFile& file, Recording& recording, const std::string& path);

@@ -27,6 +27,12 @@ std::string read_file_of(const std::string& path, const std::string& what);
 /// refused, because paths in files must not name something that may not end.
 std::string file_problem(const std::string& path, bool only_regular = false);
 
+/// Decodes the bytes of the file `path` as its byte order mark or declaration specifies: UTF-8 (the default), UTF-16,
+/// US-ASCII, ISO-8859-1, ISO-8859-15 or Windows-1252. Line breaks remain where they were. Throws InputError, with the
+/// line, for other encodings, invalid bytes, and references such as &#0; or &#xD800; that name no character of XML.
+/// Comments may contain any bytes and are not decoded.
+std::string decode_xml(const std::string& path, const std::string& bytes);
+
 /// The shortest decimal that reads back as x.
 std::string show(double x);
 

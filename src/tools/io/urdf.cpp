@@ -10,7 +10,6 @@
 #include <mutex>
 
 #include "urdf_check.hpp"
-#include "urdf_inertia.hpp"
 
 namespace manycontact {
 namespace {

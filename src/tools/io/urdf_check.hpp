@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "manycontact/io/finding.hpp"
+#include "manycontact/spatial/inertia.hpp"
 #include "xml.hpp"
 
 namespace manycontact::io {
@@ -33,6 +34,19 @@ UrdfDetails check_urdf(const Element& robot);
 /// Returns the text of the file reduced to the elements that urdfdom has to read: no limits, shapes, materials and
 /// plug-ins. Missing numbers of inertias are zeros, so that they cannot make it fail. Changes the document.
 std::string text_for_urdfdom(XmlFile& file);
+
+// Whether a moving body's inertia is one that something can be computed with, and one that a body can have.
+
+/// Both return a description, or nothing if there is no fault. The text continues "link x and what is merged into it
+/// have".
+struct InertiaVerdict {
+  std::string refused;  // not finite, a negative mass, a principal moment below -1e-9 of the trace
+  std::string odd;      // principal moments that violate the triangle inequality; they are used as they are
+};
+
+/// Y: of the body with all that is merged into it, about any origin. Massless bodies are ideal ones: a rotor about one
+/// axis is allowed. (What is merged first may be anything: Talos' gripper motors alone lack 1.3 % of their trace.)
+InertiaVerdict judge_inertia(const Inertia<double>& Y);
 
 /// Refuses elements of xacro, except in shapes and colours, which tell_unread reports.
 void refuse_xacro(const Element& robot);

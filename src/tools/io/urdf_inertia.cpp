@@ -1,12 +1,10 @@
-#include "urdf_inertia.hpp"
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
 
-#include "text.hpp"
+#include "urdf_check.hpp"
 
 namespace manycontact::io {
 

@@ -6,8 +6,6 @@
 #include <string_view>
 #include <utility>
 
-#include "xml_text.hpp"
-
 namespace manycontact::io {
 
 Where Element::where(const char* attribute) const {

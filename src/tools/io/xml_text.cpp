@@ -1,4 +1,4 @@
-#include "xml_text.hpp"
+// The text of an XML file as UTF-8, whatever encoding its declaration names.
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,7 @@
 #include <string_view>
 #include <utility>
 
-#include "manycontact/io/input_error.hpp"
-#include "manycontact/model/suggestion.hpp"
+#include "text.hpp"
 
 namespace manycontact::io {
 namespace {

@@ -19,9 +19,7 @@
 
 #include "internal.hpp"
 #include "manycontact/detail/algorithm/energy.hpp"
-#include "one_body.hpp"
 #include "resisting_forces.hpp"
-#include "robot_sets.hpp"
 
 namespace manycontact::internal {
 

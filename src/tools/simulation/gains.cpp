@@ -42,6 +42,14 @@ double rk4_largest_step(const Gains& gains) {
 
 }  // namespace
 
+std::string to_string(Integrator integrator) { return integrator == Integrator::kRk4 ? "rk4" : "semi-implicit-euler"; }
+
+std::optional<Integrator> integrator_from_string(const std::string& name) {
+  for (Integrator integrator : kIntegrators)
+    if (to_string(integrator) == name) return integrator;
+  return std::nullopt;
+}
+
 Gains recommended_gains(Integrator integrator, double h) {
   if (!(h > 0) || !std::isfinite(h)) throw std::invalid_argument("recommended_gains: the step is not positive");
   if (integrator == Integrator::kSemiImplicitEuler) return {1 / (4 * h * h), 3 / (4 * h)};

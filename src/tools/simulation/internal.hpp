@@ -6,9 +6,6 @@ namespace manycontact::internal {
 /// out = q (+) w for every robot. q, out: nq; w: nv.
 void integrate_scene(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& w, Eigen::VectorXd& out);
 
-/// out = v + [w, v]/2 + [w, [w, v]]/12 on every joint. w, v, out: nv.
-void dexp_inverse(const Scene& scene, const Eigen::VectorXd& w, const Eigen::VectorXd& v, Eigen::VectorXd& out);
-
 /// data.dynamics at q, v; false when it failed.
 [[nodiscard]] bool solve_stage(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                                const ConstVector& u, SimulationData& data);

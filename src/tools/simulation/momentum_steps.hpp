@@ -1,6 +1,8 @@
 #pragma once
 // A step's end (detail/simulation/momentum.hpp) and its derivatives share these functions.
 
+#include <span>
+
 #include "manycontact/detail/simulation/momentum.hpp"
 
 namespace manycontact::internal {
@@ -36,6 +38,22 @@ Vec3<double> spin(const FreeGroup& group, const Vec3<double>& C);
 void in_the_plane(const FreeGroup& group, Vec3<double>& x);
 /// dw of I_C dw = dL; about axes without inertia 0.
 Vec3<double> turn_for(const FreeGroup& group, const Mat3<double>& I, const Vec3<double>& dL);
+
+/// Free groups of bodies as one rigid body.
+struct OneBody {
+  double m = 0;
+  Vec3<double> C = Vec3<double>::Zero();
+  Mat3<double> I = Mat3<double>::Zero();         // inertia about C
+  FreeGroup plane;                               // the plane that it moves in, if one of its groups moves in a plane
+  Vec3<double> V = Vec3<double>::Zero(), w = V;  // velocity computed from the groups' momentum
+};
+/// Returns the rigid body that consists of the groups `members` where they were measured.
+OneBody one_body(std::span<const int> members, const FreeGroups& groups);
+
+/// Returns the centre of mass of a group in the world.
+inline Vec3<double> centre_of(const FreeGroup& group) { return group.reference + group.Y.h / group.Y.m; }
+/// Returns the inertia of a group about its centre of mass.
+inline Mat3<double> joint_space_inertia(const FreeGroup& group) { return group.Y.seen_at(-group.Y.h / group.Y.m).I; }
 
 /// A free joint's coordinates of a motion or wrench at its origin, in the child's axes, as those of a floating joint.
 template <class V>

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "manycontact/simulation/resisting_joints.hpp"
-#include "one_body.hpp"
+#include "momentum_steps.hpp"
 #include "resisting_springs.hpp"
 
 namespace manycontact {

@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "manycontact/model/applied_forces.hpp"
-#include "robot_sets.hpp"
+#include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact::internal {
 
@@ -30,6 +30,18 @@ Scene with_ends(const Scene& scene, std::vector<int> (&push)[2]) {
 }
 
 }  // namespace
+
+void find_robot_sets(const Scene& scene, const std::vector<char>& active, bool by_springs, std::vector<int>& first) {
+  first.resize(scene.robots.size());
+  sparse::UnionFind sets(first);
+  const auto join = [&](const Attachment& A, const Attachment& B) {
+    if (moves(A) && moves(B)) sets.join(A.robot, B.robot);
+  };
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c)
+    if (active[c]) join(scene.contacts[c].A, scene.contacts[c].B);
+  for (std::size_t s = 0; by_springs && s < scene.springs.size(); ++s) join(scene.springs[s].A, scene.springs[s].B);
+  for (std::size_t r = 0; r < first.size(); ++r) first[r] = sets.root(static_cast<int>(r));
+}
 
 void UnitTorques::find_islands(const Scene& scene, const std::vector<char>& active) {
   find_robot_sets(scene, active, false, islands_);

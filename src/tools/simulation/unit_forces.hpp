@@ -9,6 +9,9 @@
 
 namespace manycontact::internal {
 
+/// Finds for each robot the first robot of its set. Contacts flagged `active` join robots, and springs if `by_springs`.
+void find_robot_sets(const Scene& scene, const std::vector<char>& active, bool by_springs, std::vector<int>& first);
+
 struct UnitForce {
   int spring = -1;                                // a spring between points: acts on its ends that are on `island` ...
   Vec3<double> direction = Vec3<double>::Zero();  // ... along this direction in the world, oppositely on B's end
