@@ -21,6 +21,16 @@
 
 namespace manycontact::cli {
 
+const KktPattern& Inspection::pattern(std::size_t island) const {
+  return *shape_of(data, island)->pattern(chosen_method(data, island).order);
+}
+
+std::string Inspection::name(const IslandKind& kind) const {
+  std::vector<const Island*> islands;
+  for (int i : kind.islands) islands.push_back(&solved_island(data, static_cast<std::size_t>(i)));
+  return islands_name(file, islands);
+}
+
 namespace {
 
 constexpr std::size_t kMostKinds = 8, kMostPairs = 24;
@@ -87,18 +97,6 @@ void print_costs(std::ostream& out, IslandShape& shape, const Options& options, 
   table.print(out, 4);
   wrap(out, "in orders of their own: dense " + relative(costs.dense), 4);
   wrap(out, "auto chooses " + why_chosen(choice, costs, options), 4);
-}
-
-}  // namespace
-
-const KktPattern& Inspection::pattern(std::size_t island) const {
-  return *shape_of(data, island)->pattern(chosen_method(data, island).order);
-}
-
-std::string Inspection::name(const IslandKind& kind) const {
-  std::vector<const Island*> islands;
-  for (int i : kind.islands) islands.push_back(&solved_island(data, static_cast<std::size_t>(i)));
-  return islands_name(file, islands);
 }
 
 Inspection inspect_scene(const SceneFile& file) {
@@ -182,6 +180,8 @@ void print_advice(std::ostream& out, const Inspection& x) {
   if (advice.empty()) out << "  none: all constraint rows are independent, and every robot takes part\n";
   for (const std::string& item : advice) wrap(out, item, 2, "- ");
 }
+
+}  // namespace
 
 int run_inspect(const Arguments& arguments) {
   const std::string path = scene_operand(arguments);

@@ -22,17 +22,10 @@ struct Inspection {
   std::string name(const IslandKind& kind) const;
 };
 
-Inspection inspect_scene(const SceneFile& file);
-
 /// Limits and efforts as the robots' files have them, robots of one model once.
 void print_joints(std::ostream& out, const SceneFile& file);
 /// Prints the constraint of each contact, its gains and mu, and the errors of its frames; copies once.
 void print_contacts(std::ostream& out, const SceneFile& file);
-void print_islands(std::ostream& out, const Inspection& inspection);
-void print_contact_groups(std::ostream& out, const Inspection& inspection);
-void print_costs(std::ostream& out, const Inspection& inspection);
-void print_memory(std::ostream& out, const Inspection& inspection);
-void print_advice(std::ostream& out, const Inspection& inspection);
 
 /// The patterns of K and L as an SVG file, "-" is standard output. Throws as OutputFile and run_python do.
 void write_picture(const Inspection& inspection, const Python& python, const std::string& path);
