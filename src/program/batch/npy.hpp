@@ -28,7 +28,6 @@ class NpyInput {
 
  private:
   void read_header();
-  void parse_header(const std::string& text);
   [[noreturn]] void refuse(const std::string& what) const;
 
   std::string path_;

@@ -107,10 +107,6 @@ void NpyInput::read_header() {
   if (got < 8 + length_bytes || length > kLongest ||
       pread(file_, text.data(), length, 8 + length_bytes) != static_cast<ssize_t>(length))
     refuse("ends within its header");
-  parse_header(text);
-}
-
-void NpyInput::parse_header(const std::string& text) {
   Header header;
   if (!parse(text, header)) refuse("has a header that is none of NumPy's");
   if (header.descr != "<f8") refuse("has numbers of type '" + header.descr + "'");

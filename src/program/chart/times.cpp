@@ -9,6 +9,7 @@
 #include "../command/rough_time.hpp"
 #include "../text/choice.hpp"
 #include "chart.hpp"
+#include "manycontact/analysis/text.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 
 namespace manycontact::cli {
@@ -75,9 +76,7 @@ std::string answered_by(const SceneData& data) {
     if (has_order(island.method)) way += " " + to_string(island.order);
     if (std::find(ways.begin(), ways.end(), way) == ways.end()) ways.push_back(way);
   }
-  std::string text;
-  for (const std::string& way : ways) text += (text.empty() ? "" : ", ") + way;
-  return text;
+  return text::join(ways, ways.size());
 }
 
 void note_status(const Candidate& c) {

@@ -19,7 +19,6 @@ class Switches {
     int first = 0, count = 1;  // contacts
     enum What { kOff, kOn, kHere } what = kOff;
   };
-  const std::vector<Event>& events() const { return events_; }
 
   /// The effect on the motion of contacts that closed.
   struct ImpactEvent {

@@ -60,9 +60,7 @@ std::string islands_name(const SceneFile& file, const std::vector<const Island*>
   std::vector<std::string> names;
   for (const Island* island : islands) names.push_back(robot_names(file, island->robots));
   if (names.size() > 3) return names.front() + " .. " + names.back();
-  std::string text;
-  for (std::size_t i = 0; i < names.size(); ++i) text += (i ? " | " : "") + names[i];
-  return text;
+  return join(names, 3, " | ");
 }
 
 std::vector<int> group_of_contacts(const SceneFile& file) {

@@ -51,15 +51,8 @@ void print_limits(std::ostream& out, const Scene& scene, std::vector<LimitPassed
   std::stable_sort(limits.begin(), limits.end(),
                    [&](const LimitPassed& a, const LimitPassed& b) { return share(a) > share(b); });
   std::vector<std::string> texts;
-  for (const LimitPassed& limit : limits) {
-    texts.push_back(in_words(scene, limit));
-    if (texts.size() > kMostLimits + 1) break;
-  }
-  const std::size_t shown = limits.size() <= kMostLimits + 1 ? limits.size() : kMostLimits;
-  std::string text;
-  for (std::size_t k = 0; k < shown; ++k) text += (k ? "; " : "") + texts[k];
-  if (shown < limits.size()) text += "; and " + std::to_string(limits.size() - shown) + " more";
-  if (!text.empty()) wrap(out, text, 2, "beyond limits: ");
+  for (const LimitPassed& limit : limits) texts.push_back(in_words(scene, limit));
+  if (!texts.empty()) wrap(out, join(texts, kMostLimits, "; ", "; and "), 2, "beyond limits: ");
 }
 
 std::string contradicted_by(const Contradiction& c) {

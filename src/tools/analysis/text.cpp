@@ -12,11 +12,12 @@ std::string count(long n, const std::string& noun) {
                                 : noun + "s");
 }
 
-std::string join(const std::vector<std::string>& names, std::size_t most) {
+std::string join(const std::vector<std::string>& names, std::size_t most, const std::string& between,
+                 const std::string& before_rest) {
   const std::size_t shown = names.size() <= most + 1 ? names.size() : most;
   std::string text;
-  for (std::size_t i = 0; i < shown; ++i) text += (i ? ", " : "") + names[i];
-  if (shown < names.size()) text += " and " + std::to_string(names.size() - shown) + " more";
+  for (std::size_t i = 0; i < shown; ++i) text += (i ? between : "") + names[i];
+  if (shown < names.size()) text += before_rest + std::to_string(names.size() - shown) + " more";
   return text;
 }
 

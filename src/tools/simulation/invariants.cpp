@@ -4,6 +4,7 @@
 #include "manycontact/detail/algorithm/energy.hpp"
 #include "manycontact/sparse/largest.hpp"
 #include "manycontact/spatial/explog.hpp"
+#include "momentum_steps.hpp"
 
 namespace manycontact {
 
@@ -38,15 +39,12 @@ InvariantsData::InvariantsData(const Scene& scene) {
 Invariants invariants(const Scene& scene, const std::vector<char>& active, const Eigen::Ref<const Eigen::VectorXd>& q,
                       const Eigen::Ref<const Eigen::VectorXd>& v, InvariantsData& data) {
   Invariants out;
+  internal::kinematics_at(scene, q, v, data.kin);
   for (std::size_t k = 0; k < scene.robots.size(); ++k) {
     const Robot& robot = scene.robots[k];
-    const Model& model = *robot.model;
-    Kinematics<double>& kin = data.kin[k];
-    forward_kinematics<double>(model, robot.base, q.segment(robot.idx_q, model.nq), kin);
-    forward_accelerations<double>(model, v.segment(robot.idx_v, model.nv), nullptr, scene.gravity, kin);
-    out.kinetic += kinetic_energy<double>(model, kin, v.segment(robot.idx_v, model.nv));
-    out.potential += potential_energy<double>(kin, scene.gravity);
-    out.momentum += momentum<double>(kin);
+    out.kinetic += kinetic_energy<double>(*robot.model, data.kin[k], v.segment(robot.idx_v, robot.model->nv));
+    out.potential += potential_energy<double>(data.kin[k], scene.gravity);
+    out.momentum += momentum<double>(data.kin[k]);
   }
   out.potential += energy_of_springs(scene, q, data.kin);
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {

@@ -176,7 +176,7 @@ Vec3<double> turn_for(const FreeGroup& group, const Mat3<double>& I, const Vec3<
   return principal.eigenvectors() * along;
 }
 
-void kinematics_at(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+void kinematics_at(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                    std::vector<Kinematics<double>>& kin) {
   for (std::size_t r = 0; r < scene.robots.size(); ++r) {
     const Robot& robot = scene.robots[r];

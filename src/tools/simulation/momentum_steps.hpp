@@ -26,7 +26,7 @@ Vec6<double> added_velocity(const FreeGroups& groups, const FreeGroups::FreeJoin
 /// groups.any: whether the world leaves a group free. begin_free_motion finds the same; this needs no kinematics.
 bool find_free_groups(const Scene& scene, const std::vector<char>& active, FreeGroups& groups);
 /// Places and velocities of all robots; accelerations are not used.
-void kinematics_at(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+void kinematics_at(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                    std::vector<Kinematics<double>>& kin);
 /// The origin of an attachment in the world.
 Vec3<double> place_of(const Attachment& at, const std::vector<Kinematics<double>>& kin);

@@ -14,12 +14,9 @@ constexpr std::size_t kMostCosts = 12, kMostFindings = 6;  // most costs printed
 
 // "closes: LF ...; LH ...; and 3 more"
 void print_kind(std::ostream& out, const std::string& title, const std::vector<const PlanFinding*>& findings) {
-  std::string text;
-  const std::size_t shown = findings.size() <= kMostFindings + 1 ? findings.size() : kMostFindings;
-  for (std::size_t k = 0; k < shown; ++k)
-    text += (k ? "; " : "") + printable(findings[k]->name) + " " + findings[k]->text;
-  if (shown < findings.size()) text += "; and " + std::to_string(findings.size() - shown) + " more";
-  wrap(out, text, 2, title + ": ");
+  std::vector<std::string> texts;
+  for (const PlanFinding* finding : findings) texts.push_back(printable(finding->name) + " " + finding->text);
+  wrap(out, join(texts, kMostFindings, "; ", "; and "), 2, title + ": ");
 }
 
 }  // namespace

@@ -10,7 +10,8 @@ namespace manycontact::text {
 std::string count(long n, const std::string& noun);
 
 /// "a, b, c and 5 more": at most `most` names, all of them when only one more is left.
-std::string join(const std::vector<std::string>& names, std::size_t most = 12);
+std::string join(const std::vector<std::string>& names, std::size_t most = 12, const std::string& between = ", ",
+                 const std::string& before_rest = " and ");
 
 /// `x` with `digits` significant digits.
 std::string number(double x, int digits = 3);
