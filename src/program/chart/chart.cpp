@@ -1,8 +1,6 @@
 #include "chart.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <iostream>
 #include <set>
 

@@ -6,7 +6,6 @@
 #include <map>
 
 #include "manycontact/analysis/names.hpp"
-#include "manycontact/dynamics/views.hpp"
 #include "table.hpp"
 
 namespace manycontact::cli {

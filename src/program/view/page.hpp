@@ -1,7 +1,6 @@
 #pragma once
 // The page's parts, embedded when the program is built, and what is filled in.
 
-#include <span>
 #include <string>
 #include <string_view>
 

@@ -1,13 +1,11 @@
 #include "manycontact/analysis/consistent.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 #include "at_rest.hpp"
 #include "levenberg_marquardt.hpp"
 #include "manycontact/algorithm/configuration.hpp"
-#include "manycontact/analysis/text.hpp"
 #include "manycontact/model/expect_state.hpp"
 #include "manycontact/model/suggestion.hpp"
 #include "moved_most.hpp"

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/dynamics/views.hpp"

@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include "at_rest.hpp"
-#include "manycontact/analysis/names.hpp"
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/model/expect_state.hpp"
 #include "manycontact/sparse/decompositions.hpp"

@@ -1,6 +1,5 @@
 #include "manycontact/analysis/redistribute_forces.hpp"
 
-#include <cmath>
 #include <stdexcept>
 
 #include "at_rest.hpp"

@@ -4,7 +4,6 @@
 #include <stdexcept>
 
 #include "at_rest.hpp"
-#include "manycontact/dynamics/views.hpp"
 #include "manycontact/model/expect_state.hpp"
 
 namespace manycontact {

@@ -1,7 +1,6 @@
 // Elements of a URDF other than the links and joints that are read. Many of them do not act on the motion (shapes,
 // sensors, controllers). Those that do, or may, are reported, so that nothing is ignored silently.
 
-#include <algorithm>
 #include <map>
 #include <set>
 #include <vector>

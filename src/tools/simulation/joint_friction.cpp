@@ -1,7 +1,6 @@
 // Newton's method of resisting_joints.hpp: finds which joints stick and which slide.
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <span>
 

@@ -1,6 +1,5 @@
 // Joints that resist motion, in a semi-implicit Euler step.
 
-#include "internal.hpp"
 #include "resisting_forces.hpp"
 
 namespace manycontact::internal {

@@ -1,5 +1,4 @@
 #include <Eigen/Eigenvalues>
-#include <cmath>
 
 #include "manycontact/sparse/union_find.hpp"
 #include "momentum_steps.hpp"

@@ -8,7 +8,6 @@
 #include "manycontact/dynamics/copies.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
 #include "manycontact/dynamics/parallel.hpp"
-#include "manycontact/dynamics/views.hpp"
 #include "resisting_forces.hpp"
 
 namespace manycontact {

@@ -2,7 +2,6 @@
 
 #include <stdexcept>
 
-#include "internal.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
 
 namespace manycontact {

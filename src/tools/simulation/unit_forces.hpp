@@ -3,7 +3,6 @@
 // them: with the columns of U these torques, tau = U x and U^T a.
 
 #include <algorithm>
-#include <span>
 
 #include "manycontact/algorithm/applied_forces.hpp"
 

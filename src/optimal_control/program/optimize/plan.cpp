@@ -1,7 +1,6 @@
 // The share of each cost, and parts of the plan that deserve attention.
 
 #include <algorithm>
-#include <map>
 
 #include "optimize.hpp"
 #include "program/text/table.hpp"
