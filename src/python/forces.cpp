@@ -20,7 +20,7 @@ T judged(const Scene& scene, T item, std::vector<T> Scene::*list, int (*add)(Sce
   std::vector<int> numbers;
   for (Attachment* at : ends(item)) {
     if (at->robot < 0 || at->robot >= scene.nrobots()) continue;
-    const auto known = std::find(numbers.begin(), numbers.end(), at->robot);
+    const auto known = std::ranges::find(numbers, at->robot);
     const auto number = static_cast<int>(known - numbers.begin());
     if (known == numbers.end()) {
       numbers.push_back(at->robot);

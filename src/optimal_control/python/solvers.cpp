@@ -101,7 +101,7 @@ const Callbacks& callbacks_of(const SolverAbstract& solver) {
 void set_callbacks(SolverAbstract& solver, const Callbacks& callbacks) {
   Solving* now = solving(solver);
   if (!now) return solver.setCallbacks(callbacks);
-  if (std::find(callbacks.begin(), callbacks.end(), nullptr) != callbacks.end())
+  if (std::ranges::find(callbacks, nullptr) != callbacks.end())
     throw py::value_error("setCallbacks: a callback is None");
   now->users = callbacks;
 }

@@ -125,7 +125,7 @@ void write_derivatives(BatchRun& run, std::int64_t first, StateBlock& b) {
     for (const Segment& s : segments)
       for (int k = 0; k < s.count; ++k) {
         const double* from = D + (own_first + s.own + k) * own_cols;
-        std::fill(b.row.begin(), b.row.end(), 0.0);
+        std::ranges::fill(b.row, 0.0);
         put(run.part.v, from, b.row.data());
         put(run.part.v, from + own.nv, b.row.data() + run.part.nv);
         put(run.part.u, from + 2 * std::int64_t{own.nv}, b.row.data() + 2 * std::int64_t{run.part.nv});

@@ -47,8 +47,8 @@ Members members_of(const Scene& scene, const std::vector<Island>& islands, int n
     }
     before += island.size();
   }
-  std::sort(out.robots.begin(), out.robots.end());
-  std::sort(out.contacts.begin(), out.contacts.end());
+  std::ranges::sort(out.robots);
+  std::ranges::sort(out.contacts);
   return out;
 }
 

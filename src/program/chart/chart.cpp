@@ -41,8 +41,8 @@ std::vector<std::string> files_written(const std::vector<std::string>& pictures)
 
 // The scene's name, with its path where several have that name.
 std::string label_of(const SceneFile& file, const std::vector<SceneFile>& all) {
-  const auto namesakes = std::count_if(all.begin(), all.end(),
-                                       [&](const SceneFile& other) { return other.scene.name == file.scene.name; });
+  const auto namesakes =
+      std::ranges::count_if(all, [&](const SceneFile& other) { return other.scene.name == file.scene.name; });
   return file.scene.name + (namesakes > 1 ? " (" + file.path + ")" : "");
 }
 

@@ -81,7 +81,7 @@ PanelPlaces places_in(const Scene& scene, const Island& whole, const IslandDeriv
     add(u, d.u_offset[k], scene.robots[r].model->nu());
   }
   for (int c : island.contacts) {
-    const auto k = std::lower_bound(whole.contacts.begin(), whole.contacts.end(), c) - whole.contacts.begin();
+    const auto k = std::ranges::lower_bound(whole.contacts, c) - whole.contacts.begin();
     add(f, whole.nv + whole.row_offset[k], scene.contacts[c].rows());
   }
   PanelPlaces out{v, {}};

@@ -27,7 +27,7 @@ std::string title_of(const Scene& scene, const SceneData& data) {
 }
 
 void note_truth(const ChartTruth& truth, Chart& chart) {
-  const long at_rest = std::count(truth.at_rest.begin(), truth.at_rest.end(), 1);
+  const long at_rest = std::ranges::count(truth.at_rest, 1);
   if (at_rest > 0)
     chart.notes.push_back("Accelerations of " + count(at_rest, "robot") +
                           " vanish (under 1e-4 of those without contacts, which their errors are relative to).");
@@ -48,7 +48,7 @@ void mark_front(std::vector<ChartRow>& rows) {
   std::vector<ChartRow*> results;
   for (ChartRow& row : rows)
     if (row.outcome == Outcome::kAnswered && row.time && row.error_acceleration) results.push_back(&row);
-  std::sort(results.begin(), results.end(), [&](const ChartRow* a, const ChartRow* b) { return key(*a) < key(*b); });
+  std::ranges::sort(results, {}, [&](const ChartRow* row) { return key(*row); });
   const ChartRow* last = nullptr;
   for (ChartRow* row : results) {
     row->front = !last || row->error_acceleration < last->error_acceleration || key(*row) == key(*last);

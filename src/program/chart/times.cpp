@@ -74,7 +74,7 @@ std::string answered_by(const SceneData& data) {
     if (island.status == Status::kFailed) continue;
     std::string way = to_string(island.method);
     if (has_order(island.method)) way += " " + to_string(island.order);
-    if (std::find(ways.begin(), ways.end(), way) == ways.end()) ways.push_back(way);
+    if (std::ranges::find(ways, way) == ways.end()) ways.push_back(way);
   }
   return text::join(ways, ways.size());
 }

@@ -19,7 +19,7 @@ Arguments::Arguments(const std::vector<Option>& options, const std::vector<std::
     }
     const std::size_t equals = word.find('=');
     const std::string name = word.substr(0, equals);
-    const auto option = std::find_if(options.begin(), options.end(), [&](const Option& o) { return o.name == name; });
+    const auto option = std::ranges::find(options, name, &Option::name);
     if (option == options.end()) throw UsageError("unknown option '" + name + "'");
     if (has(name)) throw UsageError("option " + name + " is given twice");
     const bool inside = equals != std::string::npos;

@@ -77,7 +77,7 @@ void make_folder(const std::string& folder) {
 }
 
 bool is_standard_output(const Arguments& arguments, const std::vector<std::string>& written) {
-  return std::any_of(written.begin(), written.end(), [&](const std::string& option) {
+  return std::ranges::any_of(written, [&](const std::string& option) {
     const auto file = arguments.value(option);
     return file && is_standard_output(*file);
   });

@@ -28,7 +28,7 @@ double sum_over_islands(const SceneData& data, Time&& time) {
 }  // namespace
 
 double median(std::vector<double> times) {
-  std::sort(times.begin(), times.end());
+  std::ranges::sort(times);
   return 0.5 * (times[(times.size() - 1) / 2] + times[times.size() / 2]);
 }
 

@@ -76,8 +76,7 @@ double nonzeros_of_K(const IslandShape& shape, double damping) {
 // Prints the predictions for an island's shape. They are relative (kkt/choose.hpp).
 void print_costs(std::ostream& out, IslandShape& shape, const Options& options, const Choice& choice) {
   const PredictedCosts costs = predict_costs(shape);
-  const double least = std::min({*std::min_element(costs.ldl.begin(), costs.ldl.end()),
-                                 *std::min_element(costs.cholmod.begin(), costs.cholmod.end())});
+  const double least = std::min({*std::ranges::min_element(costs.ldl), *std::ranges::min_element(costs.cholmod)});
   const auto relative = [least](double cost) { return number(cost / least); };
   if (is_deep(shape)) {  // K's patterns are not made
     wrap(out,
@@ -114,10 +113,9 @@ void print_islands(std::ostream& out, const Inspection& x) {
   Table table("islands|robots<34|velocities|rows|rank|K: n|non-zeros", kMostKinds, "kinds of island");
   for (const IslandKind& kind : x.kinds) {
     const Island& island = x.island(kind);
-    table.add(
-        {std::to_string(kind.islands.size()), x.name(kind), std::to_string(island.nv), std::to_string(island.nc),
-         rank_text(kind.ranks), std::to_string(solved_island(data_solved(x.data), x.first(kind)).size()),
-         std::to_string(std::llround(nonzeros_of_K(*shape_of(x.data, x.first(kind)), x.file.scene.damping)))});
+    table.add({std::to_string(kind.islands.size()), x.name(kind), std::to_string(island.nv), std::to_string(island.nc),
+               rank_text(kind.ranks), std::to_string(solved_island(data_solved(x.data), x.first(kind)).size()),
+               std::to_string(std::llround(nonzeros_of_K(*shape_of(x.data, x.first(kind)), x.file.scene.damping)))});
   }
   table.print(out);
   for (const IslandKind& kind : x.kinds)

@@ -93,7 +93,7 @@ void Control::follow(const std::string& gains, const std::optional<std::string>&
       for_all(k.alpha, k.beta);
       continue;
     }
-    const auto found = std::find(names.begin(), names.end(), name);
+    const auto found = std::ranges::find(names, name);
     if (found == names.end())
       throw UsageError("option --pd: " + quote(name) + " is no joint of one coordinate, " + suggestion(name, names));
     const Gains k = two_numbers("--pd", "kp kd", space == std::string::npos ? "" : entry.substr(space + 1));
@@ -114,7 +114,7 @@ void Control::follow(const std::string& gains, const std::optional<std::string>&
     for (const Robot& robot : file_.scene.robots)
       for (const Joint& joint : robot.model->joints)
         if (joint.nv() == 1 && robot.idx_q + joint.idx_q == q_over_time_->columns()[k] &&
-            std::find(given.begin(), given.end(), robot.idx_v + joint.idx_v) == given.end())
+            std::ranges::find(given, robot.idx_v + joint.idx_v) == given.end())
           v_of_slope_[k] = robot.idx_v + joint.idx_v;
 }
 

@@ -228,8 +228,7 @@ std::string spring_advice(const Scene& scene, const SimulationData& sim, const S
 // "g closes 0.4 m away from its place", for the contact that is farthest.
 std::string closed_away(const Scene& scene, const Switches::ImpactEvent& blow) {
   const auto size = [](const PlacementError& e) { return std::max(e.position, e.angle); };
-  const PlacementError& worst = *std::max_element(blow.away.begin(), blow.away.end(),
-                                                  [&](const auto& a, const auto& b) { return size(a) < size(b); });
+  const PlacementError& worst = *std::ranges::max_element(blow.away, {}, size);
   return "at t = " + number(blow.t, 4) + " s contact " + scene.contacts[worst.contact].name + " closes " +
          in_words(worst) + " away from its place" +
          (blow.away.size() > 1 ? ", and " + std::to_string(blow.away.size() - 1) + " more do" : "") +

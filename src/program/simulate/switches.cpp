@@ -48,7 +48,7 @@ Switches::Event read(const std::string& item, const SceneFile& file) {
   const std::string& t = words.front();
   const auto [end, error] = std::from_chars(t.data(), t.data() + t.size(), event.t);
   if (error != std::errc() || end != t.data() + t.size() || !std::isfinite(event.t) || event.t < 0) refuse(item);
-  const auto what = std::find(kWhats.begin(), kWhats.end(), words.back());
+  const auto what = std::ranges::find(kWhats, words.back());
   if (what == kWhats.end()) refuse(item);
   event.what = static_cast<Switches::Event::What>(what - kWhats.begin());
   event.contact = words[1];
@@ -62,7 +62,7 @@ Switches::Event read(const std::string& item, const SceneFile& file) {
 Switches::Switches(const std::string& text, const SceneFile& file) {
   std::istringstream stream(text);
   for (std::string item; std::getline(stream, item, ',');) events_.push_back(read(item, file));
-  std::stable_sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) { return a.t < b.t; });
+  std::ranges::stable_sort(events_, {}, &Event::t);
 }
 
 std::string Switches::not_reached() const {

@@ -58,7 +58,7 @@ template <class Seen>
 std::vector<const Seen*> by_time(const std::map<std::vector<int>, Seen>& seen) {
   std::vector<const Seen*> out;
   for (const auto& [key, x] : seen) out.push_back(&x);
-  std::stable_sort(out.begin(), out.end(), [](const auto* a, const auto* b) { return a->first < b->first; });
+  std::ranges::stable_sort(out, {}, &Seen::first);
   return out;
 }
 
@@ -74,9 +74,7 @@ void print_copies(std::ostream& out, const Scene& scene, const std::map<std::vec
     lines[at->second].push_back(x);
   }
   for (std::size_t k = 0; k < lines.size() && k < kMostShown; ++k) {
-    const Seen* worst = *std::max_element(lines[k].begin(), lines[k].end(), [](const Seen* a, const Seen* b) {
-      return size_of(a->worst) < size_of(b->worst);
-    });
+    const Seen* worst = *std::ranges::max_element(lines[k], {}, [](const Seen* x) { return size_of(x->worst); });
     std::set<int> members;
     for (const Seen* x : lines[k]) members.insert(member_of(x->worst));
     const std::string who = members.size() > 1 ? names(scene, {members.begin(), members.end()}) + "; " : "";
@@ -156,8 +154,7 @@ void Watch::print(std::ostream& out, const SceneFile& file, const SimulationData
   print_copies(out, scene, limits_, "farthest", file.robot_group, robots);
   print_copies(out, scene, turning_, "at most", group_of_contacts(file), contacts);
   const double gained = gained_energy(start, end, most_kinetic);
-  const bool gains = std::any_of(scene.contacts.begin(), scene.contacts.end(),
-                                 [](const Contact& c) { return c.alpha != 0 || c.beta != 0; });
+  const bool gains = std::ranges::any_of(scene.contacts, [](const Contact& c) { return c.alpha != 0 || c.beta != 0; });
   const std::string advice =
       (!gains && end.violation_position >= kPlacementError ? ", --gains recommended keeps loops closed" : "") +
       std::string(gained != 0 ? ", shorter steps keep more of the energy" : "");

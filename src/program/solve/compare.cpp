@@ -21,8 +21,8 @@ Deviation worst_known(std::vector<Deviation> deviations) {
 }
 
 bool dense_answered(const Report& report) {
-  return std::all_of(report.islands.begin(), report.islands.end(),
-                     [](const IslandReport& r) { return r.method == Method::kDense || r.status == Status::kFailed; });
+  return std::ranges::all_of(
+      report.islands, [](const IslandReport& r) { return r.method == Method::kDense || r.status == Status::kFailed; });
 }
 
 }  // namespace

@@ -118,8 +118,7 @@ int run_solve(const Arguments& arguments) {
   if (arguments.has("--quasi-static")) {
     solved.quasi_static_u = quasi_static(file.scene, file.q, &solved.unbalanced);
     for (const Unbalanced& x : solved.unbalanced)  // robots with u="gravity" are in the findings of the file already
-      if (!std::binary_search(file.gravity_robots.begin(), file.gravity_robots.end(), x.robot))
-        solved.findings.unbalanced.push_back(x);
+      if (!std::ranges::binary_search(file.gravity_robots, x.robot)) solved.findings.unbalanced.push_back(x);
   }
   if (const auto json = arguments.value("--json"))
     write_json(solved, *json);

@@ -30,8 +30,8 @@ std::string status_in_words(const Report& report, double damping) {
     case Status::kInconsistent:
       return "contacts contradict each other; the accelerations are the least-squares solution";
     case Status::kRegularised:
-      return std::any_of(report.islands.begin(), report.islands.end(),
-                         [](const IslandReport& island) { return island.reason == Reason::kUncertain; })
+      return std::ranges::any_of(report.islands,
+                                 [](const IslandReport& island) { return island.reason == Reason::kUncertain; })
                  ? "the solution of a neighbouring problem: rounding errors may change it by more than its size"
                  : "the solution of a neighbouring problem, not of the one given";
     case Status::kFailed:
@@ -223,7 +223,7 @@ void print_summary(std::ostream& out, const SolvedScene& s) {
   print_findings(out, s.file.scene, s.findings);
   const auto& islands = s.data.report.islands;
   const auto failed = [](const IslandReport& r) { return r.status == Status::kFailed; };
-  if (!std::all_of(islands.begin(), islands.end(), failed)) {
+  if (!std::ranges::all_of(islands, failed)) {
     print_accelerations(out, s);
     print_forces(out, s);
   }

@@ -90,8 +90,8 @@ bool nothing_accelerates(const Report& report) {
   if (report.status == Status::kInconsistent)
     return false;  // the accelerations of inconsistent contacts are printed,
                    // since they are no rounding errors
-  return std::all_of(report.islands.begin(), report.islands.end(),
-                     [](const IslandReport& r) { return r.nv == 0 || find_rounding(r).acceleration; });
+  return std::ranges::all_of(report.islands,
+                             [](const IslandReport& r) { return r.nv == 0 || find_rounding(r).acceleration; });
 }
 
 }  // namespace
@@ -120,7 +120,7 @@ void print_accelerations(std::ostream& out, const SolvedScene& s) {
 void print_forces(std::ostream& out, const SolvedScene& s) {
   const Scene& scene = s.file.scene;
   const std::vector<int> group = group_of_contacts(s.file);
-  const bool any_shared = std::find(s.unique.begin(), s.unique.end(), 0) != s.unique.end();
+  const bool any_shared = std::ranges::find(s.unique, 0) != s.unique.end();
   Lines lines;
   for (int c : active_contacts(s)) {
     const Contact& contact = scene.contacts[c];

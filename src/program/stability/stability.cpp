@@ -232,7 +232,7 @@ int run_stability(const Arguments& arguments) {
     return kExitUnsound;
   }
   run_python(python, script_path("stability.py"), {folder});
-  const bool energy = std::any_of(runs.begin(), runs.end(), [](const EnergyRun& run) { return run.last.error > 0; });
+  const bool energy = std::ranges::any_of(runs, [](const EnergyRun& run) { return run.last.error > 0; });
   std::cout << "charts: drift" << (energy ? " and energy" : "") << ", .png and .svg, in " << printable(folder) << "\n";
   if (!energy) std::cout << "no energy chart: no run that took a step has an energy error\n";
   return kExitOk;

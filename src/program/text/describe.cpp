@@ -33,8 +33,7 @@ std::string joint_types(const Model& model) {
                                                      {JointType::kPrismatic, "prismatic"}};
   std::vector<std::string> parts;
   for (const auto& [type, name] : types) {
-    const auto n =
-        std::count_if(model.joints.begin(), model.joints.end(), [&](const Joint& j) { return j.type == type; });
+    const auto n = std::ranges::count(model.joints, type, &Joint::type);
     if (n > 0) parts.push_back(std::to_string(n) + " " + name);
   }
   return parts.empty() ? "none" : join(parts);
@@ -105,7 +104,7 @@ void print_notes(std::ostream& out, const SceneFile& file) {
     const auto note = [&](const std::vector<std::string>& joints, const std::string& what) {
       if (joints.empty()) return;
       const std::string text = what + ": " + join(joints);
-      const auto same = std::find_if(notes.begin(), notes.end(), [&](const auto& said) { return said.first == text; });
+      const auto same = std::ranges::find_if(notes, [&](const auto& said) { return said.first == text; });
       if (same == notes.end())
         notes.emplace_back(text, std::vector<std::string>{group_name(group)});
       else

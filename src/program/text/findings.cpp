@@ -26,9 +26,8 @@ void print_contacts(std::ostream& out, const Scene& scene, const List& list, con
   if (list.empty()) return;
   std::vector<int> contacts;
   for (const auto& item : list) contacts.push_back(item.contact);
-  std::sort(contacts.begin(), contacts.end());
-  const auto worst =
-      std::max_element(list.begin(), list.end(), [&](const auto& a, const auto& b) { return size(a) < size(b); });
+  std::ranges::sort(contacts);
+  const auto worst = std::ranges::max_element(list, {}, size);
   const std::string names = contact_names(scene, contacts), name = scene.contacts[worst->contact].name;
   wrap(out, list.size() == 1 ? name + " " + say(*worst) : names + "; most of all " + name + " " + say(*worst), 2,
        title + ": ");
@@ -47,8 +46,7 @@ void print_limits(std::ostream& out, const Scene& scene, std::vector<LimitPassed
   const auto share = [](const LimitPassed& l) {
     return l.limit == 0 ? std::abs(l.value) : std::abs((l.value - l.limit) / l.limit);
   };
-  std::stable_sort(limits.begin(), limits.end(),
-                   [&](const LimitPassed& a, const LimitPassed& b) { return share(a) > share(b); });
+  std::ranges::stable_sort(limits, std::ranges::greater(), share);
   std::vector<std::string> texts;
   for (const LimitPassed& limit : limits) texts.push_back(in_words(scene, limit));
   if (!texts.empty()) wrap(out, join(texts, kMostLimits, "; ", "; and "), 2, "beyond limits: ");
@@ -110,16 +108,15 @@ void find_near_dependent(const Scene& scene, const Eigen::VectorXd& q, const Sce
   const auto close = [&](const RankGap& gap) { return counts(gap) && gap.dropped >= 0 && gap.gap() < kCloseGap; };
   for (const RankGap& gap : gaps)
     if (counts(gap)) to.rank_gap = std::min(to.rank_gap, gap.gap());
-  const bool near = std::any_of(gaps.begin(), gaps.end(),
-                                [&](const RankGap& gap) { return counts(gap) && gap.least_kept < kOnlyJust; });
-  if (!near && std::none_of(gaps.begin(), gaps.end(), close)) return;
+  const bool near =
+      std::ranges::any_of(gaps, [&](const RankGap& gap) { return counts(gap) && gap.least_kept < kOnlyJust; });
+  if (!near && std::ranges::none_of(gaps, close)) return;
   const std::vector<std::string> forces = force_names(scene, data);
   const auto name = [&forces](int row) { return forces[row]; };
   for (NearDependent& n : near ? near_dependent(scene, q, data) : std::vector<NearDependent>()) {
     NearlyDependent entry{std::move(n), {}, {}, {}};
     for (const int row : entry.found.rows) entry.rows.push_back(name(row));
-    if (std::any_of(to.near_dependent.begin(), to.near_dependent.end(),
-                    [&](const NearlyDependent& known) { return known.rows == entry.rows; }))
+    if (std::ranges::any_of(to.near_dependent, [&](const NearlyDependent& known) { return known.rows == entry.rows; }))
       continue;
     entry.coordinate = velocity_names(scene)[entry.found.coordinate];
     entry.text = join(entry.rows, kMostPlaces) + ": " + in_words(scene, entry.found);

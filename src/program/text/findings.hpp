@@ -39,8 +39,7 @@ struct Findings {
   bool empty() const {
     return files.empty() && unbalanced.empty() && misplaced.empty() && moving.empty() && violations.empty() &&
            limits.empty() && contradictions.empty() && massless.empty() && turning.empty() && near_dependent.empty() &&
-           close_rows.empty() &&
-           std::none_of(rank_changes.begin(), rank_changes.end(), [](const RankChange& c) { return c.singular; });
+           close_rows.empty() && std::ranges::none_of(rank_changes, &RankChange::singular);
   }
 };
 

@@ -21,10 +21,10 @@ void print_lines(std::ostream& out, Table table, const Lines& lines, std::size_t
   std::iota(at.begin(), at.end(), 0);
   std::size_t more = 0;
   if (at.size() > most) {
-    std::stable_sort(at.begin(), at.end(), [&](std::size_t i, std::size_t j) { return lines[i].size > lines[j].size; });
+    std::ranges::stable_sort(at, std::ranges::greater(), [&](std::size_t i) { return lines[i].size; });
     for (std::size_t k = most; k < at.size(); ++k) more += lines[at[k]].count;
     at.resize(most);
-    std::sort(at.begin(), at.end());
+    std::ranges::sort(at);
   }
   for (std::size_t i : at) {
     std::vector<std::string> cells{lines[i].first + (lines[i].last.empty() ? "" : " .. " + lines[i].last)};

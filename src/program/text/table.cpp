@@ -14,7 +14,7 @@ namespace {
 bool continues(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }  // inside a UTF-8 character
 
 int width(const std::string& text) {
-  return static_cast<int>(std::count_if(text.begin(), text.end(), [](char c) { return !continues(c); }));
+  return static_cast<int>(std::ranges::count_if(text, [](char c) { return !continues(c); }));
 }
 
 // The first `n` characters, or the last ones.

@@ -28,7 +28,7 @@ Mesh cluster(const Mesh& mesh, const Point& corner, float cell) {
     const std::array<std::uint32_t, 3> triangle{vertex[a], vertex[b], vertex[c]};
     if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) continue;
     std::array<std::uint32_t, 3> sorted = triangle;
-    std::sort(sorted.begin(), sorted.end());
+    std::ranges::sort(sorted);
     if (seen.insert(sorted).second) out.triangles.push_back(triangle);
   }
   return out;

@@ -30,8 +30,8 @@ struct Subject {
 // Whether rows of one of these contacts are nearly dependent. Contacts that impose the same constraints are then
 // affected as well.
 bool any_only_just(const IslandRanks& ranks, const std::vector<int>& contacts) {
-  return std::any_of(ranks.lighter.begin(), ranks.lighter.end(), [&](const Lighter& l) {
-    return l.only_just > 0 && std::find(contacts.begin(), contacts.end(), l.contact) != contacts.end();
+  return std::ranges::any_of(ranks.lighter, [&](const Lighter& l) {
+    return l.only_just > 0 && std::ranges::find(contacts, l.contact) != contacts.end();
   });
 }
 

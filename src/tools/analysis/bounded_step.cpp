@@ -40,7 +40,7 @@ NormalMatrix::NormalMatrix(const Eigen::SparseMatrix<double>& J) {
 }
 
 void NormalMatrix::factorize(const Eigen::SparseMatrix<double>& J, const std::vector<char>& counts, double mu) {
-  std::fill(A_.begin(), A_.end(), 0.0);
+  std::ranges::fill(A_, 0.0);
   const double* x = J.valuePtr();
   std::size_t k = 0;
   each_pair(J, [&](Eigen::Index j, int a, int b) {

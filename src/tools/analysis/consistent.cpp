@@ -96,8 +96,7 @@ double size_of(const VelocityError& e) { return std::max(e.linear, e.angular); }
 // "contact 'pin', the worst of 3, stays out of place by 0.1 m". what: "out of place".
 template <class Error>
 std::string worst_in_words(const Scene& scene, const std::vector<Error>& list, const std::string& what) {
-  const Error& worst = *std::max_element(list.begin(), list.end(),
-                                         [](const Error& a, const Error& b) { return size_of(a) < size_of(b); });
+  const Error& worst = *std::ranges::max_element(list, {}, [](const Error& e) { return size_of(e); });
   const std::string of = list.size() == 1 ? "" : ", the worst of " + std::to_string(list.size()) + ",";
   return "contact " + quote(scene.contacts[worst.contact].name) + of + " stays " + what + " by " + in_words(worst);
 }

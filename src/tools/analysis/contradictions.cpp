@@ -36,8 +36,7 @@ std::vector<Contradiction> contradictions(const Scene& scene, const SceneData& d
     }
   }
   const auto size = [](const Contradiction& c) { return std::max(c.linear, c.angular); };
-  std::stable_sort(out.begin(), out.end(),
-                   [&](const Contradiction& x, const Contradiction& y) { return size(x) > size(y); });
+  std::ranges::stable_sort(out, std::ranges::greater(), size);
   if (!out.empty()) {
     const double least = kMissed * size(out.front());
     std::erase_if(out, [&](const Contradiction& c) { return size(c) <= least; });

@@ -19,8 +19,8 @@ Key key_of(const IslandRanks& ranks) {
   Key key{ranks.known, ranks.rank};
   key.insert(key.end(), ranks.redundant.begin(), ranks.redundant.end());
   for (const BodyPair& p : ranks.pairs)
-    key.insert(key.end(), {p.rank, static_cast<long>(p.holds),
-                           std::find(p.contacts.begin(), p.contacts.end(), p.alone) - p.contacts.begin()});
+    key.insert(key.end(),
+               {p.rank, static_cast<long>(p.holds), std::ranges::find(p.contacts, p.alone) - p.contacts.begin()});
   for (const Lighter& l : ranks.lighter) key.insert(key.end(), {l.rank, l.only_just});
   return key;
 }

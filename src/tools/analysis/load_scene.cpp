@@ -32,7 +32,7 @@ SceneFile completed(SceneFile file) {
     file.u.segment(robot.idx_u, robot.model->nu()) = u.segment(robot.idx_u, robot.model->nu());
   }
   for (const Unbalanced& x : unbalanced)
-    if (std::binary_search(file.gravity_robots.begin(), file.gravity_robots.end(), x.robot))
+    if (std::ranges::binary_search(file.gravity_robots, x.robot))
       file.findings.push_back(
           {"rest", name_of(file.scene, x), in_words(x), file.path, file.robot_groups[file.robot_group[x.robot]].line});
   return file;

@@ -28,8 +28,7 @@ bool judged(const Scene& scene, const IslandReport& r) {
 // The input of row_remainders, for all islands at once.
 void complete_judged(const Scene& scene, const SceneData& data) {
   const auto& islands = data.report.islands;
-  if (std::any_of(islands.begin(), islands.end(), [&](const IslandReport& r) { return judged(scene, r); }))
-    complete(scene, data);
+  if (std::ranges::any_of(islands, [&](const IslandReport& r) { return judged(scene, r); })) complete(scene, data);
 }
 
 // The input of one island, after complete.

@@ -36,8 +36,7 @@ std::string owner(const ScenePose& pose) {
                          const std::string& file, int line) {
   const std::vector<GoalLeft>& left = found.left;
   const auto size = [](const GoalLeft& x) { return std::max(x.position, x.angle); };
-  const auto worst = std::max_element(left.begin(), left.end(),
-                                      [&](const GoalLeft& x, const GoalLeft& y) { return size(x) < size(y); });
+  const auto worst = std::ranges::max_element(left, {}, size);
   const auto g = static_cast<std::size_t>(worst - left.begin());
   const std::string by =
       in_words(PlacementError{0, worst->position, worst->angle}) +
@@ -55,7 +54,7 @@ std::vector<internal::Leaning> leaning(const Scene& scene, const Eigen::VectorXd
                                        const std::vector<ScenePose>& poses, const std::vector<bool>& standing) {
   std::vector<internal::Leaning> out = internal::leaning(scene, standing, q);
   std::erase_if(out, [&](const internal::Leaning& x) {
-    return std::none_of(poses.begin(), poses.end(), [&](const ScenePose& p) { return p.frame.robot == x.robot; });
+    return std::ranges::none_of(poses, [&](const ScenePose& p) { return p.frame.robot == x.robot; });
   });
   return out;
 }

@@ -58,7 +58,7 @@ std::vector<TurningRows> turning_rows(const Scene& scene, const ConstVectorRef& 
   std::vector<char> looked = active;
   for (std::size_t c = 0; c < looked.size(); ++c)
     looked[c] = looked[c] && internal::leaves_directions(scene.contacts[c]);
-  if (std::find(looked.begin(), looked.end(), 1) == looked.end()) return out;
+  if (std::ranges::find(looked, 1) == looked.end()) return out;
   internal::each_contact_at(scene, looked, q, v.data(), [&](int c, const ContactData<double>& d) {
     const double rate = internal::turning_of_rows(scene.contacts[c], d).norm();
     if (rate >= kTurningRows) out.push_back({c, rate});

@@ -122,7 +122,7 @@ std::vector<RankChange> rank_changes(const Scene& scene, const ConstVectorRef& a
   std::vector<Probe> probes;
   for (int k = 0; k < kRankProbes; ++k) probes.emplace_back(scene, data, q, rest, k);
   for (const std::size_t i : dependent) {
-    const auto any = [&](auto&& says) { return std::any_of(probes.begin(), probes.end(), says); };
+    const auto any = [&](auto&& says) { return std::ranges::any_of(probes, says); };
     if (!any([i](const Probe& p) { return p.moves(i); })) continue;
     RankChange change{i, any([i](const Probe& p) { return p.singular(i); }), 0, 0, {}, -1};
     if (!change.singular && !any([i](const Probe& p) { return p.changes_beside(i); })) continue;

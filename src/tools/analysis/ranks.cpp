@@ -35,8 +35,8 @@ struct Examined {
   std::vector<int> all() const {
     std::vector<int> out(island.contacts.size());
     std::iota(out.begin(), out.end(), 0);
-    const bool too_deep = std::any_of(out.begin(), out.end(),
-                                      [this](int k) { return numbers(k).J.size() == 0 && contact(k).rows() > 0; });
+    const bool too_deep =
+        std::ranges::any_of(out, [this](int k) { return numbers(k).J.size() == 0 && contact(k).rows() > 0; });
     return too_deep ? std::vector<int>() : out;
   }
 };
@@ -94,10 +94,9 @@ internal::RowRemainders remainders_of(const Scene& scene, const IslandReport& re
   out.left = remainders_of(Jt, out.dependent);
   for (int k = 0; has_rank(scene, report) && k < kMostThresholds; ++k) {
     std::vector<double> largest = out.left;
-    std::sort(largest.begin(), largest.end(), std::greater<>());
+    std::ranges::sort(largest, std::greater<>());
     const auto count = [&](double dependent) {
-      return static_cast<std::size_t>(
-          std::count_if(largest.begin(), largest.end(), [&](double x) { return x > dependent; }));
+      return static_cast<std::size_t>(std::ranges::count_if(largest, [&](double x) { return x > dependent; }));
     };
     const auto rank = static_cast<std::size_t>(report.rank);
     if (count(out.dependent) == rank || rank > largest.size()) break;
@@ -160,8 +159,7 @@ Holds what_holds(const Examined& x, const std::vector<int>& positions, double le
   }
   if (pair.rank == 6 && pair.rows > 6) return Holds::kSixD;
   const auto all_of = [&](auto&& test) {
-    return std::all_of(pair.contacts.begin(), pair.contacts.end(),
-                       [&](int c) { return test(x.scene.contacts[c].type); });
+    return std::ranges::all_of(pair.contacts, [&](int c) { return test(x.scene.contacts[c].type); });
   };
   const std::vector<Vec3<double>> points = points_on(x.scene, pair);
   if (points.empty()) return Holds::kFewerRows;
@@ -237,7 +235,7 @@ double rank_all(const Examined& x, std::size_t number, const std::vector<int>& a
     out.known = true;
     out.rank = report.rank;
     internal::each_row(x.scene, x.data, number, [&](int row) {
-      out.redundant.push_back(std::binary_search(report.dependent_rows.begin(), report.dependent_rows.end(), row));
+      out.redundant.push_back(std::ranges::binary_search(report.dependent_rows, row));
     });
     return tolerance::kRank;
   }
@@ -268,8 +266,7 @@ IslandRanks internal::ranks_of_island(const Scene& scene, const SceneData& data,
   const double least = rank_all(x, number, all, out);
   for (const auto& [bodies, positions] : sort_by_bodies(scene, island))
     out.pairs.push_back(examine(x, positions, least));
-  std::sort(out.pairs.begin(), out.pairs.end(),
-            [](const BodyPair& p, const BodyPair& q) { return p.contacts[0] < q.contacts[0]; });
+  std::ranges::sort(out.pairs, {}, [](const BodyPair& p) { return p.contacts[0]; });
   for (int k : all) {
     const Eigen::MatrixXd rows = rows_of(x, {k});
     const int rank = rank_of(rows, least), plain = std::min(rank, rank_of(rows, kOnlyJust));

@@ -23,8 +23,8 @@ std::vector<Point> hull(std::vector<Point> points) {
   std::vector<Point> out;
   for (int side = 0; side < 2; ++side) {
     const std::size_t first = out.size();
-    std::sort(points.begin(), points.end(), before);
-    if (side == 1) std::reverse(points.begin(), points.end());
+    std::ranges::sort(points, before);
+    if (side == 1) std::ranges::reverse(points);
     for (const Point& p : points) {
       while (out.size() > first + 1 && cross(out.back() - out[out.size() - 2], p - out.back()) <= 0) out.pop_back();
       out.push_back(p);

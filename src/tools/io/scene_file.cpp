@@ -71,7 +71,7 @@ class IncludeReader {
     const std::filesystem::path written = e.not_empty("file", "a scene file");
     const std::string path =
         written.is_absolute() ? written.string() : (std::filesystem::path(*here.file).parent_path() / written).string();
-    if (std::count(open_.begin(), open_.end(), canonical(path)))
+    if (std::ranges::count(open_, canonical(path)))
       here.fail("the scene file " + quote(path) + " includes itself, expected no cycle");
     if (open_.size() > kDeepestInclude)
       here.fail("scene files are included more than " + std::to_string(kDeepestInclude) + " deep, expected fewer");
@@ -133,9 +133,7 @@ SceneFile scene_of(const std::string& bytes, const std::string& path) {
 }  // namespace
 }  // namespace io
 
-SceneFile read_scene(const std::string& path) {
-  return io::scene_of(io::read_file_of(path, "a scene file"), path);
-}
+SceneFile read_scene(const std::string& path) { return io::scene_of(io::read_file_of(path, "a scene file"), path); }
 
 SceneFile read_scene_text(const std::string& text, const std::string& path) {
   constexpr const char* kUtf8Mark = "\xEF\xBB\xBF";  // goes before a declaration of another encoding

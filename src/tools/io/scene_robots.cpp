@@ -100,7 +100,7 @@ class ModelCache {
     std::error_code failed;
     const auto canonical = std::filesystem::weakly_canonical(robot.group.urdf, failed);
     auto& of_file = models_[failed ? robot.group.urdf : canonical.string()];
-    const auto known = std::find_if(of_file.begin(), of_file.end(), [&](const auto& of) { return of.first == o; });
+    const auto known = std::ranges::find_if(of_file, [&](const auto& of) { return of.first == o; });
     if (known != of_file.end()) return known->second;
 
     const Element& e = robot.element;

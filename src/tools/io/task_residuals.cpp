@@ -54,7 +54,7 @@ int fixed_rows(TaskResidual residual) { return kind_of(residual).rows; }
 
 bool takes(TaskResidual residual, const char* attribute) {
   const std::vector<const char*>& all = kind_of(residual).attributes;
-  return std::any_of(all.begin(), all.end(), [&](const char* a) { return std::strcmp(a, attribute) == 0; });
+  return std::ranges::any_of(all, [&](const char* a) { return std::strcmp(a, attribute) == 0; });
 }
 
 TaskResidual read_residual(const Element& e) {

@@ -406,8 +406,7 @@ Model load_urdf(const std::string& path, const UrdfOptions& options, std::vector
   } unlink{*robot};
   Model model = Builder(*robot, options, path, details).build();
   if (findings) {
-    std::stable_sort(details.findings.begin(), details.findings.end(),
-                     [](const Finding& a, const Finding& b) { return a.line < b.line; });
+    std::ranges::stable_sort(details.findings, {}, &Finding::line);
     *findings = std::move(details.findings);
   }
   return model;

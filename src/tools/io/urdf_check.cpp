@@ -138,7 +138,7 @@ std::string check_end(const Element& joint, const char* end, const UrdfDetails& 
   if (!details.link.count(link)) {
     std::vector<std::string> known;
     for (const auto& [name, line] : details.link) known.push_back(name);
-    std::sort(known.begin(), known.end());
+    std::ranges::sort(known);
     e.where("link").fail("the " + std::string(end) + " of " + owner + " is an unknown link " + quote(link) + ", " +
                          suggestion(link, known));
   }

@@ -18,7 +18,7 @@ std::string Element::label(const char* attribute) const { return std::string(att
 namespace {
 
 bool among(const char* name, std::initializer_list<const char*> known) {
-  return std::any_of(known.begin(), known.end(), [&](const char* k) { return std::strcmp(k, name) == 0; });
+  return std::ranges::any_of(known, [&](const char* k) { return std::strcmp(k, name) == 0; });
 }
 
 // Our attributes, and what other formats call them.

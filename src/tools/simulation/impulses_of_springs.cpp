@@ -64,8 +64,7 @@ void add_impulses_of_springs(const Scene& scene, SimulationData& d) {
   }
   s.members.resize(s.cluster.size());
   std::iota(s.members.begin(), s.members.end(), 0);
-  std::sort(s.members.begin(), s.members.end(),
-            [&](int a, int b) { return std::pair(s.cluster[a], a) < std::pair(s.cluster[b], b); });
+  std::ranges::sort(s.members, {}, [&](int g) { return std::pair(s.cluster[g], g); });
   for (std::size_t first = 0, end = 0; first < s.members.size(); first = end) {
     while (end < s.members.size() && s.cluster[s.members[end]] == s.cluster[s.members[first]]) ++end;
     const Vec3<double>& dL = s.couple[s.cluster[s.members[first]]];

@@ -23,12 +23,14 @@ void find_islands(const Scene& scene, const SceneData& islands, ResistingJoints&
   }
   j.order.resize(j.rubbing.size());
   std::iota(j.order.begin(), j.order.end(), 0);
-  std::sort(j.order.begin(), j.order.end(), [&](int a, int b) { return std::pair(j.island[a], a) < std::pair(j.island[b], b); });
+  std::ranges::sort(j.order, {}, [&](int k) { return std::pair(j.island[k], k); });
 }
 
 double huber_slope(double v) { return std::clamp(v / kStickVelocity, -1.0, 1.0); }
 
-signed char slip_at(double v) { return static_cast<signed char>(v >= kStickVelocity ? 1 : v <= -kStickVelocity ? -1 : 0); }
+signed char slip_at(double v) {
+  return static_cast<signed char>(v >= kStickVelocity ? 1 : v <= -kStickVelocity ? -1 : 0);
+}
 
 // The slope of the function to minimise at v + s (next - v), along next - v, over some joints.
 double slope_at(double s, std::span<const int> joints, double h, const ResistingJoints& j) {

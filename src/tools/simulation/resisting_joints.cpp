@@ -68,7 +68,7 @@ Scene ResistingJoints::with_inertias(const Scene& scene) {
       continue;
     }
     if (mine.isZero(0)) continue;
-    const auto same = std::find_if(first.begin(), first.end(), [&](std::size_t other) {
+    const auto same = std::ranges::find_if(first, [&](std::size_t other) {
       const Robot& twin = scene.robots[other];
       return twin.model == robot.model && added.segment(twin.idx_v, twin.model->nv) == mine;
     });

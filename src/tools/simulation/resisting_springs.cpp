@@ -190,7 +190,7 @@ bool each_response(SimulationData& d, ResistingSprings& s, Use&& use) {
   const DerivativeData* inverse = find_inverse(d, s);
   s.none.setZero(d.wanted.size());
   for (int number = 0; number < s.numbers; ++number) {
-    std::fill(s.asked.begin(), s.asked.end(), -1);
+    std::ranges::fill(s.asked, -1);
     s.unit.clear();
     for (std::size_t k = 0; k < s.ends.size(); ++k)
       if (s.ends[k].number == number) {
@@ -280,7 +280,7 @@ void keep_across(const SimulationData& d, ResistingSprings& s) {
 
 // Finds D and g across springs, from the action of the rows along them.
 bool find_across(const SimulationData& d, ResistingSprings& s) {
-  if (std::none_of(s.rows.begin(), s.rows.end(), is_across)) return true;
+  if (std::ranges::none_of(s.rows, is_across)) return true;
   if (!factorize_rows(false, s)) return false;
   take_tensions(d, s);
   keep_across(d, s);

@@ -71,7 +71,7 @@ SimulationData::SimulationData(const Scene& scene, const ConstVector& q_, const 
   if (!(h > 0) || !std::isfinite(h)) throw std::invalid_argument("SimulationData: the step is not positive");
   if (has_applied_forces(scene)) applied = std::make_shared<AppliedForces<double>>(scene);
   if (!scene.springs.empty() || !scene.joint_springs.empty() ||
-      std::any_of(scene.robots.begin(), scene.robots.end(), [](const Robot& r) { return has_friction(*r.model); }))
+      std::ranges::any_of(scene.robots, [](const Robot& r) { return has_friction(*r.model); }))
     resisting = std::make_shared<ResistingForces>(scene);
   for (Eigen::VectorXd* x : {&next_q, &stage_q}) *x = q;
   left_q.setConstant(scene.nq, std::numeric_limits<double>::quiet_NaN());  // unlike any state

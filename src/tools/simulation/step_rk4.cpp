@@ -50,7 +50,7 @@ void account_for_stage(const Scene& scene, double weight, SimulationData& d) {
       d.work.friction -= dt * model.friction[i] * std::tanh(v / kFrictionVelocity) * v;
     }
   }
-  if (std::any_of(scene.springs.begin(), scene.springs.end(), [](const Spring& s) { return s.damping > 0; })) {
+  if (std::ranges::any_of(scene.springs, [](const Spring& s) { return s.damping > 0; })) {
     find_applied_wrenches<double>(scene, d.stage_q.data(), d.stage_v.data(), d.dynamics.wrenches, *d.applied);
     d.work.dampers += dt * power_of(scene, *d.applied).dampers;
   }

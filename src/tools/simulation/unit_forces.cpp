@@ -93,7 +93,7 @@ void UnitTorques::place(const Scene& scene, const Eigen::VectorXd& q) {
 }
 
 void UnitTorques::clear() {
-  std::fill(w_.begin(), w_.end(), Vec6<double>(Vec6<double>::Zero()));
+  std::ranges::fill(w_, Vec6<double>(Vec6<double>::Zero()));
   joints_.setZero();
 }
 

@@ -40,7 +40,7 @@ class UnitTorques {
   void add_forces(int spring, const Vec3<double>& direction, std::vector<UnitForce>& to);
   void add_force(const Scene& scene, int coordinate, std::vector<UnitForce>& to);
   /// begin_numbers: call it before the first of these. numbers: how many numbers were given.
-  void begin_numbers() { std::fill(count_.begin(), count_.end(), 0), most_ = 0; }
+  void begin_numbers() { std::ranges::fill(count_, 0), most_ = 0; }
   int numbers() const { return most_; }
 
  private:

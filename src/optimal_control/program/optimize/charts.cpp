@@ -60,7 +60,7 @@ void add_forces(const OptimizedTask& motion, Json& out) {
       if (bears) mu[c] = std::min(mu[c], friction_of(phase_at(motion.task, nodes[t]), contact));
     }
   }
-  out["smallest_mu"] = mu.empty() ? INFINITY : *std::min_element(mu.begin(), mu.end());
+  out["smallest_mu"] = mu.empty() ? INFINITY : *std::ranges::min_element(mu);
   out["contacts"] = Json::array();
   for (std::size_t c = 0; c < scene.contacts.size(); ++c)
     out["contacts"].push_back({{"name", scene.contacts[c].name},

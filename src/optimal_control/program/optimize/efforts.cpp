@@ -43,7 +43,7 @@ double friction_of(const TaskPhase& phase, int contact) {
   double mu = INFINITY;
   for (const auto* terms : {&phase.costs, &phase.constraints})
     for (const TaskTerm& term : *terms)
-      if (term.mu > 0 && std::count(term.contacts.begin(), term.contacts.end(), contact) > 0)
+      if (term.mu > 0 && std::ranges::count(term.contacts, contact) > 0)
         mu = std::min(mu, term.mu);
   return mu;
 }
