@@ -13,8 +13,6 @@ namespace manycontact::python {
 
 namespace {
 
-using Vector = Eigen::VectorXd;
-
 void add_errors(py::module_& m) {
   value<PlacementError>(m).read<&PlacementError::contact, &PlacementError::position, &PlacementError::angle>().def(
       "__repr__", [](const PlacementError& e) {

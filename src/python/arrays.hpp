@@ -22,6 +22,8 @@ namespace py = pybind11;
 
 namespace manycontact::python {
 
+using Vector = Eigen::VectorXd;
+using Matrix = Eigen::MatrixXd;
 using Doubles = py::array_t<double, py::array::forcecast>;
 
 /// A vector of bounds: infinite numbers allowed, NaN not.

@@ -9,8 +9,6 @@
 
 namespace manycontact::python {
 
-using Vector = Eigen::VectorXd;
-
 py::array Data::export_block(const IslandDerivatives& island, const double* x, Eigen::Index rows,
                              Eigen::Index cols) const {
   std::weak_ptr<PanelKeeper>& known = state_->exported[&island];

@@ -10,8 +10,6 @@
 
 namespace manycontact::python {
 
-using Vector = Eigen::VectorXd;
-
 py::array_t<bool> flags_view(std::vector<char>& flags, py::handle owner) {
   static_assert(sizeof(bool) == sizeof(char));
   return py::array_t<bool>({flags.size()}, {1}, reinterpret_cast<const bool*>(flags.data()), owner);

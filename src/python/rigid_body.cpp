@@ -12,8 +12,6 @@ namespace manycontact::python {
 
 namespace {
 
-using Vector = Eigen::VectorXd;
-using Matrix = Eigen::MatrixXd;
 using Input = Eigen::Ref<const Vector>;
 using Memory = std::shared_ptr<RigidBodyData>;
 using Forces = std::optional<Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>>;

@@ -17,8 +17,6 @@ namespace manycontact::python {
 
 namespace {
 
-using Vector = Eigen::VectorXd;
-
 struct Simulation {
   Simulation(const Scene& scene, const Vector& q, const Vector& v, Integrator integrator, double h,
              const Options& options)

@@ -8,6 +8,7 @@
 #include "manycontact/action/cost.hpp"
 #include "manycontact/action/diff_action.hpp"
 #include "manycontact/action/residual.hpp"
+#include "manycontact/action/state.hpp"
 #include "manycontact/control/solver.hpp"
 #include "objects.hpp"
 
@@ -34,6 +35,8 @@ MANYCONTACT_KEEPS_PYTHON(manycontact::CallbackAbstract)
   }
 
 namespace manycontact::python {
+
+using State = std::shared_ptr<StateMultibody>;
 
 /// The data that a createData of Python's returned.
 template <class Data>

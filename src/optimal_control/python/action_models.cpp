@@ -10,8 +10,6 @@ namespace manycontact::python {
 
 namespace {
 
-using Vector = Eigen::VectorXd;
-using State = std::shared_ptr<StateMultibody>;
 using Gains2 = Eigen::Vector2d;
 
 void add_contact_models(py::module_& m) {

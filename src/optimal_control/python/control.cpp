@@ -18,8 +18,6 @@ namespace {
 
 using Node = ActionModelAbstract;
 using NodeData = ActionDataAbstract;
-using Matrix = Eigen::MatrixXd;
-using Vector = Eigen::VectorXd;
 
 void add_node_base(py::module_& m) {
   auto data = shared<NodeData>(m);

@@ -10,10 +10,6 @@ namespace manycontact::python {
 
 namespace {
 
-using Vector = Eigen::VectorXd;
-using State = std::shared_ptr<StateMultibody>;
-using Matrix = Eigen::MatrixXd;
-
 // A property whose setter updates the cone.
 template <class Cone, class... Given>
 void add_updated(Class<Cone>& c, Given... given) {

@@ -14,8 +14,6 @@ namespace manycontact::python {
 
 namespace {
 
-using Vector = Eigen::VectorXd;
-using State = std::shared_ptr<StateMultibody>;
 using Index = std::size_t;
 
 // Calls of Python's that run in this thread, innermost last.

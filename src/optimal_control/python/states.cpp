@@ -7,9 +7,6 @@ namespace manycontact::python {
 
 namespace {
 
-using Vector = Eigen::VectorXd;
-using State = std::shared_ptr<StateMultibody>;
-
 // ---- states and actuations -----------------------------------------------------------------------------------------
 
 // x of a scene's robots is a configuration and finite velocities. Other states check x themselves.

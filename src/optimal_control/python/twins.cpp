@@ -17,9 +17,6 @@ namespace manycontact::python {
 
 namespace {
 
-using Vector = Eigen::VectorXd;
-using Matrix = Eigen::MatrixXd;
-
 Items<Handle<Thruster>> thrusters_of(const std::shared_ptr<ActuationModelFloatingBaseThrusters>& model) {
   const auto at = [model](std::size_t k) {
     return Handle<Thruster>([model, k]() -> const Thruster& { return model->get_thrusters().at(k); },

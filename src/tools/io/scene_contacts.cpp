@@ -32,10 +32,8 @@ class ContactReader {
   // ---- reading an element
 
   ContactElement read(const Element& e) {
-    e.allow_attributes({"name", "type", "frame", "reference_frame", "offset", "offset_quat_xyzw", "to", "to_offset",
-                        "to_offset_quat_xyzw", "xyz", "quat_xyzw", "axis", "gains", "active", "wrap", "mu", "normal",
-                        "box"});
-    e.allow_children({});
+    e.allow({"name", "type", "frame", "reference_frame", "offset", "offset_quat_xyzw", "to", "to_offset",
+             "to_offset_quat_xyzw", "xyz", "quat_xyzw", "axis", "gains", "active", "wrap", "mu", "normal", "box"});
     ContactElement c;
     c.contact.name = e.not_empty("name");
     c.contact.type = static_cast<ContactType>(e.choice("type", {"1d", "2d", "3d", "5d", "6d"}, -1));

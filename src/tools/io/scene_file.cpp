@@ -31,8 +31,8 @@ class IncludeReader {
   Element read(const std::string& path, const std::string& text) {
     out_.files.push_back(std::make_unique<XmlFile>(path, text, "scene"));
     const Element root = out_.files.back()->root();
-    root.allow_attributes({"name", "gravity", "damping", "tolerance", "moment_length", "consistent", "restarts"});
-    root.allow_children({"robot", "contact", "wrench", "push", "spring", "pose", "include"});
+    root.allow({"name", "gravity", "damping", "tolerance", "moment_length", "consistent", "restarts"},
+               {"robot", "contact", "wrench", "push", "spring", "pose", "include"});
     for (const char* name : {"damping", "tolerance"}) (void)root.number_from_0(name, 0);  // or refused
     (void)root.positive("moment_length", 1, "a length");
     (void)consistent(root);
@@ -65,8 +65,7 @@ class IncludeReader {
   }
 
   void include(const Element& e, const Element& into) {
-    e.allow_attributes({"file"});
-    e.allow_children({});
+    e.allow({"file"});
     const Where here = e.where("file");
     const std::filesystem::path written = e.not_empty("file", "a scene file");
     const std::string path =

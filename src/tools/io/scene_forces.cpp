@@ -34,8 +34,7 @@ std::string frame_name(const SceneFile& file, const Attachment& at) {
 void add_wrenches(const std::vector<Element>& elements, SceneFile& out) {
   EndReader ends(out);
   for (const Element& e : elements) {
-    e.allow_attributes({"name", "frame", "offset", "force", "torque", "reference_frame"});
-    e.allow_children({});
+    e.allow({"name", "frame", "offset", "force", "torque", "reference_frame"});
     const End end = ends.read_first(e, "frame");
     for (int i = 0; i < end.count; ++i) {
       ExternalWrench push;
@@ -52,8 +51,7 @@ void add_wrenches(const std::vector<Element>& elements, SceneFile& out) {
 void add_springs(const std::vector<Element>& elements, SceneFile& out) {
   EndReader ends(out);
   for (const Element& e : elements) {
-    e.allow_attributes({"name", "frame", "offset", "to", "to_offset", "wrap", "xyz", "stiffness", "length", "damping"});
-    e.allow_children({});
+    e.allow({"name", "frame", "offset", "to", "to_offset", "wrap", "xyz", "stiffness", "length", "damping"});
     const EndPair pair = ends.read_pair(e);
     if (pair.to_robot == e.has("xyz"))
       e.fail(pair.to_robot ? "<spring> has both 'to' and xyz, expected one of them"

@@ -33,8 +33,7 @@ End read_frame(const Element& e, EndReader& ends) {
 }  // namespace
 
 void read_pose(const Element& e, const Scene& scene, EndReader& ends, std::vector<ScenePose>& out) {
-  e.allow_attributes({"frame", "com", "offset", "xyz", "rpy", "x", "y", "z", "roll", "pitch", "yaw"});
-  e.allow_children({});
+  e.allow({"frame", "com", "offset", "xyz", "rpy", "x", "y", "z", "roll", "pitch", "yaw"});
   ScenePose pose;
   pose.center_of_mass = e.has("com");
   const End end = pose.center_of_mass ? read_center(e, ends) : read_frame(e, ends);

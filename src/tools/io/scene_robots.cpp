@@ -65,9 +65,9 @@ void read_options(const Element& e, RobotElement& robot) {
 
 // Relative URDF paths start in the folder of the element's file.
 RobotElement read_robot(const Element& e) {
-  e.allow_attributes({"name", "urdf", "base", "xyz", "rpy", "armature", "mimic", "inertia", "dynamics", "u", "copies",
-                      "arrange", "spacing", "root"});
-  e.allow_children({"joint", "lock", "q", "v", "u"});
+  e.allow({"name", "urdf", "base", "xyz", "rpy", "armature", "mimic", "inertia", "dynamics", "u", "copies", "arrange",
+           "spacing", "root"},
+          {"joint", "lock", "q", "v", "u"});
   RobotElement robot(e);
   read_name(e, robot.group);
   const std::filesystem::path urdf = e.not_empty("urdf", "a path");

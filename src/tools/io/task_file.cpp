@@ -60,8 +60,7 @@ void read_wrenches(const Element& e, const Scene& scene, TaskPhase& phase) {
   for (const ExternalWrench& push : scene.wrenches) phase.wrenches.push_back(push.wrench);
   for (auto child = e.child(); child; child = child->next(nullptr)) {
     if (!is_wrench(*child)) continue;
-    child->allow_attributes({"name", "force", "torque"});
-    child->allow_children({});
+    child->allow({"name", "force", "torque"});
     const std::string name = child->required("name");
     const std::vector<int> numbers = wrenches_called(scene, name);
     if (numbers.empty()) {
@@ -90,8 +89,7 @@ void read_impact(const Element& e, const TaskPhase* before, TaskPhase& phase) {
 }
 
 TaskPhase read_phase(const Element& e, const Scene& scene, const TaskPhase* before, TermReader& reader) {
-  e.allow_attributes({"nodes", "contacts", "impact", "at"});
-  e.allow_children({"cost", "constraint", "wrench", "push"});
+  e.allow({"nodes", "contacts", "impact", "at"}, {"cost", "constraint", "wrench", "push"});
   TaskPhase phase;
   phase.line = e.line();
   phase.nodes = e.count("nodes", 1, kMostNodes);
@@ -110,8 +108,7 @@ TaskPhase read_phase(const Element& e, const Scene& scene, const TaskPhase* befo
 }
 
 void read_solver(const Element& e, TaskFile& out) {
-  e.allow_attributes({"type", "iterations", "tolerance", "guess"});
-  e.allow_children({});
+  e.allow({"type", "iterations", "tolerance", "guess"});
   out.solver_line = e.line();
   out.solver = static_cast<TaskSolver>(e.choice("type", {"fddp", "box-fddp", "sparse", "auto"}, 3));
   if (e.has("iterations")) {
@@ -134,8 +131,7 @@ std::optional<Element> only_child(const Element& e, const char* name) {
 }
 
 void read_head(const Element& root, TaskFile& out) {
-  root.allow_attributes({"name", "scene", "step", "integrator"});
-  root.allow_children({"phase", "terminal", "solver"});
+  root.allow({"name", "scene", "step", "integrator"}, {"phase", "terminal", "solver"});
   const std::filesystem::path path(out.path);
   out.name = root.optional("name", path.stem().string());
   out.step = root.positive("step");
@@ -172,8 +168,7 @@ TaskFile read_task(const std::string& path) {
 
   out.terminal.active = out.phases.back().active;
   if (const auto e = io::only_child(root, "terminal")) {
-    e->allow_attributes({});
-    e->allow_children({"cost", "constraint"});
+    e->allow({}, {"cost", "constraint"});
     out.terminal.line = e->line();
     io::read_terms(*e, true, reader, out.terminal);
   }

@@ -7,13 +7,13 @@ namespace manycontact::io {
 TaskTerm TermReader::read(const Element& e, const std::vector<bool>& active, bool terminal) {
   const bool cost = e.name() == "cost";
   if (cost)
-    e.allow_attributes({"name", "type", "weight", "activation", "weights", "lower", "upper", "eps", "robot",
-                        "reference", "frame", "xyz", "quat_xyzw", "reference_frame", "twist", "contact", "mu", "normal",
-                        "box"});
+    e.allow({"name", "type", "weight", "activation", "weights", "lower", "upper", "eps", "robot", "reference", "frame",
+             "xyz", "quat_xyzw", "reference_frame", "twist", "contact", "mu", "normal", "box"},
+            {"pose"});
   else
-    e.allow_attributes({"name", "type", "lower", "upper", "robot", "reference", "frame", "xyz", "quat_xyzw",
-                        "reference_frame", "twist", "contact", "mu", "normal", "box"});
-  e.allow_children({"pose"});
+    e.allow({"name", "type", "lower", "upper", "robot", "reference", "frame", "xyz", "quat_xyzw", "reference_frame",
+             "twist", "contact", "mu", "normal", "box"},
+            {"pose"});
   TaskTerm term;
   term.line = e.line();
   term.name = e.not_empty("name");

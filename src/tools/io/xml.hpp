@@ -37,6 +37,12 @@ class Element {
   /// Refuses text, and children that are not among these.
   void allow_children(std::initializer_list<const char*> known) const;
 
+  /// Both.
+  void allow(std::initializer_list<const char*> attributes, std::initializer_list<const char*> children = {}) const {
+    allow_attributes(attributes);
+    allow_children(children);
+  }
+
   bool has(const char* attribute) const { return element_->Attribute(attribute) != nullptr; }
   std::vector<std::string> attributes() const;  // names of the attributes
   /// An attribute's text; refuses when it is missing.
