@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <random>
 
+#include "../text/places.hpp"
 #include "chart.hpp"
 #include "manycontact/algorithm/integrate.hpp"
 #include "manycontact/analysis/errors.hpp"
@@ -23,21 +24,6 @@ Eigen::MatrixXd directions(int n, bool whole, std::mt19937& rng) {
   for (double& x : out.reshaped()) x = 2.0 * rng() / 4294967295.0 - 1;
   return out;
 }
-
-// Coordinates of the scene behind those of an island: [q | v | u], and [a; f].
-struct Places {
-  std::vector<int> v, u, f;
-  Places(const Scene& scene, const SceneData& data, const Island& island) {
-    const auto into = [](std::vector<int>& places) {
-      return [&places](int first, int, int count) {
-        for (int i = 0; i < count; ++i) places.push_back(first + i);
-      };
-    };
-    each_velocity_block(scene, island, into(v));
-    each_torque_block(scene, island, into(u));
-    each_force_block(scene, data.f_offset, island, into(f));
-  }
-};
 
 void choose_directions(const Places& p, std::mt19937& rng, ChartTruth::OfIsland& out) {
   const int nv = static_cast<int>(p.v.size()), nu = static_cast<int>(p.u.size());
@@ -129,7 +115,7 @@ ChartTruth find_truth(const SceneFile& file, SceneData& data) {
     ChartTruth::OfIsland& o = truth.islands.emplace_back();
     o.island = solved_island(data, i);
     o.known = o.derivatives_known = here.regular[i];
-    choose_directions(places.emplace_back(scene, data, o.island), rng, o);
+    choose_directions(places.emplace_back(scene, data.f_offset, o.island), rng, o);
     truth.sampled += o.island.nv > kWholeUpTo;
   }
   differences(file, data, places, truth);

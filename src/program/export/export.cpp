@@ -7,6 +7,7 @@
 #include "../files/json_file.hpp"
 #include "../files/output_file.hpp"
 #include "../files/python.hpp"
+#include "../text/places.hpp"
 #include "../text/table.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
@@ -46,15 +47,10 @@ std::vector<std::string> files_written(const ExportPlan& plan, std::size_t islan
 
 void write_names(const Scene& scene, const SceneData& data, const Island& island, const std::string& path) {
   const std::vector<std::string> v = velocity_names(scene), f = force_names(scene, data);
-  std::vector<std::string> names(static_cast<std::size_t>(island.size()));
-  each_velocity_block(scene, island, [&](int from, int to, int n) {
-    for (int i = 0; i < n; ++i) names[to + i] = v[from + i];
-  });
-  each_force_block(scene, data.f_offset, island, [&](int from, int to, int n) {
-    for (int i = 0; i < n; ++i) names[island.nv + to + i] = f[from + i];
-  });
+  const Places places(scene, data.f_offset, island);
   OutputFile file(path);
-  for (const std::string& name : names) file.stream() << printable(name) << "\n";
+  for (const int i : places.v) file.stream() << printable(v[i]) << "\n";
+  for (const int i : places.f) file.stream() << printable(f[i]) << "\n";
   file.close();
 }
 

@@ -5,6 +5,7 @@
 #include "../files/json_file.hpp"
 #include "../files/output_file.hpp"
 #include "../files/python.hpp"
+#include "../text/places.hpp"
 #include "inspect.hpp"
 #include "manycontact/dynamics/shapes.hpp"
 
@@ -22,14 +23,9 @@ Json json_of(const KktPattern& p) {
 
 // Rows of an island's K in the scene: the robots' velocities, then the active contacts' rows.
 std::vector<int> rows_in_scene(const Scene& scene, const SceneData& data, const Island& island) {
-  std::vector<int> rows(static_cast<std::size_t>(island.size()));
-  const auto place = [&rows](int in_scene, int in_island, int count) {
-    for (int i = 0; i < count; ++i) rows[in_island + i] = in_scene + i;
-  };
-  each_velocity_block(scene, island, place);
-  each_force_block(scene, data.f_offset, island,
-                   [&](int f, int row, int count) { place(scene.nv + f, island.nv + row, count); });
-  return rows;
+  Places places(scene, data.f_offset, island);
+  for (const int f : places.f) places.v.push_back(scene.nv + f);
+  return places.v;
 }
 
 // Adds the islands, and the patterns that they share.

@@ -5,27 +5,14 @@
 
 namespace manycontact::cli {
 
-namespace {
-
-// "q:r0/knee"; "q:r0/root[0]" for joints with several.
-void write_names(const Scene& scene, const std::string& prefix, int (Joint::*size)() const, CsvFile& csv) {
-  for (const Robot& robot : scene.robots)
-    for (const Joint& joint : robot.model->joints)
-      for (int k = 0; k < (joint.*size)(); ++k)
-        csv << prefix + robot.name + "/" + joint.name +
-                   ((joint.*size)() > 1 ? "[" + std::to_string(k) + "]" : std::string());
-}
-
-}  // namespace
-
 void set_gains(Scene& scene, const Gains& gains) {
   for (Contact& contact : scene.contacts) contact.alpha = gains.alpha, contact.beta = gains.beta;
 }
 
 void write_trajectory_header(const Scene& scene, CsvFile& csv) {
   csv << "t";
-  write_names(scene, "q:", &Joint::nq, csv);
-  write_names(scene, "v:", &Joint::nv, csv);
+  for (const std::string& name : configuration_names(scene)) csv << "q:" + name;
+  for (const std::string& name : velocity_names(scene)) csv << "v:" + name;
   csv << "violation_position"
       << "violation_velocity"
       << "energy";

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "../text/places.hpp"
 #include "../text/table.hpp"
-#include "manycontact/analysis/names.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "solve.hpp"
 
@@ -11,20 +11,10 @@ namespace manycontact::cli {
 
 namespace {
 
-// Names of an island's rows and columns, in the island's order.
-struct Names {
-  std::vector<std::string> v, u, f;
-};
-Names names_of(const Scene& scene, const Island& island) {
-  Names names;
-  for (int r : island.robots) {
-    const Robot& robot = scene.robots[r];
-    for (int i = 0; i < robot.model->nv; ++i) names.v.push_back(robot.name + "/" + dof_name(*robot.model, i));
-    for (int i : robot.model->actuated) names.u.push_back(robot.name + "/" + dof_name(*robot.model, i));
-  }
-  for (int c : island.contacts)
-    for (int k = 0; k < scene.contacts[c].rows(); ++k) names.f.push_back(row_name(scene.contacts[c], k));
-  return names;
+std::vector<std::string> chosen(const std::vector<std::string>& names, const std::vector<int>& places) {
+  std::vector<std::string> out;
+  for (const int i : places) out.push_back(names[i]);
+  return out;
 }
 
 struct Largest {
@@ -54,21 +44,24 @@ void print_derivatives(std::ostream& out, const SolvedScene& s) {
   Largest a[3], f[3];
   std::size_t unknown = 0;  // islands without, though solved
   const DerivativeData& dd = derivatives(s.data);
+  const Scene& scene = s.file.scene;
+  const auto v_names = velocity_names(scene), u_names = torque_names(scene), f_names = force_names(scene, s.data);
   for (std::size_t i = 0; i < dd.islands.size(); ++i) {
     if (s.data.report.islands[i].status == Status::kFailed) continue;
-    const Names n = names_of(s.file.scene, solved_island(s.data, i));
+    const Places places(scene, s.data.f_offset, solved_island(s.data, i));
+    const auto v = chosen(v_names, places.v), u = chosen(u_names, places.u), row = chosen(f_names, places.f);
     const IslandDerivatives& d = dd.islands[i];
     const DerivativeBounds& of = s.derivative_errors[i];
     if (d.X.hasNaN()) {
       ++unknown;
       continue;
     }
-    a[0].look(d.da_dq(), of.da_dq, n.v, n.v);
-    a[1].look(d.da_dv(), of.da_dv, n.v, n.v);
-    a[2].look(d.da_du(), of.da_du, n.v, n.u);
-    f[0].look(d.dforces_dq(), of.dforces_dq, n.f, n.v);
-    f[1].look(d.dforces_dv(), of.dforces_dv, n.f, n.v);
-    f[2].look(d.dforces_du(), of.dforces_du, n.f, n.u);
+    a[0].look(d.da_dq(), of.da_dq, v, v);
+    a[1].look(d.da_dv(), of.da_dv, v, v);
+    a[2].look(d.da_du(), of.da_du, v, u);
+    f[0].look(d.dforces_dq(), of.dforces_dq, row, v);
+    f[1].look(d.dforces_dv(), of.dforces_dv, row, v);
+    f[2].look(d.dforces_du(), of.dforces_du, row, u);
   }
   Table table("of<|entry|relative error|row<36|column<36");
   const char* by[] = {"dq", "dv", "du"};
