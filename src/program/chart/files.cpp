@@ -32,10 +32,8 @@ Json json_of(const ChartRow& row) {
 
 void write_csv(const std::vector<Chart>& charts, const std::string& path) {
   CsvFile csv(path);
-  for (const char* name : {"scene", "method", "order", "regularisation", "status", "time_us", "error_acceleration",
-                           "error_forces", "error_derivatives", "front"})
-    csv << name;
-  csv.end_row();
+  csv.header({"scene", "method", "order", "regularisation", "status", "time_us", "error_acceleration", "error_forces",
+              "error_derivatives", "front"});
   const auto number_or_nothing = [&csv](const std::optional<double>& x) {
     if (x)
       csv << *x;

@@ -37,6 +37,11 @@ void CsvFile::end_row() {
   first_ = true;
 }
 
+void CsvFile::header(std::initializer_list<const char*> names) {
+  for (const char* name : names) *this << name;
+  end_row();
+}
+
 void CsvFile::close() { file_.close(); }
 
 }  // namespace manycontact::cli

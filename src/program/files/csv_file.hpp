@@ -12,6 +12,7 @@ class CsvFile {
   CsvFile& operator<<(double x);              // shortest that reads back to the same bits
   CsvFile& operator<<(const std::string& x);  // quoted where it must be, as RFC 4180 has it
   void end_row();
+  void header(std::initializer_list<const char*> names);  // a whole row
   void close();  // it is whole: it has its name
 
  private:

@@ -26,7 +26,6 @@ void print_joints(std::ostream& out, const SceneFile& file) {
   Table table("robot<24|joint<30|type<|lower|upper|velocity|effort|armature|<", kMostJoints);
   std::map<const Model*, bool> shown;
   for (const RobotGroup& group : file.robot_groups) {
-    if (group.count == 0) continue;
     const Model& model = *file.scene.robots[group.first].model;
     if (!shown.emplace(&model, true).second) continue;
     for (const Joint& joint : model.joints) {

@@ -46,7 +46,6 @@ void add_islands(const Inspection& x, Json& to) {
 Json robots(const Inspection& x) {
   Json out = Json::array();
   for (const RobotGroup& group : x.file.robot_groups) {
-    if (group.count == 0) continue;
     const Robot& robot = x.file.scene.robots[group.first];
     std::vector<std::string> names;
     for (int k = 0; k < group.count; ++k) names.push_back(x.file.scene.robots[group.first + k].name);

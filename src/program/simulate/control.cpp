@@ -19,13 +19,6 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
-bool is_actuated(const Scene& scene, int coordinate) {
-  for (const Robot& robot : scene.robots)
-    for (const int i : robot.model->actuated)
-      if (robot.idx_v + i == coordinate) return true;
-  return false;
-}
-
 }  // namespace
 
 TimeTable::TimeTable(const std::string& path, const std::string& prefix, const std::vector<std::string>& names) {
@@ -79,7 +72,7 @@ void Control::read_torques(const std::string& path) {
 void Control::follow(const std::string& gains, const std::optional<std::string>& reference) {
   const Scene& scene = file_.scene;
   kp_.setZero(scene.nv), kd_.setZero(scene.nv);
-  const std::vector<std::string> names = velocity_names(scene);
+  const std::vector<std::string> names = velocity_names(scene), torques = torque_names(scene);
   std::size_t begin = 0;
   for (bool first = true; begin <= gains.size(); first = false) {
     const std::size_t end = std::min(gains.find(';', begin), gains.size());
@@ -98,7 +91,7 @@ void Control::follow(const std::string& gains, const std::optional<std::string>&
       throw UsageError("option --pd: " + quote(name) + " is no joint of one coordinate, " + suggestion(name, names));
     const Gains k = two_numbers("--pd", "kp kd", space == std::string::npos ? "" : entry.substr(space + 1));
     const auto i = found - names.begin();
-    if (!is_actuated(scene, static_cast<int>(i)))
+    if (std::ranges::find(torques, name) == torques.end())
       throw UsageError("option --pd: joint " + quote(name) + " has no torque, expected an actuated joint");
     kp_[i] = k.alpha, kd_[i] = k.beta;
   }

@@ -138,11 +138,6 @@ double total_work(const Plan& plan) {
   return work + 2.0 * 5 * static_cast<double>(plan.energy_steps);
 }
 
-void begin_csv(std::initializer_list<const char*> names, CsvFile& csv) {
-  for (const char* name : names) csv << name;
-  csv.end_row();
-}
-
 // Writes drift.csv and energy.csv.
 std::vector<EnergyRun> measure(const SceneFile& file, const Options& options, const Plan& plan,
                                const fs::path& folder) {
@@ -157,10 +152,9 @@ std::vector<EnergyRun> measure(const SceneFile& file, const Options& options, co
     };
   };
   CsvFile drift((folder / "drift.csv").string()), energy((folder / "energy.csv").string());
-  begin_csv({"integrator", "gains", "alpha", "beta", "step_s", "steps", "largest_violation_position",
-             "largest_violation_velocity", "stopped", "largest_stable_step_s"},
-            drift);
-  begin_csv({"integrator", "gains", "step_s", "step", "largest_energy_error_J", "violation_position"}, energy);
+  drift.header({"integrator", "gains", "alpha", "beta", "step_s", "steps", "largest_violation_position",
+                "largest_violation_velocity", "stopped", "largest_stable_step_s"});
+  energy.header({"integrator", "gains", "step_s", "step", "largest_energy_error_J", "violation_position"});
   for (Integrator integrator : kIntegrators)
     for (const GainsChoice& choice : choices)
       for (double h : step_sizes()) {

@@ -86,7 +86,6 @@ void print_heading(std::ostream& out, const SceneFile& file, const SceneData& da
   Lines lines;  // robots with the same text share one line
   const bool many = file.robot_groups.size() > kMostRobotLines;
   for (const RobotGroup& group : file.robot_groups) {
-    if (group.count == 0) continue;
     const Model& model = *scene.robots[group.first].model;
     add_line(lines, many ? 0 : group.first, group_name(group),
              {std::filesystem::path(group.urdf).filename().string(), model.floating_base ? "floating" : "fixed",
@@ -99,7 +98,6 @@ void print_heading(std::ostream& out, const SceneFile& file, const SceneData& da
 void print_notes(std::ostream& out, const SceneFile& file) {
   std::vector<std::pair<std::string, std::vector<std::string>>> notes;  // text, and the robots that it is about
   for (const RobotGroup& group : file.robot_groups) {
-    if (group.count == 0) continue;
     const ModelNotes& n = file.scene.robots[group.first].model->notes;
     const auto note = [&](const std::vector<std::string>& joints, const std::string& what) {
       if (joints.empty()) return;

@@ -154,7 +154,6 @@ Json shapes_of(const SceneFile& file, std::vector<std::string>& notes, std::vect
   Meshes meshes;
   Json models = Json::array(), robots = Json::array();
   for (const RobotGroup& group : file.robot_groups) {
-    if (group.count == 0) continue;
     const auto first = static_cast<std::size_t>(group.first);
     models.push_back(model_of(group.urdf, *file.scene.robots[first].model, meshes));
     for (std::size_t k = first; k < first + static_cast<std::size_t>(group.count); ++k)

@@ -15,10 +15,9 @@ namespace {
 
 // The nodes with torques: impacts are left out.
 std::vector<std::size_t> nodes_with_torques(const OptimizedTask& motion) {
-  const std::vector<TaskNode> nodes = timeline(motion.task);
   std::vector<std::size_t> with;
-  for (std::size_t t = 0; t + 1 < nodes.size() && t < motion.solution.us.size(); ++t)
-    if (!nodes[t].impact) with.push_back(t);
+  for (std::size_t t = 0; t + 1 < motion.nodes.size() && t < motion.solution.us.size(); ++t)
+    if (!motion.nodes[t].impact) with.push_back(t);
   return with;
 }
 
@@ -45,7 +44,6 @@ Json torques(const OptimizedTask& motion) {
 // friction coefficient of their cones.
 void add_forces(const OptimizedTask& motion, Json& out) {
   const Scene& scene = motion.task.scene.scene;
-  const std::vector<TaskNode> nodes = timeline(motion.task);
   std::vector<std::vector<double>> normal(scene.contacts.size()), tangential(scene.contacts.size());
   std::vector<double> mu(scene.contacts.size(), INFINITY);
   for (std::size_t t : nodes_with_torques(motion)) {
@@ -57,7 +55,7 @@ void add_forces(const OptimizedTask& motion, Json& out) {
       const Eigen::Vector2d p = bears ? contact_pressure(scene, contact, q, forces[c]) : Eigen::Vector2d(NAN, NAN);
       normal[c].push_back(p[0]);
       tangential[c].push_back(p[1]);
-      if (bears) mu[c] = std::min(mu[c], friction_of(phase_at(motion.task, nodes[t]), contact));
+      if (bears) mu[c] = std::min(mu[c], friction_of(phase_at(motion.task, motion.nodes[t]), contact));
     }
   }
   out["smallest_mu"] = mu.empty() ? INFINITY : *std::ranges::min_element(mu);

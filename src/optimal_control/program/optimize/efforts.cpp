@@ -52,15 +52,14 @@ void print_torques(std::ostream& out, const OptimizedTask& motion) {
   const auto& us = motion.solution.us;
   const std::vector<std::string> names = torque_names(motion.task.scene.scene);
   const Eigen::VectorXd& limits = motion.problem.models.front()->get_u_ub();
-  const std::vector<TaskNode> nodes = timeline(motion.task);
   std::vector<Torque> list(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     list[i].name = names[i];
     list[i].limit = limits[i];
     for (std::size_t t = 0; t < us.size(); ++t) {
-      if (nodes[t].impact) continue;
+      if (motion.nodes[t].impact) continue;
       const double u = us[t][i];
-      if (std::abs(u) > std::abs(list[i].u)) list[i].u = u, list[i].time = nodes[t].time;
+      if (std::abs(u) > std::abs(list[i].u)) list[i].u = u, list[i].time = motion.nodes[t].time;
     }
   }
   const std::size_t shown = std::min(kMostTorques, list.size());
@@ -80,9 +79,8 @@ void print_torques(std::ostream& out, const OptimizedTask& motion) {
 
 void print_forces(std::ostream& out, const OptimizedTask& motion) {
   const TaskFile& task = motion.task;
-  const std::vector<TaskNode> nodes = timeline(task);
   std::map<std::size_t, Bore> bores;  // keyed by contact group
-  for (std::size_t t = 0; t + 1 < nodes.size(); ++t) {
+  for (std::size_t t = 0; t + 1 < motion.nodes.size(); ++t) {
     const auto forces = contact_forces(task, motion.problem, t);
     const auto q = motion.solution.xs[t].head(task.scene.scene.nq);
     for (std::size_t g = 0; g < task.scene.contact_groups.size(); ++g) {
@@ -90,7 +88,7 @@ void print_forces(std::ostream& out, const OptimizedTask& motion) {
       for (int c = group.first; c < group.first + group.count; ++c)
         if (forces[c].size() >= 3)
           add_force(contact_pressure(task.scene.scene, c, q, forces[c]),
-                    friction_of(phase_at(task, nodes[t]), c), bores[g]);
+                    friction_of(phase_at(task, motion.nodes[t]), c), bores[g]);
     }
   }
   Table table("contact forces<40|nodes|least normal [N]|most|tangential/normal|cone");

@@ -94,7 +94,8 @@ int run_optimize(const Arguments& arguments) {
                                                            return !stop.is_set();
                                                          }});
   problem.problem->calc(solution.xs, solution.us);
-  OptimizedTask motion{task, problem, solution, simulated(arguments, task, solution), cost_by_term(task, problem)};
+  OptimizedTask motion{task, problem, solution, timeline(task), simulated(arguments, task, solution),
+                       cost_by_term(task, problem)};
   motion.findings = plan_findings(task, solution, motion.costs);
   for (PlanFinding& finding : guess_findings(task)) motion.findings.push_back(std::move(finding));
   write_trajectory(motion, out);

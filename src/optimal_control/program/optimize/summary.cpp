@@ -42,8 +42,7 @@ void print_summary(std::ostream& out, const OptimizedTask& motion) {
   const TaskFile& task = motion.task;
   const TaskSolution& s = motion.solution;
   const Scene& scene = task.scene.scene;
-  const std::vector<TaskNode> nodes = timeline(task);
-  const long impacts = std::ranges::count_if(nodes, &TaskNode::impact);
+  const long impacts = std::ranges::count_if(motion.nodes, &TaskNode::impact);
   out << printable(task.name) << ": " << s.solver << (s.converged ? " converged" : " did not converge") << " after "
       << count(static_cast<long>(s.iterations.size()), "iteration")
       << (s.polishing_iterations > 0 ? " and " + std::to_string(s.polishing_iterations) + " more" : "") << " ("
