@@ -12,8 +12,6 @@ namespace manycontact::cli {
 
 namespace {
 
-using internal::worse;
-
 // A robot's rows of an island's [a; f]: its accelerations, or the forces of the contacts it is part of.
 std::vector<int> rows_of(const Scene& scene, const Island& island, int robot, bool forces) {
   std::vector<int> rows;
@@ -57,9 +55,9 @@ double island_error(const Scene& scene, const ChartTruth::OfIsland& truth, const
         const auto columns = Eigen::seq(truth.first[by], truth.first[by + 1] - 1);
         const MatX<Quad> part = all(Eigen::all, columns);
         const Eigen::MatrixXd mine = answer(rows, columns);
-        const double difference = largest_difference(mine, part);
+        const double difference = largest_entry(mine.cast<Quad>() - part);
         const double own = largest_entry(part), size = own > noise ? own : largest;
-        error = worse(error, difference <= noise ? 0 : difference / size);
+        error = sparse::larger_or_nan(error, difference <= noise ? 0 : difference / size);
       }
     }
   return error;
@@ -115,7 +113,7 @@ double derivative_error(const Scene& scene, const SceneData& data, const ChartTr
     const PanelPlaces places = places_in(scene, solved_island(data, i), d, of_truth.island);
     Eigen::MatrixXd answer = d.X(places.rows, places.columns);
     if (of_truth.along.rows() != of_truth.along.cols()) answer = Eigen::MatrixXd(answer * of_truth.along);
-    error = worse(error, island_error(scene, of_truth, scales, answer));
+    error = sparse::larger_or_nan(error, island_error(scene, of_truth, scales, answer));
   }
   return error;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "manycontact/model/scene.hpp"
+#include "manycontact/sparse/largest.hpp"
 
 namespace manycontact {
 
@@ -14,30 +15,13 @@ struct Deviation {
   double absolute = 0, relative = 0;
 };
 
-namespace internal {
-// The larger; NaN when either is.
-inline double worse(double a, double b) { return b <= a ? a : a != a ? a : b; }
-}  // namespace internal
-
 /// max |x_ij|. NaN if x contains NaN.
 template <class X>
 double largest_entry(const X& x) {
   using std::abs;
   double out = 0;
   for (Eigen::Index j = 0; j < x.cols(); ++j)
-    for (Eigen::Index i = 0; i < x.rows(); ++i) out = internal::worse(out, static_cast<double>(abs(x(i, j))));
-  return out;
-}
-
-/// max |x_ij - truth_ij|. NaN if either contains NaN.
-template <class X, class T>
-double largest_difference(const X& x, const T& truth) {
-  using S = typename T::Scalar;
-  using std::abs;
-  double out = 0;
-  for (Eigen::Index j = 0; j < truth.cols(); ++j)
-    for (Eigen::Index i = 0; i < truth.rows(); ++i)
-      out = internal::worse(out, static_cast<double>(abs(S(S(x(i, j)) - truth(i, j)))));
+    for (Eigen::Index i = 0; i < x.rows(); ++i) out = sparse::larger_or_nan(out, static_cast<double>(abs(x(i, j))));
   return out;
 }
 
@@ -50,9 +34,9 @@ std::vector<Deviation> acceleration_deviations(const Scene& scene, const Eigen::
   std::vector<Deviation> out;
   for (const Robot& robot : scene.robots) {
     const int first = robot.idx_v, nv = robot.model->nv;
-    const double absolute = largest_difference(a.segment(first, nv), truth.segment(first, nv));
+    const double absolute = largest_entry(a.segment(first, nv).template cast<S>() - truth.segment(first, nv));
     double size = largest_entry(truth.segment(first, nv));
-    if (at_least.size() > 0) size = internal::worse(size, largest_entry(at_least.segment(first, nv)));
+    if (at_least.size() > 0) size = sparse::larger_or_nan(size, largest_entry(at_least.segment(first, nv)));
     out.push_back({absolute, absolute == 0 ? 0 : absolute / size});
   }
   return out;
@@ -67,7 +51,7 @@ std::vector<double> largest_forces(const Scene& scene, const std::vector<int>& f
     const Contact& contact = scene.contacts[c];
     const double size = largest_entry(f.segment(f_offset[c], contact.rows()));
     for (int robot : {contact.A.robot, contact.B.robot})
-      if (robot >= 0) out.begin()[robot] = internal::worse(out.begin()[robot], size);
+      if (robot >= 0) out.begin()[robot] = sparse::larger_or_nan(out.begin()[robot], size);
   }
   return out;
 }
@@ -88,8 +72,8 @@ std::vector<Deviation> force_deviations(const Scene& scene, const std::vector<in
 inline Deviation worst(const std::vector<Deviation>& deviations) {
   Deviation out;
   for (const Deviation& d : deviations) {
-    out.absolute = internal::worse(out.absolute, d.absolute);
-    out.relative = internal::worse(out.relative, d.relative);
+    out.absolute = sparse::larger_or_nan(out.absolute, d.absolute);
+    out.relative = sparse::larger_or_nan(out.relative, d.relative);
   }
   return out;
 }
