@@ -10,9 +10,10 @@ std::string shape_of(const py::array& array) {
 
 namespace {
 
-// Aligned float64 of this machine's byte order: what can be read in place.
+// Aligned float64 of this machine's byte order, in C's order: what can be read in place.
 bool is_plain(const py::array& array) {
-  return py::isinstance<py::array_t<double>>(array) && (array.flags() & py::detail::npy_api::NPY_ARRAY_ALIGNED_) != 0;
+  return py::isinstance<py::array_t<double, py::array::c_style>>(array) &&
+         (array.flags() & py::detail::npy_api::NPY_ARRAY_ALIGNED_) != 0;
 }
 
 py::array as_array(py::handle source) {
@@ -24,12 +25,11 @@ py::array as_array(py::handle source) {
 
 }  // namespace
 
-Doubles as_doubles(py::handle source, bool contiguous) {
+Doubles as_doubles(py::handle source) {
   const Doubles none = py::reinterpret_steal<Doubles>(py::handle());
   const py::array array = as_array(source);
   if (!array || array.ndim() == 0) return none;
-  const bool in_place = is_plain(array) && (!contiguous || (array.flags() & py::array::c_style) != 0);
-  if (in_place) return py::reinterpret_borrow<Doubles>(array);
+  if (is_plain(array)) return py::reinterpret_borrow<Doubles>(array);
   const char kind = array.dtype().kind();
   if (kind != 'f' && kind != 'i' && kind != 'u' && kind != 'b') return none;
   using Contiguous = py::array_t<double, py::array::c_style | py::array::forcecast>;
@@ -42,8 +42,8 @@ void expect_numbers_in(py::handle values) {
     throw py::type_error("numbers are expected, not " + std::string(py::str(py::type::of(values).attr("__name__"))));
 }
 
-Doubles checked_doubles(py::handle source, int dimensions, Eigen::Index rows, Eigen::Index cols, bool contiguous) {
-  Doubles a = as_doubles(source, contiguous);
+Doubles checked_doubles(py::handle source, int dimensions, Eigen::Index rows, Eigen::Index cols) {
+  Doubles a = as_doubles(source);
   if (!a) return a;
   if (a.ndim() != dimensions)
     throw py::value_error(std::string(dimensions == 1 ? "a vector" : "a matrix") +

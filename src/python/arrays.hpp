@@ -40,11 +40,11 @@ struct Raw {
 /// "(3, 4)"
 std::string shape_of(const py::array& array);
 
-/// `source` as float64; null where it is no array of numbers (nor a sequence of such). contiguous: in C's order.
-Doubles as_doubles(py::handle source, bool contiguous);
+/// `source` as float64 in C's order; null where it is no array of numbers (nor a sequence of such).
+Doubles as_doubles(py::handle source);
 
 /// The same of `dimensions` dimensions, and rows x cols where these are not Eigen::Dynamic; else ValueError.
-Doubles checked_doubles(py::handle source, int dimensions, Eigen::Index rows, Eigen::Index cols, bool contiguous);
+Doubles checked_doubles(py::handle source, int dimensions, Eigen::Index rows, Eigen::Index cols);
 
 /// ValueError unless all numbers are finite (`infinite`: unless none is NaN). name: of the argument; "" where unknown.
 void check_numbers(const char* name, const double* x, Eigen::Index size, bool infinite = false);
@@ -103,8 +103,7 @@ struct type_caster<Eigen::Matrix<double, R, C, O, MR, MC>> {
   bool load(handle source, bool) {
     using namespace manycontact::python;
     constexpr bool vector = Matrix::IsVectorAtCompileTime;
-    const Doubles a =
-        checked_doubles(source, vector ? 1 : 2, vector ? Matrix::SizeAtCompileTime : R, vector ? 1 : C, true);
+    const Doubles a = checked_doubles(source, vector ? 1 : 2, vector ? Matrix::SizeAtCompileTime : R, vector ? 1 : C);
     if (!a) return false;
     if constexpr (vector) {
       value = Eigen::Map<const Matrix>(a.data(), a.size());
@@ -129,7 +128,7 @@ struct type_caster<manycontact::ConstVectorRef> {
 
   bool load(handle source, bool) {
     using namespace manycontact::python;
-    array_ = checked_doubles(source, 1, Eigen::Dynamic, 1, true);
+    array_ = checked_doubles(source, 1, Eigen::Dynamic, 1);
     if (!array_) return false;
     check_numbers("", array_.data(), array_.size());
     value_.emplace(Eigen::Map<const Eigen::VectorXd>(array_.data(), array_.size()));
@@ -151,7 +150,7 @@ struct type_caster<manycontact::python::Bounds> {
 
   bool load(handle source, bool) {
     using namespace manycontact::python;
-    const Doubles a = checked_doubles(source, 1, Eigen::Dynamic, 1, true);
+    const Doubles a = checked_doubles(source, 1, Eigen::Dynamic, 1);
     if (!a) return false;
     value.x = Eigen::Map<const Eigen::VectorXd>(a.data(), a.size());
     check_numbers("", value.x.data(), value.x.size(), true);
@@ -164,7 +163,7 @@ struct type_caster<manycontact::python::Raw> {
   PYBIND11_TYPE_CASTER(manycontact::python::Raw, const_name("numpy.ndarray"));
 
   bool load(handle source, bool) {
-    value.array = manycontact::python::checked_doubles(source, 1, Eigen::Dynamic, 1, true);
+    value.array = manycontact::python::checked_doubles(source, 1, Eigen::Dynamic, 1);
     return static_cast<bool>(value.array);
   }
 };

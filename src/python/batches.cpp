@@ -24,7 +24,7 @@ struct Rows {
 };
 
 Rows rows_of(const char* function, const char* name, py::handle source, Eigen::Index states = -1) {
-  Rows rows{as_doubles(source, true)};
+  Rows rows{as_doubles(source)};
   const std::string what = std::string(function) + ": " + name;
   if (!rows.array || rows.array.ndim() != 2) throw py::value_error(what + " has to be a matrix, one state per row");
   if (states >= 0 && rows.array.shape(0) != states)

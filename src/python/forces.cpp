@@ -78,7 +78,7 @@ py::array wrenches_view(const std::vector<Vec6<double>>& w, py::handle owner) {
 }
 
 void set_wrenches(const char* name, py::handle values, std::vector<Vec6<double>>& w) {
-  const Doubles x = checked_doubles(values, 2, static_cast<Eigen::Index>(w.size()), 6, true);
+  const Doubles x = checked_doubles(values, 2, static_cast<Eigen::Index>(w.size()), 6);
   if (!x) throw py::type_error(std::string(name) + ": a matrix of numbers is expected, a wrench (6) per push");
   check_numbers(name, x.data(), x.size());
   for (std::size_t k = 0; k < w.size(); ++k) w[k] = Eigen::Map<const Vec6<double>>(x.data() + 6 * k);

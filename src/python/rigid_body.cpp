@@ -103,7 +103,7 @@ void add_joint_space(py::module_& m) {
   def(m, "crba", of_state<In>(&crba));
   def(m, "inverse_inertia_times",
       [](const RigidBodies& bodies, const Input& q, py::handle x, const Memory& data) -> py::array {
-        const Doubles X = as_doubles(x, true);
+        const Doubles X = as_doubles(x);
         if (!X || X.ndim() > 2 || X.shape(0) != bodies.nv())
           throw py::value_error("inverse_inertia_times: x has to have the shape (nv,) or (nv, n), here (" +
                                 std::to_string(bodies.nv()) + ",) or (" + std::to_string(bodies.nv()) + ", n)");

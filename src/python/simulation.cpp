@@ -79,7 +79,7 @@ class Signals {
 // Steps until steps are done, one is not kOk, or Ctrl-C. u: (nu), or a row per step.
 Trajectory simulate(const Scene& scene, py::handle u, Simulation& simulation, long steps, long every) {
   if (steps < 0 || every < 1) throw py::value_error("simulate: steps >= 0 and every >= 1 are expected");
-  const Doubles U = as_doubles(u, true);
+  const Doubles U = as_doubles(u);
   if (!U || U.ndim() > 2 || U.shape(U.ndim() - 1) != scene.nu || (U.ndim() == 2 && U.shape(0) != steps))
     throw py::value_error("simulate: u has to have the shape (nu,) or (steps, nu), here (" + std::to_string(scene.nu) +
                           ",) or (" + std::to_string(steps) + ", " + std::to_string(scene.nu) + ")");
@@ -178,7 +178,7 @@ struct Many {
 };
 
 BatchMatrix kkt_matrix(const char* name, py::handle source) {
-  const Doubles X = as_doubles(source, true);
+  const Doubles X = as_doubles(source);
   if (!X || X.ndim() != 2) throw py::value_error(std::string(name) + " has to be a matrix, one state per row");
   check_numbers(name, X.data(), X.size());
   return Eigen::Map<const BatchMatrix>(X.data(), X.shape(0), X.shape(1));

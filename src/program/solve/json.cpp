@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 #include "../files/json_file.hpp"
@@ -91,7 +90,7 @@ Json report(const SolvedScene& s) {
           {"nv", r.nv},
           {"nc", r.nc},
           {"rank", r.rank},
-          {"rank_gap", std::isfinite(s.findings.rank_gap) ? Json(s.findings.rank_gap) : Json(nullptr)},
+          {"rank_gap", s.findings.rank_gap},
           {"factor_nonzeros", r.factor_nonzeros},
           {"residual_dynamics", r.residual_dynamics},
           {"residual_contact", r.residual_contact},
@@ -120,14 +119,14 @@ constexpr Block kBlocks[] = {
     {"dforces_du", &SceneDerivatives::dforces_du, &DerivativeBounds::dforces_du},
 };
 
-// The value over all islands; null if it is not known.
+// The value over all islands; null, as it is written then, if it is not known.
 Json largest_of(const std::vector<DerivativeBounds>& errors) {
   DerivativeBounds most;
   Json out;
   for (const Block& block : kBlocks) {
     double& of = most.*block.bound;
     for (const DerivativeBounds& x : errors) of = sparse::larger_or_nan(of, x.*block.bound);
-    out[block.name] = std::isfinite(of) ? Json(of) : Json(nullptr);
+    out[block.name] = of;
   }
   return out;
 }

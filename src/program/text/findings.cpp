@@ -297,7 +297,7 @@ void add_findings(const Scene& scene, const Findings& f, Json& to) {
   for (const NearlyDependent& n : f.near_dependent) {
     to["near_dependent"].push_back({{"rows", n.rows},
                                     {"left", n.found.left},
-                                    {"times_loads", std::isfinite(n.found.times) ? Json(n.found.times) : Json(nullptr)},
+                                    {"times_loads", n.found.times},
                                     {"coordinate", n.coordinate},
                                     {"acceleration", n.found.acceleration},
                                     {"without", n.found.without}});
