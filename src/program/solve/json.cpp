@@ -28,31 +28,34 @@ Json times_us(const SolvedScene& s) {
 
 Json order_of(const IslandReport& r) { return has_order(r.method) ? Json(to_string(r.order)) : Json(nullptr); }
 
+// What an island's report and that of the scene have in common.
+Json accuracy_of(const auto& report) {
+  return {{"residual_dynamics", report.residual_dynamics},   {"residual_contact", report.residual_contact},
+          {"backward_error", report.backward_error},         {"condition", report.condition},
+          {"error_acceleration", report.error_acceleration}, {"error_forces", report.error_forces},
+          {"rounding", find_rounding(report).names()}};
+}
+
 Json island_entry(const Scene& scene, const Island& island, const IslandReport& r,
                   const std::vector<std::string>& force_names) {
   Json robots = Json::array(), dependent = Json::array();
   for (int k : island.robots) robots.push_back(scene.robots[k].name);
   for (int row : r.dependent_rows) dependent.push_back(force_names[row]);
-  return {{"robots", robots},
-          {"status", to_string(r.status)},
-          {"method", to_string(r.method)},
-          {"order", order_of(r)},
-          {"precision", to_string(r.precision)},
-          {"reason", to_string(r.reason)},
-          {"remedy", remedy(r)},
-          {"nv", r.nv},
-          {"nc", r.nc},
-          {"rank", r.rank},
-          {"factor_nonzeros", r.factor_nonzeros},
-          {"refinement_steps", r.refinement_steps},
-          {"residual_dynamics", r.residual_dynamics},
-          {"residual_contact", r.residual_contact},
-          {"backward_error", r.backward_error},
-          {"condition", r.condition},
-          {"error_acceleration", r.error_acceleration},
-          {"error_forces", r.error_forces},
-          {"rounding", find_rounding(r).names()},
-          {"dependent_rows", dependent}};
+  Json out = {{"robots", robots},
+              {"status", to_string(r.status)},
+              {"method", to_string(r.method)},
+              {"order", order_of(r)},
+              {"precision", to_string(r.precision)},
+              {"reason", to_string(r.reason)},
+              {"remedy", remedy(r)},
+              {"nv", r.nv},
+              {"nc", r.nc},
+              {"rank", r.rank},
+              {"factor_nonzeros", r.factor_nonzeros},
+              {"refinement_steps", r.refinement_steps}};
+  out.update(accuracy_of(r));
+  out["dependent_rows"] = dependent;
+  return out;
 }
 
 Json quality_entry(const SystemQuality& of) {
@@ -81,27 +84,20 @@ Json report(const SolvedScene& s) {
     if (!s.quality.empty()) list.back()["quality"] = quality_entry(s.quality[i]);
     answered.insert(to_string(r.islands[i].method));
   }
-  return {{"status", to_string(r.status)},
-          {"remedy", remedy(r)},
-          {"method", to_string(r.method)},
-          {"precision", to_string(least_precision(r, s.data.options.precision))},
-          {"answered_by", answered},
-          {"islands", count_islands(s.file.scene, s.data)},
-          {"nv", r.nv},
-          {"nc", r.nc},
-          {"rank", r.rank},
-          {"rank_gap", s.findings.rank_gap},
-          {"factor_nonzeros", r.factor_nonzeros},
-          {"residual_dynamics", r.residual_dynamics},
-          {"residual_contact", r.residual_contact},
-          {"backward_error", r.backward_error},
-          {"condition", r.condition},
-          {"error_acceleration", r.error_acceleration},
-          {"error_forces", r.error_forces},
-          {"rounding", find_rounding(r).names()},
-          {"refinement_steps", r.refinement_steps},
-          {"time_us", times_us(s)},
-          {"island_list", list}};
+  Json out = {{"status", to_string(r.status)},
+              {"remedy", remedy(r)},
+              {"method", to_string(r.method)},
+              {"precision", to_string(least_precision(r, s.data.options.precision))},
+              {"answered_by", answered},
+              {"islands", count_islands(s.file.scene, s.data)},
+              {"nv", r.nv},
+              {"nc", r.nc},
+              {"rank", r.rank},
+              {"rank_gap", s.findings.rank_gap},
+              {"factor_nonzeros", r.factor_nonzeros}};
+  out.update(accuracy_of(r));
+  out.update({{"refinement_steps", r.refinement_steps}, {"time_us", times_us(s)}, {"island_list", list}});
+  return out;
 }
 
 // The blocks of derivatives by name.

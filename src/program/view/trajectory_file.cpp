@@ -78,8 +78,7 @@ void read_trajectory(const std::string& path, const std::optional<std::string>& 
   std::optional<Forces> forces_file;
   if (forces) forces_file.emplace(*forces, scene);
 
-  std::vector<char> active;
-  for (const Contact& contact : scene.contacts) active.push_back(contact.active);
+  const std::vector<char> active = recording.dynamics.active;  // the scene's
   while (row.next()) {
     ViewState state{row.t(), numbers(row, q), numbers(row, v), active};
     if (const std::string why = unusable_configuration("q", state.q, scene, kUnitLength); !why.empty()) row.fail(why);

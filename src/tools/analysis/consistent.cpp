@@ -60,6 +60,17 @@ int close_positions(const Scene& scene, const std::vector<char>& active, interna
   return steps;
 }
 
+double size_of(const PlacementError& e) { return std::max(e.position, e.angle); }
+double size_of(const VelocityError& e) { return std::max(e.linear, e.angular); }
+
+// "contact 'pin', the worst of 3, stays out of place by 0.1 m". what: "out of place".
+template <class Error>
+std::string worst_in_words(const Scene& scene, const std::vector<Error>& list, const std::string& what) {
+  const Error& worst = *std::ranges::max_element(list, {}, [](const Error& e) { return size_of(e); });
+  const std::string of = list.size() == 1 ? "" : ", the worst of " + std::to_string(list.size()) + ",";
+  return "contact " + quote(scene.contacts[worst.contact].name) + of + " stays " + what + " by " + in_words(worst);
+}
+
 }  // namespace
 
 ConsistentState make_consistent(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
@@ -87,21 +98,6 @@ ConsistentState make_consistent(const Scene& scene, const ConstVectorRef& q, con
   for (const Contact& contact : scene.contacts) active.push_back(contact.active);
   return make_consistent(scene, active, q, v, options);
 }
-
-namespace {
-
-double size_of(const PlacementError& e) { return std::max(e.position, e.angle); }
-double size_of(const VelocityError& e) { return std::max(e.linear, e.angular); }
-
-// "contact 'pin', the worst of 3, stays out of place by 0.1 m". what: "out of place".
-template <class Error>
-std::string worst_in_words(const Scene& scene, const std::vector<Error>& list, const std::string& what) {
-  const Error& worst = *std::ranges::max_element(list, {}, [](const Error& e) { return size_of(e); });
-  const std::string of = list.size() == 1 ? "" : ", the worst of " + std::to_string(list.size()) + ",";
-  return "contact " + quote(scene.contacts[worst.contact].name) + of + " stays " + what + " by " + in_words(worst);
-}
-
-}  // namespace
 
 void make_consistent(SceneFile& file) {
   if (file.consistent_line == 0) return;

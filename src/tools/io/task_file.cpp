@@ -7,13 +7,10 @@
 
 namespace manycontact {
 
-namespace {
-
-constexpr const char* kSolvers[] = {"fddp", "box-fddp", "sparse", "auto"};
-
-}  // namespace
-
-const char* to_string(TaskSolver solver) { return kSolvers[static_cast<int>(solver)]; }
+const char* to_string(TaskSolver solver) {
+  constexpr const char* kSolvers[] = {"fddp", "box-fddp", "sparse", "auto"};
+  return kSolvers[static_cast<int>(solver)];
+}
 
 int TaskFile::nodes() const {
   int sum = 0;

@@ -11,8 +11,43 @@
 namespace manycontact::io {
 
 namespace {
+
 constexpr std::size_t kLargestFile = std::size_t(1) << 28;
 constexpr bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+
+// Returns infinity if the word is "inf" or exceeds the largest double.
+double parse_any_word(const Where& where, const std::string& what, std::string_view word) {
+  std::string_view digits = word;
+  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
+  double x = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);
+  const bool whole = end == digits.data() + digits.size() && !digits.empty();
+  if (!whole || error == std::errc::invalid_argument)
+    where.fail(what + ": " + quote(word) + " is not a number, expected one like 0.5 or 1e-3");
+  if (std::isnan(x)) where.fail(what + ": " + quote(word) + " is not finite, expected a finite number");
+  if (error != std::errc::result_out_of_range) return x;
+  const bool tiny = digits.find_first_of("eE") == std::string_view::npos
+                        ? digits.find_first_of("123456789") > digits.find('.')
+                        : digits.find("e-") != std::string_view::npos || digits.find("E-") != std::string_view::npos;
+  const double beyond = tiny ? 0 : std::numeric_limits<double>::infinity();
+  return digits[0] == '-' ? -beyond : beyond;
+}
+
+double parse_word(const Where& where, const std::string& what, std::string_view word) {
+  const double x = parse_any_word(where, what, word);
+  if (std::isfinite(x)) return x;
+  if (word.find_first_of("iI") != std::string_view::npos)
+    where.fail(what + ": " + quote(word) + " is not finite, expected a finite number");
+  where.fail(what + ": " + quote(word) + " is too large, expected a number below 1.8e308");
+}
+
+std::string_view only_word(const Where& where, const std::string& what, std::string_view text) {
+  const auto parts = words(text);
+  if (parts.empty()) where.fail(what + " is empty, expected a number");
+  if (parts.size() > 1) where.fail(what + ": " + quote(text) + " is not one number, expected one");
+  return parts[0];
+}
+
 }  // namespace
 
 std::string file_problem(const std::string& path, bool only_regular) {
@@ -69,43 +104,6 @@ std::vector<std::string_view> words(std::string_view text) {
     out.push_back(text.substr(begin, i - begin));
   }
 }
-
-namespace {
-
-// Returns infinity if the word is "inf" or exceeds the largest double.
-double parse_any_word(const Where& where, const std::string& what, std::string_view word) {
-  std::string_view digits = word;
-  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
-  double x = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);
-  const bool whole = end == digits.data() + digits.size() && !digits.empty();
-  if (!whole || error == std::errc::invalid_argument)
-    where.fail(what + ": " + quote(word) + " is not a number, expected one like 0.5 or 1e-3");
-  if (std::isnan(x)) where.fail(what + ": " + quote(word) + " is not finite, expected a finite number");
-  if (error != std::errc::result_out_of_range) return x;
-  const bool tiny = digits.find_first_of("eE") == std::string_view::npos
-                        ? digits.find_first_of("123456789") > digits.find('.')
-                        : digits.find("e-") != std::string_view::npos || digits.find("E-") != std::string_view::npos;
-  const double beyond = tiny ? 0 : std::numeric_limits<double>::infinity();
-  return digits[0] == '-' ? -beyond : beyond;
-}
-
-double parse_word(const Where& where, const std::string& what, std::string_view word) {
-  const double x = parse_any_word(where, what, word);
-  if (std::isfinite(x)) return x;
-  if (word.find_first_of("iI") != std::string_view::npos)
-    where.fail(what + ": " + quote(word) + " is not finite, expected a finite number");
-  where.fail(what + ": " + quote(word) + " is too large, expected a number below 1.8e308");
-}
-
-std::string_view only_word(const Where& where, const std::string& what, std::string_view text) {
-  const auto parts = words(text);
-  if (parts.empty()) where.fail(what + " is empty, expected a number");
-  if (parts.size() > 1) where.fail(what + ": " + quote(text) + " is not one number, expected one");
-  return parts[0];
-}
-
-}  // namespace
 
 double parse_number(const Where& where, const std::string& what, std::string_view text) {
   return parse_word(where, what, only_word(where, what, text));

@@ -150,10 +150,6 @@ void look_at_joint(const Element& joint, Unread& unread) {
     unread.count(*joint.child("limit"), owner, "<limit> of a " + type + " joint");
 }
 
-}  // namespace
-
-namespace {
-
 // The prefixes of xacro's namespace in this file.
 Names xacro_prefixes(const Element& robot) {
   Names prefixes = {"xacro"};
@@ -188,6 +184,15 @@ void tell_leftovers(const Element& of, const Names& prefixes, Unread& unread) {
   }
 }
 
+void refuse_xacro_inside(const Element& of, const Names& prefixes) {
+  for (auto e = of.child(); e; e = e->next(nullptr)) {
+    if (is_xacro(*e, prefixes))
+      e->fail("<" + e->name() + "> is xacro, from which a URDF is yet to be made, expected one: " +
+              "run `xacro ROBOT.urdf.xacro > ROBOT.urdf`");
+    if (!is_only_seen(*e)) refuse_xacro_inside(*e, prefixes);
+  }
+}
+
 }  // namespace
 
 void tell_unread(const Element& robot, std::vector<Finding>& findings) {
@@ -216,19 +221,6 @@ void tell_unread(const Element& robot, std::vector<Finding>& findings) {
   }
   unread.finish();
 }
-
-namespace {
-
-void refuse_xacro_inside(const Element& of, const Names& prefixes) {
-  for (auto e = of.child(); e; e = e->next(nullptr)) {
-    if (is_xacro(*e, prefixes))
-      e->fail("<" + e->name() + "> is xacro, from which a URDF is yet to be made, expected one: " +
-              "run `xacro ROBOT.urdf.xacro > ROBOT.urdf`");
-    if (!is_only_seen(*e)) refuse_xacro_inside(*e, prefixes);
-  }
-}
-
-}  // namespace
 
 void refuse_xacro(const Element& robot) { refuse_xacro_inside(robot, xacro_prefixes(robot)); }
 

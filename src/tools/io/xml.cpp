@@ -62,6 +62,15 @@ std::string expected(const char* name, std::initializer_list<const char*> known)
   return suggestion(name, {known.begin(), known.end()});
 }
 
+// XML_ERROR_MISMATCHED_ELEMENT -> "mismatched element"
+std::string plain_words(std::string error) {
+  if (error == "XML_ERROR_PARSING_ATTRIBUTE") return "an attribute that is malformed or given twice";
+  if (error.rfind("XML_", 0) == 0) error.erase(0, 4);
+  if (error.rfind("ERROR_", 0) == 0) error.erase(0, 6);
+  for (char& c : error) c = c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return error;
+}
+
 }  // namespace
 
 void Element::allow_attributes(std::initializer_list<const char*> known) const {
@@ -171,19 +180,6 @@ std::optional<Element> Element::next(const char* name) const {
   const auto* e = element_->NextSiblingElement(name);
   return e ? std::optional<Element>(Element(*file_, *e)) : std::nullopt;
 }
-
-namespace {
-
-// XML_ERROR_MISMATCHED_ELEMENT -> "mismatched element"
-std::string plain_words(std::string error) {
-  if (error == "XML_ERROR_PARSING_ATTRIBUTE") return "an attribute that is malformed or given twice";
-  if (error.rfind("XML_", 0) == 0) error.erase(0, 4);
-  if (error.rfind("ERROR_", 0) == 0) error.erase(0, 6);
-  for (char& c : error) c = c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return error;
-}
-
-}  // namespace
 
 XmlFile::XmlFile(std::string path, const std::string& bytes, const char* root_name) : path_(std::move(path)) {
   const std::string text = decode_xml(path_, bytes);

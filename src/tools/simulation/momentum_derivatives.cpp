@@ -147,51 +147,6 @@ void multiply(const Scene& scene, const std::vector<int>& robots, const Block& b
   }
 }
 
-}  // namespace
-
-FreeMotionDerivatives::FreeMotionDerivatives(const Scene& scene, const FreeGroups& of, Eigen::Index n)
-    : groups(of.groups.size()), turned(3, n) {
-  int most = 0;
-  for (const Robot& robot : scene.robots) most = std::max(most, robot.model->njoints());
-  carried.resize(static_cast<std::size_t>(most));
-  for (std::size_t g = 1; g < groups.size(); ++g) {
-    groups[g].robots.reserve(scene.robots.size());
-    groups[g].next.resize(9, n);
-    groups[g].added.resize(9, n);
-    groups[g].h_q.resize(6, scene.nv);
-    groups[g].h_v.resize(6, scene.nv);
-    groups[g].C_q.resize(3, scene.nv);
-  }
-}
-
-// P+ = P + h m g + h force,  L+ = L + h moment,  C+ = C + h P+ / m
-void differentiate_begin(const Scene& scene, const Eigen::SparseMatrix<double>& dtau_dx,
-                         const Eigen::SparseMatrix<double>& dtau_dw, const Eigen::Ref<const Eigen::VectorXd>& tau,
-                         double h, const std::vector<Kinematics<double>>& kin, FreeGroups& groups,
-                         FreeMotionDerivatives& d) {
-  if (!groups.any) return;
-  measure(scene, kin, groups);
-  differentiate_momentum(scene, kin, groups, d);
-  for (std::size_t g = 0; g < d.groups.size(); ++g) {
-    if (!is_free(groups, g)) continue;
-    OfGroup& out = d.groups[g];
-    out.next.setZero();
-    for (int r : out.robots) {
-      const int first = scene.robots[r].idx_v, nv = scene.robots[r].model->nv;
-      out.next.middleCols(first, nv).topRows<3>() = out.C_q.middleCols(first, nv);
-      out.next.middleCols(first, nv).bottomRows<6>() = out.h_q.middleCols(first, nv);
-      out.next.middleCols(scene.nv + first, nv).bottomRows<6>() = out.h_v.middleCols(first, nv);
-    }
-  }
-  for (const FreeGroups::FreeJoint& j : groups.joints)
-    differentiate_torques(scene, j, dtau_dx, dtau_dw, tau, h, kin, groups, d);
-  for (std::size_t g = 0; g < d.groups.size(); ++g)
-    if (is_free(groups, g))
-      d.groups[g].next.topRows<3>() += h / groups.groups[g].Y.m * d.groups[g].next.middleRows<3>(3);
-}
-
-namespace {
-
 // How joint j's body turns: d.turned = sum of the angular parts above it, times F.
 void turn(const Robot& robot, int joint, const Kinematics<double>& kin, const Eigen::MatrixXd& F,
           FreeMotionDerivatives& d) {
@@ -281,6 +236,47 @@ void differentiate_added_motion(const Scene& scene, const std::vector<Kinematics
 }
 
 }  // namespace
+
+FreeMotionDerivatives::FreeMotionDerivatives(const Scene& scene, const FreeGroups& of, Eigen::Index n)
+    : groups(of.groups.size()), turned(3, n) {
+  int most = 0;
+  for (const Robot& robot : scene.robots) most = std::max(most, robot.model->njoints());
+  carried.resize(static_cast<std::size_t>(most));
+  for (std::size_t g = 1; g < groups.size(); ++g) {
+    groups[g].robots.reserve(scene.robots.size());
+    groups[g].next.resize(9, n);
+    groups[g].added.resize(9, n);
+    groups[g].h_q.resize(6, scene.nv);
+    groups[g].h_v.resize(6, scene.nv);
+    groups[g].C_q.resize(3, scene.nv);
+  }
+}
+
+// P+ = P + h m g + h force,  L+ = L + h moment,  C+ = C + h P+ / m
+void differentiate_begin(const Scene& scene, const Eigen::SparseMatrix<double>& dtau_dx,
+                         const Eigen::SparseMatrix<double>& dtau_dw, const Eigen::Ref<const Eigen::VectorXd>& tau,
+                         double h, const std::vector<Kinematics<double>>& kin, FreeGroups& groups,
+                         FreeMotionDerivatives& d) {
+  if (!groups.any) return;
+  measure(scene, kin, groups);
+  differentiate_momentum(scene, kin, groups, d);
+  for (std::size_t g = 0; g < d.groups.size(); ++g) {
+    if (!is_free(groups, g)) continue;
+    OfGroup& out = d.groups[g];
+    out.next.setZero();
+    for (int r : out.robots) {
+      const int first = scene.robots[r].idx_v, nv = scene.robots[r].model->nv;
+      out.next.middleCols(first, nv).topRows<3>() = out.C_q.middleCols(first, nv);
+      out.next.middleCols(first, nv).bottomRows<6>() = out.h_q.middleCols(first, nv);
+      out.next.middleCols(scene.nv + first, nv).bottomRows<6>() = out.h_v.middleCols(first, nv);
+    }
+  }
+  for (const FreeGroups::FreeJoint& j : groups.joints)
+    differentiate_torques(scene, j, dtau_dx, dtau_dw, tau, h, kin, groups, d);
+  for (std::size_t g = 0; g < d.groups.size(); ++g)
+    if (is_free(groups, g))
+      d.groups[g].next.topRows<3>() += h / groups.groups[g].Y.m * d.groups[g].next.middleRows<3>(3);
+}
 
 void differentiate_end(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                        std::vector<Kinematics<double>>& kin, FreeGroups& groups, FreeMotionDerivatives& d,

@@ -199,6 +199,21 @@ void check(const Scene& scene, const ConstBatchRows& u, const SimulationBatch& b
            "step_batch: batch.q_ref and v_ref do not fit, expected a row of nv numbers for each state");
 }
 
+// The velocities of contacts that the next step of the whole is to go on from, where one state is another.
+void renew(const Scene& scene, const Scene& copies, int copy, Eigen::Index rows, SimulationData& d) {
+  d.left_q.segment(copy * scene.nq, scene.nq) = d.q.segment(copy * scene.nq, scene.nq);
+  d.left_v.segment(copy * scene.nv, scene.nv) = d.v.segment(copy * scene.nv, scene.nv);
+  if (d.resisting && d.resisting->bounded.account.rows() > 0)
+    d.resisting->bounded.account.middleRows(copy * scene.nrobots(), scene.nrobots())
+        .setConstant(std::numeric_limits<double>::quiet_NaN());
+  if (d.left_active != d.dynamics.active || rows == 0) return;
+  Eigen::VectorXd c = d.contact_v;
+  d.stage_v.setZero();
+  d.at_rest.inverse_dynamics_of(copies, d.q, d.v, d.stage_v, copies.gravity, d.tau);
+  d.at_rest.contact_velocities(d.dynamics.f_offset, c);
+  d.contact_v.segment(copy * rows, rows) = c.segment(copy * rows, rows);
+}
+
 }  // namespace
 
 SimulationBatch::SimulationBatch(const Scene& scene, const ConstBatchRows& q_, const ConstBatchRows& v_,
@@ -240,25 +255,6 @@ void step_batch(const Scene& scene, const ConstBatchRows& u, SimulationBatch& ba
                         step_part(scene, u, steps, work, work.of_threads[thread], work.parts[k], batch);
                       });
 }
-
-namespace {
-
-// The velocities of contacts that the next step of the whole is to go on from, where one state is another.
-void renew(const Scene& scene, const Scene& copies, int copy, Eigen::Index rows, SimulationData& d) {
-  d.left_q.segment(copy * scene.nq, scene.nq) = d.q.segment(copy * scene.nq, scene.nq);
-  d.left_v.segment(copy * scene.nv, scene.nv) = d.v.segment(copy * scene.nv, scene.nv);
-  if (d.resisting && d.resisting->bounded.account.rows() > 0)
-    d.resisting->bounded.account.middleRows(copy * scene.nrobots(), scene.nrobots())
-        .setConstant(std::numeric_limits<double>::quiet_NaN());
-  if (d.left_active != d.dynamics.active || rows == 0) return;
-  Eigen::VectorXd c = d.contact_v;
-  d.stage_v.setZero();
-  d.at_rest.inverse_dynamics_of(copies, d.q, d.v, d.stage_v, copies.gravity, d.tau);
-  d.at_rest.contact_velocities(d.dynamics.f_offset, c);
-  d.contact_v.segment(copy * rows, rows) = c.segment(copy * rows, rows);
-}
-
-}  // namespace
 
 void set_state(const Scene& scene, Eigen::Index k, const ConstVector& q, const ConstVector& v, SimulationBatch& batch) {
   expect(q.size() == scene.nq && v.size() == scene.nv && batch.q.cols() == scene.nq,
