@@ -3,7 +3,7 @@
 
 #include "../files/python.hpp"
 #include "../text/describe.hpp"
-#include "manycontact/analysis/kinds.hpp"
+#include "manycontact/analysis/ranks.hpp"
 #include "manycontact/kkt/pattern.hpp"
 
 namespace manycontact::cli {

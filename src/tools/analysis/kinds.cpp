@@ -1,12 +1,10 @@
-#include "manycontact/analysis/kinds.hpp"
-
 #include <algorithm>
 #include <map>
 #include <stdexcept>
 
+#include "manycontact/analysis/ranks.hpp"
 #include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/views.hpp"
-#include "row_remainders.hpp"
 
 namespace manycontact {
 

@@ -8,10 +8,10 @@
 #include <stdexcept>
 
 #include "at_rest.hpp"
+#include "manycontact/analysis/ranks.hpp"
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/model/expect_state.hpp"
 #include "manycontact/sparse/decompositions.hpp"
-#include "row_remainders.hpp"
 
 namespace manycontact {
 

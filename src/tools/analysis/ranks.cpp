@@ -12,7 +12,6 @@
 #include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/rank/row_size.hpp"
 #include "manycontact/sparse/decompositions.hpp"
-#include "row_remainders.hpp"
 
 namespace manycontact {
 

@@ -2,7 +2,7 @@
 // Parts of a scene's model that are not needed, at the state solved last. Each item is one or two sentences with names
 // and without line breaks. All functions throw std::logic_error before a solve.
 
-#include "manycontact/analysis/kinds.hpp"
+#include "manycontact/analysis/ranks.hpp"
 
 namespace manycontact {
 

@@ -5,6 +5,7 @@
 
 #include "manycontact/analysis/names.hpp"
 #include "manycontact/dynamics/views.hpp"
+#include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
 
@@ -55,5 +56,36 @@ struct RowSelection {
 };
 /// ranks: of that island, known. Takes rows out from the last on, so that the first contacts stay whole.
 RowSelection select_rows(const Scene& scene, const Island& island, const IslandRanks& ranks);
+
+// Islands with the same findings, so that a herd of a thousand takes one line.
+
+/// Islands of one shape with the same ranks, and with the same status, method, order and reason in the last solve.
+struct IslandKind {
+  std::vector<int> islands;  // numbers of the islands, ascending
+  IslandRanks ranks;         // ranks of the first island
+};
+
+/// The islands' kinds, in the order of their first islands. After a solve; throws std::logic_error before.
+std::vector<IslandKind> find_kinds(const Scene& scene, const SceneData& data);
+
+/// Body pairs with the same models, joints, contact types and ranks: positions in `pairs`.
+std::vector<std::vector<std::size_t>> alike_pairs(const Scene& scene, const std::vector<BodyPair>& pairs);
+
+namespace internal {
+
+/// The norm of each row of an island's J after projection on the complement of the independent rows before it, relative
+/// to its size (rank/row_size.hpp).
+struct RowRemainders {
+  std::vector<double> left;             // empty where J is not in joint space
+  double dependent = tolerance::kRank;  // rows with remainders up to this one depend on the rows before them;
+                                        // it is chosen so that their number is what the solver has found
+};
+/// Uses dense Gram-Schmidt, twice. Call it after a solve and complete (dynamics/views.hpp).
+RowRemainders row_remainders(const Scene& scene, const SceneData& data, std::size_t island);
+
+/// Does what find_ranks does for an island. Call it after complete, which processes the whole scene.
+IslandRanks ranks_of_island(const Scene& scene, const SceneData& data, std::size_t island);
+
+}  // namespace internal
 
 }  // namespace manycontact
