@@ -72,14 +72,13 @@ inline constexpr bool is_handled = std::is_base_of_v<HandleCaster<M>, py::detail
 /// A member as a property; one that has attributes itself as a Handle.
 template <class T, class M>
 void handle_field(Class<Handle<T>>& c, const char* name, M T::*member) {
-  const auto get = [member](const Handle<T>& h) {
-    if constexpr (is_handled<M>)
-      return Handle<M>([h, member]() -> const M& { return h.get().*member; },
-                       [h, member](M x) { h.change([&](T& object) { object.*member = std::move(x); }); });
-    else
-      return M(h.get().*member);
-  };
-  c.property(name, get, [member](const Handle<T>& h, const M& x) { h.change([&](T& object) { object.*member = x; }); });
+  const auto set = [member](const Handle<T>& h, M x) { h.change([&](T& object) { object.*member = std::move(x); }); };
+  if constexpr (is_handled<M>)
+    c.template handle<Handle<T>>(
+        name, [member](const Handle<T>& h) -> const M& { return h.get().*member; }, set);
+  else
+    c.property(
+        name, [member](const Handle<T>& h) { return M(h.get().*member); }, set);
 }
 
 /// A list of an object's items without copies: items are looked up when they are requested.
