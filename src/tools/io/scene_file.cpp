@@ -38,11 +38,11 @@ class IncludeReader {
     (void)consistent(root);
     (void)restarts(root);
     open_.push_back(canonical(path));
-    for (auto e = root.child(); e; e = e->next(nullptr)) {
-      if (e->name() == "include")
-        include(*e, root);
+    for (const Element& e : root.children()) {
+      if (e.name() == "include")
+        include(e, root);
       else
-        list_of(e->name()).push_back(*e);
+        list_of(e.name()).push_back(e);
     }
     open_.pop_back();
     return root;

@@ -86,14 +86,14 @@ void add_springs(const std::vector<Element>& elements, SceneFile& out) {
 void add_joint_springs(const std::vector<Element>& robots, SceneFile& out) {
   for (std::size_t g = 0; g < robots.size(); ++g) {  // robot_groups: one per element
     const RobotGroup& group = out.robot_groups[g];
-    for (auto joint = robots[g].child("joint"); joint; joint = joint->next("joint")) {
-      if (joint->has("rest") && !joint->has("stiffness"))
-        joint->refuse("rest", " needs a spring, expected also a 'stiffness' attribute");
-      if (!joint->has("stiffness")) continue;
-      const double stiffness = joint->number_from_0("stiffness", 0), rest = joint->number("rest", 0);
+    for (const Element& joint : robots[g].children("joint")) {
+      if (joint.has("rest") && !joint.has("stiffness"))
+        joint.refuse("rest", " needs a spring, expected also a 'stiffness' attribute");
+      if (!joint.has("stiffness")) continue;
+      const double stiffness = joint.number_from_0("stiffness", 0), rest = joint.number("rest", 0);
       for (int i = 0; i < group.count; ++i)
-        add_or_fail(*joint, [&] {
-          add_joint_spring(out.scene, out.scene.robots[group.first + i].name, joint->required("name"), stiffness, rest);
+        add_or_fail(joint, [&] {
+          add_joint_spring(out.scene, out.scene.robots[group.first + i].name, joint.required("name"), stiffness, rest);
         });
     }
   }

@@ -16,11 +16,11 @@ constexpr int kMostCopies = 1000000;
 // The <joint> or <lock> children by the joint they name, each joint once.
 std::map<std::string, Element> by_joint(const Element& robot, const char* child, const char* key) {
   std::map<std::string, Element> out;
-  for (auto e = robot.child(child); e; e = e->next(child)) {
-    e->allow_children({});
-    const std::string name = e->required(key);
-    if (!out.emplace(name, *e).second)
-      e->where(key).fail("joint " + quote(name) + " has a second <" + child + ">, expected one");
+  for (const Element& e : robot.children(child)) {
+    e.allow_children({});
+    const std::string name = e.required(key);
+    if (!out.emplace(name, e).second)
+      e.where(key).fail("joint " + quote(name) + " has a second <" + child + ">, expected one");
   }
   return out;
 }
@@ -73,12 +73,12 @@ RobotElement read_robot(const Element& e) {
   const std::filesystem::path urdf = e.not_empty("urdf", "a path");
   robot.group.urdf = (std::filesystem::path(*e.where().file).parent_path() / urdf).string();
   read_options(e, robot);
-  for (const char* vector : {"q", "v", "u"})
-    if (const auto first = e.child(vector)) {
-      first->allow_attributes({});
-      if (const auto second = first->next(vector))
-        second->fail("robot " + quote(robot.group.name) + " has a second <" + vector + ">, expected one");
-    }
+  for (const char* vector : {"q", "v", "u"}) {
+    const std::vector<Element> given = e.children(vector);
+    if (!given.empty()) given[0].allow_attributes({});
+    if (given.size() > 1)
+      given[1].fail("robot " + quote(robot.group.name) + " has a second <" + vector + ">, expected one");
+  }
   if (e.has("u")) {
     (void)e.choice("u", {"gravity"}, -1);
     robot.gravity_torques = true;

@@ -30,14 +30,14 @@ bool is_wrench(const Element& e) { return e.name() == "wrench" || e.name() == "p
 // <cost> and <constraint> children of a phase; names are used once in each phase.
 void read_terms(const Element& e, bool terminal, TermReader& reader, TaskPhase& phase) {
   std::map<std::string, int> names;
-  for (auto child = e.child(); child; child = child->next(nullptr)) {
-    if (is_wrench(*child)) continue;
-    TaskTerm term = reader.read(*child, phase.active, terminal);
+  for (const Element& child : e.children()) {
+    if (is_wrench(child)) continue;
+    TaskTerm term = reader.read(child, phase.active, terminal);
     const auto [at, is_new] = names.emplace(term.name, term.line);
     if (!is_new)
-      child->where("name").fail("a cost or constraint named " + quote(term.name) + " exists already on line " +
-                                std::to_string(at->second) + ", expected names used once in a phase");
-    (child->name() == "cost" ? phase.costs : phase.constraints).push_back(std::move(term));
+      child.where("name").fail("a cost or constraint named " + quote(term.name) + " exists already on line " +
+                               std::to_string(at->second) + ", expected names used once in a phase");
+    (child.name() == "cost" ? phase.costs : phase.constraints).push_back(std::move(term));
   }
 }
 
@@ -55,19 +55,19 @@ std::vector<int> wrenches_called(const Scene& scene, const std::string& name) {
 // Reads `<wrench>` children: other external wrenches in these nodes.
 void read_wrenches(const Element& e, const Scene& scene, TaskPhase& phase) {
   for (const ExternalWrench& push : scene.wrenches) phase.wrenches.push_back(push.wrench);
-  for (auto child = e.child(); child; child = child->next(nullptr)) {
-    if (!is_wrench(*child)) continue;
-    child->allow({"name", "force", "torque"});
-    const std::string name = child->required("name");
+  for (const Element& child : e.children()) {
+    if (!is_wrench(child)) continue;
+    child.allow({"name", "force", "torque"});
+    const std::string name = child.required("name");
     const std::vector<int> numbers = wrenches_called(scene, name);
     if (numbers.empty()) {
       std::vector<std::string> known;
       for (const ExternalWrench& push : scene.wrenches) known.push_back(push.name);
-      child->where("name").fail("there is no external wrench " + quote(name) + " in the scene, " +
-                                suggestion(name, known));
+      child.where("name").fail("there is no external wrench " + quote(name) + " in the scene, " +
+                               suggestion(name, known));
     }
     std::optional<Vec3<double>> force, torque;
-    child->read("force", force), child->read("torque", torque);
+    child.read("force", force), child.read("torque", torque);
     for (const int k : numbers) {
       if (force) phase.wrenches[k].head<3>() = *force;
       if (torque) phase.wrenches[k].tail<3>() = *torque;
@@ -119,12 +119,11 @@ void read_solver(const Element& e, TaskFile& out) {
 
 // Returns the child of that name, if there is one. A second one is an error.
 std::optional<Element> only_child(const Element& e, const char* name) {
-  const auto first = e.child(name);
-  if (!first) return first;
-  if (const auto second = first->next(name))
-    second->fail("<" + e.name() + "> has a second <" + name + ">, the first is on line " +
-                 std::to_string(first->line()) + ", expected one");
-  return first;
+  const std::vector<Element> all = e.children(name);
+  if (all.size() > 1)
+    all[1].fail("<" + e.name() + "> has a second <" + name + ">, the first is on line " +
+                std::to_string(all[0].line()) + ", expected one");
+  return e.child(name);
 }
 
 void read_head(const Element& root, TaskFile& out) {
@@ -156,10 +155,10 @@ TaskFile read_task(const std::string& path) {
   io::read_head(root, out);
 
   io::TermReader reader(out.scene);
-  for (auto e = root.child("phase"); e; e = e->next("phase")) {
+  for (const io::Element& e : root.children("phase")) {
     const TaskPhase* before = out.phases.empty() ? nullptr : &out.phases.back();
-    out.phases.push_back(io::read_phase(*e, out.scene.scene, before, reader));
-    if (out.nodes() > io::kMostNodes) e->fail("<task> has more than 1000000 nodes by this phase, expected fewer");
+    out.phases.push_back(io::read_phase(e, out.scene.scene, before, reader));
+    if (out.nodes() > io::kMostNodes) e.fail("<task> has more than 1000000 nodes by this phase, expected fewer");
   }
   if (out.phases.empty()) root.fail("<task> has no <phase>, expected one or more");
 

@@ -126,7 +126,7 @@ void TermReader::read_reference(const Element& e, const char* attribute, TaskTer
   const auto pose = e.child("pose");
   if (term.residual == TaskResidual::kState && e.optional(attribute, "") == "pose") {
     if (!pose) e.refuse(attribute, " is pose, expected <pose> elements in it");
-    for (auto next = pose; next; next = next->next("pose")) read_pose(*next, scene_.scene, ends_, term.poses);
+    for (const Element& next : e.children("pose")) read_pose(next, scene_.scene, ends_, term.poses);
     return;
   }
   if (pose) pose->fail("<pose> in a <" + e.name() + "> without reference=\"pose\", expected one of type state with it");

@@ -177,8 +177,8 @@ void check_tree(const Element& robot, const UrdfDetails& details, const std::vec
   std::unordered_map<std::string, int> seen;  // link: number of the walk that met it first
   std::string root;
   int walk = 0;
-  for (auto link = robot.child("link"); link; link = link->next("link")) {
-    std::string at = link->required("name");
+  for (const Element& link : robot.children("link")) {
+    std::string at = link.required("name");
     ++walk;
     while (seen.emplace(at, walk).second) {
       const auto up = above.find(at);
@@ -205,11 +205,10 @@ UrdfDetails check_urdf(const Element& robot) {
   UrdfDetails details;
   details.robot = robot.line();
   (void)robot.required("name");
-  for (auto link = robot.child("link"); link; link = link->next("link")) check_link(*link, details);
+  for (const Element& link : robot.children("link")) check_link(link, details);
   if (details.link.empty()) robot.fail("the robot has no <link>, expected at least one");
   std::vector<Edge> edges;
-  for (auto joint = robot.child("joint"); joint; joint = joint->next("joint"))
-    edges.push_back(check_joint(*joint, details));
+  for (const Element& joint : robot.children("joint")) edges.push_back(check_joint(joint, details));
   check_tree(robot, details, edges);
   tell_unread(robot, details.findings);
   return details;

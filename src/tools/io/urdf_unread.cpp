@@ -18,9 +18,9 @@ std::string local_name(const std::string& name) { return name.substr(name.rfind(
 // Every element inside, at any depth.
 template <class Visit>
 void each_inside(const Element& e, const Visit& visit) {
-  for (auto inside = e.child(); inside; inside = inside->next(nullptr)) {
-    visit(*inside);
-    each_inside(*inside, visit);
+  for (const Element& inside : e.children()) {
+    visit(inside);
+    each_inside(inside, visit);
   }
 }
 
@@ -104,12 +104,12 @@ void look_into_transmission(const Element& transmission, Unread& unread) {
 void look_at_children(const Element& parent, const std::string& owner, const Names& read, const Names& harmless,
                       Unread& unread) {
   Names seen;
-  for (auto e = parent.child(); e; e = e->next(nullptr)) {
-    const std::string name = e->name();
+  for (const Element& e : parent.children()) {
+    const std::string name = e.name();
     if (read.count(name)) {
-      if (!seen.insert(name).second) unread.count(*e, owner, "a second <" + name + "> in <" + parent.name() + ">");
+      if (!seen.insert(name).second) unread.count(e, owner, "a second <" + name + "> in <" + parent.name() + ">");
     } else if (!harmless.count(local_name(name))) {
-      unread.count(*e, owner, "<" + name + "> in <" + parent.name() + ">");
+      unread.count(e, owner, "<" + name + "> in <" + parent.name() + ">");
     }
   }
 }
@@ -173,23 +173,23 @@ bool is_only_seen(const Element& e) {
 }
 
 void tell_leftovers(const Element& of, const Names& prefixes, Unread& unread) {
-  for (auto e = of.child(); e; e = e->next(nullptr)) {
-    if (!is_only_seen(*e)) {
-      tell_leftovers(*e, prefixes, unread);
+  for (const Element& e : of.children()) {
+    if (!is_only_seen(e)) {
+      tell_leftovers(e, prefixes, unread);
       continue;
     }
-    each_inside(*e, [&](const Element& inside) {
-      if (is_xacro(inside, prefixes)) unread.count(inside, name_of(*e), "<" + inside.name() + ">", ": xacro left it");
+    each_inside(e, [&](const Element& inside) {
+      if (is_xacro(inside, prefixes)) unread.count(inside, name_of(e), "<" + inside.name() + ">", ": xacro left it");
     });
   }
 }
 
 void refuse_xacro_inside(const Element& of, const Names& prefixes) {
-  for (auto e = of.child(); e; e = e->next(nullptr)) {
-    if (is_xacro(*e, prefixes))
-      e->fail("<" + e->name() + "> is xacro, from which a URDF is yet to be made, expected one: " +
-              "run `xacro ROBOT.urdf.xacro > ROBOT.urdf`");
-    if (!is_only_seen(*e)) refuse_xacro_inside(*e, prefixes);
+  for (const Element& e : of.children()) {
+    if (is_xacro(e, prefixes))
+      e.fail("<" + e.name() + "> is xacro, from which a URDF is yet to be made, expected one: " +
+             "run `xacro ROBOT.urdf.xacro > ROBOT.urdf`");
+    if (!is_only_seen(e)) refuse_xacro_inside(e, prefixes);
   }
 }
 
@@ -202,22 +202,22 @@ void tell_unread(const Element& robot, std::vector<Finding>& findings) {
       "author",      "license",      "texture",       "kinematics"};
   Unread unread(findings);
   tell_leftovers(robot, xacro_prefixes(robot), unread);
-  for (auto e = robot.child(); e; e = e->next(nullptr)) {
-    const std::string name = e->name();
+  for (const Element& e : robot.children()) {
+    const std::string name = e.name();
     if (name == "link")
-      look_at_link(*e, unread);
+      look_at_link(e, unread);
     else if (name == "joint")
-      look_at_joint(*e, unread);
+      look_at_joint(e, unread);
     else if (name == "gazebo")
-      look_into_gazebo(*e, unread);
+      look_into_gazebo(e, unread);
     else if (name == "transmission")
-      look_into_transmission(*e, unread);
+      look_into_transmission(e, unread);
     else if (harmless.count(local_name(name)))
       continue;
     else if (constrains(name))
-      tell_constraint(*e, unread);
+      tell_constraint(e, unread);
     else
-      unread.count(*e, name_of(*e), "<" + name + ">");
+      unread.count(e, name_of(e), "<" + name + ">");
   }
   unread.finish();
 }

@@ -63,19 +63,19 @@ std::vector<Visual> load_visuals(const std::string& urdf) {
   const io::Element robot = file.root();
 
   Colours named;
-  for (auto material = robot.child("material"); material; material = material->next("material"))
-    if (const auto color = material->child("color"))
-      if (const auto rgba = color->numbers<4>("rgba")) named[material->optional("name", "")] = *rgba;
+  for (const io::Element& material : robot.children("material"))
+    if (const auto color = material.child("color"))
+      if (const auto rgba = color->numbers<4>("rgba")) named[material.optional("name", "")] = *rgba;
 
   std::vector<Visual> visuals;
-  for (auto link = robot.child("link"); link; link = link->next("link"))
-    for (auto visual = link->child("visual"); visual; visual = visual->next("visual")) {
+  for (const io::Element& link : robot.children("link"))
+    for (const io::Element& visual : link.children("visual")) {
       Visual out;
-      const auto geometry = visual->child("geometry");
+      const auto geometry = visual.child("geometry");
       if (!geometry || !read_shape(*geometry, out)) continue;
-      out.link = link->required("name");
-      out.placement = origin_of(*visual);
-      out.colour = colour_of(*visual, named);
+      out.link = link.required("name");
+      out.placement = origin_of(visual);
+      out.colour = colour_of(visual, named);
       visuals.push_back(std::move(out));
     }
   return visuals;

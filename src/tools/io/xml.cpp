@@ -176,9 +176,11 @@ std::optional<Element> Element::child(const char* name) const {
   return e ? std::optional<Element>(Element(*file_, *e)) : std::nullopt;
 }
 
-std::optional<Element> Element::next(const char* name) const {
-  const auto* e = element_->NextSiblingElement(name);
-  return e ? std::optional<Element>(Element(*file_, *e)) : std::nullopt;
+std::vector<Element> Element::children(const char* name) const {
+  std::vector<Element> out;
+  for (const auto* e = element_->FirstChildElement(name); e; e = e->NextSiblingElement(name))
+    out.emplace_back(*file_, *e);
+  return out;
 }
 
 XmlFile::XmlFile(std::string path, const std::string& bytes, const char* root_name) : path_(std::move(path)) {

@@ -88,9 +88,9 @@ class Element {
   /// The text inside, comments left out; refuses elements inside.
   std::string text() const;
 
-  std::optional<Element> child(const char* name) const;
-  std::optional<Element> next(const char* name) const;  // the next sibling called `name`; nullptr: any
-  std::optional<Element> child() const { return child(nullptr); }
+  /// The first element inside, or all of them, called `name`; nullptr: whatever they are called.
+  std::optional<Element> child(const char* name = nullptr) const;
+  std::vector<Element> children(const char* name = nullptr) const;
 
   /// "attribute of <name>", for messages.
   std::string label(const char* attribute) const;
