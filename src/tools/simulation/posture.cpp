@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "manycontact/detail/kkt/island.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/dynamics/views.hpp"
 
@@ -12,17 +13,12 @@ namespace {
 
 constexpr int kFirstIterations = 6;  // inverse iterations from a start vector without information
 
-// Calls do(first, count) for the rows of each of the island's contacts.
-template <class Do>
-void each_row_block(const Scene& scene, const SceneData& data, const Island& island, Do&& act) {
-  for (int c : island.contacts) act(data.f_offset[c], scene.contacts[c].rows());
-}
-
 // x^T y and |x| of the rows of an island.
 double product(const Scene& scene, const SceneData& data, const Island& island, const Eigen::VectorXd& x,
                const Eigen::VectorXd& y) {
   double sum = 0;
-  each_row_block(scene, data, island, [&](int at, int n) { sum += x.segment(at, n).dot(y.segment(at, n)); });
+  each_force_block(scene, data.f_offset, island,
+                   [&](int at, int, int n) { sum += x.segment(at, n).dot(y.segment(at, n)); });
   return sum;
 }
 
@@ -36,7 +32,8 @@ double take_rows(const Scene& scene, const Island& island, PostureData& d) {
   const Eigen::VectorXd& f = d.dynamics.f;
   const double size = std::sqrt(product(scene, d.dynamics, island, f, f));
   if (!(size > 0 && std::isfinite(size))) return 0;
-  each_row_block(scene, d.dynamics, island, [&](int at, int n) { d.w.segment(at, n) = f.segment(at, n) / size; });
+  each_force_block(scene, d.dynamics.f_offset, island,
+                   [&](int at, int, int n) { d.w.segment(at, n) = f.segment(at, n) / size; });
   return size;
 }
 
@@ -50,7 +47,7 @@ void begin(const Scene& scene, const std::vector<char>& active, PostureData& d) 
   for (std::size_t i = 0; i < island_count(d.dynamics); ++i) {
     const Island& island = solved_island(d.dynamics, i);
     const double size = std::sqrt(product(scene, d.dynamics, island, d.w, d.w));
-    each_row_block(scene, d.dynamics, island, [&](int at, int n) { d.w.segment(at, n) /= size; });
+    each_force_block(scene, d.dynamics.f_offset, island, [&](int at, int, int n) { d.w.segment(at, n) /= size; });
   }
   d.sigma.assign(island_count(d.dynamics), 0);
   d.largest = d.sigma;
@@ -71,8 +68,8 @@ ClosestPosture advance(const Scene& scene, std::size_t i, PostureData& d) {
   const double size = take_rows(scene, island, d);
   if (size == 0) return {};
   double sigma2 = 0;  // w+^T J x = w+^T w / |f|
-  each_row_block(scene, d.dynamics, island,
-                 [&](int at, int n) { sigma2 += d.w.segment(at, n).dot(d.asked.segment(at, n)) / size; });
+  each_force_block(scene, d.dynamics.f_offset, island,
+                   [&](int at, int, int n) { sigma2 += d.w.segment(at, n).dot(d.asked.segment(at, n)) / size; });
   const double sigma = std::sqrt(std::max(sigma2, 0.0));
   ClosestPosture out;
   if (d.known) out = closest_between(d.sigma[i], sigma, product(scene, d.dynamics, island, d.Jx, d.w));
