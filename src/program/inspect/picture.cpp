@@ -14,7 +14,7 @@ namespace manycontact::cli {
 namespace {
 
 // Columns of entries in the order of elimination; K has its upper triangle, L no diagonal.
-Json json_of(const KktPattern& p) {
+Json pattern_of(const KktPattern& p) {
   return {{"nv", p.nv},
           {"perm", p.perm},
           {"K", {{"begin", p.K.p}, {"rows", p.K.i}}},
@@ -35,7 +35,7 @@ void add_islands(const Inspection& x, Json& to) {
   to["patterns"] = to["islands"] = Json::array();
   for (std::size_t i = 0; i < island_count(x.data); ++i) {
     const auto [at, fresh] = numbers.emplace(&x.pattern(i), numbers.size());
-    if (fresh) to["patterns"].push_back(json_of(x.pattern(i)));
+    if (fresh) to["patterns"].push_back(pattern_of(x.pattern(i)));
     to["islands"].push_back(
         {{"pattern", at->second},
          {"rows", rows_in_scene(scene_solved(x.file.scene, x.data), solved, solved_island(solved, i))},
