@@ -222,14 +222,10 @@ template <class F, class... Extra>
 void def(py::module_& m, const char* name, F&& f, const Extra&... extra) {
   def_as(m, name, name, std::forward<F>(f), extra...);
 }
-/// &function, ...; or "name", &function, ...
+/// &function, ...
 template <auto... function>
 void functions(py::module_& m) {
   (..., def(m, name_of<function>().c_str(), function));
-}
-template <class... Given>
-void functions(py::module_& m, Given... given) {
-  in_groups<2>([&m](const char* name, auto function) { def(m, name, function); }, given...);
 }
 
 }  // namespace manycontact::python

@@ -148,9 +148,10 @@ void add_body_frames(py::module_& m) {
   def(m, "frame_placement", [](const RigidBodies& bodies, const RigidBodyData& data, const FrameName& frame) {
     return frame_placement(bodies, data, frame_in(bodies, frame));
   });
-  functions(m, "frame_velocity", of_frame(&frame_velocity), "frame_acceleration", of_frame(&frame_acceleration),
-            "frame_classical_acceleration", of_frame(&frame_classical_acceleration), "frame_bias_acceleration",
-            of_frame(&frame_bias_acceleration));
+  def(m, "frame_velocity", of_frame(&frame_velocity));
+  def(m, "frame_acceleration", of_frame(&frame_acceleration));
+  def(m, "frame_classical_acceleration", of_frame(&frame_classical_acceleration));
+  def(m, "frame_bias_acceleration", of_frame(&frame_bias_acceleration));
   def(m, "frame_jacobian",
       [](const RigidBodies& bodies, const RigidBodyData& data, const FrameName& frame, ReferenceFrame axes) {
         return frame_jacobian(bodies, data, frame_in(bodies, frame), axes);

@@ -23,7 +23,7 @@ std::optional<double> known(double error) {
 
 std::string title_of(const Scene& scene, const SceneData& data) {
   return count(scene.nrobots(), "robot") + ", " + count(scene.nv, "velocity coordinate") + ", " +
-         count(data.f.size(), "contact row") + ", " + count(static_cast<long>(island_count(data)), "island");
+         count(data.f.size(), "contact row") + ", " + count(island_count(data), "island");
 }
 
 void note_truth(const ChartTruth& truth, Chart& chart) {

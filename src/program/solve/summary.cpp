@@ -126,7 +126,7 @@ void print_one_kind(std::ostream& out, const SolvedScene& s, const Alike& kind) 
     if (!text.empty()) wrap(out, text, 2, title);
   };
   const std::string each = kind.islands.size() > 1 ? ", each" : "";
-  line("islands", count(static_cast<long>(kind.islands.size()), "island") + " of " + count(r.nv, "velocity") + " and " +
+  line("islands", count(kind.islands.size(), "island") + " of " + count(r.nv, "velocity") + " and " +
                       count(r.nc, "contact row") + " (" + islands_name(s.file, kind.islands) + ")");
   if (r.status == Status::kFailed) return line("why", why(s, kind));
   const bool examined = s.file.scene.damping == 0 || r.rank < r.nc;

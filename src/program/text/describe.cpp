@@ -81,7 +81,7 @@ void print_heading(std::ostream& out, const SceneFile& file, const SceneData& da
   wrap(out,
        "gravity " + number(g[0], 6) + " " + number(g[1], 6) + " " + number(g[2], 6) + " m/s^2, damping " +
            number(scene.damping) + ", " + count(scene.nv, "velocity") + ", " + count(data.f.size(), "contact row") +
-           " in " + count(static_cast<long>(count_islands(scene, data)), "island") + applied_forces(scene),
+           " in " + count(count_islands(scene, data), "island") + applied_forces(scene),
        0);
   Lines lines;  // robots with the same text share one line
   const bool many = file.robot_groups.size() > kMostRobotLines;
@@ -108,9 +108,8 @@ void print_notes(std::ostream& out, const SceneFile& file) {
       else
         same->second.push_back(group_name(group));
     };
-    const auto joints = [](const std::vector<std::string>& list) { return static_cast<long>(list.size()); };
-    note(n.merged, count(joints(n.merged), "fixed joint") + " merged into the parent's body");
-    note(n.locked, count(joints(n.locked), "joint") + " locked");
+    note(n.merged, count(n.merged.size(), "fixed joint") + " merged into the parent's body");
+    note(n.locked, count(n.locked.size(), "joint") + " locked");
   }
   for (const auto& [text, robots] : notes) wrap(out, text, 2, join(robots, 4) + ": ");
 }

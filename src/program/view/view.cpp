@@ -16,8 +16,7 @@ void print_written(std::ostream& out, const std::string& path, const Recording& 
                    const std::vector<std::string>& notes) {
   std::error_code error;
   const auto bytes = static_cast<double>(std::filesystem::file_size(path, error));
-  out << printable(path) << ": " << count(static_cast<long>(recording.t.size()), "frame") << ", "
-      << decimal(bytes / 1e6, 1) << " MB\n";
+  out << printable(path) << ": " << count(recording.t.size(), "frame") << ", " << decimal(bytes / 1e6, 1) << " MB\n";
   for (const std::string& note : notes) wrap(out, printable(note), 2);
 }
 

@@ -17,7 +17,7 @@ constexpr std::size_t kMostItems = 40;
 
 // Returns " (63 more identical islands)", or nothing if there is none.
 std::string and_more(std::size_t more, const std::string& what) {
-  return more == 0 ? "" : " (" + count(static_cast<long>(more), "more identical " + what) + ")";
+  return more == 0 ? "" : " (" + count(more, "more identical " + what) + ")";
 }
 
 // The islands of a kind, of which the first speaks for all.

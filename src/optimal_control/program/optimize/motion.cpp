@@ -71,7 +71,7 @@ void print_motion(std::ostream& out, const OptimizedTask& motion) {
         frame_at(robot, kinematics_at(robot, last), frame));
   }
   table.print(out);
-  if (left_out > 0) out << "  and " << count(static_cast<long>(left_out), "other") << "\n";
+  if (left_out > 0) out << "  and " << count(left_out, "other") << "\n";
 }
 
 }  // namespace manycontact::cli

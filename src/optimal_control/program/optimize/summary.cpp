@@ -14,7 +14,7 @@ constexpr const char* kIntegrators[] = {"euler", "rk2", "rk3", "rk4", "symplecti
 void print_constraints(std::ostream& out, const TaskSolution& s) {
   if (s.violations.empty()) return;
   out << "constraints are missed by " << scientific(s.constraint_violation) << " at most, after "
-      << count(static_cast<long>(s.outer_iterations), "outer iteration") << "\n";
+      << count(s.outer_iterations, "outer iteration") << "\n";
   Table table("constraints<40|missed by|at node");
   for (const TaskViolation& v : s.violations)
     table.add({printable(v.constraint), scientific(v.by), std::to_string(v.node)});
@@ -44,18 +44,18 @@ void print_summary(std::ostream& out, const OptimizedTask& motion) {
   const Scene& scene = task.scene.scene;
   const long impacts = std::ranges::count_if(motion.nodes, &TaskNode::impact);
   out << printable(task.name) << ": " << s.solver << (s.converged ? " converged" : " did not converge") << " after "
-      << count(static_cast<long>(s.iterations.size()), "iteration")
+      << count(s.iterations.size(), "iteration")
       << (s.polishing_iterations > 0 ? " and " + std::to_string(s.polishing_iterations) + " more" : "") << " ("
       << printable(s.reason) << "), cost " << number(s.cost, 6) << ", KKT residual " << scientific(s.kkt_residual)
       << "\n"
-      << count(static_cast<long>(s.us.size()) - impacts, "node") << " of " << number(task.step) << " s"
+      << count(s.us.size() - impacts, "node") << " of " << number(task.step) << " s"
       << (impacts > 0 ? " and " + count(impacts, "impact") : "") << ", "
       << kIntegrators[static_cast<int>(task.integrator)] << "; " << count(scene.nrobots(), "robot") << ", nv "
-      << scene.nv << ", " << count(scene.nu, "torque") << "; " << count(static_cast<long>(task.phases.size()), "phase")
-      << ", " << count(static_cast<long>(scene.contacts.size()), "contact") << "\n";
+      << scene.nv << ", " << count(scene.nu, "torque") << "; " << count(task.phases.size(), "phase")
+      << ", " << count(scene.contacts.size(), "contact") << "\n";
   if (s.solver == to_string(TaskSolver::kSparse) || motion.problem.parts.size() > 1)
-    out << "directions: " << s.direction << ", " << count(static_cast<long>(motion.problem.parts.size()), "part")
-        << ", " << count(static_cast<long>(motion.problem.blocks.size()), "block") << "\n";
+    out << "directions: " << s.direction << ", " << count(motion.problem.parts.size(), "part")
+        << ", " << count(motion.problem.blocks.size(), "block") << "\n";
   if (!s.iterations.empty() && !s.iterations.back().feasible)
     out << "the states have gaps: they are not what the torques lead to\n";
   print_constraints(out, s);
