@@ -12,6 +12,16 @@ std::string names_of(const Values& values) {
   return join(names, 20);
 }
 
+// The value that an option names; none where it is not given.
+template <class Value, std::size_t n>
+std::optional<Value> chosen(const Arguments& arguments, const std::string& what, const Value (&values)[n]) {
+  const auto name = arguments.value("--" + what);
+  if (!name) return std::nullopt;
+  for (const Value& value : values)
+    if (to_string(value) == *name) return value;
+  throw UsageError("unknown " + what + " '" + *name + "', expected one of " + names_of(values));
+}
+
 }  // namespace
 
 std::string with_names(std::string text) {
@@ -25,22 +35,11 @@ std::string with_names(std::string text) {
 
 Options solver_options(const Arguments& arguments) {
   Options options;
-  if (const auto name = arguments.value("--method")) {
-    const auto method = method_from_string(*name);
-    if (!method) throw UsageError("unknown method '" + *name + "', expected one of " + names_of(kMethods));
-    options.method = *method;
-  }
-  if (const auto name = arguments.value("--order")) {
-    options.order = order_from_string(*name);
-    if (!options.order) throw UsageError("unknown order '" + *name + "', expected one of " + names_of(kOrders));
-    if (!has_order(options.method) && options.method != Method::kAuto)
-      throw UsageError("method " + to_string(options.method) + " has no order to choose");
-  }
-  if (const auto name = arguments.value("--precision")) {
-    const auto precision = precision_from_string(*name);
-    if (!precision) throw UsageError("unknown precision '" + *name + "', expected one of " + names_of(kPrecisions));
-    options.precision = *precision;
-  }
+  options.method = chosen(arguments, "method", kMethods).value_or(options.method);
+  options.order = chosen(arguments, "order", kOrders);
+  if (options.order && !has_order(options.method) && options.method != Method::kAuto)
+    throw UsageError("method " + to_string(options.method) + " has no order to choose");
+  options.precision = chosen(arguments, "precision", kPrecisions).value_or(options.precision);
   return options;
 }
 

@@ -21,11 +21,11 @@ struct SceneElements {
   std::vector<Element> robots, contacts, wrenches, springs, poses;
 };
 
-/// Adds a name that the attribute `name` of an element gives. Refuses one that is there; what: "a robot".
+/// Adds the name of an element. It refuses a name that is there already. what: "a robot".
 void add_name(const Element& e, const std::string& what, const std::string& name,
               std::unordered_map<std::string, Where>& names);
 
-/// Does `add`; what it refuses, the element is blamed for.
+/// Calls `add`. The element is blamed for what it refuses.
 template <class Add>
 void add_or_fail(const Element& e, Add&& add) {
   try {

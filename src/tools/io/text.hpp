@@ -20,7 +20,7 @@ struct Where {
 /// The whole file; on failure fills `problem` with the reason and returns an empty string.
 std::string read_file(const std::string& path, std::string& problem);
 
-/// The same; on failure throws InputError, which says what was expected.
+/// The same. On failure it throws InputError, which says that `what` was expected.
 std::string read_file_of(const std::string& path, const std::string& what);
 
 /// Returns why `path` cannot be opened for reading, or nothing if it can. With only_regular, devices and pipes are

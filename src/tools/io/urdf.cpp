@@ -302,7 +302,7 @@ class Builder {
     }
   }
 
-  // joint: that an option names; "" where it names none.
+  // joint: the one that the option names; "" if it names none.
   [[noreturn]] static void refuse(const std::string& joint, const std::string& what) {
     throw UrdfOptionError(joint, false, what);
   }

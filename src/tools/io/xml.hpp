@@ -37,7 +37,7 @@ class Element {
   /// Refuses text, and children that are not among these.
   void allow_children(std::initializer_list<const char*> known) const;
 
-  /// Both.
+  /// Refuses what either of these refuses.
   void allow(std::initializer_list<const char*> attributes, std::initializer_list<const char*> children = {}) const {
     allow_attributes(attributes);
     allow_children(children);
