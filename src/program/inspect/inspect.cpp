@@ -63,16 +63,6 @@ std::string types_of(const Scene& scene, const std::vector<int>& contacts) {
   return join(parts);
 }
 
-// Non-zeros of K, both triangles, without the contact rows' diagonal where it is zero.
-double nonzeros_of_K(const IslandShape& shape, double damping) {
-  double nonzeros = damping == 0 ? 0 : shape.island().nc;
-  for (const Robot& robot : shape.scene().robots)
-    for (const int depth : robot.model->dof_depth) nonzeros += 2.0 * depth + 1;
-  for (std::size_t c = 0; c < shape.scene().contacts.size(); ++c)
-    nonzeros += 2.0 * shape.scene().contacts[c].rows() * static_cast<double>(shape.support().columns[c].size());
-  return nonzeros;
-}
-
 // Prints the predictions for an island's shape. They are relative (kkt/choose.hpp).
 void print_costs(std::ostream& out, IslandShape& shape, const Options& options, const Choice& choice) {
   const PredictedCosts costs = predict_costs(shape);

@@ -17,4 +17,13 @@ std::string why_changed(const Choice& choice, const IslandReport& report) {
   return "";
 }
 
+double nonzeros_of_K(const IslandShape& shape, double damping) {
+  double nonzeros = damping == 0 ? 0 : shape.island().nc;
+  for (const Robot& robot : shape.scene().robots)
+    for (const int depth : robot.model->dof_depth) nonzeros += 2.0 * depth + 1;
+  for (std::size_t c = 0; c < shape.scene().contacts.size(); ++c)
+    nonzeros += 2.0 * shape.scene().contacts[c].rows() * static_cast<double>(shape.support().columns[c].size());
+  return nonzeros;
+}
+
 }  // namespace manycontact::cli
