@@ -68,9 +68,11 @@ class ActivationModelQuad : public NamedActivation {
 /// The activation 1/2 sum w_i r_i^2.
 class ActivationModelWeightedQuad : public NamedActivation {
  public:
-  explicit ActivationModelWeightedQuad(const Eigen::VectorXd& weights);  // weights: one per row
-  const Eigen::VectorXd& get_weights() const { return weights_; }        // one weight per row
-  void set_weights(const Eigen::VectorXd& weights);  // throws std::invalid_argument for a wrong size
+  /// weights: one per row.
+  explicit ActivationModelWeightedQuad(const Eigen::VectorXd& weights)
+      : NamedActivation("ActivationModelWeightedQuad", static_cast<std::size_t>(weights.size())), weights_(weights) {}
+  const Eigen::VectorXd& get_weights() const { return weights_; }  // one weight per row
+  void set_weights(const Eigen::VectorXd& weights);                // throws std::invalid_argument for a wrong size
 
  private:
   double value(const ConstVectorRef& r) const override;
@@ -168,7 +170,8 @@ class ActivationWithAlpha : public NamedActivation {
 class ActivationModel2NormBarrier : public ActivationWithAlpha {
  public:
   /// Throws std::invalid_argument for a negative alpha.
-  explicit ActivationModel2NormBarrier(std::size_t nr, double alpha = 0.1, bool true_hessian = false);
+  explicit ActivationModel2NormBarrier(std::size_t nr, double alpha = 0.1, bool true_hessian = false)
+      : ActivationWithAlpha("ActivationModel2NormBarrier", nr, alpha, true), true_hessian_(true_hessian) {}
 
  private:
   double value(const ConstVectorRef& r) const override;
@@ -181,7 +184,8 @@ class ActivationModel2NormBarrier : public ActivationWithAlpha {
 class ActivationModelQuadFlatExp : public ActivationWithAlpha {
  public:
   /// Throws std::invalid_argument unless alpha is positive.
-  explicit ActivationModelQuadFlatExp(std::size_t nr, double alpha = 1);
+  explicit ActivationModelQuadFlatExp(std::size_t nr, double alpha = 1)
+      : ActivationWithAlpha("ActivationModelQuadFlatExp", nr, alpha, false) {}
 
  private:
   double value(const ConstVectorRef& r) const override;
@@ -192,7 +196,8 @@ class ActivationModelQuadFlatExp : public ActivationWithAlpha {
 class ActivationModelQuadFlatLog : public ActivationWithAlpha {
  public:
   /// Throws std::invalid_argument unless alpha is positive.
-  explicit ActivationModelQuadFlatLog(std::size_t nr, double alpha = 1);
+  explicit ActivationModelQuadFlatLog(std::size_t nr, double alpha = 1)
+      : ActivationWithAlpha("ActivationModelQuadFlatLog", nr, alpha, false) {}
 
  private:
   double value(const ConstVectorRef& r) const override;

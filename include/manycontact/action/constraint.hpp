@@ -32,14 +32,18 @@ class ConstraintModelResidual final : public Printable {
                           const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, bool T_act = true);
   /// The constraint r = 0.
   ConstraintModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual,
-                          bool T_act = true);
+                          bool T_act = true)
+      : ConstraintModelResidual(state, residual, Eigen::VectorXd::Zero(residual ? residual->get_nr() : 0),
+                                Eigen::VectorXd::Zero(residual ? residual->get_nr() : 0), T_act) {}
 
   /// Standalone: compute data->g and data->h, and then their Jacobians.
-  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calc(const DataPtr& data, const ConstVectorRef& x);
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x);
-  std::shared_ptr<ConstraintDataResidual> createData(DataCollector* shared);
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { evaluate(data, x, &u); }
+  void calc(const DataPtr& data, const ConstVectorRef& x) { evaluate(data, x, nullptr); }
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { differentiate(data, x, &u); }
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) { differentiate(data, x, nullptr); }
+  std::shared_ptr<ConstraintDataResidual> createData(DataCollector* shared) {
+    return std::make_shared<ConstraintDataResidual>(this, shared);
+  }
 
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
   const std::shared_ptr<ResidualModelAbstract>& get_residual() const { return residual_; }  // the residual
@@ -55,8 +59,8 @@ class ConstraintModelResidual final : public Printable {
   void print(std::ostream& os) const override;                            // prints type and sizes
 
  private:
-  void pick_values(ConstraintDataResidual& data) const;
-  void pick_jacobians(ConstraintDataResidual& data) const;
+  void evaluate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u);
+  void differentiate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u);
   std::shared_ptr<StateAbstract> state_;
   std::shared_ptr<ResidualModelAbstract> residual_;
   Eigen::VectorXd lb_, ub_;
@@ -142,10 +146,10 @@ class ConstraintModelManager : public NamedParts<StateAbstract, ConstraintItem> 
 
   /// Compute out->g and out->h (without u: of a terminal node), and then their Jacobians. These are resized if the
   /// active set, or the kind of node, has changed.
-  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calc(const DataPtr& data, const ConstVectorRef& x);
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x);
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { evaluate(data, x, &u); }
+  void calc(const DataPtr& data, const ConstVectorRef& x) { evaluate(data, x, nullptr); }
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { differentiate(data, x, &u); }
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) { differentiate(data, x, nullptr); }
   std::shared_ptr<ConstraintDataManager> createData(DataCollector* shared, DifferentialActionDataAbstract* out);
   std::shared_ptr<ConstraintDataManager> createData(DataCollector* shared);  // standalone
   /// Sets up the residuals' blocks again after the islands changed, and resizes the vectors and matrices in out.
@@ -164,12 +168,11 @@ class ConstraintModelManager : public NamedParts<StateAbstract, ConstraintItem> 
 
  private:
   void count() override;
-  bool holds(const ConstraintItem& item, bool terminal) const;
-  template <class F>
-  void for_each_holding(ConstraintDataManager& data, bool terminal, F&& f) const;
   /// Throws std::invalid_argument if a constraint was replaced since the data were created.
   void check_residuals(const char* where, const ConstraintDataManager& data) const;
-  void prepare(const char* where, ConstraintDataManager& data, const ConstVectorRef& x, bool terminal) const;
+  void prepare(const char* where, const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u) const;
+  void evaluate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u);
+  void differentiate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u);
   void stack_values(ConstraintDataManager& data, bool terminal) const;
   void stack_jacobians(ConstraintDataManager& data, bool terminal) const;
   std::size_t ng_ = 0, nh_ = 0, ng_T_ = 0, nh_T_ = 0, status_ = 0;

@@ -163,8 +163,11 @@ class ContactModel2D final : public ContactModelAbstract {
   ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel2D(std::move(state), id, xref, kDefaultNu, gains) {}  // with nu = nv
-  Eigen::Vector2d get_reference() const;                                  // the reference of the residual or contact
-  void set_reference(const Eigen::Vector2d& reference);                   // sets it
+  /// The point's position (x, z) in the world [m].
+  Eigen::Vector2d get_reference() const { return {contact_.B.placement.p.x(), contact_.B.placement.p.z()}; }
+  void set_reference(const Eigen::Vector2d& r) {
+    contact_.B.placement.p = Eigen::Vector3d(r.x(), 0, r.y());
+  }  // sets it
 };
 
 /// Constrains a point's position. xref: in the world [m].

@@ -38,7 +38,9 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
                                             std::shared_ptr<ActuationModelAbstract> actuation,
                                             std::shared_ptr<ContactModelMultiple> contacts,
                                             std::shared_ptr<CostModelSum> costs, double JMinvJt_damping = 0,
-                                            bool enable_force = false);
+                                            bool enable_force = false)
+      : DifferentialActionModelContactFwdDynamics(state, actuation, contacts, costs, nullptr, JMinvJt_damping,
+                                                  enable_force) {}
   DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody> state,
                                             std::shared_ptr<ActuationModelAbstract> actuation,
                                             std::shared_ptr<ContactModelMultiple> contacts,

@@ -43,22 +43,26 @@ class CostModelAbstract : public Printable {
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::shared_ptr<ResidualModelAbstract> residual);
   /// Uses the activation 1/2 |r|^2.
-  CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual);
+  CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual)
+      : CostModelAbstract(state, std::make_shared<ActivationModelQuad>(residual ? residual->get_nr() : 0), residual) {}
   /// Makes a cost without a residual: calc may write data->residual->r, which has the activation's nr numbers (none
   /// without an activation). nu: by default nv.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::size_t nu = kDefaultNu);
-  explicit CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);
+  explicit CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu)
+      : CostModelAbstract(state, std::make_shared<ActivationModelQuad>(0), nu) {}
 
   virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;  // computes data->cost
   /// Computes the cost of a terminal node: by default that at u = 0.
-  virtual void calc(const DataPtr& data, const ConstVectorRef& x);
+  virtual void calc(const DataPtr& data, const ConstVectorRef& x) { calc(data, x, unone_); }
   /// Computes the derivatives after calc. Throws std::logic_error unless a class overrides it.
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
 
   /// Computes Lx and Lxx for a terminal node.
-  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x);
-  virtual std::shared_ptr<CostDataAbstract> createData(DataCollector* shared);
+  virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x) { calcDiff(data, x, unone_); }
+  virtual std::shared_ptr<CostDataAbstract> createData(DataCollector* shared) {
+    return std::make_shared<CostDataAbstract>(this, shared);
+  }
 
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
   const std::shared_ptr<ActivationModelAbstract>& get_activation() const { return activation_; }  // the activation
@@ -83,16 +87,19 @@ class CostModelResidual : public CostModelAbstract {  // The cost a(r(x, u)) of 
   CostModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual)
       : CostModelAbstract(std::move(state), std::move(residual)) {}
 
-  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calc(const DataPtr& data, const ConstVectorRef& x) override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override { evaluate(data, x, &u); }
+  void calc(const DataPtr& data, const ConstVectorRef& x) override { evaluate(data, x, nullptr); }
   /// Computes the Jacobians of the residual and the derivatives of the activation.
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    differentiate(data, x, &u);
+  }
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override { differentiate(data, x, nullptr); }
   void print(std::ostream& os) const override;
 
  private:
   void check(const char* where, const DataPtr& data) const;
-  void finish_derivatives(CostDataAbstract& data, bool terminal) const;
+  void evaluate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u);
+  void differentiate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u);
 };
 
 struct CostItem {  // A cost, its name, its weight, and whether it is active.
@@ -147,10 +154,10 @@ class CostModelSum : public NamedParts<StateAbstract, CostItem> {
   bool getCostStatus(const std::string& name) const { return part(name).active; }  // whether it is active
 
   /// Compute data->cost and, with weights, data->derivatives of the active costs.
-  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calc(const DataPtr& data, const ConstVectorRef& x);
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x);
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { evaluate(data, x, &u); }
+  void calc(const DataPtr& data, const ConstVectorRef& x) { evaluate(data, x, nullptr); }
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { differentiate(data, x, &u); }
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) { differentiate(data, x, nullptr); }
   /// The derivatives are stored in `out`, if given, which must have the right sizes; otherwise the sum is evaluated
   /// standalone.
   std::shared_ptr<CostDataSum> createData(DataCollector* shared, CostDerivatives* out = nullptr);
@@ -162,7 +169,9 @@ class CostModelSum : public NamedParts<StateAbstract, CostItem> {
   std::size_t get_nr_total() const { return nr_total_; }          // of all costs
 
  private:
-  void check(const char* where, const CostDataSum& data, const ConstVectorRef& x) const;
+  void check(const char* where, const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u) const;
+  void evaluate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u);
+  void differentiate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u);
   void add_up(CostDataSum& data, bool terminal) const;
   void add_up_by_hand(CostDataSum& data, bool terminal) const;
   std::size_t nr_ = 0, nr_total_ = 0;

@@ -173,7 +173,8 @@ class DifferentialActionModelAbstract : public NodeOf<DifferentialActionDataAbst
 
   /// Throws std::invalid_argument for null pointers and numbers out of range.
   DifferentialActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr = 0,
-                                  std::size_t ng = 0, std::size_t nh = 0);
+                                  std::size_t ng = 0, std::size_t nh = 0)
+      : NodeOf("DifferentialActionModel", std::move(state), nu, nr, ng, nh, ng, nh) {}
 
   DataPtr createData() override { return std::make_shared<DifferentialActionDataAbstract>(this); }
   void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,

@@ -59,14 +59,19 @@ class ImpulseModelAbstract : public Printable {
 class ImpulseModel3D final : public ImpulseModelAbstract {
  public:
   /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
-  ImpulseModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, ReferenceFrame type = ReferenceFrame::kLocal);
+  ImpulseModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, ReferenceFrame type = ReferenceFrame::kLocal)
+      : ImpulseModelAbstract(
+            "ImpulseModel3D",
+            std::make_shared<ContactModel3D>(std::move(state), id, Eigen::Vector3d(Eigen::Vector3d::Zero()), type)) {}
 };
 
 /// Stops the velocity of a frame.
 class ImpulseModel6D final : public ImpulseModelAbstract {
  public:
   /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
-  ImpulseModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, ReferenceFrame type = ReferenceFrame::kLocal);
+  ImpulseModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, ReferenceFrame type = ReferenceFrame::kLocal)
+      : ImpulseModelAbstract("ImpulseModel6D",
+                             std::make_shared<ContactModel6D>(std::move(state), id, SE3<double>{}, type)) {}
 };
 
 /// Stops the relative velocity of two bodies' frames, as in ContactModelBetweenBodies.
@@ -75,13 +80,20 @@ class ImpulseModelBetweenBodies final : public ImpulseModelAbstract {
   /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
   ImpulseModelBetweenBodies(std::shared_ptr<StateMultibody> state, ContactType contact_type, FrameIndex id,
                             FrameIndex to, const SE3<double>& offset = {}, ReferenceFrame type = ReferenceFrame::kLocal,
-                            const Eigen::Vector3d& axis = Eigen::Vector3d::UnitZ());
+                            const Eigen::Vector3d& axis = Eigen::Vector3d::UnitZ())
+      : ImpulseModelAbstract(
+            "ImpulseModelBetweenBodies",
+            std::make_shared<ContactModelBetweenBodies>(std::move(state), contact_type, id, to, offset, type,
+                                                        kDefaultNu, Eigen::Vector2d(Eigen::Vector2d::Zero()), axis)) {}
 };
 
 /// The rows of a contact as in a scene: any attachment, offsets included.
 class ImpulseModelOfScene final : public ImpulseModelAbstract {
  public:
-  ImpulseModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact);  // throws for a missing body
+  /// Throws std::invalid_argument for a missing body.
+  ImpulseModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact)
+      : ImpulseModelAbstract("ImpulseModelOfScene",
+                             std::make_shared<ContactModelOfScene>(std::move(state), contact, kDefaultNu)) {}
 };
 
 struct ImpulseItem {  // An impulse, its name, and whether it is active.

@@ -70,11 +70,13 @@ template <class Node, class NodeData>
 class NodeNumDiff : public Node, public NumDiffOf<Node> {
  public:
   using Data = std::shared_ptr<NodeData>;
-  void calc(const Data& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calc(const Data& data, const ConstVectorRef& x) override;
+  void calc(const Data& data, const ConstVectorRef& x, const ConstVectorRef& u) override { evaluate(data, x, &u); }
+  void calc(const Data& data, const ConstVectorRef& x) override { evaluate(data, x, nullptr); }
   /// Computes Fx, Fu, Lx, Lu, Gx, Gu, Hx, Hu and the Hessians, as dense matrices only.
-  void calcDiff(const Data& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calcDiff(const Data& data, const ConstVectorRef& x) override;
+  void calcDiff(const Data& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    differentiate(data, x, u, false);
+  }
+  void calcDiff(const Data& data, const ConstVectorRef& x) override { differentiate(data, x, this->unone_, true); }
   void quasiStatic(const Data& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
                    double tol = 1e-9) override;
   bool get_with_gauss_approx() const { return gauss_; }  // whether Hessians are Gauss-Newton's
@@ -97,8 +99,8 @@ class NodeNumDiff : public Node, public NumDiffOf<Node> {
   /// The beginning of the message for data of another model.
   virtual std::string where(const char* function) const { return std::string(name_) + "::" + function; }
   Own& own(const char* function, const Data& data) const;
-  void copy_values(Own& data) const;
-  void differentiate(Own& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u, bool terminal) const;
+  void evaluate(const Data& data, const ConstVectorRef& x, const ConstVectorRef* u);
+  void differentiate(const Data& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u, bool terminal) const;
   const char* name_;
   bool gauss_;
   Eigen::VectorXd NodeData::*next_;

@@ -55,7 +55,8 @@ class ResidualModelAbstract : public Printable {  // A function r(x, u).
                         bool v_dependent = true, bool u_dependent = true);
   /// Crocoddyl's constructor, with nu = nv.
   ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, bool q_dependent = true,
-                        bool v_dependent = true, bool u_dependent = true);
+                        bool v_dependent = true, bool u_dependent = true)
+      : ResidualModelAbstract(state, nr, state ? state->get_nv() : 0, q_dependent, v_dependent, u_dependent) {}
 
   virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;  // computes data->r
   /// Computes the residual in a terminal node. By default it is r(x) if r depends on x alone, and otherwise zero, since

@@ -49,7 +49,8 @@ class ActionModelAbstract : public NodeOf<ActionDataAbstract> {  // A node in di
 
   /// Throws std::invalid_argument for null pointers and numbers out of range.
   ActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr = 0, std::size_t ng = 0,
-                      std::size_t nh = 0, std::size_t ng_T = 0, std::size_t nh_T = 0);
+                      std::size_t nh = 0, std::size_t ng_T = 0, std::size_t nh_T = 0)
+      : NodeOf("ActionModel", std::move(state), nu, nr, ng, nh, ng_T, nh_T) {}
 
   DataPtr createData() override { return std::make_shared<ActionDataAbstract>(this); }
   void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,

@@ -40,8 +40,8 @@ class ControlParametrizationModelAbstract {
   virtual void calc(const Data& data, double t, const ConstVectorRef& u) const = 0;
   /// Computes data->dw_du at the t of the last calc.
   virtual void calcDiff(const Data& data, double t, const ConstVectorRef& u) const = 0;
-  virtual Data createData();
-  virtual bool checkData(const Data& data);
+  virtual Data createData() { return std::make_shared<ControlParametrizationDataAbstract>(this); }
+  virtual bool checkData(const Data& data) { return data != nullptr; }
   /// Computes data->u for the constant control w (nw).
   virtual void params(const Data& data, double t, const ConstVectorRef& w) const = 0;
   /// Computes bounds of u that keep w within its own bounds (for PolyTwoRK at the nodes only).
@@ -74,7 +74,7 @@ class ControlParametrizationModelPoly : public ControlParametrizationModelAbstra
   void calc(const Data& data, double t, const ConstVectorRef& u) const override;
   void calcDiff(const Data& data, double t, const ConstVectorRef& u) const override;
   Data createData() override;
-  bool checkData(const Data& data) override;
+  bool checkData(const Data& data) override { return dynamic_cast<ControlParametrizationDataPoly*>(data.get()); }
   void params(const Data& data, double t, const ConstVectorRef& w) const override;
   void convertBounds(const ConstVectorRef& w_lb, const ConstVectorRef& w_ub, VectorRef u_lb,
                      VectorRef u_ub) const override;
@@ -128,7 +128,10 @@ class ControlParametrizationModelNumDiff : public ControlParametrizationModelAbs
                                            public NumDiffOf<ControlParametrizationModelAbstract> {
  public:
   /// model: the one that is differentiated.
-  explicit ControlParametrizationModelNumDiff(std::shared_ptr<ControlParametrizationModelAbstract> model);
+  explicit ControlParametrizationModelNumDiff(std::shared_ptr<ControlParametrizationModelAbstract> model)
+      : ControlParametrizationModelAbstract(internal::given("ControlParametrizationModelNumDiff", model)->get_nw(),
+                                            model->get_nu()),
+        NumDiffOf("ControlParametrizationModelNumDiff", model) {}
   void calc(const Data& data, double t, const ConstVectorRef& u) const override;
   void calcDiff(const Data& data, double t, const ConstVectorRef& u) const override;
   Data createData() override;
@@ -146,7 +149,8 @@ class ControlParametrizationModelNumDiff : public ControlParametrizationModelAbs
 /// Data of ControlParametrizationModelNumDiff.
 struct ControlParametrizationDataNumDiff : ControlParametrizationDataAbstract {
   /// Allocates the data of the model.
-  explicit ControlParametrizationDataNumDiff(const ControlParametrizationModelNumDiff* model);
+  explicit ControlParametrizationDataNumDiff(const ControlParametrizationModelNumDiff* model)
+      : ControlParametrizationDataAbstract(model), data_0(model->get_model()->createData()) {}
   std::shared_ptr<ControlParametrizationDataAbstract> data_0;
 };
 

@@ -24,9 +24,9 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
  public:
   using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  explicit SolverDDP(
-      std::shared_ptr<ShootingProblem> problem);  // problem: not null, or std::invalid_argument is thrown
-  SolverDDP(SolverDDP&&);                         // moves the solver
+  /// problem: not null, or std::invalid_argument is thrown.
+  explicit SolverDDP(std::shared_ptr<ShootingProblem> problem) : SolverDDP(std::move(problem), Limits::kIgnored) {}
+  SolverDDP(SolverDDP&&);  // moves the solver
   SolverDDP& operator=(SolverDDP&&);
   ~SolverDDP() override;
 

@@ -28,7 +28,7 @@ class DifferentialActionModelLQR
   DifferentialActionModelLQR(std::size_t nq, std::size_t nu, bool drift_free = true);
   /// Makes a random model with entries within +-1 and a convex cost; the same sequence in every run.
   static DifferentialActionModelLQR Random(std::size_t nq, std::size_t nu, std::size_t ng = 0, std::size_t nh = 0);
-  void print(std::ostream& os) const override;
+  void print(std::ostream& os) const override { os << kName << " {nx=" << state_->get_nx() << ", nu=" << nu_ << "}"; }
 
   const MatrixXs& get_Aq() const { return Aq_; }  // matrix of q
   const MatrixXs& get_Av() const { return Av_; }  // matrix of v

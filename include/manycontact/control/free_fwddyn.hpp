@@ -12,7 +12,10 @@ class DifferentialActionModelFreeFwdDynamics : public DifferentialActionModelCon
   DifferentialActionModelFreeFwdDynamics(std::shared_ptr<StateMultibody> state,
                                          std::shared_ptr<ActuationModelAbstract> actuation,
                                          std::shared_ptr<CostModelSum> costs,
-                                         std::shared_ptr<ConstraintModelManager> constraints = nullptr);
+                                         std::shared_ptr<ConstraintModelManager> constraints = nullptr)
+      : DifferentialActionModelContactFwdDynamics(
+            state, actuation, std::make_shared<ContactModelMultiple>(state, actuation ? actuation->get_nu() : 0), costs,
+            constraints) {}
 };
 
 using DifferentialActionDataFreeFwdDynamics = DifferentialActionDataContactFwdDynamics;

@@ -43,7 +43,8 @@ class ActionModelImpulseFwdDynamics
   /// finite.
   ActionModelImpulseFwdDynamics(std::shared_ptr<StateMultibody> state, std::shared_ptr<ImpulseModelMultiple> impulses,
                                 std::shared_ptr<CostModelSum> costs, double r_coeff = 0, double JMinvJt_damping = 0,
-                                bool enable_force = false);
+                                bool enable_force = false)
+      : ActionModelImpulseFwdDynamics(state, impulses, costs, nullptr, r_coeff, JMinvJt_damping, enable_force) {}
   ActionModelImpulseFwdDynamics(std::shared_ptr<StateMultibody> state, std::shared_ptr<ImpulseModelMultiple> impulses,
                                 std::shared_ptr<CostModelSum> costs,
                                 std::shared_ptr<ConstraintModelManager> constraints, double r_coeff = 0,
@@ -85,8 +86,6 @@ class ActionModelImpulseFwdDynamics
   friend Data;
   void evaluate(Data& data, const ConstVectorRef& x, const ConstVectorRef* u) override;
   void differentiate(Data& data, const ConstVectorRef& x, const ConstVectorRef* u) override;
-  void calc_impact(Data& data, const ConstVectorRef& x) const;
-  void differentiate_impact(Data& data, internal::Stage stage) const;
   void lay_out(Data& data) const;
   std::shared_ptr<StateMultibody> multibody_;
   std::shared_ptr<ImpulseModelMultiple> impulses_;

@@ -50,7 +50,10 @@ class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differe
 
  protected:
   const NodeAbstract* sized_by() const override { return differential_.get(); }
-  void print_as(const char* name, std::ostream& os) const;  // prints it with another name
+  /// Prints it with another name.
+  void print_as(const char* name, std::ostream& os) const {
+    os << name << " {dt=" << time_step_ << ", " << *differential_ << "}";
+  }
 
   /// Compute what calc and calcDiff do in a terminal node.
   void calc_terminal(const ConstVectorRef& x, IntegratedActionDataAbstract& data) const;

@@ -55,7 +55,9 @@ class ActionModelLQR : public NodeWithData<ActionModelLQR, ActionModelAbstract, 
   ActionModelLQR(std::size_t nx, std::size_t nu, bool drift_free = true);
   /// Makes a random model with entries within +-1 and a convex cost; the same sequence in every run.
   static ActionModelLQR Random(std::size_t nx, std::size_t nu, std::size_t ng = 0, std::size_t nh = 0);
-  void print(std::ostream& os) const override;
+  void print(std::ostream& os) const override {
+    os << kName << " {nx=" << state_->get_nx() << ", nu=" << nu_ << ", ng=" << ng_ << ", nh=" << nh_ << "}";
+  }
 
   const MatrixXs& get_A() const { return A_; }  // matrix of the state
   /// Replaces all matrices and vectors. Throws std::invalid_argument for wrong sizes.

@@ -8,6 +8,7 @@
 
 #include <iosfwd>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "manycontact/control/action_model.hpp"
@@ -87,11 +88,13 @@ class ShootingProblem {
   void set_x0(const Eigen::VectorXd& x0);  // sets the initial state; throws std::invalid_argument for a wrong size
   /// Replaces all running nodes and creates new data. The number of nodes may change.
   void set_runningModels(const Models& models);
-  void set_terminalModel(ModelPtr model);  // replaces the terminal node and creates new data
+  void set_terminalModel(ModelPtr model) { updateModel(get_T(), model); }  // replaces the node and creates new data
   /// Sets the number of threads. Initially, and for a number below 1, it is OpenMP's, or 1 without OpenMP. If all nodes
   /// together take less than about 50 us per thread, one thread evaluates them.
   void set_nthreads(int nthreads);
-  bool is_updated();  // whether nodes were replaced since the last call of this function
+  bool is_updated() {
+    return std::exchange(is_updated_, false);
+  }  // whether nodes were replaced since the last call of this function
 
  private:
   void check_node(const char* where, const ModelPtr& model) const;

@@ -24,10 +24,6 @@ MultibodyData::MultibodyData(const Multibody& model)
   }
 }
 
-void MultibodyData::update(const ConstVectorRef& at_q, const ConstVectorRef& at_v) {
-  update(at_q, at_v, Eigen::VectorXd::Zero(scene.nv));
-}
-
 void MultibodyData::update(const ConstVectorRef& at_q, const ConstVectorRef& at_v, const ConstVectorRef& at_a) {
   check_size("MultibodyData::update", "a", at_a.size(), static_cast<std::size_t>(scene.nv));
   update_kinematics(scene, at_q, at_v, solution);
@@ -85,13 +81,6 @@ DataCollector::DataCollector(MultibodyData* motion, std::shared_ptr<ActuationDat
   custom.resize(islands.size());
 }
 
-DataCollector::DataCollector() : DataCollector(nullptr, nullptr, nullptr) {}
-DataCollector::DataCollector(MultibodyData* motion, std::shared_ptr<ContactDataMultiple> contact)
-    : DataCollector(motion, nullptr, std::move(contact)) {}
-DataCollector::DataCollector(std::shared_ptr<ActuationDataAbstract> act)
-    : DataCollector(nullptr, std::move(act), nullptr) {}
-DataCollector::DataCollector(std::shared_ptr<ContactDataMultiple> contact)
-    : DataCollector(nullptr, nullptr, std::move(contact)) {}
 DataCollector::~DataCollector() = default;
 
 void DataCollector::prepare() {

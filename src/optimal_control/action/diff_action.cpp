@@ -79,10 +79,6 @@ void NodeAbstract::update_has_control_limits() {
   has_control_limits_ = u_lb_.array().isFinite().any() && u_ub_.array().isFinite().any();
 }
 
-DifferentialActionModelAbstract::DifferentialActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu,
-                                                                 std::size_t nr, std::size_t ng, std::size_t nh)
-    : NodeOf("DifferentialActionModel", std::move(state), nu, nr, ng, nh, ng, nh) {}
-
 void DifferentialActionModelAbstract::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x,
                                                   std::size_t maxiter, double tol) {
   check_size("quasiStatic", "u", u.size(), nu_);

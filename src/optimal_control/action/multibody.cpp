@@ -64,6 +64,4 @@ FrameIndex Multibody::getFrameId(const std::string& name) const {
   return *id;
 }
 
-bool Multibody::existFrame(const std::string& name) const { return find(name) != nullptr; }
-
 }  // namespace manycontact

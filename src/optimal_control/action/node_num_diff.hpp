@@ -4,6 +4,7 @@
 #include <cmath>
 #include <ostream>
 
+#include "by_node.hpp"
 #include "manycontact/action/num_diff.hpp"
 
 namespace manycontact::internal {
@@ -107,7 +108,9 @@ NodeDataNumDiff<NodeData>& NodeNumDiff<Node, NodeData>::own(const char* function
 }
 
 template <class Node, class NodeData>
-void NodeNumDiff<Node, NodeData>::copy_values(Own& d) const {
+void NodeNumDiff<Node, NodeData>::evaluate(const Data& data, const ConstVectorRef& x, const ConstVectorRef* u) {
+  Own& d = own("calc", data);
+  internal::calc(*model_, d.data_0, x, u);
   const NodeData& from = *d.data_0;
   d.*next_ = from.*next_;
   d.cost = from.cost;
@@ -117,36 +120,13 @@ void NodeNumDiff<Node, NodeData>::copy_values(Own& d) const {
 }
 
 template <class Node, class NodeData>
-void NodeNumDiff<Node, NodeData>::calc(const Data& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  Own& d = own("calc", data);
-  model_->calc(d.data_0, x, u);
-  copy_values(d);
-}
-
-template <class Node, class NodeData>
-void NodeNumDiff<Node, NodeData>::calc(const Data& data, const ConstVectorRef& x) {
-  Own& d = own("calc", data);
-  model_->calc(d.data_0, x);
-  copy_values(d);
-}
-
-template <class Node, class NodeData>
-void NodeNumDiff<Node, NodeData>::differentiate(Own& d, const Eigen::VectorXd& x, const Eigen::VectorXd& u,
+void NodeNumDiff<Node, NodeData>::differentiate(const Data& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u,
                                                 bool terminal) const {
+  Own& d = own("calcDiff", data);
   const auto next = [&](const NodeData& moved) { return coordinates(d, moved, terminal); };
   internal::central_differences(
       internal::Around<Node, NodeData, decltype(next)>{*model_, d.data_step, next, x, u, terminal}, this->step_, gauss_,
       d);
-}
-
-template <class Node, class NodeData>
-void NodeNumDiff<Node, NodeData>::calcDiff(const Data& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  differentiate(own("calcDiff", data), x, u, false);
-}
-
-template <class Node, class NodeData>
-void NodeNumDiff<Node, NodeData>::calcDiff(const Data& data, const ConstVectorRef& x) {
-  differentiate(own("calcDiff", data), x, this->unone_, true);
 }
 
 template <class Node, class NodeData>

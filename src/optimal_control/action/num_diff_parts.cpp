@@ -3,7 +3,9 @@
 #include <Eigen/QR>
 
 #include "assign.hpp"
+#include "by_node.hpp"
 #include "differences.hpp"
+#include "node_num_diff.hpp"
 
 namespace manycontact {
 
@@ -90,10 +92,6 @@ ActivationDataNumDiff::ActivationDataNumDiff(const ActivationModelNumDiff* model
   Arr_.setZero(Ar.size(), Ar.size());
 }
 
-ActivationModelNumDiff::ActivationModelNumDiff(std::shared_ptr<ActivationModelAbstract> model)
-    : ActivationModelAbstract(internal::given("ActivationModelNumDiff", model)->get_nr()),
-      NumDiffOf("ActivationModelNumDiff", model) {}
-
 std::shared_ptr<ActivationDataAbstract> ActivationModelNumDiff::createData() {
   return std::make_shared<ActivationDataNumDiff>(this);
 }
@@ -128,23 +126,13 @@ ActuationDataNumDiff::ActuationDataNumDiff(const ActuationModelNumDiff* model)
   tau_set = data_0->tau_set;
 }
 
-ActuationModelNumDiff::ActuationModelNumDiff(std::shared_ptr<ActuationModelAbstract> model)
-    : ActuationModelAbstract(internal::given("ActuationModelNumDiff", model)->get_state(), model->get_nu()),
-      NumDiffOf("ActuationModelNumDiff", model) {}
-
 std::shared_ptr<ActuationDataAbstract> ActuationModelNumDiff::createData() {
   return std::make_shared<ActuationDataNumDiff>(this);
 }
 
-void ActuationModelNumDiff::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+void ActuationModelNumDiff::evaluate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u) {
   auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::calc", data);
-  model_->calc(d.data_0, x, u);
-  d.tau = d.data_0->tau;
-}
-
-void ActuationModelNumDiff::calc(const DataPtr& data, const ConstVectorRef& x) {
-  auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::calc", data);
-  model_->calc(d.data_0, x);
+  internal::calc(*model_, d.data_0, x, u);
   d.tau = d.data_0->tau;
 }
 
@@ -159,12 +147,6 @@ void ActuationModelNumDiff::differentiate(const DataPtr& data, const Eigen::Vect
   if (!terminal) d.dtau_du = by.u;
   d.tau = d.data_0->tau;
 }
-
-void ActuationModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  differentiate(data, x, u, false);
-}
-
-void ActuationModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x) { differentiate(data, x, {}, true); }
 
 void ActuationModelNumDiff::commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) {
   auto& d = internal::own_data<ActuationDataNumDiff>("ActuationModelNumDiff::commands", data);
@@ -182,30 +164,15 @@ void ActuationModelNumDiff::torqueTransform(const DataPtr& data, const ConstVect
 
 // ---- residual
 
-ResidualDataNumDiff::ResidualDataNumDiff(const ResidualModelNumDiff* model, DataCollector* shared)
-    : ResidualDataAbstract(model, shared), data_0(model->get_model()->createData(shared)) {}
-
-ResidualModelNumDiff::ResidualModelNumDiff(const std::shared_ptr<ResidualModelAbstract>& model)
-    : ResidualModelAbstract(internal::given("ResidualModelNumDiff", model)->get_state(), model->get_nr(),
-                            model->get_nu(), model->get_q_dependent(), model->get_v_dependent(),
-                            model->get_u_dependent()),
-      NumDiffOf("ResidualModelNumDiff", model) {}
-
 std::shared_ptr<ResidualDataAbstract> ResidualModelNumDiff::createData(DataCollector* shared) {
   auto data = std::make_shared<ResidualDataNumDiff>(this, shared);
   lay_out(*data);
   return data;
 }
 
-void ResidualModelNumDiff::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+void ResidualModelNumDiff::evaluate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u) {
   auto& d = internal::own_data<ResidualDataNumDiff>("ResidualModelNumDiff::calc", data);
-  model_->calc(d.data_0, x, u);
-  d.r = d.data_0->r;
-}
-
-void ResidualModelNumDiff::calc(const DataPtr& data, const ConstVectorRef& x) {
-  auto& d = internal::own_data<ResidualDataNumDiff>("ResidualModelNumDiff::calc", data);
-  model_->calc(d.data_0, x);
+  internal::calc(*model_, d.data_0, x, u);
   d.r = d.data_0->r;
 }
 
@@ -220,14 +187,6 @@ void ResidualModelNumDiff::differences_of(const DataPtr& data, const Eigen::Vect
   d.r = d.data_0->r;
 }
 
-void ResidualModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
-  differences_of(data, x, u, false);
-}
-
-void ResidualModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
-  differences_of(data, x, unone_, true);
-}
-
 // ---- cost and constraint
 
 template <class Model, class Data>
@@ -240,22 +199,8 @@ void PartNumDiff<Model, Data>::differentiate(const std::shared_ptr<Data>& data, 
   store(by.x, terminal ? nullptr : &by.u, *data);
 }
 
-template <class Model, class Data>
-void PartNumDiff<Model, Data>::calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x,
-                                        const ConstVectorRef& u) {
-  differentiate(data, x, u, false);
-}
-
-template <class Model, class Data>
-void PartNumDiff<Model, Data>::calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x) {
-  differentiate(data, x, Eigen::VectorXd::Zero(size(get_nu())), true);
-}
-
 template class PartNumDiff<CostModelAbstract, CostDataAbstract>;
 template class PartNumDiff<ConstraintModelAbstract, ConstraintDataAbstract>;
-
-CostModelNumDiff::CostModelNumDiff(const std::shared_ptr<CostModelAbstract>& model)
-    : PartNumDiff("CostModelNumDiff", model) {}
 
 std::shared_ptr<CostDataAbstract> CostModelNumDiff::createData(DataCollector* shared) {
   require(shared && shared->whole, "CostModelNumDiff::createData", "a collector without an action model is expected");
@@ -283,9 +228,6 @@ void CostModelNumDiff::store(const Eigen::MatrixXd& by_x, const Eigen::MatrixXd*
   d.Luu = d.residual->Ru.transpose() * Arr * d.residual->Ru;
 }
 
-ConstraintModelNumDiff::ConstraintModelNumDiff(const std::shared_ptr<ConstraintModelAbstract>& model)
-    : PartNumDiff("ConstraintModelNumDiff", model) {}
-
 Eigen::VectorXd ConstraintModelNumDiff::values(const ConstraintDataAbstract& d) const {
   Eigen::VectorXd out(d.g.size() + d.h.size());
   out << d.g, d.h;
@@ -303,9 +245,6 @@ void ConstraintModelNumDiff::store(const Eigen::MatrixXd& by_x, const Eigen::Mat
 
 // ---- contact
 
-ContactModelNumDiff::ContactModelNumDiff(const std::shared_ptr<ContactModelAbstract>& model)
-    : NumDiffOf("ContactModelNumDiff", model) {}
-
 void ContactModelNumDiff::calcDiff(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) {
   const StateMultibody& state = *model_->get_state();
   const Eigen::VectorXd no_controls = Eigen::VectorXd::Zero(size(model_->get_nu()));
@@ -317,6 +256,35 @@ void ContactModelNumDiff::calcDiff(const std::shared_ptr<ContactDataAbstract>& d
   data->da0_dx = jacobian(size(model_->get_nc()), size(state.get_ndx()), step_,
                           [&](const Eigen::VectorXd& dx) { return a0(state.integrate_x(x, dx)); });
   (void)a0(x);
+}
+
+// ---- a node in continuous time
+
+template class NodeNumDiff<DifferentialActionModelAbstract, DifferentialActionDataAbstract>;
+
+constexpr const char* kNumDiff = "DifferentialActionModelNumDiff";
+
+void internal::Step::set_disturbance(double disturbance) {
+  require(disturbance > 0 && std::isfinite(disturbance), where_,
+          std::to_string(disturbance) + " was given, a positive number is expected");
+  step_ = disturbance;
+}
+
+DifferentialActionModelNumDiff::DifferentialActionModelNumDiff(std::shared_ptr<DifferentialActionModelAbstract> model,
+                                                               bool with_gauss_approx)
+    : NodeNumDiff(kNumDiff, std::move(model), with_gauss_approx, &DifferentialActionDataAbstract::xout,
+                  "DifferentialActionModelNumDiff::set_disturbance") {}
+
+std::shared_ptr<DifferentialActionDataAbstract> DifferentialActionModelNumDiff::createData() {
+  return std::make_shared<DifferentialActionDataNumDiff>(this);
+}
+
+std::string DifferentialActionModelNumDiff::where(const char*) const { return kNumDiff; }
+
+Eigen::VectorXd DifferentialActionModelNumDiff::coordinates(const DifferentialActionDataAbstract&,
+                                                            const DifferentialActionDataAbstract& moved,
+                                                            bool terminal) const {
+  return terminal ? Eigen::VectorXd::Zero(state_->get_nv()).eval() : moved.xout;  // a terminal node does not accelerate
 }
 
 }  // namespace manycontact

@@ -9,10 +9,6 @@
 
 namespace manycontact::lq {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 namespace {
 
 // Vertices below each, fill included: those below a column join those below its parent, the first of them.
@@ -89,8 +85,6 @@ void BlockCholesky::add(int u, int i, int v, int j, const Eigen::Ref<const Matri
     block(v, u).block(j, i, M.cols(), M.rows()) += M.transpose();
   }
 }
-
-void BlockCholesky::add_diagonal(int v, double a) { columns_[v].diagonal.diagonal().array() += a; }
 
 void BlockCholesky::add_proximal_term(double relative) {
   largest_.setZero();

@@ -5,11 +5,6 @@
 namespace manycontact::lq {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Out = Eigen::Ref<MatrixXd>;
-using In = const Eigen::Ref<const MatrixXd>&;
-
 // use(first, size, block), of compile-time size for joints of a robot.
 template <class Use>
 void each_part(const BlockDiagonal& D, Use&& use) {
@@ -47,8 +42,8 @@ void put(Target&& target, double beta, const Value& value) {
     target += value;
 }
 
-template <bool kTransposed, class Block>
-auto turned(const Block& block) {
+template <bool kTransposed, class Matrix>
+auto turned(const Matrix& block) {
   if constexpr (kTransposed)
     return block.transpose();
   else
@@ -56,7 +51,7 @@ auto turned(const Block& block) {
 }
 
 template <bool kTransposed>
-void from_left(Out C, double beta, const BlockDiagonal& D, In X) {
+void from_left(Block C, double beta, const BlockDiagonal& D, ConstBlock X) {
   each_gap(D, C.rows(), [&](Index at, Index n) { put(C.middleRows(at, n), beta, D.scale * X.middleRows(at, n)); });
   each_part(D, [&](Index at, auto size, const auto& block) {
     constexpr int k = size.value;
@@ -66,7 +61,7 @@ void from_left(Out C, double beta, const BlockDiagonal& D, In X) {
 }
 
 template <bool kTransposed>
-void from_right(Out C, double beta, In X, const BlockDiagonal& D) {
+void from_right(Block C, double beta, ConstBlock X, const BlockDiagonal& D) {
   each_gap(D, C.cols(), [&](Index at, Index n) { put(C.middleCols(at, n), beta, D.scale * X.middleCols(at, n)); });
   each_part(D, [&](Index at, auto size, const auto& block) {
     constexpr int k = size.value;
@@ -77,12 +72,12 @@ void from_right(Out C, double beta, In X, const BlockDiagonal& D) {
 
 }  // namespace
 
-void add_DX(Out C, double beta, const BlockDiagonal& D, In X) { from_left<false>(C, beta, D, X); }
-void add_DtX(Out C, double beta, const BlockDiagonal& D, In X) { from_left<true>(C, beta, D, X); }
-void add_XD(Out C, double beta, In X, const BlockDiagonal& D) { from_right<false>(C, beta, X, D); }
-void add_XDt(Out C, double beta, In X, const BlockDiagonal& D) { from_right<true>(C, beta, X, D); }
+void add_DX(Block C, double beta, const BlockDiagonal& D, ConstBlock X) { from_left<false>(C, beta, D, X); }
+void add_DtX(Block C, double beta, const BlockDiagonal& D, ConstBlock X) { from_left<true>(C, beta, D, X); }
+void add_XD(Block C, double beta, ConstBlock X, const BlockDiagonal& D) { from_right<false>(C, beta, X, D); }
+void add_XDt(Block C, double beta, ConstBlock X, const BlockDiagonal& D) { from_right<true>(C, beta, X, D); }
 
-void multiply_Dt(const BlockDiagonal& D, Out X) {
+void multiply_Dt(const BlockDiagonal& D, Block X) {
   if (D.scale != 1) each_gap(D, X.rows(), [&](Index at, Index n) { X.middleRows(at, n) *= D.scale; });
   each_part(D, [&](Index at, auto size, const auto& block) {
     constexpr int k = size.value, kMostRows = k == Eigen::Dynamic ? BlockDiagonal::kLargestPart : k;

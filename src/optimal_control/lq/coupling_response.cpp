@@ -6,9 +6,6 @@
 namespace manycontact::lq {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-
 // Rows of M, blocks' states, from the order of one cluster to that of another with the same blocks.
 void reorder_rows(const Problem& problem, const Cluster& from, const Cluster& to, const MatrixMap& M, MatrixMap out) {
   for (std::size_t i = 0; i < from.blocks.size(); ++i)

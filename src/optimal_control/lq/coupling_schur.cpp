@@ -8,9 +8,6 @@
 
 namespace manycontact::lq {
 
-using Eigen::Index;
-using Eigen::VectorXd;
-
 namespace {
 
 // The proximal term where S is semidefinite in w or mu alone, relative to its entries. At sqrt(eps) one solve is

@@ -1,20 +1,17 @@
 #pragma once
 // The products and factors of dense blocks that the direction solvers are made of, by columns.
 
-#include <Eigen/Core>
-#include <vector>
+#include "manycontact/lq/block_diagonal.hpp"
 
 namespace manycontact::lq {
 
-using Block = Eigen::Ref<Eigen::MatrixXd>;
-using ConstBlock = const Eigen::Ref<const Eigen::MatrixXd>&;
-using MatrixMap = Eigen::Map<Eigen::MatrixXd>;
+using MatrixMap = Eigen::Map<MatrixXd>;
 /// The first rows x cols numbers of a scratch.
-inline MatrixMap as_matrix(std::vector<double>& scratch, Eigen::Index rows, Eigen::Index cols) {
+inline MatrixMap as_matrix(std::vector<double>& scratch, Index rows, Index cols) {
   return {scratch.data(), rows, cols};
 }
-using Segment = Eigen::Ref<Eigen::VectorXd>;
-using ConstSegment = const Eigen::Ref<const Eigen::VectorXd>&;
+using Segment = Eigen::Ref<VectorXd>;
+using ConstSegment = const Eigen::Ref<const VectorXd>&;
 
 void add_AB(Block C, double a, ConstBlock A, ConstBlock B);         // C += a A B
 void add_AtB(Block C, double a, ConstBlock A, ConstBlock B);        // C += a A^T B

@@ -9,10 +9,6 @@
 namespace manycontact::lq {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 // A vector of equations, and of the sums of their |terms|.
 struct Rows {
   VectorXd& sum;

@@ -7,9 +7,6 @@
 
 namespace manycontact::lq {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 using sparse::panel_kernels;
 
 namespace {

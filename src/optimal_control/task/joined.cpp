@@ -5,10 +5,8 @@
 #include "manycontact/control/coupled_direction.hpp"
 #include "manycontact/detail/control/couplings.hpp"
 #include "manycontact/detail/kkt/island.hpp"
-#include "manycontact/sparse/union_find.hpp"
 #include "manycontact/task/parts.hpp"
 #include "nodes.hpp"
-#include "terms.hpp"
 
 namespace manycontact {
 
@@ -29,29 +27,6 @@ bool joins_its_robots(const TaskTerm& term) {
   }
 }
 
-void join_robots(const Scene& scene, const std::vector<int>& robots, sparse::UnionFind& sets) {
-  for (int r = 1; robots.empty() && r < scene.nrobots(); ++r) sets.join(0, r);
-  for (const int r : robots) sets.join(robots.front(), r);
-}
-
-void join_of_nodes(const Scene& scene, const TaskPhase& phase, sparse::UnionFind& sets) {
-  const auto join_ends = [&](const Contact& contact) {
-    if (contact.A.robot >= 0 && contact.B.robot >= 0) sets.join(contact.A.robot, contact.B.robot);
-  };
-  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
-    const Contact& contact = scene.contacts[c];
-    if (phase.active[c] && !joins_robots(contact)) join_ends(contact);
-  }
-  for (const Spring& spring : scene.springs)
-    if (spring.B.robot >= 0) sets.join(spring.A.robot, spring.B.robot);
-  for (const auto* terms : {&phase.costs, &phase.constraints})
-    for (const TaskTerm& term : *terms) {
-      if (joins_its_robots(term))
-        join_robots(scene, term.residual == TaskResidual::kJointEffort ? term.robots : std::vector<int>{}, sets);
-      for (const int c : term.contacts) join_ends(scene.contacts[c]);
-    }
-}
-
 }  // namespace
 
 int task::dependent_rows(Scene scene, const Eigen::VectorXd& x0) {
@@ -63,14 +38,19 @@ int task::dependent_rows(Scene scene, const Eigen::VectorXd& x0) {
 
 std::vector<std::vector<int>> divide_robots(const TaskFile& task) {
   const Scene& scene = task.scene.scene;
-  std::vector<int> memory(scene.robots.size());
-  sparse::UnionFind sets(memory);
-  for (const TaskPhase& phase : task.phases) join_of_nodes(scene, phase, sets);
-  join_of_nodes(scene, task.terminal, sets);
   const bool impacts =
       std::any_of(task.phases.begin(), task.phases.end(), [](const TaskPhase& phase) { return phase.impact; });
-  if (task.integrator != TaskIntegrator::kEuler || impacts) join_robots(scene, {}, sets);
-  return sets_of(sets, scene.nrobots());
+  return sets_of_robots(task, [&](const TaskPhase& phase, sparse::UnionFind& sets) {
+    if (task.integrator != TaskIntegrator::kEuler || impacts) join_robots(scene, {}, sets);
+    for (std::size_t c = 0; c < scene.contacts.size(); ++c)
+      if (phase.active[c] && !joins_robots(scene.contacts[c])) join_ends(scene.contacts[c], sets);
+    for (const auto* terms : {&phase.costs, &phase.constraints})
+      for (const TaskTerm& term : *terms) {
+        if (joins_its_robots(term))
+          join_robots(scene, term.residual == TaskResidual::kJointEffort ? term.robots : std::vector<int>{}, sets);
+        for (const int c : term.contacts) join_ends(scene.contacts[c], sets);
+      }
+  });
 }
 
 bool blocks_are_cheaper(const TaskFile& task, const std::vector<std::vector<int>>& blocks) {

@@ -1,6 +1,8 @@
 #pragma once
-// The parts of nodes, phase by phase.
+// The parts of nodes, phase by phase, and the residuals, activations and bounds of their terms.
 
+#include "manycontact/action/constraint.hpp"
+#include "manycontact/action/cost.hpp"
 #include "manycontact/detail/control/parts.hpp"
 #include "manycontact/task/problem.hpp"
 
@@ -19,10 +21,6 @@ std::shared_ptr<DiffModel> model_of(const TaskFile& task, const TaskPhase& phase
 /// The node of the task's integrator.
 std::shared_ptr<ActionModelAbstract> integrated(const TaskFile& task, const std::shared_ptr<DiffModel>& model);
 std::shared_ptr<ActionModelAbstract> terminal_of(const std::shared_ptr<DiffModel>& model);
-
-/// The impact between a phase and the next one's nodes, with the first one's constraints on the state.
-std::shared_ptr<ActionModelAbstract> impact_of(const TaskFile& task, const TaskPhase& before, const TaskPhase& phase,
-                                               const std::shared_ptr<StateMultibody>& state);
 
 struct Nodes {
   std::vector<std::shared_ptr<ActionModelAbstract>> phases, impacts;  // one entry per phase; impacts: null without one
@@ -45,5 +43,23 @@ std::vector<Eigen::VectorXd> guess_of(const TaskFile& task);
 
 /// ActionModelParts, coupled, of these groups of the task's robots.
 Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& groups);
+
+// ---- terms
+
+/// The context in which terms are made.
+struct Parts {
+  const TaskFile& task;
+  std::shared_ptr<StateMultibody> state;
+  std::shared_ptr<ActuationModelAbstract> actuation;  // null: an impact, which has terms of the state alone
+  std::shared_ptr<ContactModelMultiple> contacts;
+  std::size_t nu() const { return actuation ? actuation->get_nu() : 0; }
+};
+
+/// (q, v) as the scene's file has them.
+Eigen::VectorXd x0_of(const SceneFile& file);
+
+/// They throw std::invalid_argument where the term does not fit.
+void add_cost(const TaskTerm& term, const Parts& parts, CostModelSum& costs);
+void add_constraint(const TaskTerm& term, const Parts& parts, ConstraintModelManager& constraints);
 
 }  // namespace manycontact::task

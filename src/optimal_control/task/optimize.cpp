@@ -4,11 +4,13 @@
 #include <cmath>
 #include <iomanip>
 #include <map>
+#include <random>
 #include <sstream>
 
-#include "beside.hpp"
+#include "../control/solvers/fit.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
 #include "manycontact/control/box_solvers.hpp"
+#include "manycontact/control/direction.hpp"
 #include "manycontact/detail/control/sparse.hpp"
 #include "manycontact/detail/control/timer.hpp"
 #include "memory.hpp"
@@ -17,6 +19,8 @@
 namespace manycontact {
 
 namespace {
+
+using Vectors = std::vector<Eigen::VectorXd>;
 
 // Bounds for tasks that converged.
 constexpr double kMostViolation = 1e-9, kMostResidual = 1e-6;
@@ -149,66 +153,64 @@ struct Run {
   }
   /// The number of iterations that are left.
   std::size_t left() const { return most - std::min(most, out.iterations.size()); }
-  void solve(SolverAbstract& solver, const SolverDDP& inner);
-  void with_constraints();
-  void without();
+
+  void solve(SolverAbstract& solver, const SolverDDP& inner) {
+    solver.set_th_stop(task.tolerance);
+    solver.setCallbacks({std::make_shared<Record>(options, out.iterations)});
+    const Timer timer;
+    out.converged = solver.solve(problem.xs, problem.us, left(), false);
+    out.times = times_of(passes, problem.problem->get_T());
+    out.times.total = timer.get_us_duration();
+    out.reason = to_string(solver.reason());
+    out.interrupted = solver.reason() == StopReason::kInterrupted;
+    out.xs = solver.get_xs();
+    out.us = solver.get_us();
+    out.cost = solver.get_cost();
+    out.gains = gains_of(inner);
+    if (const auto* sparse = dynamic_cast<const SolverSparse*>(&inner)) {
+      out.blocks = sparse->blocks();
+      out.direction = sparse->direction();
+    }
+    if (inner.has_rolled_out())
+      out.remarks.push_back(
+          "no step closed the gaps: continued from the motion of the guess's torques within the limits");
+  }
+
+  void with_constraints() {
+    SolverAugmentedLagrangian solver(problem.problem, [this](const auto& shooting) { return make(shooting); });
+    solver.set_penalty_init(task.step);  // same size as a running cost of weight 1
+    solver.set_th_constraint(kMostViolation);
+    solver.set_th_kkt(kMostResidual);
+    solver.set_measures_scale(true);
+    if (!problem.multipliers.empty()) solver.set_multipliers(problem.multipliers);
+    solve(solver, *solver.get_inner());
+    out.constraint_violation = solver.get_violation();
+    out.outer_iterations = solver.get_outer_iter();
+    out.multipliers = solver.get_multipliers();
+    problem.problem->calc(out.xs, out.us);  // forces of couplings too
+    out.violations = violations(problem);
+    if (!out.converged) out.reason = with_violations(solver.reason(), out.violations);
+    out.kkt_residual = solver.get_kkt_residual();
+  }
+
+  void without() {
+    const std::shared_ptr<SolverDDP> solver = make(problem.problem);
+    solver->set_th_kkt(kMostResidual);
+    solver->set_measures_scale(true);
+    solve(*solver, *solver);
+    out.polishing_iterations = solver->get_polishing_iter();
+    out.kkt_residual = solver->get_kkt_residual();
+    if (std::isfinite(out.kkt_residual)) return;
+    const bool limits = solver->keeps_limits();
+    const auto l = least_squares_multipliers(*problem.problem, out.xs, out.us, limits);
+    out.kkt_residual = kkt_residual(*problem.problem, out.xs, out.us, l, limits, {}, solver->get_kkt_scale());
+  }
+
   void operator()() {
     problem.problem->set_nthreads(options.threads);
     has_constraints(task) ? with_constraints() : without();
   }
 };
-
-void Run::solve(SolverAbstract& solver, const SolverDDP& inner) {
-  solver.set_th_stop(task.tolerance);
-  solver.setCallbacks({std::make_shared<Record>(options, out.iterations)});
-  const Timer timer;
-  out.converged = solver.solve(problem.xs, problem.us, left(), false);
-  out.times = times_of(passes, problem.problem->get_T());
-  out.times.total = timer.get_us_duration();
-  out.reason = to_string(solver.reason());
-  out.interrupted = solver.reason() == StopReason::kInterrupted;
-  out.xs = solver.get_xs();
-  out.us = solver.get_us();
-  out.cost = solver.get_cost();
-  out.gains = gains_of(inner);
-  if (const auto* sparse = dynamic_cast<const SolverSparse*>(&inner)) {
-    out.blocks = sparse->blocks();
-    out.direction = sparse->direction();
-  }
-  if (inner.has_rolled_out())
-    out.remarks.push_back(
-        "no step closed the gaps: continued from the motion of the guess's torques within the limits");
-}
-
-void Run::with_constraints() {
-  SolverAugmentedLagrangian solver(problem.problem, [this](const auto& shooting) { return make(shooting); });
-  solver.set_penalty_init(task.step);  // same size as a running cost of weight 1
-  solver.set_th_constraint(kMostViolation);
-  solver.set_th_kkt(kMostResidual);
-  solver.set_measures_scale(true);
-  if (!problem.multipliers.empty()) solver.set_multipliers(problem.multipliers);
-  solve(solver, *solver.get_inner());
-  out.constraint_violation = solver.get_violation();
-  out.outer_iterations = solver.get_outer_iter();
-  out.multipliers = solver.get_multipliers();
-  problem.problem->calc(out.xs, out.us);  // forces of couplings too
-  out.violations = violations(problem);
-  if (!out.converged) out.reason = with_violations(solver.reason(), out.violations);
-  out.kkt_residual = solver.get_kkt_residual();
-}
-
-void Run::without() {
-  const std::shared_ptr<SolverDDP> solver = make(problem.problem);
-  solver->set_th_kkt(kMostResidual);
-  solver->set_measures_scale(true);
-  solve(*solver, *solver);
-  out.polishing_iterations = solver->get_polishing_iter();
-  out.kkt_residual = solver->get_kkt_residual();
-  if (std::isfinite(out.kkt_residual)) return;
-  const bool limits = solver->keeps_limits();
-  const auto l = least_squares_multipliers(*problem.problem, out.xs, out.us, limits);
-  out.kkt_residual = kkt_residual(*problem.problem, out.xs, out.us, l, limits, {}, solver->get_kkt_scale());
-}
 
 // Solves again from the solution so far; iterations and times are added.
 void go_on(Run& run) {
@@ -237,10 +239,38 @@ bool stayed_at_guess(const TaskSolution& s) {
   return s.iterations.front().stop <= 1e-14 * s.cost && std::abs(s.iterations.front().cost - s.cost) <= 1e-12 * s.cost;
 }
 
+// Whether the cost decreases near controls at which its gradient vanishes. Rollouts of a few small changes are
+// compared, within the limits if these are kept. Then `us` are the best controls, and `xs` the states that they cause.
+bool falls_beside(ShootingProblem& problem, bool limits, double cost, Vectors& xs, Vectors& us) {
+  constexpr int kTries = 4;
+  constexpr double kChange = 1e-2;  // relative to the largest control, or to 1 if that is larger
+  constexpr double kFall = 1e-10;   // relative to the cost: above its rounding error
+  std::mt19937 random(1);
+  std::normal_distribution<double> change(0, kChange * internal::largest_number(us));
+  const Vectors centre = us;
+  double least = cost - kFall * std::abs(cost);
+  bool found = false;
+  for (int k = 0; k < kTries; ++k) {
+    Vectors tried = centre, motion(xs.size());
+    for (std::size_t t = 0; t < tried.size(); ++t) {
+      for (double& number : tried[t]) number += change(random);
+      if (limits) internal::keep_limits(*problem.model(t), tried[t]);
+    }
+    problem.rollout(tried, motion);
+    const double own = problem.total_cost();
+    if (!(own < least)) continue;
+    least = own;
+    found = true;
+    us = tried;
+    xs = motion;
+  }
+  return found;
+}
+
 void leave_stationary_guess(Run& run) {
   const bool limits = run.type == TaskSolver::kBoxFddp;
-  std::vector<Eigen::VectorXd> xs = run.out.xs, us = run.out.us;
-  if (!task::falls_beside(*run.problem.problem, limits, run.out.cost, xs, us)) {
+  Vectors xs = run.out.xs, us = run.out.us;
+  if (!falls_beside(*run.problem.problem, limits, run.out.cost, xs, us)) {
     run.problem.problem->calc(run.out.xs, run.out.us);
     return;
   }

@@ -1,7 +1,6 @@
 #include "manycontact/task/parts.hpp"
 
 #include "manycontact/model/applied_forces.hpp"
-#include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact {
 
@@ -10,19 +9,6 @@ namespace {
 bool joins_all(const TaskTerm& term) {
   return term.robots.empty() &&
          (term.residual == TaskResidual::kCom || term.residual == TaskResidual::kCentroidalMomentum);
-}
-
-void join_of_phase(const Scene& scene, const TaskPhase& phase, sparse::UnionFind& sets) {
-  for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
-    const Contact& contact = scene.contacts[c];
-    if (phase.active[c] && contact.A.robot >= 0 && contact.B.robot >= 0) sets.join(contact.A.robot, contact.B.robot);
-  }
-  for (const Spring& spring : scene.springs)
-    if (spring.B.robot >= 0) sets.join(spring.A.robot, spring.B.robot);
-  for (const auto* terms : {&phase.costs, &phase.constraints})
-    for (const TaskTerm& term : *terms)
-      if (joins_all(term))
-        for (int r = 1; r < scene.nrobots(); ++r) sets.join(0, r);
 }
 
 void append(std::vector<int>& list, int first, int count) {
@@ -145,27 +131,45 @@ TaskPhase phase_of(const TaskPhase& phase, const Scene& scene, const Share& shar
 
 }  // namespace
 
-std::vector<std::vector<int>> sets_of(sparse::UnionFind& sets, int count) {
+void join_ends(const Contact& contact, sparse::UnionFind& sets) {
+  if (contact.A.robot >= 0 && contact.B.robot >= 0) sets.join(contact.A.robot, contact.B.robot);
+}
+
+void join_robots(const Scene& scene, const std::vector<int>& robots, sparse::UnionFind& sets) {
+  for (int r = 1; robots.empty() && r < scene.nrobots(); ++r) sets.join(0, r);
+  for (const int r : robots) sets.join(robots.front(), r);
+}
+
+std::vector<std::vector<int>> sets_of_robots(const TaskFile& task, const JoinRobots& join) {
+  const Scene& scene = task.scene.scene;
+  std::vector<int> memory(scene.robots.size());
+  sparse::UnionFind sets(memory);
+  for (const Spring& spring : scene.springs)
+    if (spring.B.robot >= 0) sets.join(spring.A.robot, spring.B.robot);
+  for (const TaskPhase& phase : task.phases) join(phase, sets);
+  join(task.terminal, sets);
   std::vector<std::vector<int>> out;
-  std::vector<std::size_t> at(static_cast<std::size_t>(count));  // index of each set, by its root, its first member
-  for (int i = 0; i < count; ++i) {
-    const auto root = static_cast<std::size_t>(sets.root(i));
-    if (root == static_cast<std::size_t>(i)) {
+  std::vector<std::size_t> at(scene.robots.size());  // index of each set, by its root, its first member
+  for (int r = 0; r < scene.nrobots(); ++r) {
+    const auto root = static_cast<std::size_t>(sets.root(r));
+    if (root == static_cast<std::size_t>(r)) {
       at[root] = out.size();
       out.emplace_back();
     }
-    out[at[root]].push_back(i);
+    out[at[root]].push_back(r);
   }
   return out;
 }
 
 std::vector<std::vector<int>> separate_robots(const TaskFile& task) {
   const Scene& scene = task.scene.scene;
-  std::vector<int> memory(scene.robots.size());
-  sparse::UnionFind sets(memory);
-  for (const TaskPhase& phase : task.phases) join_of_phase(scene, phase, sets);
-  join_of_phase(scene, task.terminal, sets);
-  return sets_of(sets, scene.nrobots());
+  return sets_of_robots(task, [&](const TaskPhase& phase, sparse::UnionFind& sets) {
+    for (std::size_t c = 0; c < scene.contacts.size(); ++c)
+      if (phase.active[c]) join_ends(scene.contacts[c], sets);
+    for (const auto* terms : {&phase.costs, &phase.constraints})
+      for (const TaskTerm& term : *terms)
+        if (joins_all(term)) join_robots(scene, {}, sets);
+  });
 }
 
 TaskFile part_of(const TaskFile& task, const std::vector<int>& robots) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "manycontact/control/euler.hpp"
+#include "manycontact/control/impulse_fwddyn.hpp"
 #include "manycontact/control/rk.hpp"
 #include "manycontact/control/symplectic.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
@@ -10,7 +11,6 @@
 #include "manycontact/task/parts.hpp"
 #include "memory.hpp"
 #include "nodes.hpp"
-#include "terms.hpp"
 
 namespace manycontact {
 
@@ -140,12 +140,34 @@ TaskProblem models_of(const TaskFile& task, MatrixStorage storage) {
   return out;
 }
 
+// The constraints of the phase that ends there, on its last state; null where none looks at the state alone.
+std::shared_ptr<ConstraintModelManager> constraints_of(const TaskFile& task, const TaskPhase& before,
+                                                       const std::shared_ptr<StateMultibody>& state) {
+  const task::Parts parts{task, state, nullptr, nullptr};
+  auto out = std::make_shared<ConstraintModelManager>(state, 0);
+  for (const TaskTerm& term : before.constraints)
+    if (of_state_alone(term.residual)) task::add_constraint(term, parts, *out);
+  return out->get_constraints().empty() ? nullptr : out;
+}
+
+// The impact between a phase and the next one's nodes, with the first one's constraints on the state.
+std::shared_ptr<ActionModelAbstract> impact_of(const TaskFile& task, const TaskPhase& before, const TaskPhase& phase,
+                                               const std::shared_ptr<StateMultibody>& state) {
+  const Scene& scene = task.scene.scene;
+  auto impulses = std::make_shared<ImpulseModelMultiple>(state);
+  for (std::size_t c = 0; c < scene.contacts.size(); ++c)
+    if (phase.active[c])
+      impulses->addImpulse(scene.contacts[c].name, std::make_shared<ImpulseModelOfScene>(state, scene.contacts[c]));
+  return std::make_shared<ActionModelImpulseFwdDynamics>(state, impulses, std::make_shared<CostModelSum>(state, 0),
+                                                         constraints_of(task, before, state), 0.0, scene.damping);
+}
+
 Nodes nodes_of(const TaskFile& task, const TaskProblem& problem) {
   Nodes out;
   for (std::size_t k = 0; k < task.phases.size(); ++k) {
     out.phases.push_back(task::integrated(task, problem.models[k]));
-    out.impacts.push_back(
-        task.phases[k].impact ? task::impact_of(task, task.phases[k - 1], task.phases[k], problem.state) : nullptr);
+    out.impacts.push_back(task.phases[k].impact ? impact_of(task, task.phases[k - 1], task.phases[k], problem.state)
+                                                : nullptr);
   }
   out.terminal = task::terminal_of(problem.models.back());
   return out;

@@ -1,12 +1,271 @@
-#include "terms.hpp"
-
 #include <cmath>
 
+#include "manycontact/action/residuals/centroidal_residuals.hpp"
+#include "manycontact/action/residuals/contact_residuals.hpp"
+#include "manycontact/action/residuals/frame_residuals.hpp"
+#include "manycontact/action/residuals/gravity_residuals.hpp"
+#include "manycontact/action/residuals/state_residuals.hpp"
+#include "manycontact/spatial/explog.hpp"
+#include "manycontact/task/parts.hpp"
 #include "manycontact/task/rows.hpp"
+#include "nodes.hpp"
 
 namespace manycontact::task {
 
 namespace {
+
+// One of the residuals of a term: of one copy, or of all in one.
+struct Residual {
+  std::string name;  // the term's, with the copy's number when there are several
+  std::shared_ptr<ResidualModelAbstract> model;
+  int copies = 1;                // the term's numbers (weights, bounds) are repeated so often
+  Eigen::VectorXd lower, upper;  // bounds of a cone
+};
+
+// The motion that carries the places of a copied term to robot `to`; the identity if the term is not copied.
+SE3<double> move(const SceneFile& file, const TaskTerm& term, int to) {
+  return term.copied ? file.moved[to] : SE3<double>{};
+}
+
+Vec6<double> turned(const Mat3<double>& R, const Vec6<double>& m) {
+  Vec6<double> out;
+  out << R * m.head<3>(), R * m.tail<3>();
+  return out;
+}
+
+Vec6<double> six(const Eigen::VectorXd& given) {
+  return given.size() == 6 ? Vec6<double>(given) : Vec6<double>(Vec6<double>::Zero());
+}
+
+// Whether |r| alone counts, so that axes do not.
+bool is_isotropic(const TaskTerm& term) {
+  return term.activation == TaskActivation::kQuad && term.lower.size() == 0 && term.upper.size() == 0;
+}
+
+// A residual in the world's axes, turned by R with its copy, in the axes that it would have without: weights and bounds
+// are given along these.
+std::shared_ptr<ResidualModelAbstract> in_own_axes(const TaskTerm& term, std::shared_ptr<ResidualModelAbstract> model,
+                                                   const Mat3<double>& R) {
+  const Eigen::Index nr = static_cast<Eigen::Index>(model->get_nr());
+  if (nr < 3 || is_isotropic(term) || R == Mat3<double>::Identity()) return model;
+  Eigen::MatrixXd X = Eigen::MatrixXd::Identity(nr, nr);
+  for (Eigen::Index i = 0; i + 3 <= nr; i += 3) X.block<3, 3>(i, i) = R.transpose();
+  return std::make_shared<ResidualModelTurned>(std::move(model), X);
+}
+
+// The X of T^-1 on twists [linear; angular].
+Eigen::MatrixXd inverse_action(const SE3<double>& T) {
+  Eigen::MatrixXd X(6, 6);
+  for (int i = 0; i < 6; ++i) X.col(i) = T.act_inverse(Vec6<double>(Vec6<double>::Unit(i)));
+  return X;
+}
+
+// ---- of single coordinates: the scene's, or those of the robots
+
+// The scene's reference: zeros (of a state x0), with the term's numbers where they belong.
+Eigen::VectorXd reference_of(const TaskTerm& term, const SceneFile& file) {
+  const Scene& scene = file.scene;
+  const bool state = term.residual == TaskResidual::kState;
+  if (!term.poses.empty() && term.reference.size() == 0)
+    throw std::logic_error("a reference that is a pose is still to be found: call fit_state first");
+  if (term.reference.size() > 0 && (term.robots.empty() || !term.poses.empty())) return term.reference;
+  Eigen::VectorXd out = state ? x0_of(file)
+                              : Eigen::VectorXd(Eigen::VectorXd::Zero(
+                                    term.residual == TaskResidual::kJointAcceleration ? scene.nv : scene.nu));
+  if (term.reference.size() == 0) return out;
+  for (const int r : term.robots) {
+    scatter(term.reference, state ? coordinates_of(scene, {r}).x : rows_of(term.residual, scene, {r}), out);
+    const Robot& robot = scene.robots[r];
+    if (state && robot.model->floating_base)
+      out.segment<7>(robot.idx_q) =
+          pose_of_placement(move(file, term, r) * placement_of_pose(term.reference.head<7>()));
+  }
+  return out;
+}
+
+std::shared_ptr<ResidualModelAbstract> whole(const TaskTerm& term, const Parts& p) {
+  const Eigen::VectorXd reference = reference_of(term, p.task.scene);
+  switch (term.residual) {
+    case TaskResidual::kState:
+      return std::make_shared<ResidualModelState>(p.state, reference, p.nu());
+    case TaskResidual::kJointAcceleration:
+      return std::make_shared<ResidualModelJointAcceleration>(p.state, reference, p.nu());
+    case TaskResidual::kJointEffort:
+      return std::make_shared<ResidualModelJointEffort>(p.state, p.actuation, reference, p.nu());
+    default: {  // wrenches may follow the torques
+      Eigen::VectorXd of_all = Eigen::VectorXd::Zero(p.nu());
+      of_all.head(reference.size()) = reference;
+      return std::make_shared<ResidualModelControl>(p.state, of_all);
+    }
+  }
+}
+
+Residual of_coordinates(const TaskTerm& term, const Parts& p) {
+  Residual out{term.name, whole(term, p), 1, {}, {}};
+  const Scene& scene = p.task.scene.scene;
+  const bool all = term.residual != TaskResidual::kControl || static_cast<int>(p.nu()) == scene.nu;
+  if (term.robots.empty() || (scene.nrobots() == 1 && term.robots.size() == 1)) {
+    if (!all) out.model = std::make_shared<ResidualModelRows>(out.model, internal::range(0, scene.nu));
+    return out;
+  }
+  std::vector<int> rows;
+  for (const int r : term.robots) {  // one robot's after the other's, as the term's numbers are repeated
+    const std::vector<int> own = rows_of(term.residual, scene, {r});
+    rows.insert(rows.end(), own.begin(), own.end());
+  }
+  out.model = std::make_shared<ResidualModelRows>(out.model, std::move(rows));
+  out.copies = static_cast<int>(term.robots.size());
+  return out;
+}
+
+// ---- of the whole scene or a robot; of a frame; of a contact
+
+std::shared_ptr<ResidualModelAbstract> of_robot(const TaskTerm& term, const Parts& p, int robot) {
+  const SE3<double> T = robot < 0 ? SE3<double>{} : move(p.task.scene, term, robot);
+  if (term.residual == TaskResidual::kCom)
+    return in_own_axes(
+        term,
+        std::make_shared<ResidualModelCoMPosition>(p.state, T.R * Vec3<double>(term.reference) + T.p, p.nu(), robot),
+        T.R);
+  return in_own_axes(
+      term, std::make_shared<ResidualModelCentroidalMomentum>(p.state, turned(T.R, six(term.reference)), p.nu(), robot),
+      T.R);
+}
+
+std::shared_ptr<ResidualModelAbstract> of_frame(const TaskTerm& term, const Parts& p, int robot) {
+  const Multibody& model = *p.state->get_model();
+  const FrameIndex id = model.getFrameId(model.scene().robots[robot].name + "/" + term.frame);
+  const SE3<double> T = move(p.task.scene, term, robot);
+  switch (term.residual) {
+    case TaskResidual::kFramePlacement:
+      return std::make_shared<ResidualModelFramePlacement>(p.state, id, T * term.placement, p.nu());
+    case TaskResidual::kFrameTranslation:
+      return in_own_axes(
+          term, std::make_shared<ResidualModelFrameTranslation>(p.state, id, T.R * term.placement.p + T.p, p.nu()),
+          T.R);
+    case TaskResidual::kFrameRotation:
+      return std::make_shared<ResidualModelFrameRotation>(p.state, id, T.R * term.placement.R, p.nu());
+    default: {
+      const Vec6<double> twist = six(term.reference);
+      const auto of = [&](const Vec6<double>& reference) {
+        return std::make_shared<ResidualModelFrameVelocity>(p.state, id, reference, term.reference_frame, p.nu());
+      };
+      if (term.reference_frame == ReferenceFrame::kLocal) return of(twist);
+      if (term.reference_frame == ReferenceFrame::kLocalWorldAligned || T.p.isZero(0))
+        return in_own_axes(term, of(turned(T.R, twist)), T.R);
+      return std::make_shared<ResidualModelTurned>(of(T.act(twist)), inverse_action(T));  // moved world origin
+    }
+  }
+}
+
+// The axes of a cone on a contact, and its rotation: z along the normal (contact/normal.hpp).
+struct Cone {
+  ConeAxes axes;
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+};
+
+Cone cone_of(const TaskTerm& term, const Parts& p, const Contact& contact) {
+  const bool in_world = contact.B.robot < 0;
+  const Mat3<double> turn =  // the scene's normals are turned already
+      term.copied && in_world ? move(p.task.scene, term, robot_of(contact)).R : Mat3<double>(Mat3<double>::Identity());
+  Cone out{holds_turning(contact.type) ? ConeAxes::kFoot : ConeAxes::kWorld};
+  if (term.normal || contact.normal) {
+    const Vec3<double> n = term.normal ? *term.normal : Vec3<double>(turn.transpose() * *contact.normal);
+    out.axes = in_world ? ConeAxes::kWorld : ConeAxes::kOther;
+    out.R = turn * Eigen::Quaterniond::FromTwoVectors(Vec3<double>::UnitZ(), n).toRotationMatrix();
+  } else if (out.axes == ConeAxes::kWorld) {
+    out.R = turn;
+  }
+  const bool local = contact.reference_frame == ReferenceFrame::kLocal;
+  if (out.axes == (local ? ConeAxes::kFoot : ConeAxes::kWorld)) out.axes = ConeAxes::kContact;
+  return out;
+}
+
+// The force that the term's numbers are, in the contact's reference frame; R turns world axes to the copy's.
+Vec6<double> force_of(const Eigen::VectorXd& numbers, const Contact& contact, const Mat3<double>& R) {
+  Vec6<double> force = Vec6<double>::Zero();
+  if (numbers.size() == 0) return force;
+  if (contact.type == ContactType::k1D)
+    force.head<3>() = numbers[0] * contact.axis;
+  else if (contact.type == ContactType::k2D)
+    force[0] = numbers[0], force[2] = numbers[1];
+  else if (contact.type == ContactType::k5D)
+    force << R * numbers.head<3>(), across(contact.axis).transpose() * numbers.tail<2>();
+  else
+    force.head(numbers.size()) = numbers, force = turned(R, force);
+  return force;
+}
+
+// Makes the residual of a cone on a contact; its bounds are the cone's.
+template <class Model, class ConeOfForces>
+Residual in_cone(const ConeOfForces& cone, const Parts& p, FrameIndex id, ConeAxes axes, const std::string& contact) {
+  auto model = std::make_shared<Model>(p.state, id, cone, p.nu());
+  model->set_axes(axes);
+  model->set_contact(contact);
+  return {{}, std::move(model), 1, cone.get_lb(), cone.get_ub()};
+}
+
+// A copy's world axes are turned as the copy is: references and facets, weights and bounds.
+Residual of_contact(const TaskTerm& term, const Parts& p, int c) {
+  const Contact& contact = p.task.scene.scene.contacts[c];
+  const FrameIndex id = p.contacts->get_contacts().at(contact.name)->contact->get_id();
+  const auto [axes, R] = cone_of(term, p, contact);
+  switch (term.residual) {
+    case TaskResidual::kFrictionCone:
+      return in_cone<ResidualModelContactFrictionCone>(FrictionCone(R, term.mu, 4, false), p, id, axes, contact.name);
+    case TaskResidual::kWrenchCone:
+      return in_cone<ResidualModelContactWrenchCone>(WrenchCone(R, term.mu, term.box, 4, false), p, id, axes,
+                                                     contact.name);
+    case TaskResidual::kCop:
+      return in_cone<ResidualModelContactCoPPosition>(CoPSupport(R, term.box), p, id, axes, contact.name);
+    default: {
+      Mat3<double> turn = Mat3<double>::Identity();
+      if (contact.reference_frame != ReferenceFrame::kLocal) turn = move(p.task.scene, term, robot_of(contact)).R;
+      auto model = std::make_shared<ResidualModelContactForce>(p.state, id, force_of(term.reference, contact, turn),
+                                                               contact.rows(), p.nu());
+      model->set_contact(contact.name);
+      return {{}, in_own_axes(term, std::move(model), turn), 1, {}, {}};
+    }
+  }
+}
+
+std::vector<Residual> residuals_of(const TaskTerm& term, const Parts& p) {
+  const auto one = [&](std::shared_ptr<ResidualModelAbstract> model) {
+    return Residual{term.name, std::move(model), 1, {}, {}};
+  };
+  const auto each = [&](const std::vector<int>& copies, auto&& make) {  // make(number of the robot or contact)
+    std::vector<Residual> out;
+    for (std::size_t i = 0; i < copies.size(); ++i) {
+      out.push_back(make(copies[i]));
+      out.back().name = copies.size() > 1 ? term.name + std::to_string(i) : term.name;
+    }
+    return out;
+  };
+  switch (term.residual) {
+    case TaskResidual::kState:
+    case TaskResidual::kControl:
+    case TaskResidual::kJointEffort:
+    case TaskResidual::kJointAcceleration:
+      return {of_coordinates(term, p)};
+    case TaskResidual::kControlGrav:
+      return {one(std::make_shared<ResidualModelControlGrav>(p.state, p.nu()))};
+    case TaskResidual::kContactControlGrav:
+      return {one(std::make_shared<ResidualModelContactControlGrav>(p.state, p.nu()))};
+    case TaskResidual::kCom:
+    case TaskResidual::kCentroidalMomentum:
+      if (term.robots.empty()) return {one(of_robot(term, p, -1))};
+      return each(term.robots, [&](int robot) { return one(of_robot(term, p, robot)); });
+    case TaskResidual::kFramePlacement:
+    case TaskResidual::kFrameTranslation:
+    case TaskResidual::kFrameRotation:
+    case TaskResidual::kFrameVelocity:
+      return each(term.robots, [&](int robot) { return one(of_frame(term, p, robot)); });
+    default:
+      return each(term.contacts, [&](int contact) { return of_contact(term, p, contact); });
+  }
+}
+
+// ---- activations and bounds
 
 Eigen::VectorXd repeated(const Eigen::VectorXd& x, int copies) { return x.replicate(copies, 1); }
 
@@ -35,6 +294,12 @@ std::shared_ptr<ActivationModelAbstract> activation_of(const TaskTerm& term, con
 }
 
 }  // namespace
+
+Eigen::VectorXd x0_of(const SceneFile& file) {
+  Eigen::VectorXd x0(file.scene.nq + file.scene.nv);
+  x0 << file.q, file.v;
+  return x0;
+}
 
 void add_cost(const TaskTerm& term, const Parts& p, CostModelSum& costs) {
   for (const Residual& r : residuals_of(term, p))

@@ -29,8 +29,10 @@ class ResidualModelCoMPosition : public ResidualWithReference<CentroidalResidual
  public:
   /// robot: its number; -1: the whole scene.
   ResidualModelCoMPosition(std::shared_ptr<StateMultibody> state, const Eigen::Vector3d& cref,
-                           std::size_t nu = kDefaultNu, int robot = -1);
-  void print(std::ostream& os) const override;
+                           std::size_t nu = kDefaultNu, int robot = -1)
+      : ResidualWithReference(cref, "ResidualModelCoMPosition", std::move(state), 3u, nu, Dependence{.q = true},
+                              robot) {}
+  void print(std::ostream& os) const override { os << name_ << " {cref=" << reference_.transpose() << "}"; }
 
  private:
   void evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
@@ -43,8 +45,10 @@ class ResidualModelCentroidalMomentum : public ResidualWithReference<CentroidalR
  public:
   /// robot: its number; -1: the whole scene.
   ResidualModelCentroidalMomentum(std::shared_ptr<StateMultibody> state, const Vec6<double>& href,
-                                  std::size_t nu = kDefaultNu, int robot = -1);
-  void print(std::ostream& os) const override;
+                                  std::size_t nu = kDefaultNu, int robot = -1)
+      : ResidualWithReference(href, "ResidualModelCentroidalMomentum", std::move(state), 6u, nu,
+                              Dependence{.q = true, .v = true}, robot) {}
+  void print(std::ostream& os) const override { os << name_ << " {href=" << reference_.transpose() << "}"; }
 
  private:
   void evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;

@@ -69,7 +69,9 @@ class ResidualModelContactFrictionCone : public ResidualWithReference<ContactRes
  public:
   /// fref: the cone, whose number of facets remains.
   ResidualModelContactFrictionCone(std::shared_ptr<StateMultibody> state, FrameIndex id, const FrictionCone& fref,
-                                   std::size_t nu = kDefaultNu, bool fwddyn = true);
+                                   std::size_t nu = kDefaultNu, bool fwddyn = true)
+      : ResidualWithReference(fref, "ResidualModelContactFrictionCone", std::move(state), id, fref.get_nf() + 1, nu,
+                              fwddyn) {}
 
  private:
   std::string misfit(ContactType) const override { return ""; }
@@ -81,7 +83,9 @@ class ResidualModelContactWrenchCone : public ResidualWithReference<ContactResid
  public:
   /// fref: the cone, whose number of facets remains.
   ResidualModelContactWrenchCone(std::shared_ptr<StateMultibody> state, FrameIndex id, const WrenchCone& fref,
-                                 std::size_t nu = kDefaultNu, bool fwddyn = true);
+                                 std::size_t nu = kDefaultNu, bool fwddyn = true)
+      : ResidualWithReference(fref, "ResidualModelContactWrenchCone", std::move(state), id, fref.get_nf() + 13, nu,
+                              fwddyn) {}
 
  private:
   void form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const override;
@@ -92,7 +96,8 @@ class ResidualModelContactCoPPosition : public ResidualWithReference<ContactResi
  public:
   /// cref: the support polygon.
   ResidualModelContactCoPPosition(std::shared_ptr<StateMultibody> state, FrameIndex id, const CoPSupport& cref,
-                                  std::size_t nu = kDefaultNu, bool fwddyn = true);
+                                  std::size_t nu = kDefaultNu, bool fwddyn = true)
+      : ResidualWithReference(cref, "ResidualModelContactCoPPosition", std::move(state), id, 4u, nu, fwddyn) {}
 
  private:
   void form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const override;

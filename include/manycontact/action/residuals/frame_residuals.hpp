@@ -29,7 +29,9 @@ class ResidualModelFramePlacement : public ResidualWithReference<FrameResidual, 
  public:
   /// Throws std::invalid_argument for a frame that does not exist.
   ResidualModelFramePlacement(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
-                              std::size_t nu = kDefaultNu);
+                              std::size_t nu = kDefaultNu)
+      : ResidualWithReference(pref, "ResidualModelFramePlacement", std::move(state), id, 6u, nu,
+                              Dependence{.q = true}) {}
 
  private:
   void evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
@@ -41,7 +43,9 @@ class ResidualModelFrameTranslation : public ResidualWithReference<FrameResidual
  public:
   /// Throws std::invalid_argument for a frame that does not exist.
   ResidualModelFrameTranslation(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
-                                std::size_t nu = kDefaultNu);
+                                std::size_t nu = kDefaultNu)
+      : ResidualWithReference(xref, "ResidualModelFrameTranslation", std::move(state), id, 3u, nu,
+                              Dependence{.q = true}) {}
 
  private:
   void evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
@@ -53,7 +57,9 @@ class ResidualModelFrameRotation : public ResidualWithReference<FrameResidual, E
  public:
   /// Throws std::invalid_argument for a frame that does not exist.
   ResidualModelFrameRotation(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Matrix3d& Rref,
-                             std::size_t nu = kDefaultNu);
+                             std::size_t nu = kDefaultNu)
+      : ResidualWithReference(Rref, "ResidualModelFrameRotation", std::move(state), id, 3u, nu, Dependence{.q = true}) {
+  }
 
  private:
   void evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
@@ -66,7 +72,10 @@ class ResidualModelFrameVelocity : public ResidualWithReference<FrameResidual, V
  public:
   /// Throws std::invalid_argument for a frame that does not exist.
   ResidualModelFrameVelocity(std::shared_ptr<StateMultibody> state, FrameIndex id, const Vec6<double>& vref,
-                             ReferenceFrame type, std::size_t nu = kDefaultNu);
+                             ReferenceFrame type, std::size_t nu = kDefaultNu)
+      : ResidualWithReference(vref, "ResidualModelFrameVelocity", std::move(state), id, 6u, nu,
+                              Dependence{.q = true, .v = true}),
+        type_(type) {}
   ReferenceFrame get_type() const { return type_; }     // the reference frame
   void set_type(ReferenceFrame type) { type_ = type; }  // selects another reference frame
 

@@ -32,7 +32,8 @@ class GravityResidual : public NamedResidual {
 class ResidualModelControlGrav : public GravityResidual {
  public:
   /// nu: number of controls.
-  explicit ResidualModelControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu = kDefaultNu);
+  explicit ResidualModelControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu = kDefaultNu)
+      : GravityResidual("ResidualModelControlGrav", std::move(state), nu, false) {}
 };
 
 /// The residual tau(x, u) - (g(q) - tau_s(q) - J^T f(x, u)) (nv) [N m, N]. The Jacobians contain all derivatives of f
@@ -40,7 +41,8 @@ class ResidualModelControlGrav : public GravityResidual {
 class ResidualModelContactControlGrav : public GravityResidual {
  public:
   /// nu: number of controls.
-  explicit ResidualModelContactControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu = kDefaultNu);
+  explicit ResidualModelContactControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu = kDefaultNu)
+      : GravityResidual("ResidualModelContactControlGrav", std::move(state), nu, true) {}
 };
 
 }  // namespace manycontact

@@ -10,7 +10,8 @@ namespace manycontact {
 class ResidualModelImpulseCoM : public CentroidalResidual {
  public:
   /// Throws std::invalid_argument for robots without mass.
-  explicit ResidualModelImpulseCoM(std::shared_ptr<StateMultibody> state);
+  explicit ResidualModelImpulseCoM(std::shared_ptr<StateMultibody> state)
+      : CentroidalResidual("ResidualModelImpulseCoM", std::move(state), 3, 0, {.q = true, .v = true}, -1) {}
   /// Throws std::invalid_argument unless the data are those of an impulse.
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
 

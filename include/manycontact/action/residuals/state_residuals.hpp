@@ -16,7 +16,9 @@ class ResidualModelState : public ResidualWithReference<NamedResidual, Eigen::Ve
   void lay_out(ResidualDataAbstract& data) const override;
 
  private:
-  void evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
+  void evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef&) const override {
+    state_->diff(reference_, x, data.r);
+  }
   void fill_blocks(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
 };
 
@@ -27,17 +29,21 @@ class ControlResidual : public ResidualWithReference<NamedResidual, Eigen::Vecto
 
  protected:
   /// Makes a residual with as many rows as controls.
-  ControlResidual(const char* name, std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& uref, std::size_t nu);
+  ControlResidual(const char* name, std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& uref, std::size_t nu)
+      : ResidualWithReference(uref, name, std::move(state), nu, nu, Dependence{.u = true}) {}
 
  private:
-  void evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
+  void evaluate(ResidualDataAbstract& data, const ConstVectorRef&, const ConstVectorRef& u) const override {
+    data.r = u - reference_;
+  }
 };
 
 /// The control error u - uref (nu).
 class ResidualModelControl : public ControlResidual {
  public:
   /// uref: reference controls; their number is nu.
-  ResidualModelControl(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& uref);
+  ResidualModelControl(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& uref)
+      : ControlResidual("ResidualModelControl", std::move(state), uref, static_cast<std::size_t>(uref.size())) {}
   explicit ResidualModelControl(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);  // uses uref = 0
 };
 

@@ -34,7 +34,7 @@ class MultibodyData {
   /// Computes placements, velocities, inertias and their derivatives at q (nq), v (nv) and the accelerations a (nv;
   /// zero if not given). Throws std::invalid_argument for a wrong size.
   void update(const ConstVectorRef& q, const ConstVectorRef& v, const ConstVectorRef& a);
-  void update(const ConstVectorRef& q, const ConstVectorRef& v);
+  void update(const ConstVectorRef& q, const ConstVectorRef& v) { update(q, v, Eigen::VectorXd::Zero(scene.nv)); }
 
   Scene scene;         // the robots, without contacts
   SceneData solution;  // set by update: kinematics
@@ -49,13 +49,16 @@ struct DataCollector {  // The data that residuals depend on.
   /// Creates data for standalone evaluation, with the members that a residual needs. Their owner updates them before
   /// each calc: the motion with MultibodyData::update, torques with the actuation, forces of contacts with updateForce
   /// and updateForceDiff.
-  DataCollector();
+  DataCollector() : DataCollector(nullptr, nullptr, nullptr) {}
   /// Creates data for standalone evaluation.
   explicit DataCollector(MultibodyData* motion, std::shared_ptr<ActuationDataAbstract> act = nullptr,
                          std::shared_ptr<ContactDataMultiple> contact = nullptr);
-  DataCollector(MultibodyData* motion, std::shared_ptr<ContactDataMultiple> contact);  // standalone evaluation
-  explicit DataCollector(std::shared_ptr<ActuationDataAbstract> act);                  // standalone evaluation
-  explicit DataCollector(std::shared_ptr<ContactDataMultiple> contact);                // standalone evaluation
+  /// Create data for standalone evaluation, with some of these members.
+  DataCollector(MultibodyData* motion, std::shared_ptr<ContactDataMultiple> contact)
+      : DataCollector(motion, nullptr, std::move(contact)) {}
+  explicit DataCollector(std::shared_ptr<ActuationDataAbstract> act) : DataCollector(nullptr, std::move(act)) {}
+  explicit DataCollector(std::shared_ptr<ContactDataMultiple> contact)
+      : DataCollector(nullptr, nullptr, std::move(contact)) {}
   DataCollector(const DataCollector&) = delete;
   virtual ~DataCollector();
 

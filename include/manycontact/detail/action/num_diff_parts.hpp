@@ -37,7 +37,9 @@ class StateNumDiff : public StateAbstract, public internal::Step {
 class ActivationModelNumDiff : public ActivationModelAbstract, public NumDiffOf<ActivationModelAbstract> {
  public:
   /// model: the one that is differentiated.
-  explicit ActivationModelNumDiff(std::shared_ptr<ActivationModelAbstract> model);
+  explicit ActivationModelNumDiff(std::shared_ptr<ActivationModelAbstract> model)
+      : ActivationModelAbstract(internal::given("ActivationModelNumDiff", model)->get_nr()),
+        NumDiffOf("ActivationModelNumDiff", model) {}
   void calc(const DataPtr& data, const ConstVectorRef& r) override;
   void calcDiff(const DataPtr& data, const ConstVectorRef& r) override;
   std::shared_ptr<ActivationDataAbstract> createData() override;
@@ -55,16 +57,21 @@ struct ActivationDataNumDiff : ActivationDataAbstract {
 class ActuationModelNumDiff : public ActuationModelAbstract, public NumDiffOf<ActuationModelAbstract> {
  public:
   /// model: the one that is differentiated.
-  explicit ActuationModelNumDiff(std::shared_ptr<ActuationModelAbstract> model);
-  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calc(const DataPtr& data, const ConstVectorRef& x) override;
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
+  explicit ActuationModelNumDiff(std::shared_ptr<ActuationModelAbstract> model)
+      : ActuationModelAbstract(internal::given("ActuationModelNumDiff", model)->get_state(), model->get_nu()),
+        NumDiffOf("ActuationModelNumDiff", model) {}
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override { evaluate(data, x, &u); }
+  void calc(const DataPtr& data, const ConstVectorRef& x) override { evaluate(data, x, nullptr); }
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    differentiate(data, x, u, false);
+  }
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override { differentiate(data, x, {}, true); }
   void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) override;
   void torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
 
  private:
+  void evaluate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u);
   void differentiate(const DataPtr& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u, bool terminal);
 };
 
@@ -80,20 +87,29 @@ class ResidualModelNumDiff : public ResidualModelAbstract,
                              public internal::Reevaluation {
  public:
   /// model: the one that is differentiated.
-  explicit ResidualModelNumDiff(const std::shared_ptr<ResidualModelAbstract>& model);
-  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calc(const DataPtr& data, const ConstVectorRef& x) override;
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
+  explicit ResidualModelNumDiff(const std::shared_ptr<ResidualModelAbstract>& model)
+      : ResidualModelAbstract(internal::given("ResidualModelNumDiff", model)->get_state(), model->get_nr(),
+                              model->get_nu(), model->get_q_dependent(), model->get_v_dependent(),
+                              model->get_u_dependent()),
+        NumDiffOf("ResidualModelNumDiff", model) {}
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override { evaluate(data, x, &u); }
+  void calc(const DataPtr& data, const ConstVectorRef& x) override { evaluate(data, x, nullptr); }
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override {
+    differences_of(data, x, u, false);
+  }
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x) override { differences_of(data, x, unone_, true); }
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
 
  private:
+  void evaluate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u);
   void differences_of(const DataPtr& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u, bool terminal);
 };
 
 /// Data of ResidualModelNumDiff.
 struct ResidualDataNumDiff : ResidualDataAbstract {
-  ResidualDataNumDiff(const ResidualModelNumDiff* model, DataCollector* shared);  // allocates the data of the model
+  /// Allocates the data of the model.
+  ResidualDataNumDiff(const ResidualModelNumDiff* model, DataCollector* collector)
+      : ResidualDataAbstract(model, collector), data_0(model->get_model()->createData(collector)) {}
   std::shared_ptr<ResidualDataAbstract> data_0;
 };
 
@@ -108,8 +124,13 @@ class PartNumDiff : public NumDiffOf<Model>, public internal::Reevaluation {
   /// Evaluates the model in a terminal node.
   void calc(const std::shared_ptr<Data>& data, const ConstVectorRef& x) { model_->calc(data, x); }
   /// Computes the derivatives by central differences.
-  void calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x, const ConstVectorRef& u);
-  void calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x);  // central differences in a terminal node
+  void calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+    differentiate(data, x, u, false);
+  }
+  /// Computes central differences in a terminal node.
+  void calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x) {
+    differentiate(data, x, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(get_nu())), true);
+  }
   /// The state that it was made for.
   const std::shared_ptr<StateAbstract>& get_state() const { return model_->get_state(); }
   std::size_t get_nu() const { return model_->get_nu(); }  // number of controls
@@ -131,9 +152,10 @@ class PartNumDiff : public NumDiffOf<Model>, public internal::Reevaluation {
 /// Differentiates a cost: Lx, Lu. Hessians are Gauss-Newton's, with differences of the residual.
 class CostModelNumDiff : public PartNumDiff<CostModelAbstract, CostDataAbstract> {
  public:
-  explicit CostModelNumDiff(const std::shared_ptr<CostModelAbstract>& model);  // model: the one that is differentiated
-  std::shared_ptr<CostDataAbstract> createData(DataCollector* shared);         // creates standalone data
-  bool get_with_gauss_approx() const { return true; }                          // whether Hessians are Gauss-Newton's
+  /// model: the one that is differentiated.
+  explicit CostModelNumDiff(const std::shared_ptr<CostModelAbstract>& model) : PartNumDiff("CostModelNumDiff", model) {}
+  std::shared_ptr<CostDataAbstract> createData(DataCollector* shared);  // creates standalone data
+  bool get_with_gauss_approx() const { return true; }                   // whether Hessians are Gauss-Newton's
 
  private:
   Eigen::VectorXd values(const CostDataAbstract& data) const override;
@@ -144,7 +166,8 @@ class CostModelNumDiff : public PartNumDiff<CostModelAbstract, CostDataAbstract>
 class ConstraintModelNumDiff : public PartNumDiff<ConstraintModelAbstract, ConstraintDataAbstract> {
  public:
   /// model: the one that is differentiated.
-  explicit ConstraintModelNumDiff(const std::shared_ptr<ConstraintModelAbstract>& model);
+  explicit ConstraintModelNumDiff(const std::shared_ptr<ConstraintModelAbstract>& model)
+      : PartNumDiff("ConstraintModelNumDiff", model) {}
   /// Creates data of this model; one per thread.
   std::shared_ptr<ConstraintDataAbstract> createData(DataCollector* shared) { return model_->createData(shared); }
 
@@ -157,7 +180,8 @@ class ConstraintModelNumDiff : public PartNumDiff<ConstraintModelAbstract, Const
 class ContactModelNumDiff : public NumDiffOf<ContactModelAbstract>, public internal::Reevaluation {
  public:
   /// model: the one that is differentiated.
-  explicit ContactModelNumDiff(const std::shared_ptr<ContactModelAbstract>& model);
+  explicit ContactModelNumDiff(const std::shared_ptr<ContactModelAbstract>& model)
+      : NumDiffOf("ContactModelNumDiff", model) {}
   /// Evaluates the model.
   void calc(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) { model_->calc(data, x); }
   /// Computes the derivatives by central differences.

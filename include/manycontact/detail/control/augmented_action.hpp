@@ -26,13 +26,13 @@ class ActionModelAugmentedLagrangian
 
   /// Throws std::invalid_argument for null pointers and numbers out of range.
   explicit ActionModelAugmentedLagrangian(std::shared_ptr<ActionModelAbstract> model);
-  std::shared_ptr<ActionDataAbstract> createData() override;
+  std::shared_ptr<ActionDataAbstract> createData() override { return createData(model_->createData()); }
   /// Creates data that contain given data of the original model, which are evaluated with them.
   std::shared_ptr<ActionDataAbstract> createData(std::shared_ptr<ActionDataAbstract> inner);
   bool checkData(const DataPtr& data) override;
   void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
                    double tol = 1e-9) override;
-  void print(std::ostream& os) const override;
+  void print(std::ostream& os) const override { os << kName << " {penalty=" << rho_ << ", " << *model_ << "}"; }
 
   const std::shared_ptr<ActionModelAbstract>& get_model() const { return model_; }  // the original model
   /// Multipliers of [g; h], in a terminal node of the constraints that apply there; initially zeros. calc throws

@@ -54,7 +54,8 @@ class Couplings {
   const std::vector<Coupling>& couplings() const { return couplings_; }  // in the order of their contacts
   /// The couplings of each subproblem, in the order of its wrenches.
   const std::vector<std::vector<int>>& couplings_of_parts() const { return couplings_of_; }
-  const std::string& name(std::size_t coupling) const;  // name of the contact
+  /// The name of a coupling's contact.
+  const std::string& name(std::size_t coupling) const { return scene_.contacts[couplings_[coupling].contact].name; }
   /// The force on A of a coupling at the last solve, in the contact's reference frame [N, N m].
   Eigen::VectorXd force(std::size_t coupling, const CouplingData& data) const;
 

@@ -9,7 +9,7 @@ class StateVector : public StateAbstract {  // A vector space.
  public:
   explicit StateVector(std::size_t nx) : StateAbstract(nx, nx) {}  // number of coordinates
 
-  Eigen::VectorXd zero() const override;
+  Eigen::VectorXd zero() const override { return Eigen::VectorXd::Zero(nx_); }
   /// A random state within +-1.
   Eigen::VectorXd rand() const override;
   void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const override;

@@ -4,6 +4,7 @@
 
 #include "../named.hpp"
 #include "../residuals/residual_parts.hpp"
+#include "manycontact/action/impulse.hpp"
 
 namespace manycontact {
 
@@ -99,13 +100,6 @@ ContactModel2D::ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex
   set_reference(xref);
 }
 
-Eigen::Vector2d ContactModel2D::get_reference() const {
-  return {contact_.B.placement.p.x(), contact_.B.placement.p.z()};
-}
-void ContactModel2D::set_reference(const Eigen::Vector2d& r) {
-  contact_.B.placement.p = Eigen::Vector3d(r.x(), 0, r.y());
-}
-
 // ---- 3D
 
 ContactModel3D::ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
@@ -160,6 +154,75 @@ ContactModelOfScene::ContactModelOfScene(std::shared_ptr<StateMultibody> state, 
             "\"" + contact.name + "\" is on a body the state does not have; the state of its scene is expected");
   contact_.B = world_if_immovable(scene, contact.B);
   id_ = frame_on(*state_, contact.A);
+}
+
+// ---- their stack
+
+static std::ostream& operator<<(std::ostream& os, const ContactItem& item) { return os << *item.contact; }
+
+template class NamedParts<StateMultibody, ContactItem>;
+
+ContactModelMultiple::ContactModelMultiple(std::shared_ptr<StateMultibody> state, std::size_t nu)
+    : NamedParts("ContactModelMultiple", "contact", std::move(state), nu) {}
+
+void ContactModelMultiple::addContact(const std::string& name, std::shared_ptr<ContactModelAbstract> contact,
+                                      bool active) {
+  internal::check_part(name_, name, contact, state_, nu_);
+  add({name, contact, active});
+}
+
+void ContactModelMultiple::count() {
+  nc_ = nc_total_ = 0;
+  for (const auto& [name, item] : parts_) {
+    nc_total_ += item->contact->get_nc();
+    if (item->active) nc_ += item->contact->get_nc();
+  }
+}
+
+std::shared_ptr<ContactModelMultiple> contacts_of_scene(std::shared_ptr<StateMultibody> state, const Scene& scene,
+                                                        std::size_t nu) {
+  auto out = std::make_shared<ContactModelMultiple>(state, nu);
+  for (const Contact& contact : scene.contacts)
+    out->addContact(contact.name, std::make_shared<ContactModelOfScene>(state, contact, nu), contact.active);
+  return out;
+}
+
+// ---- impulses, and their stack
+
+ImpulseModelAbstract::ImpulseModelAbstract(const char* name, std::shared_ptr<ContactModelAbstract> contact)
+    : name_(name), contact_(std::move(contact)) {
+  contact_->set_gains(Eigen::Vector2d::Zero());  // an impact has no error to correct
+}
+
+void ImpulseModelAbstract::print(std::ostream& os) const {
+  os << name_ << " {";
+  internal::print_frame(os, *get_state()->get_model(), get_id(), get_type());
+  os << "}";
+}
+
+static std::ostream& operator<<(std::ostream& os, const ImpulseItem& item) { return os << *item.impulse; }
+
+template class NamedParts<StateMultibody, ImpulseItem>;
+
+ImpulseModelMultiple::ImpulseModelMultiple(std::shared_ptr<StateMultibody> state)
+    : NamedParts("ImpulseModelMultiple", "impulse", state, 0),
+      contacts_(std::make_shared<ContactModelMultiple>(state)) {}
+
+void ImpulseModelMultiple::addImpulse(const std::string& name, std::shared_ptr<ImpulseModelAbstract> impulse,
+                                      bool active) {
+  internal::check_part(name_, name, impulse, state_, nu_);
+  add({name, impulse, active});
+  contacts_->addContact(name, impulse->get_contact(), active);
+}
+
+void ImpulseModelMultiple::removeImpulse(const std::string& name) {
+  remove(name);
+  contacts_->removeContact(name);
+}
+
+void ImpulseModelMultiple::changeImpulseStatus(const std::string& name, bool active) {
+  change_status(name, active);
+  contacts_->changeContactStatus(name, active);
 }
 
 }  // namespace manycontact

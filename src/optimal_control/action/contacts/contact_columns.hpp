@@ -1,5 +1,5 @@
 #pragma once
-// Copies a contact's rows to the matrices of its data.
+// Copies a contact's rows to the matrices of its data, and compares the rows of two contacts.
 
 #include "manycontact/action/contact.hpp"
 #include "manycontact/detail/contact/derivatives.hpp"
@@ -22,6 +22,15 @@ void each_column(const EndColumns& first, const ContactSupport& support, Use&& u
 /// da0_dx [by q | by v], each of out.cols() / 2 columns, from the rows and their derivatives at one motion.
 void set_drift_derivatives(const EndColumns& first, const ContactSupport& support, const ContactData<double>& rows,
                            const ContactDerivatives& d, Eigen::MatrixXd& out);
+
+/// Returns whether two contacts have rows of the same structure: type, bodies, axis, and the place of A.
+inline bool have_same_rows(const Contact& a, const Contact& b) {
+  const auto on_same_body = [](const Attachment& one, const Attachment& other) {
+    return one.robot == other.robot && one.joint == other.joint;
+  };
+  return a.type == b.type && on_same_body(a.A, b.A) && on_same_body(a.B, b.B) && a.axis == b.axis &&
+         a.A.placement.p == b.A.placement.p && a.A.placement.R == b.A.placement.R;
+}
 
 /// Columns: unit wrenches of a contact's rows, in its reference frame.
 template <class Wrenches>

@@ -1,30 +1,21 @@
 #include "manycontact/action/contact_fwddyn.hpp"
 
 #include <cmath>
+#include <limits>
 #include <ostream>
 
 #include "../terms.hpp"
 #include "fwddyn_steps.hpp"
 #include "manycontact/dynamics/follow_kinematics.hpp"
+#include "manycontact/dynamics/quasi_static.hpp"
+#include "manycontact/model/expect_state.hpp"
 
 namespace manycontact {
 
 using Model_ = DifferentialActionModelContactFwdDynamics;
 using internal::Stage;
 
-namespace {
-
 constexpr const char* kDifferentialActionModelContactFwdDynamics = "DifferentialActionModelContactFwdDynamics";
-const std::shared_ptr<ConstraintModelManager> kNoConstraints;
-
-}  // namespace
-
-Model_::DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody> state,
-                                                  std::shared_ptr<ActuationModelAbstract> actuation,
-                                                  std::shared_ptr<ContactModelMultiple> contacts,
-                                                  std::shared_ptr<CostModelSum> costs, double damping,
-                                                  bool enable_force)
-    : Model_(state, actuation, contacts, costs, kNoConstraints, damping, enable_force) {}
 
 Model_::DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody> state,
                                                   std::shared_ptr<ActuationModelAbstract> actuation,
@@ -220,13 +211,22 @@ bool Model_::needs_forces() const {
   return needed;
 }
 
+// Computes u from the actuation's torques linearised at u = 0.
 void Model_::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t, double) {
   constexpr const char* kWhere = "DifferentialActionModelContactFwdDynamics::quasiStatic";
   check_size(kWhere, "u", u.size(), nu_);
   check_size(kWhere, "x", x.size(), state_->get_nx());
   require(x.tail(state_->get_nv()).isZero(0), kWhere, "the velocity is not zero, a state at rest is expected");
   Data& d = refresh(kWhere, data, x);
-  internal::quasi_static(*actuation_, x, *d.multibody, u);
+  DataCollector& m = *d.multibody;
+  u.setZero();
+  actuation_->calc(m.actuation, x, u);
+  actuation_->calcDiff(m.actuation, x, u);
+  if (!unusable_configuration("q", x.head(m.scene.nq), m.scene).empty()) {  // a solver's trial may be unusable
+    u.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
+  u = quasi_static(m.scene, x.head(m.scene.nq), m.actuation->tau, m.actuation->dtau_du, m.solution);
 }
 
 const Eigen::VectorXd& Model_::get_g_lb() const {

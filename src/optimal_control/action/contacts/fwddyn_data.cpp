@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "contact_columns.hpp"
 #include "fwddyn_steps.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
 
@@ -77,11 +78,7 @@ bool update_contacts(const ContactModelMultiple& contacts, Scene& scene, SceneDa
   for (const auto& [name, item] : contacts.get_contacts()) {
     const Contact& from = item->contact->get_contact();
     Contact& to = scene.contacts[c];
-    const auto moved = [](const Attachment& a, const Attachment& b) {
-      return a.robot != b.robot || a.joint != b.joint;
-    };
-    same &= from.type == to.type && !moved(from.A, to.A) && !moved(from.B, to.B) && from.axis == to.axis &&
-            from.A.placement.p == to.A.placement.p && from.A.placement.R == to.A.placement.R;
+    same &= have_same_rows(from, to);
     to.type = from.type;
     to.reference_frame = from.reference_frame;
     to.A = from.A;

@@ -34,6 +34,5 @@ inline bool by_all_torques(const ActuationModelAbstract& actuation, const Scene&
 }
 /// Sets m.custom of a custom actuation: derivatives with respect to x and u, from those with respect to the torques.
 void apply_actuation(const ActuationModelAbstract& actuation, DataCollector& m);
-void quasi_static(ActuationModelAbstract& actuation, const ConstVectorRef& x, DataCollector& m, VectorRef u);
 
 }  // namespace manycontact::internal

@@ -4,6 +4,9 @@
 #include <stdexcept>
 #include <typeinfo>
 
+#include "../by_node.hpp"
+#include "../named.hpp"
+
 namespace manycontact {
 
 namespace {
@@ -88,26 +91,11 @@ CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state,
 }
 
 CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state,
-                                     std::shared_ptr<ResidualModelAbstract> residual)
-    : CostModelAbstract(state, std::make_shared<ActivationModelQuad>(residual ? residual->get_nr() : 0), residual) {}
-
-CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state,
                                      std::shared_ptr<ActivationModelAbstract> activation, std::size_t nu)
     : CostModelAbstract(state, activation, own_residual(state, nr_of(activation), nu)) {}
 
-CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu)
-    : CostModelAbstract(state, std::make_shared<ActivationModelQuad>(0), nu) {}
-
-void CostModelAbstract::calc(const DataPtr& data, const ConstVectorRef& x) { calc(data, x, unone_); }
-
 void CostModelAbstract::calcDiff(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) {
   throw std::logic_error("CostModelAbstract::calcDiff: the cost has no derivatives, a calcDiff is expected");
-}
-
-void CostModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef& x) { calcDiff(data, x, unone_); }
-
-std::shared_ptr<CostDataAbstract> CostModelAbstract::createData(DataCollector* shared) {
-  return std::make_shared<CostDataAbstract>(this, shared);
 }
 
 void CostModelAbstract::print(std::ostream& os) const {
@@ -124,43 +112,156 @@ void CostModelResidual::check(const char* where, const DataPtr& data) const {
           "the data were created by another cost, data of this one's createData() are expected");
 }
 
-void CostModelResidual::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+void CostModelResidual::evaluate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u) {
   check("CostModelResidual::calc", data);
-  residual_->calc(data->residual, x, u);
+  internal::calc(*residual_, data->residual, x, u);
   activation_->calc(data->activation, data->residual->r);
   data->cost = data->activation->a_value;
 }
 
-void CostModelResidual::calc(const DataPtr& data, const ConstVectorRef& x) {
-  check("CostModelResidual::calc", data);
-  residual_->calc(data->residual, x);
-  activation_->calc(data->activation, data->residual->r);
-  data->cost = data->activation->a_value;
-}
-
-void CostModelResidual::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+void CostModelResidual::differentiate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u) {
   check("CostModelResidual::calcDiff", data);
-  residual_->calcDiff(data->residual, x, u);
-  finish_derivatives(*data, false);
+  internal::calc_diff(*residual_, data->residual, x, u);
+  residual_->take_whole(*data->residual);
+  activation_->calcDiff(data->activation, data->residual->r);
+  if (data->Lx.size() == 0) return;
+  CostDerivatives d = by_residual(*data);
+  data->Lx.swap(d.Lx);
+  data->Lxx.swap(d.Lxx);
+  if (!u) return;
+  data->Lu.swap(d.Lu);
+  data->Lxu.swap(d.Lxu);
+  data->Luu.swap(d.Luu);
 }
 
-void CostModelResidual::calcDiff(const DataPtr& data, const ConstVectorRef& x) {
-  check("CostModelResidual::calcDiff", data);
-  residual_->calcDiff(data->residual, x);
-  finish_derivatives(*data, true);
-}
+// ---- their sum
 
-void CostModelResidual::finish_derivatives(CostDataAbstract& data, bool terminal) const {
-  residual_->take_whole(*data.residual);
-  activation_->calcDiff(data.activation, data.residual->r);
-  if (data.Lx.size() == 0) return;
-  CostDerivatives d = by_residual(data);
-  data.Lx.swap(d.Lx);
-  data.Lxx.swap(d.Lxx);
+namespace {
+bool is_active(const CostItem& item) { return item.active; }
+std::size_t nr_of(const CostItem& item) { return item.cost->get_residual()->get_nr(); }
+
+// Sets derivatives to zero, in a terminal node those with respect to x alone.
+template <class Derivatives>
+void set_zero(Derivatives& d, bool terminal) {
+  d.Lx.setZero();
+  d.Lxx.setZero();
   if (terminal) return;
-  data.Lu.swap(d.Lu);
-  data.Lxu.swap(d.Lxu);
-  data.Luu.swap(d.Luu);
+  d.Lu.setZero();
+  d.Lxu.setZero();
+  d.Luu.setZero();
+}
+}  // namespace
+
+static std::ostream& operator<<(std::ostream& os, const CostItem& item) {
+  return os << "{w=" << item.weight << ", " << *item.cost << "}";
+}
+
+template class NamedParts<StateAbstract, CostItem>;
+
+CostModelSum::CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu)
+    : NamedParts("CostModelSum", "cost", std::move(state), nu) {}
+
+// Numbers of rows change one by one, since sums may have many costs.
+void CostModelSum::addCost(const std::string& name, std::shared_ptr<CostModelAbstract> cost, double weight,
+                           bool active) {
+  internal::check_part(name_, name, cost, state_, nu_);
+  const CostItem item{name, cost, weight, active};
+  add(item);
+  nr_total_ += nr_of(item);
+  if (active) nr_ += nr_of(item);
+}
+
+void CostModelSum::removeCost(const std::string& name) {
+  const std::size_t nr = nr_of(part(name));
+  nr_total_ -= nr;
+  if (active_set_.contains(name)) nr_ -= nr;
+  remove(name);
+}
+
+void CostModelSum::changeCostStatus(const std::string& name, bool active) {
+  const bool counted = active_set_.contains(name);
+  if (!change_status(name, active) || counted == active) return;
+  nr_ = active ? nr_ + nr_of(part(name)) : nr_ - nr_of(part(name));
+}
+
+void CostModelSum::check(const char* where, const DataPtr& data, const ConstVectorRef& x,
+                         const ConstVectorRef* u) const {
+  const CostDataSum& d = check_data(where, data);
+  check_size(where, "x", x.size(), state_->get_nx());
+  require(d.version == version_ && d.costs.size() == parts_.size(), where,
+          "costs were added or removed since the data were created, new data are expected");
+  if (u) check_size(where, "u", u->size(), nu_);
+}
+
+void CostModelSum::evaluate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u) {
+  check("CostModelSum::calc", data, x, u);
+  data->cost = 0;
+  internal::for_each_part(parts_, data->costs, is_active, [&](const CostItem& item, const auto& d) {
+    internal::calc(*item.cost, d, x, u);
+    data->cost += item.weight * d->cost;
+  });
+}
+
+void CostModelSum::differentiate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u) {
+  check("CostModelSum::calcDiff", data, x, u);
+  internal::for_each_part(parts_, data->costs, is_active,
+                          [&](const CostItem& item, const auto& d) { internal::calc_diff(*item.cost, d, x, u); });
+  add_up(*data, !u);
+}
+
+// Sums the derivatives of the costs themselves, which data in standalone use have.
+void CostModelSum::add_up_by_hand(CostDataSum& data, bool terminal) const {
+  set_zero(data, terminal);
+  internal::for_each_part(parts_, data.costs, is_active, [&](const CostItem& item, const auto& d) {
+    data.Lx += item.weight * d->Lx;
+    data.Lxx += item.weight * d->Lxx;
+    if (terminal) return;
+    data.Lu += item.weight * d->Lu;
+    data.Lxu += item.weight * d->Lxu;
+    data.Luu += item.weight * d->Luu;
+  });
+}
+
+void CostModelSum::add_up(CostDataSum& data, bool terminal) const {
+  if (data.shared && data.shared->whole) return add_up_by_hand(data, terminal);
+  CostDerivatives& out = *data.derivatives;
+  set_zero(out, terminal);
+  out.Lxx_blocks.set_zero();
+  if (!terminal) {
+    out.Lxu_blocks.set_zero();
+    out.Luu_blocks.set_zero();
+  }
+  std::size_t k = 0;
+  for (const auto& [name, item] : parts_) data.weights[k++] = item->active ? item->weight : 0;
+  data.groups.add(data.weights, terminal, out);
+}
+
+std::shared_ptr<CostDataSum> CostModelSum::createData(DataCollector* shared, CostDerivatives* out) {
+  auto data = std::make_shared<CostDataSum>();
+  data->shared = shared;
+  data->version = version_;
+  for (const auto& [name, item] : parts_) {
+    data->costs[name] = item->cost->createData(shared);
+    check_data("CostModelSum::createData", data->costs[name]);
+  }
+  if (out)
+    data->derivatives = out;
+  else
+    data->own.resize(state_->get_ndx(), nu_, MatrixStorage::kBoth);
+  lay_out(*data);
+  data->shareMemory(data->derivatives);
+  return data;
+}
+
+void CostModelSum::lay_out(CostDataSum& data) const {
+  CostDerivatives& out = *data.derivatives;
+  std::vector<const CostDataAbstract*> parts;
+  for (const auto& [name, d] : data.costs) {
+    parts_.at(name)->cost->get_residual()->lay_out(*d->residual);
+    parts.push_back(d.get());
+  }
+  data.weights.assign(parts.size(), 0);
+  data.groups.lay_out(parts, static_cast<int>(state_->get_ndx()), static_cast<int>(nu_), out);
 }
 
 }  // namespace manycontact

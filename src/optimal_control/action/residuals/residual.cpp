@@ -51,10 +51,6 @@ ResidualModelAbstract::ResidualModelAbstract(std::shared_ptr<StateAbstract> stat
   whole_ = true;
 }
 
-ResidualModelAbstract::ResidualModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nr, bool q_dependent,
-                                             bool v_dependent, bool u_dependent)
-    : ResidualModelAbstract(state, nr, state ? state->get_nv() : 0, q_dependent, v_dependent, u_dependent) {}
-
 void ResidualModelAbstract::calc(const DataPtr& data, const ConstVectorRef& x) {
   if (get_u_dependent())
     data->r.setZero();

@@ -1,5 +1,3 @@
-#include <ostream>
-
 #include "manycontact/action/residuals/centroidal_residuals.hpp"
 #include "residual_parts.hpp"
 
@@ -61,10 +59,6 @@ void CentroidalResidual::lay_out(ResidualDataAbstract& data) const {
   data.blocks.emplace_back(internal::range(0, static_cast<int>(nr_)), columns, std::vector<int>{});
 }
 
-ResidualModelCoMPosition::ResidualModelCoMPosition(std::shared_ptr<StateMultibody> state, const Eigen::Vector3d& cref,
-                                                   std::size_t nu, int robot)
-    : ResidualWithReference(cref, "ResidualModelCoMPosition", std::move(state), 3u, nu, Dependence{.q = true}, robot) {}
-
 void ResidualModelCoMPosition::evaluate(ResidualDataAbstract& data, const ConstVectorRef&,
                                         const ConstVectorRef&) const {
   data.r = center_of_mass(*data.shared, first_, last_, mass_) - reference_;
@@ -82,15 +76,6 @@ void ResidualModelCoMPosition::fill_blocks(ResidualDataAbstract& data, const Con
       data.blocks[0].Rx.col(column++) = moved_mass(Yc[model.dof_joint[i]], kin.J.col(i)) / mass_;
   }
 }
-
-void ResidualModelCoMPosition::print(std::ostream& os) const {
-  os << "ResidualModelCoMPosition {cref=" << reference_.transpose() << "}";
-}
-
-ResidualModelCentroidalMomentum::ResidualModelCentroidalMomentum(std::shared_ptr<StateMultibody> state,
-                                                                 const Vec6<double>& href, std::size_t nu, int robot)
-    : ResidualWithReference(href, "ResidualModelCentroidalMomentum", std::move(state), 6u, nu,
-                            Dependence{.q = true, .v = true}, robot) {}
 
 void ResidualModelCentroidalMomentum::evaluate(ResidualDataAbstract& data, const ConstVectorRef&,
                                                const ConstVectorRef&) const {
@@ -140,10 +125,6 @@ void ResidualModelCentroidalMomentum::fill_blocks(ResidualDataAbstract& data, co
       Rx.col(n + column).tail<3>() -= c.cross(dl_v);
     }
   }
-}
-
-void ResidualModelCentroidalMomentum::print(std::ostream& os) const {
-  os << "ResidualModelCentroidalMomentum {href=" << reference_.transpose() << "}";
 }
 
 }  // namespace manycontact

@@ -183,28 +183,13 @@ void ResidualModelContactForce::form(const Wrenches& P, Eigen::MatrixXd& B, Eige
   b.noalias() = P.transpose().lazyProduct(reference_);
 }
 
-ResidualModelContactFrictionCone::ResidualModelContactFrictionCone(std::shared_ptr<StateMultibody> state, FrameIndex id,
-                                                                   const FrictionCone& fref, std::size_t nu,
-                                                                   bool fwddyn)
-    : ResidualWithReference(fref, "ResidualModelContactFrictionCone", std::move(state), id, fref.get_nf() + 1, nu,
-                            fwddyn) {}
-
 void ResidualModelContactFrictionCone::form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd&) const {
   B.noalias() = reference_.get_A().lazyProduct(P.topRows<3>());
 }
 
-ResidualModelContactWrenchCone::ResidualModelContactWrenchCone(std::shared_ptr<StateMultibody> state, FrameIndex id,
-                                                               const WrenchCone& fref, std::size_t nu, bool fwddyn)
-    : ResidualWithReference(fref, "ResidualModelContactWrenchCone", std::move(state), id, fref.get_nf() + 13, nu,
-                            fwddyn) {}
-
 void ResidualModelContactWrenchCone::form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd&) const {
   B.noalias() = reference_.get_A().lazyProduct(P);
 }
-
-ResidualModelContactCoPPosition::ResidualModelContactCoPPosition(std::shared_ptr<StateMultibody> state, FrameIndex id,
-                                                                 const CoPSupport& cref, std::size_t nu, bool fwddyn)
-    : ResidualWithReference(cref, "ResidualModelContactCoPPosition", std::move(state), id, 4u, nu, fwddyn) {}
 
 void ResidualModelContactCoPPosition::form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd&) const {
   B.noalias() = reference_.get_A().lazyProduct(P);

@@ -73,10 +73,6 @@ void FrameResidual::print(std::ostream& os) const {
   os << name_ << " {frame=" << internal::multibody(state_).get_model()->frames[id_].name << "}";
 }
 
-ResidualModelFramePlacement::ResidualModelFramePlacement(std::shared_ptr<StateMultibody> state, FrameIndex id,
-                                                         const SE3<double>& pref, std::size_t nu)
-    : ResidualWithReference(pref, "ResidualModelFramePlacement", std::move(state), id, 6u, nu, Dependence{.q = true}) {}
-
 void ResidualModelFramePlacement::evaluate(ResidualDataAbstract& data, const ConstVectorRef&,
                                            const ConstVectorRef&) const {
   data.r = log6<double>(reference_.inverse() * internal::own<FrameResidualData>(data).oMf());
@@ -91,11 +87,6 @@ void ResidualModelFramePlacement::fill_blocks(ResidualDataAbstract& data, const 
     d.blocks[0].Rx.col(k).noalias() = J * M.act_inverse(d.kin().J.col(d.chain[k]));
 }
 
-ResidualModelFrameTranslation::ResidualModelFrameTranslation(std::shared_ptr<StateMultibody> state, FrameIndex id,
-                                                             const Eigen::Vector3d& xref, std::size_t nu)
-    : ResidualWithReference(xref, "ResidualModelFrameTranslation", std::move(state), id, 3u, nu,
-                            Dependence{.q = true}) {}
-
 void ResidualModelFrameTranslation::evaluate(ResidualDataAbstract& data, const ConstVectorRef&,
                                              const ConstVectorRef&) const {
   data.r = internal::own<FrameResidualData>(data).oMf().p - reference_;
@@ -108,10 +99,6 @@ void ResidualModelFrameTranslation::fill_blocks(ResidualDataAbstract& data, cons
   for (std::size_t k = 0; k < d.chain.size(); ++k)
     d.blocks[0].Rx.col(k) = at_point(p, d.kin().J.col(d.chain[k])).head<3>();
 }
-
-ResidualModelFrameRotation::ResidualModelFrameRotation(std::shared_ptr<StateMultibody> state, FrameIndex id,
-                                                       const Eigen::Matrix3d& Rref, std::size_t nu)
-    : ResidualWithReference(Rref, "ResidualModelFrameRotation", std::move(state), id, 3u, nu, Dependence{.q = true}) {}
 
 void ResidualModelFrameRotation::evaluate(ResidualDataAbstract& data, const ConstVectorRef&,
                                           const ConstVectorRef&) const {
@@ -127,12 +114,6 @@ void ResidualModelFrameRotation::fill_blocks(ResidualDataAbstract& data, const C
   for (std::size_t k = 0; k < d.chain.size(); ++k)
     d.blocks[0].Rx.col(k).noalias() = J * d.kin().J.col(d.chain[k]).tail<3>();
 }
-
-ResidualModelFrameVelocity::ResidualModelFrameVelocity(std::shared_ptr<StateMultibody> state, FrameIndex id,
-                                                       const Vec6<double>& vref, ReferenceFrame type, std::size_t nu)
-    : ResidualWithReference(vref, "ResidualModelFrameVelocity", std::move(state), id, 6u, nu,
-                            Dependence{.q = true, .v = true}),
-      type_(type) {}
 
 void ResidualModelFrameVelocity::evaluate(ResidualDataAbstract& data, const ConstVectorRef&,
                                           const ConstVectorRef&) const {

@@ -131,10 +131,4 @@ void GravityResidual::differentiate(const DataPtr& data, const ConstVectorRef&) 
   set_static_part(internal::own<GravityData>(*data), false);
 }
 
-ResidualModelControlGrav::ResidualModelControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu)
-    : GravityResidual("ResidualModelControlGrav", std::move(state), nu, false) {}
-
-ResidualModelContactControlGrav::ResidualModelContactControlGrav(std::shared_ptr<StateMultibody> state, std::size_t nu)
-    : GravityResidual("ResidualModelContactControlGrav", std::move(state), nu, true) {}
-
 }  // namespace manycontact

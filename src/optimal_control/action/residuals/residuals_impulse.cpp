@@ -14,9 +14,6 @@ struct ImpulseCoMData : ResidualDataAbstract {
 
 }  // namespace
 
-ResidualModelImpulseCoM::ResidualModelImpulseCoM(std::shared_ptr<StateMultibody> state)
-    : CentroidalResidual("ResidualModelImpulseCoM", std::move(state), 3, 0, {.q = true, .v = true}, -1) {}
-
 std::shared_ptr<ResidualDataAbstract> ResidualModelImpulseCoM::createData(DataCollector* shared) {
   require(shared && shared->impact != nullptr, "ResidualModelImpulseCoM",
           "the action model is no impulse, an ActionModelImpulseFwdDynamics is expected");

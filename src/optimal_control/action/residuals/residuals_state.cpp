@@ -40,10 +40,6 @@ ResidualModelState::ResidualModelState(std::shared_ptr<StateAbstract> state, con
 ResidualModelState::ResidualModelState(std::shared_ptr<StateAbstract> state, std::size_t nu)
     : ResidualModelState(state, internal::given(state).zero(), nu) {}
 
-void ResidualModelState::evaluate(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef&) const {
-  state_->diff(reference_, x, data.r);
-}
-
 // A block for the q of each joint, then one for each coordinate of its v.
 void ResidualModelState::lay_out(ResidualDataAbstract& data) const {
   const auto* multibody = exact_multibody(*state_);
@@ -80,22 +76,11 @@ void ResidualModelState::fill_blocks(ResidualDataAbstract& data, const ConstVect
     }
 }
 
-ControlResidual::ControlResidual(const char* name, std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& uref,
-                                 std::size_t nu)
-    : ResidualWithReference(uref, name, std::move(state), nu, nu, Dependence{.u = true}) {}
-
-void ControlResidual::evaluate(ResidualDataAbstract& data, const ConstVectorRef&, const ConstVectorRef& u) const {
-  data.r = u - reference_;
-}
-
 void ControlResidual::lay_out(ResidualDataAbstract& data) const {
   data.blocks.clear();
   data.blocks.reserve(nu_);
   for (int i = 0; i < static_cast<int>(nu_); ++i) add_coordinate(i, {}, {i}, data);
 }
-
-ResidualModelControl::ResidualModelControl(std::shared_ptr<StateAbstract> state, const Eigen::VectorXd& uref)
-    : ControlResidual("ResidualModelControl", std::move(state), uref, static_cast<std::size_t>(uref.size())) {}
 
 ResidualModelControl::ResidualModelControl(std::shared_ptr<StateAbstract> state, std::size_t nu)
     : ResidualModelControl(state, zeros(internal::nu_or_default(state, nu))) {}

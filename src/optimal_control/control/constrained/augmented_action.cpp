@@ -1,7 +1,6 @@
 #include "manycontact/detail/control/augmented_action.hpp"
 
 #include <cmath>
-#include <ostream>
 
 #include "constraint_rows.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
@@ -12,20 +11,11 @@ using DataPtr = std::shared_ptr<ActionDataAbstract>;
 using internal::ConstraintRows;
 using Index = Eigen::Index;
 
-namespace {
-
-constexpr const char* kActionModelAugmentedLagrangian = ActionModelAugmentedLagrangian::kName;
-
-Index most_rows(const ActionModelAbstract& model) {
-  return static_cast<Index>(std::max(model.get_ng() + model.get_nh(), model.get_ng_T() + model.get_nh_T()));
-}
-
-}  // namespace
-
 ActionDataAugmentedLagrangian::ActionDataAugmentedLagrangian(ActionModelAugmentedLagrangian* model,
                                                              std::shared_ptr<ActionDataAbstract> data)
     : ActionDataAbstract(model), inner(data ? std::move(data) : model->get_model()->createData()) {
-  const Index rows = most_rows(*model->get_model());
+  const ActionModelAbstract& own = *model->get_model();
+  const auto rows = static_cast<Index>(std::max(own.get_ng() + own.get_nh(), own.get_ng_T() + own.get_nh_T()));
   const std::size_t ld = sparse::padded(Lx.size() + Lu.size());
   y_next.setZero(rows);
   panel.assign(rows * ld, 0);
@@ -42,15 +32,13 @@ ActionModelAugmentedLagrangian::ActionModelAugmentedLagrangian(std::shared_ptr<A
 }
 
 void ActionModelAugmentedLagrangian::set_penalty(double rho) {
-  require(rho > 0 && std::isfinite(rho), kActionModelAugmentedLagrangian, "a positive penalty is expected");
+  require(rho > 0 && std::isfinite(rho), kName, "a positive penalty is expected");
   rho_ = rho;
 }
 
-DataPtr ActionModelAugmentedLagrangian::createData() { return createData(model_->createData()); }
-
 DataPtr ActionModelAugmentedLagrangian::createData(DataPtr inner) {
-  require(model_->checkData(inner), kActionModelAugmentedLagrangian, "data of the model's createData() are expected");
-  require(inner->Fx.rows() == static_cast<Index>(state_->get_ndx()), kActionModelAugmentedLagrangian,
+  require(model_->checkData(inner), kName, "data of the model's createData() are expected");
+  require(inner->Fx.rows() == static_cast<Index>(state_->get_ndx()), kName,
           "the model's data have no matrices (ActionModelParts with storage kSparse), kDense is expected");
   return std::make_shared<ActionDataAugmentedLagrangian>(this, std::move(inner));
 }
@@ -65,7 +53,7 @@ void ActionModelAugmentedLagrangian::evaluate(ActionDataAugmentedLagrangian& d, 
                                               const ConstVectorRef* u) {
   u ? model_->calc(d.inner, x, *u) : model_->calc(d.inner, x);
   const ConstraintRows rows(*model_, !u);
-  check_size(kActionModelAugmentedLagrangian, "the multipliers", y_.size(), static_cast<std::size_t>(rows.size()));
+  check_size(kName, "the multipliers", y_.size(), static_cast<std::size_t>(rows.size()));
   if (d.y_next.size() != rows.size()) d.y_next.resize(rows.size());
   d.xnext = d.inner->xnext;
   d.cost = with_cost_ ? d.inner->cost : 0;
@@ -129,10 +117,6 @@ void ActionModelAugmentedLagrangian::quasiStatic(const DataPtr& data, VectorRef 
                                                  std::size_t maxiter, double tol) {
   const ConstVectorRef given = u;
   model_->quasiStatic(own("quasiStatic", data, x, &given).inner, u, x, maxiter, tol);
-}
-
-void ActionModelAugmentedLagrangian::print(std::ostream& os) const {
-  os << kActionModelAugmentedLagrangian << " {penalty=" << rho_ << ", " << *model_ << "}";
 }
 
 }  // namespace manycontact

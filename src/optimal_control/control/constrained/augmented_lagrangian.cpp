@@ -21,6 +21,9 @@ using Index = Eigen::Index;
 namespace {
 
 constexpr const char* kSolverAugmentedLagrangian = "SolverAugmentedLagrangian";
+constexpr double kLargest = std::numeric_limits<double>::max();
+constexpr internal::Range kPenalty{0, false, kLargest, "a positive penalty is expected"};
+constexpr internal::Range kFactor{1, false, kLargest, "a factor above 1 is expected"};
 constexpr double kProgress = 0.1;  // the penalty grows unless a minimisation reduces m to this share
 constexpr double kHoped = 0.3;     // expected reduction of m by the next one, and the tolerable share of error in it
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -308,8 +311,7 @@ void SolverAugmentedLagrangian::updateMultipliers() {
 // ---- settings -----------------------------------------------------------------------------------------------------
 
 void SolverAugmentedLagrangian::set_penalty(double penalty) {
-  require(penalty > 0 && std::isfinite(penalty), kSolverAugmentedLagrangian, "a positive penalty is expected");
-  rho_ = penalty;
+  kPenalty.set(rho_, penalty, kSolverAugmentedLagrangian);
   for (const Node& node : nodes_)
     for (const Augmented& own : node.augmented) own.model->set_penalty(rho_);
 }
@@ -318,11 +320,9 @@ void SolverAugmentedLagrangian::set_penalty_init(double penalty) {
   rho_init_ = penalty;
 }
 void SolverAugmentedLagrangian::set_penalty_factor(double factor) {
-  require(factor > 1 && std::isfinite(factor), kSolverAugmentedLagrangian, "a factor above 1 is expected");
-  rho_factor_ = factor;
+  kFactor.set(rho_factor_, factor, kSolverAugmentedLagrangian);
 }
 void SolverAugmentedLagrangian::set_penalty_max(double penalty) {
-  require(penalty > 0 && std::isfinite(penalty), kSolverAugmentedLagrangian, "a positive penalty is expected");
-  rho_max_ = penalty;
+  kPenalty.set(rho_max_, penalty, kSolverAugmentedLagrangian);
 }
 }  // namespace manycontact

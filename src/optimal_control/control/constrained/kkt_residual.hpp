@@ -23,7 +23,4 @@ double control_gradient_of_nodes(const ShootingProblem& problem, const std::vect
 /// with the gradient g of control_gradient_of_nodes. Infinite if a control without limits matters.
 double largest_fall_within_limits(const ShootingProblem& problem, const std::vector<Eigen::VectorXd>& us);
 
-/// Whether control i of u is at a limit that is used.
-bool stands_at_limit(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits);
-
 }  // namespace manycontact::internal

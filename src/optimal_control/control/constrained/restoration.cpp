@@ -218,9 +218,7 @@ AL::Beside AL::lookBeside(Restoration& own, double by) {
     if (by < 0) us_[t].setZero();
     us_[t] += throughout.head(us_[t].size());
     for (double& number : us_[t]) number += noise(random);
-    const ActionModelAbstract& model = *problem_->model(t);
-    if (own.solver->keeps_limits() && model.get_has_control_limits())
-      us_[t] = us_[t].cwiseMax(model.get_u_lb()).cwiseMin(model.get_u_ub());
+    if (own.solver->keeps_limits()) internal::keep_limits(*problem_->model(t), us_[t]);
   }
   own.problem->rollout(us_, xs_);
   is_feasible_ = true;
@@ -309,9 +307,8 @@ bool AL::isBeyondLimits(Restoration& own) {
   bool out = is_beyond();
   if (!out) {
     for (std::size_t t = 0; t < us_.size(); ++t) {
-      const ActionModelAbstract& model = *problem_->model(t);
       us_[t].setZero();
-      if (model.get_has_control_limits()) us_[t] = us_[t].cwiseMax(model.get_u_lb()).cwiseMin(model.get_u_ub());
+      internal::keep_limits(*problem_->model(t), us_[t]);
     }
     out = is_beyond();
   }

@@ -1,22 +1,18 @@
 #include "manycontact/control/control_parametrization.hpp"
 
 #include "../../action/assign.hpp"
+#include "../../action/differences.hpp"
 
 namespace manycontact {
 
 using Poly = ControlParametrizationModelPoly;
+using NumDiff = ControlParametrizationModelNumDiff;
 using ConstMatrixRef = Eigen::Ref<const Eigen::MatrixXd>;
 
 ControlParametrizationDataAbstract::ControlParametrizationDataAbstract(const ControlParametrizationModelAbstract* model)
     : w(Eigen::VectorXd::Zero(model->get_nw())),
       u(Eigen::VectorXd::Zero(model->get_nu())),
       dw_du(Eigen::MatrixXd::Zero(model->get_nw(), model->get_nu())) {}
-
-ControlParametrizationModelAbstract::Data ControlParametrizationModelAbstract::createData() {
-  return std::make_shared<ControlParametrizationDataAbstract>(this);
-}
-
-bool ControlParametrizationModelAbstract::checkData(const Data& data) { return data != nullptr; }
 
 Eigen::MatrixXd ControlParametrizationModelAbstract::multiplyByJacobian_J(const Data& data,
                                                                           const ConstMatrixRef& A) const {
@@ -32,26 +28,18 @@ Eigen::MatrixXd ControlParametrizationModelAbstract::multiplyJacobianTransposeBy
   return out;
 }
 
-namespace {
-
-ControlParametrizationDataPoly& own(const char* where, const Poly::Data& data) {
-  auto* d = dynamic_cast<ControlParametrizationDataPoly*>(&check_data(where, data));
-  require(d != nullptr, where, "the data were created by another model, data of this one's createData() are expected");
-  return *d;
-}
-
-}  // namespace
-
 void Poly::calc(const Data& data, double t, const ConstVectorRef& u) const {
   check_size("ControlParametrizationModel::calc", "u", u.size(), nu_);
-  ControlParametrizationDataPoly& d = own("ControlParametrizationModel::calc", data);
+  ControlParametrizationDataPoly& d =
+      internal::own_data<ControlParametrizationDataPoly>("ControlParametrizationModel::calc", data);
   d.c = coefficients(t);
   d.w = d.c[0] * u.head(nw_);
   for (std::size_t k = 1; k < terms_; ++k) d.w += d.c[k] * u.segment(k * nw_, nw_);
 }
 
 void Poly::calcDiff(const Data& data, double, const ConstVectorRef&) const {
-  const ControlParametrizationDataPoly& d = own("ControlParametrizationModel::calcDiff", data);
+  const ControlParametrizationDataPoly& d =
+      internal::own_data<ControlParametrizationDataPoly>("ControlParametrizationModel::calcDiff", data);
   for (std::size_t k = 0; k < terms_; ++k) data->dw_du.middleCols(k * nw_, nw_).diagonal().setConstant(d.c[k]);
 }
 
@@ -61,8 +49,6 @@ Poly::Data Poly::createData() {
   data->dw_du.leftCols(nw_).setIdentity();
   return data;
 }
-
-bool Poly::checkData(const Data& data) { return dynamic_cast<ControlParametrizationDataPoly*>(data.get()) != nullptr; }
 
 void Poly::params(const Data& data, double, const ConstVectorRef& w) const {
   check_size("ControlParametrizationModel::params", "w", w.size(), nw_);
@@ -86,7 +72,7 @@ void Poly::multiplyByJacobian(const Data& data, const ConstMatrixRef& A, MatrixR
   check_size(kWhere, "a row of A", A.cols(), nw_);
   check_size(kWhere, "a row of out", out.cols(), nu_);
   check_size(kWhere, "a column of out", out.rows(), A.rows());
-  const ControlParametrizationDataPoly& d = own(kWhere, data);
+  const ControlParametrizationDataPoly& d = internal::own_data<ControlParametrizationDataPoly>(kWhere, data);
   for (std::size_t k = 0; k < terms_; ++k) internal::assign(out.middleCols(k * nw_, nw_), d.c[k] * A, op);
 }
 
@@ -96,7 +82,7 @@ void Poly::multiplyJacobianTransposeBy(const Data& data, const ConstMatrixRef& A
   check_size(kWhere, "a column of A", A.rows(), nw_);
   check_size(kWhere, "a column of out", out.rows(), nu_);
   check_size(kWhere, "a row of out", out.cols(), A.cols());
-  const ControlParametrizationDataPoly& d = own(kWhere, data);
+  const ControlParametrizationDataPoly& d = internal::own_data<ControlParametrizationDataPoly>(kWhere, data);
   for (std::size_t k = 0; k < terms_; ++k) internal::assign(out.middleRows(k * nw_, nw_), d.c[k] * A, op);
 }
 
@@ -110,6 +96,50 @@ ControlParametrizationModelPolyTwoRK::ControlParametrizationModelPolyTwoRK(std::
 std::array<double, 3> ControlParametrizationModelPolyTwoRK::coefficients(double t) const {
   if (rktype_ == three) return {4.5 * (t * t - t) + 1, -9 * t * t + 6 * t, 4.5 * t * t - 1.5 * t};
   return {2 * t * t - 3 * t + 1, 4 * (t - t * t), 2 * t * t - t};
+}
+
+// ---- by central differences
+
+namespace {
+
+constexpr const char* kControlNumDiff = "ControlParametrizationModelNumDiff";
+
+ControlParametrizationDataNumDiff& own(const NumDiff::Data& data) {
+  return internal::own_data<ControlParametrizationDataNumDiff>(kControlNumDiff, data);
+}
+
+}  // namespace
+
+NumDiff::Data NumDiff::createData() { return std::make_shared<ControlParametrizationDataNumDiff>(this); }
+
+void NumDiff::calc(const Data& data, double t, const ConstVectorRef& u) const {
+  auto& d = own(data);
+  model_->calc(d.data_0, t, u);
+  d.w = d.data_0->w;
+}
+
+void NumDiff::calcDiff(const Data& data, double t, const ConstVectorRef& u) const {
+  auto& d = own(data);
+  d.dw_du = internal::jacobian_by_u(static_cast<Eigen::Index>(nw_), u, step_, [&](const Eigen::VectorXd& at) {
+    model_->calc(d.data_0, t, at);
+    return d.data_0->w;
+  });
+  calc(data, t, u);
+}
+
+void NumDiff::params(const Data& data, double t, const ConstVectorRef& w) const {
+  auto& d = own(data);
+  model_->params(d.data_0, t, w);
+  d.u = d.data_0->u;
+}
+
+void NumDiff::multiplyByJacobian(const Data& data, const ConstMatrixRef& A, MatrixRef out, AssignmentOp op) const {
+  internal::assign(out, A * own(data).dw_du, op);
+}
+
+void NumDiff::multiplyJacobianTransposeBy(const Data& data, const ConstMatrixRef& A, MatrixRef out,
+                                          AssignmentOp op) const {
+  internal::assign(out, own(data).dw_du.transpose() * A, op);
 }
 
 }  // namespace manycontact

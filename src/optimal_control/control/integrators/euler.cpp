@@ -1,13 +1,30 @@
 #include "manycontact/control/euler.hpp"
 
+#include <type_traits>
 #include <typeinfo>
 
+#include "euler_steps.hpp"
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/detail/control/state_vector.hpp"
 #include "steps.hpp"
-#include "wide_joints.hpp"
 
 namespace manycontact {
+
+namespace {
+
+// use(first coordinate, number of them, J1, J2), floating joints and planar ones, of compile-time size.
+template <class Use>
+void each_wide_joint(const IntegratedActionDataEuler& data, Use&& use) {
+  for (const IntegratedActionDataEuler::WideJoint& joint : data.wide_joints) {
+    if (joint.size == 6)
+      use(joint.first, std::integral_constant<int, 6>(), joint.of_x, joint.of_dx);
+    else
+      use(joint.first, std::integral_constant<int, 3>(), Mat3<double>(joint.of_x.topLeftCorner<3, 3>()),
+          Mat3<double>(joint.of_dx.topLeftCorner<3, 3>()));
+  }
+}
+
+}  // namespace
 
 IntegratedActionDataEuler::IntegratedActionDataEuler(IntegratedActionModelEuler* model)
     : IntegratedActionDataAbstract(model, WithoutMatrices{}),
@@ -54,7 +71,7 @@ void IntegratedActionDataEuler::pull_back(const Eigen::VectorXd& p, VectorRef gx
   const PanelView& a = panel();
   gx = p;
   pulled = step * p.head(nv) + p.tail(nv);
-  internal::each_wide_joint(*this, [&](Eigen::Index q, auto size, const auto& J1, const auto& J2) {
+  each_wide_joint(*this, [&](Eigen::Index q, auto size, const auto& J1, const auto& J2) {
     constexpr int k = size.value;
     gx.segment<k>(q) = J1.transpose() * p.segment<k>(q);
     pulled.segment<k>(q) = step * (J2.transpose() * p.segment<k>(q)) + p.segment<k>(nv + q);
@@ -84,7 +101,7 @@ void IntegratedActionDataEuler::integrate_velocities(Eigen::MatrixXd& fx, Eigen:
   fx.topRows(nv) = step * fx.bottomRows(nv);
   fu.topRows(nv) = step * fu.bottomRows(nv);
   fx.topLeftCorner(nv, nv).diagonal().array() += 1;
-  internal::each_wide_joint(*this, [&](Eigen::Index q, auto size, const auto& J1, const auto& J2) {
+  each_wide_joint(*this, [&](Eigen::Index q, auto size, const auto& J1, const auto& J2) {
     constexpr int k = size.value;
     fx.middleRows<k>(q) = step * J2.lazyProduct(fx.middleRows<k>(nv + q));
     fu.middleRows<k>(q) = step * J2.lazyProduct(fu.middleRows<k>(nv + q));
@@ -155,5 +172,36 @@ void IntegratedActionModelEuler::differentiate(IntegratedActionDataEuler& d, con
   internal::integrate_cost_derivatives(h, *control_, d.control, a, d.Lwu, d);
   internal::copy_constraint_derivatives(*control_, d.control, a, d);
 }
+
+namespace internal {
+
+const IntegratedActionDataEuler* find_euler(const ActionDataAbstract& node) {
+  const auto* augmented = dynamic_cast<const ActionDataAugmentedLagrangian*>(&node);
+  return dynamic_cast<const IntegratedActionDataEuler*>(augmented ? augmented->inner.get() : &node);
+}
+
+const IntegratedActionDataEuler* known_steps(const ActionModelAbstract& model, const ActionDataAbstract& node) {
+  const IntegratedActionDataEuler* euler = find_euler(node);
+  if (!euler || !euler->joints_are_known) return nullptr;
+  const auto* augmented = dynamic_cast<const ActionModelAugmentedLagrangian*>(&model);
+  const ActionModelAbstract& own = augmented ? *augmented->get_model() : model;
+  return !node.has_matrices() || typeid(own) == typeid(IntegratedActionModelEuler) ? euler : nullptr;
+}
+
+void fill_steps(const IntegratedActionDataEuler& euler, lq::SymplecticStructure& out) {
+  const auto fill = [&](lq::BlockDiagonal& D, double scale, Mat6<double> IntegratedActionDataEuler::WideJoint::*which) {
+    D.scale = scale;
+    D.parts.resize(euler.wide_joints.size());
+    for (std::size_t k = 0; k < D.parts.size(); ++k) {
+      const IntegratedActionDataEuler::WideJoint& joint = euler.wide_joints[k];
+      D.parts[k].first = joint.first;
+      D.parts[k].block = scale * (joint.*which).topLeftCorner(joint.size, joint.size);
+    }
+  };
+  fill(out.J, 1, &IntegratedActionDataEuler::WideJoint::of_x);
+  fill(out.G, euler.step, &IntegratedActionDataEuler::WideJoint::of_dx);
+}
+
+}  // namespace internal
 
 }  // namespace manycontact

@@ -1,7 +1,6 @@
 #include "manycontact/control/integrated_action.hpp"
 
 #include <cmath>
-#include <ostream>
 
 #include "steps.hpp"
 
@@ -86,10 +85,6 @@ void IntegratedActionModelAbstract::calcDiff_terminal(const ConstVectorRef& x, I
   d.Lxx = from->Lxx;
   d.Gx = from->Gx;
   d.Hx = from->Hx;
-}
-
-void IntegratedActionModelAbstract::print_as(const char* name, std::ostream& os) const {
-  os << name << " {dt=" << time_step_ << ", " << *differential_ << "}";
 }
 
 }  // namespace manycontact

@@ -2,6 +2,7 @@
 
 #include <typeinfo>
 
+#include "../../action/contacts/contact_columns.hpp"
 #include "held_velocities.hpp"
 #include "manycontact/control/free_fwddyn.hpp"
 #include "steps.hpp"
@@ -34,13 +35,8 @@ std::shared_ptr<DifferentialActionModelAbstract> of_contact_dynamics(
 // The robots and contacts that the data were made for, or others by now.
 bool is_of(HeldVelocities& held, const DataCollector& of, double h) {
   if (!held.serve(of, h)) return false;
-  const auto same = [](const Attachment& a, const Attachment& b) { return a.robot == b.robot && a.joint == b.joint; };
-  for (std::size_t c = 0; c < of.scene.contacts.size(); ++c) {
-    const Contact &a = held.scene.contacts[c], &b = of.scene.contacts[c];
-    if (a.type != b.type || !same(a.A, b.A) || !same(a.B, b.B) || a.axis != b.axis ||
-        a.A.placement.p != b.A.placement.p || a.A.placement.R != b.A.placement.R)
-      return false;
-  }
+  for (std::size_t c = 0; c < of.scene.contacts.size(); ++c)
+    if (!internal::have_same_rows(held.scene.contacts[c], of.scene.contacts[c])) return false;
   return true;
 }
 

@@ -60,14 +60,6 @@ void stack_bounds(const std::vector<Part>& parts, const Eigen::VectorXd& (Action
   stack(parts.size(), of_part, out);
 }
 
-/// g and h of the parts' data, one after the other.
-inline void stack_constraints(const std::vector<std::shared_ptr<ActionDataAbstract>>& parts, ActionDataAbstract& to) {
-  const auto g = [&](std::size_t i) -> const Eigen::VectorXd& { return parts[i]->g; };
-  const auto h = [&](std::size_t i) -> const Eigen::VectorXd& { return parts[i]->h; };
-  stack(parts.size(), g, to.g);
-  stack(parts.size(), h, to.h);
-}
-
 /// Cost, xnext, g and h of a node from its parts' data.
 template <class Part>
 void collect_values(const std::vector<Part>& parts, const std::vector<std::shared_ptr<ActionDataAbstract>>& datas,
@@ -77,7 +69,10 @@ void collect_values(const std::vector<Part>& parts, const std::vector<std::share
     to.cost += datas[i]->cost;
     put(datas[i]->xnext, parts[i].x, to.xnext);
   }
-  stack_constraints(datas, to);
+  const auto g = [&](std::size_t i) -> const Eigen::VectorXd& { return datas[i]->g; };
+  const auto h = [&](std::size_t i) -> const Eigen::VectorXd& { return datas[i]->h; };
+  stack(datas.size(), g, to.g);
+  stack(datas.size(), h, to.h);
 }
 
 /// The rows of a node's [g; h] that belong to each subproblem. terminal: the node is evaluated by its state alone.

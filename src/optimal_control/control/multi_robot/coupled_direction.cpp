@@ -43,8 +43,6 @@ bool CoupledDirection::applies_to(const ShootingProblem& problem) {
   return last != nullptr;
 }
 
-CoupledDirection::CoupledDirection(ShootingPart part, bool is_whole) : Direction(std::move(part), is_whole) {}
-
 void CoupledDirection::resize() {
   Direction::resize();
   of_cluster_ = from_model_ = step_;

@@ -132,10 +132,6 @@ CouplingData::CouplingData(const Couplings& of, const std::vector<ActionPart>& p
   }
 }
 
-const std::string& Couplings::name(std::size_t coupling) const {
-  return scene_.contacts[couplings_[coupling].contact].name;
-}
-
 VectorXd Couplings::force(std::size_t coupling, const CouplingData& data) const {
   const auto c = static_cast<std::size_t>(couplings_[coupling].contact);
   return data.solution.f.segment(data.solution.f_offset[c], scene_.contacts[c].rows());

@@ -17,10 +17,6 @@ using Eigen::VectorXd;
 
 namespace {
 
-const DifferentialActionDataAbstract& dynamics_of_part(ActionDataAbstract& part) {
-  return *internal::euler_of(part).differential;
-}
-
 // The equations of the couplings, for both ends: rows = [C D_u] in the node's dx and u, and by_w, the coefficients of
 // the wrenches.
 struct CouplingSystem {
@@ -158,7 +154,7 @@ void Couplings::share_of_end(const std::vector<ActionPart>& parts, ActionDataPar
   const ContactDerivatives& dr = coupling.derivatives;
   const auto& W = coupling.rows.W;
 
-  const DifferentialActionDataAbstract& a = dynamics_of_part(*d.parts[part]);
+  const DifferentialActionDataAbstract& a = *internal::euler_of(*d.parts[part]).differential;
   auto C = own.C[part].middleRows<6>(6 * at), D = own.D[part].middleRows<6>(6 * at);
   C.setZero();
   D.setZero();

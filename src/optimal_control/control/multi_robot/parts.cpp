@@ -17,8 +17,6 @@ using internal::total;
 
 namespace {
 
-constexpr const char* kActionModelParts = ActionModelParts::kName;
-
 // The parts' matrices on the rows one after the other, each on its own columns.
 template <class Get>
 void stack(const std::vector<ActionPart>& parts, std::vector<int> ActionPart::*columns, Get get, MatrixXd& out) {
@@ -44,14 +42,14 @@ void gather(const VectorXd& whole, const std::vector<int>& index, VectorXd& part
 void scatter(const VectorXd& part, const std::vector<int>& index, VectorXd& whole) { put(part, index, whole); }
 
 ActionModelParts::ActionModelParts(std::shared_ptr<StateAbstract> state, std::size_t nu, std::vector<ActionPart> parts)
-    : NodeWithData(std::move(state), nu, 0, total(kActionModelParts, parts, &ActionModelAbstract::get_ng),
-                   total(kActionModelParts, parts, &ActionModelAbstract::get_nh),
-                   total(kActionModelParts, parts, &ActionModelAbstract::get_ng_T),
-                   total(kActionModelParts, parts, &ActionModelAbstract::get_nh_T)),
+    : NodeWithData(std::move(state), nu, 0, total(kName, parts, &ActionModelAbstract::get_ng),
+                   total(kName, parts, &ActionModelAbstract::get_nh),
+                   total(kName, parts, &ActionModelAbstract::get_ng_T),
+                   total(kName, parts, &ActionModelAbstract::get_nh_T)),
       parts_(std::move(parts)) {
   check_parts();
   for (const ActionPart& part : parts_) {
-    check_size(kActionModelParts, "a part's u", part.u.size(), part.model->get_nu());
+    check_size(kName, "a part's u", part.u.size(), part.model->get_nu());
     put(part.model->get_u_lb(), part.u, u_lb_);
     put(part.model->get_u_ub(), part.u, u_ub_);
   }
@@ -59,15 +57,14 @@ ActionModelParts::ActionModelParts(std::shared_ptr<StateAbstract> state, std::si
 }
 
 ActionModelParts::ActionModelParts(std::shared_ptr<StateMultibody> state, Scene scene, std::vector<ActionPart> parts)
-    : NodeWithData(state, static_cast<std::size_t>(scene.nu), 0,
-                   total(kActionModelParts, parts, &ActionModelAbstract::get_ng),
-                   total(kActionModelParts, parts, &ActionModelAbstract::get_nh),
-                   total(kActionModelParts, parts, &ActionModelAbstract::get_ng_T),
-                   total(kActionModelParts, parts, &ActionModelAbstract::get_nh_T)),
+    : NodeWithData(state, static_cast<std::size_t>(scene.nu), 0, total(kName, parts, &ActionModelAbstract::get_ng),
+                   total(kName, parts, &ActionModelAbstract::get_nh),
+                   total(kName, parts, &ActionModelAbstract::get_ng_T),
+                   total(kName, parts, &ActionModelAbstract::get_nh_T)),
       parts_(std::move(parts)),
       couplings_(std::make_shared<Couplings>(std::move(scene), parts_)) {
   const Scene& own = couplings_->scene();
-  check_size(kActionModelParts, "the scene's q and v", own.nq + own.nv, state_->get_nx());
+  check_size(kName, "the scene's q and v", own.nq + own.nv, state_->get_nx());
   check_parts();
   const VectorXd& effort = state->get_model()->effortLimit;
   for (const Robot& robot : own.robots)
@@ -77,13 +74,13 @@ ActionModelParts::ActionModelParts(std::shared_ptr<StateMultibody> state, Scene 
 }
 
 void ActionModelParts::check_parts() {
-  require(!parts_.empty(), kActionModelParts, "there is no part, one at least is expected");
-  internal::check_cover(kActionModelParts, "x", state_->get_nx(), parts_, &ActionPart::x);
-  internal::check_cover(kActionModelParts, "dx", state_->get_ndx(), parts_, &ActionPart::dx);
-  internal::check_cover(kActionModelParts, "u", nu_, parts_, &ActionPart::u);
+  require(!parts_.empty(), kName, "there is no part, one at least is expected");
+  internal::check_cover(kName, "x", state_->get_nx(), parts_, &ActionPart::x);
+  internal::check_cover(kName, "dx", state_->get_ndx(), parts_, &ActionPart::dx);
+  internal::check_cover(kName, "u", nu_, parts_, &ActionPart::u);
   for (const ActionPart& part : parts_) {
-    check_size(kActionModelParts, "a part's x", part.x.size(), part.model->get_state()->get_nx());
-    check_size(kActionModelParts, "a part's dx", part.dx.size(), part.model->get_state()->get_ndx());
+    check_size(kName, "a part's x", part.x.size(), part.model->get_state()->get_nx());
+    check_size(kName, "a part's dx", part.dx.size(), part.model->get_state()->get_ndx());
   }
   internal::stack_bounds(parts_, &ActionModelAbstract::get_g_lb, g_lb_);
   internal::stack_bounds(parts_, &ActionModelAbstract::get_g_ub, g_ub_);
@@ -214,6 +211,73 @@ void ActionModelParts::print(std::ostream& os) const {
   if (couplings_) os << "couplings=" << couplings_->couplings().size() << ", ";
   for (std::size_t i = 0; i < parts_.size(); ++i) os << (i ? ", " : "") << *parts_[i].model;
   os << "}";
+}
+
+// ---- the subproblems of a shooting problem
+
+namespace {
+
+constexpr const char* kSeparate = "separate";
+
+std::vector<int> all(std::size_t count) { return internal::range(0, static_cast<int>(count)); }
+
+const ActionModelParts* as_parts(const std::shared_ptr<ActionModelAbstract>& model) {
+  const auto* parts = dynamic_cast<const ActionModelParts*>(model.get());
+  return parts && !parts->get_couplings() ? parts : nullptr;
+}
+
+const ActionModelParts& parts_of(const ShootingProblem& problem, std::size_t t) {
+  const auto* model = as_parts(problem.model(t));
+  require(model != nullptr, kSeparate, "some nodes are ActionModelParts and others are not, all are expected");
+  return *model;
+}
+
+std::shared_ptr<ActionDataAbstract> data_of(const std::shared_ptr<ActionDataAbstract>& data, std::size_t part) {
+  return internal::own_data<ActionDataParts>(kSeparate, data).parts[part];
+}
+
+ShootingPart whole(const ShootingProblem& problem) {
+  ShootingPart out;
+  out.problem = std::make_shared<ShootingProblem>(problem);
+  out.x = all(problem.get_nx());
+  out.dx = all(problem.get_ndx());
+  for (const auto& model : problem.get_runningModels()) out.u.push_back(all(model->get_nu()));
+  return out;
+}
+
+ShootingPart part_of(const ShootingProblem& problem, std::size_t i) {
+  const std::size_t T = problem.get_T();
+  ShootingPart out;
+  const ActionPart& last = parts_of(problem, T).get_parts()[i];
+  out.x = last.x;
+  out.dx = last.dx;
+  ShootingProblem::Models models;
+  ShootingProblem::Datas datas;
+  for (std::size_t t = 0; t < T; ++t) {
+    const std::vector<ActionPart>& parts = parts_of(problem, t).get_parts();
+    require(parts.size() == parts_of(problem, T).get_parts().size() && parts[i].x == out.x && parts[i].dx == out.dx,
+            kSeparate, "the nodes' parts differ, the same coordinates of x and dx at every node are expected");
+    models.push_back(parts[i].model);
+    datas.push_back(data_of(problem.get_runningDatas()[t], i));
+    out.u.push_back(parts[i].u);
+  }
+  Eigen::VectorXd x0;
+  gather(problem.get_x0(), out.x, x0);
+  out.problem =
+      std::make_shared<ShootingProblem>(x0, models, last.model, datas, data_of(problem.get_terminalData(), i));
+  return out;
+}
+
+}  // namespace
+
+std::vector<ShootingPart> separate(const ShootingProblem& problem) {
+  bool any = false;
+  for (std::size_t t = 0; t <= problem.get_T(); ++t) any |= as_parts(problem.model(t)) != nullptr;
+  if (!any) return {whole(problem)};
+  std::vector<ShootingPart> out;
+  for (std::size_t i = 0; i < parts_of(problem, problem.get_T()).get_parts().size(); ++i)
+    out.push_back(part_of(problem, i));
+  return out;
 }
 
 }  // namespace manycontact

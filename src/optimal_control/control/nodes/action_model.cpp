@@ -43,10 +43,6 @@ void ActionDataAbstract::dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) cons
   fx = Fx, fu = Fu;
 }
 
-ActionModelAbstract::ActionModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr,
-                                         std::size_t ng, std::size_t nh, std::size_t ng_T, std::size_t nh_T)
-    : NodeOf("ActionModel", std::move(state), nu, nr, ng, nh, ng_T, nh_T) {}
-
 void ActionModelAbstract::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter,
                                       double tol) {
   check_size("quasiStatic", "x", x.size(), state_->get_nx());

@@ -3,12 +3,149 @@
 #include <cmath>
 #include <ostream>
 
+#include "../../action/by_node.hpp"
 #include "../../action/terms.hpp"
 #include "../integrators/steps.hpp"
-#include "impact_actuation.hpp"
+#include "manycontact/detail/algorithm/crba.hpp"
+#include "manycontact/detail/algorithm/rnea.hpp"
+#include "manycontact/detail/algorithm/rnea_derivatives.hpp"
 #include "manycontact/model/applied_forces.hpp"
 
 namespace manycontact {
+
+namespace internal {
+
+// The right-hand side of an impact as an actuation: tau(x, u) = (1 + e) M(q) u, u the velocity before the impact.
+class ImpactActuation : public ActuationModelAbstract {
+ public:
+  explicit ImpactActuation(std::shared_ptr<StateMultibody> state);
+
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  using ActuationModelAbstract::calc, ActuationModelAbstract::calcDiff;
+  void commands(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) override {}
+  void torqueTransform(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) override {}
+  std::shared_ptr<ActuationDataAbstract> createData() override;
+
+  double restitution = 0;    // e
+  Eigen::VectorXd armature;  // nv
+
+ private:
+  std::shared_ptr<StateMultibody> multibody_;
+};
+
+namespace {
+
+struct RobotWork {
+  explicit RobotWork(const Model& model)
+      : kin(model),
+        derivatives(model),
+        f(model.njoints(), Vec6<double>(Vec6<double>::Zero())),
+        Yc(kin.Y),
+        M(packed_size(model)),
+        lower(M.size()),
+        upper(M.size()) {}
+  Kinematics<double> kin;
+  RneaDerivatives derivatives;
+  std::vector<Vec6<double>> f;
+  std::vector<Inertia<double>> Yc;
+  std::vector<double> M;
+  // Places of (i, j) and (j, i) in the values of dtau_du, for each packed entry (i, its ancestor j); dtau_dx begins
+  // with the same pattern.
+  std::vector<int> lower, upper;
+};
+
+struct ImpactData : ActuationDataAbstract {
+  using ActuationDataAbstract::ActuationDataAbstract;
+  std::vector<RobotWork> robots;
+};
+
+const std::vector<Robot>& robots_of(const StateMultibody& state) { return state.get_model()->scene().robots; }
+
+// Calls use(k, i, j) for each packed entry k: coordinate i, its ancestor (or itself) j, numbered within the robot.
+template <class Use>
+void each_entry(const Model& model, Use&& use) {
+  for (int i = 0; i < model.nv; ++i) {
+    int k = model.M_begin[i];
+    for (int j = i; j >= 0; j = model.dof_parent[j]) use(k++, i, j);
+  }
+}
+
+// Sets the motion that ID is evaluated at: at rest, without gravity, with accelerations u.
+void move(const Robot& robot, const ConstVectorRef& x, const ConstVectorRef& u, RobotWork& w) {
+  const Model& model = *robot.model;
+  forward_kinematics<double>(model, robot.base, x.segment(robot.idx_q, model.nq), w.kin);
+  forward_accelerations<double>(model, x.tail(u.size()).segment(robot.idx_v, model.nv), u.data() + robot.idx_v,
+                                Vec3<double>(Vec3<double>::Zero()), w.kin);
+}
+
+}  // namespace
+
+ImpactActuation::ImpactActuation(std::shared_ptr<StateMultibody> state)
+    : ActuationModelAbstract(state, state->get_nv()),
+      armature(state->get_model()->armature),
+      multibody_(std::move(state)) {}
+
+std::shared_ptr<ActuationDataAbstract> ImpactActuation::createData() {
+  auto data = std::make_shared<ImpactData>(this);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const Robot& robot : robots_of(*multibody_)) {
+    data->robots.emplace_back(*robot.model);
+    each_entry(*robot.model, [&](int, int i, int j) {
+      entries.emplace_back(robot.idx_v + i, robot.idx_v + j, 0);
+      if (i != j) entries.emplace_back(robot.idx_v + j, robot.idx_v + i, 0);
+    });
+  }
+  data->dtau_du.setFromTriplets(entries.begin(), entries.end());
+  data->dtau_dx.setFromTriplets(entries.begin(), entries.end());
+  double* first = data->dtau_du.valuePtr();
+  for (std::size_t r = 0; r < data->robots.size(); ++r) {
+    const Robot& robot = robots_of(*multibody_)[r];
+    RobotWork& w = data->robots[r];
+    each_entry(*robot.model, [&](int k, int i, int j) {
+      w.lower[k] = static_cast<int>(&data->dtau_du.coeffRef(robot.idx_v + i, robot.idx_v + j) - first);
+      w.upper[k] = static_cast<int>(&data->dtau_du.coeffRef(robot.idx_v + j, robot.idx_v + i) - first);
+    });
+  }
+  return data;
+}
+
+// tau = (1 + e) ID(q, 0, u)
+void ImpactActuation::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+  check("ImpactActuation::calc", x, u);
+  ImpactData& d = static_cast<ImpactData&>(*data);
+  for (std::size_t r = 0; r < d.robots.size(); ++r) {
+    const Robot& robot = robots_of(*multibody_)[r];
+    RobotWork& w = d.robots[r];
+    move(robot, x, u, w);
+    inverse_dynamics<double>(*robot.model, w.kin, nullptr, {}, w.f, d.tau.segment(robot.idx_v, robot.model->nv));
+  }
+  d.tau += armature.cwiseProduct(u);
+  d.tau *= 1 + restitution;
+}
+
+// dtau/dq = (1 + e) dID/dq, dtau/du = (1 + e) M; at the last calc
+void ImpactActuation::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
+  check("ImpactActuation::calcDiff", x, u);
+  ImpactData& d = static_cast<ImpactData&>(*data);
+  const double scale = 1 + restitution;
+  double *by_x = d.dtau_dx.valuePtr(), *by_u = d.dtau_du.valuePtr();
+  for (std::size_t r = 0; r < d.robots.size(); ++r) {
+    const Robot& robot = robots_of(*multibody_)[r];
+    const Model& model = *robot.model;
+    RobotWork& w = d.robots[r];
+    crba<double>(model, w.kin, w.Yc, w.M.data());
+    rnea_derivatives<double>(model, w.kin, w.Yc, {}, w.derivatives);
+    each_entry(model, [&](int k, int i, int j) {
+      const double turned = i == j ? armature[robot.idx_v + i] - model.armature[i] : 0;
+      by_u[w.lower[k]] = by_u[w.upper[k]] = scale * (w.M[k] + turned);
+      by_x[w.upper[k]] = scale * w.derivatives.dq_upper[k];
+      by_x[w.lower[k]] = scale * w.derivatives.dq_lower[k];  // the value that is valid on the diagonal
+    });
+  }
+}
+
+}  // namespace internal
 
 using Model_ = ActionModelImpulseFwdDynamics;
 using DataPtr = std::shared_ptr<ActionDataAbstract>;
@@ -17,7 +154,6 @@ using internal::Stage;
 namespace {
 
 constexpr const char* kActionModelImpulseFwdDynamics = Model_::kName;
-const std::shared_ptr<ConstraintModelManager> kNoConstraints;
 const std::vector<int> kNoColumns;
 
 // The data of a differential model without controls, into which costs and constraints write their derivatives.
@@ -39,12 +175,6 @@ void check_residual(const std::string& name, const ResidualModelAbstract& residu
 }
 
 }  // namespace
-
-Model_::ActionModelImpulseFwdDynamics(std::shared_ptr<StateMultibody> state,
-                                      std::shared_ptr<ImpulseModelMultiple> impulses,
-                                      std::shared_ptr<CostModelSum> costs, double r_coeff, double damping,
-                                      bool enable_force)
-    : Model_(state, impulses, costs, kNoConstraints, r_coeff, damping, enable_force) {}
 
 Model_::ActionModelImpulseFwdDynamics(std::shared_ptr<StateMultibody> state,
                                       std::shared_ptr<ImpulseModelMultiple> impulses,
@@ -146,7 +276,7 @@ void Model_::lay_out(Data& d) const {
 }
 
 // v+ = w - e v, with w = xout of the dynamics at rest.
-void Model_::calc_impact(Data& d, const ConstVectorRef& x) const {
+void Model_::evaluate(Data& d, const ConstVectorRef& x, const ConstVectorRef* u) {
   constexpr const char* where = "ActionModelImpulseFwdDynamics::calc";
   const internal::ActionTerms terms{*costs_, constraints_.get()};
   internal::check_terms(where, terms, *d.costs, d.constraints.get());
@@ -172,12 +302,8 @@ void Model_::calc_impact(Data& d, const ConstVectorRef& x) const {
     forward_accelerations<double>(model, d.v.segment(robot.idx_v, model.nv), nullptr, m.scene.gravity, kin);
   }
   lay_out(d);
-}
-
-void Model_::evaluate(Data& d, const ConstVectorRef& x, const ConstVectorRef* u) {
-  calc_impact(d, x);
-  u ? costs_->calc(d.costs, x, *u) : costs_->calc(d.costs, x);
-  if (constraints_) u ? constraints_->calc(d.constraints, x, *u) : constraints_->calc(d.constraints, x);
+  internal::calc(*costs_, d.costs, x, u);
+  if (constraints_) internal::calc(*constraints_, d.constraints, x, u);
   d.cost = d.costs->cost;
   internal::stack_residuals(*costs_, *d.costs, d.r);
   internal::copy_values(*d.terms, false, d);
@@ -185,7 +311,8 @@ void Model_::evaluate(Data& d, const ConstVectorRef& x, const ConstVectorRef* u)
 }
 
 // dv+/dq = dw/dq, dv+/dv = dw/dv - e I; the dynamics have v as their controls.
-void Model_::differentiate_impact(Data& d, Stage stage) const {
+void Model_::differentiate(Data& d, const ConstVectorRef&, const ConstVectorRef* u) {
+  const Stage stage = u ? Stage::kRunning : Stage::kTerminal;
   internal::check_stage(kActionModelImpulseFwdDynamics,
                         d.stage == stage && internal::has_status({*costs_, constraints_.get()}, d.status), stage);
   const Eigen::Index nv = state_->get_nv();
@@ -201,12 +328,8 @@ void Model_::differentiate_impact(Data& d, Stage stage) const {
   d.Fx.topLeftCorner(nv, nv).setIdentity();
   d.Fx.topRightCorner(nv, nv).setZero();
   d.Fx.bottomRows(nv) = dvnext;
-}
-
-void Model_::differentiate(Data& d, const ConstVectorRef&, const ConstVectorRef* u) {
-  differentiate_impact(d, u ? Stage::kRunning : Stage::kTerminal);
-  u ? costs_->calcDiff(d.costs, d.x, *u) : costs_->calcDiff(d.costs, d.x);
-  if (constraints_) u ? constraints_->calcDiff(d.constraints, d.x, *u) : constraints_->calcDiff(d.constraints, d.x);
+  internal::calc_diff(*costs_, d.costs, d.x, u);
+  if (constraints_) internal::calc_diff(*constraints_, d.constraints, d.x, u);
   d.Lx = d.terms->Lx;
   d.Lxx = d.terms->Lxx;
   d.Gx = d.terms->Gx;

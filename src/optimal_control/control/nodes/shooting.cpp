@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <ostream>
-#include <utility>
 
 #include "nodes.hpp"
 
@@ -176,11 +175,7 @@ void ShootingProblem::set_runningModels(const Models& models) {
   is_updated_ = true;
 }
 
-void ShootingProblem::set_terminalModel(ModelPtr model) { updateModel(get_T(), model); }
-
 void ShootingProblem::set_nthreads(int nthreads) { nthreads_ = nthreads < 1 ? internal::default_threads() : nthreads; }
-
-bool ShootingProblem::is_updated() { return std::exchange(is_updated_, false); }
 
 std::ostream& operator<<(std::ostream& os, const ShootingProblem& problem) {
   os << "ShootingProblem (T=" << problem.get_T() << ", nx=" << problem.get_nx() << ", ndx=" << problem.get_ndx()

@@ -13,8 +13,6 @@ void add_identity(MatrixRef J, double sign, AssignmentOp op) {
 
 }  // namespace
 
-Eigen::VectorXd StateVector::zero() const { return Eigen::VectorXd::Zero(nx_); }
-
 Eigen::VectorXd StateVector::rand() const {
   thread_local std::mt19937 rng(1);
   Eigen::VectorXd x(nx_);

@@ -14,8 +14,6 @@ namespace manycontact {
 
 using Vectors = std::vector<Eigen::VectorXd>;
 
-SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem) : SolverDDP(std::move(problem), Limits::kIgnored) {}
-
 SolverDDP::SolverDDP(SolverDDP&&) = default;
 SolverDDP& SolverDDP::operator=(SolverDDP&&) = default;
 SolverDDP::~SolverDDP() = default;

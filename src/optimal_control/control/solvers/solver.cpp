@@ -1,29 +1,19 @@
 #include "manycontact/control/solver.hpp"
 
+#include <iterator>
+
 #include "../constrained/constraint_rows.hpp"
 #include "../nodes/nodes.hpp"
+#include "fit.hpp"
 #include "manycontact/sparse/largest.hpp"
 
 namespace manycontact {
 
 const char* to_string(StopReason reason) {
-  switch (reason) {
-    case StopReason::kNone:
-      return "not run";
-    case StopReason::kConverged:
-      return "converged";
-    case StopReason::kIterations:
-      return "iterations";
-    case StopReason::kNoDirection:
-      return "no direction";
-    case StopReason::kNoStep:
-      return "no step";
-    case StopReason::kInterrupted:
-      return "interrupted";
-    case StopReason::kInfeasible:
-      return "infeasible constraints";
-  }
-  return "?";
+  constexpr const char* names[] = {
+      "not run", "converged", "iterations", "no direction", "no step", "interrupted", "infeasible constraints"};
+  const auto k = static_cast<std::size_t>(reason);
+  return k < std::size(names) ? names[k] : "?";
 }
 
 namespace {
@@ -53,14 +43,11 @@ SolverAbstract::SolverAbstract(std::shared_ptr<ShootingProblem> problem) : probl
 
 void SolverAbstract::resizeData() {
   const std::size_t T = problem_->get_T();
-  const ShootingProblem::Models& models = problem_->get_runningModels();
   const std::size_t nodes = xs_.size();
   xs_.resize(T + 1);
-  us_.resize(T);
   fs_.resize(T + 1);
   for (std::size_t t = nodes; t <= T; ++t) xs_[t] = problem_->model(t)->get_state()->zero();
-  for (std::size_t t = 0; t < T; ++t)
-    if (us_[t].size() != static_cast<Eigen::Index>(models[t]->get_nu())) us_[t].setZero(models[t]->get_nu());
+  internal::fit_controls(*problem_, us_);
   for (Eigen::VectorXd& f : fs_)
     if (f.size() == 0) f.setZero(problem_->get_ndx());
 }
@@ -99,18 +86,10 @@ void SolverAbstract::check_us(const char* where, const Vectors& us) const {
 void SolverAbstract::setCandidate(const Vectors& xs_warm, const Vectors& us_warm, bool is_feasible) {
   if (!xs_warm.empty()) check_xs("Solver::setCandidate", xs_warm);
   if (!us_warm.empty()) check_us("Solver::setCandidate", us_warm);
-  for (std::size_t t = 0; t < xs_.size(); ++t) {
-    if (!xs_warm.empty())
-      xs_[t] = xs_warm[t];
-    else
-      xs_[t] = problem_->model(t)->get_state()->zero();
-  }
-  for (std::size_t t = 0; t < us_.size(); ++t) {
-    if (!us_warm.empty())
-      us_[t] = us_warm[t];
-    else
-      us_[t].setZero();
-  }
+  if (!xs_warm.empty()) xs_ = xs_warm;
+  if (!us_warm.empty()) us_ = us_warm;
+  for (std::size_t t = 0; t < xs_.size() && xs_warm.empty(); ++t) xs_[t] = problem_->model(t)->get_state()->zero();
+  for (std::size_t t = 0; t < us_.size() && us_warm.empty(); ++t) us_[t].setZero();
   is_feasible_ = is_feasible;
 }
 

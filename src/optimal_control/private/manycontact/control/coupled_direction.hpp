@@ -31,7 +31,7 @@ class CoupledDirection : public Direction {
  public:
   /// Whether this is for the problem: all its nodes have couplings of the same parts.
   static bool applies_to(const ShootingProblem& problem);
-  CoupledDirection(ShootingPart part, bool is_whole);
+  CoupledDirection(ShootingPart part, bool is_whole) : Direction(std::move(part), is_whole) {}
 
   const char* name() const override { return solver_->name(); }
   std::vector<int> blocks() const override;

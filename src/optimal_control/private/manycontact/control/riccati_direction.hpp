@@ -15,7 +15,8 @@ class RiccatiDirection : public Direction {
 
   /// keeps_values: Vxx, Qxx, Qxu, Quu of all nodes are kept, not those of the current node alone. This doubles the
   /// memory of a node.
-  RiccatiDirection(ShootingPart part, bool is_whole, bool keeps_values);
+  RiccatiDirection(ShootingPart part, bool is_whole, bool keeps_values)
+      : Direction(std::move(part), is_whole), keeps_values_(keeps_values) {}
 
   const char* name() const override { return "Riccati"; }
   std::vector<Gains> gains(std::size_t t) const override;
@@ -72,7 +73,8 @@ class RiccatiDirection : public Direction {
 
 class BoxDirection : public RiccatiDirection {  // respects the models' control limits
  public:
-  BoxDirection(ShootingPart part, bool is_whole);
+  BoxDirection(ShootingPart part, bool is_whole)
+      : RiccatiDirection(std::move(part), is_whole, true), qp_(part_.problem->model(0)->get_nu(), 100, 0.1, 1e-5, 0) {}
 
   bool compute_gains(std::size_t t) override;
   const std::vector<Eigen::MatrixXd>& get_Quu_inv() const { return Quu_inv_; }

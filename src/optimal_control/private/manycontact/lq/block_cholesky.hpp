@@ -25,7 +25,7 @@ class BlockCholesky {
   /// Adds M to S at row i of vertex u and column j of vertex v, and M^T at the mirrored place if that is another one
   /// (M on the diagonal is symmetric).
   void add(int u, int i, int v, int j, const Eigen::Ref<const Eigen::MatrixXd>& M);
-  void add_diagonal(int v, double a);  // adds a to vertex v's diagonal
+  void add_diagonal(int v, double a) { columns_[v].diagonal.diagonal().array() += a; }  // a: to vertex v's diagonal
 
   /// Adds `relative` times the largest entry of each vertex's rows to its diagonal, by its sign: S is quasi-definite
   /// then if it was semidefinite.

@@ -8,6 +8,12 @@
 
 namespace manycontact::lq {
 
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Block = Eigen::Ref<MatrixXd>;
+using ConstBlock = const Eigen::Ref<const MatrixXd>&;
+
 struct BlockDiagonal {
   static constexpr int kLargestPart = 6;  // rows
   struct Part {
@@ -19,16 +25,12 @@ struct BlockDiagonal {
 };
 
 // C <- beta C + ..., beta 0 or 1; C is none of the others.
-void add_DX(Eigen::Ref<Eigen::MatrixXd> C, double beta, const BlockDiagonal& D,
-            const Eigen::Ref<const Eigen::MatrixXd>& X);  // D X
-void add_DtX(Eigen::Ref<Eigen::MatrixXd> C, double beta, const BlockDiagonal& D,
-             const Eigen::Ref<const Eigen::MatrixXd>& X);  // D^T X
-void add_XD(Eigen::Ref<Eigen::MatrixXd> C, double beta, const Eigen::Ref<const Eigen::MatrixXd>& X,
-            const BlockDiagonal& D);  // X D
-void add_XDt(Eigen::Ref<Eigen::MatrixXd> C, double beta, const Eigen::Ref<const Eigen::MatrixXd>& X,
-             const BlockDiagonal& D);  // X D^T
+void add_DX(Block C, double beta, const BlockDiagonal& D, ConstBlock X);   // D X
+void add_DtX(Block C, double beta, const BlockDiagonal& D, ConstBlock X);  // D^T X
+void add_XD(Block C, double beta, ConstBlock X, const BlockDiagonal& D);   // X D
+void add_XDt(Block C, double beta, ConstBlock X, const BlockDiagonal& D);  // X D^T
 
 /// X <- D^T X
-void multiply_Dt(const BlockDiagonal& D, Eigen::Ref<Eigen::MatrixXd> X);
+void multiply_Dt(const BlockDiagonal& D, Block X);
 
 }  // namespace manycontact::lq

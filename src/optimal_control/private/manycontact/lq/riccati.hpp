@@ -40,7 +40,7 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
   double flops() const override { return flops_; }
 
   const Plan& plan() const { return plan_; }
-  const Policy& policy(int knot, int cluster) const;
+  const Policy& policy(int knot, int cluster) const { return policies_[knot][cluster]; }
 
   /// P+ of the next knot in the order of this knot's cluster; in scratch where it is not stored so.
   Eigen::Ref<const Eigen::MatrixXd> next_value(const Problem& problem, int knot, int cluster);

@@ -1,14 +1,22 @@
 #pragma once
 // A task taken apart: robots that neither contacts nor costs join at any node have motions of their own.
 
+#include <functional>
+
 #include "manycontact/detail/control/parts.hpp"
 #include "manycontact/io/task_file.hpp"
 #include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact {
 
-/// The sets of 0 ... count - 1, each ascending, in the order of their first ones.
-std::vector<std::vector<int>> sets_of(sparse::UnionFind& sets, int count);
+/// Joins the robots of both ends of a contact, if both have one.
+void join_ends(const Contact& contact, sparse::UnionFind& sets);
+/// Joins these robots; all of the scene if there are none.
+void join_robots(const Scene& scene, const std::vector<int>& robots, sparse::UnionFind& sets);
+/// Divides the task's robots into sets, each ascending, in the order of their first ones. `join` joins robots for one
+/// phase or for the terminal node; springs join their ends.
+using JoinRobots = std::function<void(const TaskPhase& phase, sparse::UnionFind& sets)>;
+std::vector<std::vector<int>> sets_of_robots(const TaskFile& task, const JoinRobots& join);
 
 /// The robots of each subproblem, ascending, in the order of the first ones. Robots are joined by a contact that is
 /// active in any phase; all of them by a centre of mass or a momentum of the whole scene.

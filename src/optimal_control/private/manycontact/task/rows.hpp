@@ -1,5 +1,5 @@
 #pragma once
-// Residuals made of another residual.
+// Residuals that are made of another residual: they take some of its rows, or all of them in other axes.
 
 #include "manycontact/action/residual.hpp"
 
@@ -25,7 +25,11 @@ class ResidualOfInner : public ResidualModelAbstract {
   static Data& own(ResidualDataAbstract& data) { return static_cast<Data&>(data); }
 
   /// name: that of the class.
-  ResidualOfInner(const char* name, const std::shared_ptr<ResidualModelAbstract>& inner, std::size_t nr);
+  ResidualOfInner(const char* name, const std::shared_ptr<ResidualModelAbstract>& inner, std::size_t nr)
+      : ResidualModelAbstract(internal::given(name, inner, "a residual")->get_state(), nr, inner->get_nu(),
+                              inner->depends_on()),
+        name_(name),
+        inner_(inner) {}
   const char* name_;
   std::shared_ptr<ResidualModelAbstract> inner_;
 };
@@ -37,10 +41,24 @@ class ResidualModelRows : public ResidualOfInner {  // r_i = inner_(rows_i)
   void lay_out(ResidualDataAbstract& data) const override;
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
-  void print(std::ostream& os) const override;
+  void print(std::ostream& os) const override { os << rows_.size() << " rows of " << *inner_; }
 
  private:
   std::vector<int> rows_, row_of_;  // row_of_: of inner's rows, -1 for those left out
+};
+
+/// Expresses another residual in the axes of a copy: r = X r_inner. Weights and bounds are along these axes too.
+class ResidualModelTurned : public ResidualOfInner {
+ public:
+  /// X: square. A block of the inner residual has all rows.
+  ResidualModelTurned(std::shared_ptr<ResidualModelAbstract> inner, const Eigen::MatrixXd& X);
+  void lay_out(ResidualDataAbstract& data) const override;
+  void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
+  void print(std::ostream& os) const override { os << "in a copy's axes " << *inner_; }
+
+ private:
+  Eigen::MatrixXd X_;
 };
 
 }  // namespace manycontact
