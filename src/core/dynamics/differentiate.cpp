@@ -93,20 +93,15 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
   w.linearisation->assign(scene, w, d.island);
 }
 
-// Whether the whole K first differentiates an island that sparse-bodies solved. Bodies solve for columns one by one,
+// Differentiates an island that no batch of robots alone serves: robot by robot where that is cheaper, by the system
+// that solved it, or by the whole K. This is the first where sparse-bodies solved: bodies solve for columns one by one,
 // which takes 4 to 70 times as long where K's sparse factor is sound, however deep the tree. Where it is not sound, the
 // dense reference solver of a large K would take longer.
-bool differentiates_by_matrix(const SceneData& data, const IslandWork& d) {
-  return data.options.method == Method::kAuto && d.answered_by(d.bodies.get()) &&
-         d.island.size() <= tolerance::kDifferentiatedByMatrix;
-}
-
-// Differentiates an island that no batch of robots alone serves: robot by robot where that is cheaper, by the system
-// that solved it, or by the whole K.
 void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, ThreadWork& thread,
                           IslandDerivatives& out) {
   if (differentiates_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;
-  if (differentiates_by_matrix(data, d) && d.matrix.make_current(scene, data, thread) &&
+  if (data.options.method == Method::kAuto && d.answered_by(d.bodies.get()) &&
+      d.island.size() <= tolerance::kDifferentiatedByMatrix && d.matrix.make_current(scene, data, thread) &&
       d.matrix.deficient() == d.bodies->drops &&  // same rank as the solution's
       d.matrix.differentiate(scene, data, thread, out))
     return;

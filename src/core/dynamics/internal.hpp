@@ -40,12 +40,6 @@ inline void keep_left(Workspace& w, int contact, const ContactData<double>& rows
   if (double* left = left_of(w, contact)) std::copy_n(rows.left.data(), rows.left.size(), left);
 }
 
-/// The workspace that solves: that of the scene solved in place of this one, where there is one.
-inline const Workspace& solver_of(const SceneData& data) {
-  const Workspace& w = *data.workspace;
-  return w.reduction ? *w.reduction->data->workspace : w;
-}
-
 /// The scratch of products, made where there is none yet.
 inline ProductWork& products_of(const Scene& scene, Workspace& w) {
   if (!w.products) w.products = std::make_unique<ProductWork>(scene);

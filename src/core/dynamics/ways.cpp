@@ -27,7 +27,7 @@ std::string text_of(const internal::Attempt& by, Method chosen) {
 }  // namespace
 
 std::string ways_of(const Scene& scene, const SceneData& data, std::size_t i) {
-  const IslandWork& d = *internal::solver_of(data).islands.at(i);
+  const IslandWork& d = *data_solved(data).workspace->islands.at(i);
   std::string out;
   const auto add = [&out](const std::string& way) { out += (out.empty() ? "" : "; ") + way; };
   if (d.alone.group && !is_inexact(scene, d)) add("in a SIMD batch");

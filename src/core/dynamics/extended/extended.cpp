@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "../internal.hpp"
+#include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/rank/row_units.hpp"
 #include "manycontact/sparse/largest.hpp"
@@ -297,13 +298,12 @@ void take_dependence(const Scene& scene, SceneData& data, ExtendedWork& e) {
 }
 
 void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
-  const Workspace& solver = solver_of(data);
   const Reduction* reduction = data.workspace->reduction;
   e.islands.assign(island_count(data), {});
   for (std::size_t i = 0; i < e.islands.size(); ++i) {
     const IslandReport& report = data.report.islands[i];
     OfIsland& of = e.islands[i];
-    of.refined = may_refine(scene, *solver.islands[i], report);
+    of.refined = may_refine(scene, *data_solved(data).workspace->islands[i], report);
     if (!of.refined) continue;
     of.status = report.status, of.reason = report.reason;
     if (report.reason == Reason::kUncertain) {  // found by bounds of an earlier call
@@ -337,7 +337,7 @@ void refine(const Scene& scene, SceneData& data, ExtendedWork& e) {
                           data.v.data(),
                           w.given.data(),
                           data.wrenches,
-                          forces_are_applied(solver_of(data)),
+                          forces_are_applied(*data_solved(data).workspace),
                           w.prescribed.empty() ? nullptr : w.prescribed.data(),
                           e.damping.data(),
                           data.f_offset};

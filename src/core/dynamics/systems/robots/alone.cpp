@@ -39,7 +39,7 @@ void take_answer(Precision precision, const lanes::Answer& answer, IslandWork& d
   report.residual_contact = answer.residual_contact;
   report.contact_terms = answer.contact_terms;
   report.backward_error = answer.backward_error;
-  d.answered = &d.alone;
+  d.answered = &IslandWork::batches;
   d.factorizations = 1;
   d.alone.panel_is_safe = answer.panel_is_safe;
   d.alone.refine_panel = answer.refine_panel;

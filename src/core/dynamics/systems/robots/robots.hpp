@@ -58,9 +58,9 @@ struct InLanes {
   std::vector<Batch> batches;
 };
 
-/// An island of one robot in a SIMD batch with others of its group: batch by batch, all of a scene's by one call (the
-/// functions of `alone.cpp` below). For one island alone it has no solution, and the whole K solves what batches left.
-struct AloneSystem final : IslandSystem {
+/// The place of an island of one robot in a SIMD batch with others of its group: batch by batch, all of a scene's are
+/// solved by one call (the functions of `alone.cpp` below). The whole K solves what batches left.
+struct BatchPlace {
   BlockGroup* group = nullptr;  // nullptr: it is in no SIMD batch; by prepare
   // set by the last solution that came from a SIMD batch
   bool panel_is_safe = false;  // whether derivatives may come from there too
