@@ -20,7 +20,7 @@ struct LdlNumbers {
     const sparse::LdlSchedule* compiled = by_schedule ? &p->schedule() : nullptr;
     L.resize(p->ldl.nonzeros());
     D.resize(p->size());
-    schedule = compiled && compiled->compiled ? compiled : nullptr;
+    schedule = compiled && compiled->compiled() ? compiled : nullptr;
     pattern = p;
   }
 

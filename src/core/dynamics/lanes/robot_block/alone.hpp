@@ -64,9 +64,10 @@ bool RobotBlock<S>::rows_wait() const {
 /// are lost.
 template <class S>
 void RobotBlock<S>::solve_by_factor(S* x) const {
-  if (plan_->border == 0) return sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
+  if (plan_->border() == 0)
+    return sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
   sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(x));
-  std::fill_n(x + rows_, plan_->border, S(0));
+  std::fill_n(x + rows_, plan_->border(), S(0));
   sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
 }
 
@@ -173,7 +174,7 @@ template <class S>
 typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
   if (!(damping > 0)) return all();
   S scale(0), force(0);
-  for (int i = 0; i < pattern_.size() - plan_->border; ++i) {
+  for (int i = 0; i < rows_; ++i) {
     const int k = pattern_.iperm[i];
     if (i >= pattern_.nv) scale = larger(scale_[k], scale);
     force = larger(i < pattern_.nv ? S(tolerance::kLeastLoad) * scale_[k] : abs(n_.x[k]), force);
@@ -199,7 +200,7 @@ void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots) {
 template <class S>
 void RobotBlock<S>::restore_contradiction() {
   const Mask of = waiting_.elements();
-  for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) {
+  for (int i = pattern_.nv; i < rows_; ++i) {
     const int k = pattern_.iperm[i];
     const S of_null = waiting_.null_component(k), b = n_.b[k] + of_null;
     scale_[k] = select(of, scale_[k] - abs(n_.b[k]) + abs(b), scale_[k]);
@@ -213,7 +214,7 @@ template <class S>
 rank::Contradiction<S> RobotBlock<S>::contradicted() const {
   rank::Contradiction<S> out;
   const auto each_row = [this](auto&& use) {
-    for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) use(pattern_.iperm[i]);
+    for (int i = pattern_.nv; i < rows_; ++i) use(pattern_.iperm[i]);
   };
   each_row([&](int k) { out.add_products(scale_[k] - abs(n_.b[k]), abs(n_.b[k])); });
   if (!rows_wait()) return out;

@@ -247,7 +247,7 @@ typename S::Mask RobotBlock<S>::accurate_unrefined(const S* L) {
 /// L of K_r: without the border's rows, which are the last of each column.
 template <class S>
 const S* RobotBlock<S>::inner_L() {
-  if (plan_->border == 0) return n_.L;
+  if (plan_->border() == 0) return n_.L;
   for (int j = 0; j < rows_; ++j)
     std::copy_n(n_.L + pattern_.ldl.Lp[j], inner_.ldl.Lp[j + 1] - inner_.ldl.Lp[j], inner_L_.data() + inner_.ldl.Lp[j]);
   return inner_L_.data();

@@ -198,7 +198,7 @@ WaitingRows<S>::WaitingRows(const BlockPlan& plan)
     : pattern_(*plan.pattern),
       rows_(plan.rows()),
       most_(plan.most_waiting()),
-      can_join_(plan.border == 0),
+      can_join_(plan.border() == 0),
       left_(rows_),
       x_(plan.pattern->size()),
       t_(most_),

@@ -28,7 +28,7 @@ BodiesSystem::Shape::Shape(std::shared_ptr<const BodyPattern> of, const lanes::L
   ldl.resize(*pattern);
   if (level && lanes::SubtreePlan::fits(*pattern)) {
     auto plan = std::make_shared<const lanes::SubtreePlan>(pattern);
-    if (plan->schedule.compiled) lanes = level->make_subtrees(plan);
+    if (plan->schedule.compiled()) lanes = level->make_subtrees(plan);
   }
   slots.resize(lanes ? static_cast<std::size_t>(level->width) : 1);
   side_by_side.reserve(slots.size());

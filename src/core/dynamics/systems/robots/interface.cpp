@@ -61,7 +61,6 @@ void analyze_interface(const IslandShape& shape, Interface& interface) {
   interface.S = sparse::permute(pattern, interface.place);
   sparse::LdlSymbolic L = sparse::ldl_analyze(interface.S);
   sparse::relax_supernodes(L);
-  interface.nonzeros = L.nonzeros();
   interface.flops = L.flops;
   interface.schedule = sparse::compile_ldl(interface.S, L);
   const std::vector<int>& at = interface.place;

@@ -31,8 +31,7 @@ struct Interface {
   std::vector<int> row;          // one entry per interface row: the island's row
   std::vector<int> perm, place;  // perm[k]: interface row eliminated k-th from S; place its inverse
   sparse::UpperCsc S;            // pattern of S, in that order
-  int nonzeros = 0;              // nonzeros of its factor; multiply-adds
-  double flops = 0;
+  double flops = 0;              // multiply-adds of its factor
   sparse::LdlSchedule schedule;
 
   int rows() const { return static_cast<int>(row.size()); }

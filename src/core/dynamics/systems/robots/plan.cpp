@@ -42,16 +42,15 @@ std::shared_ptr<const lanes::BlockPlan> make_plan(const Block& block, Order orde
   for (int c : block.joins) {
     Contact contact = block.scene.contacts[c];
     contact.A = on_first(end_on(contact, block.robot)), contact.B = {};
-    plan->border += contact.rows();
     plan->scene.contacts.push_back(std::move(contact));
   }
   plan->island = whole_scene(plan->scene, std::vector<char>(plan->scene.contacts.size(), 1));
   const IslandSupport support = island_support(plan->scene, plan->island);
   plan->supports = support.contacts;
   plan->pattern = plan->inner = block.inner;
-  if (plan->border == 0) return plan;
+  if (block.joins.empty()) return plan;
   std::vector<int> perm = block.inner->perm;
-  for (int i = plan->island.size() - plan->border; i < plan->island.size(); ++i) perm.push_back(i);
+  for (int i = block.inner->size(); i < plan->island.size(); ++i) perm.push_back(i);
   KktPattern bordered = analyze(plan->scene, plan->island, support, natural_pattern(plan->scene, plan->island, support),
                                 order, std::move(perm));
   sparse::relax_supernodes(block.inner->ldl, bordered.ldl);
@@ -105,7 +104,7 @@ void make_kernels(Workspace& w, BlockGroup& group, bool side_by_side) {
 BlockGroup* group_of_alone(Workspace& w, const IslandWork& d) {
   if (d.choice.method != Method::kSparseLdl || d.island.nv == 0 || d.island.size() > kLargestInLanes) return nullptr;
   const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(d.choice.order);
-  if (!pattern->schedule().compiled) return nullptr;
+  if (!pattern->schedule().compiled()) return nullptr;
   return &group_of(w, {d.shape->scene(), 0, d.shape->island().contacts, {}, pattern}, d.choice.order);
 }
 
@@ -140,7 +139,7 @@ InterfaceContactGroup& group_of(const Scene& scene, Workspace& w, int c) {
 }
 
 double cost_joined(const RobotsSystem& system, int width) {
-  double cost = cost_ldl(system.interface->rows(), system.interface->nonzeros, system.interface->flops);
+  double cost = cost_ldl(system.interface->rows(), system.interface->schedule.nonzeros(), system.interface->flops);
   for (std::size_t k = 0; k < system.order.size();) {
     const BlockGroup* group = system.robots[system.order[k]].group;
     std::size_t count = 1;
@@ -185,14 +184,14 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d, Order ord
   out->within = order;
   out->interface = std::make_shared<const Interface>(*d.shape);
   const Interface& interface = *out->interface;
-  bool fits = interface.schedule.compiled;
+  bool fits = interface.schedule.compiled();
   for (std::size_t k = 0; k < d.island.robots.size() && fits; ++k) {
     const Interface::OfRobot& r = interface.robots[k];
     const std::shared_ptr<const KktPattern> inner =
         w.shapes.find(d.shape->scene(), alone(*d.shape, interface, k))->pattern(order);
     BlockGroup& group = group_of(w, {d.shape->scene(), static_cast<int>(k), r.contacts, r.joins, inner}, order);
-    fits =
-        group.plan->schedule().compiled && inner->schedule().compiled && group.plan->pattern->size() <= kLargestInLanes;
+    fits = group.plan->schedule().compiled() && inner->schedule().compiled() &&
+           group.plan->pattern->size() <= kLargestInLanes;
     out->robots.push_back({&group});
     out->order.push_back(static_cast<int>(k));
   }
@@ -226,7 +225,7 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d) {
 void take_memory(RobotsSystem& system) {
   const std::size_t rows = system.interface->row.size(), robots = system.robots.size();
   system.Sx.resize(system.interface->S.nonzeros());
-  system.L.resize(system.interface->nonzeros);
+  system.L.resize(system.interface->schedule.nonzeros());
   for (std::vector<double>* x :
        {&system.D, &system.terms, &system.b, &system.y, &system.r, &system.scale, &system.step})
     x->resize(rows);
