@@ -15,7 +15,7 @@ void show_contacts(const Scene& scene, const SceneData& data) {
     MatrixSystem& m = island->matrix;
     if (m.state == w.state) continue;
     internal::evaluate_at_state(scene, data, *island);
-    internal::assemble(scene, data, island->choice.order, scene.damping, false, m);
+    internal::assemble(scene, data, island->choice.order, scene.damping, m);
     m.state = w.state;
   }
 }

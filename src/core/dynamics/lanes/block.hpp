@@ -94,7 +94,7 @@ struct JoinTerms {
   double* W() const { return J + rows * cols; }
   double* dq() const { return W() + 6 * rows; }
   double* dv() const { return dq() + rows * cols; }
-  double* D(bool B) const { return dv() + rows * cols + (B ? 6 * padded(cols) : 0); }
+  double* D_B() const { return dv() + rows * cols + 6 * padded(cols); }
 };
 
 /// A robot's numbers of its m border rows, one array after the other.

@@ -93,7 +93,7 @@ class LdlFactor final : public Factor {
       of_M_.resize(pattern->size());
       for (int k = 0; k < pattern->size(); ++k) of_M_[k] = pattern->perm[k] < pattern->nv;
     }
-    ldl_.take(pattern, method_ == Method::kSparseLdl);
+    ldl_.take(pattern, method_);
   }
 
   Reason factorize_all(const KktMatrix& K, FactorScratch& scratch) {

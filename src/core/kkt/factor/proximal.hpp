@@ -103,7 +103,7 @@ class ProximalFactor final : public Factor {
     nonzero_.assign(n, 1);
     same_.resize(n);
     std::iota(same_.begin(), same_.end(), 0);
-    ldl_.take(pattern, true);
+    ldl_.take(pattern, method());
   }
 
   // The largest diagonal entry of S, M's own diagonal in the place of M.

@@ -128,7 +128,7 @@ S RobotBlock<S>::residual(Mask same_sizes) {
 /// x = K^-1 b, each element refined as if it were solved alone (sparse/refine.hpp).
 template <class S>
 void RobotBlock<S>::refine() {
-  if (rows_wait()) waiting_.project_out(n_.b, true);
+  if (rows_wait()) waiting_.take_out(n_.b);
   std::copy_n(n_.b, rows_, n_.x);
   apply_inverse(n_.x);
   const Refinement<S> refined(

@@ -127,7 +127,6 @@ void RobotBlock<S>::find_reach(const DerivativeJob& job) {
   }
   chunks_ = std::move(chunks);
   request_ = job.request;
-  q_first_ = job.q_first;
 }
 
 /// Bands of columns whose solutions stay in the second cache; in each, chunks of parts that reach much the same rows.
@@ -416,7 +415,7 @@ void RobotBlock<S>::subtract_least_norm_columns(std::size_t chunk, Number* X) {
   std::fill_n(D, std::ptrdiff_t{rows_} * N, Number(0));
   bool any = false;
   for (int c = 0; c < of.parts * kPart; ++c) {
-    const int j = of.first[c / kPart] + c % kPart - q_first_;
+    const int j = of.first[c / kPart] + c % kPart - static_cast<int>(6 * plan_->joins());
     if (j < 0 || j >= nv) continue;
     any = true;
     for (int k = 0; k < rows_; ++k) D[std::ptrdiff_t{k} * N + c] = rate[std::ptrdiff_t{k} * nv + j];

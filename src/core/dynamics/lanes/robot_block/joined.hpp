@@ -109,7 +109,7 @@ void RobotBlock<S>::load(const Job& job, Robots robots, double* memory) {
 template <class S>
 void RobotBlock<S>::begin(Robots robots) {
   std::fill_n(n_.x, pattern_.size(), S(0));
-  if (rows_wait()) waiting_.project_out(n_.b, true);
+  if (rows_wait()) waiting_.take_out(n_.b);
   std::copy_n(n_.b, pattern_.size(), r_.data());
   forward(robots, all());
 }

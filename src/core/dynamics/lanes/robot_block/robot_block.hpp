@@ -152,7 +152,7 @@ class RobotBlock final
   void load_near(const Job& job, Robots robots);
   void size_torques(const Scene& scene, Robots robots, S* sizes);
   void size_drifts(const Scene& scene, Robots robots, const S& a, S* sizes) const;
-  S largest(const S* x, bool forces) const;
+  S largest(const S* x, int first, int end) const;
   Mask knows_turns(const Scene& scene, Robots robots) const;
   void make_single();
   void solve_unrefined(const Scene& scene, Robots robots);
@@ -289,7 +289,6 @@ class RobotBlock final
   std::vector<std::vector<int>> columns_;  // one entry per contact: its coordinates
   std::vector<Slot> places_;               // entries of -dr/dq, -dr/dv that may not be zero
   DerivativeRequest request_;              // the request that reach_ belongs to
-  int q_first_ = 0;                        // first of its columns
   std::vector<Chunk> chunks_;              // chunks of all columns
   std::vector<Band> bands_;
   // One flag per row of K, in the pattern's order, for each chunk: right-hand sides, and L^-1 times them, may be other

@@ -208,7 +208,7 @@ Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodyDependenc
   if (has_vanishing_row(system, work)) return Reason::kSmallPivot;
   const Reason reason = factorize_bodies(system, ldl, &solve.b);
   if (reason != Reason::kNone) return reason;
-  refinement = solve_refined(system, ldl, solve, tolerance::kRefinementSteps, true);
+  refinement = solve_lifted(system, ldl, solve, tolerance::kRefinementSteps);
   if (refinement.backward_error <= tolerance::kConverged) return Reason::kNone;  // NaN where x is not finite
   return all_finite(solve.b) ? Reason::kLargeResidual : Reason::kNotFinite;
 }

@@ -141,8 +141,9 @@ bool joint_space_fits(const IslandWork& d);
 void check_joint_space(const IslandWork& d, const char* function, const char* instead);
 
 /// K and b = [data.tau - h; wanted - a0] of what was evaluated, in that order of elimination.
-void assemble(const Scene& scene, const SceneData& data, Order order, double damping, bool weighed,
-              MatrixSystem& system);
+void assemble(const Scene& scene, const SceneData& data, Order order, double damping, MatrixSystem& system);
+/// Their contacts' rows times S, where that is not 1.
+void weigh_rows(const Scene& scene, MatrixSystem& system);
 /// Factorizes and solves by the first way that gives a sound solution: v.x, factor and the report are that solution's.
 /// False where there is none. After evaluate.
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
