@@ -102,7 +102,7 @@ void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, Th
   if (differentiates_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;
   if (data.options.method == Method::kAuto && d.answered_by(d.bodies.get()) &&
       d.island.size() <= tolerance::kDifferentiatedByMatrix && d.matrix.make_current(scene, data, thread) &&
-      d.matrix.deficient() == d.bodies->drops &&  // same rank as the solution's
+      d.matrix.deficient() == d.deficient &&  // same rank as the solution's
       d.matrix.differentiate(scene, data, thread, out))
     return;
   if (!ask(scene, data, d, thread, [&](IslandSystem& system) {  // robots were tried just now, or are not cheaper
@@ -184,7 +184,6 @@ void release_derivatives(SceneData& data) {
   if (w.reduction) {
     release_derivatives(*w.reduction->data);
     w.reduction->plain.reset();
-    w.reduction->plain_is_current = false;
   }
   for (ThreadWork& thread : w.threads) thread.panel = {};
   for (const auto& island : w.islands) release(*island);

@@ -138,16 +138,16 @@ Progress judge(const Scene& scene, const SceneData& data, const ExtendedWork& e,
   const double a = largest(scene, island, e.a), f = largest_force(scene, data.f_offset, island, e.f);
   if (!std::isfinite(da) || !std::isfinite(df)) return Progress::kFailed;
   of.last_a = da, of.last_f = df;
-  of.now =
+  const double now =
       std::max(relative(da, a, kExtendedVanishing * of.at_rest_a), relative(df, f, kExtendedVanishing * of.at_rest_f));
-  const bool slow = of.steps > 1 && of.now > kExtendedSlow * of.before;
+  const bool slow = of.steps > 1 && now > kExtendedSlow * of.before;
   if (change_of_parts(scene, data, e, island, of) <= kExtendedConverged) return Progress::kConverged;
   if (slow)
     return relative(da, a, tolerance::kExtendedStoppedVanishing * of.at_rest_a) <= tolerance::kExtendedStopped &&
                    relative(df, f, tolerance::kExtendedStoppedVanishing * of.at_rest_f) <= tolerance::kExtendedStopped
                ? Progress::kConverged
                : Progress::kFailed;
-  of.before = of.now;
+  of.before = now;
   return ++of.steps < tolerance::kExtendedSteps ? Progress::kGoesOn : Progress::kFailed;
 }
 

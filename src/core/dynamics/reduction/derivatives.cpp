@@ -108,7 +108,7 @@ SceneData& differentiated(const Scene& scene, SceneData& data) {
   bool as_one = true;
   if (scene.damping > 0) r.each_pair([&](int c, const PairRows& pair) { as_one = as_one && moves_as_one(r, c, pair); });
   if (as_one) return *r.data;
-  if (r.plain_is_current) return *r.plain;
+  if (r.plain && r.plain->serial != 0) return *r.plain;
   Options options = data.options;
   options.reduce_pairs = false;
   if (!r.plain) r.plain = std::make_unique<SceneData>(scene, options);
@@ -116,7 +116,6 @@ SceneData& differentiated(const Scene& scene, SceneData& data) {
   r.plain->active = data.active;
   r.plain->wrenches = data.wrenches;
   (void)solve_tau(scene, w.q, data.v, w.given, *r.plain);
-  r.plain_is_current = true;
   return *r.plain;
 }
 

@@ -186,7 +186,7 @@ const Report& solve_reduced(const Scene& scene, const ConstVector& q, const Cons
   Reduction& r = *w.reduction;
   w.prescribed.assign(prescribed.begin(), prescribed.end());
   refresh(scene, data, r);
-  r.plain_is_current = false;
+  if (r.plain) give_up_solution(*r.plain);
   w.given = tau;
   std::span<const double> of_solved;
   if (!prescribed.empty()) {

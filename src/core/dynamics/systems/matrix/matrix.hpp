@@ -26,8 +26,7 @@ struct DependentDerivatives {
   std::vector<char> in_null_space;  // nc
   std::vector<int> contacts;        // contacts of the island with rows there
   std::vector<int> columns, place;  // coordinates that their J changes with; nv: where these are among them
-  int ld = 0;
-  std::vector<double> panel;  // scratch: size x ld
+  std::vector<double> panel;        // scratch: size x columns, padded
 };
 
 class MatrixSystem final : public IslandSystem {
