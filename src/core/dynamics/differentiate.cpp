@@ -70,12 +70,6 @@ void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& 
   number_torques(scene, island, out);
 }
 
-void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& d, IslandDerivatives& out) {
-  derivative_terms(scene, data, d.island, data.f);
-  out.X.setZero();
-  derivative_rhs(scene, *data.workspace->linearisation, data.v, d, out);
-}
-
 namespace {
 
 // Memory, by the thread that calls, of an island's derivatives.

@@ -81,9 +81,8 @@ namespace internal {
 /// The linearisation, made when first needed and fit for the current islands.
 Linearisation& linearisation_of(const Scene& scene, SceneData& data);
 
-/// Terms of an island's derivatives at the last solve: RNEA's and the contacts', with contact forces f of the scene.
-/// While AtSolution lives.
-void derivative_terms(const Scene& scene, SceneData& data, const Island& island, const Eigen::VectorXd& f);
+/// Terms of an island's derivatives at the last solve: RNEA's and the contacts'. While AtSolution lives.
+void derivative_terms(const Scene& scene, SceneData& data, const Island& island);
 
 /// Forces of an island's contacts on its robots' bodies, in their tree frames, into fext(robot)[joint]. contacts: per
 /// contact of the scene, evaluated. f: of the scene.

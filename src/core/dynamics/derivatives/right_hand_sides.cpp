@@ -6,8 +6,10 @@
 
 namespace manycontact::internal {
 
-void derivative_rhs(const Scene& scene, const Linearisation& terms, const Eigen::VectorXd& v, const IslandWork& d,
-                    IslandDerivatives& out) {
+void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& d, IslandDerivatives& out) {
+  derivative_terms(scene, data, d.island);
+  out.X.setZero();
+  const Linearisation& terms = *data.workspace->linearisation;
   const Island& island = d.island;
   const DerivativeRequest& request = out.request;
   AlignedPanel& X = out.X;
@@ -20,7 +22,7 @@ void derivative_rhs(const Scene& scene, const Linearisation& terms, const Eigen:
     if (request.v)
       robot_columns(model, rnea.dv_lower.data(), rnea.dv_upper.data(), X.block(o, out.v_first + o, nv, nv));
     for (int i = 0; request.v && has_friction(model) && i < nv; ++i)
-      X(o + i, out.v_first + o + i) -= friction_slope(model, i, v[scene.robots[island.robots[k]].idx_v + i]);
+      X(o + i, out.v_first + o + i) -= friction_slope(model, i, data.v[scene.robots[island.robots[k]].idx_v + i]);
     const int u = out.u_first + out.u_offset[k];
     for (int i = 0; request.u && i < (request.tau ? nv : model.nu()); ++i)
       X(o + (request.tau ? i : model.actuated[i]), u + i) = 1;

@@ -26,6 +26,10 @@ lanes::Job job_at_state(const Scene& scene, SceneData& data) {
           data.workspace->left.data()};
 }
 
+lanes::Solution solution_of(const Scene& scene, const SceneData& data) {
+  return {scene, data.serial, data.workspace->q.data(), data.v.data(), data.a.data(), data.f.data(), data.f_offset};
+}
+
 namespace {
 
 void take_answer(Precision precision, const lanes::Answer& answer, IslandWork& d, IslandReport& report) {
@@ -179,10 +183,9 @@ void differentiate_alone(const Scene& scene, SceneData& data) {
       scene, w, costs::kDerivatives, group_of_answer,
       [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
         const IslandDerivatives& first = w.derivatives.islands[numbers.front()];
-        const lanes::DerivativeJob job{scene,         data.serial,   w.q.data(),    data.v.data(),
-                                       data.a.data(), data.f.data(), data.f_offset, first.request,
-                                       first.q_first, first.v_first, first.u_first, static_cast<int>(first.X.cols()),
-                                       non_temporal};
+        const lanes::DerivativeJob job{
+            solution_of(scene, data),         first.request, first.q_first, first.v_first, first.u_first,
+            static_cast<int>(first.X.cols()), non_temporal};
         thread.panels.clear();
         for (int i : numbers) {
           IslandDerivatives& out = w.derivatives.islands[i];
@@ -192,25 +195,12 @@ void differentiate_alone(const Scene& scene, SceneData& data) {
       });
 }
 
-void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* dtau, double* da,
-               double* df) {
-  Workspace& w = *data.workspace;
-  const lanes::ProductJob job{scene,         data.serial,   w.q.data(),     data.v.data(),    data.a.data(),
-                              data.f.data(), data.f_offset, {dq, dv, dtau}, {da, df, nullptr}};
-  each_in_lanes(scene, w, costs::kProducts, group_of_answer,
+void multiply_alone(const Scene& scene, SceneData& data, ProductInLanes product, const std::array<const double*, 3>& in,
+                    const std::array<double*, 3>& out) {
+  const lanes::ProductJob job{solution_of(scene, data), in, out};
+  each_in_lanes(scene, *data.workspace, costs::kProducts, group_of_answer,
                 [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
-                  group.kernels[thread.number].of(robots.size()).jvp(job, robots);
-                });
-}
-
-void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
-               double* wtau) {
-  Workspace& w = *data.workspace;
-  const lanes::ProductJob job{scene,         data.serial,   w.q.data(),        data.v.data(), data.a.data(),
-                              data.f.data(), data.f_offset, {wa, wf, nullptr}, {wq, wv, wtau}};
-  each_in_lanes(scene, w, costs::kProducts, group_of_answer,
-                [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
-                  group.kernels[thread.number].of(robots.size()).vjp(job, robots);
+                  (group.kernels[thread.number].of(robots.size()).*product)(job, robots);
                 });
 }
 

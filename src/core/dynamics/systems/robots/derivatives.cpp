@@ -273,9 +273,7 @@ bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, boo
   by.sample.robots_error = std::numeric_limits<double>::infinity();  // not known
   clear_rhs(*system.interface, by, by.buffers.front().nonzero, out.X);
   const auto job_of = [&](const OfRobot& r) {
-    return lanes::DerivativeJob{scene,         data.serial,   w.q.data(),  data.v.data(), data.a.data(),
-                                data.f.data(), data.f_offset, out.request, r.q_first,     r.v_first,
-                                r.u_first,     r.own,         false};
+    return lanes::DerivativeJob{solution_of(scene, data), out.request, r.q_first, r.v_first, r.u_first, r.own, false};
   };
   for (std::size_t k = 0; k < by.robots.size(); ++k) system.member(k).ends = by.robots[k].ends.data();
   each_batch(w, system, costs::kDerivatives, [&](Kernel& kernel, std::span<Member> robots, Memory, ThreadWork&) {

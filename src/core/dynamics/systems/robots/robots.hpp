@@ -170,12 +170,11 @@ int batch_width(const Workspace& w);
 void report_dependent_rows(const Scene& scene, const SceneData& data, IslandWork& island, std::span<const int> rows,
                            const rank::Contradiction<double>& contradiction, IslandReport& report);
 /// Derivatives of islands that SIMD batches serve (IslandWork::served_in_lanes) into w.derivatives, and products with
-/// them. Vectors are in the scene's coordinates, as in jvp.hpp.
+/// them: jvp or vjp of the kernels, whose vectors are as lanes::ProductJob has them.
 void differentiate_alone(const Scene& scene, SceneData& data);
-void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* dtau, double* da,
-               double* df);
-void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
-               double* wtau);
+using ProductInLanes = void (lanes::RobotBlocks::*)(const lanes::ProductJob&, std::span<lanes::RobotBlocks::Robot>);
+void multiply_alone(const Scene& scene, SceneData& data, ProductInLanes product, const std::array<const double*, 3>& in,
+                    const std::array<double*, 3>& out);
 
 /// Makes island.robots->derivatives for `out`, which is laid out, where robot by robot is predicted to be cheaper than
 /// by the factor of the whole K.
@@ -183,8 +182,9 @@ void prepare_robots_derivatives(const Scene& scene, IslandWork& island, const Is
 /// Whether it is; but for that the way may turn out not to be sound.
 bool differentiates_by_robots(const IslandWork& island);
 
-/// The job of SIMD batches at the current state, in the scene's coordinates.
+/// The job of SIMD batches at the current state, and what they take of its solution.
 lanes::Job job_at_state(const Scene& scene, SceneData& data);
+lanes::Solution solution_of(const Scene& scene, const SceneData& data);
 
 /// The componentwise backward error (sparse/refine.hpp) of the interface rows, of their b and y and the robots'
 /// borders; NaN where any is.
