@@ -28,12 +28,12 @@ void name_dependent_rows(const SceneData& data, const Island& island, std::span<
 /// The acceleration prescribed for row i of a contact.
 inline double prescribed_in(const SceneData& data, int contact, Eigen::Index i) {
   const std::vector<double>& prescribed = data.workspace->prescribed;
-  return prescribed.empty() ? 0 : prescribed[data.f_offset[static_cast<std::size_t>(contact)] + i];
+  return prescribed.empty() ? 0 : prescribed[data.f_offset[contact] + i];
 }
 
 /// Returns where ContactData::left of a contact goes; nullptr: it is no pair.
 inline double* left_of(Workspace& w, int contact) {
-  const int at = w.left_offset[static_cast<std::size_t>(contact)];
+  const int at = w.left_offset[contact];
   return at < 0 ? nullptr : w.left.data() + at;
 }
 inline void keep_left(Workspace& w, int contact, const ContactData<double>& rows) {

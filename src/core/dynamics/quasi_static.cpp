@@ -34,7 +34,7 @@ Eigen::VectorXd load_sizes(const Scene& scene, const Robot& robot, const std::ve
     for (int i = joint.idx_v; i < joint.idx_v + joint.nv(); ++i)
       out[i] =
           scene.gravity.norm() * std::sqrt(std::max(0.0, mass[j] * M[static_cast<std::size_t>(model.M_begin[i])])) +
-          (applied.empty() ? 0 : applied[static_cast<std::size_t>(robot.idx_v + i)]);
+          (applied.empty() ? 0 : applied[robot.idx_v + i]);
   }
   return out;
 }

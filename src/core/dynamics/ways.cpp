@@ -34,7 +34,7 @@ std::string ways_of(const Scene& scene, const SceneData& data, std::size_t i) {
   if (d.robots && d.robots->solves && !is_inexact(scene, d)) add("robot by robot in SIMD batches");
   if (d.bodies && !is_inexact(scene, d)) add(to_string(Method::kSparseBodies));
   const internal::Attempts attempts = internal::attempts_of(scene, d.matrix);
-  for (int k = 0; k < attempts.count; ++k) add(text_of(attempts.list[static_cast<std::size_t>(k)], d.choice.method));
+  for (int k = 0; k < attempts.count; ++k) add(text_of(attempts.list[k], d.choice.method));
   return out;
 }
 

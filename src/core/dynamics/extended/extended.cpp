@@ -55,8 +55,7 @@ extended::Part part_of(const ExtendedWork& e) { return {e.robots, e.contacts}; }
 template <class Use>
 void each_row(const Scene& scene, const SceneData& data, const ExtendedWork& e, const Use& use) {
   for (int c : e.contacts)
-    for (int i = 0, k = data.f_offset[static_cast<std::size_t>(c)];
-         i < scene.contacts[static_cast<std::size_t>(c)].rows(); ++i, ++k)
+    for (int i = 0, k = data.f_offset[c]; i < scene.contacts[c].rows(); ++i, ++k)
       use(static_cast<std::size_t>(c), i, k);
 }
 
@@ -312,7 +311,7 @@ void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
     }
     const Island& island = solved_island(data, i);
     const double damping = report.reason == Reason::kDampingLost ? 0 : scene.damping;
-    for (int c : island.contacts) e.damping[static_cast<std::size_t>(c)] = damping;
+    for (int c : island.contacts) e.damping[c] = damping;
     of.projects = damping == 0 && (report.rank < report.nc || (reduction && has_pairs(*reduction, i)));
     of.size_a = largest(scene, island, data.a);
     of.size_f = largest_force(scene, data.f_offset, island, data.f);
@@ -321,7 +320,7 @@ void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
       for (int k = 0; k < n; ++k) of.at_rest_f = std::max(of.at_rest_f, std::abs(data.tau[first + k]));
     });
     for (int r : island.robots)
-      for (const Joint& joint : scene.robots[static_cast<std::size_t>(r)].model->joints)
+      for (const Joint& joint : scene.robots[r].model->joints)
         of.at_rest_f = std::max(of.at_rest_f, scene.gravity.norm() * joint.inertia.m);
   }
 }

@@ -31,7 +31,7 @@ struct StandingEnd {
 };
 inline StandingEnd<double> standing_end(const Scene& scene, const Attachment& at) {
   if (at.robot < 0) return {{at.placement.R, Vec3<double>::Zero()}, at.placement.p};
-  const SE3<double>& base = scene.robots[static_cast<std::size_t>(at.robot)].base;
+  const SE3<double>& base = scene.robots[at.robot].base;
   return {{base.R * at.placement.R, base.R * at.placement.p}, base.p};
 }
 

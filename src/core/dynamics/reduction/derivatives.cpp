@@ -25,7 +25,7 @@ bool moves_as_one(const Reduction& r, int c, const PairRows& pair) {
 
 int row_of(const Island& island, int contact) {
   const auto at = std::lower_bound(island.contacts.begin(), island.contacts.end(), contact) - island.contacts.begin();
-  return island.row_offset[static_cast<std::size_t>(at)];
+  return island.row_offset[at];
 }
 
 // Rows of forces of an island's panel, from those of the scene solved.
@@ -34,7 +34,7 @@ void expand_rows(const Reduction& r, std::size_t i, const From& from, To&& to) {
   const Island &solved = solved_island(*r.data, i), &own = r.islands[i];
   for (std::size_t k = 0; k < solved.contacts.size(); ++k) {
     const int c = solved.contacts[k], first = solved.row_offset[k];
-    const int rows = r.scene.contacts[static_cast<std::size_t>(c)].rows();
+    const int rows = r.scene.contacts[c].rows();
     const PairRows* pair = r.pair_of(c);
     if (!pair) {
       to.middleRows(row_of(own, c), rows) = from.middleRows(first, rows);
@@ -44,8 +44,7 @@ void expand_rows(const Reduction& r, std::size_t i, const From& from, To&& to) {
     for (std::size_t m = 0; m < pair->contacts.size(); ++m) {
       const int at = row_of(own, pair->contacts[m]);
       for (int i = 0; i < pair->members[m].rows(); ++i, ++row)
-        to.row(at + i).noalias() =
-            (pair->unit[static_cast<std::size_t>(row)] * pair->numbers->Q.row(row)) * from.middleRows(first, rows);
+        to.row(at + i).noalias() = (pair->unit[row] * pair->numbers->Q.row(row)) * from.middleRows(first, rows);
     }
   }
 }

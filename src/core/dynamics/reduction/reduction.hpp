@@ -50,15 +50,12 @@ struct Reduction {
 
   int first_pair() const { return static_cast<int>(scene.contacts.size() - pairs.size()); }
   /// The rows of a contact of `scene`; nullptr where it is no pair.
-  const PairRows* pair_of(int c) const {
-    return c < first_pair() ? nullptr : pairs[static_cast<std::size_t>(c - first_pair())].get();
-  }
+  const PairRows* pair_of(int c) const { return c < first_pair() ? nullptr : pairs[c - first_pair()].get(); }
   /// use(contact of `scene`, rows) of pairs that are active.
   template <class Use>
   void each_pair(Use&& use) const {
     for (std::size_t k = 0; k < pairs.size(); ++k)
-      if (const int c = first_pair() + static_cast<int>(k); data->active[static_cast<std::size_t>(c)])
-        use(c, *pairs[k]);
+      if (const int c = first_pair() + static_cast<int>(k); data->active[c]) use(c, *pairs[k]);
   }
 };
 

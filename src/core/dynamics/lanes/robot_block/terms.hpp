@@ -122,7 +122,7 @@ void RobotBlock<S>::store_contact_velocities(const Job& job, Robots robots) {
     VecX<S>& velocity = contact_scratch_[k];
     velocity.setZero();
     for (Eigen::Index j = 0; j < J.cols(); ++j) {
-      const S x = n_.x[pattern_.iperm[columns_[k][static_cast<std::size_t>(j)]]];
+      const S x = n_.x[pattern_.iperm[columns_[k][j]]];
       for (Eigen::Index i = 0; i < J.rows(); ++i) velocity[i] = multiply_add(J(i, j), x, velocity[i]);
     }
     store_arrays(velocity.data(), static_cast<int>(velocity.size()), side_by_side(robots, to, [&](const Robot& r) {

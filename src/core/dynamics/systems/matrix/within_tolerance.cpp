@@ -249,8 +249,8 @@ bool take_change(const Workspace& work, const IslandWork& d, const std::vector<i
   Eigen::VectorXd J_c(in_N.size());
   double error = 0;  // the largest
   for (Eigen::Index i = 0; i < J_c.size(); ++i) {
-    J_c[i] = change[static_cast<std::size_t>(i)].value;
-    error = std::max(error, w.tolerance * error_of_entry(w, change[static_cast<std::size_t>(i)].row, c));
+    J_c[i] = change[i].value;
+    error = std::max(error, w.tolerance * error_of_entry(w, change[i].row, c));
   }
   const Eigen::MatrixXd Nt = N(in_N, Eigen::all).transpose();
   const Eigen::VectorXd left = Nt * J_c;
@@ -265,8 +265,8 @@ bool take_change(const Workspace& work, const IslandWork& d, const std::vector<i
       !((Nt * part - left).array().abs() <= rounding(J_c.cwiseAbs() + part.cwiseAbs())).all())
     return false;
   for (Eigen::Index i = 0; i < J_c.size(); ++i) {
-    change[static_cast<std::size_t>(i)].value = -part[i];
-    w.changes.push_back(change[static_cast<std::size_t>(i)]);
+    change[i].value = -part[i];
+    w.changes.push_back(change[i]);
   }
   return true;
 }
