@@ -424,20 +424,11 @@ void take_extended_bounds(const Scene& scene, SceneData& data) {
     IslandReport& report = data.report.islands[i];
     const Island& island = solved_island(data, i);
     const bool extended = report.precision == Precision::kExtended;
-    const Distance a{largest(scene, island, data.a),
-                     of.size_a,
-                     report.error_acceleration,
-                     largest(scene, island, e.r_a),
-                     of.last_a,
-                     of.at_rest_a,
-                     extended};
-    const Distance f{largest_force(scene, data.f_offset, island, data.f),
-                     of.size_f,
-                     report.error_forces,
-                     largest_force(scene, data.f_offset, island, e.r),
-                     of.last_f,
-                     of.at_rest_f,
-                     extended};
+    const auto of_a = [&](const Eigen::VectorXd& x) { return largest(scene, island, x); };
+    const auto of_f = [&](const Eigen::VectorXd& x) { return largest_force(scene, data.f_offset, island, x); };
+    const Distance a{of_a(data.a), of.size_a, report.error_acceleration, of_a(e.r_a), of.last_a,
+                     of.at_rest_a, extended};
+    const Distance f{of_f(data.f), of.size_f, report.error_forces, of_f(e.r), of.last_f, of.at_rest_f, extended};
     report.error_acceleration = relative_bound(a), report.error_forces = relative_bound(f);
     if (a.is_known(a.error()) && f.is_known(f.error())) report.status = of.status, report.reason = of.reason;
   }

@@ -147,14 +147,13 @@ std::vector<DerivativeBounds> derivative_errors_reduced(const Scene& scene, Scen
     const IslandDerivatives &of_y = derivatives(*r.data).islands[i], &of_f = w.derivatives.islands[i];
     const double share = largest_share(r, i);
     DerivativeBounds& b = out[i];
-    b.dforces_dq =
-        relative_to_forces(b.dforces_dq, share, largest_in(of_y.dforces_dq()), largest_in(of_f.dforces_dq()));
-    b.dforces_dv =
-        relative_to_forces(b.dforces_dv, share, largest_in(of_y.dforces_dv()), largest_in(of_f.dforces_dv()));
-    b.dforces_dw =
-        relative_to_forces(b.dforces_dw, share, largest_in(of_y.dforces_dw()), largest_in(of_f.dforces_dw()));
-    b.dforces_du =
-        relative_to_forces(b.dforces_du, share, largest_in(of_y.dforces_du()), largest_in(of_f.dforces_du()));
+    const auto take = [share](double& bound, const auto& y, const auto& f) {
+      bound = relative_to_forces(bound, share, largest_in(y), largest_in(f));
+    };
+    take(b.dforces_dq, of_y.dforces_dq(), of_f.dforces_dq());
+    take(b.dforces_dv, of_y.dforces_dv(), of_f.dforces_dv());
+    take(b.dforces_dw, of_y.dforces_dw(), of_f.dforces_dw());
+    take(b.dforces_du, of_y.dforces_du(), of_f.dforces_du());
   }
   return out;
 }

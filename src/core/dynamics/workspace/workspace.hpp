@@ -2,6 +2,7 @@
 // The memory behind SceneData, private to module dynamics. Each part names its writer.
 
 #include <map>
+#include <optional>
 #include <span>
 
 #include "../applied_forces.hpp"
@@ -124,9 +125,8 @@ struct Workspace {
   // for (prepare_islands)
   std::unique_ptr<Reduction> pairs;  // nullptr: none may be reduced
   Reduction* reduction = nullptr;    // `pairs`, where some are; what is solved is its scene then
-  bool has_islands = false;          // the islands of `islands_active` exist
   std::vector<char> islands_active;
-  Options islands_options;
+  std::optional<Options> islands_options;  // none: the islands of `islands_active` do not exist
 
   InLanes lanes;
   std::vector<char> done;  // scratch of each_island

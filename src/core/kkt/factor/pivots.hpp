@@ -21,7 +21,7 @@ inline double* noise_of(int n, FactorScratch& scratch) {
 inline Reason judge_pivots(const KktMatrix& K, const double* L, const double* D, FactorScratch& scratch) {
   const std::vector<double>& terms = scratch.scale;
   const sparse::UpperCsc& A = K.pattern->K;
-  const auto of_M = [&K](int k) { return K.pattern->perm[k] < K.nv(); };
+  const auto of_M = [&K](int k) { return K.pattern->of_M[k] != 0; };
   bool lost = K.damping == 0 && K.nc() > K.nv(), passed = false, signs = true;
   rank::PassedOnInTree passed_on(K.pattern->ldl, scratch.passed_on);
   double* const noise = noise_of(A.n, scratch);

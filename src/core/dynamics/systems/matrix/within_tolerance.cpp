@@ -47,7 +47,6 @@ struct WithinTolerance::Work {
   // set by find
   std::vector<double> K, L, D, row_scale;
   sparse::LdlWorkspace ldl;
-  std::vector<char> of_M;
   rank::DependentRows rows;
   double lever = 1, tolerance = 0;  // the largest [m]; error of those rows of J [m]
   std::vector<double> x;            // scratch, in K's order: a solution
@@ -111,7 +110,7 @@ double largest_lever(const Workspace& work, const IslandWork& d, const Work& w) 
 
 void find_null_space(const KktPattern& p, Work& w) {
   std::fill(w.row_scale.begin(), w.row_scale.end(), 1.0);
-  rank::find_null_space(p.K, p.ldl, w.K.data(), w.of_M, w.row_scale.data(), w.L.data(), w.D.data(), w.rows);
+  rank::find_null_space(p.K, p.ldl, w.K.data(), p.of_M, w.row_scale.data(), w.L.data(), w.D.data(), w.rows);
 }
 
 // [D J^T; J 0] without the rows in w.rows.dropped, as if these were damped beyond all numbers.
@@ -135,9 +134,7 @@ bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, 
   for (int r = 0; r < p.nc; ++r)
     w.row_scale[p.iperm[p.nv + r]] = std::sqrt(left) * (w.row[r] < 3 ? w.lever : 1) / (margin * tolerance::kRank);
   w.L.resize(p.ldl.nonzeros()), w.D.resize(p.size());
-  w.of_M.assign(p.size(), 0);
-  std::fill_n(w.of_M.begin(), p.nv, 1);  // leaf-to-root
-  if (rank::ldl_factor_dependent(p.K, p.ldl, w.K.data(), w.of_M, margin, w.row_scale.data(), w.ldl, w.L.data(),
+  if (rank::ldl_factor_dependent(p.K, p.ldl, w.K.data(), p.of_M, margin, w.row_scale.data(), w.ldl, w.L.data(),
                                  w.D.data(), w.rows) != p.size())
     w.rows.dropped.clear();  // not finite
   if (w.rows.dropped.empty()) return false;
@@ -204,7 +201,7 @@ bool reweigh(const KktPattern& p, Work& w) {
   for (int c = 0; c < p.nv; ++c) w.x[p.iperm[c]] = w.left[c];
   sparse::ldl_solve(p.ldl, w.L.data(), w.D.data(), w.x.data());
   for (int k = 0; k < p.size(); ++k)
-    if (!w.of_M[k]) w.n[k] -= w.x[k];
+    if (!p.of_M[k]) w.n[k] -= w.x[k];
   return true;
 }
 
