@@ -200,13 +200,14 @@ class RobotBlock final
   int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }  // the row
   const S* inner_L();
   Mask accurate_unrefined(const S* L);
-  void solve_panels(const S* L, std::span<const Panel> panels, Mask of, bool project, bool non_temporal);
+  void solve_panels(const S* L, std::span<const Panel> panels, Mask of, WaitingRows<S>* waiting,
+                    const DerivativeJob& job);
   template <class Put>
   void write(const Band& band, std::span<const Panel> panels, Mask plain, Put&& put);
   template <int N = kColumns>
-  void solve_chunk(const S* L, std::size_t chunk, bool project);
+  void solve_chunk(const S* L, std::size_t chunk, WaitingRows<S>* waiting);
   template <int N>
-  void solve_columns(const S* L, std::size_t chunk, bool project);
+  void solve_columns(const S* L, std::size_t chunk, WaitingRows<S>* waiting);
   template <int N>
   void load_chunk(std::size_t chunk, Number* x) const;
   template <int N>
