@@ -155,6 +155,7 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
     Answer& answer = answers[l];
+    answer.dependent = {};
     answer.sound = sound[lane];
     if (!answer.sound) continue;
     answer.panel_is_safe = safe[lane];
@@ -229,7 +230,6 @@ rank::Contradiction<S> RobotBlock<S>::contradicted() const {
 
 template <class S>
 void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) {
-  for (Answer& answer : answers) answer.dependent = {};
   if (!rows_wait()) return;
   const rank::Contradiction<S> of = contradicted();
   for (std::size_t l = 0; l < robots.size(); ++l) {

@@ -156,14 +156,12 @@ void forget_unused_groups(Workspace& work);
 /// island.robots, settled, where that is possible; made when first asked for.
 void make_robots(const Scene& scene, Workspace& work, IslandWork& island);
 
-/// Solves the islands of one robot that have a place in a SIMD batch, at w.q, data.v, data.tau: those not solved yet.
-/// start: of a step, whose forces are then not in data.tau.
+/// Solves the islands of one robot that have a place in a SIMD batch, at w.q, data.v, data.tau: those not solved yet,
+/// where the options ask for it first in single precision. Islands whose condition is too poor for that are left to
+/// doubles. start: of a step, whose forces are then not in data.tau.
 void solve_alone(const Scene& scene, SceneData& data, const StartOfStep* start = nullptr);
 /// Whether all robots are islands that have a place in a SIMD batch of doubles.
 bool stand_alone(const Scene& scene, const Workspace& w);
-/// The same islands, those not solved yet, in single precision where the options ask for it. Islands whose
-/// condition is too poor for that are left.
-void solve_alone_in_single(const Scene& scene, SceneData& data);
 /// How many robots alone, or states, a SIMD batch has at most; 1 without SIMD batches.
 int batch_width(const Workspace& w);
 /// Reports the rows of an island's J that depend on others: status, rank, names.
