@@ -199,11 +199,11 @@ template <class Kernel>
 struct OneOrBatch {
   std::unique_ptr<Kernel> one, batch;
   Kernel& of(std::size_t count) const { return count == 1 ? *one : *batch; }
-  /// of(batch): a new kernel.
+  /// For up to so many items at a time. of(batch): a new kernel.
   template <class Of>
-  void make(bool side_by_side, Of&& of) {
+  void make(std::size_t count, Of&& of) {
     if (!one) one = of(false);
-    if (side_by_side && !batch) batch = of(true);
+    if (count > 1 && !batch) batch = of(true);
   }
 };
 

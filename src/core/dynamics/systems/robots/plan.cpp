@@ -88,10 +88,11 @@ BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
   return group;
 }
 
-void make_kernels(Workspace& w, BlockGroup& group, bool side_by_side) {
+// For up to so many robots at a time.
+void make_kernels(Workspace& w, BlockGroup& group, std::size_t count) {
   const auto make = [&](auto& kernels, auto* of_plan) {
     if (kernels.size() < w.threads.size()) kernels.resize(w.threads.size());
-    for (auto& kernel : kernels) kernel.make(side_by_side, [&](bool batch) { return of_plan(batch, group.plan); });
+    for (auto& kernel : kernels) kernel.make(count, [&](bool batch) { return of_plan(batch, group.plan); });
   };
   make(group.kernels, w.lanes.level->make);
   // The inconsistency of a pair's contacts is judged relative to the rounding errors of doubles.
@@ -134,7 +135,8 @@ InterfaceContactGroup& group_of(const Scene& scene, Workspace& w, int c) {
   const ContactSupport support = contact_support(scene, contact);
   group.kernels.resize(w.threads.size());
   for (auto& kernel : group.kernels)
-    kernel.make(true, [&](bool batch) { return w.lanes.level->make_contacts(batch, scene, contact, support); });
+    kernel.make(w.lanes.level->width,
+                [&](bool batch) { return w.lanes.level->make_contacts(batch, scene, contact, support); });
   return group;
 }
 
@@ -270,7 +272,7 @@ void bind_island(const Scene& scene, Workspace& w, const IslandWork& d, RobotsSy
 
 void use_robots(const Scene& scene, Workspace& w, IslandWork& d, std::unique_ptr<RobotsSystem> system) {
   if (system) {
-    for (const RobotsSystem::OfRobot& r : system->robots) make_kernels(w, *r.group, true);
+    for (const RobotsSystem::OfRobot& r : system->robots) make_kernels(w, *r.group, w.lanes.level->width);
     take_memory(*system);
     bind_island(scene, w, d, *system);
   }
@@ -326,8 +328,8 @@ void group_robots_alone(Workspace& w) {
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
     BlockGroup* group = w.islands[i]->alone.group;
     if (!group) continue;
-    make_kernels(w, *group, !group->islands.empty());
     group->islands.push_back(static_cast<int>(i));
+    make_kernels(w, *group, group->islands.size());
   }
 }
 
