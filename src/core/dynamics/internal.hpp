@@ -71,8 +71,8 @@ bool has_derivatives(const SceneData& data);
 void number_torques(const Scene& scene, const Island& island, IslandDerivatives& out);
 /// Sizes and places of an island's blocks.
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out);
-/// Computes derivative_terms at the current solution and writes -dr into the panel out.X, which is laid out, with any
-/// content. AtSolution must be alive.
+/// Computes the terms of derivatives at the current solution, and writes -dr into the panel out.X, which is laid out,
+/// with any content. AtSolution must be alive.
 void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& island, IslandDerivatives& out);
 
 /// |K^-1|_1 of n rows, where solve(x) is x <- K^-1 x. It is exact for a small K, from all its columns, which cost no

@@ -6,6 +6,30 @@
 
 namespace manycontact::internal {
 
+namespace {
+
+// Terms of an island's derivatives at the last solve: RNEA's and the contacts'.
+void derivative_terms(const Scene& scene, SceneData& data, const Island& island) {
+  Workspace& w = *data.workspace;
+  Linearisation& lin = *w.linearisation;
+  contact_forces(scene, island, lin.contacts, data.f_offset, data.f,
+                 [&lin](int r) -> std::vector<Vec6<double>>& { return lin.of(r).fext; });
+  for (int r : island.robots)
+    rnea_derivatives(*scene.robots[r].model, w.robots[r].kin, w.robots[r].Yc, lin.of(r).fext, lin.of(r).rnea);
+  for (int c : island.contacts) {
+    const Contact& contact = scene.contacts[c];
+    const int A = contact.A.robot, B = contact.B.robot;
+    // A body that cannot move may be of a robot of another island: its terms are not read.
+    const RneaDerivatives& of_A = lin.of(moves(contact.A) ? A : B).rnea;
+    const RneaDerivatives* of_B = moves(contact.B) ? &lin.of(B).rnea : nullptr;
+    contact_derivatives<double>(contact, w.supports[c], w.robots[A].kin, B < 0 ? nullptr : &w.robots[B].kin, of_A, of_B,
+                                data.f.segment(data.f_offset[c], contact.rows()), lin.contacts[c], lin.derivatives[c]);
+    lin.state[c] = w.state;
+  }
+}
+
+}  // namespace
+
 void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& d, IslandDerivatives& out) {
   derivative_terms(scene, data, d.island);
   out.X.setZero();

@@ -93,12 +93,4 @@ Interface::Interface(const IslandShape& shape) : robots(shape.island().robots.si
   analyze_interface(shape, *this);
 }
 
-Island alone(const IslandShape& shape, const Interface& interface, std::size_t robot) {
-  Island out;
-  out.robots = {shape.island().robots[robot]};
-  for (int c : interface.robots[robot].contacts) out.contacts.push_back(shape.island().contacts[c]);
-  number_island(shape.scene(), out);
-  return out;
-}
-
 }  // namespace manycontact

@@ -46,7 +46,4 @@ inline const Attachment& end_on(const Contact& contact, int robot) {
   return contact.A.robot == robot ? contact.A : contact.B;
 }
 
-/// The robot alone, of the shape's scene, with the contacts on it alone.
-Island alone(const IslandShape& shape, const Interface& interface, std::size_t robot);
-
 }  // namespace manycontact

@@ -179,6 +179,15 @@ bool may_be_cheaper(const IslandWork& d) {
          predicted_cost_ldl(rows, least_interface_counts(*d.shape)) < tolerance::kCheaper * cost_of_choice(d);
 }
 
+// A robot of the shape's scene, with the contacts on it alone.
+Island alone(const IslandShape& shape, const Interface& interface, std::size_t robot) {
+  Island out;
+  out.robots = {shape.island().robots[robot]};
+  for (int c : interface.robots[robot].contacts) out.contacts.push_back(shape.island().contacts[c]);
+  number_island(shape.scene(), out);
+  return out;
+}
+
 // nullptr: an island's robots or interface rows have no place in SIMD batches.
 std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d, Order order) {
   if (!can_be_joined(d, w.options)) return nullptr;
