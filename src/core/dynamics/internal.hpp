@@ -94,6 +94,12 @@ inline void report_bounds(const Known& a, const Known& f, IslandReport& report) 
     report.status = Status::kRegularised, report.reason = Reason::kUncertain;
 }
 
+/// Whether a joint's k-th velocity coordinate is that of an angle.
+inline bool is_angular(const Joint& joint, int k) {
+  if (joint.type == JointType::kFloating) return k >= 3;
+  return joint.type == JointType::kRevolute || (joint.type == JointType::kPlanar && k == 2);
+}
+
 /// The largest of an inertia's mass, first moment and moments.
 inline double inertia_size(const Inertia<double>& Y) {
   return std::max({std::abs(Y.m), Y.h.cwiseAbs().maxCoeff(), Y.I.cwiseAbs().maxCoeff()});

@@ -64,29 +64,11 @@ namespace {
 
 using Work = WithinTolerance::Work;
 
-void fill_turning(const Model& model, char* turns) {
-  for (const Joint& joint : model.joints) {
-    char* at = turns + joint.idx_v;
-    switch (joint.type) {
-      case JointType::kPrismatic:
-        at[0] = 0;
-        break;
-      case JointType::kPlanar:
-        at[0] = at[1] = 0, at[2] = 1;
-        break;
-      case JointType::kFloating:
-        for (int i = 0; i < 6; ++i) at[i] = i >= 3;
-        break;
-      default:
-        std::fill_n(at, joint.nv(), 1);
-    }
-  }
-}
-
 void take_island(const Scene& scene, const IslandWork& d, Work& w) {
-  w.turns.assign(d.island.nv, 0);
-  for (std::size_t k = 0; k < d.island.robots.size(); ++k)
-    fill_turning(*scene.robots[d.island.robots[k]].model, w.turns.data() + d.island.dof_offset[k]);
+  w.turns.clear();
+  for (int r : d.island.robots)
+    for (const Joint& joint : scene.robots[r].model->joints)
+      for (int k = 0; k < joint.nv(); ++k) w.turns.push_back(internal::is_angular(joint, k));
   if (!w.columns.empty()) return;  // the rest is the shape's
   w.columns.resize(d.island.nv);
   for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
