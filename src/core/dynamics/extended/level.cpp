@@ -62,6 +62,10 @@ class LevelEquations final : public Equations {
   Eigen::Index rows(int c) const { return scene_->contacts[c].rows(); }
   RobotWork& robot(int r) { return *robots_[r]; }
   template <class Use>
+  void each_robot(const Part& part, Use&& use) {
+    for (int r : part.robots) use(scene_->robots[r], *scene_->robots[r].model, *robots_[r]);
+  }
+  template <class Use>
   void each_row(const Part& part, Use&& use) const {
     for (int c : part.contacts)
       for (Eigen::Index i = 0; i < rows(c); ++i) use(first_row(c) + i);
@@ -124,15 +128,12 @@ void LevelEquations::evaluate(const Job& job, const Part& part) {
   for (Eigen::Index i = 0; i < q_.size(); ++i) q_[i] = job.q[i];
   for (Eigen::Index i = 0; i < v_.size(); ++i) v_[i] = job.v[i], tau_[i] = job.tau[i];
   take_applied_forces(job);
-  for (int r : part.robots) {
-    const Robot& of = scene.robots[r];
-    const Model& model = *of.model;
-    RobotWork& at = robot(r);
+  each_robot(part, [&](const Robot& of, const Model& model, RobotWork& at) {
     add_friction<S>(model, v_.data() + of.idx_v, tau_.data() + of.idx_v);
     forward_kinematics<S>(model, of.base, q_.segment(of.idx_q, model.nq), at.kin);
     forward_accelerations<S>(model, v_.segment(of.idx_v, model.nv), nullptr, scene.gravity, at.kin);
     inverse_dynamics<S>(model, at.kin, nullptr, {}, at.f, at.h);
-  }
+  });
   const ContactSupport none;
   for (int c : part.contacts) {
     const Contact& contact = scene.contacts[c];
@@ -146,11 +147,9 @@ void LevelEquations::begin(const Job& job, const Part& part, const double* a, co
   f_offset_ = &job.f_offset;
   damping_ = job.damping;
   evaluate(job, part);
-  for (int r : part.robots) {
-    const Robot& of = scene_->robots[r];
-    const RobotWork& at = robot(r);
-    for (int i = 0; i < of.model->nv; ++i) b_a_[of.idx_v + i] = tau_[of.idx_v + i] - at.h[i];
-  }
+  each_robot(part, [&](const Robot& of, const Model& model, const RobotWork& at) {
+    for (int i = 0; i < model.nv; ++i) b_a_[of.idx_v + i] = tau_[of.idx_v + i] - at.h[i];
+  });
   for (int c : part.contacts) {
     const auto& a0 = contacts_[c]->a0;
     for (Eigen::Index i = 0, k = first_row(c); i < rows(c); ++i, ++k)
@@ -163,10 +162,7 @@ void LevelEquations::begin(const Job& job, const Part& part, const double* a, co
 
 // The bodies' accelerations that joint accelerations alone make.
 void LevelEquations::motions(const Part& part, const S* a) {
-  for (int r : part.robots) {
-    const Robot& of = scene_->robots[r];
-    const Model& model = *of.model;
-    RobotWork& at = robot(r);
+  each_robot(part, [&](const Robot& of, const Model& model, RobotWork& at) {
     for (int i = 0; i < model.njoints(); ++i) {
       const Joint& joint = model.joints[i];
       V6 sum = V6::Zero();
@@ -174,7 +170,7 @@ void LevelEquations::motions(const Part& part, const S* a) {
       for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) sum += at.kin.J.col(k) * a[of.idx_v + k];
       at.a[i] = sum;
     }
-  }
+  });
 }
 
 // J a of a contact, after motions.
@@ -203,10 +199,7 @@ void LevelEquations::put_forces(const Part& part, const S* f) {
 
 // torque_ = M a - J^T f of the bodies' accelerations, where `inertial`, and forces on them; but for the armature.
 void LevelEquations::torques(const Part& part, bool inertial) {
-  for (int r : part.robots) {
-    const Robot& of = scene_->robots[r];
-    const Model& model = *of.model;
-    RobotWork& at = robot(r);
+  each_robot(part, [&](const Robot& of, const Model& model, RobotWork& at) {
     for (std::size_t i = 0; i < at.f.size(); ++i) {
       at.f[i] = -at.external[i];
       if (inertial) at.f[i] += at.kin.Y[i] * at.a[i];
@@ -217,7 +210,7 @@ void LevelEquations::torques(const Part& part, bool inertial) {
       for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) torque_[of.idx_v + k] = dot(at.kin.J.col(k), force);
       if (joint.parent >= 0) at.f[joint.parent] += force;
     }
-  }
+  });
 }
 
 // r = b - K x of all of x: the next correction shows its rounding errors.
@@ -225,11 +218,9 @@ void LevelEquations::evaluate_residual(const Part& part) {
   motions(part, a_.data());
   put_forces(part, f_.data());
   torques(part, true);
-  for (int r : part.robots) {
-    const Robot& of = scene_->robots[r];
-    for (int i = 0, k = of.idx_v; i < of.model->nv; ++i, ++k)
-      r_a_[k] = b_a_[k] - torque_[k] - S(of.model->armature[i]) * a_[k];
-  }
+  each_robot(part, [&](const Robot& of, const Model& model, const RobotWork&) {
+    for (int i = 0, k = of.idx_v; i < model.nv; ++i, ++k) r_a_[k] = b_a_[k] - torque_[k] - S(model.armature[i]) * a_[k];
+  });
   for (int c : part.contacts) {
     const Rows Ja = contact_rows_of_motion(c);
     const S damping(damping_[c]);
@@ -333,9 +324,7 @@ double LevelEquations::torque_of_rest(const Part& part, double* torque) {
     torque[k] = -torque_[k].hi;
     largest = std::max(largest, std::abs(torque[k]));
   });
-  for (int r : part.robots) {
-    const Model& model = *scene_->robots[r].model;
-    RobotWork& at = robot(r);
+  each_robot(part, [&](const Robot&, const Model& model, RobotWork& at) {
     for (int i = model.njoints() - 1; i >= 0; --i) {
       const Joint& joint = model.joints[i];
       const ForceSize& size = at.sizes[i];
@@ -347,7 +336,7 @@ double LevelEquations::torque_of_rest(const Part& part, double* torque) {
       at.sizes[joint.parent].force += size.force;
       at.sizes[joint.parent].moment += size.moment;
     }
-  }
+  });
   return largest == 0 ? 0 : largest / terms;
 }
 
