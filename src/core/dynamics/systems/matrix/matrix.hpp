@@ -141,7 +141,7 @@ void check_joint_space(const IslandWork& d, const char* function, const char* in
 
 /// K and b = [data.tau - h; wanted - a0] of what was evaluated, in that order of elimination.
 void assemble(const Scene& scene, const SceneData& data, Order order, double damping, MatrixSystem& system);
-/// Their contacts' rows times S, where that is not 1.
+/// Multiplies the contacts' rows of both by S, where that is not 1.
 void weigh_rows(const Scene& scene, MatrixSystem& system);
 /// Factorizes and solves by the first way that gives a sound solution: v.x, factor and the report are that solution's.
 /// False where there is none. After evaluate.
