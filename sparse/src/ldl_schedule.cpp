@@ -88,11 +88,10 @@ std::size_t LdlSchedule::bytes() const {
          sizeof(Segment) * segments.size();
 }
 
-LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& s) { return compile_ldl(A, s, s.n); }
-
 LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& s, int columns) {
   LdlSchedule out;
   out.n = s.n;
+  columns = std::min(columns, s.n);
   find_blocks(s, columns, out.block);
   out.eliminated = static_cast<int>(std::lower_bound(out.block.begin(), out.block.end(), columns) - out.block.begin());
   std::vector<int> block_of(s.n);
@@ -122,7 +121,6 @@ LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& s, int columns) {
   place_entries(A, s, out);
   find_groups(s, out);
   out.Lp = s.Lp;
-  out.compiled = true;
   return out;
 }
 

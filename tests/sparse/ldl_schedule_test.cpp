@@ -57,7 +57,7 @@ struct Compiled {
 // E^2 do not count. With F = L^-1 E L^-T the pivots differ by F's diagonal, and L by L times F's lower triangle / D.
 void expect_like_suitesparse(const Symmetric& A) {
   const Compiled c(A.pattern);
-  ASSERT_TRUE(c.schedule.compiled);
+  ASSERT_TRUE(c.schedule.compiled());
   const ScheduledFactor f = c.factor(A.x), g = c.suitesparse(A.pattern, A.x);
   const int n = A.n();
   if (n == 0) return;
@@ -190,7 +190,7 @@ TEST(LdlSchedule, FirstColumnsAlone) {
     const Symmetric A(random_positive(n, 0.2, rng));
     const sparse::LdlSymbolic symbolic = sparse::ldl_analyze(A.pattern);
     const sparse::LdlSchedule schedule = sparse::compile_ldl(A.pattern, symbolic, columns);
-    ASSERT_TRUE(schedule.compiled);
+    ASSERT_TRUE(schedule.compiled());
     ScheduledFactor f(symbolic);
     sparse::ldl_scheduled_factor<double>(schedule, A.x.data(), f.L.data(), f.D.data(), f.scale.data());
     Eigen::MatrixXd S = Eigen::MatrixXd::Zero(left, left);
@@ -237,7 +237,7 @@ TEST(LdlSchedule, ScatteredRows) {
 TEST(LdlSchedule, NotCompiledWhereListsOutgrowTheFactor) {
   std::mt19937 rng(80);
   const Compiled c(Symmetric(scattered(400, 60, rng)).pattern);
-  EXPECT_FALSE(c.schedule.compiled);
+  EXPECT_FALSE(c.schedule.compiled());
   EXPECT_LE(c.schedule.bytes(), 16u * 12u * c.symbolic.nonzeros()) << "and it stops in time";
 }
 

@@ -2,16 +2,17 @@
 // What tests read and set in the memory behind a scene's data.
 
 #include "dynamics/internal.hpp"
+#include "manycontact/dynamics/shapes.hpp"
 
 namespace manycontact::test {
 
 /// Returns how often an island's K, whole or robot by robot, was factorized for the current solution and its results.
 inline int factorizations_of(const SceneData& data, std::size_t i) {
-  return internal::solver_of(data).islands.at(i)->factorizations;
+  return data_solved(data).workspace->islands.at(i)->factorizations;
 }
 
 /// Returns the number of shapes analysed so far.
-inline std::size_t shapes_analysed(const SceneData& data) { return internal::solver_of(data).shapes.size(); }
+inline std::size_t shapes_analysed(const SceneData& data) { return data_solved(data).workspace->shapes.size(); }
 
 /// Threads inside a call are woken for so many seconds of predicted work for each; 0: always.
 inline void wake_threads_for(SceneData& data, double seconds) {

@@ -27,7 +27,7 @@ struct SparseLdl : Solver {
     for (int i = s.nv; i < n; ++i) damped[pattern.slot(i, i)] -= s.damping;
     symbolic = sparse::ldl_analyze(pattern);
     schedule = sparse::compile_ldl(pattern, symbolic);
-    if (!schedule.compiled) throw std::runtime_error("the schedule is too large");
+    if (!schedule.compiled()) throw std::runtime_error("the schedule is too large");
     Lx.resize(symbolic.nonzeros());
     for (std::vector<double>* of : {&D, &scale, &b, &x, &r}) of->resize(n);
     for (int k = 0; k < n; ++k) b[place[k]] = s.b[k];

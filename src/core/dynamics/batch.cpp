@@ -6,6 +6,7 @@
 #include "internal.hpp"
 #include "manycontact/dynamics/copies.hpp"
 #include "manycontact/dynamics/parallel.hpp"
+#include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/model/applied_forces.hpp"
 #include "workspace/changes.hpp"
 
@@ -50,7 +51,7 @@ Scene copies_of(const Scene& scene, int count) {
 }
 
 int states_side_by_side(const SceneData& data) {
-  const Workspace& w = solver_of(data);
+  const Workspace& w = *data_solved(data).workspace;
   if (!w.lanes.level) return 1;
   const int width = batch_width(w);
   const auto leaves_room = [&](const BlockGroup& group) {
@@ -125,7 +126,7 @@ void check(const char* function, const Scene& scene, const BatchStates& s, const
 std::ptrdiff_t worth_it(int copies) { return std::min(copies, 3); }
 
 void prepare_copies(const Scene& scene, BatchData& batch) {
-  const int count = internal::batch_width(internal::solver_of(batch.threads.front().data));
+  const int count = internal::batch_width(*data_solved(batch.threads.front().data).workspace);
   for (BatchData::Thread& thread : batch.threads) {
     if (!thread.copies || thread.copies->count != count ||
         has_applied_forces(thread.copies->scene) != has_applied_forces(scene)) {

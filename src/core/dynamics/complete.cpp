@@ -15,7 +15,7 @@ void show_contacts(const Scene& scene, const SceneData& data) {
     MatrixSystem& m = island->matrix;
     if (m.state == w.state) continue;
     internal::evaluate_at_state(scene, data, *island);
-    internal::assemble(scene, data, island->choice.order, scene.damping, false, m);
+    internal::assemble(scene, data, island->choice.order, scene.damping, m);
     m.state = w.state;
   }
 }
@@ -30,7 +30,7 @@ void complete(const Scene& scene, const SceneData& data) {
     IslandWork& d = *w.islands[i];
     if (d.answered_by(d.bodies.get()) && d.bodies->make_current(scene, data)) {
       if (internal::joint_space_fits(d)) internal::evaluate_at_state(scene, data, d);
-    } else if (d.answered && d.matrix.make_current(scene, data, thread) && d.answered_by(&d.alone)) {
+    } else if (d.answered && d.matrix.make_current(scene, data, thread) && d.answered_by(&IslandWork::batches)) {
       d.answered = &d.matrix;  // the whole K differentiates it now: SIMD batches keep no terms
     }
   });

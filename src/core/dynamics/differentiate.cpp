@@ -70,12 +70,6 @@ void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& 
   number_torques(scene, island, out);
 }
 
-void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& d, IslandDerivatives& out) {
-  derivative_terms(scene, data, d.island, data.f);
-  out.X.setZero();
-  derivative_rhs(scene, *data.workspace->linearisation, data.v, d, out);
-}
-
 namespace {
 
 // Memory, by the thread that calls, of an island's derivatives.
@@ -93,21 +87,16 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
   w.linearisation->assign(scene, w, d.island);
 }
 
-// Whether the whole K first differentiates an island that sparse-bodies solved. Bodies solve for columns one by one,
+// Differentiates an island that no batch of robots alone serves: robot by robot where that is cheaper, by the system
+// that solved it, or by the whole K. This is the first where sparse-bodies solved: bodies solve for columns one by one,
 // which takes 4 to 70 times as long where K's sparse factor is sound, however deep the tree. Where it is not sound, the
 // dense reference solver of a large K would take longer.
-bool differentiates_by_matrix(const SceneData& data, const IslandWork& d) {
-  return data.options.method == Method::kAuto && d.answered_by(d.bodies.get()) &&
-         d.island.size() <= tolerance::kDifferentiatedByMatrix;
-}
-
-// Differentiates an island that no batch of robots alone serves: robot by robot where that is cheaper, by the system
-// that solved it, or by the whole K.
 void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, ThreadWork& thread,
                           IslandDerivatives& out) {
   if (differentiates_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;
-  if (differentiates_by_matrix(data, d) && d.matrix.make_current(scene, data, thread) &&
-      d.matrix.deficient() == d.bodies->drops &&  // same rank as the solution's
+  if (data.options.method == Method::kAuto && d.answered_by(d.bodies.get()) &&
+      d.island.size() <= tolerance::kDifferentiatedByMatrix && d.matrix.make_current(scene, data, thread) &&
+      d.matrix.deficient() == d.deficient &&  // same rank as the solution's
       d.matrix.differentiate(scene, data, thread, out))
     return;
   if (!ask(scene, data, d, thread, [&](IslandSystem& system) {  // robots were tried just now, or are not cheaper
@@ -189,7 +178,6 @@ void release_derivatives(SceneData& data) {
   if (w.reduction) {
     release_derivatives(*w.reduction->data);
     w.reduction->plain.reset();
-    w.reduction->plain_is_current = false;
   }
   for (ThreadWork& thread : w.threads) thread.panel = {};
   for (const auto& island : w.islands) release(*island);

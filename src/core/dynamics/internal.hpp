@@ -28,22 +28,16 @@ void name_dependent_rows(const SceneData& data, const Island& island, std::span<
 /// The acceleration prescribed for row i of a contact.
 inline double prescribed_in(const SceneData& data, int contact, Eigen::Index i) {
   const std::vector<double>& prescribed = data.workspace->prescribed;
-  return prescribed.empty() ? 0 : prescribed[data.f_offset[static_cast<std::size_t>(contact)] + i];
+  return prescribed.empty() ? 0 : prescribed[data.f_offset[contact] + i];
 }
 
 /// Returns where ContactData::left of a contact goes; nullptr: it is no pair.
 inline double* left_of(Workspace& w, int contact) {
-  const int at = w.left_offset[static_cast<std::size_t>(contact)];
+  const int at = w.left_offset[contact];
   return at < 0 ? nullptr : w.left.data() + at;
 }
 inline void keep_left(Workspace& w, int contact, const ContactData<double>& rows) {
   if (double* left = left_of(w, contact)) std::copy_n(rows.left.data(), rows.left.size(), left);
-}
-
-/// The workspace that solves: that of the scene solved in place of this one, where there is one.
-inline const Workspace& solver_of(const SceneData& data) {
-  const Workspace& w = *data.workspace;
-  return w.reduction ? *w.reduction->data->workspace : w;
 }
 
 /// The scratch of products, made where there is none yet.
@@ -77,10 +71,8 @@ bool has_derivatives(const SceneData& data);
 void number_torques(const Scene& scene, const Island& island, IslandDerivatives& out);
 /// Sizes and places of an island's blocks.
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out);
-/// Writes -dr into the panel out.X, which is laid out and zero where -dr has entries. Call it after derivative_terms.
-void derivative_rhs(const Scene& scene, const Linearisation& terms, const Eigen::VectorXd& v, const IslandWork& island,
-                    IslandDerivatives& out);
-/// Computes both at the current solution, in a panel with any content. AtSolution must be alive.
+/// Computes the terms of derivatives at the current solution, and writes -dr into the panel out.X, which is laid out,
+/// with any content. AtSolution must be alive.
 void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& island, IslandDerivatives& out);
 
 /// |K^-1|_1 of n rows, where solve(x) is x <- K^-1 x. It is exact for a small K, from all its columns, which cost no
@@ -100,6 +92,12 @@ inline void report_bounds(const Known& a, const Known& f, IslandReport& report) 
   report.error_forces = f.relative();
   if ((a.uncertain() || f.uncertain()) && (report.status == Status::kOk || report.status == Status::kRedundant))
     report.status = Status::kRegularised, report.reason = Reason::kUncertain;
+}
+
+/// Whether a joint's k-th velocity coordinate is that of an angle.
+inline bool is_angular(const Joint& joint, int k) {
+  if (joint.type == JointType::kFloating) return k >= 3;
+  return joint.type == JointType::kRevolute || (joint.type == JointType::kPlanar && k == 2);
 }
 
 /// The largest of an inertia's mass, first moment and moments.

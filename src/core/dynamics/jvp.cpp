@@ -99,7 +99,8 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
   Eigen::VectorXd& torques = data.workspace->products->tau;
   torques_of_motors(scene, du, torques);
   add_applied_tangent(scene, data, dq, dv, dw, torques);
-  internal::jvp_alone(scene, data, dq.data(), dv.data(), torques.data(), da.data(), df.data());
+  internal::multiply_alone(scene, data, &lanes::RobotBlocks::jvp, {dq.data(), dv.data(), torques.data()},
+                           {da.data(), df.data()});
   const ConstVector dtau = torques;
   const TangentProduct product{dq, dv, dtau, da, df};
   each_product(
@@ -130,7 +131,8 @@ void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const Const
   Eigen::VectorXd& torques = data.workspace->products->tau;
   Eigen::Ref<Eigen::VectorXd> wtau = torques;
   set_nan(wq), set_nan(wv), set_nan(wtau);
-  internal::vjp_alone(scene, data, wa.data(), wf.data(), wq.data(), wv.data(), wtau.data());
+  internal::multiply_alone(scene, data, &lanes::RobotBlocks::vjp, {wa.data(), wf.data()},
+                           {wq.data(), wv.data(), wtau.data()});
   const AdjointProduct product{wa, wf, wq, wv, wtau};
   each_product(
       scene, data, [&](IslandSystem& system, ThreadWork& thread) { return system.vjp(scene, data, thread, product); },

@@ -1,6 +1,7 @@
 #include "manycontact/dynamics/keep_dependent.hpp"
 
 #include "internal.hpp"
+#include "manycontact/dynamics/shapes.hpp"
 #include "workspace/workspace.hpp"
 
 namespace manycontact {
@@ -37,12 +38,8 @@ void keep_dependent_as(const SceneData& of, const Scene& scene, SceneData& data)
 }
 
 Eigen::VectorXd inaccuracy_of(const Scene& scene, const SceneData& data) {
-  if (data.workspace->reduction) {
-    const Reduction& r = *data.workspace->reduction;
-    return inaccuracy_of(r.scene, *r.data);
-  }
   Eigen::VectorXd out = Eigen::VectorXd::Zero(scene.nv);
-  for (const auto& d : data.workspace->islands)
+  for (const auto& d : data_solved(data).workspace->islands)
     if (d->answered_by(&d->matrix) && d->matrix.tolerated > 0)
       each_velocity_block(scene, d->island, [&](int first, int row, int n) {
         for (int i = 0; i < n; ++i) out[first + i] = d->matrix.within.inaccuracy(row + i);

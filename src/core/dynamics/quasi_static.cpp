@@ -15,11 +15,6 @@ namespace {
 
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-bool is_angular(const Joint& joint, int k) {
-  if (joint.type == JointType::kFloating) return k >= 3;
-  return joint.type == JointType::kRevolute || (joint.type == JointType::kPlanar && k == 2);
-}
-
 // The sizes of the loads on a robot's coordinates. Those of gravity g on a mass m that a joint moves are at most
 // |g| sqrt(m M_ii), by the inequality of Cauchy and Schwarz. applied: those of wrenches and springs, per coordinate of
 // the scene.
@@ -34,7 +29,7 @@ Eigen::VectorXd load_sizes(const Scene& scene, const Robot& robot, const std::ve
     for (int i = joint.idx_v; i < joint.idx_v + joint.nv(); ++i)
       out[i] =
           scene.gravity.norm() * std::sqrt(std::max(0.0, mass[j] * M[static_cast<std::size_t>(model.M_begin[i])])) +
-          (applied.empty() ? 0 : applied[static_cast<std::size_t>(robot.idx_v + i)]);
+          (applied.empty() ? 0 : applied[robot.idx_v + i]);
   }
   return out;
 }
@@ -62,7 +57,7 @@ std::vector<Unbalanced> unbalanced_robots(const Scene& scene, const Eigen::Vecto
           const double force = std::abs(left[robot.idx_v + i]);
           if (!(force > part * sizes[i])) continue;
           part = force / sizes[i];
-          worst = {r, i, force, is_angular(joint, k)};
+          worst = {r, i, force, internal::is_angular(joint, k)};
         }
       if (worst.dof >= 0) out.push_back(worst);
     }

@@ -157,7 +157,6 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
   Workspace& w = *data.workspace;
   if (w.reduction) return solve_reduced(scene, q, v, tau, data, prescribed);
   begin_state(scene, q, v, tau, data, prescribed);
-  solve_alone_in_single(scene, data);
   solve_alone(scene, data);
   solve_joined(scene, data);
   solve_left(scene, data);

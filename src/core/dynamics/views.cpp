@@ -17,10 +17,7 @@ const Workspace& prepared(const SceneData& data) {
   return *data.workspace;
 }
 
-const Workspace& solver(const SceneData& data) {
-  (void)prepared(data);
-  return internal::solver_of(data);
-}
+const Workspace& solver(const SceneData& data) { return *data_solved(data).workspace; }
 
 [[noreturn]] void not_there(const SceneData& data) {
   throw std::logic_error(data.serial == 0

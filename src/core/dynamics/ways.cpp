@@ -27,14 +27,14 @@ std::string text_of(const internal::Attempt& by, Method chosen) {
 }  // namespace
 
 std::string ways_of(const Scene& scene, const SceneData& data, std::size_t i) {
-  const IslandWork& d = *internal::solver_of(data).islands.at(i);
+  const IslandWork& d = *data_solved(data).workspace->islands.at(i);
   std::string out;
   const auto add = [&out](const std::string& way) { out += (out.empty() ? "" : "; ") + way; };
   if (d.alone.group && !is_inexact(scene, d)) add("in a SIMD batch");
   if (d.robots && d.robots->solves && !is_inexact(scene, d)) add("robot by robot in SIMD batches");
   if (d.bodies && !is_inexact(scene, d)) add(to_string(Method::kSparseBodies));
   const internal::Attempts attempts = internal::attempts_of(scene, d.matrix);
-  for (int k = 0; k < attempts.count; ++k) add(text_of(attempts.list[static_cast<std::size_t>(k)], d.choice.method));
+  for (int k = 0; k < attempts.count; ++k) add(text_of(attempts.list[k], d.choice.method));
   return out;
 }
 

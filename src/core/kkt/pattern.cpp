@@ -146,6 +146,7 @@ KktPattern analyze(const Scene& scene, const Island& island, const IslandSupport
   p.order = order;
   p.perm = std::move(perm);
   p.iperm = sparse::inverse(p.perm);
+  for (int row : p.perm) p.of_M.push_back(row < p.nv);
   p.K = sparse::permute(K, p.iperm);
   const auto slot = [&p](const std::pair<int, int>& entry) {
     const auto [i, j] = std::minmax(p.iperm[entry.first], p.iperm[entry.second]);

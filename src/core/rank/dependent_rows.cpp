@@ -223,13 +223,15 @@ std::size_t keep_plain_columns(DependentRows& rows) {
 void take_projector(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M, const double* row_scale,
                     DependentRows& rows) {
   make_projector(K.n, rows);
-  for (const DependentRows::Cluster& cluster : rows.clusters)
-    for (int a = cluster.basis; cluster.orthonormal && a < cluster.basis + cluster.size; ++a) {
+  for (const DependentRows::Cluster& cluster : rows.clusters) {
+    if (cluster.kind != cluster.kOrthonormal) continue;
+    for (int a = cluster.basis; a < cluster.basis + cluster.size; ++a) {
       const std::size_t first = rows.Bp[a], count = rows.Bp[a + 1] - first;
       const double left = dependence_residual(K, Kx, of_M, row_scale, std::span(rows.Bi).subspan(first, count),
                                               std::span(rows.Bx).subspan(first, count), rows);
       rows.largest_residual = sparse::larger_or_nan(rows.largest_residual, left);
     }
+  }
 }
 
 }  // namespace

@@ -53,6 +53,7 @@ void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
 
 // [Z; 1] of a cluster, a column for each of its kept rows.
 void take_complement(DependentRows& rows, DependentRows::Cluster& cluster) {
+  cluster.kind = cluster.kComplement;
   std::vector<int>& place = rows.owner;  // next entry's place in the column of each kept row
   const int* kept = rows.cluster_rows.data() + cluster.row + cluster.count;
   for (int j = 0; j < cluster.size; ++j) place[kept[j]] = 1;
@@ -113,7 +114,7 @@ void take_orthonormal(DependentRows& rows, DependentRows::Cluster& cluster) {
   }
   cluster.basis = static_cast<int>(rows.Bp.size()) - 1;
   cluster.size = cluster.count;
-  cluster.orthonormal = true;
+  cluster.kind = cluster.kOrthonormal;
   for (int a = 0; a < cluster.count; ++a) {
     rows.Bi.insert(rows.Bi.end(), rows.cluster_rows.begin() + cluster.row, rows.cluster_rows.begin() + cluster.row_end);
     rows.Bx.insert(rows.Bx.end(), N.col(a).begin(), N.col(a).end());
@@ -137,9 +138,8 @@ void take_basis(DependentRows& rows, DependentRows::Cluster& cluster) {
   rows.largest_projected = std::max(rows.largest_projected, largest);
   const int kept = cluster.row_end - cluster.row - cluster.count;
   cluster.basis = static_cast<int>(rows.Bp.size()) - 1;
-  cluster.complement = kept < cluster.count;
-  cluster.size = cluster.complement ? kept : cluster.count;
-  if (cluster.complement) return take_complement(rows, cluster);
+  cluster.size = std::min(kept, cluster.count);
+  if (kept < cluster.count) return take_complement(rows, cluster);
   for (int a = 0; a < cluster.count; ++a) {
     each_of_null(rows, cluster, a, [&](int k, double value) { rows.Bi.push_back(k), rows.Bx.push_back(value); });
     rows.Bp.push_back(static_cast<int>(rows.Bi.size()));
@@ -259,7 +259,7 @@ void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster
 template <class Use>
 void each_projection(const DependentRows& rows, Use&& use) {
   for (const DependentRows::Cluster& cluster : rows.clusters)
-    for (int time = 0; time < (cluster.orthonormal ? 2 : 1); ++time) use(cluster);
+    for (int time = 0; time < (cluster.kind == cluster.kOrthonormal ? 2 : 1); ++time) use(cluster);
 }
 
 }  // namespace
@@ -300,7 +300,8 @@ void project_out(DependentRows& rows, double* y, double* null_component) {
     for (int a = 0; a < cluster.size; ++a)
       each_of_basis(rows, cluster, a, [&](int k, double value) { t[a] += value * y[k]; });
     solve_gram(rows, cluster, t);
-    if (cluster.complement) {  // I - P is the smaller projector: y becomes zero on the cluster, and B t is added again
+    if (cluster.kind ==
+        cluster.kComplement) {  // I - P is the smaller projector: y becomes zero on the cluster, and B t is added again
       t = -t;
       for (int i = cluster.row; i < cluster.row_end; ++i) {
         const int k = rows.cluster_rows[i];
@@ -344,7 +345,7 @@ void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, i
       for (int a = 0; a < cluster.size; ++a)
         each_of_basis(rows, cluster, a, [&](int k, double value) { T.row(a) += value * at(k); });
       solve_gram(rows, cluster, T);
-      if (cluster.complement) {
+      if (cluster.kind == cluster.kComplement) {
         T = -T;
         for (int i = cluster.row; i < cluster.row_end; ++i) at(rows.cluster_rows[i]).setZero();
       }

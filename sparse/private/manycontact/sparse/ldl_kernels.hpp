@@ -8,6 +8,8 @@
 //
 // Compiled for several instruction levels too: templates only, plain memory, no other library.
 
+#include <type_traits>
+
 #include "manycontact/sparse/ldl_schedule.hpp"
 #include "manycontact/sparse/tile.hpp"
 
@@ -235,48 +237,33 @@ inline void ldl_scheduled_reach(const LdlSchedule& schedule, char* nonzero) {
   }
 }
 
-/// r = b - A x, and scale[k] = |b_k| + sum |A_kj x_j|, as residual. All of length A.n.
-template <class V, class Prefetch = kernel::NoPrefetch>
-void ldl_scheduled_residual(const UpperCsc& A, const V* Ax, const V* x, const V* b, V* r, V* scale,
+/// r = b - A x, and scale[k] = |b_k| + sum |A_kj x_j|, as residual, or r alone. All of length A.n.
+struct NoSizes {};
+template <class V, class Scale = NoSizes, class Prefetch = kernel::NoPrefetch>
+void ldl_scheduled_residual(const UpperCsc& A, const V* Ax, const V* x, const V* b, V* r, Scale scale = {},
                             Prefetch prefetch = {}) {
+  constexpr bool kSizes = !std::is_same_v<Scale, NoSizes>;
   const int *p = A.p.data(), *row = A.i.data();
   for (int k = 0; k < A.n; ++k) {
     r[k] = b[k];
-    scale[k] = absolute(b[k]);
+    if constexpr (kSizes) scale[k] = absolute(b[k]);
   }
   for (int j = 0; j < A.n; ++j) {
     const int last = p[j + 1] - 1;  // the diagonal
     const V x_j = x[j], size_j = absolute(x_j);
-    V r_j = multiply_add(-Ax[last], x_j, r[j]), scale_j = multiply_add(absolute(Ax[last]), size_j, scale[j]);
+    V r_j = multiply_add(-Ax[last], x_j, r[j]), scale_j{};
+    if constexpr (kSizes) scale_j = multiply_add(absolute(Ax[last]), size_j, scale[j]);
     for (int k = p[j]; k < last; ++k) {
       const int i = row[k];
       prefetch.fetch(Ax + k);
       const V a = -Ax[k], size = absolute(a);
       r[i] = multiply_add(a, x_j, r[i]);
-      scale[i] = multiply_add(size, size_j, scale[i]);
+      if constexpr (kSizes) scale[i] = multiply_add(size, size_j, scale[i]);
       r_j = multiply_add(a, x[i], r_j);
-      scale_j = multiply_add(size, absolute(x[i]), scale_j);
+      if constexpr (kSizes) scale_j = multiply_add(size, absolute(x[i]), scale_j);
     }
     r[j] = r_j;
-    scale[j] = scale_j;
-  }
-}
-
-/// The same r, without the sizes of its terms.
-template <class V>
-void ldl_scheduled_residual(const UpperCsc& A, const V* Ax, const V* x, const V* b, V* r) {
-  const int *p = A.p.data(), *row = A.i.data();
-  for (int k = 0; k < A.n; ++k) r[k] = b[k];
-  for (int j = 0; j < A.n; ++j) {
-    const int last = p[j + 1] - 1;  // the diagonal
-    const V x_j = x[j];
-    V r_j = multiply_add(-Ax[last], x_j, r[j]);
-    for (int k = p[j]; k < last; ++k) {
-      const V a = -Ax[k];
-      r[row[k]] = multiply_add(a, x_j, r[row[k]]);
-      r_j = multiply_add(a, x[row[k]], r_j);
-    }
-    r[j] = r_j;
+    if constexpr (kSizes) scale[j] = scale_j;
   }
 }
 

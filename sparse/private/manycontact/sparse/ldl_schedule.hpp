@@ -11,6 +11,7 @@
 // columns of block T, the rows below it are rows of T in the same order, in few stretches: those are its targets.
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "manycontact/sparse/ldl.hpp"
@@ -47,11 +48,10 @@ struct LdlSchedule {
 
   int n = 0;
   int eliminated = 0;         // blocks that are; those behind them keep what is left of A
-  bool compiled = false;      // false: it would take too much memory, see compile_ldl
   std::vector<int> diagonal;  // slot of A_kk
   std::vector<int> from, to;  // slots of A's other entries, and where these go in L
   std::vector<int> fill;      // slots of L where A has no entry
-  std::vector<int> Lp;        // the same as LdlSymbolic's
+  std::vector<int> Lp;        // the same as LdlSymbolic's; empty where the schedule is not compiled
   std::vector<int> block;     // block k has columns block[k] ... block[k+1]-1
   std::vector<int> run;       // and runs[run[k]] ... runs[run[k+1]-1]
   std::vector<Run> runs;
@@ -60,14 +60,16 @@ struct LdlSchedule {
   std::vector<Segment> segments;
   std::vector<int> packed;  // slots of L, -1: zero
 
+  /// False: it would take too much memory, see compile_ldl.
+  bool compiled() const { return !Lp.empty(); }
+  int nonzeros() const { return Lp.back(); }
   int blocks() const { return static_cast<int>(block.size()) - 1; }
   std::size_t bytes() const;
 };
 
 /// symbolic: of A. Not compiled where targets would take more than four times the memory of L's pattern and values:
-/// scattered patterns without nesting columns, of which SuiteSparse's numeric phase needs no lists.
-LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& symbolic);
-/// The same for the first `columns` columns. L and D end in the Schur complement on the others: its diagonal in D.
-LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& symbolic, int columns);
+/// scattered patterns without nesting columns, of which SuiteSparse's numeric phase needs no lists. With `columns`, for
+/// so many first columns: L and D end in the Schur complement on the others, whose diagonal is in D.
+LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& symbolic, int columns = std::numeric_limits<int>::max());
 
 }  // namespace manycontact::sparse

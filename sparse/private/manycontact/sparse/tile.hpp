@@ -140,7 +140,6 @@ requires(N > 1) struct Tile<double, N> {
   }
   /// Past the caches, to an address that is a multiple of a register's size. Other threads see it by finish_streams.
   void stream(double* x) const {
-#include <cstddef>
 #ifdef __SSE2__
     for (int k = 0; k < kVectors; ++k) {
       if constexpr (kWidth == 2) _mm_stream_pd(x + kWidth * k, (__m128d)v[k]);
@@ -174,7 +173,6 @@ requires(N > 1) struct Tile<double, N> {
 };
 
 inline void finish_streams() {
-#include <cstddef>
 #ifdef __SSE2__
   _mm_sfence();
 #endif

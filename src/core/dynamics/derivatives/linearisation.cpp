@@ -74,25 +74,6 @@ Linearisation& linearisation_of(const Scene& scene, SceneData& data) {
   return *w.linearisation;
 }
 
-void derivative_terms(const Scene& scene, SceneData& data, const Island& island, const Eigen::VectorXd& f) {
-  Workspace& w = *data.workspace;
-  Linearisation& lin = *w.linearisation;
-  contact_forces(scene, island, lin.contacts, data.f_offset, f,
-                 [&lin](int r) -> std::vector<Vec6<double>>& { return lin.of(r).fext; });
-  for (int r : island.robots)
-    rnea_derivatives(*scene.robots[r].model, w.robots[r].kin, w.robots[r].Yc, lin.of(r).fext, lin.of(r).rnea);
-  for (int c : island.contacts) {
-    const Contact& contact = scene.contacts[c];
-    const int A = contact.A.robot, B = contact.B.robot;
-    // A body that cannot move may be of a robot of another island: its terms are not read.
-    const RneaDerivatives& of_A = lin.of(moves(contact.A) ? A : B).rnea;
-    const RneaDerivatives* of_B = moves(contact.B) ? &lin.of(B).rnea : nullptr;
-    contact_derivatives<double>(contact, w.supports[c], w.robots[A].kin, B < 0 ? nullptr : &w.robots[B].kin, of_A, of_B,
-                                f.segment(data.f_offset[c], contact.rows()), lin.contacts[c], lin.derivatives[c]);
-    lin.state[c] = w.state;
-  }
-}
-
 }  // namespace internal
 
 }  // namespace manycontact

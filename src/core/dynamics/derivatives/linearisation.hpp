@@ -37,8 +37,8 @@ struct Linearisation {
   struct Slot {
     explicit Slot(const Model& model);
     std::vector<Vec6<double>> a;     // njoints: set by AtSolution, in exchange with kin.a
-    RneaDerivatives rnea;            // set by derivative_terms
-    std::vector<Vec6<double>> fext;  // njoints: contact forces, tree frame; set by derivative_terms
+    RneaDerivatives rnea;            // set by right_hand_sides
+    std::vector<Vec6<double>> fext;  // njoints: contact forces, tree frame; set by right_hand_sides
   };
   std::vector<Slot> pool;
   std::vector<int> place;  // one entry per robot
@@ -46,7 +46,7 @@ struct Linearisation {
   const Slot& of(int robot) const { return pool[place[robot]]; }
 
   OnDemand<ContactData<double>> contacts;    // contacts' terms at the solution; set by AtSolution
-  OnDemand<ContactDerivatives> derivatives;  // set by derivative_terms
+  OnDemand<ContactDerivatives> derivatives;  // set by right_hand_sides
   std::vector<std::uint64_t> state;          // one entry per contact: the Workspace::state that these terms belong to
 
   /// Gives the robots of an island places of their own, and its contacts memory, the first time since islands changed.
@@ -80,10 +80,6 @@ namespace internal {
 
 /// The linearisation, made when first needed and fit for the current islands.
 Linearisation& linearisation_of(const Scene& scene, SceneData& data);
-
-/// Terms of an island's derivatives at the last solve: RNEA's and the contacts', with contact forces f of the scene.
-/// While AtSolution lives.
-void derivative_terms(const Scene& scene, SceneData& data, const Island& island, const Eigen::VectorXd& f);
 
 /// Forces of an island's contacts on its robots' bodies, in their tree frames, into fext(robot)[joint]. contacts: per
 /// contact of the scene, evaluated. f: of the scene.

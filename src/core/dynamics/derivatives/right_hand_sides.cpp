@@ -6,8 +6,34 @@
 
 namespace manycontact::internal {
 
-void derivative_rhs(const Scene& scene, const Linearisation& terms, const Eigen::VectorXd& v, const IslandWork& d,
-                    IslandDerivatives& out) {
+namespace {
+
+// Terms of an island's derivatives at the last solve: RNEA's and the contacts'.
+void derivative_terms(const Scene& scene, SceneData& data, const Island& island) {
+  Workspace& w = *data.workspace;
+  Linearisation& lin = *w.linearisation;
+  contact_forces(scene, island, lin.contacts, data.f_offset, data.f,
+                 [&lin](int r) -> std::vector<Vec6<double>>& { return lin.of(r).fext; });
+  for (int r : island.robots)
+    rnea_derivatives(*scene.robots[r].model, w.robots[r].kin, w.robots[r].Yc, lin.of(r).fext, lin.of(r).rnea);
+  for (int c : island.contacts) {
+    const Contact& contact = scene.contacts[c];
+    const int A = contact.A.robot, B = contact.B.robot;
+    // A body that cannot move may be of a robot of another island: its terms are not read.
+    const RneaDerivatives& of_A = lin.of(moves(contact.A) ? A : B).rnea;
+    const RneaDerivatives* of_B = moves(contact.B) ? &lin.of(B).rnea : nullptr;
+    contact_derivatives<double>(contact, w.supports[c], w.robots[A].kin, B < 0 ? nullptr : &w.robots[B].kin, of_A, of_B,
+                                data.f.segment(data.f_offset[c], contact.rows()), lin.contacts[c], lin.derivatives[c]);
+    lin.state[c] = w.state;
+  }
+}
+
+}  // namespace
+
+void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& d, IslandDerivatives& out) {
+  derivative_terms(scene, data, d.island);
+  out.X.setZero();
+  const Linearisation& terms = *data.workspace->linearisation;
   const Island& island = d.island;
   const DerivativeRequest& request = out.request;
   AlignedPanel& X = out.X;
@@ -20,7 +46,7 @@ void derivative_rhs(const Scene& scene, const Linearisation& terms, const Eigen:
     if (request.v)
       robot_columns(model, rnea.dv_lower.data(), rnea.dv_upper.data(), X.block(o, out.v_first + o, nv, nv));
     for (int i = 0; request.v && has_friction(model) && i < nv; ++i)
-      X(o + i, out.v_first + o + i) -= friction_slope(model, i, v[scene.robots[island.robots[k]].idx_v + i]);
+      X(o + i, out.v_first + o + i) -= friction_slope(model, i, data.v[scene.robots[island.robots[k]].idx_v + i]);
     const int u = out.u_first + out.u_offset[k];
     for (int i = 0; request.u && i < (request.tau ? nv : model.nu()); ++i)
       X(o + (request.tau ? i : model.actuated[i]), u + i) = 1;

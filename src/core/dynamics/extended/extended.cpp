@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "../internal.hpp"
+#include "manycontact/dynamics/shapes.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/rank/row_units.hpp"
 #include "manycontact/sparse/largest.hpp"
@@ -54,8 +55,7 @@ extended::Part part_of(const ExtendedWork& e) { return {e.robots, e.contacts}; }
 template <class Use>
 void each_row(const Scene& scene, const SceneData& data, const ExtendedWork& e, const Use& use) {
   for (int c : e.contacts)
-    for (int i = 0, k = data.f_offset[static_cast<std::size_t>(c)];
-         i < scene.contacts[static_cast<std::size_t>(c)].rows(); ++i, ++k)
+    for (int i = 0, k = data.f_offset[c]; i < scene.contacts[c].rows(); ++i, ++k)
       use(static_cast<std::size_t>(c), i, k);
 }
 
@@ -137,16 +137,16 @@ Progress judge(const Scene& scene, const SceneData& data, const ExtendedWork& e,
   const double a = largest(scene, island, e.a), f = largest_force(scene, data.f_offset, island, e.f);
   if (!std::isfinite(da) || !std::isfinite(df)) return Progress::kFailed;
   of.last_a = da, of.last_f = df;
-  of.now =
+  const double now =
       std::max(relative(da, a, kExtendedVanishing * of.at_rest_a), relative(df, f, kExtendedVanishing * of.at_rest_f));
-  const bool slow = of.steps > 1 && of.now > kExtendedSlow * of.before;
+  const bool slow = of.steps > 1 && now > kExtendedSlow * of.before;
   if (change_of_parts(scene, data, e, island, of) <= kExtendedConverged) return Progress::kConverged;
   if (slow)
     return relative(da, a, tolerance::kExtendedStoppedVanishing * of.at_rest_a) <= tolerance::kExtendedStopped &&
                    relative(df, f, tolerance::kExtendedStoppedVanishing * of.at_rest_f) <= tolerance::kExtendedStopped
                ? Progress::kConverged
                : Progress::kFailed;
-  of.before = of.now;
+  of.before = now;
   return ++of.steps < tolerance::kExtendedSteps ? Progress::kGoesOn : Progress::kFailed;
 }
 
@@ -297,13 +297,12 @@ void take_dependence(const Scene& scene, SceneData& data, ExtendedWork& e) {
 }
 
 void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
-  const Workspace& solver = solver_of(data);
   const Reduction* reduction = data.workspace->reduction;
   e.islands.assign(island_count(data), {});
   for (std::size_t i = 0; i < e.islands.size(); ++i) {
     const IslandReport& report = data.report.islands[i];
     OfIsland& of = e.islands[i];
-    of.refined = may_refine(scene, *solver.islands[i], report);
+    of.refined = may_refine(scene, *data_solved(data).workspace->islands[i], report);
     if (!of.refined) continue;
     of.status = report.status, of.reason = report.reason;
     if (report.reason == Reason::kUncertain) {  // found by bounds of an earlier call
@@ -312,7 +311,7 @@ void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
     }
     const Island& island = solved_island(data, i);
     const double damping = report.reason == Reason::kDampingLost ? 0 : scene.damping;
-    for (int c : island.contacts) e.damping[static_cast<std::size_t>(c)] = damping;
+    for (int c : island.contacts) e.damping[c] = damping;
     of.projects = damping == 0 && (report.rank < report.nc || (reduction && has_pairs(*reduction, i)));
     of.size_a = largest(scene, island, data.a);
     of.size_f = largest_force(scene, data.f_offset, island, data.f);
@@ -321,7 +320,7 @@ void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
       for (int k = 0; k < n; ++k) of.at_rest_f = std::max(of.at_rest_f, std::abs(data.tau[first + k]));
     });
     for (int r : island.robots)
-      for (const Joint& joint : scene.robots[static_cast<std::size_t>(r)].model->joints)
+      for (const Joint& joint : scene.robots[r].model->joints)
         of.at_rest_f = std::max(of.at_rest_f, scene.gravity.norm() * joint.inertia.m);
   }
 }
@@ -337,7 +336,7 @@ void refine(const Scene& scene, SceneData& data, ExtendedWork& e) {
                           data.v.data(),
                           w.given.data(),
                           data.wrenches,
-                          forces_are_applied(solver_of(data)),
+                          forces_are_applied(*data_solved(data).workspace),
                           w.prescribed.empty() ? nullptr : w.prescribed.data(),
                           e.damping.data(),
                           data.f_offset};
@@ -425,20 +424,11 @@ void take_extended_bounds(const Scene& scene, SceneData& data) {
     IslandReport& report = data.report.islands[i];
     const Island& island = solved_island(data, i);
     const bool extended = report.precision == Precision::kExtended;
-    const Distance a{largest(scene, island, data.a),
-                     of.size_a,
-                     report.error_acceleration,
-                     largest(scene, island, e.r_a),
-                     of.last_a,
-                     of.at_rest_a,
-                     extended};
-    const Distance f{largest_force(scene, data.f_offset, island, data.f),
-                     of.size_f,
-                     report.error_forces,
-                     largest_force(scene, data.f_offset, island, e.r),
-                     of.last_f,
-                     of.at_rest_f,
-                     extended};
+    const auto of_a = [&](const Eigen::VectorXd& x) { return largest(scene, island, x); };
+    const auto of_f = [&](const Eigen::VectorXd& x) { return largest_force(scene, data.f_offset, island, x); };
+    const Distance a{of_a(data.a), of.size_a, report.error_acceleration, of_a(e.r_a), of.last_a,
+                     of.at_rest_a, extended};
+    const Distance f{of_f(data.f), of.size_f, report.error_forces, of_f(e.r), of.last_f, of.at_rest_f, extended};
     report.error_acceleration = relative_bound(a), report.error_forces = relative_bound(f);
     if (a.is_known(a.error()) && f.is_known(f.error())) report.status = of.status, report.reason = of.reason;
   }

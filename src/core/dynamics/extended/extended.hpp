@@ -25,7 +25,7 @@ struct ExtendedWork {
     bool refined = false;                 // it is to be refined; afterwards: it is
     bool converged = false;               // x has
     bool projects = false;                // rows of the island depend on each other
-    double before = 0, now = 0;           // sizes of corrections
+    double before = 0;                    // size of the last correction
     double at_rest_a = 0, at_rest_f = 0;  // sizes that vanishing a and f are compared with
     double size_a = 0, size_f = 0;        // the largest of a and f, as the double solution had them
     double last_a = 0, last_f = 0;        // the last correction

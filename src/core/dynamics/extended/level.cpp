@@ -58,9 +58,13 @@ class LevelEquations final : public Equations {
   void add_to_rest(const Part& part, const double* df) override;
 
  private:
-  int first_row(int c) const { return (*f_offset_)[static_cast<std::size_t>(c)]; }
-  Eigen::Index rows(int c) const { return scene_->contacts[static_cast<std::size_t>(c)].rows(); }
-  RobotWork& robot(int r) { return *robots_[static_cast<std::size_t>(r)]; }
+  int first_row(int c) const { return (*f_offset_)[c]; }
+  Eigen::Index rows(int c) const { return scene_->contacts[c].rows(); }
+  RobotWork& robot(int r) { return *robots_[r]; }
+  template <class Use>
+  void each_robot(const Part& part, Use&& use) {
+    for (int r : part.robots) use(scene_->robots[r], *scene_->robots[r].model, *robots_[r]);
+  }
   template <class Use>
   void each_row(const Part& part, Use&& use) const {
     for (int c : part.contacts)
@@ -69,7 +73,7 @@ class LevelEquations final : public Equations {
   template <class Use>
   void each_coordinate(const Part& part, Use&& use) const {
     for (int r : part.robots) {
-      const Robot& of = scene_->robots[static_cast<std::size_t>(r)];
+      const Robot& of = scene_->robots[r];
       for (int i = 0; i < of.model->nv; ++i) use(of.idx_v + i);
     }
   }
@@ -124,21 +128,17 @@ void LevelEquations::evaluate(const Job& job, const Part& part) {
   for (Eigen::Index i = 0; i < q_.size(); ++i) q_[i] = job.q[i];
   for (Eigen::Index i = 0; i < v_.size(); ++i) v_[i] = job.v[i], tau_[i] = job.tau[i];
   take_applied_forces(job);
-  for (int r : part.robots) {
-    const Robot& of = scene.robots[static_cast<std::size_t>(r)];
-    const Model& model = *of.model;
-    RobotWork& at = robot(r);
+  each_robot(part, [&](const Robot& of, const Model& model, RobotWork& at) {
     add_friction<S>(model, v_.data() + of.idx_v, tau_.data() + of.idx_v);
     forward_kinematics<S>(model, of.base, q_.segment(of.idx_q, model.nq), at.kin);
     forward_accelerations<S>(model, v_.segment(of.idx_v, model.nv), nullptr, scene.gravity, at.kin);
     inverse_dynamics<S>(model, at.kin, nullptr, {}, at.f, at.h);
-  }
+  });
   const ContactSupport none;
   for (int c : part.contacts) {
-    const Contact& contact = scene.contacts[static_cast<std::size_t>(c)];
+    const Contact& contact = scene.contacts[c];
     contact_rows<S>(scene, contact, none, robot(contact.A.robot).kin,
-                    contact.B.robot < 0 ? nullptr : &robot(contact.B.robot).kin,
-                    *contacts_[static_cast<std::size_t>(c)]);
+                    contact.B.robot < 0 ? nullptr : &robot(contact.B.robot).kin, *contacts_[c]);
   }
 }
 
@@ -147,13 +147,11 @@ void LevelEquations::begin(const Job& job, const Part& part, const double* a, co
   f_offset_ = &job.f_offset;
   damping_ = job.damping;
   evaluate(job, part);
-  for (int r : part.robots) {
-    const Robot& of = scene_->robots[static_cast<std::size_t>(r)];
-    const RobotWork& at = robot(r);
-    for (int i = 0; i < of.model->nv; ++i) b_a_[of.idx_v + i] = tau_[of.idx_v + i] - at.h[i];
-  }
+  each_robot(part, [&](const Robot& of, const Model& model, const RobotWork& at) {
+    for (int i = 0; i < model.nv; ++i) b_a_[of.idx_v + i] = tau_[of.idx_v + i] - at.h[i];
+  });
   for (int c : part.contacts) {
-    const auto& a0 = contacts_[static_cast<std::size_t>(c)]->a0;
+    const auto& a0 = contacts_[c]->a0;
     for (Eigen::Index i = 0, k = first_row(c); i < rows(c); ++i, ++k)
       b_f_[k] = (job.prescribed ? S(job.prescribed[k]) : S(0)) - a0[i];
   }
@@ -164,28 +162,23 @@ void LevelEquations::begin(const Job& job, const Part& part, const double* a, co
 
 // The bodies' accelerations that joint accelerations alone make.
 void LevelEquations::motions(const Part& part, const S* a) {
-  for (int r : part.robots) {
-    const Robot& of = scene_->robots[static_cast<std::size_t>(r)];
-    const Model& model = *of.model;
-    RobotWork& at = robot(r);
+  each_robot(part, [&](const Robot& of, const Model& model, RobotWork& at) {
     for (int i = 0; i < model.njoints(); ++i) {
-      const Joint& joint = model.joints[static_cast<std::size_t>(i)];
+      const Joint& joint = model.joints[i];
       V6 sum = V6::Zero();
-      if (joint.parent >= 0) sum = at.a[static_cast<std::size_t>(joint.parent)];
+      if (joint.parent >= 0) sum = at.a[joint.parent];
       for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) sum += at.kin.J.col(k) * a[of.idx_v + k];
-      at.a[static_cast<std::size_t>(i)] = sum;
+      at.a[i] = sum;
     }
-  }
+  });
 }
 
 // J a of a contact, after motions.
 Rows LevelEquations::contact_rows_of_motion(int c) const {
-  const Contact& contact = scene_->contacts[static_cast<std::size_t>(c)];
-  const ContactData<S>& of = *contacts_[static_cast<std::size_t>(c)];
+  const Contact& contact = scene_->contacts[c];
+  const ContactData<S>& of = *contacts_[c];
   V6 motion = V6::Zero();
-  const auto body = [&](const Attachment& at) -> const V6& {
-    return robots_[static_cast<std::size_t>(at.robot)]->a[static_cast<std::size_t>(at.joint)];
-  };
+  const auto body = [&](const Attachment& at) -> const V6& { return robots_[at.robot]->a[at.joint]; };
   if (moves(contact.A)) motion = of.aMA.act_inverse(body(contact.A));
   if (moves(contact.B)) motion -= of.bMA.act_inverse(body(contact.B));
   return of.W * motion;
@@ -196,33 +189,28 @@ void LevelEquations::put_forces(const Part& part, const S* f) {
   for (int r : part.robots)
     for (V6& force : robot(r).external) force.setZero();
   for (int c : part.contacts) {
-    const ContactData<S>& of = *contacts_[static_cast<std::size_t>(c)];
+    const ContactData<S>& of = *contacts_[c];
     V6 F = V6::Zero();
     for (Eigen::Index i = 0; i < rows(c); ++i) F += of.W.row(i).transpose() * f[first_row(c) + i];
-    each_body_force<S>(scene_->contacts[static_cast<std::size_t>(c)], of, F,
-                       [&](const Attachment& at, const V6& force) {
-                         robot(at.robot).external[static_cast<std::size_t>(at.joint)] += force;
-                       });
+    each_body_force<S>(scene_->contacts[c], of, F,
+                       [&](const Attachment& at, const V6& force) { robot(at.robot).external[at.joint] += force; });
   }
 }
 
 // torque_ = M a - J^T f of the bodies' accelerations, where `inertial`, and forces on them; but for the armature.
 void LevelEquations::torques(const Part& part, bool inertial) {
-  for (int r : part.robots) {
-    const Robot& of = scene_->robots[static_cast<std::size_t>(r)];
-    const Model& model = *of.model;
-    RobotWork& at = robot(r);
+  each_robot(part, [&](const Robot& of, const Model& model, RobotWork& at) {
     for (std::size_t i = 0; i < at.f.size(); ++i) {
       at.f[i] = -at.external[i];
       if (inertial) at.f[i] += at.kin.Y[i] * at.a[i];
     }
     for (int i = model.njoints() - 1; i >= 0; --i) {
-      const Joint& joint = model.joints[static_cast<std::size_t>(i)];
-      const V6& force = at.f[static_cast<std::size_t>(i)];
+      const Joint& joint = model.joints[i];
+      const V6& force = at.f[i];
       for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) torque_[of.idx_v + k] = dot(at.kin.J.col(k), force);
-      if (joint.parent >= 0) at.f[static_cast<std::size_t>(joint.parent)] += force;
+      if (joint.parent >= 0) at.f[joint.parent] += force;
     }
-  }
+  });
 }
 
 // r = b - K x of all of x: the next correction shows its rounding errors.
@@ -230,11 +218,9 @@ void LevelEquations::evaluate_residual(const Part& part) {
   motions(part, a_.data());
   put_forces(part, f_.data());
   torques(part, true);
-  for (int r : part.robots) {
-    const Robot& of = scene_->robots[static_cast<std::size_t>(r)];
-    for (int i = 0, k = of.idx_v; i < of.model->nv; ++i, ++k)
-      r_a_[k] = b_a_[k] - torque_[k] - S(of.model->armature[i]) * a_[k];
-  }
+  each_robot(part, [&](const Robot& of, const Model& model, const RobotWork&) {
+    for (int i = 0, k = of.idx_v; i < model.nv; ++i, ++k) r_a_[k] = b_a_[k] - torque_[k] - S(model.armature[i]) * a_[k];
+  });
   for (int c : part.contacts) {
     const Rows Ja = contact_rows_of_motion(c);
     const S damping(damping_[c]);
@@ -311,13 +297,13 @@ void LevelEquations::put_sizes(const Part& part) {
   for (int r : part.robots) std::ranges::fill(robot(r).sizes, ForceSize{});
   const auto put = [&](const Attachment& at, const SE3<S>& M, double force, double moment) {
     if (!moves(at)) return;
-    ForceSize& size = robot(at.robot).sizes[static_cast<std::size_t>(at.joint)];
+    ForceSize& size = robot(at.robot).sizes[at.joint];
     size.force += force;
     size.moment += moment + M.p.template cast<double>().norm() * force;
   };
   for (int c : part.contacts) {
-    const Contact& contact = scene_->contacts[static_cast<std::size_t>(c)];
-    const ContactData<S>& of = *contacts_[static_cast<std::size_t>(c)];
+    const Contact& contact = scene_->contacts[c];
+    const ContactData<S>& of = *contacts_[c];
     double force = 0, moment = 0;
     for (Eigen::Index i = 0; i < rows(c); ++i) {
       const double size = std::abs(rest_[first_row(c) + i].hi);
@@ -338,21 +324,19 @@ double LevelEquations::torque_of_rest(const Part& part, double* torque) {
     torque[k] = -torque_[k].hi;
     largest = std::max(largest, std::abs(torque[k]));
   });
-  for (int r : part.robots) {
-    const Model& model = *scene_->robots[static_cast<std::size_t>(r)].model;
-    RobotWork& at = robot(r);
+  each_robot(part, [&](const Robot&, const Model& model, RobotWork& at) {
     for (int i = model.njoints() - 1; i >= 0; --i) {
-      const Joint& joint = model.joints[static_cast<std::size_t>(i)];
-      const ForceSize& size = at.sizes[static_cast<std::size_t>(i)];
+      const Joint& joint = model.joints[i];
+      const ForceSize& size = at.sizes[i];
       for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) {
         const Vec6<double> J = at.kin.J.col(k).template cast<double>();
         terms = std::max(terms, J.head<3>().norm() * size.force + J.tail<3>().norm() * size.moment);
       }
       if (joint.parent < 0) continue;
-      at.sizes[static_cast<std::size_t>(joint.parent)].force += size.force;
-      at.sizes[static_cast<std::size_t>(joint.parent)].moment += size.moment;
+      at.sizes[joint.parent].force += size.force;
+      at.sizes[joint.parent].moment += size.moment;
     }
-  }
+  });
   return largest == 0 ? 0 : largest / terms;
 }
 

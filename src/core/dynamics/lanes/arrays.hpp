@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <memory>
+#include <type_traits>
 #include <utility>
 
 #include "block.hpp"
@@ -39,19 +40,6 @@ const Pack<W, E>* as_scalar(const Pack<W, E>* x) {
 /// The most robots that a SIMD batch has: of floats in the widest registers.
 inline constexpr int kMostInBatch = 16;
 
-/// Element l of to[k] = from[l][k] for k < count. Elements beyond those given repeat the last one.
-template <int W>
-[[gnu::noinline]] void load_arrays(std::span<const double* const> from, int count, Pack<W>* to) {
-  const auto lane = [&](int l) { return from[std::min<std::size_t>(l, from.size() - 1)]; };
-  int k = 0;
-  for (; k + W <= count; k += W) {
-    for (int l = 0; l < W; ++l) to[k + l] = Pack<W>::load(lane(l) + k);
-    transpose(to + k);
-  }
-  for (int l = 0; l < W; ++l)
-    for (int i = k; i < count; ++i) to[i].set(l, lane(l)[i]);
-}
-
 /// The doubles of two packs as floats, those of `a` first.
 template <int H, std::size_t... I>
 Pack<2 * H, float> narrowed(const Pack<H>& a, const Pack<H>& b, std::index_sequence<I...>) {
@@ -60,12 +48,18 @@ Pack<2 * H, float> narrowed(const Pack<H>& a, const Pack<H>& b, std::index_seque
   return Pack<2 * H, float>::of(__builtin_shufflevector(x, y, I...));
 }
 
-/// The same, rounded to floats.
-template <int W>
-[[gnu::noinline]] void load_arrays(std::span<const double* const> from, int count, Pack<W, float>* to) {
+/// Element l of to[k] = from[l][k] for k < count, rounded where these are floats. Elements beyond those given repeat
+/// the last one.
+template <int W, class E>
+[[gnu::noinline]] void load_arrays(std::span<const double* const> from, int count, Pack<W, E>* to) {
   const auto lane = [&](int l) { return from[std::min<std::size_t>(l, from.size() - 1)]; };
   int k = 0;
-  if constexpr (W > 1) {
+  if constexpr (std::is_same_v<E, double>) {
+    for (; k + W <= count; k += W) {
+      for (int l = 0; l < W; ++l) to[k + l] = Pack<W>::load(lane(l) + k);
+      transpose(to + k);
+    }
+  } else if constexpr (W > 1) {
     constexpr int H = W / 2;
     for (; k + H <= count; k += H) {
       Pack<H> halves[2][H];
@@ -79,24 +73,18 @@ template <int W>
 }
 
 /// Sets to[l][k] = element l of from[k] for k < count.
-template <int W>
-[[gnu::noinline]] void store_arrays(const Pack<W>* from, int count, std::span<double* const> to) {
+template <int W, class E>
+[[gnu::noinline]] void store_arrays(const Pack<W, E>* from, int count, std::span<double* const> to) {
   int k = 0;
-  for (; k + W <= count; k += W) {
-    Pack<W> block[W];
-    for (int i = 0; i < W; ++i) block[i] = from[k + i];
-    transpose(block);
-    for (std::size_t l = 0; l < to.size(); ++l) block[l].store(to[l] + k);
-  }
+  if constexpr (std::is_same_v<E, double>)
+    for (; k + W <= count; k += W) {
+      Pack<W> block[W];
+      for (int i = 0; i < W; ++i) block[i] = from[k + i];
+      transpose(block);
+      for (std::size_t l = 0; l < to.size(); ++l) block[l].store(to[l] + k);
+    }
   for (std::size_t l = 0; l < to.size(); ++l)
     for (int i = k; i < count; ++i) to[l][i] = from[i][static_cast<int>(l)];
-}
-
-/// The same, of floats.
-template <int W>
-[[gnu::noinline]] void store_arrays(const Pack<W, float>* from, int count, std::span<double* const> to) {
-  for (std::size_t l = 0; l < to.size(); ++l)
-    for (int i = 0; i < count; ++i) to[l][i] = from[i][static_cast<int>(l)];
 }
 
 /// Collects one of the pointers that each of `items` has, at(item).

@@ -31,23 +31,23 @@ struct StandingEnd {
 };
 inline StandingEnd<double> standing_end(const Scene& scene, const Attachment& at) {
   if (at.robot < 0) return {{at.placement.R, Vec3<double>::Zero()}, at.placement.p};
-  const SE3<double>& base = scene.robots[static_cast<std::size_t>(at.robot)].base;
+  const SE3<double>& base = scene.robots[at.robot].base;
   return {{base.R * at.placement.R, base.R * at.placement.p}, base.p};
 }
 
 /// Constant; shared by robots of one structure with contacts of one shape.
 struct BlockPlan {
-  Scene scene;     // one of these robots and its contacts: first those on it alone, then those that join it
-  Island island;   // all of it
-  int alone = 0;   // contacts on it alone
-  int border = 0;  // rows of the others
+  Scene scene;    // one of these robots and its contacts: first those on it alone, then those that join it
+  Island island;  // all of it
+  int alone = 0;  // contacts on it alone
   std::shared_ptr<const KktPattern> pattern;  // pattern of all rows
   std::shared_ptr<const KktPattern> inner;    // pattern without the border, in the same order
   sparse::LdlSchedule bordered;               // schedule of all columns but the border's, where it has one
   std::vector<ContactSupport> supports;
 
   const std::shared_ptr<const Model>& model() const { return scene.robots.front().model; }
-  const sparse::LdlSchedule& schedule() const { return border > 0 ? bordered : pattern->schedule(); }
+  int border() const { return pattern->size() - inner->size(); }  // rows of the contacts that join it
+  const sparse::LdlSchedule& schedule() const { return border() > 0 ? bordered : pattern->schedule(); }
 
   std::size_t joins() const { return supports.size() - static_cast<std::size_t>(alone); }
   /// Sizes of Robot::joins and of Robot::ends.
@@ -76,7 +76,7 @@ struct BlockPlan {
   std::size_t most_waiting() const {
     return std::min(tolerance::kMostWaitingInBatch, static_cast<std::size_t>(rows() - pattern->nv));
   }
-  int rows() const { return pattern->size() - border; }            // that are eliminated
+  int rows() const { return inner->size(); }                       // that are eliminated
   int factor_nonzeros() const { return pattern->ldl.Lp[rows()]; }  // entries of L below its diagonal
 };
 
@@ -94,7 +94,7 @@ struct JoinTerms {
   double* W() const { return J + rows * cols; }
   double* dq() const { return W() + 6 * rows; }
   double* dv() const { return dq() + rows * cols; }
-  double* D(bool B) const { return dv() + rows * cols + (B ? 6 * padded(cols) : 0); }
+  double* D_B() const { return dv() + rows * cols + 6 * padded(cols); }
 };
 
 /// A robot's numbers of its m border rows, one array after the other.

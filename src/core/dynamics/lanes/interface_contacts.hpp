@@ -1,6 +1,7 @@
 #pragma once
 // InterfaceContacts on packs S = Pack<W>.
 
+#include <array>
 #include <limits>
 
 #include "arrays.hpp"
@@ -23,8 +24,8 @@ class InterfaceContactsOf final : public InterfaceContacts {
 
   void evaluate(const Vec3<double>& gravity, std::span<Rows> rows) override {
     const Contact& contact = *rows.front().contact;
-    A_.load(rows, contact.A.joint, false, [](const Rows& r) { return std::pair(&r.contact->A, r.A); });
-    B_.load(rows, contact.B.joint, false, [](const Rows& r) { return std::pair(&r.contact->B, r.B); });
+    A_.load(rows, contact.A.joint, A_.joined(), [](const Rows& r) { return std::pair(&r.contact->A, r.A); });
+    B_.load(rows, contact.B.joint, B_.joined(), [](const Rows& r) { return std::pair(&r.contact->B, r.B); });
     evaluate_between(gravity, rows);
     double* to[8];
     const int at_A = static_cast<int>(rows_.J.rows() * support_.a.size());
@@ -46,8 +47,8 @@ class InterfaceContactsOf final : public InterfaceContacts {
   void differentiate(const Vec3<double>& gravity, std::span<const Derivatives> rows) override {
     using Rows = Derivatives;
     const Contact& contact = *rows.front().contact;
-    A_.load(rows, contact.A.joint, true, [](const Rows& r) { return std::pair(&r.contact->A, r.A); });
-    B_.load(rows, contact.B.joint, true, [](const Rows& r) { return std::pair(&r.contact->B, r.B); });
+    A_.load(rows, contact.A.joint, A_.moving(), [](const Rows& r) { return std::pair(&r.contact->A, r.A); });
+    B_.load(rows, contact.B.joint, B_.moving(), [](const Rows& r) { return std::pair(&r.contact->B, r.B); });
     evaluate_between(gravity, rows);
     const double* from[8];
     load_arrays(side_by_side(rows, from, [](const Rows& r) { return r.f; }), contact.rows(), f_.data());
@@ -85,9 +86,11 @@ class InterfaceContactsOf final : public InterfaceContacts {
         stretches.back().second = i + 1;
       }
     }
-    // moving: MovingEnd, in place of JoinedEnd.
+    std::array<Mat6X<S>*, 1> joined() { return {&kin.J}; }
+    std::array<Mat6X<S>*, 4> moving() { return {&kin.J, &rnea.Psid, &rnea.Psidd, &rnea.Sv}; }
+    // columns: those of JoinedEnd, or of MovingEnd.
     template <class Row, class Of>
-    void load(std::span<Row> rows, int joint, bool moving, Of&& end) {
+    void load(std::span<Row> rows, int joint, std::span<Mat6X<S>* const> columns, Of&& end) {
       const double* from[8];
       load_arrays(side_by_side(rows, from, [&](const auto& r) { return end(r).first->placement.R.data(); }), 12,
                   on_body.R.data());
@@ -101,9 +104,8 @@ class InterfaceContactsOf final : public InterfaceContacts {
       load(12, kin.oMi[joint].R.data());
       load(6, kin.v[joint].data());
       load(6, kin.a[joint].data());
-      for (Mat6X<S>* of : {&kin.J, &rnea.Psid, &rnea.Psidd, &rnea.Sv})
-        for (std::size_t k = 0; k < stretches.size() && (moving || of == &kin.J); ++k)
-          load(6 * (stretches[k].second - stretches[k].first), of->col(stretches[k].first).data());
+      for (Mat6X<S>* of : columns)
+        for (const auto& [first, past] : stretches) load(6 * (past - first), of->col(first).data());
     }
     PlacedEnd<S> placed(int joint) const { return {kin.oMi[joint] * on_body, origin_at<S>(kin, joint)}; }
   };

@@ -4,6 +4,7 @@
 // depend on its place in the batch, nor on the other robots there.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -43,13 +44,17 @@ struct Panel {
   bool refine;                       // once, unless the factor bounds the error of every column
   std::span<const Sampled> sampled;  // columns of robots joined to others
 };
-/// Inputs of derivatives: the solution, the number of columns, and where those of q, v, u begin. E: six columns per
-/// contact that joins the robot, of forces on its body, before all others.
-struct DerivativeJob {
+/// The solution, in the scene's coordinates.
+struct Solution {
   const Scene& scene;
   std::uint64_t serial;
   const double *q, *v, *a, *f;
   const std::vector<int>& f_offset;
+};
+
+/// Inputs of derivatives: the solution, the number of columns, and where those of q, v, u begin. E: six columns per
+/// contact that joins the robot, of forces on its body, before all others.
+struct DerivativeJob : Solution {
   DerivativeRequest request;
   int q_first, v_first, u_first, columns;  // columns: a multiple of 8
   bool non_temporal;                       // panels, together larger than the caches, bypass them
@@ -57,13 +62,9 @@ struct DerivativeJob {
 
 /// A product with the derivatives at a solution: in and out in the scene's coordinates. jvp: dq, dv, dtau (nv) to da,
 /// df; vjp: wa, wf to wq, wv, wtau.
-struct ProductJob {
-  const Scene& scene;
-  std::uint64_t serial;
-  const double *q, *v, *a, *f;
-  const std::vector<int>& f_offset;
-  const double* in[3];
-  double* out[3];
+struct ProductJob : Solution {
+  std::array<const double*, 3> in;
+  std::array<double*, 3> out;
 };
 
 /// Result of one island. Where it is not sound, nothing else is known: another system has to solve the island.
@@ -198,11 +199,11 @@ template <class Kernel>
 struct OneOrBatch {
   std::unique_ptr<Kernel> one, batch;
   Kernel& of(std::size_t count) const { return count == 1 ? *one : *batch; }
-  /// of(batch): a new kernel.
+  /// For up to so many items at a time. of(batch): a new kernel.
   template <class Of>
-  void make(bool side_by_side, Of&& of) {
+  void make(std::size_t count, Of&& of) {
     if (!one) one = of(false);
-    if (side_by_side && !batch) batch = of(true);
+    if (count > 1 && !batch) batch = of(true);
   }
 };
 

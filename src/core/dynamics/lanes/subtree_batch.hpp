@@ -58,7 +58,7 @@ SubtreeBatchOf<S>::SubtreeBatchOf(std::shared_ptr<const SubtreePlan> plan)
       tau_(p_.nv),
       g_(p_.nc),
       K_(plan_->K.nonzeros(), S(0)),
-      L_(plan_->factor_nonzeros),
+      L_(plan_->schedule.nonzeros()),
       D_(plan_->K.n),
       terms_(plan_->K.n),
       x_(plan_->K.n),
@@ -216,7 +216,7 @@ void SubtreeBatchOf<S>::store(const Refinement<S>& refined, std::span<Subtree> s
     Subtree& subtree = subtrees[l];
     subtree.sound = usable_[lane];
     if (!subtree.sound) continue;
-    subtree.factor_nonzeros = plan_->factor_nonzeros + plan_->K.n;
+    subtree.factor_nonzeros = plan_->schedule.nonzeros() + plan_->K.n;
     subtree.refinement = {static_cast<int>(refined.steps[lane]), refined.error[lane], refined.first[lane]};
     BodySolve& out = *subtree.solution;
     for (int k = 0; k < p_.nv; ++k) out.x.joints[k] = x_[plan_->place(k)][lane];

@@ -32,9 +32,7 @@ SubtreePlan::SubtreePlan(std::shared_ptr<const BodyPattern> of) : pattern(std::m
   std::vector<std::pair<int, int>> all = M;
   all.insert(all.end(), J.begin(), J.end());
   K = sparse::make_pattern(p.nv + p.nc, std::move(all));
-  const sparse::LdlSymbolic symbolic = sparse::ldl_analyze(K);
-  schedule = sparse::compile_ldl(K, symbolic);
-  factor_nonzeros = symbolic.nonzeros();
+  schedule = sparse::compile_ldl(K, sparse::ldl_analyze(K));
   for (const auto& [row, col] : M) M_slot.push_back(K.slot(row, col));
   for (const auto& [row, col] : J) J_slot.push_back(K.slot(row, col));
 }

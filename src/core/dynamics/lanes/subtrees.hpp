@@ -18,7 +18,6 @@ struct SubtreePlan {
   std::shared_ptr<const BodyPattern> pattern;
   sparse::UpperCsc K;  // coordinates from the last to the first, then rows
   sparse::LdlSchedule schedule;
-  int factor_nonzeros = 0;
   /// Slots of K. M: per node, the last first, for each of its coordinates those up to it and then the ancestors'. J:
   /// per row, those from body A up to the node where both ends meet, then those from body B.
   std::vector<int> M_slot, J_slot;

@@ -25,7 +25,7 @@ bool moves_as_one(const Reduction& r, int c, const PairRows& pair) {
 
 int row_of(const Island& island, int contact) {
   const auto at = std::lower_bound(island.contacts.begin(), island.contacts.end(), contact) - island.contacts.begin();
-  return island.row_offset[static_cast<std::size_t>(at)];
+  return island.row_offset[at];
 }
 
 // Rows of forces of an island's panel, from those of the scene solved.
@@ -34,7 +34,7 @@ void expand_rows(const Reduction& r, std::size_t i, const From& from, To&& to) {
   const Island &solved = solved_island(*r.data, i), &own = r.islands[i];
   for (std::size_t k = 0; k < solved.contacts.size(); ++k) {
     const int c = solved.contacts[k], first = solved.row_offset[k];
-    const int rows = r.scene.contacts[static_cast<std::size_t>(c)].rows();
+    const int rows = r.scene.contacts[c].rows();
     const PairRows* pair = r.pair_of(c);
     if (!pair) {
       to.middleRows(row_of(own, c), rows) = from.middleRows(first, rows);
@@ -44,8 +44,7 @@ void expand_rows(const Reduction& r, std::size_t i, const From& from, To&& to) {
     for (std::size_t m = 0; m < pair->contacts.size(); ++m) {
       const int at = row_of(own, pair->contacts[m]);
       for (int i = 0; i < pair->members[m].rows(); ++i, ++row)
-        to.row(at + i).noalias() =
-            (pair->unit[static_cast<std::size_t>(row)] * pair->numbers->Q.row(row)) * from.middleRows(first, rows);
+        to.row(at + i).noalias() = (pair->unit[row] * pair->numbers->Q.row(row)) * from.middleRows(first, rows);
     }
   }
 }
@@ -108,7 +107,7 @@ SceneData& differentiated(const Scene& scene, SceneData& data) {
   bool as_one = true;
   if (scene.damping > 0) r.each_pair([&](int c, const PairRows& pair) { as_one = as_one && moves_as_one(r, c, pair); });
   if (as_one) return *r.data;
-  if (r.plain_is_current) return *r.plain;
+  if (r.plain && r.plain->serial != 0) return *r.plain;
   Options options = data.options;
   options.reduce_pairs = false;
   if (!r.plain) r.plain = std::make_unique<SceneData>(scene, options);
@@ -116,7 +115,6 @@ SceneData& differentiated(const Scene& scene, SceneData& data) {
   r.plain->active = data.active;
   r.plain->wrenches = data.wrenches;
   (void)solve_tau(scene, w.q, data.v, w.given, *r.plain);
-  r.plain_is_current = true;
   return *r.plain;
 }
 
@@ -149,14 +147,13 @@ std::vector<DerivativeBounds> derivative_errors_reduced(const Scene& scene, Scen
     const IslandDerivatives &of_y = derivatives(*r.data).islands[i], &of_f = w.derivatives.islands[i];
     const double share = largest_share(r, i);
     DerivativeBounds& b = out[i];
-    b.dforces_dq =
-        relative_to_forces(b.dforces_dq, share, largest_in(of_y.dforces_dq()), largest_in(of_f.dforces_dq()));
-    b.dforces_dv =
-        relative_to_forces(b.dforces_dv, share, largest_in(of_y.dforces_dv()), largest_in(of_f.dforces_dv()));
-    b.dforces_dw =
-        relative_to_forces(b.dforces_dw, share, largest_in(of_y.dforces_dw()), largest_in(of_f.dforces_dw()));
-    b.dforces_du =
-        relative_to_forces(b.dforces_du, share, largest_in(of_y.dforces_du()), largest_in(of_f.dforces_du()));
+    const auto take = [share](double& bound, const auto& y, const auto& f) {
+      bound = relative_to_forces(bound, share, largest_in(y), largest_in(f));
+    };
+    take(b.dforces_dq, of_y.dforces_dq(), of_f.dforces_dq());
+    take(b.dforces_dv, of_y.dforces_dv(), of_f.dforces_dv());
+    take(b.dforces_dw, of_y.dforces_dw(), of_f.dforces_dw());
+    take(b.dforces_du, of_y.dforces_du(), of_f.dforces_du());
   }
   return out;
 }

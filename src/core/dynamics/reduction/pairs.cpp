@@ -61,7 +61,7 @@ std::vector<std::vector<int>> find_groups(const Scene& scene) {
 // Returns flags: which contacts of a group are active.
 const std::vector<char>& set_of(const std::vector<int>& group, const std::vector<char>& active, Reduction& r) {
   r.set.clear();
-  for (int c : group) r.set.push_back(active[static_cast<std::size_t>(c)]);
+  for (int c : group) r.set.push_back(active[c]);
   return r.set;
 }
 
@@ -145,8 +145,8 @@ void set_active(const std::vector<char>& active, Reduction& r, std::vector<char>
   for (std::size_t g = 0; g < r.groups.size(); ++g) {
     const auto set = r.sets[g].find(set_of(r.groups[g], active, r));
     if (set == r.sets[g].end() || set->second.number < 0) continue;
-    out[static_cast<std::size_t>(set->second.number)] = 1;
-    for (int c : r.groups[g]) out[static_cast<std::size_t>(c)] = 0;
+    out[set->second.number] = 1;
+    for (int c : r.groups[g]) out[c] = 0;
   }
 }
 

@@ -40,25 +40,22 @@ struct Reduction {
   std::vector<std::shared_ptr<PairRows>> pairs;          // one per pair contact, appended after the scene's
   std::set<SharedPairNumbers, PairNumbersLess> numbers;  // all that pairs had; SIMD batches compare their addresses
   std::unique_ptr<SceneData> data;                       // data of `scene`
-  std::unique_ptr<SceneData> plain;  // data of the scene without pairs, for derivatives of damped contacts that slide
-  std::vector<Island> islands;       // islands with the contacts of the original scene, one per island of `data`
-  Eigen::VectorXd prescribed;        // rows of `data`
-  Eigen::VectorXd df;                // scratch of products: rows of `data`
-  std::vector<char> set;             // scratch
-  Eigen::VectorXd rows_of_pair;      // scratch, for all rows of any pair
-  bool plain_is_current = false;     // `plain` belongs to the current solution
+  // data of the scene without pairs, for derivatives of damped contacts that slide; a solution there is the current one
+  std::unique_ptr<SceneData> plain;
+  std::vector<Island> islands;   // islands with the contacts of the original scene, one per island of `data`
+  Eigen::VectorXd prescribed;    // rows of `data`
+  Eigen::VectorXd df;            // scratch of products: rows of `data`
+  std::vector<char> set;         // scratch
+  Eigen::VectorXd rows_of_pair;  // scratch, for all rows of any pair
 
   int first_pair() const { return static_cast<int>(scene.contacts.size() - pairs.size()); }
   /// The rows of a contact of `scene`; nullptr where it is no pair.
-  const PairRows* pair_of(int c) const {
-    return c < first_pair() ? nullptr : pairs[static_cast<std::size_t>(c - first_pair())].get();
-  }
+  const PairRows* pair_of(int c) const { return c < first_pair() ? nullptr : pairs[c - first_pair()].get(); }
   /// use(contact of `scene`, rows) of pairs that are active.
   template <class Use>
   void each_pair(Use&& use) const {
     for (std::size_t k = 0; k < pairs.size(); ++k)
-      if (const int c = first_pair() + static_cast<int>(k); data->active[static_cast<std::size_t>(c)])
-        use(c, *pairs[k]);
+      if (const int c = first_pair() + static_cast<int>(k); data->active[c]) use(c, *pairs[k]);
   }
 };
 

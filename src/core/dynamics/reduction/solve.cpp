@@ -58,9 +58,7 @@ void add_damped_contradictions(const SceneData& data, double damping, const Redu
         f[to + i] -= left[first + i] / damping;
         if (!wanted.empty())
           f[to + i] +=
-              (wanted[static_cast<std::size_t>(to + i)] -
-               Q.row(first + i).dot(r.prescribed.segment(r.data->f_offset[static_cast<std::size_t>(c)], Q.cols()))) /
-              damping;
+              (wanted[to + i] - Q.row(first + i).dot(r.prescribed.segment(r.data->f_offset[c], Q.cols()))) / damping;
       }
     });
   });
@@ -77,15 +75,12 @@ rank::Contradiction<double> contradiction_of(const SceneData& data, const Reduct
     const double* left = left_of_pair(r, c);
     const auto& Q = pair->numbers->Q;
     const auto y = wanted.empty() ? Eigen::Map<const Eigen::VectorXd>(nullptr, 0)
-                                  : Eigen::Map<const Eigen::VectorXd>(
-                                        &r.prescribed[r.data->f_offset[static_cast<std::size_t>(c)]], Q.cols());
+                                  : Eigen::Map<const Eigen::VectorXd>(&r.prescribed[r.data->f_offset[c]], Q.cols());
     const double terms = left[pair->unit.size()] + y.lpNorm<1>();
     each_member(data.f_offset, *pair, [&](int from, int first, int rows) {
       for (int i = first; i < first + rows; ++i) {
         double size = left[i];
-        if (!wanted.empty())
-          size -= wanted[static_cast<std::size_t>(from + i - first)] * pair->unit[static_cast<std::size_t>(i)] -
-                  Q.row(i).dot(y);
+        if (!wanted.empty()) size -= wanted[from + i - first] * pair->unit[i] - Q.row(i).dot(y);
         out.left = rank::larger_or_nan(std::abs(size), out.left);
         out.of_terms = rank::larger_or_nan(size == 0 ? 0 : std::abs(size) / terms, out.of_terms);
       }
@@ -101,15 +96,14 @@ void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t 
   const auto depends = [&](int row) { return std::binary_search(solved.begin(), solved.end(), row); };
   report.dependent_rows.clear();
   for (int c : solved_island(*r.data, island).contacts) {
-    int at = r.data->f_offset[static_cast<std::size_t>(c)];
+    int at = r.data->f_offset[c];
     const PairRows* pair = r.pair_of(c);
-    for (int i = 0; !pair && i < r.scene.contacts[static_cast<std::size_t>(c)].rows(); ++i)
-      if (depends(at + i)) report.dependent_rows.push_back(data.f_offset[static_cast<std::size_t>(c)] + i);
+    for (int i = 0; !pair && i < r.scene.contacts[c].rows(); ++i)
+      if (depends(at + i)) report.dependent_rows.push_back(data.f_offset[c] + i);
     if (!pair) continue;
     each_member(data.f_offset, *pair, [&](int first, int own, int of_member) {
       for (int i = 0; i < of_member; ++i)
-        if (!pair->spans[static_cast<std::size_t>(own + i)] || depends(at++))
-          report.dependent_rows.push_back(first + i);
+        if (!pair->spans[own + i] || depends(at++)) report.dependent_rows.push_back(first + i);
     });
   }
   std::sort(report.dependent_rows.begin(), report.dependent_rows.end());
@@ -125,7 +119,7 @@ void take_refined(const SceneData& data, Reduction& r) {
     each_member(data.f_offset, pair,
                 [&](int from, int first, int rows) { all.segment(first, rows) = data.f.segment(from, rows); });
     all.array() /= unit_of(pair).array();
-    r.data->f.segment(r.data->f_offset[static_cast<std::size_t>(c)], Q.cols()) = Q.transpose().lazyProduct(all);
+    r.data->f.segment(r.data->f_offset[c], Q.cols()) = Q.transpose().lazyProduct(all);
   });
 }
 
@@ -160,7 +154,7 @@ void expand_forces(const SceneData& data, const double* y, double* f) {
   each_single(data, r, [&](int to, int from, int rows) { std::copy_n(y + from, rows, f + to); });
   r.each_pair([&](int c, const PairRows& pair) {
     const auto& Q = pair.numbers->Q;
-    const PairVector of(y + r.data->f_offset[static_cast<std::size_t>(c)], Q.cols());
+    const PairVector of(y + r.data->f_offset[c], Q.cols());
     auto all = r.rows_of_pair.head(Q.rows());
     all = unit_of(pair).cwiseProduct(Q.lazyProduct(of));
     each_member(data.f_offset, pair, [&](int to, int first, int rows) { std::copy_n(&all[first], rows, f + to); });
@@ -175,8 +169,7 @@ void reduce_forces(const SceneData& data, const double* f, double* y) {
     auto all = r.rows_of_pair.head(Q.rows());
     each_member(data.f_offset, pair, [&](int from, int first, int rows) { std::copy_n(f + from, rows, &all[first]); });
     all.array() *= unit_of(pair).array();
-    Eigen::Map<Eigen::VectorXd>(y + r.data->f_offset[static_cast<std::size_t>(c)], Q.cols()) =
-        Q.transpose().lazyProduct(all);
+    Eigen::Map<Eigen::VectorXd>(y + r.data->f_offset[c], Q.cols()) = Q.transpose().lazyProduct(all);
   });
 }
 
@@ -186,7 +179,7 @@ const Report& solve_reduced(const Scene& scene, const ConstVector& q, const Cons
   Reduction& r = *w.reduction;
   w.prescribed.assign(prescribed.begin(), prescribed.end());
   refresh(scene, data, r);
-  r.plain_is_current = false;
+  if (r.plain) give_up_solution(*r.plain);
   w.given = tau;
   std::span<const double> of_solved;
   if (!prescribed.empty()) {

@@ -7,8 +7,8 @@
 //     RobotsSystem   several robots as blocks in SIMD batches, coupled by few rows (systems/robots)
 //     BodiesSystem   deep trees: the accelerations of bodies stay unknowns (systems/bodies)
 //     MatrixSystem   the whole K by any factor, down to the dense reference solver (systems/matrix)
-//     AloneSystem    one robot, in a SIMD batch with others (systems/robots/alone.cpp)
 //
+// Before these, robots alone are solved in SIMD batches, many islands by one call (systems/robots/alone.cpp).
 // `solve` takes the first system whose solution is sound. That system also gives derivatives, products and bounds of
 // its solution, unless another is cheaper (differentiate.cpp). The whole K does the rest, and is made then (`ask` in
 // internal.hpp). A system stamps its numbers with the state they belong to (Workspace::state), and computes them again

@@ -13,7 +13,7 @@ namespace {
 std::size_t bytes_of(const IslandWork& d) {
   std::size_t entries = 0;
   if (const auto& p = d.matrix.K.pattern) entries += p->K.nonzeros() + p->ldl.nonzeros();
-  if (d.robots) entries += d.robots->interface->S.nonzeros() + d.robots->interface->nonzeros;
+  if (d.robots) entries += d.robots->interface->S.nonzeros() + d.robots->interface->schedule.nonzeros();
   return costs::kBytesOfEntry * entries + costs::kBytesOfRow * d.island.size() +
          sizeof(double) * d.derivatives.X.size();
 }

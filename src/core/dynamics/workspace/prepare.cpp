@@ -159,11 +159,11 @@ void prepare(const Scene& scene, SceneData& data) {
 
 void internal::prepare_islands(const Scene& scene, const SceneData& data) {
   Workspace& w = *data.workspace;
-  const bool known = w.has_islands && w.islands_options == data.options && w.springs == scene.springs.size();
+  const bool same_options = w.islands_options == data.options;
+  const bool known = same_options && w.springs == scene.springs.size();
   if (known && w.islands_active == data.active) return;
-  const bool same_options = w.has_islands && w.islands_options == data.options;
   const bool all = !known || data.options.method == Method::kDenseSchur;
-  w.has_islands = false;
+  w.islands_options.reset();
   if (!w.reduction) keep_derivatives(w);  // a reduction's derivatives are not those of these islands
   if (!same_options) {                    // options changed: factors must be rebuilt
     w.islands.clear();
@@ -173,7 +173,7 @@ void internal::prepare_islands(const Scene& scene, const SceneData& data) {
     make_threads(data.options.threads, w);
   }
   w.lanes.level = lanes::level_of(data.options.simd_level);
-  w.options = w.islands_options = data.options;
+  w.options = data.options;
   change_islands(scene, data, w, all);
   if (w.linearisation) w.linearisation->forget_places();
   group_robots_alone(w);
@@ -183,7 +183,7 @@ void internal::prepare_islands(const Scene& scene, const SceneData& data) {
   w.islands_active = data.active;
   w.springs = scene.springs.size();
   ++w.layout;
-  w.has_islands = true;
+  w.islands_options = data.options;
 }
 
 void internal::prepare_checked(const Scene& scene, SceneData& data) {
@@ -201,7 +201,7 @@ void internal::prepare_checked(const Scene& scene, SceneData& data) {
     w.options = data.options;
     w.springs = scene.springs.size();
     w.islands.clear();
-    w.has_islands = false;
+    w.islands_options.reset();
     w.derivatives.islands.resize(w.reduction->islands.size());
   } else {
     prepare_islands(scene, data);

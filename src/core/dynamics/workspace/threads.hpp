@@ -10,9 +10,8 @@ namespace manycontact::internal {
 /// thread k modulo their number. Exceptions come out as run_items has them.
 template <class Work>
 void each_item(Workspace& w, std::size_t count, Work&& work) {
-  run_items(std::span<Failure>(w.failures), static_cast<std::ptrdiff_t>(count), [&](std::ptrdiff_t item, int thread) {
-    work(static_cast<std::size_t>(item), w.threads[static_cast<std::size_t>(thread)]);
-  });
+  run_items(std::span<Failure>(w.failures), static_cast<std::ptrdiff_t>(count),
+            [&](std::ptrdiff_t item, int thread) { work(static_cast<std::size_t>(item), w.threads[thread]); });
 }
 
 /// The same; by the calling thread alone, with the memory of each item's own thread, where others are not worth waking.

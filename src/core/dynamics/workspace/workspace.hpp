@@ -2,6 +2,7 @@
 // The memory behind SceneData, private to module dynamics. Each part names its writer.
 
 #include <map>
+#include <optional>
 #include <span>
 
 #include "../applied_forces.hpp"
@@ -42,7 +43,7 @@ struct IslandWork {
   Island island;  // set by prepare
 
   // systems that may solve it, but for dependent rows in this order; nullptr: not made
-  AloneSystem alone;                     // used for one robot
+  BatchPlace alone;                      // used for one robot, which SIMD batches solve before all systems
   std::unique_ptr<RobotsSystem> robots;  // used for several; not `solves`: made by differentiate, only for that
   std::unique_ptr<BodiesSystem> bodies;  // made if sparse-bodies was chosen
   MatrixSystem matrix;
@@ -50,8 +51,10 @@ struct IslandWork {
   bool joinable = true;              // false: its robots do not fit a RobotsSystem, or it cannot pay
   IslandSystem* answered = nullptr;  // gave the current solution, and gives its derivatives; nullptr: there is none
   bool answered_by(const IslandSystem* system) const { return system && answered == system; }
+  /// SIMD batches of robots alone, as what gave a solution: one island by itself cannot ask anything of them.
+  inline static IslandSystem batches;
   /// The solution came from a SIMD batch, and so may its derivatives and products.
-  bool served_in_lanes() const { return answered == &alone && alone.panel_is_safe; }
+  bool served_in_lanes() const { return answered_by(&batches) && alone.panel_is_safe; }
   /// SIMD batches solve it first, which need none of the terms of the whole K.
   bool stands_in_lanes() const { return alone.group || (robots && robots->solves); }
   int depended = 0;        // so many rows depended on others at the start (dynamics/keep_dependent.hpp)
@@ -122,9 +125,8 @@ struct Workspace {
   // for (prepare_islands)
   std::unique_ptr<Reduction> pairs;  // nullptr: none may be reduced
   Reduction* reduction = nullptr;    // `pairs`, where some are; what is solved is its scene then
-  bool has_islands = false;          // the islands of `islands_active` exist
   std::vector<char> islands_active;
-  Options islands_options;
+  std::optional<Options> islands_options;  // none: the islands of `islands_active` do not exist
 
   InLanes lanes;
   std::vector<char> done;  // scratch of each_island

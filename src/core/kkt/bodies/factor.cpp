@@ -15,8 +15,12 @@ void BodySolve::resize(const BodyPattern& p) {
   residual.resize(p);
 }
 
-sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps, bool lifted) {
-  if (!lifted) backward_sweep(system, ldl, v.b);
+sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps) {
+  backward_sweep(system, ldl, v.b);
+  return solve_lifted(system, ldl, v, max_steps);
+}
+
+sparse::Refinement solve_lifted(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps) {
   double error = forward_sweep(system, ldl, v.b, v.x, v.residual);
   return sparse::refine(
       max_steps, tolerance::kRefined, [&] { return error; },

@@ -9,20 +9,14 @@ namespace manycontact {
 
 namespace {
 
-// B (n x cols, by columns) <- rows of the panel, in order of elimination; and back.
-void take_columns(const KktPattern& p, const double* X, int ld, int first, int cols, std::vector<double>& B) {
+// copy(entry of the panel, entry of B) for all of B, which has the panel's rows in order of elimination, by columns.
+template <class Copy>
+void each_entry(const KktPattern& p, double* X, int ld, int first, int cols, std::vector<double>& B, Copy&& copy) {
   const std::size_t n = p.size();
   B.resize(std::max(B.size(), n * cols));
   for (std::size_t k = 0; k < n; ++k) {
-    const double* row = X + static_cast<std::ptrdiff_t>(p.perm[k]) * ld + first;
-    for (int c = 0; c < cols; ++c) B[c * n + k] = row[c];
-  }
-}
-void put_columns(const KktPattern& p, const std::vector<double>& B, double* X, int ld, int first, int cols) {
-  const std::size_t n = p.size();
-  for (std::size_t k = 0; k < n; ++k) {
     double* row = X + static_cast<std::ptrdiff_t>(p.perm[k]) * ld + first;
-    for (int c = 0; c < cols; ++c) row[c] = B[c * n + k];
+    for (int c = 0; c < cols; ++c) copy(row[c], B[c * n + k]);
   }
 }
 
@@ -47,9 +41,9 @@ class CholmodFactor final : public Factor {
   void solve(double* x) override { cholmod_->solve(x, 1); }
 
   void solve_panel(double* X, int ld, int first, int cols, char*) override {
-    take_columns(*pattern_, X, ld, first, cols, columns_);
+    each_entry(*pattern_, X, ld, first, cols, columns_, [](double x, double& b) { b = x; });
     cholmod_->solve(columns_.data(), cols);
-    put_columns(*pattern_, columns_, X, ld, first, cols);
+    each_entry(*pattern_, X, ld, first, cols, columns_, [](double& x, double b) { x = b; });
   }
 
   double growth() const override { return growth_; }

@@ -4,6 +4,7 @@
 
 #include "ldl_numbers.hpp"
 #include "manycontact/kkt/factor/factors.hpp"
+#include "manycontact/kkt/factor/refined.hpp"
 #include "manycontact/rank/dependent_rows.hpp"
 #include "manycontact/sparse/ldl_panel_kernels.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
@@ -48,11 +49,11 @@ class LdlFactor final : public Factor {
     if (joined) rank::after_solve(dependence_.waiting, perm, X + first, ld, cols);
     if (dropped) rank::project_out_panel(dependence_, perm, X, ld, first, cols);
   }
-  bool refines_panels() const override { return ldl_.schedule && none_waits(); }
-  void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, char* nonzero) override {
+  void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, PanelWork& work) override {
+    if (!ldl_.schedule || !none_waits()) return Factor::solve_panel_refined(K, X, ld, first, cols, work);
     sparse::panel_kernels().solve_refined(*ldl_.schedule, ldl_.pattern->K, K.values.data(), ldl_.L.data(),
-                                          ldl_.D.data(), ldl_.pattern->perm.data(), X, ld, first, cols, nonzero,
-                                          ldl_.work());
+                                          ldl_.D.data(), ldl_.pattern->perm.data(), X, ld, first, cols,
+                                          work.nonzero.data(), ldl_.work());
   }
   double panel_error(const KktMatrix& K) override {
     if (!none_waits()) return std::numeric_limits<double>::infinity();
@@ -88,12 +89,8 @@ class LdlFactor final : public Factor {
 
  private:
   void take(const std::shared_ptr<const KktPattern>& pattern) {
-    if (waits_) {
-      row_size_.assign(pattern->size(), 0.0);
-      of_M_.resize(pattern->size());
-      for (int k = 0; k < pattern->size(); ++k) of_M_[k] = pattern->perm[k] < pattern->nv;
-    }
-    ldl_.take(pattern, method_ == Method::kSparseLdl);
+    if (waits_) row_size_.assign(pattern->size(), 0.0);
+    ldl_.take(pattern, method_);
   }
 
   Reason factorize_all(const KktMatrix& K, FactorScratch& scratch) {
@@ -110,16 +107,16 @@ class LdlFactor final : public Factor {
     const KktPattern& p = *ldl_.pattern;
     for (int k = 0; k < p.nc; ++k) row_size_[p.iperm[p.nv + k]] = internal::size_of_row(K, scratch, k);
     const int most = p.nc <= tolerance::kFewRows ? p.nc : tolerance::kMostWaiting;
-    rank::least_pivots(p.K, K.values.data(), of_M_, tolerance::kWaits, row_size_.data(), dependence_.least);
+    rank::least_pivots(p.K, K.values.data(), p.of_M, tolerance::kWaits, row_size_.data(), dependence_.least);
     (void)ldl_.factor(K.values.data(), dependence_.least.data(), most, scratch);
     const int done =
-        rank::take_waiting_rows(p.K, K.values.data(), of_M_, most, scratch.scale.data(), ldl_.D.data(), dependence_);
+        rank::take_waiting_rows(p.K, K.values.data(), p.of_M, most, scratch.scale.data(), ldl_.D.data(), dependence_);
     if (done < p.size())
-      return of_M_[done]                              ? Reason::kSingularInertia
+      return p.of_M[done]                             ? Reason::kSingularInertia
              : std::ssize(dependence_.dropped) < most ? Reason::kWrongInertia
                                                       : Reason::kSmallPivot;
     growth_ = std::max(1.0, internal::growth_of(K, scratch.scale.data()));
-    const bool found = rank::find_dependence(p.K, p.ldl, K.values.data(), of_M_, row_size_.data(), ldl_.L.data(),
+    const bool found = rank::find_dependence(p.K, p.ldl, K.values.data(), p.of_M, row_size_.data(), ldl_.L.data(),
                                              ldl_.D.data(), dependence_);
     return found && std::isfinite(growth_) ? Reason::kNone : Reason::kSmallPivot;
   }
@@ -132,7 +129,6 @@ class LdlFactor final : public Factor {
   Method method_;
   bool waits_;
   internal::LdlNumbers ldl_;
-  std::vector<char> of_M_;        // flag of each row of K, in its order: it is one of M's
   std::vector<double> row_size_;  // size of each row of J, in K's order; unused in M's rows
   rank::DependentRows dependence_;
   double growth_ = 1;

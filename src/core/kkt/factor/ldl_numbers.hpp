@@ -15,12 +15,12 @@ struct LdlNumbers {
   const sparse::LdlSchedule* schedule = nullptr;  // the pattern's; nullptr: by sparse/ldl.hpp
   std::vector<double> L, D;
 
-  void take(const std::shared_ptr<const KktPattern>& p, bool by_schedule) {
+  /// method: kSparseLdl by the schedule, kSuiteSparseLdl without.
+  void take(const std::shared_ptr<const KktPattern>& p, Method method) {
     pattern = nullptr;  // should memory run out
-    const sparse::LdlSchedule* compiled = by_schedule ? &p->schedule() : nullptr;
+    schedule = method == Method::kSparseLdl && p->schedule().compiled() ? &p->schedule() : nullptr;
     L.resize(p->ldl.nonzeros());
     D.resize(p->size());
-    schedule = compiled && compiled->compiled ? compiled : nullptr;
     pattern = p;
   }
 

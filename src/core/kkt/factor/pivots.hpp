@@ -9,22 +9,16 @@
 
 namespace manycontact::internal {
 
-/// Memory for rank::any_pivot_is_rounding: taken by every factorization, since a later state may need it.
-inline double* noise_of(int n, FactorScratch& scratch) {
-  std::vector<double>& memory = scratch.ldl.Y;
-  if (memory.size() < static_cast<std::size_t>(n)) memory.resize(n);
-  return memory.data();
-}
-
 /// K's inertia must be (nv, nc, 0), and no pivot lost in cancellation. scratch.scale: the pivots' terms. L: nullptr
 /// where it is not available.
 inline Reason judge_pivots(const KktMatrix& K, const double* L, const double* D, FactorScratch& scratch) {
   const std::vector<double>& terms = scratch.scale;
   const sparse::UpperCsc& A = K.pattern->K;
-  const auto of_M = [&K](int k) { return K.pattern->perm[k] < K.nv(); };
+  const auto of_M = [&K](int k) { return K.pattern->of_M[k] != 0; };
   bool lost = K.damping == 0 && K.nc() > K.nv(), passed = false, signs = true;
   rank::PassedOnInTree passed_on(K.pattern->ldl, scratch.passed_on);
-  double* const noise = noise_of(A.n, scratch);
+  std::vector<double>& noise = scratch.ldl.Y;  // taken by every factorization, since a later state may need it
+  if (std::ssize(noise) < A.n) noise.resize(A.n);
   for (int k = 0; k < A.n; ++k) {
     if (!std::isfinite(D[k]) || D[k] == 0) return Reason::kZeroPivot;
     const rank::Pivot<double> pivot{of_M(k), D[k], terms[k], std::max(K.values[A.p[k + 1] - 1], 0.0)};
@@ -33,7 +27,8 @@ inline Reason judge_pivots(const KktMatrix& K, const double* L, const double* D,
     lost = lost || !rank::is_left(pivot);
   }
   if (!signs) return Reason::kWrongInertia;
-  if (!lost && passed) lost = !L || rank::any_pivot_is_rounding(K.pattern->ldl, L, D, terms.data(), 1, of_M, noise);
+  if (!lost && passed)
+    lost = !L || rank::any_pivot_is_rounding(K.pattern->ldl, L, D, terms.data(), 1, of_M, noise.data());
   return lost ? Reason::kSmallPivot : Reason::kNone;
 }
 

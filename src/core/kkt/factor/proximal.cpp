@@ -58,7 +58,7 @@ void ProximalFactor::apply_to_probes() {
                             nonzero_.data());
   }
   for (int k = 0; k < p.size(); ++k)
-    for (int c = 0; c < kProbes; ++c) probe(k)[c] *= of_M_[k] ? 0 : -delta_;
+    for (int c = 0; c < kProbes; ++c) probe(k)[c] *= of_M(k) ? 0 : -delta_;
 }
 
 // The largest entry of J^T times the probes, relative to the terms that its row adds up, or to the largest term of all
@@ -67,14 +67,14 @@ double ProximalFactor::left_of_probes(const FactorScratch& scratch) {
   const KktPattern& p = *ldl_.pattern;
   double rows = 0, left = 0;
   for (int k = 0; k < p.size(); ++k)
-    if (!of_M_[k])
+    if (!of_M(k))
       rows = std::max(rows, sparse::largest({probe(k), kProbes}) * size_of_row(*K_, scratch, p.perm[k] - p.nv));
   std::fill(b_.begin(), b_.end(), 0.0);
   for (int c = 0; c < kProbes; ++c) {
     for (int k = 0; k < p.size(); ++k) w_[k] = probe(k)[c];
     sparse::panel_kernels().residual_vector(p.K, K_->values.data(), w_.data(), b_.data(), r_.data(), scale_.data());
     for (int k = 0; k < p.size(); ++k)
-      if (of_M_[k]) left = sparse::larger_or_nan(left, std::abs(r_[k]) / std::max(scale_[k], rows));
+      if (of_M(k)) left = sparse::larger_or_nan(left, std::abs(r_[k]) / std::max(scale_[k], rows));
   }
   return left;
 }
@@ -89,7 +89,7 @@ void ProximalFactor::measure_drift() {
 
 void ProximalFactor::take_null_space_rows() {
   for (int k = 0; k < ldl_.pattern->size(); ++k)
-    in_null_space_[k] = !of_M_[k] && sparse::largest({probe(k), kProbes}) > tolerance::kInNullSpace;
+    in_null_space_[k] = !of_M(k) && sparse::largest({probe(k), kProbes}) > tolerance::kInNullSpace;
 }
 
 }  // namespace internal

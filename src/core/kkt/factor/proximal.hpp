@@ -90,9 +90,7 @@ class ProximalFactor final : public Factor {
   void take(const std::shared_ptr<const KktPattern>& pattern) {
     const std::size_t n = pattern->size();
     damped_.resize(pattern->K.nonzeros());
-    of_M_.resize(n);
-    for (std::size_t k = 0; k < n; ++k) of_M_[k] = pattern->perm[k] < pattern->nv;
-    M_first_ = std::is_sorted(of_M_.begin(), of_M_.end(), std::greater<>());
+    M_first_ = std::is_sorted(pattern->of_M.begin(), pattern->of_M.end(), std::greater<>());
     in_null_space_.assign(n, 0);
     dropped_.reserve(pattern->nc);
     stiffer_.resize(n);
@@ -103,7 +101,7 @@ class ProximalFactor final : public Factor {
     nonzero_.assign(n, 1);
     same_.resize(n);
     std::iota(same_.begin(), same_.end(), 0);
-    ldl_.take(pattern, true);
+    ldl_.take(pattern, method());
   }
 
   // The largest diagonal entry of S, M's own diagonal in the place of M.
@@ -113,8 +111,8 @@ class ProximalFactor final : public Factor {
     for (int k = 0; k < A.n; ++k)
       for (int p = A.p[k]; p < A.p[k + 1] - 1; ++p) {
         const int i = A.i[p];
-        if (of_M_[i] == of_M_[k]) continue;
-        const int row = of_M_[i] ? k : i, column = of_M_[i] ? i : k;
+        if (of_M(i) == of_M(k)) continue;
+        const int row = of_M(i) ? k : i, column = of_M(i) ? i : k;
         r_[row] += K_->values[p] * K_->values[p] / K_->values[A.p[column + 1] - 1];
       }
     return sparse::largest(r_);
@@ -134,8 +132,8 @@ class ProximalFactor final : public Factor {
     for (int k = 0; k < A.n; ++k) {
       const double d = ldl_.D[k];
       if (!std::isfinite(d) || d == 0) return Reason::kZeroPivot;
-      if ((d > 0) != static_cast<bool>(of_M_[k])) return of_M_[k] ? Reason::kSingularInertia : Reason::kWrongInertia;
-      if (of_M_[k] && !rank::is_left<double>({true, d, scale[k], K_->values[A.p[k + 1] - 1]}))
+      if ((d > 0) != of_M(k)) return of_M(k) ? Reason::kSingularInertia : Reason::kWrongInertia;
+      if (of_M(k) && !rank::is_left<double>({true, d, scale[k], K_->values[A.p[k + 1] - 1]}))
         return Reason::kSingularInertia;
     }
     return growth_ <= tolerance::kMostGrowth ? Reason::kNone : Reason::kSmallPivot;
@@ -184,7 +182,7 @@ class ProximalFactor final : public Factor {
       const double plain = std::round(grown);
       const double rounding = tolerance::kExponentRounding * kEps * terms[k] / std::abs(ldl_.D[k]);
       sum += std::abs(grown - plain) <= rounding ? plain : grown;
-      if (!of_M_[k]) order_.emplace_back(-grown, p.perm[k] - p.nv);
+      if (!of_M(k)) order_.emplace_back(-grown, p.perm[k] - p.nv);
     }
     const double rows = std::round(sum);
     if (std::abs(sum - rows) > tolerance::kExponentsLeft || !(rows >= 0 && rows <= p.nc)) return false;
@@ -201,7 +199,7 @@ class ProximalFactor final : public Factor {
     const int* perm = ldl_.pattern->perm.data();
     for (int k = 0; k < ldl_.pattern->size(); ++k) {
       double* x = X + static_cast<std::ptrdiff_t>(perm[k]) * ld;
-      for (int c = 0; c < cols; ++c) x[c] *= of_M_[k] ? 0 : -delta_;
+      for (int c = 0; c < cols; ++c) x[c] *= of_M(k) ? 0 : -delta_;
     }
   }
 
@@ -212,7 +210,7 @@ class ProximalFactor final : public Factor {
       sparse::ldl_solve_trailing(ldl_.pattern->ldl, ldl_.L.data(), ldl_.D.data(), ldl_.pattern->nv, w);
     else
       ldl_.solve(w);
-    for (std::size_t k = 0; k < w_.size(); ++k) w[k] *= of_M_[k] ? 0 : -delta_;
+    for (std::size_t k = 0; k < w_.size(); ++k) w[k] *= of_M(k) ? 0 : -delta_;
   }
 
   sparse::Refinement refine(const KktMatrix& K, KktVectors& v);
@@ -224,6 +222,7 @@ class ProximalFactor final : public Factor {
   bool certify(FactorScratch& scratch);
   void start_probes();
   void apply_to_probes();
+  bool of_M(std::size_t k) const { return ldl_.pattern->of_M[k] != 0; }
   double* probe(int k) { return probes_.data() + static_cast<std::ptrdiff_t>(k) * kProbes; }
   double left_of_probes(const FactorScratch& scratch);
   void measure_drift();
@@ -239,7 +238,7 @@ class ProximalFactor final : public Factor {
   LdlNumbers ldl_;
   const KktMatrix* K_ = nullptr;
   double delta_ = 0;
-  std::vector<char> of_M_, in_null_space_;     // flags, in K's order
+  std::vector<char> in_null_space_;            // flags, in K's order
   bool M_first_ = true;                        // no row of M comes after one of J
   std::vector<int> dropped_;                   // rows of J
   std::vector<double> damped_;                 // K_delta

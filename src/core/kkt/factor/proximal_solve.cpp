@@ -14,9 +14,9 @@ void ProximalFactor::project(double* y, double* null_component, double left) {
   if (dropped_.empty()) return;
   double size = 0;
   for (std::size_t k = 0; k < w_.size(); ++k)
-    if (!of_M_[k]) size = std::max(size, std::abs(y[k]));
+    if (!of_M(k)) size = std::max(size, std::abs(y[k]));
   for (int round = 0; round < tolerance::kProjections; ++round) {
-    for (std::size_t k = 0; k < w_.size(); ++k) w_[k] = of_M_[k] ? 0 : y[k];
+    for (std::size_t k = 0; k < w_.size(); ++k) w_[k] = of_M(k) ? 0 : y[k];
     double found = 0;
     for (int k = 0; k < applications_; ++k) {
       apply(w_.data());
@@ -135,7 +135,7 @@ void ProximalFactor::refine_contradiction(KktVectors& v) {
   sparse::residual(ldl_.pattern->K, K_->values.data(), v.null_component.data(), v.x.data(), v.r.data(), v.scale.data());
   ldl_.solve(v.r.data());  // solution of K x = [-J^T P b; 0]
   for (std::size_t k = 0; k < v.r.size(); ++k) {
-    if (of_M_[k]) continue;
+    if (of_M(k)) continue;
     v.null_component[k] += v.r[k];
     v.b[k] -= v.r[k];
   }
@@ -143,8 +143,8 @@ void ProximalFactor::refine_contradiction(KktVectors& v) {
 
 bool ProximalFactor::agrees(const KktVectors& v) const {
   double r = 0, f = 0;
-  for (std::size_t k = 0; k < of_M_.size(); ++k) {
-    if (of_M_[k]) continue;
+  for (std::size_t k = 0; k < v.r.size(); ++k) {
+    if (of_M(k)) continue;
     r = sparse::larger_or_nan(r, std::abs(v.r[k]));
     f = std::max(f, std::abs(v.x[k]));
   }
@@ -180,7 +180,7 @@ double ProximalFactor::left_of_M(const KktVectors& v) const {
   const double least = tolerance::kLeastLoad * largest_of_parts(v.scale)[1];
   double left = 0;
   for (std::size_t k = 0; least > 0 && k < v.r.size(); ++k)
-    if (of_M_[k]) left = sparse::larger_or_nan(left, std::abs(v.r[k]) / std::max(v.scale[k], least));
+    if (of_M(k)) left = sparse::larger_or_nan(left, std::abs(v.r[k]) / std::max(v.scale[k], least));
   return left;
 }
 
@@ -188,7 +188,7 @@ double ProximalFactor::left_of_M(const KktVectors& v) const {
 std::array<double, 2> ProximalFactor::largest_of_parts(const std::vector<double>& x) const {
   std::array<double, 2> out{};
   for (std::size_t k = 0; k < x.size(); ++k) {
-    double& of_part = out[of_M_[k] ? 1 : 0];
+    double& of_part = out[of_M(k) ? 1 : 0];
     of_part = sparse::larger_or_nan(of_part, std::abs(x[k]));
   }
   return out;

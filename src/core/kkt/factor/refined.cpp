@@ -10,17 +10,6 @@ namespace manycontact {
 
 namespace {
 
-// The contacts' rows of b and r with what was taken out of them.
-void restore(const KktPattern& p, KktVectors& v) {
-  for (int k = 0; k < p.size(); ++k) {
-    if (v.null_component[k] == 0) continue;
-    v.scale[k] -= std::abs(v.b[k]);
-    v.b[k] += v.null_component[k];
-    v.r[k] += v.null_component[k];
-    v.scale[k] += std::abs(v.b[k]);
-  }
-}
-
 // The inconsistency of the rows, P b1, is orthogonal to J's range. Rounding errors of b1's large entries hide how small
 // those of heavy rows (rotations, with lengths in micrometres) are: P b1 -= (J^T)^+ J^T P b1, unless that is more than
 // rounding errors of b1: rows that were dropped are only nearly dependent. v.x, v.r and v.scale are scratch here: the
@@ -51,7 +40,14 @@ void take_out_contradiction(Factor& factor, const KktMatrix& K, KktVectors& v) {
 }  // namespace
 
 void internal::put_back_contradiction(const Factor& factor, const KktMatrix& K, KktVectors& v) {
-  if (factor.rank() < K.nc()) restore(*K.pattern, v);
+  if (factor.rank() == K.nc()) return;
+  for (int k = 0; k < K.size(); ++k) {
+    if (v.null_component[k] == 0) continue;
+    v.scale[k] -= std::abs(v.b[k]);
+    v.b[k] += v.null_component[k];
+    v.r[k] += v.null_component[k];
+    v.scale[k] += std::abs(v.b[k]);
+  }
 }
 
 sparse::Refinement Factor::solve_refined(const KktMatrix& K, KktVectors& v, int max_steps) {
@@ -96,18 +92,17 @@ double column_error(const KktMatrix& K, int ld, const double* B, const double* X
 
 }  // namespace
 
-void solve_panel_refined(Factor& factor, const KktMatrix& K, double* X, int ld, int first, int cols, PanelWork& work) {
-  if (factor.refines_panels()) return factor.solve_panel_refined(K, X, ld, first, cols, work.nonzero.data());
+void Factor::solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, PanelWork& work) {
   constexpr int kChunk = 64;  // columns whose part of X and B stays in the caches meanwhile
   const KktPattern& p = *K.pattern;
   double* B = work.B.data();
   for (int c = first; c < first + cols; c += kChunk) {
     const int n = std::min(kChunk, first + cols - c);
     for (std::ptrdiff_t k = 0; k < K.size(); ++k) std::copy_n(X + k * ld + c, n, B + k * ld);
-    factor.solve_panel(X, ld, c, n, work.nonzero.data());
+    solve_panel(X, ld, c, n, work.nonzero.data());
     sparse::residual_panel(p.K, K.values.data(), p.perm.data(), X + c, B, ld, n);
     std::fill_n(work.nonzero.begin(), K.size(), 1);  // a residual has no zero rows
-    factor.solve_panel(B, ld, 0, n, work.nonzero.data());
+    solve_panel(B, ld, 0, n, work.nonzero.data());
     for (std::ptrdiff_t k = 0; k < K.size(); ++k)
       for (int i = 0; i < n; ++i) X[k * ld + c + i] += B[k * ld + i];
   }

@@ -64,9 +64,10 @@ bool RobotBlock<S>::rows_wait() const {
 /// are lost.
 template <class S>
 void RobotBlock<S>::solve_by_factor(S* x) const {
-  if (plan_->border == 0) return sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
+  if (plan_->border() == 0)
+    return sparse::ldl_scheduled_solve(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
   sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(x));
-  std::fill_n(x + rows_, plan_->border, S(0));
+  std::fill_n(x + rows_, plan_->border(), S(0));
   sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
 }
 
@@ -127,7 +128,7 @@ S RobotBlock<S>::residual(Mask same_sizes) {
 /// x = K^-1 b, each element refined as if it were solved alone (sparse/refine.hpp).
 template <class S>
 void RobotBlock<S>::refine() {
-  if (rows_wait()) waiting_.project_out(n_.b, true);
+  if (rows_wait()) waiting_.take_out(n_.b);
   std::copy_n(n_.b, rows_, n_.x);
   apply_inverse(n_.x);
   const Refinement<S> refined(
@@ -154,6 +155,7 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
     Answer& answer = answers[l];
+    answer.dependent = {};
     answer.sound = sound[lane];
     if (!answer.sound) continue;
     answer.panel_is_safe = safe[lane];
@@ -173,7 +175,7 @@ template <class S>
 typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
   if (!(damping > 0)) return all();
   S scale(0), force(0);
-  for (int i = 0; i < pattern_.size() - plan_->border; ++i) {
+  for (int i = 0; i < rows_; ++i) {
     const int k = pattern_.iperm[i];
     if (i >= pattern_.nv) scale = larger(scale_[k], scale);
     force = larger(i < pattern_.nv ? S(tolerance::kLeastLoad) * scale_[k] : abs(n_.x[k]), force);
@@ -199,7 +201,7 @@ void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots) {
 template <class S>
 void RobotBlock<S>::restore_contradiction() {
   const Mask of = waiting_.elements();
-  for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) {
+  for (int i = pattern_.nv; i < rows_; ++i) {
     const int k = pattern_.iperm[i];
     const S of_null = waiting_.null_component(k), b = n_.b[k] + of_null;
     scale_[k] = select(of, scale_[k] - abs(n_.b[k]) + abs(b), scale_[k]);
@@ -213,7 +215,7 @@ template <class S>
 rank::Contradiction<S> RobotBlock<S>::contradicted() const {
   rank::Contradiction<S> out;
   const auto each_row = [this](auto&& use) {
-    for (int i = pattern_.nv; i < pattern_.size() - plan_->border; ++i) use(pattern_.iperm[i]);
+    for (int i = pattern_.nv; i < rows_; ++i) use(pattern_.iperm[i]);
   };
   each_row([&](int k) { out.add_products(scale_[k] - abs(n_.b[k]), abs(n_.b[k])); });
   if (!rows_wait()) return out;
@@ -228,7 +230,6 @@ rank::Contradiction<S> RobotBlock<S>::contradicted() const {
 
 template <class S>
 void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) {
-  for (Answer& answer : answers) answer.dependent = {};
   if (!rows_wait()) return;
   const rank::Contradiction<S> of = contradicted();
   for (std::size_t l = 0; l < robots.size(); ++l) {

@@ -33,13 +33,12 @@ void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, doubl
     refined.set(lane, panels[l].refine && projected[lane] == 0);
   }
   if ((refined > S(0)).any()) refined = select(accurate_unrefined(L), S(0), refined);
-  if (const Mask plain = refined + projected <= S(0); plain.any())
-    solve_panels(L, panels, plain, false, job.non_temporal);
+  if (const Mask plain = refined + projected <= S(0); plain.any()) solve_panels(L, panels, plain, nullptr, job);
   for (std::size_t l = 0; l < panels.size(); ++l)
     if (refined[static_cast<int>(l)] > 0) solve_refined(L, static_cast<int>(l), panels[l], job.columns);
   if (!rows_wait()) return;
   least_norm_columns(job, robots);
-  solve_panels(L, panels, projected > S(0), true, job.non_temporal);
+  solve_panels(L, panels, projected > S(0), &waiting_, job);
 }
 
 /// MovingEnd of each contact that joins the robots.
@@ -127,7 +126,6 @@ void RobotBlock<S>::find_reach(const DerivativeJob& job) {
   }
   chunks_ = std::move(chunks);
   request_ = job.request;
-  q_first_ = job.q_first;
 }
 
 /// Bands of columns whose solutions stay in the second cache; in each, chunks of parts that reach much the same rows.
@@ -247,26 +245,27 @@ typename S::Mask RobotBlock<S>::accurate_unrefined(const S* L) {
 /// L of K_r: without the border's rows, which are the last of each column.
 template <class S>
 const S* RobotBlock<S>::inner_L() {
-  if (plan_->border == 0) return n_.L;
+  if (plan_->border() == 0) return n_.L;
   for (int j = 0; j < rows_; ++j)
     std::copy_n(n_.L + pattern_.ldl.Lp[j], inner_.ldl.Lp[j + 1] - inner_.ldl.Lp[j], inner_L_.data() + inner_.ldl.Lp[j]);
   return inner_L_.data();
 }
 
-/// [da; df] = K^-1 B, into the panels of those elements. project: where rows wait.
+/// [da; df] = K^-1 B, into the panels of those elements. waiting: the rows that wait there; nullptr: none do.
 template <class S>
-void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask of, bool project, bool non_temporal) {
+void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask of, WaitingRows<S>* waiting,
+                                 const DerivativeJob& job) {
   for (int k = 0; k < rows_; ++k) inverse_[k] = S(1) / n_.D[k];
   sparse::ldl_pack(inner_schedule_, L, packed_.data());
   for (const Band& band : bands_) {
-    for (std::size_t c = band.chunk; c < band.chunk_end; ++c) solve_chunk(L, c, project);
+    for (std::size_t c = band.chunk; c < band.chunk_end; ++c) solve_chunk(L, c, waiting);
     // Many panels are not in the caches: they are written from one end to the other.
-    if (non_temporal)
+    if (job.non_temporal)
       write(band, panels, of, [](const auto& piece, double* to) { piece.stream(to); });
     else
       write(band, panels, of, [](const auto& piece, double* to) { piece.store(to); });
   }
-  if (non_temporal) sparse::kernel::finish_streams();
+  if (job.non_temporal) sparse::kernel::finish_streams();
 }
 
 /// Copies the solutions of a band's chunks from work_ to the panels, which start at a cache line and whose rows are
@@ -304,16 +303,16 @@ void RobotBlock<S>::write(const Band& band, std::span<const Panel> panels, Mask 
 
 template <class S>
 template <int N>
-void RobotBlock<S>::solve_chunk(const S* L, std::size_t chunk, bool project) {
+void RobotBlock<S>::solve_chunk(const S* L, std::size_t chunk, WaitingRows<S>* waiting) {
   if (chunks_[chunk].columns() == N)
-    solve_columns<N>(L, chunk, project);
+    solve_columns<N>(L, chunk, waiting);
   else if constexpr (W == 1 && N > kPart)
-    solve_chunk<N - kPart>(L, chunk, project);
+    solve_chunk<N - kPart>(L, chunk, waiting);
 }
 
 template <class S>
 template <int N>
-void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk, bool project) {
+void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk, WaitingRows<S>* waiting) {
   using Row = sparse::kernel::Tile<Number, N>;
   constexpr int kInRegisters = W == 1 ? N : kOfPanel.in_registers;
   const std::size_t size = static_cast<std::size_t>(rows_);
@@ -324,15 +323,15 @@ void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk, bool project) {
     return;
   }
   const auto apply_inverse = [&](const char* rows, Number* X) {
-    if (project) waiting_.template project_out<N>(X), waiting_.template before_solve<N>(X);
+    if (waiting) waiting->template project_out<N>(X), waiting->template before_solve<N>(X);
     sparse::kernel::solve_columns<N, kInRegisters>(inner_schedule_, as_scalar(L), as_scalar(packed_.data()),
                                                    as_scalar(inverse_.data()), rows, X, [](int, const auto&) {});
-    if (project) waiting_.template after_solve<N>(X), waiting_.template project_out<N>(X);
+    if (waiting) waiting->template after_solve<N>(X), waiting->template project_out<N>(X);
   };
-  if (project) std::fill_n(x, size * N, Number(0)), std::fill(nonzero_.begin(), nonzero_.end(), 1);
+  if (waiting) std::fill_n(x, size * N, Number(0)), std::fill(nonzero_.begin(), nonzero_.end(), 1);
   load_chunk<N>(chunk, x);
-  apply_inverse(project ? nonzero_.data() : reached, x);
-  if (!project) return;
+  apply_inverse(waiting ? nonzero_.data() : reached, x);
+  if (!waiting) return;
   // Small entries are lost in the projections of large ones: X += K^+ (B - K X).
   Number* r = as_scalar(correction_.data());
   std::fill_n(r, size * N, Number(0));
@@ -416,7 +415,7 @@ void RobotBlock<S>::subtract_least_norm_columns(std::size_t chunk, Number* X) {
   std::fill_n(D, std::ptrdiff_t{rows_} * N, Number(0));
   bool any = false;
   for (int c = 0; c < of.parts * kPart; ++c) {
-    const int j = of.first[c / kPart] + c % kPart - q_first_;
+    const int j = of.first[c / kPart] + c % kPart - static_cast<int>(6 * plan_->joins());
     if (j < 0 || j >= nv) continue;
     any = true;
     for (int k = 0; k < rows_; ++k) D[std::ptrdiff_t{k} * N + c] = rate[std::ptrdiff_t{k} * nv + j];

@@ -85,8 +85,8 @@ void RobotBlock<S>::store_schur_complement(Robots robots) {
     for (int i = rows_; i < j; ++i, ++below) *to++ = *below < 0 ? S(0) : n_.L[*below];
     *to++ = n_.D[j];
   }
-  std::copy_n(pivot_terms_.data() + rows_, plan_->border, to);
-  store_border(border_.data(), static_cast<int>(to - border_.data()) + plan_->border, robots,
+  std::copy_n(pivot_terms_.data() + rows_, plan_->border(), to);
+  store_border(border_.data(), static_cast<int>(to - border_.data()) + plan_->border(), robots,
                [](const Border& b) { return b.S; });
 }
 
@@ -101,7 +101,7 @@ void RobotBlock<S>::load(const Job& job, Robots robots, double* memory) {
               [&](auto&, const Robot& r) { return job.f + job.f_offset[r.contacts[k]]; });
     for (Eigen::Index i = 0; i < f.size(); ++i) n_.b[rows_of(k)[i]] = -f[i];
   }
-  std::fill_n(n_.b + rows_, plan_->border, S(0));
+  std::fill_n(n_.b + rows_, plan_->border(), S(0));
   begin(robots);
 }
 
@@ -109,7 +109,7 @@ void RobotBlock<S>::load(const Job& job, Robots robots, double* memory) {
 template <class S>
 void RobotBlock<S>::begin(Robots robots) {
   std::fill_n(n_.x, pattern_.size(), S(0));
-  if (rows_wait()) waiting_.project_out(n_.b, true);
+  if (rows_wait()) waiting_.take_out(n_.b);
   std::copy_n(n_.b, pattern_.size(), r_.data());
   forward(robots, all());
 }
@@ -118,9 +118,9 @@ void RobotBlock<S>::begin(Robots robots) {
 template <class S>
 void RobotBlock<S>::forward(Robots robots, Mask open) {
   for (int k = 0; k < rows_; ++k) n_.w[k] = select(open, r_[k], S(0));
-  std::fill_n(n_.w + rows_, plan_->border, S(0));
+  std::fill_n(n_.w + rows_, plan_->border(), S(0));
   if (open.any()) sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(n_.w));
-  store_border(n_.w + rows_, plan_->border, robots, [](const Border& b) { return b.b(); });
+  store_border(n_.w + rows_, plan_->border(), robots, [](const Border& b) { return b.b(); });
 }
 
 template <class S>
@@ -128,7 +128,7 @@ void RobotBlock<S>::correct(Robots robots, Memory memory) {
   use(memory.at);
   const Prefetch prefetch = prefetch_of(memory);
   const double* from[kMostInBatch];
-  load_arrays(side_by_side(robots, from, [](const Robot& r) { return r.border.y(); }), plan_->border, n_.w + rows_);
+  load_arrays(side_by_side(robots, from, [](const Robot& r) { return r.border.y(); }), plan_->border(), n_.w + rows_);
   sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(n_.w), prefetch);
   if (rows_wait()) waiting_.project_out(n_.w);
   for (int k = 0; k < pattern_.size(); ++k) {
@@ -148,8 +148,8 @@ void RobotBlock<S>::check(Robots robots, Memory memory) {
   };
   spread([](const Robot& r) { return r.x; }, n_.x);
   spread([](const Robot& r) { return r.b; }, n_.b);
-  load_arrays(side_by_side(robots, from, [](const Robot& r) { return r.border.y(); }), plan_->border, n_.x + rows_);
-  std::fill_n(n_.b + rows_, plan_->border, S(0));
+  load_arrays(side_by_side(robots, from, [](const Robot& r) { return r.border.y(); }), plan_->border(), n_.x + rows_);
+  std::fill_n(n_.b + rows_, plan_->border(), S(0));
   if (rows_wait()) waiting_.project_out(n_.b);
   (void)check_residual(robots, prefetch_of(memory));
 }
@@ -159,8 +159,8 @@ template <class S>
 S RobotBlock<S>::check_residual(Robots robots, Prefetch prefetch) {
   sparse::ldl_scheduled_residual(pattern_.K, as_scalar(n_.K), as_scalar(n_.x), as_scalar(n_.b), as_scalar(r_.data()),
                                  as_scalar(scale_.data()), prefetch);
-  store_border(r_.data() + rows_, plan_->border, robots, [](const Border& b) { return b.r(); });
-  store_border(scale_.data() + rows_, plan_->border, robots, [](const Border& b) { return b.scale(); });
+  store_border(r_.data() + rows_, plan_->border(), robots, [](const Border& b) { return b.r(); });
+  store_border(scale_.data() + rows_, plan_->border(), robots, [](const Border& b) { return b.scale(); });
   const std::span<const int> eliminated(pattern_.iperm.data(), rows_);
   const Largest<S> largest[] = {{0, eliminated.first(pattern_.nv), r_.data(), scale_.data()},
                                 {0, eliminated.subspan(pattern_.nv), r_.data(), scale_.data()}};
@@ -179,7 +179,7 @@ S RobotBlock<S>::check_residual(Robots robots, Prefetch prefetch) {
 template <class S>
 void RobotBlock<S>::finish(Robots robots, Memory memory) {
   use(memory.at);
-  for (int i = pattern_.nv; rows_wait() && i < pattern_.size() - plan_->border; ++i)
+  for (int i = pattern_.nv; rows_wait() && i < rows_; ++i)
     n_.b[pattern_.iperm[i]] += waiting_.null_component(pattern_.iperm[i]);
   (void)check_residual(robots, prefetch_of(memory));
   const S error = componentwise_error<S>({r_.data(), static_cast<std::size_t>(rows_)}, scale_.data());

@@ -80,7 +80,7 @@ class JoiningRows {
       for (int b = 0; b <= a; ++b) {
         S sum(0);
         for (int k = 0; k < rows_; ++k) sum = multiply_add(B(b)[k], Z(a)[k], sum);
-        T_[static_cast<std::size_t>(a * most_in_any_ + b)] = sum;
+        T_[a * most_in_any_ + b] = sum;
       }
     }
     factor_dense(T_.data(), most_in_any_, [&](int a, const S& d) {
@@ -106,7 +106,7 @@ class JoiningRows {
     }
     each([&](int l, int a, int k) {
       for (int c = 0; c < C; ++c) {
-        S& to = t_[static_cast<std::size_t>(a * C + c)];
+        S& to = t_[a * C + c];
         to.set(l, to[l] - reinterpret_cast<const S*>(x)[std::ptrdiff_t{k} * C + c][l]);
       }
     });
@@ -122,8 +122,7 @@ class JoiningRows {
       row.store(x + std::ptrdiff_t{k} * C);
     }
     each([&](int l, int a, int k) {
-      for (int c = 0; c < C; ++c)
-        reinterpret_cast<S*>(x)[std::ptrdiff_t{k} * C + c].set(l, t_[static_cast<std::size_t>(a * C + c)][l]);
+      for (int c = 0; c < C; ++c) reinterpret_cast<S*>(x)[std::ptrdiff_t{k} * C + c].set(l, t_[a * C + c][l]);
     });
   }
 
@@ -134,7 +133,7 @@ class JoiningRows {
   template <class Use>
   void each_of(int a, Use&& use) const {
     for (int l = 0; l < W; ++l)
-      if (a < count_[l]) use(l, listed_[static_cast<std::size_t>(l * most_ + a)]);
+      if (a < count_[l]) use(l, listed_[l * most_ + a]);
   }
   template <class Use>
   void each(Use&& use) const {

@@ -23,7 +23,7 @@ void RobotBlock<S>::keep(std::uint64_t serial, Robots robots) {
 template <class S>
 template <class Job>
 void RobotBlock<S>::linearise(const Job& job, Robots robots, double* memory) {
-  const bool alone = plan_->border == 0, kept = alone && keeps(job.serial, robots);
+  const bool alone = plan_->border() == 0, kept = alone && keeps(job.serial, robots);
   if (alone) memory = reinterpret_cast<double*>(own_.data());
   if (memory) use(memory);
   if (!kept) {

@@ -59,7 +59,7 @@ void RobotBlock<S>::add_least_norm_tangent(const Scene& scene, Robots robots, co
     rows.noalias() = contacts_[k].W * dnu;
     for (Eigen::Index i = 0; i < rows.size(); ++i) n_.w[rows_of(k)[i]] = rows[i];
   }
-  waiting_.project_out(n_.w, true);
+  waiting_.take_out(n_.w);
   for (int k = 0; k < rows_; ++k) n_.x[k] -= waiting_.null_component(k);
 }
 
@@ -67,7 +67,7 @@ void RobotBlock<S>::add_least_norm_tangent(const Scene& scene, Robots robots, co
 template <class S>
 void RobotBlock<S>::project_forces() {
   std::copy_n(n_.b, rows_, n_.w);
-  waiting_.project_out(n_.w, true);
+  waiting_.take_out(n_.w);
 }
 
 /// wq += D^T P wf.

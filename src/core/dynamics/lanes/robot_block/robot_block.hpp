@@ -152,7 +152,7 @@ class RobotBlock final
   void load_near(const Job& job, Robots robots);
   void size_torques(const Scene& scene, Robots robots, S* sizes);
   void size_drifts(const Scene& scene, Robots robots, const S& a, S* sizes) const;
-  S largest(const S* x, bool forces) const;
+  S largest(const S* x, int first, int end) const;
   Mask knows_turns(const Scene& scene, Robots robots) const;
   void make_single();
   void solve_unrefined(const Scene& scene, Robots robots);
@@ -200,13 +200,14 @@ class RobotBlock final
   int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }  // the row
   const S* inner_L();
   Mask accurate_unrefined(const S* L);
-  void solve_panels(const S* L, std::span<const Panel> panels, Mask of, bool project, bool non_temporal);
+  void solve_panels(const S* L, std::span<const Panel> panels, Mask of, WaitingRows<S>* waiting,
+                    const DerivativeJob& job);
   template <class Put>
   void write(const Band& band, std::span<const Panel> panels, Mask plain, Put&& put);
   template <int N = kColumns>
-  void solve_chunk(const S* L, std::size_t chunk, bool project);
+  void solve_chunk(const S* L, std::size_t chunk, WaitingRows<S>* waiting);
   template <int N>
-  void solve_columns(const S* L, std::size_t chunk, bool project);
+  void solve_columns(const S* L, std::size_t chunk, WaitingRows<S>* waiting);
   template <int N>
   void load_chunk(std::size_t chunk, Number* x) const;
   template <int N>
@@ -289,7 +290,6 @@ class RobotBlock final
   std::vector<std::vector<int>> columns_;  // one entry per contact: its coordinates
   std::vector<Slot> places_;               // entries of -dr/dq, -dr/dv that may not be zero
   DerivativeRequest request_;              // the request that reach_ belongs to
-  int q_first_ = 0;                        // first of its columns
   std::vector<Chunk> chunks_;              // chunks of all columns
   std::vector<Band> bands_;
   // One flag per row of K, in the pattern's order, for each chunk: right-hand sides, and L^-1 times them, may be other
@@ -330,18 +330,18 @@ RobotBlock<S>::RobotBlock(std::shared_ptr<const BlockPlan> plan)
       on_body_(plan_->alone),
       own_model_(*model_),
       robot_(*model_),
-      own_(plan_->border > 0 ? 0 : plan_->memory_size()),
+      own_(plan_->border() > 0 ? 0 : plan_->memory_size()),
       pivot_terms_(pattern_.size()),
       r_(pattern_.size()),
       scale_(pattern_.size()),
       waiting_(*plan_),
       joins_(std::max(plan_->joins_size(), plan_->ends_size())),
-      border_(Border::size(plan_->border)),
+      border_(Border::size(plan_->border())),
       a_(model_->nv),
       fext_(model_->njoints()),
       rnea_(*model_),
       nonzero_(rows_),
-      inner_L_(plan_->border > 0 ? inner_.ldl.nonzeros() : 0),
+      inner_L_(plan_->border() > 0 ? inner_.ldl.nonzeros() : 0),
       packed_(kSingle ? 0 : inner_schedule_.packed.size()),
       inverse_(rows_),
       Lx_(kSingle ? 0 : inner_.ldl.nonzeros()),

@@ -126,11 +126,10 @@ void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots, const S& a, S
   }
 }
 
-/// The largest size of x's accelerations, or of its forces.
+/// The largest size of x in rows first ... end-1, in their own order.
 template <class S>
-S RobotBlock<S>::largest(const S* x, bool forces) const {
+S RobotBlock<S>::largest(const S* x, int first, int end) const {
   FourLargest<S> of;
-  const int first = forces ? pattern_.nv : 0, end = forces ? rows_ : pattern_.nv;
   for (int i = first; i < end; ++i) of.take(i % 4, abs(x[pattern_.iperm[i]]));
   return of.total();
 }
@@ -156,17 +155,19 @@ void RobotBlock<S>::solve_unrefined(const Scene& scene, Robots robots) {
   solve_by_factor(n_.x);
   steps_ = S(0);
   first_error_ = backward_error_ = residual();
-  const S a = larger(largest(n_.x, false), S(scene.gravity.norm()));
+  const auto largest_a = [this](const S* x) { return largest(x, 0, pattern_.nv); };
+  const auto largest_f = [this](const S* x) { return largest(x, pattern_.nv, rows_); };
+  const S a = larger(largest_a(n_.x), S(scene.gravity.norm()));
   S* const w = n_.w;
   size_torques(scene, robots, w);
   size_drifts(scene, robots, a, w);
   const S eps(std::numeric_limits<typename S::Element>::epsilon());
   for (int k = 0; k < rows_; ++k) w[k] = multiply_add(S(signs_[k]) * eps, w[k], r_[k]);
   solve_by_factor(w);
-  const S terms = larger(largest(scale_.data(), false), largest(scale_.data(), true));
+  const S terms = larger(largest_a(scale_.data()), largest_f(scale_.data()));
   usable_ = usable_ & knows_turns(scene, robots) & (terms > S(tolerance::kSmallestTerm)) &
-            (largest(w, false) <= S(tolerance::kWorthless) * a) &
-            (largest(w, true) <= S(tolerance::kWorthless) * largest(n_.x, true));
+            (largest_a(w) <= S(tolerance::kWorthless) * a) &
+            (largest_f(w) <= S(tolerance::kWorthless) * largest_f(n_.x));
 }
 
 }  // namespace manycontact::lanes

@@ -90,7 +90,7 @@ void RobotBlock<S>::set_up(const Job& job, Robots robots) {
   evaluate_rows(job.scene, robots);
   store_left(job, robots);
   size_rows(job.scene, robots);
-  if (plan_->border > 0 && may_wait_) size_drifts(job.scene, robots);
+  if (plan_->border() > 0 && may_wait_) size_drifts(job.scene, robots);
   assemble_rows(job.scene.damping);
   assemble_right_side(job, robots);
 }
@@ -122,7 +122,7 @@ void RobotBlock<S>::store_contact_velocities(const Job& job, Robots robots) {
     VecX<S>& velocity = contact_scratch_[k];
     velocity.setZero();
     for (Eigen::Index j = 0; j < J.cols(); ++j) {
-      const S x = n_.x[pattern_.iperm[columns_[k][static_cast<std::size_t>(j)]]];
+      const S x = n_.x[pattern_.iperm[columns_[k][j]]];
       for (Eigen::Index i = 0; i < J.rows(); ++i) velocity[i] = multiply_add(J(i, j), x, velocity[i]);
     }
     store_arrays(velocity.data(), static_cast<int>(velocity.size()), side_by_side(robots, to, [&](const Robot& r) {
@@ -171,7 +171,7 @@ void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
       continue;
     }
     const MotionSizes<S> sizes = motion_sizes<S>(c, rows);
-    if (kSingle || plan_->border > 0) motion_ = larger(motion_scale(c, rows), motion_);
+    if (kSingle || plan_->border() > 0) motion_ = larger(motion_scale(c, rows), motion_);
     for (int i = 0; i < c.rows(); ++i) {
       S largest(0);
       for (Eigen::Index j = 0; j < rows.J.cols(); ++j) largest = larger(abs(rows.J(i, j)), largest);
@@ -189,7 +189,7 @@ void RobotBlock<S>::assemble_rows(double damping) {
   const int* slot = pattern_.J_slot.data();
   for (const ContactData<S>& rows : contacts_)
     for (Eigen::Index k = 0; k < rows.J.size(); ++k) n_.K[*slot++] = rows.J.data()[k];
-  const std::size_t count = pattern_.diagonal_slot.size(), own = count - static_cast<std::size_t>(plan_->border);
+  const std::size_t count = pattern_.diagonal_slot.size(), own = count - static_cast<std::size_t>(plan_->border());
   for (std::size_t k = 0; k < count; ++k) n_.K[pattern_.diagonal_slot[k]] = S(k < own ? -damping : 0);
 }
 
@@ -204,7 +204,7 @@ void RobotBlock<S>::assemble_right_side(const Job& job, Robots robots) {
         wanted.set(l, job.prescribed[job.f_offset[in_lane(robots, l).contacts[k]] + i]);
       n_.b[rows_of(k)[i]] = wanted - contacts_[k].a0[i];
     }
-  std::fill_n(n_.b + rows_, plan_->border, S(0));
+  std::fill_n(n_.b + rows_, plan_->border(), S(0));
 }
 
 /// r = b - K x, scale = |b| + |K| |x|.

@@ -48,7 +48,7 @@ class WaitingRows {
   /// The largest term that its a0 is computed from (bias_acceleration_terms), which its inconsistency is judged
   /// relative to.
   S& row_terms(int k) const { return row_terms_[k]; }
-  /// The part of row k that project_out kept.
+  /// The part of row k that take_out kept.
   const S& null_component(int k) const { return null_component_[k]; }
 
   /// Whether rows wait in any element, and in which, those that joined too; and which depend, in K's order.
@@ -101,10 +101,11 @@ class WaitingRows {
     }
   }
 
-  /// x -= P x, of the rows of J; P x into null_component where `keep`.
-  void project_out(S* x, bool keep = false) {
-    project_out<1>(as_scalar(x));
-    if (!keep) return;
+  /// x -= P x, of the rows of J.
+  void project_out(S* x) { project_out<1>(as_scalar(x)); }
+  /// The same, and P x into null_component.
+  void take_out(S* x) {
+    project_out(x);
     std::fill_n(null_component_, rows_, S(0));
     for (int c = 0; c < *count_; ++c)
       for (int j : column(of_Q(c))) null_component_[j] = multiply_add(N(of_Q(c), j), t_[c], null_component_[j]);
@@ -198,7 +199,7 @@ WaitingRows<S>::WaitingRows(const BlockPlan& plan)
     : pattern_(*plan.pattern),
       rows_(plan.rows()),
       most_(plan.most_waiting()),
-      can_join_(plan.border == 0),
+      can_join_(plan.border() == 0),
       left_(rows_),
       x_(plan.pattern->size()),
       t_(most_),

@@ -28,7 +28,7 @@ BodiesSystem::Shape::Shape(std::shared_ptr<const BodyPattern> of, const lanes::L
   ldl.resize(*pattern);
   if (level && lanes::SubtreePlan::fits(*pattern)) {
     auto plan = std::make_shared<const lanes::SubtreePlan>(pattern);
-    if (plan->schedule.compiled) lanes = level->make_subtrees(plan);
+    if (plan->schedule.compiled()) lanes = level->make_subtrees(plan);
   }
   slots.resize(lanes ? static_cast<std::size_t>(level->width) : 1);
   side_by_side.reserve(slots.size());
@@ -166,7 +166,6 @@ Reason solve_without_dependent(BodiesSystem& bodies, sparse::Refinement& refinem
   if (!(refinement.backward_error <= tolerance::kConverged)) return Reason::kLargeResidual;
   v.b.rows += bodies.dependence.null_component;
   refinement.backward_error = backward_error(s, v.b, v.x, v.residual);
-  bodies.drops = true;
   return Reason::kNone;
 }
 
@@ -179,7 +178,6 @@ bool drops_rows_here(const Scene& scene, const SceneData& data, const Island& is
 // kNone: the factor and the solution are sound.
 Reason solve_whole(const Scene& scene, const SceneData& data, BodiesSystem& bodies, sparse::Refinement& refinement) {
   evaluate_bodies(scene, data, bodies);
-  bodies.drops = false;
   Reason reason =
       factorize_and_solve(bodies.factor.system, bodies.factor.ldl, bodies.dependence, bodies.solution, refinement);
   if (reason == Reason::kSmallPivot && drops_rows_here(scene, data, bodies.owner.island))
@@ -208,7 +206,7 @@ Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodyDependenc
   if (has_vanishing_row(system, work)) return Reason::kSmallPivot;
   const Reason reason = factorize_bodies(system, ldl, &solve.b);
   if (reason != Reason::kNone) return reason;
-  refinement = solve_refined(system, ldl, solve, tolerance::kRefinementSteps, true);
+  refinement = solve_lifted(system, ldl, solve, tolerance::kRefinementSteps);
   if (refinement.backward_error <= tolerance::kConverged) return Reason::kNone;  // NaN where x is not finite
   return all_finite(solve.b) ? Reason::kLargeResidual : Reason::kNotFinite;
 }
@@ -242,7 +240,6 @@ const BodyKinematics<double>* kinematics_at(const BodiesSystem& bodies, const At
 }  // namespace internal
 
 bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, IslandReport& report) {
-  drops = false;
   internal::BodyAnswer by_subtrees, whole;
   if (internal::solve_by_subtrees(scene, data, *this, by_subtrees)) {
     internal::report_answer(scene, by_subtrees, report);
@@ -258,7 +255,7 @@ bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Islan
     const auto [Ja, a0] = row_terms_of_joints(factor.system, solution);  // the bodies' own have gravity in them
     report.contact_terms = Ja + a0;
   }
-  if (drops) {
+  if (!factor.ldl.found.empty()) {
     internal::report_dependent_rows(scene, data, owner, dependence.rows.dropped,
                                     internal::contradiction_of(scene, *data.workspace, *this), report);
     report.order = Order::kLeafToRoot;
@@ -274,7 +271,7 @@ bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Islan
 bool BodiesSystem::make_current(const Scene& scene, const SceneData& data) {
   sparse::Refinement refinement;
   if (state != data.workspace->state) (void)internal::solve_whole(scene, data, *this, refinement);
-  return sound && !drops;
+  return sound && factor.ldl.found.empty();
 }
 
 bool BodiesSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork&, IslandDerivatives& out) {

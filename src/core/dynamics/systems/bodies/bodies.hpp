@@ -31,7 +31,7 @@ class BodiesSystem final : public IslandSystem {
   bool estimate_condition(const Scene&, SceneData&, IslandReport&) override;
 
   /// The whole system and its solution at the current state, where subtrees were solved. False where that has no sound
-  /// pivots.
+  /// pivots, or rows depend on others: then derivatives are left to the whole K.
   bool make_current(const Scene&, const SceneData&);
 
   IslandWork& owner;
@@ -61,7 +61,6 @@ class BodiesSystem final : public IslandSystem {
   bool sound = false;       // and whether they can be used
   BodyFactor factor;
   BodySolve solution;
-  bool drops = false;  // rows that depend on others; then derivatives are left to the whole K
   BodyDependence dependence;
 
   // set by jvp, vjp; made when first needed

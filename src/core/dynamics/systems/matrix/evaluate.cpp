@@ -89,10 +89,9 @@ void place_at_state(const Scene& scene, const SceneData& data, const Island& isl
   }
 }
 
-namespace {
-
-void take_units(const Scene& scene, MatrixSystem& m) {
+void weigh_rows(const Scene& scene, MatrixSystem& m) {
   const Island& island = m.owner.island;
+  if (!has_row_units(scene, island.contacts)) return;
   for (int c : island.contacts)
     for (int i = 0; i < scene.contacts[c].rows(); ++i) m.unit.push_back(row_unit(scene, scene.contacts[c], i));
   const int* slot = m.K.pattern->J_slot.data();
@@ -104,9 +103,7 @@ void take_units(const Scene& scene, MatrixSystem& m) {
   for (int k = 0; k < island.nc; ++k) m.v.b[m.K.pattern->iperm[island.nv + k]] *= m.unit[k];
 }
 
-}  // namespace
-
-void assemble(const Scene& scene, const SceneData& data, Order order, double damping, bool weighed, MatrixSystem& m) {
+void assemble(const Scene& scene, const SceneData& data, Order order, double damping, MatrixSystem& m) {
   const Workspace& w = *data.workspace;
   const IslandWork& d = m.owner;
   m.make_room(order);
@@ -130,7 +127,6 @@ void assemble(const Scene& scene, const SceneData& data, Order order, double dam
     for (int i = 0; i < a0.size(); ++i) b[to[i]] = prescribed_in(data, c, i) - a0[i];
   }
   m.unit.clear();
-  if (weighed && has_row_units(scene, d.island.contacts)) take_units(scene, m);
 }
 
 }  // namespace manycontact::internal

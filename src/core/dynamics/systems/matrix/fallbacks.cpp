@@ -139,7 +139,8 @@ bool all_finite(const std::vector<double>& x) {
 
 Reason factorize_and_solve(const Scene& scene, const SceneData& data, FactorScratch& scratch, const Attempt& by,
                            MatrixSystem& m, IslandReport& report) {
-  assemble(scene, data, by.order, by.damping, by.kind != FactorKind::kChosen, m);
+  assemble(scene, data, by.order, by.damping, m);
+  if (by.kind != FactorKind::kChosen) weigh_rows(scene, m);
   Factor& factor = factor_of(m, by.kind, by.order);
   report.method = factor.method();
   report.order = by.order;

@@ -114,10 +114,10 @@ Eigen::Map<RowMajor> take_columns(const Scene& scene, const SceneData& data, Mat
       w.columns.push_back(k);
     });
   }
-  w.ld = sparse::padded(static_cast<std::ptrdiff_t>(w.columns.size()));
+  const int ld = sparse::padded(static_cast<std::ptrdiff_t>(w.columns.size()));
   w.panel.reserve(static_cast<std::size_t>(island.size()) * sparse::padded(island.nv));  // rows may vary with rounding
-  w.panel.assign(static_cast<std::size_t>(island.size()) * w.ld, 0.0);
-  return {w.panel.data(), island.size(), w.ld};
+  w.panel.assign(static_cast<std::size_t>(island.size()) * ld, 0.0);
+  return {w.panel.data(), island.size(), ld};
 }
 
 }  // namespace
@@ -138,7 +138,8 @@ bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& m, Isl
       w.dofs[i] = 0;
     }
   }
-  const bool believed = w.ld == 0 || solve_columns(m, w.panel.data(), w.ld, work);
+  const int ld = static_cast<int>(G.cols());
+  const bool believed = ld == 0 || solve_columns(m, w.panel.data(), ld, work);
   for (std::size_t k = 0; k < w.columns.size(); ++k)
     out.X.col(out.q_first + w.columns[k]).tail(out.nc) -= G.col(k).tail(out.nc);
   return believed;
@@ -164,7 +165,7 @@ void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& m, Kkt
           out.X(row, out.q_first + w.columns[j]) += sign * D(row, static_cast<Eigen::Index>(j));
   };
   add(1);
-  if (w.ld > 0) m.factor->project_out_panel(w.panel.data(), w.ld, w.ld);
+  if (const int ld = static_cast<int>(D.cols()); ld > 0) m.factor->project_out_panel(w.panel.data(), ld, ld);
   add(-1);
 }
 

@@ -26,8 +26,7 @@ struct DependentDerivatives {
   std::vector<char> in_null_space;  // nc
   std::vector<int> contacts;        // contacts of the island with rows there
   std::vector<int> columns, place;  // coordinates that their J changes with; nv: where these are among them
-  int ld = 0;
-  std::vector<double> panel;  // scratch: size x ld
+  std::vector<double> panel;        // scratch: size x columns, padded
 };
 
 class MatrixSystem final : public IslandSystem {
@@ -141,8 +140,9 @@ bool joint_space_fits(const IslandWork& d);
 void check_joint_space(const IslandWork& d, const char* function, const char* instead);
 
 /// K and b = [data.tau - h; wanted - a0] of what was evaluated, in that order of elimination.
-void assemble(const Scene& scene, const SceneData& data, Order order, double damping, bool weighed,
-              MatrixSystem& system);
+void assemble(const Scene& scene, const SceneData& data, Order order, double damping, MatrixSystem& system);
+/// Multiplies the contacts' rows of both by S, where that is not 1.
+void weigh_rows(const Scene& scene, MatrixSystem& system);
 /// Factorizes and solves by the first way that gives a sound solution: v.x, factor and the report are that solution's.
 /// False where there is none. After evaluate.
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,

@@ -40,7 +40,7 @@ constexpr int kChunk = 64;  // columns: as many as any factor works at a time
 
 void solve_chunk(MatrixSystem& m, double* X, int ld, int first, int cols, bool refined, PanelWork& work) {
   if (refined)
-    solve_panel_refined(*m.factor, m.K, X, ld, first, cols, work);
+    m.factor->solve_panel_refined(m.K, X, ld, first, cols, work);
   else
     m.factor->solve_panel(X, ld, first, cols, work.nonzero.data());
 }

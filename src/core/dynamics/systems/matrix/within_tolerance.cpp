@@ -47,7 +47,6 @@ struct WithinTolerance::Work {
   // set by find
   std::vector<double> K, L, D, row_scale;
   sparse::LdlWorkspace ldl;
-  std::vector<char> of_M;
   rank::DependentRows rows;
   double lever = 1, tolerance = 0;  // the largest [m]; error of those rows of J [m]
   std::vector<double> x;            // scratch, in K's order: a solution
@@ -65,29 +64,11 @@ namespace {
 
 using Work = WithinTolerance::Work;
 
-void fill_turning(const Model& model, char* turns) {
-  for (const Joint& joint : model.joints) {
-    char* at = turns + joint.idx_v;
-    switch (joint.type) {
-      case JointType::kPrismatic:
-        at[0] = 0;
-        break;
-      case JointType::kPlanar:
-        at[0] = at[1] = 0, at[2] = 1;
-        break;
-      case JointType::kFloating:
-        for (int i = 0; i < 6; ++i) at[i] = i >= 3;
-        break;
-      default:
-        std::fill_n(at, joint.nv(), 1);
-    }
-  }
-}
-
 void take_island(const Scene& scene, const IslandWork& d, Work& w) {
-  w.turns.assign(d.island.nv, 0);
-  for (std::size_t k = 0; k < d.island.robots.size(); ++k)
-    fill_turning(*scene.robots[d.island.robots[k]].model, w.turns.data() + d.island.dof_offset[k]);
+  w.turns.clear();
+  for (int r : d.island.robots)
+    for (const Joint& joint : scene.robots[r].model->joints)
+      for (int k = 0; k < joint.nv(); ++k) w.turns.push_back(internal::is_angular(joint, k));
   if (!w.columns.empty()) return;  // the rest is the shape's
   w.columns.resize(d.island.nv);
   for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
@@ -111,7 +92,7 @@ double largest_lever(const Workspace& work, const IslandWork& d, const Work& w) 
 
 void find_null_space(const KktPattern& p, Work& w) {
   std::fill(w.row_scale.begin(), w.row_scale.end(), 1.0);
-  rank::find_null_space(p.K, p.ldl, w.K.data(), w.of_M, w.row_scale.data(), w.L.data(), w.D.data(), w.rows);
+  rank::find_null_space(p.K, p.ldl, w.K.data(), p.of_M, w.row_scale.data(), w.L.data(), w.D.data(), w.rows);
 }
 
 // [D J^T; J 0] without the rows in w.rows.dropped, as if these were damped beyond all numbers.
@@ -135,9 +116,7 @@ bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, 
   for (int r = 0; r < p.nc; ++r)
     w.row_scale[p.iperm[p.nv + r]] = std::sqrt(left) * (w.row[r] < 3 ? w.lever : 1) / (margin * tolerance::kRank);
   w.L.resize(p.ldl.nonzeros()), w.D.resize(p.size());
-  w.of_M.assign(p.size(), 0);
-  std::fill_n(w.of_M.begin(), p.nv, 1);  // leaf-to-root
-  if (rank::ldl_factor_dependent(p.K, p.ldl, w.K.data(), w.of_M, margin, w.row_scale.data(), w.ldl, w.L.data(),
+  if (rank::ldl_factor_dependent(p.K, p.ldl, w.K.data(), p.of_M, margin, w.row_scale.data(), w.ldl, w.L.data(),
                                  w.D.data(), w.rows) != p.size())
     w.rows.dropped.clear();  // not finite
   if (w.rows.dropped.empty()) return false;
@@ -204,7 +183,7 @@ bool reweigh(const KktPattern& p, Work& w) {
   for (int c = 0; c < p.nv; ++c) w.x[p.iperm[c]] = w.left[c];
   sparse::ldl_solve(p.ldl, w.L.data(), w.D.data(), w.x.data());
   for (int k = 0; k < p.size(); ++k)
-    if (!w.of_M[k]) w.n[k] -= w.x[k];
+    if (!p.of_M[k]) w.n[k] -= w.x[k];
   return true;
 }
 
@@ -249,8 +228,8 @@ bool take_change(const Workspace& work, const IslandWork& d, const std::vector<i
   Eigen::VectorXd J_c(in_N.size());
   double error = 0;  // the largest
   for (Eigen::Index i = 0; i < J_c.size(); ++i) {
-    J_c[i] = change[static_cast<std::size_t>(i)].value;
-    error = std::max(error, w.tolerance * error_of_entry(w, change[static_cast<std::size_t>(i)].row, c));
+    J_c[i] = change[i].value;
+    error = std::max(error, w.tolerance * error_of_entry(w, change[i].row, c));
   }
   const Eigen::MatrixXd Nt = N(in_N, Eigen::all).transpose();
   const Eigen::VectorXd left = Nt * J_c;
@@ -265,8 +244,8 @@ bool take_change(const Workspace& work, const IslandWork& d, const std::vector<i
       !((Nt * part - left).array().abs() <= rounding(J_c.cwiseAbs() + part.cwiseAbs())).all())
     return false;
   for (Eigen::Index i = 0; i < J_c.size(); ++i) {
-    change[static_cast<std::size_t>(i)].value = -part[i];
-    w.changes.push_back(change[static_cast<std::size_t>(i)]);
+    change[i].value = -part[i];
+    w.changes.push_back(change[i]);
   }
   return true;
 }

@@ -26,6 +26,10 @@ lanes::Job job_at_state(const Scene& scene, SceneData& data) {
           data.workspace->left.data()};
 }
 
+lanes::Solution solution_of(const Scene& scene, const SceneData& data) {
+  return {scene, data.serial, data.workspace->q.data(), data.v.data(), data.a.data(), data.f.data(), data.f_offset};
+}
+
 namespace {
 
 void take_answer(Precision precision, const lanes::Answer& answer, IslandWork& d, IslandReport& report) {
@@ -39,7 +43,7 @@ void take_answer(Precision precision, const lanes::Answer& answer, IslandWork& d
   report.residual_contact = answer.residual_contact;
   report.contact_terms = answer.contact_terms;
   report.backward_error = answer.backward_error;
-  d.answered = &d.alone;
+  d.answered = &IslandWork::batches;
   d.factorizations = 1;
   d.alone.panel_is_safe = answer.panel_is_safe;
   d.alone.refine_panel = answer.refine_panel;
@@ -117,52 +121,49 @@ void each_in_lanes(const Scene& scene, Workspace& w, double of_solve, GroupOf&& 
   if (w.lanes.level) each_batch_of(w.lanes.level->width, scene, w, of_solve, group_of, use);
 }
 
-// The group that an island is solved in; nullptr: none, or not now.
-BlockGroup* group_of_solve(const Scene& scene, const IslandWork& d) {
-  return d.answered || is_inexact(scene, d) ? nullptr : d.alone.group;
-}
-
 // The group that gave an island's solution; nullptr: none, or not the derivatives.
 BlockGroup* group_of_answer(const IslandWork& d) { return d.served_in_lanes() ? d.alone.group : nullptr; }
 
-}  // namespace
-
-void solve_alone_in_single(const Scene& scene, SceneData& data) {
+// Solves the islands of one robot that are not solved yet and that fits(group, island) takes, in batches of `width`, by
+// these kernels of their groups.
+template <class Kernel, class Fits>
+void solve_in_batches(const lanes::Job& job, SceneData& data, int width, Precision precision,
+                      std::vector<lanes::OneOrBatch<Kernel>> BlockGroup::*kernels, Fits&& fits) {
+  const Scene& scene = job.scene;
   Workspace& w = *data.workspace;
-  if (w.options.precision != Precision::kSingle || !w.lanes.level || !usable_numbers(scene)) return;
-  const lanes::Job job = job_at_state(scene, data);
-  const auto group_of = [&](IslandWork& d) -> BlockGroup* {
-    BlockGroup* group = group_of_solve(scene, d);
-    const bool dependent = scene.damping == 0 && d.island.nc > d.island.nv;  // certainly
-    return group && !group->single.empty() && !dependent ? group : nullptr;
+  const auto group_of = [&](const IslandWork& d) {
+    BlockGroup* const group = d.answered || is_inexact(scene, d) ? nullptr : d.alone.group;
+    return group && fits(*group, d) ? group : nullptr;
   };
-  const auto solve = [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
-    const std::span<lanes::Answer> answers(thread.answers.data(), robots.size());
-    group.single[thread.number].of(robots.size()).solve(job, robots, answers);
-    for (std::size_t k = 0; k < robots.size(); ++k)
-      if (answers[k].sound)
-        take_answer(Precision::kSingle, answers[k], *w.islands[numbers[k]], data.report.islands[numbers[k]]);
-  };
-  each_batch_of(batch_width(w), scene, w, 1, group_of, solve);
+  each_batch_of(
+      width, scene, w, 1, group_of, [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
+        (group.*kernels)[thread.number].of(robots.size()).solve(job, robots, {thread.answers.data(), robots.size()});
+        for (std::size_t k = 0; k < robots.size(); ++k) {
+          const lanes::Answer& answer = thread.answers[k];
+          if (!answer.sound) continue;
+          IslandWork& d = *w.islands[numbers[k]];
+          IslandReport& report = data.report.islands[numbers[k]];
+          take_answer(precision, answer, d, report);
+          take_dependence(scene, data, answer, d, report);
+        }
+      });
 }
 
+}  // namespace
+
 void solve_alone(const Scene& scene, SceneData& data, const StartOfStep* start) {
-  if (!usable_numbers(scene)) return;
-  Workspace& w = *data.workspace;
+  const Workspace& w = *data.workspace;
+  if (!usable_numbers(scene) || !w.lanes.level) return;
   lanes::Job job = job_at_state(scene, data);
   job.start = start;
-  const auto group_of = [&](IslandWork& d) { return group_of_solve(scene, d); };
-  each_in_lanes(scene, w, 1, group_of, [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
-    group.kernels[thread.number].of(robots.size()).solve(job, robots, {thread.answers.data(), robots.size()});
-    for (std::size_t k = 0; k < robots.size(); ++k) {
-      const lanes::Answer& answer = thread.answers[k];
-      IslandWork& d = *w.islands[numbers[k]];
-      if (!answer.sound) continue;
-      IslandReport& report = data.report.islands[numbers[k]];
-      take_answer(Precision::kDouble, answer, d, report);
-      take_dependence(scene, data, answer, d, report);
-    }
-  });
+  if (w.options.precision == Precision::kSingle)
+    solve_in_batches(job, data, batch_width(w), Precision::kSingle, &BlockGroup::single,
+                     [&](const BlockGroup& group, const IslandWork& d) {
+                       const bool dependent = scene.damping == 0 && d.island.nc > d.island.nv;  // certainly
+                       return !group.single.empty() && !dependent;
+                     });
+  solve_in_batches(job, data, w.lanes.level->width, Precision::kDouble, &BlockGroup::kernels,
+                   [](const BlockGroup&, const IslandWork&) { return true; });
 }
 
 bool stand_alone(const Scene& scene, const Workspace& w) {
@@ -179,10 +180,9 @@ void differentiate_alone(const Scene& scene, SceneData& data) {
       scene, w, costs::kDerivatives, group_of_answer,
       [&](BlockGroup& group, Robots robots, Numbers numbers, ThreadWork& thread) {
         const IslandDerivatives& first = w.derivatives.islands[numbers.front()];
-        const lanes::DerivativeJob job{scene,         data.serial,   w.q.data(),    data.v.data(),
-                                       data.a.data(), data.f.data(), data.f_offset, first.request,
-                                       first.q_first, first.v_first, first.u_first, static_cast<int>(first.X.cols()),
-                                       non_temporal};
+        const lanes::DerivativeJob job{
+            solution_of(scene, data),         first.request, first.q_first, first.v_first, first.u_first,
+            static_cast<int>(first.X.cols()), non_temporal};
         thread.panels.clear();
         for (int i : numbers) {
           IslandDerivatives& out = w.derivatives.islands[i];
@@ -192,25 +192,12 @@ void differentiate_alone(const Scene& scene, SceneData& data) {
       });
 }
 
-void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* dtau, double* da,
-               double* df) {
-  Workspace& w = *data.workspace;
-  const lanes::ProductJob job{scene,         data.serial,   w.q.data(),     data.v.data(),    data.a.data(),
-                              data.f.data(), data.f_offset, {dq, dv, dtau}, {da, df, nullptr}};
-  each_in_lanes(scene, w, costs::kProducts, group_of_answer,
+void multiply_alone(const Scene& scene, SceneData& data, ProductInLanes product, const std::array<const double*, 3>& in,
+                    const std::array<double*, 3>& out) {
+  const lanes::ProductJob job{solution_of(scene, data), in, out};
+  each_in_lanes(scene, *data.workspace, costs::kProducts, group_of_answer,
                 [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
-                  group.kernels[thread.number].of(robots.size()).jvp(job, robots);
-                });
-}
-
-void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
-               double* wtau) {
-  Workspace& w = *data.workspace;
-  const lanes::ProductJob job{scene,         data.serial,   w.q.data(),        data.v.data(), data.a.data(),
-                              data.f.data(), data.f_offset, {wa, wf, nullptr}, {wq, wv, wtau}};
-  each_in_lanes(scene, w, costs::kProducts, group_of_answer,
-                [&](BlockGroup& group, Robots robots, Numbers, ThreadWork& thread) {
-                  group.kernels[thread.number].of(robots.size()).vjp(job, robots);
+                  (group.kernels[thread.number].of(robots.size()).*product)(job, robots);
                 });
 }
 

@@ -144,7 +144,7 @@ void finish_robot(const RobotsSystem& system, std::size_t k, const IslandDerivat
       std::copy_n(e.terms.J + c * e.terms.rows, e.terms.rows, r.G.data() + (columns[c] - o) * ldG + e.row);
     if (!out.request.q || !e.B) return;  // a force on A is moved by A alone
     const int ldD = lanes::JoinTerms::padded(e.terms.cols);
-    kernels.product(buffers.E.data(), ldT, e.terms.D(true), 6, size, e.first, ldD, buffers.ED.data());
+    kernels.product(buffers.E.data(), ldT, e.terms.D_B(), 6, size, e.first, ldD, buffers.ED.data());
     for (int c = 0; c < e.first; ++c) {  // A's coordinates
       const int column = place_in_panel(r, out.q_first + columns[c]);
       for (int i = 0; i < size; ++i) r.P(i, column) += buffers.ED[i * ldD + c];
@@ -169,7 +169,7 @@ void finish_sample(const RobotsSystem& system, std::size_t k, const IslandDeriva
         for (int j = 0; j < E.cols(); ++j)
           for (int i = 0; i < 6; ++i)
             r.B[s * r.size() + columns[e.first + j] - system.owner.island.dof_offset[k]] +=
-                E(i, j) * e.terms.D(e.B)[i * ldD + c];
+                E(i, j) * e.terms.D_B()[i * ldD + c];
       }
   });
 }
@@ -273,9 +273,7 @@ bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, boo
   by.sample.robots_error = std::numeric_limits<double>::infinity();  // not known
   clear_rhs(*system.interface, by, by.buffers.front().nonzero, out.X);
   const auto job_of = [&](const OfRobot& r) {
-    return lanes::DerivativeJob{scene,         data.serial,   w.q.data(),  data.v.data(), data.a.data(),
-                                data.f.data(), data.f_offset, out.request, r.q_first,     r.v_first,
-                                r.u_first,     r.own,         false};
+    return lanes::DerivativeJob{solution_of(scene, data), out.request, r.q_first, r.v_first, r.u_first, r.own, false};
   };
   for (std::size_t k = 0; k < by.robots.size(); ++k) system.member(k).ends = by.robots[k].ends.data();
   each_batch(w, system, costs::kDerivatives, [&](Kernel& kernel, std::span<Member> robots, Memory, ThreadWork&) {

@@ -61,7 +61,6 @@ void analyze_interface(const IslandShape& shape, Interface& interface) {
   interface.S = sparse::permute(pattern, interface.place);
   sparse::LdlSymbolic L = sparse::ldl_analyze(interface.S);
   sparse::relax_supernodes(L);
-  interface.nonzeros = L.nonzeros();
   interface.flops = L.flops;
   interface.schedule = sparse::compile_ldl(interface.S, L);
   const std::vector<int>& at = interface.place;
@@ -92,14 +91,6 @@ sparse::LdlCounts least_interface_counts(const IslandShape& shape) {
 Interface::Interface(const IslandShape& shape) : robots(shape.island().robots.size()) {
   share_out(shape.scene(), shape.island(), *this);
   analyze_interface(shape, *this);
-}
-
-Island alone(const IslandShape& shape, const Interface& interface, std::size_t robot) {
-  Island out;
-  out.robots = {shape.island().robots[robot]};
-  for (int c : interface.robots[robot].contacts) out.contacts.push_back(shape.island().contacts[c]);
-  number_island(shape.scene(), out);
-  return out;
 }
 
 }  // namespace manycontact

@@ -31,8 +31,7 @@ struct Interface {
   std::vector<int> row;          // one entry per interface row: the island's row
   std::vector<int> perm, place;  // perm[k]: interface row eliminated k-th from S; place its inverse
   sparse::UpperCsc S;            // pattern of S, in that order
-  int nonzeros = 0;              // nonzeros of its factor; multiply-adds
-  double flops = 0;
+  double flops = 0;              // multiply-adds of its factor
   sparse::LdlSchedule schedule;
 
   int rows() const { return static_cast<int>(row.size()); }
@@ -46,8 +45,5 @@ inline bool joins_two(const Contact& contact) { return joins_robots(contact) && 
 inline const Attachment& end_on(const Contact& contact, int robot) {
   return contact.A.robot == robot ? contact.A : contact.B;
 }
-
-/// The robot alone, of the shape's scene, with the contacts on it alone.
-Island alone(const IslandShape& shape, const Interface& interface, std::size_t robot);
 
 }  // namespace manycontact

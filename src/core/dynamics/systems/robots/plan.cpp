@@ -42,16 +42,15 @@ std::shared_ptr<const lanes::BlockPlan> make_plan(const Block& block, Order orde
   for (int c : block.joins) {
     Contact contact = block.scene.contacts[c];
     contact.A = on_first(end_on(contact, block.robot)), contact.B = {};
-    plan->border += contact.rows();
     plan->scene.contacts.push_back(std::move(contact));
   }
   plan->island = whole_scene(plan->scene, std::vector<char>(plan->scene.contacts.size(), 1));
   const IslandSupport support = island_support(plan->scene, plan->island);
   plan->supports = support.contacts;
   plan->pattern = plan->inner = block.inner;
-  if (plan->border == 0) return plan;
+  if (block.joins.empty()) return plan;
   std::vector<int> perm = block.inner->perm;
-  for (int i = plan->island.size() - plan->border; i < plan->island.size(); ++i) perm.push_back(i);
+  for (int i = block.inner->size(); i < plan->island.size(); ++i) perm.push_back(i);
   KktPattern bordered = analyze(plan->scene, plan->island, support, natural_pattern(plan->scene, plan->island, support),
                                 order, std::move(perm));
   sparse::relax_supernodes(block.inner->ldl, bordered.ldl);
@@ -89,10 +88,11 @@ BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
   return group;
 }
 
-void make_kernels(Workspace& w, BlockGroup& group, bool side_by_side) {
+// For up to so many robots at a time.
+void make_kernels(Workspace& w, BlockGroup& group, std::size_t count) {
   const auto make = [&](auto& kernels, auto* of_plan) {
     if (kernels.size() < w.threads.size()) kernels.resize(w.threads.size());
-    for (auto& kernel : kernels) kernel.make(side_by_side, [&](bool batch) { return of_plan(batch, group.plan); });
+    for (auto& kernel : kernels) kernel.make(count, [&](bool batch) { return of_plan(batch, group.plan); });
   };
   make(group.kernels, w.lanes.level->make);
   // The inconsistency of a pair's contacts is judged relative to the rounding errors of doubles.
@@ -105,7 +105,7 @@ void make_kernels(Workspace& w, BlockGroup& group, bool side_by_side) {
 BlockGroup* group_of_alone(Workspace& w, const IslandWork& d) {
   if (d.choice.method != Method::kSparseLdl || d.island.nv == 0 || d.island.size() > kLargestInLanes) return nullptr;
   const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(d.choice.order);
-  if (!pattern->schedule().compiled) return nullptr;
+  if (!pattern->schedule().compiled()) return nullptr;
   return &group_of(w, {d.shape->scene(), 0, d.shape->island().contacts, {}, pattern}, d.choice.order);
 }
 
@@ -135,12 +135,13 @@ InterfaceContactGroup& group_of(const Scene& scene, Workspace& w, int c) {
   const ContactSupport support = contact_support(scene, contact);
   group.kernels.resize(w.threads.size());
   for (auto& kernel : group.kernels)
-    kernel.make(true, [&](bool batch) { return w.lanes.level->make_contacts(batch, scene, contact, support); });
+    kernel.make(w.lanes.level->width,
+                [&](bool batch) { return w.lanes.level->make_contacts(batch, scene, contact, support); });
   return group;
 }
 
 double cost_joined(const RobotsSystem& system, int width) {
-  double cost = cost_ldl(system.interface->rows(), system.interface->nonzeros, system.interface->flops);
+  double cost = cost_ldl(system.interface->rows(), system.interface->schedule.nonzeros(), system.interface->flops);
   for (std::size_t k = 0; k < system.order.size();) {
     const BlockGroup* group = system.robots[system.order[k]].group;
     std::size_t count = 1;
@@ -178,6 +179,15 @@ bool may_be_cheaper(const IslandWork& d) {
          predicted_cost_ldl(rows, least_interface_counts(*d.shape)) < tolerance::kCheaper * cost_of_choice(d);
 }
 
+// A robot of the shape's scene, with the contacts on it alone.
+Island alone(const IslandShape& shape, const Interface& interface, std::size_t robot) {
+  Island out;
+  out.robots = {shape.island().robots[robot]};
+  for (int c : interface.robots[robot].contacts) out.contacts.push_back(shape.island().contacts[c]);
+  number_island(shape.scene(), out);
+  return out;
+}
+
 // nullptr: an island's robots or interface rows have no place in SIMD batches.
 std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d, Order order) {
   if (!can_be_joined(d, w.options)) return nullptr;
@@ -185,14 +195,14 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d, Order ord
   out->within = order;
   out->interface = std::make_shared<const Interface>(*d.shape);
   const Interface& interface = *out->interface;
-  bool fits = interface.schedule.compiled;
+  bool fits = interface.schedule.compiled();
   for (std::size_t k = 0; k < d.island.robots.size() && fits; ++k) {
     const Interface::OfRobot& r = interface.robots[k];
     const std::shared_ptr<const KktPattern> inner =
         w.shapes.find(d.shape->scene(), alone(*d.shape, interface, k))->pattern(order);
     BlockGroup& group = group_of(w, {d.shape->scene(), static_cast<int>(k), r.contacts, r.joins, inner}, order);
-    fits =
-        group.plan->schedule().compiled && inner->schedule().compiled && group.plan->pattern->size() <= kLargestInLanes;
+    fits = group.plan->schedule().compiled() && inner->schedule().compiled() &&
+           group.plan->pattern->size() <= kLargestInLanes;
     out->robots.push_back({&group});
     out->order.push_back(static_cast<int>(k));
   }
@@ -226,7 +236,7 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d) {
 void take_memory(RobotsSystem& system) {
   const std::size_t rows = system.interface->row.size(), robots = system.robots.size();
   system.Sx.resize(system.interface->S.nonzeros());
-  system.L.resize(system.interface->nonzeros);
+  system.L.resize(system.interface->schedule.nonzeros());
   for (std::vector<double>* x :
        {&system.D, &system.terms, &system.b, &system.y, &system.r, &system.scale, &system.step})
     x->resize(rows);
@@ -271,7 +281,7 @@ void bind_island(const Scene& scene, Workspace& w, const IslandWork& d, RobotsSy
 
 void use_robots(const Scene& scene, Workspace& w, IslandWork& d, std::unique_ptr<RobotsSystem> system) {
   if (system) {
-    for (const RobotsSystem::OfRobot& r : system->robots) make_kernels(w, *r.group, true);
+    for (const RobotsSystem::OfRobot& r : system->robots) make_kernels(w, *r.group, w.lanes.level->width);
     take_memory(*system);
     bind_island(scene, w, d, *system);
   }
@@ -327,8 +337,8 @@ void group_robots_alone(Workspace& w) {
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
     BlockGroup* group = w.islands[i]->alone.group;
     if (!group) continue;
-    make_kernels(w, *group, !group->islands.empty());
     group->islands.push_back(static_cast<int>(i));
+    make_kernels(w, *group, group->islands.size());
   }
 }
 

@@ -42,7 +42,7 @@ void form_robot_batches(const Scene& scene, Workspace& w, RobotsSystem& s) {
   const auto shared = [&](const RobotsSystem::Batch& batch) {
     return sparse::padded(width(batch) * batch.group->plan->memory_size());
   };
-  const auto of_each = [](const lanes::BlockPlan& plan) { return sparse::padded(lanes::Border::size(plan.border)); };
+  const auto of_each = [](const lanes::BlockPlan& plan) { return sparse::padded(lanes::Border::size(plan.border())); };
   for (RobotsSystem::Batch& batch : s.batches) {
     batch.at = size;
     size += shared(batch) + batch.count * of_each(*batch.group->plan);
@@ -56,7 +56,7 @@ void form_robot_batches(const Scene& scene, Workspace& w, RobotsSystem& s) {
       Member& member = s.members[k];
       member.number = s.owner.island.robots[s.order[k]];
       member.contacts = s.robots[s.order[k]].contacts.data();
-      member.border = {at, plan.border};
+      member.border = {at, plan.border()};
       member.joins = joins;
     }
   }
@@ -214,7 +214,7 @@ void report_answer(const Scene& scene, const RobotsSystem& s, const sparse::Refi
   reset(report, s.owner.island);
   report.method = Method::kSparseLdl;
   report.order = s.within;
-  report.factor_nonzeros = s.interface->nonzeros + s.owner.island.size();
+  report.factor_nonzeros = s.interface->schedule.nonzeros() + s.owner.island.size();
   for (const RobotsSystem::OfRobot& r : s.robots) report.factor_nonzeros += r.group->plan->factor_nonzeros();
   report.refinement_steps = refinement.steps;
   const Largest largest = largest_of(s);

@@ -58,9 +58,9 @@ struct InLanes {
   std::vector<Batch> batches;
 };
 
-/// An island of one robot in a SIMD batch with others of its group: batch by batch, all of a scene's by one call (the
-/// functions of `alone.cpp` below). For one island alone it has no solution, and the whole K solves what batches left.
-struct AloneSystem final : IslandSystem {
+/// The place of an island of one robot in a SIMD batch with others of its group: batch by batch, all of a scene's are
+/// solved by one call (the functions of `alone.cpp` below). The whole K solves what batches left.
+struct BatchPlace {
   BlockGroup* group = nullptr;  // nullptr: it is in no SIMD batch; by prepare
   // set by the last solution that came from a SIMD batch
   bool panel_is_safe = false;  // whether derivatives may come from there too
@@ -156,26 +156,23 @@ void forget_unused_groups(Workspace& work);
 /// island.robots, settled, where that is possible; made when first asked for.
 void make_robots(const Scene& scene, Workspace& work, IslandWork& island);
 
-/// Solves the islands of one robot that have a place in a SIMD batch, at w.q, data.v, data.tau: those not solved yet.
-/// start: of a step, whose forces are then not in data.tau.
+/// Solves the islands of one robot that have a place in a SIMD batch, at w.q, data.v, data.tau: those not solved yet,
+/// where the options ask for it first in single precision. Islands whose condition is too poor for that are left to
+/// doubles. start: of a step, whose forces are then not in data.tau.
 void solve_alone(const Scene& scene, SceneData& data, const StartOfStep* start = nullptr);
 /// Whether all robots are islands that have a place in a SIMD batch of doubles.
 bool stand_alone(const Scene& scene, const Workspace& w);
-/// The same islands, those not solved yet, in single precision where the options ask for it. Islands whose
-/// condition is too poor for that are left.
-void solve_alone_in_single(const Scene& scene, SceneData& data);
 /// How many robots alone, or states, a SIMD batch has at most; 1 without SIMD batches.
 int batch_width(const Workspace& w);
 /// Reports the rows of an island's J that depend on others: status, rank, names.
 void report_dependent_rows(const Scene& scene, const SceneData& data, IslandWork& island, std::span<const int> rows,
                            const rank::Contradiction<double>& contradiction, IslandReport& report);
 /// Derivatives of islands that SIMD batches serve (IslandWork::served_in_lanes) into w.derivatives, and products with
-/// them. Vectors are in the scene's coordinates, as in jvp.hpp.
+/// them: jvp or vjp of the kernels, whose vectors are as lanes::ProductJob has them.
 void differentiate_alone(const Scene& scene, SceneData& data);
-void jvp_alone(const Scene& scene, SceneData& data, const double* dq, const double* dv, const double* dtau, double* da,
-               double* df);
-void vjp_alone(const Scene& scene, SceneData& data, const double* wa, const double* wf, double* wq, double* wv,
-               double* wtau);
+using ProductInLanes = void (lanes::RobotBlocks::*)(const lanes::ProductJob&, std::span<lanes::RobotBlocks::Robot>);
+void multiply_alone(const Scene& scene, SceneData& data, ProductInLanes product, const std::array<const double*, 3>& in,
+                    const std::array<double*, 3>& out);
 
 /// Makes island.robots->derivatives for `out`, which is laid out, where robot by robot is predicted to be cheaper than
 /// by the factor of the whole K.
@@ -183,8 +180,9 @@ void prepare_robots_derivatives(const Scene& scene, IslandWork& island, const Is
 /// Whether it is; but for that the way may turn out not to be sound.
 bool differentiates_by_robots(const IslandWork& island);
 
-/// The job of SIMD batches at the current state, in the scene's coordinates.
+/// The job of SIMD batches at the current state, and what they take of its solution.
 lanes::Job job_at_state(const Scene& scene, SceneData& data);
+lanes::Solution solution_of(const Scene& scene, const SceneData& data);
 
 /// The componentwise backward error (sparse/refine.hpp) of the interface rows, of their b and y and the robots'
 /// borders; NaN where any is.

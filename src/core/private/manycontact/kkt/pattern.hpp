@@ -30,6 +30,7 @@ struct KktPattern {
   int nv = 0, nc = 0;
   Order order = Order::kLeafToRoot;
   std::vector<int> perm, iperm;    // perm[k]: row of K eliminated k-th; iperm its inverse
+  std::vector<char> of_M;          // flags of K's rows, in that order: it is one of M's
   sparse::UpperCsc K;              // pattern of P K P^T
   std::vector<int> M_slot;         // slot of each entry of the robots' packed M, robot after robot
   std::vector<int> J_slot;         // slot of each entry of the contacts' J, by columns, contact after contact

@@ -45,9 +45,9 @@ struct DependentRows {
     int first = 0, count = 0;  // range in `members`
     int row = 0, row_end = 0;  // range in `cluster_rows`: rows of K that N has there
     int basis = 0, size = 0;   // columns of B ...
-    bool complement = false;   // ... and what they span
-    bool orthonormal = false;  // they are a basis of N made orthonormal, since N has large entries
-    std::size_t gram = 0;      // offset in `gram`: size x size, by columns: the Cholesky factor of B^T B
+    // ... which are N's, or span the complement, or are N's made orthonormal, since N has large entries
+    enum { kColumns, kComplement, kOrthonormal } kind = kColumns;
+    std::size_t gram = 0;  // offset in `gram`: size x size, by columns: the Cholesky factor of B^T B
   };
   std::vector<Cluster> clusters;
   std::vector<int> members;  // positions in `dropped`

@@ -81,14 +81,13 @@ template <class OfM>
 bool any_pivot_is_rounding(const sparse::LdlSymbolic& s, const double* L, const double* D, const double* terms,
                            double margin, OfM&& of_M, double* noise) {
   std::fill_n(noise, s.n, 0.0);
-  bool lost = false;
   for (int j = 0; j < s.n; ++j) {
     const double wrong = noise[j] += tolerance::kRowRounding * terms[j];
-    lost = lost || !(std::abs(D[j]) > margin * wrong);
+    if (!(std::abs(D[j]) > margin * wrong)) return true;
     for (int k = s.Lp[j]; k < s.Lp[j + 1]; ++k)
       if (!of_M(j) || !of_M(s.Li[k])) noise[s.Li[k]] += L[k] * L[k] * wrong;
   }
-  return lost;
+  return false;
 }
 
 }  // namespace manycontact::rank

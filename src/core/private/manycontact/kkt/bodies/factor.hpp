@@ -14,9 +14,10 @@ struct BodySolve {
 };
 
 /// x of b, refined with residuals of the whole system. Each of them touches a body and its parent only, so no rounding
-/// adds up along a chain. lifted: factorize_bodies did so with b.
-sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps,
-                                 bool lifted = false);
+/// adds up along a chain.
+sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps);
+/// The same where factorize_bodies lifted b.
+sparse::Refinement solve_lifted(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps);
 
 /// Numbers kept of a factor, as Factor::nonzeros.
 int nonzeros(const BodyPattern& pattern, const BodyLdl& ldl);

@@ -31,8 +31,8 @@ struct BodyPattern {
 
   /// Whether both bodies of a row are in the subtree of node i: it can be eliminated from there on.
   bool complete(int row, int i) const {
-    const auto inside = [&](int node) { return node < 0 || (node >= i && node < end[static_cast<std::size_t>(i)]); };
-    return inside(A[static_cast<std::size_t>(row)]) && inside(B[static_cast<std::size_t>(row)]);
+    const auto inside = [&](int node) { return node < 0 || (node >= i && node < end[i]); };
+    return inside(A[row]) && inside(B[row]);
   }
   /// The node at which a row's two ends meet, -1: none.
   int meeting(int row) const;
@@ -45,7 +45,7 @@ BodyPattern analyze_bodies(const Scene& scene, const Island& island);
 
 /// The node that an attachment is on; -1 where it does not move.
 inline int node_of(const BodyPattern& pattern, const Island& island, const Attachment& at) {
-  return moves(at) ? pattern.node_offset[static_cast<std::size_t>(local_robot(island, at.robot))] + at.joint : -1;
+  return moves(at) ? pattern.node_offset[local_robot(island, at.robot)] + at.joint : -1;
 }
 
 }  // namespace manycontact

@@ -24,6 +24,8 @@ struct FactorScratch {
   std::vector<double> row_scale;
 };
 
+struct PanelWork;  // kkt/factor/refined.hpp
+
 class Factor {  // one island's factor, whatever the method
  public:
   virtual ~Factor() = default;
@@ -51,11 +53,9 @@ class Factor {  // one island's factor, whatever the method
   /// overwritten. A factor may make use of zeros or not.
   virtual void solve_panel(double* X, int ld, int first, int cols, char* nonzero) = 0;
 
-  /// Whether there is solve_panel_refined: X + K^-1 (B - K X) where solve_panel gives X = K^-1 B, for the K factorized.
-  virtual bool refines_panels() const { return false; }
-  virtual void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, char* nonzero) {
-    (void)K, solve_panel(X, ld, first, cols, nonzero);
-  }
+  /// The same refined once, for the K factorized: X + K^-1 (B - K X) where solve_panel gives X = K^-1 B. work.nonzero:
+  /// its flags; work.B: as large as X.
+  virtual void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, PanelWork& work);
 
   /// Gives back what memory only solve_panel needs, until that is called again.
   virtual void release_panels() {}

@@ -22,10 +22,6 @@ struct PanelWork {
   KktVectors column;          // one of them
 };
 
-/// Factor::solve_panel, refined once, by any factor: X + K^-1 (B - K X) where that gives X = K^-1 B. work.nonzero: its
-/// flags; work.B: as large as X.
-void solve_panel_refined(Factor& factor, const KktMatrix& K, double* X, int ld, int first, int cols, PanelWork& work);
-
 /// X <- X + K^-1 (B - K X) for a whole panel X with row stride ld, rows in the island's order, padding included, until
 /// the largest residual of a column is rounding; that is returned, relative to |K|_1 |X| + |B|. work.B: B.
 double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, PanelWork& work);
