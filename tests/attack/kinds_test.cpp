@@ -46,7 +46,7 @@ void expect_true_bounds(Solved s, const std::string& what) {
   const auto truth = solve_truth<Quad>(s.file.scene, s.data.active, s.file.q.cast<Quad>(), s.file.v.cast<Quad>(),
                                        s.file.u.cast<Quad>());
   const auto expect_below = [&](const Eigen::VectorXd& x, const VecX<Quad>& right, double bound, const char* name) {
-    const double error = largest_difference(x, right);
+    const double error = largest_entry(x.cast<Quad>() - right);
     EXPECT_LE(error, bound * largest_entry(x)) << what << " " << to_string(s.report().islands[0].method) << " " << name;
   };
   ASSERT_EQ(s.report().islands.size(), 1u);
