@@ -165,9 +165,8 @@ class ContactModel2D final : public ContactModelAbstract {
       : ContactModel2D(std::move(state), id, xref, kDefaultNu, gains) {}  // with nu = nv
   /// The point's position (x, z) in the world [m].
   Eigen::Vector2d get_reference() const { return {contact_.B.placement.p.x(), contact_.B.placement.p.z()}; }
-  void set_reference(const Eigen::Vector2d& r) {
-    contact_.B.placement.p = Eigen::Vector3d(r.x(), 0, r.y());
-  }  // sets it
+  /// Sets the point's position (x, z) in the world [m].
+  void set_reference(const Eigen::Vector2d& r) { contact_.B.placement.p = Eigen::Vector3d(r.x(), 0, r.y()); }
 };
 
 /// Constrains a point's position. xref: in the world [m].

@@ -31,9 +31,8 @@ class Multibody {  // The robots and frames of a scene.
   /// The number of a frame: "r0/left_sole", or "left_sole" if there is one robot. The name of a joint gives the frame
   /// of its link, unless a link has that name. getFrameId throws std::invalid_argument for an unknown name.
   FrameIndex getFrameId(const std::string& name) const;
-  bool existFrame(const std::string& name) const {
-    return find(name) != nullptr;
-  }  // whether there is a frame with this name
+  /// Whether there is a frame with this name.
+  bool existFrame(const std::string& name) const { return find(name) != nullptr; }
 
  private:
   void index();

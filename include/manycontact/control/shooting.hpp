@@ -92,9 +92,8 @@ class ShootingProblem {
   /// Sets the number of threads. Initially, and for a number below 1, it is OpenMP's, or 1 without OpenMP. If all nodes
   /// together take less than about 50 us per thread, one thread evaluates them.
   void set_nthreads(int nthreads);
-  bool is_updated() {
-    return std::exchange(is_updated_, false);
-  }  // whether nodes were replaced since the last call of this function
+  /// Whether nodes were replaced since the last call of this function.
+  bool is_updated() { return std::exchange(is_updated_, false); }
 
  private:
   void check_node(const char* where, const ModelPtr& model) const;

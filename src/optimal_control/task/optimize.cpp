@@ -7,7 +7,7 @@
 #include <random>
 #include <sstream>
 
-#include "../control/solvers/fit.hpp"
+#include "manycontact/control/fit.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
 #include "manycontact/control/box_solvers.hpp"
 #include "manycontact/control/direction.hpp"

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "../solvers/fit.hpp"
+#include "manycontact/control/fit.hpp"
 #include "kkt_residual.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
 #include "manycontact/sparse/largest.hpp"

@@ -6,7 +6,7 @@
 
 #include "../nodes/nodes.hpp"
 #include "cost_scale.hpp"
-#include "fit.hpp"
+#include "manycontact/control/fit.hpp"
 #include "manycontact/control/riccati_direction.hpp"
 #include "step_lengths.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "fit.hpp"
+#include "manycontact/control/fit.hpp"
 #include "manycontact/control/solver.hpp"
 
 namespace manycontact {

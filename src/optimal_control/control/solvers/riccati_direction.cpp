@@ -4,7 +4,7 @@
 
 #include "../../lq/dense.hpp"
 #include "../integrators/euler_steps.hpp"
-#include "fit.hpp"
+#include "manycontact/control/fit.hpp"
 
 namespace manycontact {
 

@@ -4,7 +4,7 @@
 
 #include "../constrained/constraint_rows.hpp"
 #include "../nodes/nodes.hpp"
-#include "fit.hpp"
+#include "manycontact/control/fit.hpp"
 #include "manycontact/sparse/largest.hpp"
 
 namespace manycontact {

@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 
 #include "../nodes/nodes.hpp"
-#include "fit.hpp"
+#include "manycontact/control/fit.hpp"
 #include "step_lengths.hpp"
 
 namespace manycontact {

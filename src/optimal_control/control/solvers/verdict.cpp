@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "../constrained/kkt_residual.hpp"
-#include "fit.hpp"
+#include "manycontact/control/fit.hpp"
 #include "manycontact/control/ddp.hpp"
 
 namespace manycontact {
