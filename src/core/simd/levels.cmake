@@ -58,6 +58,9 @@ set(extended_sources src/core/algorithm/applied_forces.cpp src/core/algorithm/ki
 # Robots alone in floats, twice as many in a register.
 set(single_sources src/core/algorithm/crba.cpp src/core/algorithm/kinematics.cpp src/core/algorithm/rnea.cpp
                    src/core/contact/pair_motion.cpp src/core/contact/rows.cpp src/core/dynamics/lanes/single.cpp)
+# Both once more for one robot at a time: in packs of one, as the level one_LEVEL. Apart, they take half the memory.
+set(one_robot_sources ${robot_sources})
+set(one_single_sources ${single_sources})
 
 # The static library manycontact_kernels. Modules call its kernels, and these call modules: static libraries may.
 target_link_libraries(manycontact INTERFACE manycontact_kernels)
@@ -81,7 +84,11 @@ function(kernels kind level)
   add_dependencies(manycontact_kernels ${target})  # Makefiles do not see it through the objects
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
   target_compile_options(${target} PRIVATE ${own_flags} -Wno-psabi -ffp-contract=off ${lane_flags_${level}})
-  target_compile_definitions(${target} PRIVATE MANYCONTACT_LEVEL=${level})
+  set(one)
+  if(kind MATCHES "^one_")
+    set(one one_)
+  endif()
+  target_compile_definitions(${target} PRIVATE MANYCONTACT_LEVEL=${one}${level})
   set(max_align 64)
   set(static_align 64)
   if(kind STREQUAL "extended")  # no packs: the library's own headers, alignment and memory
@@ -92,7 +99,12 @@ function(kernels kind level)
     set(pack ${lane_width_${level}})
     if(kind STREQUAL "single")
       math(EXPR pack "2 * ${pack}")
-      set(pack "${pack},float")
+    endif()
+    if(one)
+      set(pack 1)
+    endif()
+    if(kind MATCHES "single")
+      string(APPEND pack ",float")
     endif()
     target_compile_definitions(${target} PRIVATE MANYCONTACT_LANES=${pack})
   endif()
@@ -111,7 +123,7 @@ endfunction()
 
 foreach(level IN LISTS lane_levels)
   target_compile_definitions(manycontact_kernels PRIVATE MANYCONTACT_LEVEL_${level})
-  foreach(kind IN ITEMS robot panel single)
+  foreach(kind IN ITEMS robot panel single one_robot one_single)
     kernels(${kind} ${level})
   endforeach()
   string(REPLACE "avx512" "avx2" narrow ${level})  # dense blocks and double-double gain nothing from AVX-512
@@ -127,7 +139,8 @@ foreach(level IN ITEMS avx2 avx512)
   set(alone ${PROJECT_BINARY_DIR}/kernels_${level}.o)
   add_custom_command(OUTPUT ${alone}
     COMMAND ${CMAKE_LINKER} -r --force-group-allocation ${objects_${level}} -o ${alone}
-    COMMAND ${CMAKE_OBJCOPY} --wildcard "--keep-global-symbol=*level_${level}*" ${alone}
+    COMMAND ${CMAKE_OBJCOPY} --wildcard "--keep-global-symbol=*level_${level}*"
+            "--keep-global-symbol=*level_one_${level}*" ${alone}
     DEPENDS ${objects_${level}} COMMAND_EXPAND_LISTS
     COMMENT "Hiding all but the levels of kernels_${level}.o" VERBATIM)
   set_source_files_properties(${alone} PROPERTIES EXTERNAL_OBJECT ON GENERATED ON)

@@ -13,6 +13,7 @@ extern const DenseKernels blocks_level_baseline, blocks_level_avx2;
 }  // namespace sparse
 namespace lanes {
 extern const Level level_baseline, level_avx2, level_avx512;
+extern const Level level_one_baseline, level_one_avx2, level_one_avx512;
 }
 namespace extended {
 extern const Level level_baseline, level_avx2;
@@ -26,14 +27,16 @@ namespace {
 // in double-double, which needs the fused product alone.
 constexpr Level kLevels[] = {
 #ifdef MANYCONTACT_LEVEL_avx512
-    {"avx512", sparse::level_avx512, sparse::blocks_level_avx2, lanes::level_avx512, extended::level_avx2, runs_avx512},
+    {"avx512", sparse::level_avx512, sparse::blocks_level_avx2, lanes::level_avx512, lanes::level_one_avx512,
+     extended::level_avx2, runs_avx512},
 #endif
 #ifdef MANYCONTACT_LEVEL_avx2
-    {"avx2", sparse::level_avx2, sparse::blocks_level_avx2, lanes::level_avx2, extended::level_avx2, runs_avx2},
+    {"avx2", sparse::level_avx2, sparse::blocks_level_avx2, lanes::level_avx2, lanes::level_one_avx2,
+     extended::level_avx2, runs_avx2},
 #endif
 #ifdef MANYCONTACT_LEVEL_baseline
-    {"baseline", sparse::level_baseline, sparse::blocks_level_baseline, lanes::level_baseline, extended::level_baseline,
-     [] { return true; }},
+    {"baseline", sparse::level_baseline, sparse::blocks_level_baseline, lanes::level_baseline,
+     lanes::level_one_baseline, extended::level_baseline, [] { return true; }},
 #endif
 };
 

@@ -33,7 +33,7 @@ struct Level {
   const char* name;
   const sparse::PanelKernels& panels;
   const sparse::DenseKernels& blocks;
-  const lanes::Level& robots;
+  const lanes::Level &robots, &one_robot;  // SIMD batches of robots; one at a time
   const extended::Level& equations;
   bool (*runs)();  // whether this processor has the instructions
 };

@@ -12,11 +12,10 @@
 
 namespace manycontact::lanes {
 
-/// A kernel: the work of one robot or contact, or of as many as a SIMD batch of this level has.
+/// A kernel: the work of as many robots or contacts as a pack has numbers.
 template <class Kernel, template <class> class Work, class... Arguments>
-std::unique_ptr<Kernel> make_kernel(bool batch, Arguments... arguments) {
-  if (batch) return std::make_unique<Work<InstantiatedScalar>>(arguments...);
-  return std::make_unique<Work<Pack<1, InstantiatedScalar::Element>>>(arguments...);
+std::unique_ptr<Kernel> make_kernel(Arguments... arguments) {
+  return std::make_unique<Work<InstantiatedScalar>>(arguments...);
 }
 
 /// Casts one robot's numbers to plain numbers: the sparse kernels then take several rows of a column at a time.

@@ -15,6 +15,7 @@
 #include "manycontact/dynamics/solve.hpp"
 #include "manycontact/dynamics/solve_step.hpp"
 #include "manycontact/rank/contradiction.hpp"
+#include "simd/levels.hpp"
 
 namespace manycontact::lanes {
 
@@ -179,15 +180,15 @@ class SingleBlocks {
 };
 struct SingleLevel {
   int width;  // robots of a batch: twice those of doubles
-  std::unique_ptr<SingleBlocks> (*make)(bool batch, const std::shared_ptr<const BlockPlan>& plan);
+  std::unique_ptr<SingleBlocks> (*make)(const std::shared_ptr<const BlockPlan>& plan);
 };
 
-/// A level of instructions that kernels were compiled for: each for one robot or contact, or for a SIMD batch of them.
+/// The kernels of a level of instructions for SIMD batches, or those for one robot or contact at a time.
 struct Level {
-  int width;  // robots in a SIMD batch
-  std::unique_ptr<RobotBlocks> (*make)(bool batch, const std::shared_ptr<const BlockPlan>& plan);
+  int width;  // robots in a SIMD batch, or 1
+  std::unique_ptr<RobotBlocks> (*make)(const std::shared_ptr<const BlockPlan>& plan);
   /// contact: any of the kernel's, in its scene.
-  std::unique_ptr<InterfaceContacts> (*make_contacts)(bool batch, const Scene& scene, const Contact& contact,
+  std::unique_ptr<InterfaceContacts> (*make_contacts)(const Scene& scene, const Contact& contact,
                                                       const ContactSupport& support);
   /// For batches alone.
   std::unique_ptr<SubtreeBatch> (*make_subtrees)(const std::shared_ptr<const SubtreePlan>& plan);
@@ -199,16 +200,16 @@ template <class Kernel>
 struct OneOrBatch {
   std::unique_ptr<Kernel> one, batch;
   Kernel& of(std::size_t count) const { return count == 1 ? *one : *batch; }
-  /// For up to so many items at a time. of(batch): a new kernel.
+  /// For up to so many items at a time. of(level): a new kernel of it.
   template <class Of>
-  void make(std::size_t count, Of&& of) {
-    if (!one) one = of(false);
-    if (count > 1 && !batch) batch = of(true);
+  void make(std::size_t count, const simd::Level& level, Of&& of) {
+    if (!one) one = of(level.one_robot);
+    if (count > 1 && !batch) batch = of(level.robots);
   }
 };
 
 /// The one that options ask for; nullptr: none, or it does not run here.
-const Level* level_of(SimdLevel lanes);
+const simd::Level* level_of(SimdLevel lanes);
 
 /// Whether contacts of one type on the same joints can share a SIMD batch: they are identical except for placements.
 bool alike_rows(const Contact& x, const Contact& y);

@@ -18,7 +18,10 @@ namespace manycontact::lanes {
 namespace {
 
 std::unique_ptr<SubtreeBatch> make_subtrees(const std::shared_ptr<const SubtreePlan>& plan) {
-  return std::make_unique<SubtreeBatchOf<InstantiatedScalar>>(plan);
+  if constexpr (InstantiatedScalar::width > 1)
+    return std::make_unique<SubtreeBatchOf<InstantiatedScalar>>(plan);
+  else
+    return nullptr;
 }
 
 }  // namespace

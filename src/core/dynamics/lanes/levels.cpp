@@ -8,11 +8,11 @@
 namespace manycontact {
 namespace lanes {
 
-const Level* level_of(SimdLevel lanes) {
+const simd::Level* level_of(SimdLevel lanes) {
   if (lanes == SimdLevel::kOff) return nullptr;
-  if (lanes == SimdLevel::kAuto) return &simd::levels().front().robots;
+  if (lanes == SimdLevel::kAuto) return &simd::levels().front();
   for (const simd::Level& level : simd::levels())
-    if (level.name == to_string(lanes)) return &level.robots;
+    if (level.name == to_string(lanes)) return &level;
   return nullptr;
 }
 

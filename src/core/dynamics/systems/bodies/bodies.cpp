@@ -14,7 +14,7 @@
 
 namespace manycontact {
 
-BodiesSystem::BodiesSystem(IslandWork& island, const lanes::Level* level)
+BodiesSystem::BodiesSystem(IslandWork& island, const simd::Level* level)
     : owner(island), subtrees(&island.shape->body_subtrees()), factor(island.shape->bodies()) {
   for (const Robot& robot : island.shape->scene().robots) kin.emplace_back(*robot.model);
   if (subtrees->cuts.empty()) return;
@@ -24,13 +24,13 @@ BodiesSystem::BodiesSystem(IslandWork& island, const lanes::Level* level)
     if (subtree.shape == static_cast<int>(shapes.size())) shapes.emplace_back(subtree.pattern, level);
 }
 
-BodiesSystem::Shape::Shape(std::shared_ptr<const BodyPattern> of, const lanes::Level* level) : pattern(std::move(of)) {
+BodiesSystem::Shape::Shape(std::shared_ptr<const BodyPattern> of, const simd::Level* level) : pattern(std::move(of)) {
   ldl.resize(*pattern);
   if (level && lanes::SubtreePlan::fits(*pattern)) {
     auto plan = std::make_shared<const lanes::SubtreePlan>(pattern);
-    if (plan->schedule.compiled()) lanes = level->make_subtrees(plan);
+    if (plan->schedule.compiled()) lanes = level->robots.make_subtrees(plan);
   }
-  slots.resize(lanes ? static_cast<std::size_t>(level->width) : 1);
+  slots.resize(lanes ? static_cast<std::size_t>(level->robots.width) : 1);
   side_by_side.reserve(slots.size());
   for (Slot& slot : slots) {
     slot.system.reset(pattern);

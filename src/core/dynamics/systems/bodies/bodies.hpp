@@ -20,7 +20,7 @@ struct HeldBody {
 class BodiesSystem final : public IslandSystem {
  public:
   /// level: instruction level for subtrees in SIMD batches; nullptr: each subtree is solved alone.
-  BodiesSystem(IslandWork& island, const lanes::Level* level);
+  BodiesSystem(IslandWork& island, const simd::Level* level);
 
   bool solve(const Scene&, SceneData&, ThreadWork&, IslandReport&) override;
   bool differentiate(const Scene&, SceneData&, ThreadWork&, IslandDerivatives&) override;
@@ -45,7 +45,7 @@ class BodiesSystem final : public IslandSystem {
     std::vector<int> row;  // one entry per row: its number among the scene's forces
   };
   struct Shape {
-    Shape(std::shared_ptr<const BodyPattern> pattern, const lanes::Level* level);
+    Shape(std::shared_ptr<const BodyPattern> pattern, const simd::Level* level);
     std::shared_ptr<const BodyPattern> pattern;
     BodyLdl ldl;                                 // factor of a subtree alone
     std::unique_ptr<lanes::SubtreeBatch> lanes;  // null: its subtrees are solved alone

@@ -118,7 +118,7 @@ void each_batch_of(int width, const Scene& scene, Workspace& w, double of_solve,
 // The same in batches of doubles.
 template <class GroupOf, class Use>
 void each_in_lanes(const Scene& scene, Workspace& w, double of_solve, GroupOf&& group_of, Use&& use) {
-  if (w.lanes.level) each_batch_of(w.lanes.level->width, scene, w, of_solve, group_of, use);
+  if (w.lanes.level) each_batch_of(w.lanes.level->robots.width, scene, w, of_solve, group_of, use);
 }
 
 // The group that gave an island's solution; nullptr: none, or not the derivatives.
@@ -162,7 +162,7 @@ void solve_alone(const Scene& scene, SceneData& data, const StartOfStep* start) 
                        const bool dependent = scene.damping == 0 && d.island.nc > d.island.nv;  // certainly
                        return !group.single.empty() && !dependent;
                      });
-  solve_in_batches(job, data, w.lanes.level->width, Precision::kDouble, &BlockGroup::kernels,
+  solve_in_batches(job, data, w.lanes.level->robots.width, Precision::kDouble, &BlockGroup::kernels,
                    [](const BlockGroup&, const IslandWork&) { return true; });
 }
 

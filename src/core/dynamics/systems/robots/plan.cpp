@@ -90,15 +90,16 @@ BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
 
 // For up to so many robots at a time.
 void make_kernels(Workspace& w, BlockGroup& group, std::size_t count) {
-  const auto make = [&](auto& kernels, auto* of_plan) {
+  const auto make = [&](auto& kernels, auto of_plan) {
     if (kernels.size() < w.threads.size()) kernels.resize(w.threads.size());
-    for (auto& kernel : kernels) kernel.make(count, [&](bool batch) { return of_plan(batch, group.plan); });
+    for (auto& kernel : kernels)
+      kernel.make(count, *w.lanes.level, [&](const lanes::Level& level) { return of_plan(level, group.plan); });
   };
-  make(group.kernels, w.lanes.level->make);
+  make(group.kernels, [](const lanes::Level& level, const auto& plan) { return level.make(plan); });
   // The inconsistency of a pair's contacts is judged relative to the rounding errors of doubles.
   const auto is_pair = [](const Contact& c) { return c.pair != nullptr; };
   if (w.options.precision == Precision::kSingle && std::ranges::none_of(group.plan->scene.contacts, is_pair))
-    make(group.single, w.lanes.level->single.make);
+    make(group.single, [](const lanes::Level& level, const auto& plan) { return level.single.make(plan); });
 }
 
 // Group of an island of one robot that is not large; nullptr: it has no place in a SIMD batch.
@@ -135,8 +136,8 @@ InterfaceContactGroup& group_of(const Scene& scene, Workspace& w, int c) {
   const ContactSupport support = contact_support(scene, contact);
   group.kernels.resize(w.threads.size());
   for (auto& kernel : group.kernels)
-    kernel.make(w.lanes.level->width,
-                [&](bool batch) { return w.lanes.level->make_contacts(batch, scene, contact, support); });
+    kernel.make(w.lanes.level->robots.width, *w.lanes.level,
+                [&](const lanes::Level& level) { return level.make_contacts(scene, contact, support); });
   return group;
 }
 
@@ -213,9 +214,9 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d, Order ord
     return std::less<>()(a, b) || (a == b && x < y);
   });
   for (std::size_t k = 0; k < out->robots.size(); ++k) out->robots[out->order[k]].member = static_cast<int>(k);
-  out->seconds = seconds_joined(*out, w.lanes.level->width);
+  out->seconds = seconds_joined(*out, w.lanes.level->robots.width);
   out->solves = d.choice.method == Method::kSparseLdl &&
-                cost_joined(*out, w.lanes.level->width) < tolerance::kCheaper * cost_of_choice(d);
+                cost_joined(*out, w.lanes.level->robots.width) < tolerance::kCheaper * cost_of_choice(d);
   return out;
 }
 
@@ -281,7 +282,7 @@ void bind_island(const Scene& scene, Workspace& w, const IslandWork& d, RobotsSy
 
 void use_robots(const Scene& scene, Workspace& w, IslandWork& d, std::unique_ptr<RobotsSystem> system) {
   if (system) {
-    for (const RobotsSystem::OfRobot& r : system->robots) make_kernels(w, *r.group, w.lanes.level->width);
+    for (const RobotsSystem::OfRobot& r : system->robots) make_kernels(w, *r.group, w.lanes.level->robots.width);
     take_memory(*system);
     bind_island(scene, w, d, *system);
   }
@@ -318,7 +319,7 @@ void bind_robots(const Scene& scene, Workspace& w, IslandWork& d) {
 
 int batch_width(const Workspace& w) {
   if (!w.lanes.level) return 1;
-  return w.options.precision == Precision::kSingle ? w.lanes.level->single.width : w.lanes.level->width;
+  return w.options.precision == Precision::kSingle ? w.lanes.level->robots.single.width : w.lanes.level->robots.width;
 }
 
 void group_robots_alone(Workspace& w) {
@@ -330,9 +331,9 @@ void group_robots_alone(Workspace& w) {
   in.batches.reserve(w.islands.size());
   for (ThreadWork& thread : w.threads) {
     thread.answers.resize(batch_width(w));
-    thread.panels.reserve(in.level->width);
-    thread.interface_contacts.reserve(in.level->width);
-    thread.interface_derivatives.reserve(in.level->width);
+    thread.panels.reserve(in.level->robots.width);
+    thread.interface_contacts.reserve(in.level->robots.width);
+    thread.interface_derivatives.reserve(in.level->robots.width);
   }
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
     BlockGroup* group = w.islands[i]->alone.group;

@@ -31,13 +31,13 @@ void form_robot_batches(const Scene& scene, Workspace& w, RobotsSystem& s) {
   for (std::size_t k = 0; k < s.order.size(); ++k) {
     const RobotsSystem::OfRobot& r = s.robots[s.order[k]];
     const auto* last = s.batches.empty() ? nullptr : &s.batches.back();
-    if (!last || last->group != r.group || last->count == w.lanes.level->width ||
+    if (!last || last->group != r.group || last->count == w.lanes.level->robots.width ||
         !lanes::alike(scene, s.robots[s.order[last->first]].contacts, r.contacts))
       s.batches.push_back({r.group, static_cast<int>(k), 0, 0});
     ++s.batches.back().count;
   }
   const auto width = [&w](const RobotsSystem::Batch& batch) {
-    return static_cast<std::size_t>(batch.count == 1 ? 1 : w.lanes.level->width);
+    return static_cast<std::size_t>(batch.count == 1 ? 1 : w.lanes.level->robots.width);
   };
   const auto shared = [&](const RobotsSystem::Batch& batch) {
     return sparse::padded(width(batch) * batch.group->plan->memory_size());
@@ -67,7 +67,7 @@ void form_contact_batches(const Scene& scene, const Workspace& w, RobotsSystem& 
   for (std::size_t k = 0; k < s.contacts.size(); ++k) {
     const RobotsSystem::Coupling& coupling = s.contacts[k];
     const auto* last = s.contact_batches.empty() ? nullptr : &s.contact_batches.back();
-    if (!last || last->group != coupling.group || last->count == w.lanes.level->width ||
+    if (!last || last->group != coupling.group || last->count == w.lanes.level->robots.width ||
         !lanes::alike_rows(scene.contacts[s.contacts[last->first].contact], scene.contacts[coupling.contact]))
       s.contact_batches.push_back({coupling.group, static_cast<int>(k), 0});
     ++s.contact_batches.back().count;

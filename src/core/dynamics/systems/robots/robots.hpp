@@ -45,7 +45,7 @@ struct InterfaceContactGroup {
 
 /// SIMD batches of robots, formed by prepare.
 struct InLanes {
-  const lanes::Level* level = nullptr;                                              // nullptr: no batches
+  const simd::Level* level = nullptr;                                               // nullptr: no batches
   std::map<std::pair<const ModelStructure*, std::vector<int>>, BlockGroup> groups;  // keys: what plans depend on
   std::map<InterfaceContactGroup::Key, InterfaceContactGroup> contacts;
   // scratch of a call: its islands, those of a SIMD batch one after the other
