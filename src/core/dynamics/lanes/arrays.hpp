@@ -12,10 +12,10 @@
 
 namespace manycontact::lanes {
 
-/// A kernel: the work of as many robots or contacts as a pack has numbers.
-template <class Kernel, template <class> class Work, class... Arguments>
+/// A kernel: the work of as many robots or contacts as Work's packs have numbers.
+template <class Kernel, class Work, class... Arguments>
 std::unique_ptr<Kernel> make_kernel(Arguments... arguments) {
-  return std::make_unique<Work<InstantiatedScalar>>(arguments...);
+  return std::make_unique<Work>(arguments...);
 }
 
 /// Casts one robot's numbers to plain numbers: the sparse kernels then take several rows of a column at a time.

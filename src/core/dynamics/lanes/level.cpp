@@ -28,8 +28,9 @@ std::unique_ptr<SubtreeBatch> make_subtrees(const std::shared_ptr<const SubtreeP
 
 extern const SingleLevel MANYCONTACT_OF_LEVEL(single_level_);
 extern const Level MANYCONTACT_OF_LEVEL(level_);
-const Level MANYCONTACT_OF_LEVEL(level_) = {InstantiatedScalar::width, make_kernel<RobotBlocks, RobotBlock>,
-                                            make_kernel<InterfaceContacts, InterfaceContactsOf>, make_subtrees,
-                                            MANYCONTACT_OF_LEVEL(single_level_)};
+const Level MANYCONTACT_OF_LEVEL(level_) = {InstantiatedScalar::width,
+                                            make_kernel<RobotBlocks, RobotBlock<InstantiatedScalar>>,
+                                            make_kernel<InterfaceContacts, InterfaceContactsOf<InstantiatedScalar>>,
+                                            make_subtrees, MANYCONTACT_OF_LEVEL(single_level_)};
 
 }  // namespace manycontact::lanes

@@ -10,6 +10,6 @@ namespace manycontact::lanes {
 
 extern const SingleLevel MANYCONTACT_OF_LEVEL(single_level_);
 const SingleLevel MANYCONTACT_OF_LEVEL(single_level_) = {InstantiatedScalar::width,
-                                                         make_kernel<SingleBlocks, RobotBlock>};
+                                                         make_kernel<SingleBlocks, RobotBlock<InstantiatedScalar>>};
 
 }  // namespace manycontact::lanes
