@@ -4,7 +4,6 @@
 #include <numbers>
 
 #include "manycontact/algorithm/integrate.hpp"
-#include "manycontact/model/expect_size.hpp"
 #include "manycontact/model/expect_state.hpp"
 
 namespace manycontact {

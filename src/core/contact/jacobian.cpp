@@ -6,7 +6,6 @@
 
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/contact/motion_of.hpp"
-#include "manycontact/model/expect_size.hpp"
 #include "manycontact/model/expect_state.hpp"
 
 namespace manycontact {

@@ -6,11 +6,8 @@
 
 namespace manycontact {
 
-RigidBodies::RigidBodies(const Scene& scene, const std::string& robot) : scene_(&scene), count_(1) {
-  const auto found = scene.robot_index.find(robot);
-  if (found == scene.robot_index.end()) throw std::invalid_argument(no_robot(scene, robot));
-  first_ = found->second;
-}
+RigidBodies::RigidBodies(const Scene& scene, const std::string& robot)
+    : scene_(&scene), first_(robot_called(scene, robot)), count_(1) {}
 
 RigidBodies::RigidBodies(const Model& model, const SE3<double>& base, const Vec3<double>& gravity) : gravity_(gravity) {
   if (!is_finalized(model)) throw std::invalid_argument("RigidBodies: a model that finalize() has seen is expected");
