@@ -6,6 +6,7 @@
 #include "manycontact/detail/algorithm/frames.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
 #include "manycontact/dynamics/views.hpp"
+#include "manycontact/model/inputs.hpp"
 #include "manycontact/model/suggestion.hpp"
 
 namespace manycontact::python {
@@ -33,8 +34,7 @@ void set_flags(const std::string& name, py::handle values, std::vector<char>& fl
 }
 
 std::vector<char> flags_of(const Scene& scene, const py::object& active) {
-  std::vector<char> flags;
-  for (const Contact& contact : scene.contacts) flags.push_back(contact.active);
+  std::vector<char> flags = active_contacts(scene);
   if (!active.is_none()) set_flags("active", active, flags);
   return flags;
 }
