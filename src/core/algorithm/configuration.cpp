@@ -8,11 +8,7 @@
 
 namespace manycontact {
 
-namespace {
-
 using ConstRef = ConstVectorRef;
-
-}  // namespace
 
 Eigen::VectorXd neutral(const RigidBodies& bodies) {
   Eigen::VectorXd q(bodies.nq());

@@ -196,15 +196,10 @@ const Eigen::MatrixXd& crba(const RigidBodies& bodies, const ConstRef& q, RigidB
 
 namespace {
 
-// M has become L, D. False where there is no inverse.
-bool factorize(RigidBodyMemory& m, RobotMemory& of) {
-  m.composed = false;
-  return factorize_inertia(*of.model, of.M.data(), of.diagonal.data()).empty();
-}
-
-// M^-1 times of.panel, in its place.
+// M^-1 times of.panel, in its place; NaN where there is no inverse. M becomes L, D.
 void solve_panel(RigidBodyMemory& m, RobotMemory& of) {
-  if (factorize(m, of))
+  m.composed = false;
+  if (factorize_inertia(*of.model, of.M.data(), of.diagonal.data()).empty())
     solve_inertia(*of.model, of.M.data(), static_cast<int>(of.panel.cols()), of.panel.data());
   else
     of.panel.setConstant(std::numeric_limits<double>::quiet_NaN());

@@ -7,7 +7,6 @@
 #include "manycontact/dynamics/copies.hpp"
 #include "manycontact/dynamics/parallel.hpp"
 #include "manycontact/dynamics/shapes.hpp"
-#include "manycontact/model/applied_forces.hpp"
 #include "manycontact/model/inputs.hpp"
 #include "workspace/changes.hpp"
 

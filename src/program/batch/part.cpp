@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "manycontact/model/applied_forces.hpp"
 #include "manycontact/model/inputs.hpp"
 #include "manycontact/sparse/union_find.hpp"
 

@@ -1,5 +1,6 @@
 #pragma once
-// What solve takes: torques of all coordinates, flags of contacts and external wrenches, as a scene has them initially.
+// What solve takes: torques of all coordinates, flags of contacts and external wrenches, as a scene has them initially;
+// and the external wrenches and springs of scenes that are made of other scenes.
 
 #include "manycontact/model/scene.hpp"
 
@@ -25,5 +26,12 @@ inline std::vector<Vec6<double>> external_wrenches(const Scene& scene) {
   for (const ExternalWrench& push : scene.wrenches) wrenches.push_back(push.wrench);
   return wrenches;
 }
+
+/// Removes external wrenches and springs: the scene then moves by gravity, motors and contacts alone.
+void drop_applied_forces(Scene& scene);
+
+/// Adds those of `from` whose robots are in `to`, as they are. robot_at: per robot of `from` its number in `to`, -1: it
+/// is not there. Their names may be there already.
+void take_applied_forces(const Scene& from, const std::vector<int>& robot_at, Scene& to);
 
 }  // namespace manycontact
