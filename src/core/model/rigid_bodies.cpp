@@ -100,9 +100,10 @@ Attachment find_frame(const RigidBodies& bodies, const std::string& name) {
 }
 
 BodyJoint find_joint(const RigidBodies& bodies, const std::string& name) {
-  const Found found = find(bodies, name, std::mem_fn(&Model::find_joint), [](const Robot& robot, const std::string& joint) {
+  const auto none = [](const Robot& robot, const std::string& joint) {
     return "robot " + quote(robot.name) + ": " + no_joint(*robot.model, joint);
-  });
+  };
+  const Found found = find(bodies, name, std::mem_fn(&Model::find_joint), none);
   return {bodies.first() + found.robot, found.number};
 }
 
