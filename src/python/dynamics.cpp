@@ -6,6 +6,7 @@
 #include "manycontact/detail/algorithm/frames.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
 #include "manycontact/dynamics/views.hpp"
+#include "manycontact/model/inputs.hpp"
 #include "manycontact/model/suggestion.hpp"
 
 namespace manycontact::python {
@@ -33,8 +34,7 @@ void set_flags(const std::string& name, py::handle values, std::vector<char>& fl
 }
 
 std::vector<char> flags_of(const Scene& scene, const py::object& active) {
-  std::vector<char> flags;
-  for (const Contact& contact : scene.contacts) flags.push_back(contact.active);
+  std::vector<char> flags = active_contacts(scene);
   if (!active.is_none()) set_flags("active", active, flags);
   return flags;
 }
@@ -130,12 +130,6 @@ void add_solutions(py::module_& m) {
 
 // ---- views ---------------------------------------------------------------------------------------------------------
 
-int robot_number(const Scene& scene, const std::string& name) {
-  const auto found = scene.robot_index.find(name);
-  if (found == scene.robot_index.end()) throw py::value_error(no_robot(scene, name));
-  return found->second;
-}
-
 void add_views(py::module_& m) {
   value<Island>(m)
       .read<&Island::robots, &Island::contacts, &Island::dof_offset, &Island::row_offset, &Island::nv, &Island::nc>();
@@ -150,7 +144,7 @@ void add_views(py::module_& m) {
   def_as(
       m, "frame_placement", "scene_frame_placement",
       [](const Scene& scene, const Data& data, const std::string& robot, const std::string& frame) {
-        const int r = robot_number(scene, robot);
+        const int r = robot_called(scene, robot);
         const Robot& owner = scene.robots[r];
         const int number = owner.model->find_frame(frame);
         if (number < 0) throw py::value_error(no_frame(robot, *owner.model, frame));

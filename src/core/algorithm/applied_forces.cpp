@@ -30,11 +30,6 @@ void add_path(const Scene& scene, const Attachment& at, AppliedForces<S>& forces
   joints.erase(std::unique(joints.begin(), joints.end()), joints.end());
 }
 
-template <class S>
-const Kinematics<S>* kin_of(const AppliedForces<S>& forces, const Attachment& at) {
-  return at.robot < 0 ? nullptr : &forces.robots[forces.number[at.robot]].kin;
-}
-
 // F about the tree frame's origin, of a force at p.
 template <class S>
 Vec6<S> wrench_at(const Vec3<S>& p, const Vec3<S>& force, const Vec3<S>& torque) {
@@ -103,13 +98,13 @@ void find_applied_wrenches(const Scene& scene, const S* q, const S* v, std::span
   }
   for (std::size_t k = 0; k < scene.wrenches.size(); ++k) {
     const Attachment& at = scene.wrenches[k].at;
-    push<S>(scene.wrenches[k], *kin_of(forces, at), w[k], forces.wrenches[k]);
-    forces.robots[forces.number[at.robot]].f[at.joint] += forces.wrenches[k];
+    auto& of = forces.robots[forces.number[at.robot]];
+    push<S>(scene.wrenches[k], of.kin, w[k], forces.wrenches[k]);
+    of.f[at.joint] += forces.wrenches[k];
   }
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
     const Spring& spring = scene.springs[k];
-    const SpringEnd<S> A = spring_end<S>(spring.A, kin_of(forces, spring.A)),
-                       B = spring_end<S>(spring.B, kin_of(forces, spring.B));
+    const SpringEnd<S> A = spring_end<S>(spring.A, forces), B = spring_end<S>(spring.B, forces);
     const Vec3<S> force = stretch<S>(spring, A, B, forces.springs[k]), none = Vec3<S>::Zero();
     forces.robots[forces.number[spring.A.robot]].f[spring.A.joint] += wrench_at<S>(A.p, force, none);
     if (spring.B.robot >= 0)

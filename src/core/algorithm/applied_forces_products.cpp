@@ -43,9 +43,10 @@ struct End {
   V6 *u = nullptr, *x = nullptr, *v = nullptr;  // variation of its body
 };
 End end_of(const Forces& forces, const Attachment& at, AppliedScratch& s) {
-  if (at.robot < 0) return {spring_end<double>(at, nullptr)};
+  const SpringEnd<double> end = spring_end<double>(at, forces);
+  if (at.robot < 0) return {end};
   const int k = forces.number[at.robot];
-  return {spring_end<double>(at, &forces.robots[k].kin), &s.u[k][at.joint], &s.x[k][at.joint], &s.v[k][at.joint]};
+  return {end, &s.u[k][at.joint], &s.x[k][at.joint], &s.v[k][at.joint]};
 }
 
 // Calls `push(push, its number, its robot, that robot's number)` and `spring(spring, its number, its ends)` for the

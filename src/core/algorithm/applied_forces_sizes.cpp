@@ -125,11 +125,7 @@ class Sizes {
     const auto body_of = [&](const Attachment& at) {
       return at.robot < 0 ? nullptr : &bodies_[forces_.number[at.robot]][at.joint];
     };
-    const auto kin_of = [&](const Attachment& at) {
-      return at.robot < 0 ? nullptr : &forces_.robots[forces_.number[at.robot]].kin;
-    };
-    const SpringEnd<double> at_A = spring_end<double>(spring.A, kin_of(spring.A)),
-                            at_B = spring_end<double>(spring.B, kin_of(spring.B));
+    const SpringEnd<double> at_A = spring_end<double>(spring.A, forces_), at_B = spring_end<double>(spring.B, forces_);
     const OfEnd A = end_of(at_A, body_of(spring.A)), B = end_of(at_B, body_of(spring.B));
     const double apart = largest(V3(at_B.origin.p - at_A.origin.p));
     const double place = A.lever + B.lever + apart, k = spring.stiffness, c = spring.damping;

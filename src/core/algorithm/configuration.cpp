@@ -4,16 +4,11 @@
 #include <numbers>
 
 #include "manycontact/algorithm/integrate.hpp"
-#include "manycontact/model/expect_size.hpp"
 #include "manycontact/model/expect_state.hpp"
 
 namespace manycontact {
 
-namespace {
-
 using ConstRef = ConstVectorRef;
-
-}  // namespace
 
 Eigen::VectorXd neutral(const RigidBodies& bodies) {
   Eigen::VectorXd q(bodies.nq());

@@ -83,9 +83,8 @@ void difference(const Model& model, const ConstVecRef<S>& q0, const ConstVecRef<
   }
 }
 
-template void integrate<InstantiatedScalar>(const Model&, const ConstVecRef<InstantiatedScalar>&,
-                                            const ConstVecRef<InstantiatedScalar>&, VecRef<InstantiatedScalar>);
-template void difference<InstantiatedScalar>(const Model&, const ConstVecRef<InstantiatedScalar>&,
-                                             const ConstVecRef<InstantiatedScalar>&, VecRef<InstantiatedScalar>);
+using Real = InstantiatedScalar;
+template void integrate<Real>(const Model&, const ConstVecRef<Real>&, const ConstVecRef<Real>&, VecRef<Real>);
+template void difference<Real>(const Model&, const ConstVecRef<Real>&, const ConstVecRef<Real>&, VecRef<Real>);
 
 }  // namespace manycontact

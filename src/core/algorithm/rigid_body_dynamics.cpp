@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/algorithm/inertia_factor.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/detail/algorithm/crba.hpp"
@@ -20,12 +21,9 @@ RigidBodyData::RigidBodyData(const RigidBodies& bodies) : memory(std::make_uniqu
   RigidBodyMemory& m = *memory;
   for (const Robot& robot : bodies.robots()) m.robots.emplace_back(*robot.model);
   m.zero = m.v = m.a = m.tau = m.h = m.g = m.qdd = m.driving = Eigen::VectorXd::Zero(bodies.nv());
-  m.q.resize(bodies.nq());
+  m.q = neutral(bodies);
   each_robot(bodies, m, [&m](const Robot& robot, RobotMemory& of, int iq, int) {
-    Eigen::VectorXd q = neutral(*robot.model);
-    if (robot.model->floating_base) q.head<7>() = pose_of_placement(robot.base);
-    m.q.segment(iq, robot.model->nq) = q;
-    forward_kinematics<double>(*robot.model, robot.base, q, of.kin);
+    forward_kinematics<double>(*robot.model, robot.base, m.q.segment(iq, robot.model->nq), of.kin);
   });
 }
 RigidBodyData::~RigidBodyData() = default;
@@ -198,15 +196,10 @@ const Eigen::MatrixXd& crba(const RigidBodies& bodies, const ConstRef& q, RigidB
 
 namespace {
 
-// M has become L, D. False where there is no inverse.
-bool factorize(RigidBodyMemory& m, RobotMemory& of) {
-  m.composed = false;
-  return factorize_inertia(*of.model, of.M.data(), of.diagonal.data()).empty();
-}
-
-// M^-1 times of.panel, in its place.
+// M^-1 times of.panel, in its place; NaN where there is no inverse. M becomes L, D.
 void solve_panel(RigidBodyMemory& m, RobotMemory& of) {
-  if (factorize(m, of))
+  m.composed = false;
+  if (factorize_inertia(*of.model, of.M.data(), of.diagonal.data()).empty())
     solve_inertia(*of.model, of.M.data(), static_cast<int>(of.panel.cols()), of.panel.data());
   else
     of.panel.setConstant(std::numeric_limits<double>::quiet_NaN());

@@ -16,10 +16,14 @@ namespace {
 using Vec6d = Vec6<double>;
 using Vec3d = Vec3<double>;
 
-// A frame's robot among these; nullptr: the frame is the world's.
-const Robot* robot_of(const char* function, const RigidBodies& bodies, int robot, int joint, int& number) {
-  if (robot < 0) return nullptr;
-  number = robot - bodies.first();
+// A frame's robot among these, and its memory; nullptr: the frame is the world's.
+struct Owner {
+  const Robot* robot = nullptr;
+  RobotMemory* memory = nullptr;
+};
+Owner owner_of(const char* function, const RigidBodies& bodies, RigidBodyMemory& m, int robot, int joint) {
+  if (robot < 0) return {};
+  const int number = robot - bodies.first();
   const std::span<const Robot> robots = bodies.robots();
   if (number < 0 || number >= static_cast<int>(robots.size()))
     throw std::invalid_argument(std::string(function) + ": robot " + std::to_string(robot) + " is not among these");
@@ -27,7 +31,7 @@ const Robot* robot_of(const char* function, const RigidBodies& bodies, int robot
   if (joint < -1 || joint >= out->model->njoints())
     throw std::invalid_argument(std::string(function) + ": robot '" + out->name + "' has no joint " +
                                 std::to_string(joint));
-  return out;
+  return {out, &m.robots[static_cast<std::size_t>(number)]};
 }
 
 // read(robot, kin) of a frame's robot, with velocities; zero for a frame of the world.
@@ -35,22 +39,19 @@ template <class Read>
 Vec6d motion(const char* function, const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame,
              Read&& read) {
   RigidBodyMemory& m = memory_of(function, bodies, data);
-  int number = 0;
-  const Robot* robot = robot_of(function, bodies, frame.robot, frame.joint, number);
-  if (!robot) return Vec6d::Zero();
+  const Owner of = owner_of(function, bodies, m, frame.robot, frame.joint);
+  if (!of.robot) return Vec6d::Zero();
   internal::move(bodies, m);
-  return read(*robot, m.robots[static_cast<std::size_t>(number)].kin);
+  return read(*of.robot, of.memory->kin);
 }
 
 }  // namespace
 
 SE3<double> frame_placement(const RigidBodies& bodies, const RigidBodyData& data, const Attachment& frame) {
-  const RigidBodyMemory& m = memory_of("frame_placement", bodies, data);
-  int number = 0;
-  const Robot* robot = robot_of("frame_placement", bodies, frame.robot, frame.joint, number);
-  if (!robot) return frame.placement;
-  return frame_placement<double>(m.robots[static_cast<std::size_t>(number)].kin, robot->base, frame.joint,
-                                 frame.placement);
+  RigidBodyMemory& m = memory_of("frame_placement", bodies, data);
+  const Owner of = owner_of("frame_placement", bodies, m, frame.robot, frame.joint);
+  if (!of.robot) return frame.placement;
+  return frame_placement<double>(of.memory->kin, of.robot->base, frame.joint, frame.placement);
 }
 
 Vec6d frame_velocity(const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame, ReferenceFrame axes) {
@@ -75,13 +76,12 @@ Vec6d frame_classical_acceleration(const RigidBodies& bodies, RigidBodyData& dat
 
 Mat6X<double> frame_jacobian(const RigidBodies& bodies, const RigidBodyData& data, const Attachment& frame,
                              ReferenceFrame axes) {
-  const RigidBodyMemory& m = memory_of("frame_jacobian", bodies, data);
-  int number = 0;
-  const Robot* robot = robot_of("frame_jacobian", bodies, frame.robot, frame.joint, number);
+  RigidBodyMemory& m = memory_of("frame_jacobian", bodies, data);
+  const auto [robot, of] = owner_of("frame_jacobian", bodies, m, frame.robot, frame.joint);
   Mat6X<double> J = Mat6X<double>::Zero(6, bodies.nv());
   if (robot)
-    frame_jacobian<double>(*robot->model, m.robots[static_cast<std::size_t>(number)].kin, robot->base, frame.joint,
-                           frame.placement, axes, J.middleCols(bodies.idx_v(*robot), robot->model->nv));
+    frame_jacobian<double>(*robot->model, of->kin, robot->base, frame.joint, frame.placement, axes,
+                           J.middleCols(bodies.idx_v(*robot), robot->model->nv));
   return J;
 }
 
@@ -207,18 +207,16 @@ const Frame* child_behind(const Model& model, int joint) {
 }  // namespace
 
 Vec6d joint_wrench(const RigidBodies& bodies, const RigidBodyData& data, const BodyJoint& joint) {
-  const RigidBodyMemory& m = memory_of("joint_wrench", bodies, data);
-  int number = 0;
-  const Robot* robot = robot_of("joint_wrench", bodies, joint.robot, joint.joint, number);
+  RigidBodyMemory& m = memory_of("joint_wrench", bodies, data);
+  const auto [robot, of] = owner_of("joint_wrench", bodies, m, joint.robot, joint.joint);
   if (!robot || joint.joint < 0) throw std::invalid_argument("joint_wrench: the world carries no joint");
   if (!m.carries)
     throw std::logic_error("joint_wrench: rnea, nonlinear_effects or gravity_torques has to be called before");
-  const RobotMemory& of = m.robots[static_cast<std::size_t>(number)];
-  const Vec6d& on_subtree = of.f[joint.joint];
+  const Vec6d& on_subtree = of->f[joint.joint];
   const Frame* child = child_behind(*robot->model, joint.joint);
-  if (!child) return of.kin.oMi[joint.joint].inverse().act_force(on_subtree);
-  const SE3<double> base{robot->base.R, robot->base.p - of.kin.origin(joint.joint)};
-  const SE3<double>& body = child->joint < 0 ? base : of.kin.oMi[child->joint];
+  if (!child) return of->kin.oMi[joint.joint].inverse().act_force(on_subtree);
+  const SE3<double> base{robot->base.R, robot->base.p - of->kin.origin(joint.joint)};
+  const SE3<double>& body = child->joint < 0 ? base : of->kin.oMi[child->joint];
   return (body * child->placement).inverse().act_force(-on_subtree);
 }
 

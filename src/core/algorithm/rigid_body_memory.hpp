@@ -7,7 +7,6 @@
 #include "manycontact/algorithm/aba.hpp"
 #include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/detail/algorithm/rnea_derivatives.hpp"
-#include "manycontact/model/expect_size.hpp"
 #include "manycontact/model/expect_state.hpp"
 
 namespace manycontact::internal {

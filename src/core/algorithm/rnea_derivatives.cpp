@@ -110,10 +110,9 @@ void rnea_derivatives(const Model& model, const Kinematics<S>& kin, const std::v
   }
 }
 
-template struct RneaDerivativesOf<InstantiatedScalar>;
-template void rnea_derivatives<InstantiatedScalar>(const Model&, const Kinematics<InstantiatedScalar>&,
-                                                   const std::vector<Inertia<InstantiatedScalar>>&,
-                                                   const std::vector<Vec6<InstantiatedScalar>>&,
-                                                   RneaDerivativesOf<InstantiatedScalar>&);
+using Real = InstantiatedScalar;
+template struct RneaDerivativesOf<Real>;
+template void rnea_derivatives<Real>(const Model&, const Kinematics<Real>&, const std::vector<Inertia<Real>>&,
+                                     const std::vector<Vec6<Real>>&, RneaDerivativesOf<Real>&);
 
 }  // namespace manycontact

@@ -1,8 +1,7 @@
 #pragma once
 // The place of an end of a spring.
 
-#include "manycontact/detail/algorithm/kinematics.hpp"
-#include "manycontact/model/scene.hpp"
+#include "manycontact/algorithm/applied_forces.hpp"
 
 namespace manycontact {
 
@@ -28,6 +27,12 @@ SpringEnd<S> spring_end(const Attachment& at, const Kinematics<S>* kin) {
   end.p = add_times<S>(M.p, M.R, Vec3<S>(at.placement.p.template cast<S>()));
   end.body = kin->v[at.joint];
   return end;
+}
+
+/// An end at the state of the forces.
+template <class S>
+SpringEnd<S> spring_end(const Attachment& at, const AppliedForces<S>& forces) {
+  return spring_end<S>(at, at.robot < 0 ? nullptr : &forces.robots[forces.number[at.robot]].kin);
 }
 
 /// Vector from B to A.

@@ -6,8 +6,8 @@
 
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/contact/motion_of.hpp"
-#include "manycontact/model/expect_size.hpp"
 #include "manycontact/model/expect_state.hpp"
+#include "manycontact/model/inputs.hpp"
 
 namespace manycontact {
 
@@ -16,8 +16,7 @@ namespace {
 using ConstRef = Eigen::Ref<const Eigen::VectorXd>;
 
 std::vector<char> flags(const char* function, const Scene& scene, std::vector<char> active) {
-  if (active.empty())
-    for (const Contact& contact : scene.contacts) active.push_back(contact.active);
+  if (active.empty()) active = active_contacts(scene);
   expect_size(function, "active", static_cast<Eigen::Index>(active.size()),
               static_cast<Eigen::Index>(scene.contacts.size()));
   return active;
@@ -100,8 +99,7 @@ std::vector<Vec6<double>> forces_on_bodies(const Scene& scene, const ConstRef& q
   expect_numbers("forces_on_bodies", "v", v, scene.nv);
   std::vector<Vec6<double>> out = contact_forces_on_bodies(scene, q, f, f_offset),
                             given(wrenches.begin(), wrenches.end());
-  if (given.empty())
-    for (const ExternalWrench& wrench : scene.wrenches) given.push_back(wrench.wrench);
+  if (given.empty()) given = external_wrenches(scene);
   expect_size("forces_on_bodies", "wrenches", static_cast<Eigen::Index>(given.size()),
               static_cast<Eigen::Index>(scene.wrenches.size()));
   AppliedForces<double> applied(scene);

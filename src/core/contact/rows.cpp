@@ -49,21 +49,6 @@ WorldPoint<S> origin(const Scene& scene, const Attachment& at, const Kinematics<
   return {scene.robots[at.robot].base.p.template cast<S>()};
 }
 
-template <class S>
-void place_and_move(const Vec3<double>& gravity, const Contact& c, const Kinematics<S>& kinA, const Kinematics<S>* kinB,
-                    const SE3<S>& bMB, const Vec3<S>& from_b, ContactData<S>& d) {
-  Vec6<S> rest = Vec6<S>::Zero();  // acceleration of bodies at rest, minus gravity
-  rest.template head<3>() = -gravity.cast<S>();
-  d.bMA = d.aMA;
-  d.bMA.p += from_b;
-  d.G = bMB.inverse() * d.bMA;
-  const bool a_moves = c.A.joint >= 0, b_moves = kinB && c.B.joint >= 0;
-  d.vA = a_moves ? d.aMA.act_inverse(kinA.v[c.A.joint]) : Vec6<S>(Vec6<S>::Zero());
-  d.aA = d.aMA.act_inverse(a_moves ? kinA.a[c.A.joint] : rest);
-  d.vB = b_moves ? d.bMA.act_inverse(kinB->v[c.B.joint]) : Vec6<S>(Vec6<S>::Zero());
-  d.aB = d.bMA.act_inverse(b_moves ? kinB->a[c.B.joint] : rest);
-}
-
 // W: the rows kept, in A's axes; in the world's axes they are turned by R = oR_A.
 template <class S>
 void select_rows(const Contact& c, const Mat3<S>& R, ContactData<S>& d) {
@@ -113,13 +98,12 @@ void contact_motion(const Contact& c, ContactData<S>& d) {
   if (c.pair) return pair_motion<S>(c, d);
   if (c.type == ContactType::k6D) {
     d.x = d.nudot + beta * d.nu;
-    if (c.alpha != 0) d.x += contact_error<S>(c, d.G, alpha);
   } else {
     const Vec3<S> lin = d.nu.template head<3>(), ang = d.nu.template tail<3>();
     d.x.template head<3>() = d.nudot.template head<3>() + ang.cross(lin) + beta * lin;
     if (c.type == ContactType::k5D) d.x.template tail<3>() = d.nudot.template tail<3>() + beta * ang;
-    if (c.alpha != 0) d.x += contact_error<S>(c, d.G, alpha);
   }
+  if (c.alpha != 0) d.x += contact_error<S>(c, d.G, alpha);
   if (c.type == ContactType::k6D && c.reference_frame == ReferenceFrame::kLocal) {
     d.W.setIdentity();
     d.a0 = d.x;
@@ -139,25 +123,25 @@ void contact_rows(const Scene& scene, const Contact& c, const ContactSupport& su
   if (!support.a.empty()) d.joint_lever = joint_lever<S>(*scene.robots[c.A.robot].model, kinA, support.a);
   if (!support.b.empty())
     d.joint_lever = larger(joint_lever<S>(*scene.robots[c.B.robot].model, *kinB, support.b), d.joint_lever);
-  if (!kinB) return contact_rows_with_world<S>(scene.gravity, c, support, kinA, aMA, from, c.B.placement.cast<S>(), d);
-  contact_rows_between<S>(scene.gravity, c, support, kinA, aMA, kinB, place<S>(scene, c.B, *kinB),
-                          from.seen_from(origin<S>(scene, c.B, *kinB)), d);
-}
-
-template <class S>
-void contact_rows_with_world(const Vec3<double>& gravity, const Contact& c, const ContactSupport& support,
-                             const Kinematics<S>& kinA, const SE3<S>& aMA, const WorldPoint<S>& origin,
-                             const SE3<S>& oMB, ContactData<S>& d) {
-  contact_rows_between<S>(gravity, c, support, kinA, aMA, nullptr, {oMB.R, Vec3<S>(Vec3<S>::Zero())},
-                          origin.seen_from({oMB.p}), d);
+  const SE3<S> bMB = kinB ? place<S>(scene, c.B, *kinB) : SE3<S>{c.B.placement.R.cast<S>(), Vec3<S>::Zero()};
+  const WorldPoint<S> to = kinB ? origin<S>(scene, c.B, *kinB) : WorldPoint<S>{c.B.placement.p.cast<S>()};
+  contact_rows_between<S>(scene.gravity, c, support, kinA, aMA, kinB, bMB, from.seen_from(to), d);
 }
 
 template <class S>
 void contact_rows_between(const Vec3<double>& gravity, const Contact& c, const ContactSupport& support,
                           const Kinematics<S>& kinA, const SE3<S>& aMA, const Kinematics<S>* kinB, const SE3<S>& bMB,
                           const Vec3<S>& from_b, ContactData<S>& d) {
-  d.aMA = aMA;
-  place_and_move<S>(gravity, c, kinA, kinB, bMB, from_b, d);
+  Vec6<S> rest = Vec6<S>::Zero();  // acceleration of bodies at rest, minus gravity
+  rest.template head<3>() = -gravity.cast<S>();
+  d.aMA = d.bMA = aMA;
+  d.bMA.p += from_b;
+  d.G = bMB.inverse() * d.bMA;
+  const bool a_moves = c.A.joint >= 0, b_moves = kinB && c.B.joint >= 0;
+  d.vA = a_moves ? d.aMA.act_inverse(kinA.v[c.A.joint]) : Vec6<S>(Vec6<S>::Zero());
+  d.aA = d.aMA.act_inverse(a_moves ? kinA.a[c.A.joint] : rest);
+  d.vB = b_moves ? d.bMA.act_inverse(kinB->v[c.B.joint]) : Vec6<S>(Vec6<S>::Zero());
+  d.aB = d.bMA.act_inverse(b_moves ? kinB->a[c.B.joint] : rest);
   contact_motion<S>(c, d);
   int k = 0;
   for (int i : support.a) d.Jl.col(k++) = d.aMA.act_inverse(kinA.J.col(i));
@@ -174,9 +158,6 @@ template Vec6<Real> contact_error<Real>(const Contact&, const SE3<Real>&, const 
 template void contact_motion<Real>(const Contact&, ContactData<Real>&);
 template void contact_rows<Real>(const Scene&, const Contact&, const ContactSupport&, const Kinematics<Real>&,
                                  const Kinematics<Real>*, ContactData<Real>&);
-template void contact_rows_with_world<Real>(const Vec3<double>&, const Contact&, const ContactSupport&,
-                                            const Kinematics<Real>&, const SE3<Real>&, const WorldPoint<Real>&,
-                                            const SE3<Real>&, ContactData<Real>&);
 template void contact_rows_between<Real>(const Vec3<double>&, const Contact&, const ContactSupport&,
                                          const Kinematics<Real>&, const SE3<Real>&, const Kinematics<Real>*,
                                          const SE3<Real>&, const Vec3<Real>&, ContactData<Real>&);

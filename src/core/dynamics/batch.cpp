@@ -7,7 +7,7 @@
 #include "manycontact/dynamics/copies.hpp"
 #include "manycontact/dynamics/parallel.hpp"
 #include "manycontact/dynamics/shapes.hpp"
-#include "manycontact/model/applied_forces.hpp"
+#include "manycontact/model/inputs.hpp"
 #include "workspace/changes.hpp"
 
 namespace manycontact {
@@ -74,8 +74,8 @@ BatchCopies::BatchCopies(const Scene& of, int copies, const Options& options)
 }
 
 BatchData::BatchData(const Scene& scene, int count, const Options& opts) : options(opts) {
-  for (const Contact& contact : scene.contacts) active.push_back(contact.active);
-  for (const ExternalWrench& push : scene.wrenches) wrenches.push_back(push.wrench);
+  active = active_contacts(scene);
+  wrenches = external_wrenches(scene);
   if (count <= 0) count = internal::default_threads();
   threads.reserve(count);
   failures = std::make_shared<std::vector<internal::Failure>>();

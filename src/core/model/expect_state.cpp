@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "manycontact/model/expect_size.hpp"
 #include "manycontact/model/suggestion.hpp"
 
 namespace manycontact {

@@ -28,9 +28,7 @@ struct Place {
 };
 
 Place find(const Scene& scene, const std::string& robot, const std::string& joint) {
-  const auto found = scene.robot_index.find(robot);
-  if (found == scene.robot_index.end()) throw std::invalid_argument(no_robot(scene, robot));
-  const Robot& r = scene.robots[found->second];
+  const Robot& r = scene.robots[robot_called(scene, robot)];
   const int j = r.model->find_joint(joint);
   if (j < 0) throw std::invalid_argument("robot " + quote(robot) + ": " + no_joint(*r.model, joint));
   return {r, r.model->joints[j]};

@@ -1,16 +1,14 @@
 #include "manycontact/model/rigid_bodies.hpp"
 
+#include <functional>
 #include <stdexcept>
 
 #include "manycontact/model/suggestion.hpp"
 
 namespace manycontact {
 
-RigidBodies::RigidBodies(const Scene& scene, const std::string& robot) : scene_(&scene), count_(1) {
-  const auto found = scene.robot_index.find(robot);
-  if (found == scene.robot_index.end()) throw std::invalid_argument(no_robot(scene, robot));
-  first_ = found->second;
-}
+RigidBodies::RigidBodies(const Scene& scene, const std::string& robot)
+    : scene_(&scene), first_(robot_called(scene, robot)), count_(1) {}
 
 RigidBodies::RigidBodies(const Model& model, const SE3<double>& base, const Vec3<double>& gravity) : gravity_(gravity) {
   if (!is_finalized(model)) throw std::invalid_argument("RigidBodies: a model that finalize() has seen is expected");
@@ -48,19 +46,14 @@ int RigidBodies::njoints() const {
 
 namespace {
 
-// The link that a joint of the file carries, fixed joints too; -1: none.
-int frame_behind(const Model& model, const std::string& joint) {
-  for (std::size_t i = 0; i < model.frames.size(); ++i)
-    if (model.frames[i].parent_joint == joint) return static_cast<int>(i);
-  return -1;
-}
-
+// A link, or the link that a joint of the file carries, fixed joints too; -1: none.
 int frame_number(const Model& model, const std::string& name) {
   const int frame = model.find_frame(name);
-  return frame >= 0 || name.empty() ? frame : frame_behind(model, name);
+  if (frame >= 0 || name.empty()) return frame;
+  for (std::size_t i = 0; i < model.frames.size(); ++i)
+    if (model.frames[i].parent_joint == name) return static_cast<int>(i);
+  return -1;
 }
-
-int joint_number(const Model& model, const std::string& name) { return model.find_joint(name); }
 
 struct Found {
   int robot = 0, number = 0;
@@ -107,9 +100,10 @@ Attachment find_frame(const RigidBodies& bodies, const std::string& name) {
 }
 
 BodyJoint find_joint(const RigidBodies& bodies, const std::string& name) {
-  const Found found = find(bodies, name, joint_number, [](const Robot& robot, const std::string& joint) {
+  const auto none = [](const Robot& robot, const std::string& joint) {
     return "robot " + quote(robot.name) + ": " + no_joint(*robot.model, joint);
-  });
+  };
+  const Found found = find(bodies, name, std::mem_fn(&Model::find_joint), none);
   return {bodies.first() + found.robot, found.number};
 }
 

@@ -28,12 +28,11 @@ int add_robot(Scene& scene, const std::string& name, std::shared_ptr<const Model
 }
 
 Attachment attach(const Scene& scene, const std::string& robot, const std::string& frame, const SE3<double>& offset) {
-  const auto found = scene.robot_index.find(robot);
-  if (found == scene.robot_index.end()) throw std::invalid_argument(no_robot(scene, robot));
-  const Model& model = *scene.robots[found->second].model;
+  const int number = robot_called(scene, robot);
+  const Model& model = *scene.robots[number].model;
   const int f = model.find_frame(frame);
   if (f < 0) throw std::invalid_argument(no_frame(robot, model, frame));
-  return {found->second, model.frames[f].joint, model.frames[f].placement * offset, frame};
+  return {number, model.frames[f].joint, model.frames[f].placement * offset, frame};
 }
 
 Attachment world_if_immovable(const Scene& scene, Attachment at) {

@@ -81,14 +81,16 @@ std::string no_robot(const Scene& scene, const std::string& name) {
   return "there is no robot " + quote(name) + ", " + suggestion(name, names_of(scene.robots));
 }
 
-std::string no_contact(const Scene& scene, const std::string& name) {
-  return "there is no contact " + quote(name) + ", " + suggestion(name, names_of(scene.contacts));
+int robot_called(const Scene& scene, const std::string& name) {
+  const auto found = scene.robot_index.find(name);
+  if (found == scene.robot_index.end()) throw std::invalid_argument(no_robot(scene, name));
+  return found->second;
 }
 
 int contact_called(const Scene& scene, const std::string& name) {
   const auto found = scene.contact_index.find(name);
-  if (found == scene.contact_index.end()) throw std::invalid_argument(no_contact(scene, name));
-  return found->second;
+  if (found != scene.contact_index.end()) return found->second;
+  throw std::invalid_argument("there is no contact " + quote(name) + ", " + suggestion(name, names_of(scene.contacts)));
 }
 
 int contact_at(const Scene& scene, int number, const char* function) {

@@ -1,6 +1,6 @@
 #include "manycontact/task/parts.hpp"
 
-#include "manycontact/model/applied_forces.hpp"
+#include "manycontact/model/inputs.hpp"
 
 namespace manycontact {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "manycontact/model/applied_forces.hpp"
+#include "manycontact/model/inputs.hpp"
 #include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact::cli {
@@ -55,8 +55,7 @@ Members members_of(const Scene& scene, const std::vector<Island>& islands, int n
 }  // namespace
 
 ScenePart part_of(const Scene& scene, int number, int parts) {
-  std::vector<char> active;
-  for (const Contact& contact : scene.contacts) active.push_back(contact.active);
+  const std::vector<char> active = active_contacts(scene);
   const Members members = members_of(scene, find_islands(scene, active), number, parts);
   ScenePart part;
   part.scene.name = scene.name;

@@ -1,6 +1,7 @@
 #include "describe.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/detail/algorithm/frames.hpp"
+#include "manycontact/model/inputs.hpp"
 #include "table.hpp"
 
 namespace manycontact::cli {
@@ -23,9 +24,7 @@ struct At {
   AppliedForces<double> forces;
 
   explicit At(const SceneFile& file) : scene(file.scene), forces(scene) {
-    std::vector<Vec6<double>> wrenches;
-    for (const ExternalWrench& push : scene.wrenches) wrenches.push_back(push.wrench);
-    find_applied_wrenches<double>(scene, file.q.data(), file.v.data(), wrenches, forces);
+    find_applied_wrenches<double>(scene, file.q.data(), file.v.data(), external_wrenches(scene), forces);
   }
   Vec3<double> place(const Attachment& at) const {
     if (at.robot < 0) return at.placement.p;

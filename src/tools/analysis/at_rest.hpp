@@ -6,7 +6,7 @@
 #include "manycontact/dynamics/keep_dependent.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/dynamics/views.hpp"
-#include "manycontact/model/applied_forces.hpp"
+#include "manycontact/model/inputs.hpp"
 #include "mixed.hpp"
 
 namespace manycontact::internal {

@@ -7,6 +7,7 @@
 #include "levenberg_marquardt.hpp"
 #include "manycontact/algorithm/configuration.hpp"
 #include "manycontact/model/expect_state.hpp"
+#include "manycontact/model/inputs.hpp"
 #include "manycontact/model/suggestion.hpp"
 #include "moved_most.hpp"
 
@@ -94,9 +95,7 @@ ConsistentState make_consistent(const Scene& scene, const std::vector<char>& act
 
 ConsistentState make_consistent(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                                 const Options& options) {
-  std::vector<char> active;
-  for (const Contact& contact : scene.contacts) active.push_back(contact.active);
-  return make_consistent(scene, active, q, v, options);
+  return make_consistent(scene, active_contacts(scene), q, v, options);
 }
 
 void make_consistent(SceneFile& file) {

@@ -12,8 +12,8 @@
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
+#include "manycontact/model/inputs.hpp"
 #include "manycontact/model/suggestion.hpp"
-#include "manycontact/model/torques.hpp"
 #include "resisting_forces.hpp"
 
 namespace manycontact {

@@ -8,6 +8,7 @@
 #include "manycontact/dynamics/copies.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
 #include "manycontact/dynamics/parallel.hpp"
+#include "manycontact/model/inputs.hpp"
 #include "resisting_forces.hpp"
 
 namespace manycontact {
@@ -222,8 +223,8 @@ SimulationBatch::SimulationBatch(const Scene& scene, const ConstBatchRows& q_, c
   expect(q.cols() == scene.nq && v.cols() == scene.nv && q.rows() == v.rows(),
          "SimulationBatch: q or v does not fit the scene");
   expect(threads >= 0 && threads <= kMostThreads, "SimulationBatch: the number of threads is negative or too large");
-  for (const Contact& contact : scene.contacts) active.push_back(contact.active);
-  for (const ExternalWrench& push : scene.wrenches) wrenches.push_back(push.wrench);
+  active = active_contacts(scene);
+  wrenches = external_wrenches(scene);
   Options of_part = options;
   of_part.threads = 1;
   const int copies = static_cast<int>(std::clamp<Eigen::Index>(q.rows(), 1, states_at_once(scene, of_part)));

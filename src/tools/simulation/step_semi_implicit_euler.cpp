@@ -4,7 +4,7 @@
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
 #include "manycontact/dynamics/views.hpp"
-#include "manycontact/model/torques.hpp"
+#include "manycontact/model/inputs.hpp"
 #include "manycontact/simulation/free_joints.hpp"
 #include "momentum_steps.hpp"
 #include "resisting_forces.hpp"

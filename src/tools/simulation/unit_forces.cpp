@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "manycontact/model/applied_forces.hpp"
+#include "manycontact/model/inputs.hpp"
 #include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact::internal {

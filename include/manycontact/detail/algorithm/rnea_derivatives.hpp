@@ -40,7 +40,16 @@ void rnea_derivatives(const Model& model, const Kinematics<S>& kin, const std::v
                       const std::vector<Vec6<S>>& fext, RneaDerivativesOf<S>& d);
 
 /// Expands packed lower and upper entries into a dense nv x nv matrix.
-void unpack_tree(const Model& model, std::span<const double> lower, std::span<const double> upper,
-                 Eigen::Ref<Eigen::MatrixXd> out);
+inline void unpack_tree(const Model& model, std::span<const double> lower, std::span<const double> upper,
+                        Eigen::Ref<Eigen::MatrixXd> out) {
+  out.setZero();
+  for (int i = 0; i < model.nv; ++i) {
+    int at = model.M_begin[i];
+    for (int j = i; j >= 0; j = model.dof_parent[j], ++at) {
+      out(j, i) = upper[at];
+      out(i, j) = lower[at];
+    }
+  }
+}
 
 }  // namespace manycontact

@@ -132,13 +132,6 @@ void contact_rows_between(const Vec3<double>& gravity, const Contact& contact, c
                           const Kinematics<S>& kinA, const SE3<S>& aMA, const Kinematics<S>* kinB, const SE3<S>& bMB,
                           const Vec3<S>& from_b, ContactData<S>& data);
 
-/// Computes the same for a contact with the world: A in its body's tree frame, the origin of that frame, and B' in the
-/// world.
-template <class S>
-void contact_rows_with_world(const Vec3<double>& gravity, const Contact& contact, const ContactSupport& support,
-                             const Kinematics<S>& kinA, const SE3<S>& aMA, const WorldPoint<S>& origin,
-                             const SE3<S>& oMB, ContactData<S>& data);
-
 /// Reference magnitudes for a contact's rows: the largest entries of the relative motion J_l. `moved` is that of
 /// displacements, `turning` that of rotations, `of_point` that of a point's displacement.
 ///

@@ -5,6 +5,7 @@
 #include "../internal.hpp"
 #include "manycontact/contact/pair_rows.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
+#include "manycontact/model/inputs.hpp"
 #include "manycontact/model/suggestion.hpp"
 
 namespace manycontact {
@@ -24,8 +25,8 @@ Workspace::Workspace(const Scene& s)
 
 SceneData::SceneData(const Scene& scene, const Options& opts) : options(opts) {
   for (Eigen::VectorXd* x : {&v, &tau, &a}) x->setZero(scene.nv);
-  for (const Contact& contact : scene.contacts) active.push_back(contact.active);
-  for (const ExternalWrench& push : scene.wrenches) wrenches.push_back(push.wrench);
+  active = active_contacts(scene);
+  wrenches = external_wrenches(scene);
   workspace = std::make_unique<Workspace>(scene);
   prepare(scene, *this);
 }

@@ -5,7 +5,7 @@
 #include "manycontact/detail/algorithm/rnea.hpp"
 #include "manycontact/detail/algorithm/rnea_derivatives.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
-#include "manycontact/model/applied_forces.hpp"
+#include "manycontact/model/inputs.hpp"
 #include "manycontact/simulation/free_joints.hpp"
 
 namespace manycontact::internal {

@@ -1,8 +1,18 @@
 #pragma once
+#include <stdexcept>
+#include <string>
+
 #include "manycontact/model/rigid_bodies.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {
+
+/// Throws std::invalid_argument "FUNCTION: WHAT has 3 numbers, expected 4" unless they are equal.
+inline void expect_size(const char* function, const char* what, Eigen::Index given, Eigen::Index expected) {
+  if (given != expected)
+    throw std::invalid_argument(std::string(function) + ": " + what + " has " + std::to_string(given) +
+                                " numbers, expected " + std::to_string(expected));
+}
 
 /// Returns why q (nq numbers) is no configuration of these robots, or "" if it is one: a number that is not finite, or
 /// a quaternion of a floating joint that differs from unit length by more than `tolerance`, by default that of solve.
