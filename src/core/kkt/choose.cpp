@@ -22,7 +22,8 @@ double predicted_cost_of_terms(int rows, std::size_t contacts) {
 
 namespace {
 
-// M, J and what they are made of, which sparse-bodies alone does without; of large islands contact by contact.
+// Returns the cost of M, J and the quantities they are computed from, which only sparse-bodies does not need. In large
+// islands these are computed contact by contact.
 double cost_of_terms(const IslandShape& shape) {
   const std::size_t contacts = shape.scene().contacts.size();
   const double one_by_one =

@@ -149,7 +149,8 @@ void take_basis(DependentRows& rows, DependentRows::Cluster& cluster) {
 // Columns of N that share rows belong together.
 void make_clusters(int n, DependentRows& rows) {
   const int d = static_cast<int>(rows.dropped.size());
-  // one per row of K: a column of N with it, or -1; then one per column: the first column of its cluster
+  // owner has one entry per row of K: a column of N with an entry in this row, or -1. Then follows one entry per
+  // column: the first column of its cluster.
   std::vector<int>& owner = rows.owner;
   owner.assign(n + d, -1);
   sparse::UnionFind sets(std::span<int>(owner).subspan(n));

@@ -47,7 +47,7 @@ bool holds_in_plane(const Contact& c) {
   return c.type == ContactType::k1D && c.reference_frame != ReferenceFrame::kLocal;
 }
 
-// Joins the nodes that contacts, motors, friction or rotors join.
+// Merges the nodes that contacts, motors, friction or rotors couple.
 void join_nodes(const Scene& scene, const std::vector<char>& active, FreeGroups& groups) {
   sparse::UnionFind sets(groups.group);
   for (const FreeGroups::FreeJoint& j : groups.joints) {

@@ -10,8 +10,8 @@ namespace manycontact::internal {
 inline FreeGroup& group_at(FreeGroups& groups, int node) { return groups.groups[groups.group[node]]; }
 inline const FreeGroup& group_at(const FreeGroups& groups, int node) { return groups.groups[groups.group[node]]; }
 
-/// use(group, sign) of what moves with a free joint: the group below it, and with sign -1 that above. Only groups that
-/// are free, and neither where both are one.
+/// Calls use(group, sign) for the groups that a free joint moves: the group below it with sign 1, the group above it
+/// with sign -1. Groups tied to the world are skipped; if both sides are in one group, nothing is called.
 template <class Groups, class Use>
 void each_side(Groups& groups, const FreeGroups::FreeJoint& j, Use&& use) {
   if (groups.group[j.node] == groups.group[j.parent]) return;

@@ -40,7 +40,7 @@ const Pack<W, E>* as_scalar(const Pack<W, E>* x) {
 /// The most robots that a SIMD batch has: of floats in the widest registers.
 inline constexpr int kMostInBatch = 16;
 
-/// The doubles of two packs as floats, those of `a` first.
+/// Converts the doubles of two packs to floats, those of `a` first.
 template <int H, std::size_t... I>
 Pack<2 * H, float> narrowed(const Pack<H>& a, const Pack<H>& b, std::index_sequence<I...>) {
   typedef float Half __attribute__((vector_size(sizeof(float) * H)));

@@ -67,7 +67,8 @@ struct ProductJob : Solution {
   std::array<double*, 3> out;
 };
 
-/// Result of one island. Where it is not sound, nothing else is known: another system has to solve the island.
+/// Result of one island. If it is not sound, the other members are undefined and another system has to solve the
+/// island.
 struct Answer {
   bool sound = false;
   int refinement_steps = 0;
@@ -139,7 +140,7 @@ class RobotBlocks {
   virtual void check(std::span<Robot> robots, Memory memory) = 0;
   /// After the last correction, where any robot's rows depend on each other: adds their inconsistency to r and scale.
   virtual void finish(std::span<Robot> robots, Memory memory) = 0;
-  /// MovingEnd of each contact that joins the robots, at the solution.
+  /// Computes MovingEnd of each contact that couples the robots to others, at the solution.
   virtual void move_ends(const DerivativeJob& job, std::span<Robot> robots) = 0;
 };
 
@@ -170,8 +171,8 @@ class InterfaceContacts {
 struct SubtreePlan;  // lanes/subtrees.hpp
 class SubtreeBatch;
 
-/// Robots alone in single precision. Where the condition leaves fewer than two digits (tolerance::kWorthless), the
-/// solution is not sound.
+/// Solves single-robot islands in single precision. If the condition number leaves fewer than two correct digits
+/// (tolerance::kWorthless), the solution is not sound.
 class SingleBlocks {
  public:
   virtual ~SingleBlocks() = default;
