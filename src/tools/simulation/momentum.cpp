@@ -16,7 +16,7 @@ bool may_begin_group(const Joint& joint) {
   return joint.type == JointType::kFloating || (joint.type == JointType::kPlanar && joint.parent < 0);
 }
 
-// Whether rotors or friction act along the joint's coordinates: momentum passes through it then.
+// Whether rotors or friction act along the joint's coordinates, so that the joint transmits momentum.
 bool has_own_forces(const Model& model, const Joint& joint) {
   const auto any = [&](const Eigen::VectorXd& x) {
     return x.size() > 0 && !x.segment(joint.idx_v, joint.nv()).isZero(0);

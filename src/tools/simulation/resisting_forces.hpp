@@ -1,5 +1,5 @@
 #pragma once
-// Memory of what a semi-implicit Euler step takes at its end.
+// Workspace of the end of a semi-implicit Euler step.
 
 #include <optional>
 
@@ -11,8 +11,8 @@ namespace manycontact {
 
 namespace internal {
 
-/// Memory of bounded_energy.cpp. Springs and contacts join robots in clusters. The entry of a cluster's first robot has
-/// the energy of the cluster [J].
+/// Workspace of bounded_energy.cpp. Springs and contacts couple robots into clusters. The entry of a cluster's first
+/// robot is the energy of the cluster [J].
 struct BoundedEnergy {
   // Kept from step to step: energy that springs may still give, and the most that it has been. NaN where it must be
   // computed.

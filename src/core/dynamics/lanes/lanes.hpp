@@ -120,7 +120,7 @@ class RobotBlocks {
   virtual void evaluate(const Job& job, std::span<Robot> robots, Memory memory) = 0;
   /// The factor; x = 0, and b's part of the border.
   virtual void factor(std::span<Robot> robots, Memory memory) = 0;
-  /// x += K^-1 r with the border's solution y, r = b - K x, and r's part of the border.
+  /// x += K^-1 r, given the border's solution y. Then r = b - K x is computed, with r's contribution to the border.
   virtual void correct(std::span<Robot> robots, Memory memory) = 0;
   /// Accelerations, and forces of the contacts on the robots alone.
   virtual void store(const Job& job, std::span<Robot> robots, double* memory) = 0;
@@ -138,7 +138,7 @@ class RobotBlocks {
   virtual void load(const Job& job, std::span<Robot> robots, double* memory) = 0;
   /// r = b - K x of columns given with the border's solution y; this overwrites the results of load and correct.
   virtual void check(std::span<Robot> robots, Memory memory) = 0;
-  /// After the last correction, where any robot's rows depend on each other: adds their inconsistency to r and scale.
+  /// After the last correction, if any robot has redundant rows: adds their inconsistency to r and scale.
   virtual void finish(std::span<Robot> robots, Memory memory) = 0;
   /// Computes MovingEnd of each contact that couples the robots to others, at the solution.
   virtual void move_ends(const DerivativeJob& job, std::span<Robot> robots) = 0;

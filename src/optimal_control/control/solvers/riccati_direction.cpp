@@ -46,7 +46,7 @@ bool is_sound(const MatrixXd& V, const VectorXd& v) {
 
 }  // namespace
 
-// Only what does not fit yet is allocated.
+// Allocates only vectors and matrices whose sizes do not fit.
 void RiccatiDirection::resize() {
   Direction::resize();
   node_ = kNoNode;

@@ -1,5 +1,5 @@
 #pragma once
-// Contact rows that are redundant at the start of a motion, but not in its neighbourhood.
+// Contact rows that are redundant at the start of a motion, but independent at nearby configurations.
 //
 // A mechanism such as Bricard's is overconstrained: its rows are redundant where the loop is closed, but no longer
 // after integration errors of 1e-9 m. Rows that the current solution finds redundant are therefore treated as redundant

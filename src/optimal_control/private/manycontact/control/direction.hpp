@@ -34,7 +34,7 @@ class Direction {
   const Vectors& get_Vx() const { return Vx_; }
   const Vectors& get_k() const { return k_; }
 
-  // ---- what solvers ask of it
+  // ---- interface for the solvers
 
   /// Fits the memory to the problem's nodes; part: the same coordinates of other nodes.
   virtual void resize();
