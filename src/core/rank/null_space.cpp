@@ -255,8 +255,8 @@ void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster
   }
 }
 
-// use(cluster) for each cluster; twice where rows kept are so small that their part of the null space is large: the
-// second time takes out what rounding left of it.
+// Calls use(cluster) for each cluster. If kept rows are so small that their part of the null space is large, it is
+// called twice: the second call removes the rounding errors of the first.
 template <class Use>
 void each_projection(const DependentRows& rows, Use&& use) {
   for (const DependentRows::Cluster& cluster : rows.clusters)

@@ -62,7 +62,8 @@ Eigen::MatrixXd inverse_action(const SE3<double>& T) {
 
 // ---- of single coordinates: the scene's, or those of the robots
 
-// The scene's reference: zeros (of a state x0), with the term's numbers where they belong.
+// Returns the reference for the whole scene. Coordinates that the term does not set are zero, or those of x0 for a
+// state.
 Eigen::VectorXd reference_of(const TaskTerm& term, const SceneFile& file) {
   const Scene& scene = file.scene;
   const bool state = term.residual == TaskResidual::kState;

@@ -63,7 +63,7 @@ Chart make_chart(const SceneFile& file, const ChartLimits& limits);
 
 // ---- its steps ----------------------------------------------------------------------------------------------------
 
-/// A row and what computes it.
+/// A row of the chart, with the scene and data that compute it.
 struct Candidate {
   ChartRow* row = nullptr;
   Scene scene;  // the scene with the row's damping

@@ -80,7 +80,7 @@ class Element {
     if (list) out = Eigen::Matrix<double, n, 1>(list->data());
     return list.has_value();
   }
-  /// The same for what may be missing.
+  /// Reads an optional attribute.
   template <int n>
   void read(const char* attribute, std::optional<Eigen::Matrix<double, n, 1>>& out) const {
     if (has(attribute)) (void)read(attribute, out.emplace(Eigen::Matrix<double, n, 1>::Zero()));

@@ -27,7 +27,7 @@ inline void accumulate(Tile<V, N>& t, const V* x, int step, const V* u, int stri
   }
 }
 
-/// 1 / d for each pivot d of row k, whose terms have the size `scale`.
+/// Returns the inverse 1 / d of the pivot d of a row. The row number and the size of its terms are not used.
 struct Inverse {
   template <class V>
   V operator()(int, const V& d, const V&) const {

@@ -66,7 +66,8 @@ double largest(const Scene& scene, const Island& island, const Eigen::VectorXd& 
   });
   return out;
 }
-// [a; y] <- K^+ [a; y] of the scratch of products, of the open islands. NaN where an island's system fails.
+// [a; y] <- K^+ [a; y] for the open islands, in the workspace of products. The result is NaN where an island's system
+// fails.
 void invert_islands(const Scene& scene, SceneData& data, const ExtendedWork& e) {
   Workspace& w = *data.workspace;
   ProductWork& x = *w.products;

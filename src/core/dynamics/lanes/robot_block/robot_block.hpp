@@ -227,7 +227,7 @@ class RobotBlock final
     return [this](std::size_t k) { return n_.K[pattern_.K.p[k + 1] - 1]; };
   }
   static Mask all() { return S(0) <= S(0); }
-  /// Elements without a robot of their own repeat the last one.
+  /// Elements beyond the number of robots repeat the last robot.
   static const Robot& in_lane(Robots robots, int lane) {
     return robots[std::min<std::size_t>(static_cast<std::size_t>(lane), robots.size() - 1)];
   }

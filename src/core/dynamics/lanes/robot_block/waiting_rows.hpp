@@ -104,7 +104,7 @@ class WaitingRows {
 
   /// x -= P x, of the rows of J.
   void project_out(S* x) { project_out<1>(as_scalar(x)); }
-  /// The same, and P x into null_component.
+  /// x -= P x for the rows of J, and stores P x in null_component.
   void take_out(S* x) {
     project_out(x);
     std::fill_n(null_component_, rows_, S(0));

@@ -41,8 +41,8 @@ double cost_at_once(const IslandWork& d, double ld, bool dropping) {
 
 double cost_of_interface(double nonzeros, double ld) { return ld * 2 * nonzeros; }
 
-// The same robot by robot. Operations of a product run faster than those of a sparse solve. Measured on rings and on a
-// beam between two humanoids.
+// Multiply-adds of the same panel computed robot by robot. Dense products run faster than a sparse solve. Measured on
+// rings and on a beam between two humanoids.
 double cost_by_robots(const RobotsSystem& system, const RobotsDerivatives& by, double ld) {
   double cost = cost_of_interface(system.interface->schedule.nonzeros(), ld);
   for (std::size_t k = 0; k < by.robots.size(); ++k) {
