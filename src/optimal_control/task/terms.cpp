@@ -206,7 +206,7 @@ Residual in_cone(const ConeOfForces& cone, const Parts& p, FrameIndex id, ConeAx
   return {{}, std::move(model), 1, cone.get_lb(), cone.get_ub()};
 }
 
-// A copy's world axes are turned as the copy is: references and facets, weights and bounds.
+// The world axes of a copy are rotated with the copy: references, facets, weights and bounds.
 Residual of_contact(const TaskTerm& term, const Parts& p, int c) {
   const Contact& contact = p.task.scene.scene.contacts[c];
   const FrameIndex id = p.contacts->get_contacts().at(contact.name)->contact->get_id();

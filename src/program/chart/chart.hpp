@@ -80,7 +80,7 @@ void measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, co
 void measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& limits,
                          const std::function<void(Candidate&)>& first);
 
-/// Overwrites the same line of standard error while that is a terminal; "" clears it.
+/// If standard error is a terminal, overwrites its current line; "" clears the line.
 void progress(const std::string& text);
 
 // ---- its forms ----------------------------------------------------------------------------------------------------

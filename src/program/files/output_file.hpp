@@ -39,7 +39,7 @@ class OutputFile : private std::streambuf {
   void write_at(std::int64_t at, const char* bytes, std::size_t size);
   void resize(std::int64_t bytes);
 
-  /// All that this process wrote is with the file system.
+  /// Flushes everything that this process wrote to the file system.
   void finish();
   /// Renames the file to its final name once all processes have finished. The process that created it does so.
   void publish();

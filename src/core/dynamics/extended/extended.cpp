@@ -30,7 +30,8 @@ using tolerance::kExtendedConverged, tolerance::kExtendedVanishing, tolerance::k
 
 using OfIsland = ExtendedWork::OfIsland;
 
-// Whether the double solution is one of this scene's equations. With damping all rows count: none may be left out.
+// Whether the double solution may be refined for this scene's equations. With damping all rows count: none may have
+// been dropped.
 bool may_refine(const Scene& scene, const IslandWork& d, const IslandReport& report) {
   if (!d.answered || (d.matrix.tolerated > 0 && !d.matrix.within.changes().empty())) return false;
   if (scene.damping > 0 && report.rank < report.nc && report.reason != Reason::kDampingLost) return false;

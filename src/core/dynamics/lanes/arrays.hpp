@@ -48,7 +48,7 @@ Pack<2 * H, float> narrowed(const Pack<H>& a, const Pack<H>& b, std::index_seque
   return Pack<2 * H, float>::of(__builtin_shufflevector(x, y, I...));
 }
 
-/// Element l of to[k] = from[l][k] for k < count, rounded where these are floats. Elements beyond those given repeat
+/// to[k] has element l from[l][k] for k < count, rounded if the elements are floats. Elements beyond those given repeat
 /// the last one.
 template <int W, class E>
 [[gnu::noinline]] void load_arrays(std::span<const double* const> from, int count, Pack<W, E>* to) {

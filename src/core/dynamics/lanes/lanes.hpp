@@ -118,7 +118,7 @@ class RobotBlocks {
   // border.
   /// The robots' own part of K x = b, and the ends of contacts that join them.
   virtual void evaluate(const Job& job, std::span<Robot> robots, Memory memory) = 0;
-  /// The factor; x = 0, and b's part of the border.
+  /// Factorizes K. Then x = 0, and b's contribution to the border is computed.
   virtual void factor(std::span<Robot> robots, Memory memory) = 0;
   /// x += K^-1 r, given the border's solution y. Then r = b - K x is computed, with r's contribution to the border.
   virtual void correct(std::span<Robot> robots, Memory memory) = 0;

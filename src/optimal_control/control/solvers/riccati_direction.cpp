@@ -19,7 +19,7 @@ const IntegratedActionDataEuler* without_matrices(const ActionDataAbstract& data
   return data.has_matrices() ? nullptr : dynamic_cast<const IntegratedActionDataEuler*>(&data);
 }
 
-// Whether the pass finds a node's derivatives.
+// Whether the backward pass can read a node's derivatives.
 bool is_readable(const ActionDataAbstract& data, Index ndx) {
   return data.has_matrices() ? data.Fx.rows() == ndx : without_matrices(data) != nullptr;
 }

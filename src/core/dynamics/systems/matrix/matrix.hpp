@@ -114,7 +114,7 @@ double rounding_of_J(const Scene& scene, const MatrixSystem& system);
 void add_terms_of_J(const Scene& scene, const Workspace& work, const MatrixSystem& system,
                     const std::vector<double>& sizes, std::vector<double>& w);
 /// If contacts are inconsistent by r, rounding errors of J change the least squares by K^+ K^+ [dJ^T r; 0] (Golub,
-/// Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). |dJ^T r|; both in elimination order.
+/// Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). Returns |dJ^T r| in elimination order; r is in this order, too.
 std::vector<double> turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& system,
                                          const std::vector<double>& r);
 /// Bounds of the errors of an island's derivatives (derivative_bounds.cpp). False: there is none.
@@ -129,8 +129,8 @@ bool is_evaluated(const Workspace& work, int robot);
 void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
 /// Kinematics, bias, inertia and contact rows of an island's robots, which have memory for that.
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);
-/// The same at the current state (q, v), unless they are there already; with memory, so that the island may be one of
-/// sparse-bodies'.
+/// Evaluates the same terms at the current state (q, v) unless they are known already. Allocates their memory, so that
+/// the island may be one of sparse-bodies.
 void evaluate_at_state(const Scene& scene, const SceneData& data, IslandWork& d);
 /// The bodies' placements alone, which products with derivatives need in addition to the rows at the solution.
 void place_at_state(const Scene& scene, const SceneData& data, const Island& island);

@@ -76,8 +76,8 @@ void lay_out_columns(const Island& island, const Interface& interface, const Isl
   r.ld = sparse::padded(at);
 }
 
-// Columns of robots' own, of q, v and u by turns; each meets the factors of all of them. Sixteen at most: they are
-// judged one after the other.
+// Chooses sample columns from the robots' own coordinates, alternating between q, v and u; each involves the factors of
+// all robots. There are at most sixteen, because they are checked one after another.
 void choose_sample(RobotsDerivatives& by) {
   by.sample.column.clear();
   for (RobotsDerivatives::OfRobot& r : by.robots) r.sampled.clear();

@@ -36,7 +36,7 @@ struct BodyPattern {
   }
   /// The node at which a row's two ends meet, -1: none.
   int meeting(int row) const;
-  /// Fills what follows from nodes and the ends of rows: all from `at_first` on.
+  /// Computes the remaining members, from `at_first` on, from the nodes and the ends of rows.
   void complete_analysis();
 };
 
