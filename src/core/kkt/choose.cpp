@@ -61,8 +61,8 @@ double cost_bodies(IslandShape& shape) {
   return cost;
 }
 
-// Whether sparse-bodies is predicted to be cheaper than factoring K at `cost`. Most islands are shallow: then no
-// analysis is needed.
+// Whether sparse-bodies is predicted to be cheaper than factoring K, which costs `cost`. Most islands are shallow and
+// need no analysis.
 bool bodies_are_cheaper(IslandShape& shape, double cost) {
   double nodes = 0;
   for (const Robot& robot : shape.scene().robots) nodes += robot.model->njoints();

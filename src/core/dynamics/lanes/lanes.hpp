@@ -133,8 +133,8 @@ class RobotBlocks {
   virtual void jvp(const ProductJob& job, std::span<Robot> robots) = 0;
   virtual void vjp(const ProductJob& job, std::span<Robot> robots) = 0;
 
-  // Robots joined to others, as above.
-  /// After factor, another right-hand side: b = [a; -f] of the robots and the contacts on them alone.
+  // Robots coupled to others, as above.
+  /// Call it after factor. Sets another right-hand side: b = [a; -f] of the robots and the contacts on them alone.
   virtual void load(const Job& job, std::span<Robot> robots, double* memory) = 0;
   /// r = b - K x of columns given with the border's solution y; this overwrites the results of load and correct.
   virtual void check(std::span<Robot> robots, Memory memory) = 0;

@@ -121,7 +121,7 @@ void each_in_lanes(const Scene& scene, Workspace& w, double of_solve, GroupOf&& 
   if (w.lanes.level) each_batch_of(w.lanes.level->width, scene, w, of_solve, group_of, use);
 }
 
-// The group that gave an island's solution; nullptr: none, or not the derivatives.
+// Returns the group that computed an island's solution; nullptr if none did, or if it has no derivatives.
 BlockGroup* group_of_answer(const IslandWork& d) { return d.served_in_lanes() ? d.alone.group : nullptr; }
 
 // Solves the islands of one robot that are not solved yet and that fits(group, island) takes, in batches of `width`, by
