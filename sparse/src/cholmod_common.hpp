@@ -1,5 +1,6 @@
 #pragma once
-// What all calls of CHOLMOD need. Its names are others' names too: sources with this header are compiled alone.
+// Definitions that all calls of CHOLMOD need. CHOLMOD's names collide with others: sources that include this header are
+// compiled separately.
 
 #include <cholmod.h>
 

@@ -33,7 +33,7 @@ void LdlWorkspace::reserve(const LdlSymbolic& s) {
 namespace {
 
 // Parents in the elimination tree, and the numbers of entries of L's columns: row k of L is the union of the paths from
-// the entries of column k of A towards k. Stops by TooLarge where L, with what else is kept of it, would not fit.
+// the entries of column k of A towards k. Throws TooLarge if L and its index arrays exceed the memory.
 void elimination_tree(const UpperCsc& A, std::vector<int>& parent, std::vector<int>& count, std::vector<int>& flag) {
   constexpr double kBytes = 64;  // bytes per entry of L: values, patterns in three orders, schedule
   double nonzeros = 0;

@@ -61,7 +61,8 @@ void find_groups(const LdlSymbolic& s, LdlSchedule& out) {
   }
 }
 
-// The rows below a block, all of them rows of block T (its own first, then those below it), from row `begin` on.
+// Finds the targets of the rows below a block, from row `begin` on. All are rows of block T: first T's own columns,
+// then the rows below T.
 void find_targets(const int* rows, int begin, int count, const int* T_rows, int T_first, int T_width,
                   std::vector<LdlSchedule::Target>& targets) {
   const std::size_t before = targets.size();

@@ -19,7 +19,7 @@ UpperCsc make_pattern(int n, std::vector<std::pair<int, int>> entries) {
   for (auto& [row, col] : entries)
     if (row > col) std::swap(row, col);
   for (int k = 0; k < n; ++k) entries.emplace_back(k, k);
-  // Sorts by rows, then by columns, each time by counting: the rows of a column come out ascending.
+  // Counting sort by row, then by column: the rows of each column are then in ascending order.
   std::vector<int> begin(n + 1, 0);
   for (const auto& entry : entries) ++begin[entry.first + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());

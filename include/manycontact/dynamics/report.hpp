@@ -50,7 +50,7 @@ struct IslandReport {  // Status and accuracy of the solution of one island.
                                  // terms they were computed from
   double condition = kNotEstimated;  // 1-norm condition number of K, set by estimate_condition; until then NaN
   /// Bounds of the largest errors of a and of f, relative to the largest a and f, set by estimate_errors; until then
-  /// NaN. Above 1 only the size of the errors is known. Then a and f may be rounding errors, as the accelerations of a
+  /// NaN. If a bound is above 1, no digit is certain. Then a and f may be rounding errors, as the accelerations of a
   /// scene at rest, or the solution is that of a neighbouring problem (Reason::kUncertain).
   double error_acceleration = kNotEstimated, error_forces = kNotEstimated;
 };

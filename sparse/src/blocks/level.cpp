@@ -1,5 +1,6 @@
-// Dense blocks at one level of instructions: compiled once per level with that level's flags and MANYCONTACT_LEVEL (its
-// name). Nothing of it but the level is seen by the linker (src/core/simd/levels.cmake).
+// Dense blocks for one instruction level. The file is compiled once per level with that level's flags and
+// MANYCONTACT_LEVEL (its name). The table of this level is the only symbol that the linker sees
+// (src/core/simd/levels.cmake).
 
 #include <Eigen/Cholesky>
 #include <algorithm>

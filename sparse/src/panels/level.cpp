@@ -138,7 +138,7 @@ void panel_residual(const UpperCsc& A, const double* Ax, const int* row, const d
   });
 }
 
-// Does what solve does and refines it; right-hand sides, solution and correction are all in the cache.
+// Solves and refines; the right-hand sides, the solution and the correction all fit into the cache.
 void solve_refined(const LdlSchedule& schedule, const UpperCsc& A, const double* Ax, const double* Lx, const double* D,
                    const int* row, double* X, int ld, int first, int cols, char* nonzero, double* work) {
   const std::ptrdiff_t n = schedule.n;
@@ -242,7 +242,7 @@ void product_of_rows(const double* L, int ldl, const double* R, const int* from,
   if (non_temporal) kernel::finish_streams();
 }
 
-// f(first, number) for the columns, 4 registers of them at a time.
+// Calls f(first, number) for chunks of columns that fill 4 registers.
 template <class F>
 inline void in_wide_chunks(int cols, F&& f) {
   constexpr int kMost = 4 * kRegister;

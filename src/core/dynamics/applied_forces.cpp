@@ -49,7 +49,7 @@ DerivativeRequest by_all_torques(DerivativeRequest request) {
 
 namespace {
 
-// use(first in the scene's v, in the island's, count) of each robot of an island that forces act on.
+// Calls use(first in the scene's v, in the island's v, count) for each robot of an island on which forces act.
 template <class Use>
 void each_block(const Scene& scene, const Island& island, const AppliedForces<double>& forces, Use&& use) {
   for (std::size_t k = 0; k < island.robots.size(); ++k)

@@ -16,7 +16,7 @@ struct SceneData;
 struct IslandWork;
 struct Workspace;
 
-/// External wrenches and springs that act in a scene, by solve. It is not made for a scene without them.
+/// External wrenches and springs that act in a scene, as of the last solve. Scenes without them do not allocate it.
 struct AppliedWork {
   explicit AppliedWork(const Scene& scene);
 
@@ -32,7 +32,7 @@ struct AppliedWork {
 
 namespace internal {
 
-/// Whether any act in the current solution.
+/// Whether wrenches or springs act in the current solution.
 bool forces_are_applied(const Workspace& w);
 /// Throws std::invalid_argument, in the name of `function`, unless data.wrenches has a wrench per push of the scene.
 void check_pushes(const Scene& scene, const SceneData& data, const char* function);
@@ -43,7 +43,7 @@ bool lacks_direction(const Scene& scene, const Workspace& w, const Island& islan
 
 /// The request that `differentiate` uses where forces are applied: with respect to torques on all coordinates.
 DerivativeRequest by_all_torques(DerivativeRequest request);
-/// Joins the derivatives of that request with the torques' own, and keeps those that were asked for.
+/// Combines the derivatives of that request with those of the torques, and keeps those that the user requested.
 void join_applied_forces(const Scene& scene, SceneData& data, const DerivativeRequest& request);
 
 /// Adds the terms of applied forces to right-hand sides without them: to R.X, and J_F^T to R.W. Right-hand sides are in

@@ -65,7 +65,7 @@ bool contradicts(const Scene& scene, const SceneData& data, rank::Contradiction<
 /// Bytes of derivatives: more than a core can count on in a cache it shares, and need not be written through it.
 inline constexpr std::size_t kCacheBytes = 4 << 20;
 
-/// Whether derivatives of the current solution are there.
+/// Whether derivatives of the current solution have been computed.
 bool has_derivatives(const SceneData& data);
 /// Decides which columns of an island's derivatives, those of out.request, are derivatives with respect to torques.
 void number_torques(const Scene& scene, const Island& island, IslandDerivatives& out);

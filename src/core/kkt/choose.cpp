@@ -22,7 +22,8 @@ double predicted_cost_of_terms(int rows, std::size_t contacts) {
 
 namespace {
 
-// M, J and what they are made of, which sparse-bodies alone does without; of large islands contact by contact.
+// Returns the cost of M, J and the quantities they are computed from, which only sparse-bodies does not need. In large
+// islands these are computed contact by contact.
 double cost_of_terms(const IslandShape& shape) {
   const std::size_t contacts = shape.scene().contacts.size();
   const double one_by_one =
@@ -60,8 +61,8 @@ double cost_bodies(IslandShape& shape) {
   return cost;
 }
 
-// Whether sparse-bodies is predicted to be cheaper than factoring K at `cost`. Most islands are shallow: then no
-// analysis is needed.
+// Whether sparse-bodies is predicted to be cheaper than factoring K, which costs `cost`. Most islands are shallow and
+// need no analysis.
 bool bodies_are_cheaper(IslandShape& shape, double cost) {
   double nodes = 0;
   for (const Robot& robot : shape.scene().robots) nodes += robot.model->njoints();

@@ -63,9 +63,9 @@ std::vector<Eigen::MatrixXd> of_unit_rows(std::vector<Eigen::MatrixXd> J) {
   return J;
 }
 
-// Robots by degree in the graph of those that contacts join: each is joined to few others when its turn comes. Those
-// furthest from the ground count as joined to one more, which comes last: of a tower the end on the ground is then
-// eliminated first (pattern.cpp).
+// Sorts robots by degree in the graph whose edges are contacts between robots, so that each is coupled to few others
+// when it is eliminated. Robots furthest from the ground count as coupled to one more robot, which comes last. The
+// grounded end of a tower is then eliminated first (pattern.cpp).
 std::vector<int> robots_by_degree(const Scene& scene, const Island& island) {
   const int n = static_cast<int>(island.robots.size());
   std::vector<std::pair<int, int>> joined;
@@ -93,7 +93,8 @@ class Clusters {
         if (body != kWorld) touching_[body].push_back(static_cast<int>(c));
   }
 
-  /// Contact c is placed. use(contact) for those that now depend on placed ones, which may be placed themselves.
+  /// Places contact c. Calls use(contact) for contacts that now depend on placed ones; they may already be placed
+  /// themselves.
   template <class Use>
   void fix(int c, Use&& use) {
     if (scene_.contacts[island_.contacts[c]].rows() < 6) return;
@@ -197,7 +198,7 @@ std::vector<Numbers> some_postures(const Scene& scene, const Island& island, con
   return out;
 }
 
-// Whether the pivots are sound, by far, in some configurations.
+// Whether the pivots keep a large margin in several configurations.
 bool holds(const Scene& scene, const Island& island, const IslandSupport& support, const sparse::UpperCsc& K,
            const std::vector<int>& perm, double most_growth, std::vector<Numbers>& postures) {
   if (postures.empty()) postures = some_postures(scene, island, support);

@@ -59,7 +59,7 @@ void decompose_rows(DenseKkt<S>& kkt) {
   kkt.of_Ct.compute(sorted);
 }
 
-// A pivot that is no more than rounding of the terms it was computed from.
+// Whether a pivot is no larger than the rounding errors of the terms it was computed from.
 template <class S>
 bool is_noise(const S& pivot, const S& terms, int rounding = tolerance::kRounding) {
   using std::abs;
@@ -151,7 +151,7 @@ void factor(DenseKkt<S>& kkt) {
     decide_rank(kkt);
     if (kkt.rank > 0) decompose_rows(kkt);
   }
-  // A change of rank makes these again: where memory runs out, Eigen's own resize leaves an array freed.
+  // After a change of rank these are constructed again: if memory runs out, Eigen's own resize leaves an array freed.
   if (kkt.N.cols() != nv - kkt.rank) {
     kkt.N = MatX<S>();
     kkt.reduced = Eigen::LLT<MatX<S>>(MatX<S>::Identity(nv - kkt.rank, nv - kkt.rank));

@@ -24,7 +24,7 @@ namespace {
 
 using Entries = std::vector<std::pair<int, int>>;
 
-// Entries of M in the order of the packed storage, then of J by columns, as (row, column) of K.
+// Lists the entries of M in the order of the packed storage, then those of J column by column, as (row, column) of K.
 Entries inertia_entries(const Scene& scene, const Island& island) {
   Entries entries;
   for (std::size_t r = 0; r < island.robots.size(); ++r) {

@@ -21,8 +21,8 @@ Attachment body_B(const Island& island, const Contact& contact) {
   return {local_robot(island, contact.B.robot), contact.B.joint, {}};
 }
 
-// Whether a contact's place on A's body decides in which directions a coordinate moves it: not that of a frame, whose
-// directions are all of the body's.
+// Whether a contact's position on A's body determines the directions in which a coordinate moves it. It does not for a
+// frame (6D) contact, which constrains all directions of the body.
 bool place_counts(const Contact& contact) { return contact.type != ContactType::k6D || contact.rows() < 6; }
 
 // An order in which the rows of each contact take their places in ascending order. K's pattern stays as it is: they
@@ -122,7 +122,7 @@ std::uint64_t word(int robot, int joint) {
   return static_cast<std::uint64_t>(static_cast<std::uint32_t>(robot)) << 32 | static_cast<std::uint32_t>(joint);
 }
 
-// The trees, and which bodies which types of contact join.
+// Adds the trees, and the types of contacts between bodies.
 void add_structure(const Scene& scene, const Island& island, Words& key) {
   key.insert(key.end(), {island.robots.size(), island.contacts.size()});
   for (int r : island.robots) key.push_back(reinterpret_cast<std::uint64_t>(scene.robots[r].model->structure.get()));

@@ -42,8 +42,8 @@ int take_waiting_rows(const sparse::UpperCsc& K, const double* Kx, std::span<con
       D[k] = std::numeric_limits<double>::infinity();
       continue;
     }
-    // A row of M after rows of J has what these add, too: where that buries M's own entry, they had no pivot from the
-    // rows of M before them.
+    // Rows of J add terms to the pivot of a later row of M. If these terms dominate M's own entry, the rows of J had no
+    // sound pivot from the rows of M before them.
     const Pivot<double> pivot{of_M[k] != 0, D[k], terms[k], Kx[K.p[k + 1] - 1]};
     if (!(of_M[k] ? is_left(pivot) : std::isfinite(terms[k])) || !has_its_sign(pivot)) return k;
   }
@@ -61,8 +61,8 @@ int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s
 
 namespace {
 
-// residual <- J^T times a column of N or B, whose entries are i, x; returns its largest entry relative to the rows'
-// sizes. Entries are zero but for those touched.
+// residual <- J^T times a column of N or B with entries (i, x). Returns the largest entry relative to the rows' sizes.
+// Only the entries touched can be nonzero.
 double dependence_residual(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M,
                            const double* row_scale, std::span<const int> i, std::span<const double> x,
                            DependentRows& rows) {
@@ -86,7 +86,7 @@ double dependence_residual(const sparse::UpperCsc& K, const double* Kx, std::spa
   return largest == 0 ? 0 : largest / size;
 }
 
-// Whether row k was dropped in another's place, or waited: it may depend on later rows.
+// Whether row k was dropped in place of another, or waited. Such a row may depend on later rows.
 bool is_turned(const DependentRows& rows, int k) {
   const WaitingRows& w = rows.waiting;
   return (!rows.turned.empty() && rows.turned[k]) ||
@@ -143,8 +143,8 @@ void null_column(const sparse::LdlSymbolic& s, std::span<const char> of_M, const
   rows.Np.push_back(static_cast<int>(rows.Ni.size()));
 }
 
-// z += K_kept^-1 of what z leaves, when the pivots kept were too small for l_k to be accurate, or a row that was turned
-// depends on later rows, too.
+// Refines z by z += K_kept^-1 (residual of z). It is needed if the kept pivots were too small for an accurate l_k, or
+// if a row that was exchanged also depends on later rows.
 void refine_column(const sparse::LdlSymbolic& s, std::span<const char> of_M, const double* Lx, const double* D,
                    DependentRows& rows) {
   const int first = rows.Np[rows.Np.size() - 2];
@@ -179,7 +179,7 @@ void begin_columns(const sparse::UpperCsc& K, std::span<const char> of_M, Depend
   take_later_entries(K, of_M, rows);
 }
 
-// N's columns of the rows dropped from rows.dropped[first] on, behind those that there are.
+// Computes the columns of N of the rows dropped from rows.dropped[first] on, and appends them.
 void find_columns(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx, std::span<const char> of_M,
                   const double* row_scale, const double* Lx, const double* D, std::size_t first, DependentRows& rows) {
   for (std::size_t c = first; c < rows.dropped.size(); ++c) {

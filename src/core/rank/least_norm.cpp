@@ -37,7 +37,7 @@ std::vector<double> augmented_values(const sparse::UpperCsc& K, int cols, const 
   return Kx;
 }
 
-// z += K^-1 (b - K z), until the componentwise backward error is rounding.
+// Refines z += K^-1 (b - K z) until the componentwise backward error is at the level of rounding errors.
 template <class Solve>
 bool refine_solution(const sparse::UpperCsc& K, const std::vector<double>& Kx, const Solve& solve,
                      const std::vector<double>& b, std::vector<double>& z) {
@@ -55,7 +55,7 @@ bool refine_solution(const sparse::UpperCsc& K, const std::vector<double>& Kx, c
   return refinement.backward_error <= tolerance::kConverged;
 }
 
-// None where what is left of a pivot may be rounding.
+// Returns nothing if a pivot may consist of rounding errors.
 std::optional<Eigen::VectorXd> by_ldl(int rows, int cols, const Entries& A, const Eigen::VectorXd& b) {
   std::vector<int> iperm;
   const sparse::UpperCsc K = augmented_pattern(rows, cols, A, iperm);

@@ -13,7 +13,7 @@ namespace manycontact::rank {
 
 namespace {
 
-// use(row of K, value) for each entry of columns of N or B.
+// Calls use(row of K, value) for each entry of the given columns of N or B.
 template <class Use>
 void each_entry(const std::vector<int>& p, const std::vector<int>& i, const std::vector<double>& x, int column,
                 Use&& use) {
@@ -30,7 +30,7 @@ void each_of_basis(const DependentRows& rows, const DependentRows::Cluster& clus
   each_entry(rows.Bp, rows.Bi, rows.Bx, cluster.basis + column, use);
 }
 
-// The rows of K that a cluster's columns of N are in: those dropped, then those kept.
+// Lists the rows of K in which a cluster's columns of N have entries: first those dropped, then those kept.
 void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
   std::vector<int>& all = rows.cluster_rows;
   cluster.row = static_cast<int>(all.size());
@@ -81,7 +81,7 @@ void take_complement(DependentRows& rows, DependentRows::Cluster& cluster) {
   each([&](int j, int k, double value) { put(j, k, -value); });
 }
 
-// Whether a cluster's columns of N may be made dense.
+// Whether a cluster is small enough for its columns of N to be stored densely.
 bool is_small(const DependentRows::Cluster& cluster) {
   return static_cast<std::size_t>(cluster.row_end - cluster.row) * cluster.count <= tolerance::kMostExchanged;
 }
@@ -98,9 +98,9 @@ Eigen::Map<Eigen::MatrixXd> dense_columns(DependentRows& rows, const DependentRo
   return N;
 }
 
-// An orthonormal basis of N's columns, dense in the cluster's rows: by Gram and Schmidt's method, twice, the column
-// with the largest rest first (Golub, Van Loan, Matrix Computations, sec. 5.2.9). What is left of J by a column grows
-// as much as the column's rest is smaller than the column.
+// Computes an orthonormal basis of N's columns, dense in the cluster's rows. Uses the Gram-Schmidt method twice, with
+// the column of the largest remainder first (Golub, Van Loan, Matrix Computations, sec. 5.2.9). The error J^T n of a
+// column is amplified by the ratio of the column to its remainder.
 void take_orthonormal(DependentRows& rows, DependentRows::Cluster& cluster) {
   Eigen::Map<Eigen::MatrixXd> N = dense_columns(rows, cluster);
   for (auto column : N.colwise()) column.normalize();
@@ -149,7 +149,8 @@ void take_basis(DependentRows& rows, DependentRows::Cluster& cluster) {
 // Columns of N that share rows belong together.
 void make_clusters(int n, DependentRows& rows) {
   const int d = static_cast<int>(rows.dropped.size());
-  // one per row of K: a column of N with it, or -1; then one per column: the first column of its cluster
+  // owner has one entry per row of K: a column of N with an entry in this row, or -1. Then follows one entry per
+  // column: the first column of its cluster.
   std::vector<int>& owner = rows.owner;
   owner.assign(n + d, -1);
   sparse::UnionFind sets(std::span<int>(owner).subspan(n));
@@ -254,8 +255,8 @@ void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster
   }
 }
 
-// use(cluster) for each cluster; twice where rows kept are so small that their part of the null space is large: the
-// second time takes out what rounding left of it.
+// Calls use(cluster) for each cluster. If kept rows are so small that their part of the null space is large, it is
+// called twice: the second call removes the rounding errors of the first.
 template <class Use>
 void each_projection(const DependentRows& rows, Use&& use) {
   for (const DependentRows::Cluster& cluster : rows.clusters)

@@ -15,7 +15,7 @@ namespace {
 
 using Rows = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
 
-// use(row of K1, number of the waiting row, entry) for each entry of B.
+// Calls use(row of K1, number of the waiting row, entry) for each entry of B.
 template <class Use>
 void each_entry_of_B(const sparse::UpperCsc& K, const double* Kx, const double* D, const WaitingRows& w, Use&& use) {
   for (int k = 0; k < K.n; ++k)
@@ -110,7 +110,7 @@ void join_waiting_rows(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, 
   std::iota(w.order.begin(), w.order.end(), 0);
   w.joined = factorize_by_largest(A, w.order);
 
-  // Z, the scales and the rows in that order; of Z only the columns that join.
+  // Reorders Z, the scales and the rows accordingly. Only the columns of Z that join are kept.
   w.old_scale = w.scale, w.old_rows = w.rows;
   for (int c = 0; c < width; ++c) w.scale[c] = w.old_scale[w.order[c]], w.rows[c] = w.old_rows[w.order[c]];
   for (int k = 0; k < K.n; ++k)

@@ -27,7 +27,7 @@ Eigen::MatrixXd jacobian(Eigen::Index rows, Eigen::Index n, double h, F&& f) {
   return J;
 }
 
-/// The same by u, whose steps are relative.
+/// Computes the differences with respect to u; the steps are relative to u.
 template <class F>
 Eigen::MatrixXd jacobian_by_u(Eigen::Index rows, const Eigen::VectorXd& u, double h, F&& f) {
   const Eigen::VectorXd scale = u.cwiseAbs().cwiseMax(1);

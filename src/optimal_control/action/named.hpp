@@ -18,7 +18,7 @@ void check_part(const char* who, const std::string& name, const std::shared_ptr<
           "\"" + name + "\" has nu = " + std::to_string(part->get_nu()) + ", " + std::to_string(nu) + " is expected");
 }
 
-/// f(item, data of the part) for each part that keep(item): data are by name too.
+/// Calls f(item, data of the part) for each part with keep(item). Models and data are both sorted by name.
 template <class Map, class Data, class Keep, class F>
 void for_each_part(const Map& parts, Data& data, Keep&& keep, F&& f) {
   auto d = data.begin();

@@ -11,7 +11,7 @@ struct ActionTerms {
   const ConstraintModelManager* constraints;
 };
 
-/// use(name, residual, active) for each cost, then for each constraint.
+/// Calls use(name, residual, active) for each cost, then for each constraint.
 template <class Use>
 void each_residual(const ActionTerms& terms, Use&& use) {
   for (const auto& [name, item] : terms.costs.get_costs()) use(name, *item->cost->get_residual(), item->active);

@@ -5,7 +5,7 @@
 namespace manycontact::lq {
 namespace {
 
-// use(first, size, block), of compile-time size for joints of a robot.
+// Calls use(first, size, block); for joints of a robot the size is known at compile time.
 template <class Use>
 void each_part(const BlockDiagonal& D, Use&& use) {
   for (const BlockDiagonal::Part& part : D.parts) {
@@ -23,7 +23,7 @@ void each_part(const BlockDiagonal& D, Use&& use) {
   }
 }
 
-// use(first, size) of each gap between the parts.
+// Calls use(first, size) for each gap between the parts.
 template <class Use>
 void each_gap(const BlockDiagonal& D, Index n, Use&& use) {
   Index at = 0;

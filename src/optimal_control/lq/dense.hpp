@@ -1,5 +1,5 @@
 #pragma once
-// The products and factors of dense blocks that the direction solvers are made of, by columns.
+// Products and factorizations of dense column-major blocks, used by the direction solvers.
 
 #include "manycontact/lq/block_diagonal.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
-// How the vectors of a group lie in those of a knot: f(first in the group's, first in the knot's, size), piece by
-// piece.
+// Maps the vectors of a group to those of a knot: calls f(first in the group's vector, first in the knot's vector,
+// size) for each piece.
 
 #include "manycontact/lq/problem.hpp"
 

@@ -4,11 +4,11 @@
 
 namespace manycontact::task {
 
-/// Throws InputError where the data of the horizon's nodes and what solvers keep with them would not fit into the
-/// memory that there is. One node of each kind is made to see what it takes.
+/// Throws InputError if the data of the horizon's nodes and of the solver would exceed the memory. One node of each
+/// kind is created to measure its size.
 void require_memory(const TaskFile& task, const ShootingProblem::Models& running);
 
-/// Whether the dense recursion of the task's parts would fit, roughly.
+/// Whether the dense Riccati recursions of the task's parts fit into memory, estimated roughly.
 bool dense_parts_fit(const TaskFile& task);
 
 }  // namespace manycontact::task

@@ -58,7 +58,7 @@ struct Parts {
 /// (q, v) as the scene's file has them.
 Eigen::VectorXd x0_of(const SceneFile& file);
 
-/// They throw std::invalid_argument where the term does not fit.
+/// Add a term to the sums. They throw std::invalid_argument if the term does not fit.
 void add_cost(const TaskTerm& term, const Parts& parts, CostModelSum& costs);
 void add_constraint(const TaskTerm& term, const Parts& parts, ConstraintModelManager& constraints);
 

@@ -62,7 +62,8 @@ Eigen::MatrixXd inverse_action(const SE3<double>& T) {
 
 // ---- of single coordinates: the scene's, or those of the robots
 
-// The scene's reference: zeros (of a state x0), with the term's numbers where they belong.
+// Returns the reference for the whole scene. Coordinates that the term does not set are zero, or those of x0 for a
+// state.
 Eigen::VectorXd reference_of(const TaskTerm& term, const SceneFile& file) {
   const Scene& scene = file.scene;
   const bool state = term.residual == TaskResidual::kState;
@@ -205,7 +206,7 @@ Residual in_cone(const ConeOfForces& cone, const Parts& p, FrameIndex id, ConeAx
   return {{}, std::move(model), 1, cone.get_lb(), cone.get_ub()};
 }
 
-// A copy's world axes are turned as the copy is: references and facets, weights and bounds.
+// The world axes of a copy are rotated with the copy: references, facets, weights and bounds.
 Residual of_contact(const TaskTerm& term, const Parts& p, int c) {
   const Contact& contact = p.task.scene.scene.contacts[c];
   const FrameIndex id = p.contacts->get_contacts().at(contact.name)->contact->get_id();

@@ -161,8 +161,8 @@ void work_on(BatchRun& run, std::int64_t first, std::int64_t n, StateBlock& b) {
   }
 }
 
-// Every block, and how many states have each status: split by states, a process has every size()-th block; split by
-// islands, all have all of them, and rank 0 writes.
+// Computes every block and counts the states by status. If processes split the states, each computes every size()-th
+// block. If they split the islands, each computes all blocks and rank 0 writes the output.
 std::vector<std::int64_t> work(BatchRun& run, Communicator& communicator) {
   std::vector<std::int64_t> counts(kStatuses, 0);
   StateBlock b;

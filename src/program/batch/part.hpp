@@ -1,5 +1,6 @@
 #pragma once
-// Some islands of a scene as a scene of their own, and the indices of its numbers in those of the whole scene.
+// A scene made of some islands of another scene, with the indices of its coordinates, rows and contacts in the whole
+// scene.
 
 #include "manycontact/detail/kkt/island.hpp"
 

@@ -13,7 +13,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// The scene's name as a file name, unlike those given before.
+// Makes a file name from the scene's name, different from all names used before.
 std::string file_name(const std::string& scene, std::set<std::string>& taken) {
   std::string name;
   for (char c : scene) name += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' ? c : '_';

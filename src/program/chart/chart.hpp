@@ -63,7 +63,7 @@ Chart make_chart(const SceneFile& file, const ChartLimits& limits);
 
 // ---- its steps ----------------------------------------------------------------------------------------------------
 
-/// A row and what computes it.
+/// A row of the chart, with the scene and data that compute it.
 struct Candidate {
   ChartRow* row = nullptr;
   Scene scene;  // the scene with the row's damping
@@ -80,7 +80,7 @@ void measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, co
 void measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& limits,
                          const std::function<void(Candidate&)>& first);
 
-/// Overwrites the same line of standard error while that is a terminal; "" clears it.
+/// If standard error is a terminal, overwrites its current line; "" clears the line.
 void progress(const std::string& text);
 
 // ---- its forms ----------------------------------------------------------------------------------------------------

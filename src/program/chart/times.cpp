@@ -21,7 +21,7 @@ constexpr double kTurn = 200;        // us of repeats in one turn, at least one 
 constexpr double kNoWarmUp = 300e3;  // us: a call so long is not repeated to warm up
 constexpr double kLarge = 4e6;       // bytes of derivatives not kept between turns
 
-// One turn: a call to warm up, and the median of those after it.
+// Measures one round: a call to warm up, and the median of the calls after it.
 template <class Call>
 double take_turn(Call&& call) {
   const double first = time_of(call);

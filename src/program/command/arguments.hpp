@@ -1,5 +1,5 @@
 #pragma once
-// The words after a command's name: options and what is left.
+// The command line after the command's name: options and operands.
 
 #include <optional>
 #include <stdexcept>

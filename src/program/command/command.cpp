@@ -22,7 +22,7 @@ fs::path place_of(const std::string& path) {
   return error ? absolute.lexically_normal() : place;
 }
 
-// Devices and pipes take what several write.
+// Devices and pipes accept the output of several writers.
 bool one_file(const std::string& a, const std::string& b) {
   return !is_written_straight(a) && b != "-" && place_of(a) == place_of(b);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// A command of the program: what it takes, and what runs it.
+// A command of the program: its arguments, and the function that runs it.
 
 #include <string_view>
 

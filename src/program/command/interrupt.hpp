@@ -8,7 +8,7 @@ namespace manycontact::cli {
 /// After this call SIGINT, SIGTERM and SIGHUP, unless ignored, remove the temporary files and end the program.
 void hear_signals();
 
-/// While one lives, the first of these signals sets a flag; the second ends the program.
+/// During its lifetime, the first of these signals sets a flag, and the second one ends the program.
 class InterruptFlag {
  public:
   InterruptFlag();

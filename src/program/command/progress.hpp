@@ -16,7 +16,7 @@ class Progress {
 
   /// `done` of `total`; draws at most four times a second, and not in the first quarter.
   void update(double done);
-  /// The same under a new label.
+  /// Updates the progress under a new label.
   void update(double done, const std::string& label);
   /// Takes the line away.
   void clear();

@@ -7,8 +7,8 @@
 
 namespace manycontact::cli {
 
-/// A CSV with a header and a column t of growing times, read row by row. Cells may be quoted as RFC 4180 has it, but
-/// for line breaks; blanks around numbers, empty lines and a byte order mark are passed over.
+/// Reads row by row a CSV file with a header and a column t of increasing times. Cells may be quoted as in RFC 4180,
+/// but without line breaks. Blanks around numbers, empty lines and a byte order mark are ignored.
 class CsvReader {
  public:
   /// Reads the header. Throws InputError: the file cannot be read or is none in UTF-8, a name occurs twice in it, a

@@ -25,7 +25,7 @@ class OutputFile : private std::streambuf {
   explicit OutputFile(std::string path, std::string option = "");
   /// Opens, in another process, the temporary file that the first process has created and will publish.
   OutputFile(std::string path, std::string option, std::string temporary);
-  /// Removes what was not published.
+  /// Removes the temporary file unless it was published.
   ~OutputFile() override;
   OutputFile(const OutputFile&) = delete;
 
@@ -39,9 +39,9 @@ class OutputFile : private std::streambuf {
   void write_at(std::int64_t at, const char* bytes, std::size_t size);
   void resize(std::int64_t bytes);
 
-  /// All that this process wrote is with the file system.
+  /// Flushes everything that this process wrote to the file system.
   void finish();
-  /// It has its name, once all processes have finished: by the one that has begun it.
+  /// Renames the file to its final name once all processes have finished. The process that created it does so.
   void publish();
   void close() { finish(), publish(); }
 

@@ -14,7 +14,7 @@ struct Inspection {
   std::vector<IslandKind> kinds;
   double bytes = 0;  // heap memory of `data` after the solve; 0: unknown
 
-  /// The first island of a kind, whose name, shape and ranks are those of all.
+  /// Index of the first island of a kind. Its name, shape and ranks represent all islands of the kind.
   std::size_t first(const IslandKind& kind) const { return static_cast<std::size_t>(kind.islands.front()); }
   const Island& island(const IslandKind& kind) const { return solved_island(data, first(kind)); }
   /// The pattern, analysed in the order that the solve chose.

@@ -12,7 +12,8 @@ namespace manycontact::cli {
 /// Numbers over time from a CSV file: a column t, ascending, and columns called `prefix` + a coordinate's name.
 class TimeTable {
  public:
-  /// Columns with another prefix are left alone; those with it must be among `names`. Throws InputError.
+  /// Ignores columns with another prefix. The names of columns with this prefix must be among `names`. Throws
+  /// InputError.
   TimeTable(const std::string& path, const std::string& prefix, const std::vector<std::string>& names);
 
   bool empty() const { return columns_.empty(); }
@@ -47,7 +48,7 @@ class Control {
   const Eigen::VectorXd& torques_at(double t);
   /// Towards the reference at t.
   void set_pd(double t, PdLaws& pd);
-  /// torques_at and what the PD law is at q, v.
+  /// Returns torques_at plus the torque of the PD law at q, v.
   const Eigen::VectorXd& at(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
 
  private:

@@ -173,7 +173,7 @@ void simulate(Scene& scene, Around& around, bool progress_always, SimulationData
   around.forces->close();
 }
 
-// The contact whose gains bear the smallest step, if that is below h.
+// Prints the contact whose gains require the smallest step, if that step is below h.
 void print_advice(std::ostream& out, const Scene& scene, const SimulationData& sim) {
   const Contact* worst = nullptr;
   double least = sim.h;

@@ -20,7 +20,8 @@ void check_page_parts();
 template <class T>
 std::string base64_of(const std::vector<T>& list);
 
-/// Robots, their bodies' shapes and the meshes; what could not be found goes to `notes`, the meshes' files to `read`.
+/// Returns the robots, the shapes of their bodies and the meshes. Missing files are listed in `notes`, the mesh files
+/// that were read in `read`.
 Json shapes_of(const SceneFile& file, std::vector<std::string>& notes, std::vector<std::string>& read);
 
 /// Takes the last state.

@@ -108,7 +108,7 @@ int TermReader::reference_size(const TaskTerm& term) const {
   return model.nq + model.nv;
 }
 
-// Quaternions of floating joints in a state.
+// Normalises the quaternions of floating joints in a reference state.
 void TermReader::normalise_bases(const Element& e, TaskTerm& term) const {
   const Scene& scene = scene_.scene;
   const auto normalise = [&](const Model& model, int first) {

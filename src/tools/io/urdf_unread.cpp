@@ -33,7 +33,7 @@ class Unread {
     findings_.push_back({"unread", name, text, *e.where().file, e.line()});
   }
 
-  // `what` is not read, here and in how many other places.
+  // Counts an ignored element or attribute `what`. The warning reports its first place and the number of further ones.
   void count(const Element& e, const std::string& name, const std::string& what, const std::string& because = "") {
     const auto [at, is_first] = counted_.emplace(what, Counted{findings_.size(), 0, because});
     if (is_first) tell(e, name, {});

@@ -73,14 +73,15 @@ class Element {
     std::copy(list.begin(), list.end(), out.begin());
     return out;
   }
-  /// The same numbers into `out`; false, and nothing done, when the attribute is missing.
+  /// Reads the numbers of an attribute into `out`. Returns false and leaves `out` unchanged if the attribute is
+  /// missing.
   template <int n>
   bool read(const char* attribute, Eigen::Matrix<double, n, 1>& out) const {
     const auto list = numbers<static_cast<std::size_t>(n)>(attribute);
     if (list) out = Eigen::Matrix<double, n, 1>(list->data());
     return list.has_value();
   }
-  /// The same for what may be missing.
+  /// Reads an optional attribute.
   template <int n>
   void read(const char* attribute, std::optional<Eigen::Matrix<double, n, 1>>& out) const {
     if (has(attribute)) (void)read(attribute, out.emplace(Eigen::Matrix<double, n, 1>::Zero()));

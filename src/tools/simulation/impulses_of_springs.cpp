@@ -23,7 +23,7 @@ int group_number(const FreeGroups& groups, const Attachment& at) {
   return groups.group[groups.node[groups.first_body[at.robot] + at.joint]];
 }
 
-// Gives groups that springs join the angular momentum `dL` about the world's origin, by rotating them as one body.
+// Adds the angular momentum `dL` about the world's origin to groups that springs couple, by rotating them as one body.
 void turn_together(std::span<const int> members, const Vec3<double>& dL, double h, FreeGroups& groups) {
   const OneBody body = one_body(members, groups);
   const Vec3<double> dw = turn_for(body.plane, body.I, dL);

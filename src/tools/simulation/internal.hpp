@@ -10,7 +10,7 @@ void integrate_scene(const Scene& scene, const Eigen::VectorXd& q, const Eigen::
 [[nodiscard]] bool solve_stage(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                                const ConstVector& u, SimulationData& data);
 
-/// Whether follow_turning_rows has an active contact to look at.
+/// Whether an active contact has rows that may rotate, which follow_turning_rows must examine.
 bool rows_may_turn(const Scene& scene, const SimulationData& data);
 /// Adds to data.wanted what keeps J v of 1D and 2D contacts whose rows turn at q, v, without their alpha, for RK4.
 /// False: no rows turn.
@@ -18,11 +18,11 @@ bool follow_turning_rows(const Scene& scene, const Eigen::VectorXd& q, const Eig
 /// Takes alpha out of semi-implicit Euler's data.wanted where rows turn at the start of the step.
 void leave_out_alpha_of_turning_rows(const Scene& scene, SimulationData& data);
 
-/// After a step's first solve, in `of`: data.condition, where data.condition_every asks for it.
+/// Call it after a step's first solve, in `of`. Updates data.condition where data.condition_every requests it.
 void watch_condition(const Scene& scene, SceneData& of, SimulationData& data);
 
-/// After a step's first solve: where contacts were switched, and at the start, the rows that depend on each other are
-/// those that do from here on (dynamics/keep_dependent.hpp).
+/// Call it after a step's first solve. At the start, and after contacts were switched, the rows that are redundant in
+/// this solve are treated as redundant from then on (dynamics/keep_dependent.hpp).
 void keep_what_depends(SceneData& of, SimulationData& data);
 
 /// q+ and v+ from x, the result of semi-implicit Euler's solve, with the momentum of free groups.
@@ -35,7 +35,7 @@ void bound_energy(const Scene& scene, SimulationData& data);
 /// data.tau = -h ID(q, v, data.stop), with data.at_rest.kin at q, v.
 void find_momentum(SimulationData& data);
 
-/// data.f, f_offset: those of data.dynamics.
+/// Sets data.f and f_offset from data.dynamics.
 void keep_forces(SimulationData& data);
 
 /// The state after a step into next_q, next_v; false when a solve failed.

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kBisections = 60;
 
-// Islands of the joints that rub, or one where springs join islands; and the joints island by island.
+// Finds the islands of joints with friction, or a single one if springs couple islands, and lists the joints by island.
 void find_islands(const Scene& scene, const SceneData& islands, ResistingJoints& j) {
   j.island.assign(j.rubbing.size(), 0);
   std::size_t r = 0;

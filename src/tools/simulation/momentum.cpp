@@ -16,7 +16,7 @@ bool may_begin_group(const Joint& joint) {
   return joint.type == JointType::kFloating || (joint.type == JointType::kPlanar && joint.parent < 0);
 }
 
-// Whether rotors or friction act along the joint's coordinates: momentum passes through it then.
+// Whether rotors or friction act along the joint's coordinates, so that the joint transmits momentum.
 bool has_own_forces(const Model& model, const Joint& joint) {
   const auto any = [&](const Eigen::VectorXd& x) {
     return x.size() > 0 && !x.segment(joint.idx_v, joint.nv()).isZero(0);
@@ -47,7 +47,7 @@ bool holds_in_plane(const Contact& c) {
   return c.type == ContactType::k1D && c.reference_frame != ReferenceFrame::kLocal;
 }
 
-// Joins the nodes that contacts, motors, friction or rotors join.
+// Merges the nodes that contacts, motors, friction or rotors couple.
 void join_nodes(const Scene& scene, const std::vector<char>& active, FreeGroups& groups) {
   sparse::UnionFind sets(groups.group);
   for (const FreeGroups::FreeJoint& j : groups.joints) {

@@ -21,7 +21,7 @@ Vec6<double> seen_at(const Vec6<double>& motion, const Vec3<double>& p) {
 
 Vec3<double> com_of(const FreeGroup& group) { return group.Y.h / group.Y.m; }  // vector from the reference
 
-// use(coordinate, its column of kin.J) for all coordinates above joint i of the robot, its own among them.
+// Calls use(coordinate, its column of kin.J) for the coordinates of joint i of the robot and of all joints above it.
 template <class Use>
 void each_above(const Robot& robot, int i, const Kinematics<double>& kin, Use&& use) {
   const Model& model = *robot.model;
@@ -192,7 +192,7 @@ void differentiate_displacement(const Scene& scene, const std::vector<Kinematics
   }
 }
 
-// A joint's rows of v += a motion given in the world's axes, by columns.
+// Adds a motion, given in the world's axes, to a joint's rows of v, column by column.
 template <class Linear, class Angular>
 void add_motion_rows(const Scene& scene, const FreeGroups::FreeJoint& j, const Mat3<double>& to_child,
                      const Linear& linear, const Angular& angular, Eigen::MatrixXd& F) {

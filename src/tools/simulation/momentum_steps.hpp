@@ -10,8 +10,8 @@ namespace manycontact::internal {
 inline FreeGroup& group_at(FreeGroups& groups, int node) { return groups.groups[groups.group[node]]; }
 inline const FreeGroup& group_at(const FreeGroups& groups, int node) { return groups.groups[groups.group[node]]; }
 
-/// use(group, sign) of what moves with a free joint: the group below it, and with sign -1 that above. Only groups that
-/// are free, and neither where both are one.
+/// Calls use(group, sign) for the groups that a free joint moves: the group below it with sign 1, the group above it
+/// with sign -1. Groups tied to the world are skipped; if both sides are in one group, nothing is called.
 template <class Groups, class Use>
 void each_side(Groups& groups, const FreeGroups::FreeJoint& j, Use&& use) {
   if (groups.group[j.node] == groups.group[j.parent]) return;
@@ -34,7 +34,7 @@ Vec3<double> place_of(const Attachment& at, const std::vector<Kinematics<double>
 void measure(const Scene& scene, const std::vector<Kinematics<double>>& kin, FreeGroups& groups);
 /// Angular momentum about the centre of mass C, seen from the reference.
 Vec3<double> spin(const FreeGroup& group, const Vec3<double>& C);
-/// Takes away what is across the plane of a group that has one.
+/// If the group moves in a plane, removes the components of x across it.
 void in_the_plane(const FreeGroup& group, Vec3<double>& x);
 /// dw of I_C dw = dL; about axes without inertia 0.
 Vec3<double> turn_for(const FreeGroup& group, const Mat3<double>& I, const Vec3<double>& dL);
@@ -55,7 +55,8 @@ inline Vec3<double> centre_of(const FreeGroup& group) { return group.reference +
 /// Returns the inertia of a group about its centre of mass.
 inline Mat3<double> joint_space_inertia(const FreeGroup& group) { return group.Y.seen_at(-group.Y.h / group.Y.m).I; }
 
-/// A free joint's coordinates of a motion or wrench at its origin, in the child's axes, as those of a floating joint.
+/// Returns the coordinates of a motion or wrench at a free joint's origin, in the child's axes and the order of a
+/// floating joint.
 template <class V>
 Vec6<double> as_floating(const Joint& joint, const V& x) {
   Vec6<double> out = Vec6<double>::Zero();
@@ -66,7 +67,8 @@ Vec6<double> as_floating(const Joint& joint, const V& x) {
   return out;
 }
 
-/// Adds a motion in the child's axes to a free joint's coordinates; of a planar joint what is in its plane.
+/// Adds a motion in the child's axes to a free joint's coordinates. For a planar joint only the components in its plane
+/// are added.
 template <class V>
 void add_motion(const Joint& joint, const Vec3<double>& linear, const Vec3<double>& angular, V& to) {
   if (joint.type == JointType::kPlanar) {

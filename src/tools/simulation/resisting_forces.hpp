@@ -1,5 +1,5 @@
 #pragma once
-// Memory of what a semi-implicit Euler step takes at its end.
+// Workspace of the end of a semi-implicit Euler step.
 
 #include <optional>
 
@@ -11,8 +11,8 @@ namespace manycontact {
 
 namespace internal {
 
-/// Memory of bounded_energy.cpp. Springs and contacts join robots in clusters. The entry of a cluster's first robot has
-/// the energy of the cluster [J].
+/// Workspace of bounded_energy.cpp. Springs and contacts couple robots into clusters. The entry of a cluster's first
+/// robot is the energy of the cluster [J].
 struct BoundedEnergy {
   // Kept from step to step: energy that springs may still give, and the most that it has been. NaN where it must be
   // computed.
@@ -41,8 +41,8 @@ struct AtRest {
 };
 AtRest at_rest_with_joints(SimulationData& data);
 
-/// Before a step's solves: adds what PD laws do at its start to data.w, and to M what all joints add at its end. The
-/// scene at rest with that follows `scene` and the contacts that are active.
+/// Call it before a step's solves. Adds the forces of PD laws at the start of the step to data.w, and to M the terms of
+/// all joint forces at its end. The scene at rest with these terms follows `scene` and the active contacts.
 void take_joints(const Scene& scene, SimulationData& data);
 /// After them: data.pd_torque and data.work of joints.
 void account_for_joints(const Scene& scene, SimulationData& data, const Eigen::VectorXd& v_next);

@@ -123,7 +123,8 @@ bool solve_in_batches(Eigen::VectorXd& b, SimulationData& d) {
 
 const Eigen::VectorXd& answer(SimulationData& d) { return at_rest_with_joints(d).data.a; }
 
-// Sets the contacts' gains aside: placement errors have no part in what a unit force gives.
+// Sets the contacts' gains alpha to zero during its lifetime: placement errors must not affect the response to a unit
+// force.
 class WithoutGains {
  public:
   WithoutGains(Scene& rest, std::vector<double>& gains) : rest_(rest), gains_(gains) {
@@ -182,7 +183,7 @@ void multiply(const Scene& rest, const SceneData& data, const DerivativeData& in
   }
 }
 
-// use(row, of which row's force, J K^-1 J^T); false when a solve failed.
+// Calls use(row, row of the unit force, entry of J K^-1 J^T). Returns false if a solve failed.
 template <class Use>
 bool each_response(SimulationData& d, ResistingSprings& s, Use&& use) {
   const auto [rest, data] = at_rest_with_joints(d);
@@ -287,7 +288,7 @@ bool find_across(const SimulationData& d, ResistingSprings& s) {
   return true;
 }
 
-// Whether most of J K^-1 J^T is there.
+// Whether J K^-1 J^T has few rows, or enough nonzero entries to be stored densely.
 bool is_dense(const ResistingSprings& s) {
   double responses = 0;
   for (const UnitForce& end : s.ends) responses += 2 * end.number + 1;

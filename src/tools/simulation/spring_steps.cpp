@@ -16,7 +16,7 @@ namespace {
 constexpr double kReachOfRk4 = 2.6;
 constexpr int kMostAsked = 100;  // joints of a robot
 
-// k and c of joints' coordinates, friction by its slope at rest.
+// Stiffness k and damping c of the joints' coordinates. Friction is replaced by its slope at rest.
 struct JointForces {
   Eigen::VectorXd k, c;
   JointForces(const Scene& scene, const PdLaws& pd) : k(Eigen::VectorXd::Zero(scene.nv)) {

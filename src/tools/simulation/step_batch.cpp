@@ -49,7 +49,7 @@ void expect(bool fits, const char* what) {
   if (!fits) throw std::invalid_argument(what);
 }
 
-// Rows first ... of X, one after the other; copies left over take the last row.
+// Copies rows first ... of X into `out`, one after the other. Surplus copies repeat the last row.
 void side_by_side(const ConstBatchRows& X, Eigen::Index first, int copies, Eigen::VectorXd& out) {
   out.resize(copies * X.cols());
   for (int k = 0; k < copies; ++k)
@@ -135,7 +135,8 @@ bool rows_depend(SimulationData& d) {
   return std::ranges::any_of(internal::at_rest_with_joints(d).data.report.islands, has_dependent);
 }
 
-// use(data) of a part: its own, or the thread's. True: the data are the part's own from then on.
+// Calls use(data) with the part's own data or those of the thread. If the result is true, the data belong to the part
+// from then on.
 template <class Use>
 void with_data(const Work& work, std::unique_ptr<SimulationData>& of_thread, Part& part, Use&& use) {
   if (part.own) return (void)use(*part.own);

@@ -38,7 +38,7 @@ void dexp_inverse(const Scene& scene, const Eigen::VectorXd& w, const Eigen::Vec
     }
 }
 
-// Work and mean torques of what resists, at the stage's state, for the time dt of share `weight` of the step.
+// Adds work and mean torques of resisting forces at the stage's state, for the share `weight` of the step dt.
 void account_for_stage(const Scene& scene, double weight, SimulationData& d) {
   const double dt = weight * d.h;
   for (const Robot& robot : scene.robots) {

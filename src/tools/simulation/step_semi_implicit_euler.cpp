@@ -36,7 +36,7 @@ void begin_motion(const Scene& scene, bool goes_on, SimulationData& d) {
   if (any_free || !goes_on) kinematics_at(scene, d.q, d.v, d.at_rest.kin);
 }
 
-// (1 - beta h) c; c is J v where the state or the contacts are not those of the last step.
+// Sets data.wanted to (1 - beta h) c. c is J v if the state or the contacts have changed since the last step.
 void want_contact_velocities(const Scene& scene, bool goes_on, SimulationData& d) {
   prepare(d.at_rest.scene, d.dynamics);
   if (!goes_on) {

@@ -15,7 +15,8 @@ bool rows_may_turn(const Scene& scene, const SimulationData& d) {
 
 namespace {
 
-// use(contact, its rows, turning_of_rows) of active contacts whose rows turn, with data.at_rest.kin at the state.
+// Calls use(contact, its rows, turning_of_rows) for active contacts whose rows rotate, with data.at_rest.kin at the
+// state.
 template <class Use>
 bool each_turning(const Scene& scene, SimulationData& d, Use&& use) {
   bool any = false;

@@ -34,7 +34,7 @@ class UnitTorques {
   double along(int spring, const Vec3<double>& direction, int island) const;
   /// Assigns robots to islands: contacts flagged `active` join them.
   void find_islands(const Scene& scene, const std::vector<char>& active);
-  /// The island of a spring's end; -1 if that is fixed to the world.
+  /// Returns the island of a spring's end, or -1 if the end is fixed to the world.
   int island_of(int spring, int end) const { return island_of_end_[end][spring]; }
   /// Adds the forces on a spring's ends, one for each of their islands, or the force on a joint, and numbers them.
   void add_forces(int spring, const Vec3<double>& direction, std::vector<UnitForce>& to);

@@ -42,11 +42,11 @@ class Cholmod {
 
   /// Numeric factorization of the values Ax in the pattern's slots. False when a pivot is zero.
   [[nodiscard]] bool factorize(const double* Ax);
-  /// X <- A^-1 X, X an n x cols matrix by columns.
+  /// X <- A^-1 X, where X is an n x cols matrix in column-major order.
   void solve(double* X, int cols);
   /// Copies the n pivots to D, in the order of elimination.
   void pivots(double* D) const;
-  /// Computes what pivot_terms in ldl.hpp does (n).
+  /// Computes the terms of the pivots, as pivot_terms in ldl.hpp (n).
   void pivot_terms(const double* Ax, double* terms) const;
   const CholmodSymbolic& symbolic() const;
 

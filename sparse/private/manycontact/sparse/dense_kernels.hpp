@@ -1,6 +1,6 @@
 #pragma once
-// Products and factors of dense blocks by columns, compiled once per level of instructions (blocks/level.cpp). Plain
-// memory passes between levels, nothing of Eigen's.
+// Products and factors of dense column-major blocks, compiled once per instruction level (blocks/level.cpp). Only raw
+// pointers are passed between levels, no Eigen types.
 
 #include <cstddef>
 

@@ -30,7 +30,8 @@ struct LdlWorkspace {
 };
 
 LdlSymbolic ldl_analyze(const UpperCsc& A);
-/// Rp, Rj, Rk from the columns' rows: a row's columns ascend, those before others that depend on them.
+/// Fills Rp, Rj, Rk from the columns' rows. The columns of a row are in ascending order; each column precedes those
+/// that depend on it.
 void list_rows(LdlSymbolic& L);
 
 /// L's size as that analysis would find it, in the terms of LdlSymbolic.
@@ -49,17 +50,17 @@ LdlCounts ldl_count(const UpperCsc& A);
 [[nodiscard]] int ldl_factor(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, LdlWorkspace& work,
                              double* Lx, double* D);
 
-/// The same by our own elimination, row by row, with the terms of the pivots, scale[k] = |A_kk| + sum_j L_kj^2 |D_j|
-/// (n). A row whose pivot is no more than least[k] scale[k] is not eliminated: its column of L is zero. Goes on where a
-/// pivot is zero, or no number: the caller judges D and scale.
+/// Factorizes A row by row with the library's own elimination. Also computes the terms of the pivots, scale[k] = |A_kk|
+/// + sum_j L_kj^2 |D_j| (n). A row whose pivot is at most least[k] scale[k] is not eliminated: its column of L is zero.
+/// Elimination continues after a pivot that is zero or NaN: the caller checks D and scale.
 void ldl_factor_by_rows(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, const double* least,
                         LdlWorkspace& work, double* Lx, double* D, double* scale);
 
 /// x <- A^-1 x.
 void ldl_solve(const LdlSymbolic& symbolic, const double* Lx, const double* D, double* x);
-/// The same in the rows from `first` on, where x is zero in those before, which are left so.
+/// Solves in the rows from `first` on. x is zero in the rows before `first`, and these rows are not changed.
 void ldl_solve_trailing(const LdlSymbolic& symbolic, const double* Lx, const double* D, int first, double* x);
-/// The same of a row-major panel of so many columns, rows in A's order.
+/// Solves likewise for a row-major panel with this number of columns; its rows are in A's order.
 inline constexpr int kTrailingColumns = 8;
 void ldl_solve_trailing_columns(const LdlSymbolic& symbolic, const double* Lx, const double* D, int first, double* X);
 

@@ -17,7 +17,8 @@ namespace manycontact::sparse {
 
 namespace kernel {
 
-/// t += sum over columns c of u[c stride] times the rows at x: those of column c + 1 are `step - c` behind column c's.
+/// t += the sum over columns c of u[c stride] times the rows at x. The rows of column c + 1 start `step - c` behind
+/// those of column c.
 template <class V, int N>
 inline void accumulate(Tile<V, N>& t, const V* x, int step, const V* u, int stride, int columns) {
   for (int c = 0; c < columns; ++c, u += stride) {
@@ -26,7 +27,7 @@ inline void accumulate(Tile<V, N>& t, const V* x, int step, const V* u, int stri
   }
 }
 
-/// 1 / d for each pivot d of row k, whose terms have the size `scale`.
+/// Returns the inverse 1 / d of the pivot d of a row. The row number and the size of its terms are not used.
 struct Inverse {
   template <class V>
   V operator()(int, const V& d, const V&) const {
@@ -34,7 +35,7 @@ struct Inverse {
   }
 };
 
-/// The columns of a block among themselves, each by those before it. first: the number of its first column.
+/// Eliminates the columns within a block, each with those before it. first: the number of the block's first column.
 template <class V, class InverseOf>
 void factor_block(int first, int width, int below, V* L, V* D, V* scale, InverseOf& inverse_of) {
   V u[LdlSchedule::kWidest];  // -L_ac D_c
@@ -196,7 +197,8 @@ void ldl_scheduled_factor(const LdlSchedule& schedule, const A* Ax, V* Lx, V* D,
   }
 }
 
-/// x <- L^-1 x. Where not all columns are eliminated, x ends in the right-hand side of the Schur complement.
+/// x <- L^-1 x. If only the first columns are eliminated, the last entries of x become the right-hand side of the Schur
+/// complement.
 template <class V>
 void ldl_scheduled_forward(const LdlSchedule& schedule, const V* Lx, V* x) {
   const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
@@ -207,7 +209,8 @@ void ldl_scheduled_forward(const LdlSchedule& schedule, const V* Lx, V* x) {
   }
 }
 
-/// x <- L^-T D^-1 x. Where not all columns are eliminated, x ends in the solution of the Schur complement.
+/// x <- L^-T D^-1 x. If only the first columns are eliminated, the last entries of x must be the solution of the Schur
+/// complement.
 template <class V, class Prefetch = kernel::NoPrefetch>
 void ldl_scheduled_backward(const LdlSchedule& schedule, const V* Lx, const V* D, V* x, Prefetch prefetch = {}) {
   const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
@@ -225,7 +228,7 @@ void ldl_scheduled_solve(const LdlSchedule& schedule, const V* Lx, const V* D, V
   ldl_scheduled_backward(schedule, Lx, D, x);
 }
 
-/// Sets the flags of the rows that the forward sweep reaches from those whose flags are set.
+/// Sets the flags of all rows that the forward sweep reaches from rows whose flags are set.
 inline void ldl_scheduled_reach(const LdlSchedule& schedule, char* nonzero) {
   for (int k = 0; k < schedule.blocks(); ++k) {
     char any = 0;

@@ -1,5 +1,6 @@
 #pragma once
-// More memory than there is, refused before it is asked for: the system would promise it and end the program later.
+// Requests for more memory than the machine has are refused early: the system would grant them and end the program
+// later.
 
 #include <cstddef>
 #include <memory>

@@ -1,6 +1,6 @@
 #pragma once
-// Kernels on sparse factors and on row-major panels of doubles, compiled for several levels of instructions and chosen
-// when the program runs. Levels agree to rounding.
+// Kernels on sparse factors and on row-major panels of doubles. They are compiled for several instruction sets, of
+// which one is chosen at run time. Results of different instruction sets agree up to rounding errors.
 
 #include <cstddef>
 #include <span>
@@ -15,9 +15,9 @@ constexpr int padded(std::ptrdiff_t n) { return static_cast<int>((n + 7) / 8 * 8
 struct PanelKernels {
   const char* name;
   int columns;  // columns of a panel computed at a time
-  /// ldl_scheduled_factor, ldl_scheduled_solve (ldl_kernels.hpp) of doubles, and residual (upper_csc.hpp). least: a row
-  /// whose pivot is no more than least[k] scale[k] is not eliminated, as by ldl_factor_by_rows (ldl.hpp); ends soon
-  /// after `most` such rows. Or nullptr.
+  /// ldl_scheduled_factor and ldl_scheduled_solve (ldl_kernels.hpp) for doubles, and residual (upper_csc.hpp). A row
+  /// whose pivot is at most least[k] scale[k] is not eliminated, as in ldl_factor_by_rows (ldl.hpp). The factorization
+  /// ends soon after `most` such rows. `least` may be nullptr.
   void (*factor)(const LdlSchedule& schedule, const double* Ax, const double* least, int most, double* Lx, double* D,
                  double* scale);
   void (*solve_vector)(const LdlSchedule& schedule, const double* Lx, const double* D, double* x);
@@ -26,7 +26,7 @@ struct PanelKernels {
   /// X <- A^-1 X, as ldl_solve_panel (ldl.hpp). work: work_size(schedule) doubles.
   void (*solve)(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
                 int first, int cols, char* nonzero, double* work);
-  /// The same refined once: with X = A^-1 B, X + A^-1 (B - A X).
+  /// Computes X = A^-1 B and refines it once: X + A^-1 (B - A X).
   void (*solve_refined)(const LdlSchedule& schedule, const UpperCsc& A, const double* Ax, const double* Lx,
                         const double* D, const int* row, double* X, int ld, int first, int cols, char* nonzero,
                         double* work);
@@ -38,12 +38,12 @@ struct PanelKernels {
   /// H = L^T R. L: depth x ldl, of which the first `rows` columns; R: depth x ld, H: rows x ld, of which the first
   /// `cols` columns, with ld >= cols a multiple of eight.
   void (*product)(const double* L, int ldl, const double* R, int depth, int rows, int cols, int ld, double* H);
-  /// The same where row k of R is R + from[k] ld and row i of H is H + to[i] ld. non_temporal: H, larger than the
-  /// caches, bypasses them; then H starts at a cache line and ld is a multiple of eight.
+  /// Computes `product` with row k of R at R + from[k] ld and row i of H at H + to[i] ld. non_temporal: H is larger
+  /// than the caches, and stores bypass them. H must then start at a cache line, and ld must be a multiple of eight.
   void (*product_of_rows)(const double* L, int ldl, const double* R, const int* from, int depth, double* H,
                           const int* to, int rows, int cols, int ld, bool non_temporal);
-  /// X <- L^-1 X (L^-T X) for the n x n factor of a Cholesky decomposition, by columns, column j at L + j ldl.
-  /// X: n x ld, of which the first `cols` columns, with ld >= cols a multiple of eight.
+  /// X <- L^-1 X (L^-T X) for the n x n Cholesky factor L, which is column-major: column j starts at L + j ldl. X is n
+  /// x ld; its first `cols` columns are used, with ld >= cols a multiple of eight.
   void (*lower_solve)(const double* L, int ldl, int n, double* X, int cols, int ld);
   void (*upper_solve)(const double* L, int ldl, int n, double* X, int cols, int ld);
 
@@ -55,7 +55,7 @@ struct PanelKernels {
 
 /// The widest level that runs here.
 const PanelKernels& panel_kernels();
-/// All levels of this build that run here, the widest first.
+/// Returns all instruction levels of this build that the processor supports, the widest first.
 std::span<const PanelKernels* const> panel_levels();
 
 }  // namespace manycontact::sparse

@@ -11,8 +11,9 @@ struct Refinement {
   double backward_error = 0, first = 0;  // last, and before the first step
 };
 
-/// Until the error is at most `small`, or max_steps corrections are made, or one did not halve the error (what is left
-/// is then rounding, or the factor is too poor to help; the last correction stays).
+/// Refines x until the error is at most `small`, max_steps corrections are made, or a correction does not halve the
+/// error. In the last case only rounding errors remain, or the factor is too inaccurate to help; the last correction is
+/// kept.
 ///
 /// residual(): r <- b - A x, returns its relative size as a double; NaN ends the refinement. Errors of wider scalars
 /// may be cast: a double's relative sizes reach down to 1e-308.

@@ -178,8 +178,9 @@ inline void finish_streams() {
 #endif
 }
 
-/// Prefetches, during a sweep over a matrix, the same entries of another one of its pattern, so many bytes further.
-/// That matrix is next and no longer in the nearest cache. By default nothing is fetched.
+/// Prefetches, during a sweep over one matrix, the same entries of another matrix with the same pattern, at a given
+/// offset in bytes. The other matrix is used next and is no longer in the nearest cache. By default nothing is
+/// prefetched.
 struct PrefetchNext {
   std::ptrdiff_t bytes;
   template <class V>

@@ -154,7 +154,7 @@ inline constexpr int kOneByOne = 400;
 /// Rows of K below which all columns of its inverse are summed up; beyond, the norm is estimated.
 /// Used by: inverse_norm.
 inline constexpr int kSmallInverse = 64;
-/// Rows of a subtree of sparse-bodies in a SIMD batch: beyond, the cost that grows with their square is felt.
+/// Largest number of rows of a subtree of sparse-bodies in a SIMD batch. For more rows the quadratic cost dominates.
 /// Used by: lanes/subtree_plan.cpp.
 inline constexpr int kLargestSubtree = 64;
 /// Complete rows that stay open above a node: its body has six directions, so that more would depend on each other.

@@ -1,5 +1,5 @@
 #pragma once
-// Symmetric sparse matrices, stored as their upper triangle by columns.
+// Symmetric sparse matrices, stored as their upper triangle in compressed column format.
 
 #include <vector>
 

@@ -39,7 +39,7 @@ class JacobianRate {
         n_(na_ + static_cast<int>(b.support.size())) {}
 
   const auto& W() const { return rows_.W; }
-  /// use(k) for coordinates k that J changes with.
+  /// Calls use(k) for the coordinates k on which J depends.
   template <class Use>
   void each_column(Use&& use) const {
     for (int k : columns_) use(k);
@@ -47,7 +47,7 @@ class JacobianRate {
     for (int i : chain_a_) use(first_a_ + i);
   }
 
-  /// use(k, d(J_l y)/dq_k) for coordinates k, some of them twice: to be added up.
+  /// Calls use(k, d(J_l y)/dq_k) for coordinates k. A coordinate may occur twice: the caller adds the values.
   template <class Y, class Use>
   void of_motion(const Y& y, Use&& use) const {
     const V6 of_b = sum(y, na_, n_);
@@ -59,7 +59,7 @@ class JacobianRate {
     for (int i : chain_a_) use(first_a_ + i, turned<S>(turn(i), nu));
   }
 
-  /// use(i, (d(J_l^T F)/dq dq)_i) for the contact's coordinates i, F in A's axes.
+  /// Calls use(i, (d(J_l^T F)/dq dq)_i) for the contact's coordinates i, with F in A's axes.
   template <class Y, class Use>
   void of_force(const V6& F, const Y& dq, Use&& use) const {
     V6 turning = V6::Zero();  // th x F on both parts: -(th x s)^T F = s^T (th x F)

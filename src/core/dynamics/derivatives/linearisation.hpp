@@ -1,6 +1,6 @@
 #pragma once
-// Motions and contact rows at the solution's accelerations: what derivatives, products with them and quasi-static
-// torques start from.
+// Motions and contact rows at the solution's accelerations. Derivatives, their products with vectors and quasi-static
+// torques are computed from them.
 
 #include "manycontact/contact/products.hpp"
 #include "manycontact/detail/algorithm/rnea_derivatives.hpp"

@@ -9,7 +9,8 @@ namespace {
 
 enum Columns { kOfQ, kOfV, kOfU, kOfW };
 
-// use(value, its row, its column in the scene, by what, whether it is of forces) for each entry of an island's blocks.
+// Calls use(value, its row, its column in the scene, variable of differentiation, whether it is a derivative of forces)
+// for each entry of an island's blocks.
 template <class Use>
 void each_entry(const Scene& scene, const SceneData& data, const Island& island, const IslandDerivatives& d,
                 Use&& use) {

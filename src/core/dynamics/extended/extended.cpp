@@ -30,7 +30,8 @@ using tolerance::kExtendedConverged, tolerance::kExtendedVanishing, tolerance::k
 
 using OfIsland = ExtendedWork::OfIsland;
 
-// Whether the double solution is one of this scene's equations. With damping all rows count: none may be left out.
+// Whether the double solution may be refined for this scene's equations. With damping all rows count: none may have
+// been dropped.
 bool may_refine(const Scene& scene, const IslandWork& d, const IslandReport& report) {
   if (!d.answered || (d.matrix.tolerated > 0 && !d.matrix.within.changes().empty())) return false;
   if (scene.damping > 0 && report.rank < report.nc && report.reason != Reason::kDampingLost) return false;
@@ -51,7 +52,7 @@ void take_part(const SceneData& data, ExtendedWork& e) {
 }
 extended::Part part_of(const ExtendedWork& e) { return {e.robots, e.contacts}; }
 
-// use(contact, row of the contact, row of f) of the islands at work.
+// Calls use(contact, row of the contact, row of f) for the islands being refined.
 template <class Use>
 void each_row(const Scene& scene, const SceneData& data, const ExtendedWork& e, const Use& use) {
   for (int c : e.contacts)
@@ -66,7 +67,8 @@ double largest(const Scene& scene, const Island& island, const Eigen::VectorXd& 
   });
   return out;
 }
-// [a; y] <- K^+ [a; y] of the scratch of products, of the open islands. NaN where an island's system fails.
+// [a; y] <- K^+ [a; y] for the open islands, in the workspace of products. The result is NaN where an island's system
+// fails.
 void invert_islands(const Scene& scene, SceneData& data, const ExtendedWork& e) {
   Workspace& w = *data.workspace;
   ProductWork& x = *w.products;
@@ -129,7 +131,7 @@ double change_of_parts(const Scene& scene, const SceneData& data, const Extended
   return out;
 }
 
-// Whether an island has converged or cannot, by the current correction, which is yet to be added.
+// State of an island's refinement, judged by the current correction, which is added afterwards.
 enum class Progress { kGoesOn, kConverged, kFailed };
 Progress judge(const Scene& scene, const SceneData& data, const ExtendedWork& e, std::size_t i, OfIsland& of) {
   const Island& island = solved_island(data, i);
@@ -276,7 +278,7 @@ void project(const Scene& scene, SceneData& data, extended::Equations::Projected
       });
 }
 
-// Opens islands whose rows depend on each other. Whether there are any.
+// Opens the islands with redundant rows. Returns whether there are any.
 bool open_dependent(const SceneData& data, ExtendedWork& e) {
   for (OfIsland& of : e.islands) of.open = of.refined && of.projects;
   take_part(data, e);
@@ -325,7 +327,7 @@ void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
   }
 }
 
-// x of the current solution, in e. Nothing else changes.
+// Computes x of the current solution in `e`. Nothing else changes.
 void refine(const Scene& scene, SceneData& data, ExtendedWork& e) {
   const Workspace& w = *data.workspace;
   e.state = 0;
@@ -375,7 +377,7 @@ void take_answers(const Scene& scene, SceneData& data, ExtendedWork& e) {
 
 constexpr double kJustAbove = 1 + 0x1p-20;  // rounding of a distance; of a bound that is to be above 1
 
-// A solution's size and the bound by |K^-1|, which is relative to it; and what is known since.
+// The size of a solution, its relative error bound by |K^-1|, and what refinement has found since.
 struct Distance {
   double size, size_before, by_inverse;
   double distance, last, at_rest;

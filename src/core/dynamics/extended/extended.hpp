@@ -19,7 +19,7 @@ struct SceneData;
 struct ExtendedWork {
   explicit ExtendedWork(const Scene& scene);
 
-  /// One island at work, and afterwards what its bounds need.
+  /// The data of one island during refinement, and afterwards for its error bounds.
   struct OfIsland {
     bool open = false;                    // it is at work
     bool refined = false;                 // it is to be refined; afterwards: it is

@@ -25,7 +25,8 @@ struct ForceSize {
   double force = 0, moment = 0;
 };
 
-// One robot at work: its kinematics at the state, and what a vector x makes of its bodies.
+// The data of one robot during refinement: its kinematics at the state, and the motions and forces of its bodies for a
+// vector x.
 struct RobotWork {
   explicit RobotWork(const Model& model)
       : kin(model),

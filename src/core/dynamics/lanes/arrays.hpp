@@ -39,7 +39,7 @@ const Pack<W, E>* as_scalar(const Pack<W, E>* x) {
 /// The most robots that a SIMD batch has: of floats in the widest registers.
 inline constexpr int kMostInBatch = 16;
 
-/// The doubles of two packs as floats, those of `a` first.
+/// Converts the doubles of two packs to floats, those of `a` first.
 template <int H, std::size_t... I>
 Pack<2 * H, float> narrowed(const Pack<H>& a, const Pack<H>& b, std::index_sequence<I...>) {
   typedef float Half __attribute__((vector_size(sizeof(float) * H)));
@@ -47,7 +47,7 @@ Pack<2 * H, float> narrowed(const Pack<H>& a, const Pack<H>& b, std::index_seque
   return Pack<2 * H, float>::of(__builtin_shufflevector(x, y, I...));
 }
 
-/// Element l of to[k] = from[l][k] for k < count, rounded where these are floats. Elements beyond those given repeat
+/// to[k] has element l from[l][k] for k < count, rounded if the elements are floats. Elements beyond those given repeat
 /// the last one.
 template <int W, class E>
 [[gnu::noinline]] void load_arrays(std::span<const double* const> from, int count, Pack<W, E>* to) {

@@ -1,7 +1,7 @@
 #pragma once
-// A robot as a block of its island's K: bordered by the rows of the contacts that join it to other robots, where there
-// are any. These contacts are contacts with the world there; their rows, the border, come last and are not eliminated
-// (systems/robots/interface.hpp has the method). A robot alone has an empty border.
+// A robot as a block of its island's K. If contacts couple it to other robots, the block is bordered by their rows. In
+// the block these contacts are contacts with the world; their rows, the border, come last and are not eliminated
+// (systems/robots/interface.hpp describes the method). A robot that is an island of its own has an empty border.
 
 #include <algorithm>
 
@@ -10,8 +10,8 @@
 
 namespace manycontact::lanes {
 
-/// One array per contact that joins a robot, of the body that it is on: where it is and how it moves, the columns of J
-/// that move it ...
+/// One array per contact that couples the robot to another, for the body that it is on: position and motion of the
+/// body, and the columns of J that move it ...
 struct JoinedEnd {  // origin, oMi, v, a, J
   static std::size_t size(std::size_t coordinates) { return 30 + 6 * coordinates; }
 };
@@ -19,11 +19,11 @@ struct JoinedEnd {  // origin, oMi, v, a, J
 struct MovingEnd {
   static std::size_t size(std::size_t coordinates) { return 30 + 24 * coordinates; }
 };
-/// The results in that memory (EndForce): the contact's force on the body, in the tree frame; the columns of J_l;
-/// by rows, D of the robot's own coordinates (JoinTerms).
+/// The results in the same memory (EndForce): the contact's force on the body, in the tree frame; the columns of J_l;
+/// row-major, D of the robot's own coordinates (JoinTerms).
 
-/// The end of a contact that does not move: in the world, its axes about its origin; on a base, its frame about the
-/// base's origin.
+/// The end of a contact that is fixed to the world or to a base. `frame` is relative to `origin`, in the world's axes.
+/// The origin is the contact's own if it is fixed to the world, and that of the base otherwise.
 template <class S>
 struct StandingEnd {
   SE3<S> frame;
@@ -50,7 +50,7 @@ struct BlockPlan {
   const sparse::LdlSchedule& schedule() const { return border() > 0 ? bordered : pattern->schedule(); }
 
   std::size_t joins() const { return supports.size() - static_cast<std::size_t>(alone); }
-  /// Sizes of Robot::joins and of Robot::ends.
+  /// Return the sizes of Robot::joins and of Robot::ends.
   template <class End>
   std::size_t size_of_ends(std::size_t count) const {  // the first `count` ends
     std::size_t size = 0;
@@ -60,8 +60,8 @@ struct BlockPlan {
   std::size_t joins_size() const { return size_of_ends<JoinedEnd>(joins()); }
   std::size_t ends_size() const { return size_of_ends<MovingEnd>(joins()); }
 
-  /// Numbers of a robot from step to step: K and b; behind them its joins, and from `factor` on L, D, x, w in their
-  /// place.
+  /// Size of a robot's memory that is kept between steps: K and b. Its joins follow behind them; from `factor` on, L,
+  /// D, x, w overwrite the joins.
   std::size_t kept_size() const { return static_cast<std::size_t>(pattern->K.nonzeros() + pattern->size()); }
   std::size_t memory_size() const { return waiting_at() + waiting_size(); }
   /// Behind all these: WaitingRows' numbers, of so many rows.
@@ -80,10 +80,10 @@ struct BlockPlan {
   int factor_nonzeros() const { return pattern->ldl.Lp[rows()]; }  // entries of L below its diagonal
 };
 
-/// Terms of derivatives of a contact that joins two robots, one array after the other. By columns J and W (rows x cols,
-/// rows x 6), -dr2/dq and -dr2/dv (rows x cols); by rows, padded to a multiple of eight, D_A and D_B (6 x cols): what
-/// the contact's force on A's and on B's body does, in A's axes, beyond one that is fixed to the body, when a
-/// coordinate moves.
+/// Derivative terms of a contact that couples two robots, in consecutive arrays. Column-major: J and W (rows x cols,
+/// rows x 6), -dr2/dq and -dr2/dv (rows x cols). Row-major, padded to a multiple of eight: D_A and D_B (6 x cols).
+/// These describe, in A's axes, how the contact's force on A's and on B's body changes with a coordinate, relative to a
+/// force fixed to the body.
 struct JoinTerms {
   double* J;
   int rows, cols;

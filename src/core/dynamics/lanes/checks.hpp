@@ -1,5 +1,5 @@
 #pragma once
-// Whether the numbers of a SIMD batch are sound, per element.
+// Checks, per element, that the numbers of a SIMD batch are accurate enough to be used.
 
 #include <limits>
 #include <span>
@@ -12,7 +12,7 @@
 
 namespace manycontact::lanes {
 
-/// f(k, k mod 4) for k < n: four sums, or largest entries, that do not wait for each other.
+/// Evaluates f(k, k mod 4) for k < n: four independent sums, or maxima, that can be computed in parallel.
 template <class F>
 [[gnu::always_inline]] inline void in_four(std::size_t n, F&& f) {
   std::size_t k = 0;
@@ -58,14 +58,14 @@ typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S
   return usable;
 }
 
-/// The judge of the pivots of one elimination, in its order. passed_on_more: by how much more two pivots in turn have
-/// to leave than those of doubles.
+/// Judges the pivots of one elimination, in its order. passed_on_more: factor by which the threshold for two successive
+/// pivots exceeds that of doubles.
 template <class S>
 class PivotJudge {
  public:
   explicit PivotJudge(double passed_on_more = kPassedOn<S>) : more_(passed_on_more) {}
-  /// Whether the next pivot is more than `margin` times rounding. Pivots that are not pass nothing on. diagonal: K_kk
-  /// of its row k.
+  /// Whether the next pivot is more than `margin` times its rounding error. Rejected pivots do not affect the
+  /// thresholds of later ones. diagonal: K_kk of its row k.
   typename S::Mask accepts(const rank::Pivot<S>& pivot, const S& diagonal, double margin = 1) {
     const S left = select(diagonal < S(0), S(1), abs(pivot.d) / (more_ * pivot.terms));  // a damped row of J
     rank::PassedOn<S> next = passed_on_;
@@ -123,7 +123,7 @@ struct Largest {
   Largest(S least_scale, std::span<const int> rows, const S* residual, const S* size)
       : Largest(
             least_scale, rows.size(), [&](std::size_t k) { return rows[k]; }, residual, size) {}
-  /// The same for the first `count` rows.
+  /// Computes the maximum over the first `count` rows.
   Largest(S least_scale, std::size_t count, const S* residual, const S* size)
       : Largest(
             least_scale, count, [](std::size_t k) { return k; }, residual, size) {}

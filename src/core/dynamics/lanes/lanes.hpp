@@ -68,7 +68,8 @@ struct ProductJob : Solution {
   std::array<double*, 3> out;
 };
 
-/// Result of one island. Where it is not sound, nothing else is known: another system has to solve the island.
+/// Result of one island. If it is not sound, the other members are undefined and another system has to solve the
+/// island.
 struct Answer {
   bool sound = false;
   int refinement_steps = 0;
@@ -118,9 +119,9 @@ class RobotBlocks {
   // border.
   /// The robots' own part of K x = b, and the ends of contacts that join them.
   virtual void evaluate(const Job& job, std::span<Robot> robots, Memory memory) = 0;
-  /// The factor; x = 0, and b's part of the border.
+  /// Factorizes K. Then x = 0, and b's contribution to the border is computed.
   virtual void factor(std::span<Robot> robots, Memory memory) = 0;
-  /// x += K^-1 r with the border's solution y, r = b - K x, and r's part of the border.
+  /// x += K^-1 r, given the border's solution y. Then r = b - K x is computed, with r's contribution to the border.
   virtual void correct(std::span<Robot> robots, Memory memory) = 0;
   /// Accelerations, and forces of the contacts on the robots alone.
   virtual void store(const Job& job, std::span<Robot> robots, double* memory) = 0;
@@ -133,14 +134,14 @@ class RobotBlocks {
   virtual void jvp(const ProductJob& job, std::span<Robot> robots) = 0;
   virtual void vjp(const ProductJob& job, std::span<Robot> robots) = 0;
 
-  // Robots joined to others, as above.
-  /// After factor, another right-hand side: b = [a; -f] of the robots and the contacts on them alone.
+  // Robots coupled to others, as above.
+  /// Call it after factor. Sets another right-hand side: b = [a; -f] of the robots and the contacts on them alone.
   virtual void load(const Job& job, std::span<Robot> robots, double* memory) = 0;
   /// r = b - K x of columns given with the border's solution y; this overwrites the results of load and correct.
   virtual void check(std::span<Robot> robots, Memory memory) = 0;
-  /// After the last correction, where any robot's rows depend on each other: adds their inconsistency to r and scale.
+  /// After the last correction, if any robot has redundant rows: adds their inconsistency to r and scale.
   virtual void finish(std::span<Robot> robots, Memory memory) = 0;
-  /// MovingEnd of each contact that joins the robots, at the solution.
+  /// Computes MovingEnd of each contact that couples the robots to others, at the solution.
   virtual void move_ends(const DerivativeJob& job, std::span<Robot> robots) = 0;
 };
 
@@ -171,8 +172,8 @@ class InterfaceContacts {
 struct SubtreePlan;  // lanes/subtrees.hpp
 class SubtreeBatch;
 
-/// Robots alone in single precision. Where the condition leaves fewer than two digits (tolerance::kWorthless), the
-/// solution is not sound.
+/// Solves single-robot islands in single precision. If the condition number leaves fewer than two correct digits
+/// (tolerance::kWorthless), the solution is not sound.
 class SingleBlocks {
  public:
   virtual ~SingleBlocks() = default;

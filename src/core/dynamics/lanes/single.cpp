@@ -1,5 +1,5 @@
-// The kernels of one level of instructions that solve robots alone in single precision, as level.cpp has those of
-// doubles. MANYCONTACT_LANES: twice as many robots, and the element, float.
+// Kernels for one instruction level that solve single-robot islands in single precision; level.cpp has those in double
+// precision. MANYCONTACT_LANES: twice the number of robots, and the element type, float.
 
 #include "robot_block/alone.hpp"
 #include "robot_block/linearise.hpp"

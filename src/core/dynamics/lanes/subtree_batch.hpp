@@ -115,7 +115,8 @@ void SubtreeBatchOf<S>::load(std::span<const Subtree> subtrees) {
   given(p_.nc, g_.data(), [](const BodyVectors& b) { return b.rows.data(); });
 }
 
-/// M in K: of a coordinate k and those above it, M_kj = S_j^T F_k, F_k = Yc S_k moved up.
+/// Writes M into K: for a coordinate k and those above it, M_kj = S_j^T F_k, where F_k = Yc S_k is transformed to the
+/// ancestors.
 template <class S>
 void SubtreeBatchOf<S>::assemble_inertia() {
   const int* slot = plan_->M_slot.data();
@@ -137,7 +138,8 @@ void SubtreeBatchOf<S>::assemble_inertia() {
   }
 }
 
-/// J in K. True where every row moves some coordinate by more than rounding: pivots do not show that.
+/// Writes J into K. Returns true where every row moves some coordinate by more than rounding errors, which pivots do
+/// not show.
 template <class S>
 typename S::Mask SubtreeBatchOf<S>::assemble_rows() {
   const int* slot = plan_->J_slot.data();

@@ -5,7 +5,7 @@ namespace manycontact::lanes {
 
 namespace {
 
-// use(coordinate) for those of the nodes from `node` up to, and without, `end`.
+// Calls use(coordinate) for the coordinates of the nodes from `node` up to, but not including, `end`.
 template <class Use>
 void each_coordinate_up(const BodyPattern& p, int node, int end, Use&& use) {
   for (; node != end; node = p.parent[node])

@@ -25,7 +25,7 @@ struct SubtreePlan {
 
   int place(int coordinate) const { return pattern->nv - 1 - coordinate; }
   int place_of_row(int row) const { return pattern->nv + row; }
-  /// Whether subtrees of this shape are small enough.
+  /// Whether subtrees of this shape are small enough for a SIMD batch.
   static bool fits(const BodyPattern& pattern);
 };
 

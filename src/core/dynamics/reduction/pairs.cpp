@@ -72,7 +72,7 @@ std::vector<int> contacts_of(const std::vector<int>& group, const std::vector<ch
   return out;
 }
 
-// The pair of a set of contacts that was not met before. Whether there is one.
+// Adds a pair for a set of contacts that did not occur before. Returns whether a pair was added.
 bool add_pair(const Scene& scene, std::size_t g, const std::vector<char>& set, Reduction& r) {
   const std::vector<int> contacts = contacts_of(r.groups[g], set);
   Reduction::Set of;

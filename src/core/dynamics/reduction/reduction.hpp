@@ -51,7 +51,7 @@ struct Reduction {
   int first_pair() const { return static_cast<int>(scene.contacts.size() - pairs.size()); }
   /// The rows of a contact of `scene`; nullptr where it is no pair.
   const PairRows* pair_of(int c) const { return c < first_pair() ? nullptr : pairs[c - first_pair()].get(); }
-  /// use(contact of `scene`, rows) of pairs that are active.
+  /// Calls use(contact of `scene`, rows) for the active pairs.
   template <class Use>
   void each_pair(Use&& use) const {
     for (std::size_t k = 0; k < pairs.size(); ++k)
@@ -61,16 +61,17 @@ struct Reduction {
 
 namespace internal {
 
-/// Whether the current reduction is that of the data's options, contacts and numbers.
+/// Whether the current reduction was made for the data's options, contacts and parameters.
 bool reduction_is_current(const Scene& scene, const SceneData& data);
-/// Whether contacts of an island are reduced.
+/// Whether contacts of an island are reduced to pairs.
 bool has_pairs(const Reduction& reduction, std::size_t island);
 /// Makes, changes or drops the reduction for data.active; its islands are prepared.
 void prepare_reduction(const Scene& scene, SceneData& data);
 /// After `begin` of solve, where there is a reduction. prescribed: of rows of data.f, or none.
 const Report& solve_reduced(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                             SceneData& data, std::span<const double> prescribed);
-/// The data whose derivatives are those of the current solution: of the scene solved, or of the scene itself.
+/// Returns the data that contain the derivatives of the current solution: those of the reduced scene, or of the scene
+/// itself.
 SceneData& differentiated(const Scene& scene, SceneData& data);
 
 /// f of the scene's contacts, of that of the scene solved; S Q y of pairs.

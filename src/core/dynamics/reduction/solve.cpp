@@ -22,7 +22,7 @@ void refresh(const Scene& scene, const SceneData& data, Reduction& r) {
   r.data->wrenches = data.wrenches;
 }
 
-// use(first row of the scene's f, first row of the pair, rows) for each contact of a pair.
+// Calls use(first row of the scene's f, first row of the pair, rows) for each contact of a pair.
 template <class Use>
 void each_member(const std::vector<int>& f_offset, const PairRows& pair, Use&& use) {
   int first = 0;
@@ -37,7 +37,7 @@ using PairVector = Eigen::Map<const Eigen::VectorXd>;
 
 PairVector unit_of(const PairRows& pair) { return {pair.unit.data(), static_cast<Eigen::Index>(pair.unit.size())}; }
 
-// use(first row of the scene's f, of f of the scene solved, rows) for each contact that is in no pair.
+// Calls use(first row of the scene's f, first row of the reduced scene's f, rows) for each contact that is in no pair.
 template <class Use>
 void each_single(const SceneData& data, const Reduction& r, Use&& use) {
   for (std::size_t c = 0; c < data.f_offset.size(); ++c)

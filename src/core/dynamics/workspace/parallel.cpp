@@ -1,4 +1,5 @@
-// Compiled with OpenMP where there is one, and alone: Eigen compiled so would start threads of its own.
+// Compiled with OpenMP where available, as the only such source: Eigen compiled with OpenMP would start its own
+// threads.
 
 #include "manycontact/dynamics/parallel.hpp"
 

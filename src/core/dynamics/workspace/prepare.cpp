@@ -19,7 +19,7 @@ IslandWork::IslandWork(std::shared_ptr<IslandShape> s, const Options& options)
 
 namespace {
 
-// Back to the pool of its shape, for the next island that has it.
+// Returns an island's work to the pool of its shape, for the next island of this shape.
 void pool_island(Workspace& w, std::unique_ptr<IslandWork> island) {
   // these results belong to another island
   island->answered = nullptr;

@@ -25,8 +25,9 @@ void each_item(Workspace& w, std::size_t count, bool worth_threads, Work&& work)
 inline bool are_worth_threads(const Workspace& w, double seconds) {
   return seconds >= w.worth_a_thread * static_cast<double>(w.threads.size());
 }
-/// work(island, its number, memory of the thread) for each island that no batch of robots alone has `done`; first those
-/// for which with_all_threads(island) is true, one after the other: they use all threads themselves.
+/// Calls work(island, its number, workspace of the thread) for each island that no batch of single-robot islands has
+/// `done`. Islands with with_all_threads(island) come first, one after another, because they use all threads
+/// themselves.
 template <class Done, class WithAllThreads, class Work>
 void each_island(Workspace& w, Done&& done, WithAllThreads&& with_all_threads, Work&& work) {
   w.done.assign(w.islands.size(), 0);  // work may change these conditions

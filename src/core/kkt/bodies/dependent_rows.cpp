@@ -42,7 +42,7 @@ double moved_by(const V6& F, const Basis& basis) {
   return std::sqrt(sum) / F.norm();
 }
 
-// use(row) for each row that moves no coordinate by more than rounding errors, until it returns false.
+// Calls use(row) for each row that moves no coordinate by more than rounding errors, until it returns false.
 template <class Use>
 void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& use) {
   const BodyPattern& p = *s.pattern;
@@ -72,12 +72,12 @@ void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& us
     if (!moves(p.A[k], s.GA.col(k)) && !moves(p.B[k], s.GB.col(k)) && !use(k)) return;
 }
 
-// Whether an end of a row does not move.
+// Whether one end of a row is fixed to the world or to a base.
 bool stands(const BodyPattern& p, int row) { return p.A[row] < 0 || p.B[row] < 0; }
 
-// Rows whose forces, times what `solve` finds, balance each other: no joint between the bodies that they are on feels
-// them, and nothing goes past the last one. A few rows, and of any number of joints, whose equations are made
-// triangular as they come.
+// Rows whose forces, multiplied by the coefficients that `solve` finds, balance each other: they cause no torque at the
+// joints between their bodies, and no force beyond the last body. The rows are few, but the joints may be many; their
+// equations are made triangular one after another.
 class Balance {
  public:
   Balance(const BodySystem& system, int row) : s_(system), node_(std::max(s_.pattern->A[row], s_.pattern->B[row])) {
@@ -100,7 +100,8 @@ class Balance {
     for (int k = 0; k < count_; ++k) F_[k] = pairs::force_from(F_[k], s_.r[node_]);
     node_ = p.parent[node_];
   }
-  /// put(row, its part), 1 of the first row. False where they do not balance but for rounding.
+  /// Calls put(row, coefficient); the first row's coefficient is 1. Returns false if the rows do not balance up to
+  /// rounding errors.
   template <class Put>
   bool solve(Put&& put) {
     for (int k = 0; k < 6; ++k) balance([&](const V6& F) { return F[k]; });
@@ -207,7 +208,8 @@ bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work
   return rows.largest_entry <= tolerance::kLargestEntry;
 }
 
-// rows -= what the bodies' accelerations without any of the joints make of them; motion: these.
+// Subtracts from `rows` the motion that the bodies' accelerations cause, computed without any joints. motion: these
+// accelerations.
 void take_away(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
   const BodyPattern& p = *s.pattern;
   for (int i = 0; i < p.nodes; ++i) {
@@ -230,7 +232,7 @@ void balance_bodies(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
     if (p.parent[i] >= 0) x.force[p.parent[i]] += pairs::force_from(x.force[i], s.r[i]);
 }
 
-// Finds the rows between node i and what does not move that others on it span. The largest rows are kept first.
+// Finds the redundant rows among those between node i and fixed bodies. The largest rows are kept first.
 void find_rows_others_say(const BodySystem& s, const BodyLdl& d, int i, std::vector<BodyDependence::OnBody>& rows) {
   const BodyPattern& p = *s.pattern;
   const auto share = [](const BodyDependence::OnBody& r) { return r.F.norm() / r.length; };
@@ -297,7 +299,7 @@ sparse::Refinement solve_dependent(const BodySystem& system, BodyLdl& ldl, BodyS
   (void)solve_refined(system, ldl, v, max_steps);
   rank::project_out(work.rows, v.x.rows.data());
   balance_bodies(system, v.b, v.x);
-  // The bodies' forces are other ones now, and so is their rounding.
+  // The bodies' forces have changed, and with them their rounding errors.
   double error = backward_error(system, v.b, v.x, v.residual);
   return sparse::refine(
       max_steps, tolerance::kRefined, [&] { return error; },

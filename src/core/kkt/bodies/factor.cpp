@@ -34,7 +34,8 @@ sparse::Refinement solve_lifted(const BodySystem& system, BodyLdl& ldl, BodySolv
 
 namespace {
 
-// The error of a column. Its entries may be only rounding errors relative to the others: a torque may move nothing.
+// Returns the normwise error of a column. A componentwise error is not suitable: a torque may move nothing, so that
+// entries are only rounding errors relative to the others.
 double normwise(const BodyResidual& r) {
   const double left = std::max(r.dynamics, r.contact);
   return left == 0 ? 0 : left / std::max(r.dynamics_scale, r.contact_scale);

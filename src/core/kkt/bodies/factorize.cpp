@@ -96,7 +96,7 @@ int open_row(Rows& at, int k, std::vector<int>& place) {
   return place[k] = n;
 }
 
-// Rows that end at node i, and what its children left open.
+// Collects the rows that end at node i, and those that its children did not eliminate.
 void gather_rows(const BodySystem& system, BodyLdl& d, int i) {
   const BodyPattern& s = *system.pattern;
   d.count[i] = 0;
@@ -210,7 +210,7 @@ double least_left(const BodyLdl& d, int row, double least) {
 
 double least_below(const BodyLdl& d, int i) { return d.drops_below[i] ? d.least_kept[i] : 1; }
 
-// Eliminates the row at position `at.m` ... of those that are complete and have got their pivot, the best first.
+// Eliminates, the best first, the rows from position `at.m` on that are complete and have received their pivot.
 bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
   const V6 inverse_P = d.P[i].diagonal().cwiseInverse();
   int done = 0;

@@ -11,7 +11,7 @@ bool is_held_by_six(const BodyPattern& p, int i) {
   return p.hold[i] >= 0 && p.own_first[p.hold[i] + 1] - p.own_first[p.hold[i]] == 6;
 }
 
-// Bodies constrained by six rows, unless a row joins the subtree below to another body.
+// Finds bodies constrained by six rows, unless a row couples the subtree below to another body.
 std::vector<char> find_cuts(const BodyPattern& p) {
   std::vector<char> cut(p.nodes, 0);
   for (int i = 0; i < p.nodes; ++i) cut[i] = is_held_by_six(p, i);
@@ -58,7 +58,7 @@ NodeNumbers number_subtrees(const BodyPattern& p, const std::vector<char>& cut, 
   return at;
 }
 
-// use(row) for the rows of a contact of the island.
+// Calls use(row) for the rows of a contact of the island.
 template <class Use>
 void each_row(const Island& island, std::size_t contact, Use&& use) {
   const int end = contact + 1 < island.contacts.size() ? island.row_offset[contact + 1] : island.nc;

@@ -9,7 +9,8 @@ namespace manycontact {
 
 namespace {
 
-// copy(entry of the panel, entry of B) for all of B, which has the panel's rows in order of elimination, by columns.
+// Calls copy(entry of the panel, entry of B) for all entries of B. B is column-major and has the panel's rows in
+// elimination order.
 template <class Copy>
 void each_entry(const KktPattern& p, double* X, int ld, int first, int cols, std::vector<double>& B, Copy&& copy) {
   const std::size_t n = p.size();

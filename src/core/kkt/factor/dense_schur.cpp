@@ -84,7 +84,7 @@ class DenseSchurFactor final : public Factor {
  private:
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  // Whether a pivot of S may be what rounding of another leaves.
+  // Whether a pivot of S may consist of rounding errors of another pivot.
   bool pivots_pass_on() const {
     rank::PassedOn<double> passed_on;
     for (int k = 0; k < S_.rows(); ++k) {

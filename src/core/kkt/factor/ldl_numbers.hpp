@@ -49,7 +49,7 @@ struct LdlNumbers {
     else
       sparse::ldl_solve(pattern->ldl, L.data(), D.data(), x);
   }
-  /// Does what Factor::solve_panel does.
+  /// Implements Factor::solve_panel.
   void solve_panel(double* X, int ld, int first, int cols, char* nonzero) const {
     const int* perm = pattern->perm.data();
     if (schedule)

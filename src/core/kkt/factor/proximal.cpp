@@ -61,8 +61,8 @@ void ProximalFactor::apply_to_probes() {
     for (int c = 0; c < kProbes; ++c) probe(k)[c] *= of_M(k) ? 0 : -delta_;
 }
 
-// The largest entry of J^T times the probes, relative to the terms that its row adds up, or to the largest term of all
-// where that is more. A hub's rows add up those of all its contacts.
+// Returns the largest entry of J^T times the probes, relative to the terms that its row adds up, or to the largest of
+// all terms if that is larger. A hub's rows add up the terms of all its contacts.
 double ProximalFactor::left_of_probes(const FactorScratch& scratch) {
   const KktPattern& p = *ldl_.pattern;
   double rows = 0, left = 0;

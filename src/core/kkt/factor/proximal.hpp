@@ -125,7 +125,7 @@ class ProximalFactor final : public Factor {
     (void)ldl_.factor(damped_.data(), nullptr, 0, scratch);
   }
 
-  // M's pivots as of any factor; those of J's rows have their sign.
+  // Pivots of M are judged as in any factor. Pivots of J's rows must have the sign of these rows.
   Reason judge(const double* scale) {
     growth_ = std::max(1.0, growth_of(*K_, scale));
     const sparse::UpperCsc& A = ldl_.pattern->K;
@@ -139,7 +139,7 @@ class ProximalFactor final : public Factor {
     return growth_ <= tolerance::kMostGrowth ? Reason::kNone : Reason::kSmallPivot;
   }
 
-  // Pivots with a larger delta, for the next functions. The current factor is lost.
+  // Factorizes K with a larger delta and stores the pivots in stiffer_. The current factor is overwritten.
   void find_stiffer_pivots(FactorScratch& scratch) {
     factorize_damped(tolerance::kStiffer * delta_, scratch);
     stiffer_ = ldl_.D;
@@ -192,7 +192,7 @@ class ProximalFactor final : public Factor {
     return true;
   }
 
-  // Y <- E X of panels with all of K's rows, X's rows of M being zero, and so are then Y's.
+  // Y <- E X for panels with all of K's rows. The rows of M are zero in X, and therefore in Y.
   void apply_panel(double* X, int ld, int cols) {
     std::fill(nonzero_.begin(), nonzero_.end(), 1);
     ldl_.solve_panel(X, ld, 0, cols, nonzero_.data());
@@ -203,8 +203,8 @@ class ProximalFactor final : public Factor {
     }
   }
 
-  // w <- E w for the contacts' rows of w, M's are zero before and after. Where M comes first its columns are not
-  // needed.
+  // w <- E w for the contact rows of w. The rows of M are zero before and after. If M is eliminated first, its columns
+  // are not needed.
   void apply(double* w) {
     if (M_first_)
       sparse::ldl_solve_trailing(ldl_.pattern->ldl, ldl_.L.data(), ldl_.D.data(), ldl_.pattern->nv, w);

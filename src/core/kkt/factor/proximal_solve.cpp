@@ -57,7 +57,8 @@ void ProximalFactor::take_out_of_columns(int cols) {
     for (int c = 0; in_null_space_[p.iperm[k]] && c < cols; ++c) X_[k * kChunk + c] -= W_[k * kChunk + c];
 }
 
-// Until so much is left of the null space's part, each time what rounding makes of it.
+// Removes the component in the null space until at most the part `left` of it remains. Each pass leaves the part
+// `each`, which rounding errors determine.
 void ProximalFactor::project_columns(int cols, double left) {
   const double each = std::min(0.1, applications_ * drift_);
   for (double part = 1; part > left; part *= each) {
@@ -102,8 +103,9 @@ void ProximalFactor::solve_panel(double* X, int ld, int first, int cols, char*) 
   }
 }
 
-// The first attempt keeps P b: if b has no such part, steps end with residuals of rounding errors. If it has one, they
-// end with it, and each has increased the forces by P b / delta: then the solve is repeated without P b.
+// The first attempt keeps P b. If P b is zero, refinement ends with residuals of the size of rounding errors. Otherwise
+// the residual is P b in the end, and each step has increased the forces by P b / delta. Then the solve is repeated
+// without P b.
 sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors& v, int) {
   std::fill(v.null_component.begin(), v.null_component.end(), 0.0);
   sparse::Refinement refinement = refine(K, v);
@@ -117,7 +119,8 @@ sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors&
     project(v.x.data(), nullptr, tolerance::kProjected);
     residual(K, v);
     if (!(left_of_M(v) <= tolerance::kConverged)) {
-      // J^T leaves rounding of the forces that were taken out: one more step, without its part in the null space.
+      // J^T times the removed forces leaves rounding errors. One more step, without its component in the null space,
+      // corrects them.
       ldl_.solve(v.r.data());
       project(v.r.data(), nullptr, tolerance::kProjected);
       for (std::size_t k = 0; k < v.x.size(); ++k) v.x[k] += v.r[k];

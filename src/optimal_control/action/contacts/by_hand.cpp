@@ -99,7 +99,7 @@ void copy_matrix(const char* where, const Eigen::MatrixXd& from, RowMajorMatrix&
 const ContactModelAbstract& model_of(const ContactItem& item) { return *item.contact; }
 const ImpulseModelAbstract& model_of(const ImpulseItem& item) { return *item.impulse; }
 
-// use(model, data, first row in the stack, number of rows) for each active part.
+// Calls use(model, data, first row in the stack, number of rows) for each active part.
 template <class Parts, class Data, class Use>
 void each_active(const char* where, const Parts& parts, const std::shared_ptr<Data>& data, Use&& use) {
   require(parts.size() == check_data(where, data).contacts.size(), where,

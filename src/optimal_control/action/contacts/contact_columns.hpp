@@ -11,7 +11,7 @@ struct EndColumns {
   int a = 0, b = 0;
 };
 
-/// use(column in the matrix, column k of the support) for each column of a contact's support.
+/// Calls use(column in the matrix, column k of the support) for each column of a contact's support.
 template <class Use>
 void each_column(const EndColumns& first, const ContactSupport& support, Use&& use) {
   int k = 0;

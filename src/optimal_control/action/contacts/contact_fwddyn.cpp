@@ -171,7 +171,7 @@ void Model_::calc(const DataPtr& data, const ConstVectorRef& x) {
   d.stage = Stage::kTerminal;
 }
 
-// Throws unless a calc of this kind, with what is active now, came before.
+// Throws unless calc was called before in this stage, with the same active contacts, costs and constraints.
 void Model_::check_stage(const Data& d, Stage stage) const {
   internal::check_stage(kDifferentialActionModelContactFwdDynamics,
                         d.stage == stage && d.contacts_version == contacts_->get_version() &&

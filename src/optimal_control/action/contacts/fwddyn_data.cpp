@@ -1,4 +1,4 @@
-// Data of DifferentialActionModelContactFwdDynamics, and what is laid out when the islands change.
+// Data of DifferentialActionModelContactFwdDynamics, and the layout that changes with the islands.
 
 #include <map>
 

@@ -27,7 +27,7 @@ AL::Copy AL::augment_leaf(const Copy& of, const std::vector<int>& rows, const Ei
   return {model, data};
 }
 
-// A node of parts again, with those of them that have rows augmented.
+// Builds a node of parts again, in which the parts with constraint rows are augmented.
 AL::Copy AL::augment_parts(const ActionModelParts& whole, const ActionDataParts& data, bool terminal,
                            const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
                            std::vector<Augmented>& out) const {
@@ -64,7 +64,7 @@ AL::Node AL::decorated(std::size_t t, const Eigen::VectorXd& multipliers) const 
   return out;
 }
 
-// Whether augmented_ is still that of the problem's nodes.
+// Whether augmented_ was built from the problem's present nodes.
 bool AL::is_decorated() const {
   const std::size_t T = problem_->get_T();
   if (augmented_->get_T() != T) return false;

@@ -226,7 +226,7 @@ double kkt_residual(ShootingProblem& problem, const Vectors& xs, const Vectors& 
 
 namespace {
 
-// Whether control i of u is at a limit that is used.
+// Whether control i of u is at a limit that is taken into account.
 bool stands_at_limit(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits) {
   return limits && model.get_has_control_limits() && (u[i] <= model.get_u_lb()[i] || u[i] >= model.get_u_ub()[i]);
 }

@@ -30,7 +30,8 @@ constexpr double kCrawling = 1e-9;
 // Distances of the motions that are tried near the candidate, in units of the largest control, or of 1. The nearer ones
 // are for candidates from which a motion without feedback moves too far.
 constexpr double kBeside[] = {1e-2, 1e-4, 1e-6};
-// The same for motions far from the candidate.
+// Distances of the motions that are tried far from the candidate, in the same units. A negative number is measured from
+// zero controls.
 constexpr double kElsewhere[] = {0.3, -0.1, 1, -0.5, 3, -2, 0.05, 0.2};
 // The least regularisation, in units of the smaller of |C|^2 and 1.
 constexpr double kRegularised = 1e-12;

@@ -17,7 +17,7 @@ const Robot& robot_of_end(const StateMultibody& state, const WrenchEnd& end) {
   return state.get_model()->scene().robots[end.robot];
 }
 
-// w about the tree frame's origin, where p is seen at r: (force, torque + r x force).
+// Transforms the wrench w to the tree frame's origin, from which p has the position r: (force, torque + r x force).
 Vec6<double> moved(const ConstVectorRef& w, const Vec3<double>& r) {
   Vec6<double> out = w;
   out.tail<3>() += r.cross(Vec3<double>(w.head<3>()));

@@ -36,7 +36,7 @@ void each_node_by_thread(std::size_t threads, std::size_t count, Work&& work) {
   if (thrown) std::rethrow_exception(thrown);
 }
 
-/// The same by work(t).
+/// Does the same for a callable work(t).
 template <class Work>
 void each_node(std::size_t threads, std::size_t count, Work&& work) {
   each_node_by_thread(threads, count, [&](std::size_t t, int) { work(t); });

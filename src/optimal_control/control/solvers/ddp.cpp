@@ -40,7 +40,7 @@ void SolverDDP::resizeData() {
   allocateData();
 }
 
-// Only what does not fit yet is allocated.
+// Allocates only vectors and matrices whose sizes do not fit.
 void SolverDDP::allocateData() {
   internal::fit_all(problem_->get_T() + 1, problem_->get_nx(), xs_try_);
   internal::fit_all(problem_->get_T() + 1, problem_->get_ndx(), Vx_);

@@ -19,7 +19,7 @@ const IntegratedActionDataEuler* without_matrices(const ActionDataAbstract& data
   return data.has_matrices() ? nullptr : dynamic_cast<const IntegratedActionDataEuler*>(&data);
 }
 
-// Whether the pass finds a node's derivatives.
+// Whether the backward pass can read a node's derivatives.
 bool is_readable(const ActionDataAbstract& data, Index ndx) {
   return data.has_matrices() ? data.Fx.rows() == ndx : without_matrices(data) != nullptr;
 }
@@ -46,7 +46,7 @@ bool is_sound(const MatrixXd& V, const VectorXd& v) {
 
 }  // namespace
 
-// Only what does not fit yet is allocated.
+// Allocates only vectors and matrices whose sizes do not fit.
 void RiccatiDirection::resize() {
   Direction::resize();
   node_ = kNoNode;

@@ -1,5 +1,5 @@
 #pragma once
-// `manycontact optimize`: what it computes, and what it writes.
+// The results and the output files of `manycontact optimize`.
 
 #include <iosfwd>
 #include <optional>
@@ -28,7 +28,7 @@ void write_json(const OptimizedTask& motion, const std::string& path);
 /// Writes CSV in the columns of `simulate`: a row per node, except for impacts, whose time is that of the next node.
 void write_trajectory(const OptimizedTask& motion, const std::string& path);
 
-/// t and a column per torque (u:robot/joint), a row per node: what `simulate --torques` takes.
+/// Writes t and one column per torque (u:robot/joint), one row per node. `simulate --torques` reads this file.
 void write_torques(const OptimizedTask& motion, const std::string& path);
 /// t and the columns of `simulate --forces`, a row per node; zeros of contacts that are open.
 void write_forces(const OptimizedTask& motion, const std::string& path);

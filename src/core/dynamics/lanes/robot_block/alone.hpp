@@ -112,7 +112,7 @@ S RobotBlock<S>::backward_error() {
   return componentwise_error<S>(r, n_.w);
 }
 
-/// The same after `correct`, whose mask shows where scale need not be computed again.
+/// Computes the residual again after `correct`, whose mask shows in which elements `scale` need not be computed again.
 template <class S>
 S RobotBlock<S>::residual(Mask same_sizes) {
   if (same_sizes.all()) {

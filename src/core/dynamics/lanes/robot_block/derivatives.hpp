@@ -41,7 +41,7 @@ void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, doubl
   solve_panels(L, panels, projected > S(0), &waiting_, job);
 }
 
-/// MovingEnd of each contact that joins the robots.
+/// Computes MovingEnd of each contact that couples the robots to others.
 template <class S>
 void RobotBlock<S>::move_ends(const DerivativeJob& job, Robots robots) {
   linearise(job, robots, nullptr);
@@ -251,7 +251,8 @@ const S* RobotBlock<S>::inner_L() {
   return inner_L_.data();
 }
 
-/// [da; df] = K^-1 B, into the panels of those elements. waiting: the rows that wait there; nullptr: none do.
+/// [da; df] = K^-1 B, written into the panels of these elements. waiting: the waiting rows of the elements, or nullptr
+/// if there are none.
 template <class S>
 void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask of, WaitingRows<S>* waiting,
                                  const DerivativeJob& job) {

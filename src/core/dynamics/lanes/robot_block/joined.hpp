@@ -5,7 +5,7 @@
 
 namespace manycontact::lanes {
 
-/// Asks for what those whose turn is next will write: K, b and the joins.
+/// Prefetches what the next robots will write: K, b and the joins.
 template <class S>
 void RobotBlock<S>::prefetch_cached(Prefetch prefetch) const {
   constexpr std::size_t kLine = 64 / sizeof(S);
@@ -25,7 +25,8 @@ void RobotBlock<S>::evaluate(const Job& job, Robots robots, Memory memory) {
   }
 }
 
-/// Fills joins_ for each contact that joins the robots: motion of its end's body, and its coordinates' columns.
+/// Fills joins_ for each contact that couples the robots to others: the motion of its end's body, and the columns of
+/// the coordinates that move it.
 template <class S>
 void RobotBlock<S>::collect_ends(std::initializer_list<const Mat6X<S>*> columns) {
   S* to = joins_.data();
@@ -41,7 +42,7 @@ void RobotBlock<S>::collect_ends(std::initializer_list<const Mat6X<S>*> columns)
   }
 }
 
-/// JoinedEnd of each contact that joins the robots.
+/// Computes JoinedEnd of each contact that couples the robots to others.
 template <class S>
 void RobotBlock<S>::store_ends(Robots robots) {
   collect_ends({&robot_.kin.J});
@@ -114,7 +115,7 @@ void RobotBlock<S>::begin(Robots robots) {
   forward(robots, all());
 }
 
-/// w = L^-1 r, and what that leaves to the border; zero for robots that are not open: they have nothing to gain.
+/// w = L^-1 r, and the contribution to the border. Both are zero for robots that are not open: these have converged.
 template <class S>
 void RobotBlock<S>::forward(Robots robots, Mask open) {
   for (int k = 0; k < rows_; ++k) n_.w[k] = select(open, r_[k], S(0));
@@ -154,7 +155,7 @@ void RobotBlock<S>::check(Robots robots, Memory memory) {
   (void)check_residual(robots, prefetch_of(memory));
 }
 
-/// r = b - K x, scale = |b| + |K| |x|, and what is reported of them; returns the robots' backward error.
+/// r = b - K x, scale = |b| + |K| |x|, and the reported measures of both. Returns the robots' backward error.
 template <class S>
 S RobotBlock<S>::check_residual(Robots robots, Prefetch prefetch) {
   sparse::ldl_scheduled_residual(pattern_.K, as_scalar(n_.K), as_scalar(n_.x), as_scalar(n_.b), as_scalar(r_.data()),

@@ -14,7 +14,7 @@
 
 namespace manycontact::lanes {
 
-/// G = L D L^T in its place, n x n by rows, the inverse of D on the diagonal: inverse_of(k, D_k).
+/// Factorizes G = L D L^T in place, n x n, row-major, with the inverse of D on the diagonal: inverse_of(k, D_k).
 template <class S, class InverseOf>
 void factor_dense(S* G, std::ptrdiff_t n, InverseOf&& inverse_of) {
   for (std::ptrdiff_t a = 0; a < n; ++a) {
@@ -129,7 +129,7 @@ class JoiningRows {
  private:
   S* B(int a) { return B_.data() + std::ptrdiff_t{a} * rows_; }
   S* Z(int a) { return Z_.data() + std::ptrdiff_t{a} * rows_; }
-  /// use(element, row) of those whose column a is; use(element, column, row) of all.
+  /// Calls use(element, row) for the rows stored in column a, or use(element, column, row) for all rows.
   template <class Use>
   void each_of(int a, Use&& use) const {
     for (int l = 0; l < W; ++l)

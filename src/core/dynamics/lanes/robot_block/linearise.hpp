@@ -56,7 +56,7 @@ void add_force(const Contact& contact, const ContactData<S>& rows, const Vec6<S>
   each_body_force(contact, rows, F, [&](const Attachment& at, const Vec6<S>& force) { fext[at.joint] += force; });
 }
 
-/// fext = those of the contacts at the solution.
+/// Sets fext to the contact forces of the solution.
 template <class S>
 void RobotBlock<S>::add_forces(const Scene& scene, Robots robots, std::vector<Vec6<S>>& fext) {
   std::fill(fext.begin(), fext.end(), Vec6<S>(Vec6<S>::Zero()));

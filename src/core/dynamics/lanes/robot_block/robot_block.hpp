@@ -31,13 +31,14 @@ struct Without {
   explicit Without(const Model&) {}
 };
 
-/// S of doubles: all that RobotBlocks does; of floats: what SingleBlocks does. Functions of these override theirs.
+/// With S of doubles it implements RobotBlocks, with S of floats SingleBlocks. Its functions override theirs.
 template <class S>
 class RobotBlock final
     : public std::conditional_t<std::is_same_v<typename S::Element, float>, SingleBlocks, RobotBlocks> {
  public:
   static constexpr int W = S::width;
-  /// Whether all numbers are floats: these solve only robots alone, without redundant rows (single.hpp).
+  /// Whether all numbers are floats. Single precision is for single-robot islands without redundant rows only
+  /// (single.hpp).
   static constexpr bool kSingle = std::is_same_v<typename S::Element, float>;
   using Mask = typename S::Mask;
   using Robot = RobotBlocks::Robot;
@@ -85,8 +86,8 @@ class RobotBlock final
     waiting_.use(numbers + plan_->waiting_at());
   }
 
-  /// Columns of a panel: those worked at a time; of these those in registers, four rows of each; and those of a part,
-  /// which are adjacent in the panel.
+  /// Numbers of panel columns: those computed at a time; of these, those in registers, with four rows of each; and
+  /// those of a part, which are adjacent in the panel.
   struct Columns {
     int at_a_time, in_registers, of_part;
   };
@@ -226,7 +227,7 @@ class RobotBlock final
     return [this](std::size_t k) { return n_.K[pattern_.K.p[k + 1] - 1]; };
   }
   static Mask all() { return S(0) <= S(0); }
-  /// Elements without a robot of their own repeat the last one.
+  /// Elements beyond the number of robots repeat the last robot.
   static const Robot& in_lane(Robots robots, int lane) {
     return robots[std::min<std::size_t>(static_cast<std::size_t>(lane), robots.size() - 1)];
   }

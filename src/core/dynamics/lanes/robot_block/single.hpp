@@ -11,7 +11,8 @@
 
 namespace manycontact::lanes {
 
-/// An angle [rad] less its whole turns; per_turn: 0 for other coordinates. Source: two steps of fdlibm's e_rem_pio2.c.
+/// Returns an angle [rad] without its whole revolutions. per_turn is 0 for other coordinates. Source: two steps of
+/// fdlibm's e_rem_pio2.c.
 inline double without_turns(double q, double per_turn) {
   constexpr double shift = 6755399441055744.0;  // 1.5 * 2^52
   const double turns = (q * per_turn + shift) - shift;
@@ -35,8 +36,8 @@ void RobotBlock<S>::make_single() {
   }
 }
 
-/// q, of which floats would lose digits: without whole turns, and seen from the robot's base, as are places in the
-/// world then.
+/// Transforms q so that floats lose no digits: angles without whole revolutions, positions relative to the robot's
+/// base. Positions in the world are then relative to the base, too.
 template <class S>
 template <class Job>
 void RobotBlock<S>::load_near(const Job& job, Robots robots) {
@@ -134,7 +135,7 @@ S RobotBlock<S>::largest(const S* x, int first, int end) const {
   return of.total();
 }
 
-/// Whether no contact's orientation is off by half a turn, where it is not known which way.
+/// Whether no contact has an orientation error of half a revolution, whose direction is undetermined.
 template <class S>
 typename S::Mask RobotBlock<S>::knows_turns(const Scene& scene, Robots robots) const {
   Mask out = all();
@@ -147,8 +148,8 @@ typename S::Mask RobotBlock<S>::knows_turns(const Scene& scene, Robots robots) c
   return out;
 }
 
-/// x = K^-1 b. Usable where rounding changes no acceleration by more than tolerance::kWorthless of the largest or of
-/// gravity, and no force by more than that of the largest.
+/// x = K^-1 b. Usable if rounding errors change no acceleration by more than tolerance::kWorthless of the largest
+/// acceleration or of gravity, and no force by more than that part of the largest force.
 template <class S>
 void RobotBlock<S>::solve_unrefined(const Scene& scene, Robots robots) {
   std::copy_n(n_.b, rows_, n_.x);

@@ -156,8 +156,8 @@ void RobotBlock<S>::store_left(const Job& job, Robots robots) const {
                    }));
 }
 
-/// The sizes of J's rows, and the largest motion that rows are picked from: no pivot shows rows that are only rounding
-/// error relative to these. Damped rows are sound.
+/// The norms of J's rows, and the largest motion that rows are picked from. Pivots do not show which rows are only
+/// rounding errors relative to that motion. Damped rows are always sound.
 template <class S>
 void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
   smallest_row_ = S(std::numeric_limits<double>::infinity()), motion_ = S(0);

@@ -51,14 +51,15 @@ class WaitingRows {
   /// The part of row k that take_out kept.
   const S& null_component(int k) const { return null_component_[k]; }
 
-  /// Whether rows wait in any element, and in which, those that joined too; and which depend, in K's order.
+  /// Whether rows wait in any element; in which elements, including rows that joined; and which rows are redundant, in
+  /// K's order.
   bool any() const { return *count_ > 0 || joining_.any(); }
   Mask elements() const { return *waiting_ > S(0); }
   std::span<const int> of(int lane) const {
     return {listed_ + lane * most_, static_cast<std::size_t>(count_[1 + lane])};
   }
 
-  /// How many times rounding a pivot has to leave, or its row waits: where such rows cannot join, no more than once.
+  /// Multiple of its rounding error that a pivot must exceed, or its row waits. It is 1 where waiting rows cannot join.
   double margin() const { return can_join_ ? tolerance::kWaits : 1; }
   /// Before a factorization: no row waits. During it: row k waits in the elements where its pivot is not sound.
   void clear() {
@@ -103,7 +104,7 @@ class WaitingRows {
 
   /// x -= P x, of the rows of J.
   void project_out(S* x) { project_out<1>(as_scalar(x)); }
-  /// The same, and P x into null_component.
+  /// x -= P x for the rows of J, and stores P x in null_component.
   void take_out(S* x) {
     project_out(x);
     std::fill_n(null_component_, rows_, S(0));
@@ -159,7 +160,7 @@ class WaitingRows {
     for (int k : of_J_)
       if (!is_zero(N(c, k))) rows[++rows[0]] = k;
   }
-  /// use(element, row) of the rows that wait and whose column c is.
+  /// Calls use(element, row) for the waiting rows stored in column c.
   template <class Use>
   void each_of_column(int c, Use&& use) const {
     for (int l = 0; l < W; ++l)
@@ -267,7 +268,7 @@ typename S::Mask WaitingRows<S>::refine(int c, Mask of, const S* K, Solve&& solv
   return depends;
 }
 
-/// Rows that do not depend on the rows kept join them. Those left begin with z = 0.
+/// Rows that are independent of the rows kept join them. The remaining rows start with z = 0.
 template <class S>
 template <class Solve>
 void WaitingRows<S>::join(const S* K, Solve&& solve) {
@@ -301,7 +302,7 @@ void WaitingRows<S>::join(const S* K, Solve&& solve) {
   }
 }
 
-/// Takes the rows that join from an element's list, and their columns of N.
+/// Removes the rows that join from an element's list, with their columns of N.
 template <class S>
 void WaitingRows<S>::forget(int lane) {
   int *const rows = listed_ + lane * most_, kept = 0;

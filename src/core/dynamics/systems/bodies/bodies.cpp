@@ -62,7 +62,8 @@ void evaluate_node(const Scene& scene, const SceneData& data, BodiesSystem& bodi
   if (of.parent < 0) b.motion[at].head<3>() -= scene.gravity;  // bases accelerate by -gravity
 }
 
-// The rows' forces on their bodies, and what is left of them where bodies do not accelerate.
+// Evaluates the rows' unit forces on their bodies, and the right-hand side: what remains of each row's equation if the
+// bodies do not accelerate.
 void evaluate_rows(const Scene& scene, const SceneData& data, const BodiesSystem& bodies, std::size_t k, int first,
                    BodySystem& s, BodyVectors& b) {
   const V6 none = V6::Zero();
@@ -156,7 +157,8 @@ rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace
   return of;
 }
 
-// Solves without the redundant rows. Their inconsistency is back in b, and in the residual.
+// Solves without the redundant rows. Afterwards their inconsistency is added to b again, so that the residual contains
+// it.
 Reason solve_without_dependent(BodiesSystem& bodies, sparse::Refinement& refinement) {
   BodySolve& v = bodies.solution;
   const BodySystem& s = bodies.factor.system;

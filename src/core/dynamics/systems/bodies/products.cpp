@@ -33,7 +33,7 @@ int node_of(const BodiesSystem& form, const Attachment& at) {
   return node_of(*form.factor.system.pattern, form.owner.island, at);
 }
 
-// use(node, its robot's kinematics, its joint) for each node.
+// Calls use(node, its robot's kinematics, its joint) for each node.
 template <class Use>
 void each_node(const BodiesSystem& form, Use&& use) {
   const std::vector<int>& offset = form.factor.system.pattern->node_offset;

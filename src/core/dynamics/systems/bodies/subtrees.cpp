@@ -14,7 +14,7 @@ namespace {
 
 using V6 = Vec6<double>;
 
-// use(node of the subtree, robot of the island, its joint) for each.
+// Calls use(node of the subtree, robot of the island, its joint) for each node of the subtree.
 template <class Use>
 void each_joint(const BodiesSystem& bodies, const BodySubtree& subtree, Use&& use) {
   const std::vector<int>& offset = bodies.factor.system.pattern->node_offset;

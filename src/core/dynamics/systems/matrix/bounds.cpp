@@ -253,7 +253,7 @@ std::vector<double> internal::turned_contradiction(const Scene& scene, const Wor
 
 namespace {
 
-// The error that projecting the forces to those of least norm may have added.
+// Bounds the error caused by projecting the forces to those of least norm.
 double projected_forces(const MatrixSystem& m) {
   double f = 0;
   for (int k = 0; k < m.owner.island.nc; ++k)

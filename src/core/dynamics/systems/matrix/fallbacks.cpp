@@ -28,7 +28,7 @@ Factor& factor_of(MatrixSystem& m, FactorKind kind, Order order) {
   return made(m.chosen, [&m] { return make_factor(m.owner.choice.method, m.owner.shape); });
 }
 
-// Whether the dense solver may be asked to confirm another: its time is cubic, its memory square.
+// Whether the dense reference solver may confirm another solver's result: its time is cubic, its memory quadratic.
 bool may_ask_oracle(const MatrixSystem& m) {
   return m.owner.choice.method == Method::kDense ||
          (m.owner.island.nc <= tolerance::kFewRows && m.owner.island.size() <= tolerance::kDenseSize);
@@ -44,7 +44,8 @@ void row_scales(const Scene& scene, const Workspace& w, const Island& island, st
   }
 }
 
-// Whether a row of the island's J is only rounding error relative to the contacts' motions: no pivot shows that.
+// Whether a row of the island's J consists of rounding errors relative to the contacts' motions. Pivots do not show
+// that.
 bool has_vanishing_row(const Scene& scene, const MatrixSystem& m, const std::vector<double>& size) {
   for (std::size_t c = 0; c < m.J.size(); ++c) {
     const Eigen::Index rows = scene.contacts[m.owner.island.contacts[c]].rows();
@@ -242,7 +243,8 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
   }
   report.reason = last;
   if (last != Reason::kSmallPivot || scene.damping == 0 || method == Method::kDenseSchur) return false;
-  // A damping below the rounding of K: the solution without it, as a neighbouring problem's.
+  // If the damping is below the rounding errors of K, the solution without damping is used as that of a neighbouring
+  // problem.
   Attempts undamped;
   add_ldl(m, Order::kLeafToRoot, false, undamped);
   if (std::none_of(undamped.list.begin(), undamped.list.begin() + undamped.count,

@@ -50,7 +50,7 @@ void report_residuals(const Scene& scene, const MatrixSystem& m, IslandReport& r
   internal::report_residuals(scene, r, scale, report);
 }
 
-// x = [a; -f], in the scene's coordinates, and what is left of K x = b.
+// Stores x = [a; -f] in the scene's coordinates, and the residual of K x = b.
 void take_answer(const Scene& scene, SceneData& data, const MatrixSystem& m, IslandReport& report) {
   const KktPattern& p = *m.K.pattern;
   internal::scatter(scene, data.f_offset, p, m.owner.island, m.v.x.data(), data.a, data.f);

@@ -44,14 +44,14 @@ class MatrixSystem final : public IslandSystem {
   /// K, its factor and x of the current solution, where another system solved. False: no factor is sound, or K is too
   /// large for memory.
   bool make_current(const Scene&, const SceneData&, ThreadWork&);
-  /// Whether make_joint_space has been asked since prepare gave it the island.
+  /// Whether make_joint_space was called since prepare assigned the island.
   bool has_terms() const;
   /// Memory of K and its vectors in that order of elimination.
   void make_room(Order order);
-  /// Whether the island's contact rows were found dependent.
+  /// Whether the island has redundant contact rows.
   bool deficient() const;
 
-  /// use(row, column, change) for the entries of K's J that were changed within the tolerance, in K's order.
+  /// Calls use(row, column, change) for the entries of J in K that were changed within the tolerance, in K's order.
   template <class Use>
   void each_change(Use&& use) const {
     if (tolerated == 0) return;
@@ -114,7 +114,7 @@ double rounding_of_J(const Scene& scene, const MatrixSystem& system);
 void add_terms_of_J(const Scene& scene, const Workspace& work, const MatrixSystem& system,
                     const std::vector<double>& sizes, std::vector<double>& w);
 /// If contacts are inconsistent by r, rounding errors of J change the least squares by K^+ K^+ [dJ^T r; 0] (Golub,
-/// Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). |dJ^T r|; both in elimination order.
+/// Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). Returns |dJ^T r| in elimination order; r is in this order, too.
 std::vector<double> turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& system,
                                          const std::vector<double>& r);
 /// Bounds of the errors of an island's derivatives (derivative_bounds.cpp). False: there is none.
@@ -123,23 +123,23 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
 
 /// Memory for a robot's kinematics and dynamics terms, the first time.
 void make_robot(const Scene& scene, Workspace& work, int robot);
-/// Whether these are of the current state.
+/// Whether the robot's terms were evaluated at the current state.
 bool is_evaluated(const Workspace& work, int robot);
 /// Memory for the joint-space terms of an island, the first time. Throws std::length_error beyond 2^31 entries.
 void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
 /// Kinematics, bias, inertia and contact rows of an island's robots, which have memory for that.
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);
-/// The same at the current state (q, v), unless they are there already; with memory, so that the island may be one of
-/// sparse-bodies'.
+/// Evaluates the same terms at the current state (q, v) unless they are known already. Allocates their memory, so that
+/// the island may be one of sparse-bodies.
 void evaluate_at_state(const Scene& scene, const SceneData& data, IslandWork& d);
 /// The bodies' placements alone, which products with derivatives need in addition to the rows at the solution.
 void place_at_state(const Scene& scene, const SceneData& data, const Island& island);
-/// Whether joint-space terms may be made: of an island of sparse-bodies only up to kMostJointSpace numbers.
+/// Whether joint-space terms may be allocated: for an island of sparse-bodies only up to kMostJointSpace numbers.
 bool joint_space_fits(const IslandWork& d);
 /// Throws std::length_error, in the name of `function`, where they may not. instead: the method to use.
 void check_joint_space(const IslandWork& d, const char* function, const char* instead);
 
-/// K and b = [data.tau - h; wanted - a0] of what was evaluated, in that order of elimination.
+/// Assembles K and b = [data.tau - h; wanted - a0] from the evaluated terms, in the elimination order `order`.
 void assemble(const Scene& scene, const SceneData& data, Order order, double damping, MatrixSystem& system);
 /// Multiplies the contacts' rows of both by S, where that is not 1.
 void weigh_rows(const Scene& scene, MatrixSystem& system);

@@ -6,7 +6,7 @@
 
 namespace manycontact::internal {
 
-/// use(model and kinematics of A's robot, those of B's); of an end that does not move, the other's.
+/// Calls use(model and kinematics of A's robot, those of B's). For a fixed end, those of the other end are passed.
 template <class Use>
 RowTerms<double> with_robots_of(const Scene& scene, const Workspace& work, const Contact& contact, Use&& use) {
   const int a = moves(contact.A) ? contact.A.robot : contact.B.robot, b = moves(contact.B) ? contact.B.robot : a;

@@ -250,7 +250,7 @@ bool take_change(const Workspace& work, const IslandWork& d, const std::vector<i
   return true;
 }
 
-// The change of J for the columns of N in one cluster. Whether it is no more than the errors of J.
+// Computes the change of J for the columns of N in one cluster. Returns whether it is within the errors of J.
 bool take_changes(const Workspace& work, const IslandWork& d, const KktPattern& p,
                   const rank::DependentRows::Cluster& cluster, Work& w) {
   std::vector<int> rows;  // rows of J in the cluster

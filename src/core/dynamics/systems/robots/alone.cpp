@@ -86,7 +86,7 @@ void form_batches(const Scene& scene, Workspace& w, int width, GroupOf&& group_o
 using Robots = std::span<lanes::RobotBlocks::Robot>;
 using Numbers = std::span<const int>;
 
-// Asks for what kernels read of a batch's models, where each robot has its own.
+// Prefetches the model data that the kernels of a batch read, if each robot has its own model.
 void prefetch_models(const Scene& scene, Robots robots) {
   constexpr int kLine = 64;
   if (robots.size() < 2 || scene.robots[robots[0].number].model == scene.robots[robots[1].number].model) return;
@@ -98,8 +98,8 @@ void prefetch_models(const Scene& scene, Robots robots) {
     }
 }
 
-// use(group, robots, numbers of their islands, memory of the thread) for each batch of `width`. of_solve: its work,
-// relative to a solve's.
+// Calls use(group, robots, numbers of their islands, workspace of the thread) for each batch of `width`. of_solve: the
+// work of a call relative to that of a solve.
 template <class GroupOf, class Use>
 void each_batch_of(int width, const Scene& scene, Workspace& w, double of_solve, GroupOf&& group_of, Use&& use) {
   InLanes& in = w.lanes;
@@ -115,13 +115,13 @@ void each_batch_of(int width, const Scene& scene, Workspace& w, double of_solve,
   });
 }
 
-// The same in batches of doubles.
+// Calls `use` for each batch of doubles.
 template <class GroupOf, class Use>
 void each_in_lanes(const Scene& scene, Workspace& w, double of_solve, GroupOf&& group_of, Use&& use) {
   if (w.lanes.level) each_batch_of(w.lanes.level->robots.width, scene, w, of_solve, group_of, use);
 }
 
-// The group that gave an island's solution; nullptr: none, or not the derivatives.
+// Returns the group that computed an island's solution; nullptr if none did, or if it has no derivatives.
 BlockGroup* group_of_answer(const IslandWork& d) { return d.served_in_lanes() ? d.alone.group : nullptr; }
 
 // Solves the islands of one robot that are not solved yet and that fits(group, island) takes, in batches of `width`, by

@@ -41,8 +41,8 @@ double cost_at_once(const IslandWork& d, double ld, bool dropping) {
 
 double cost_of_interface(double nonzeros, double ld) { return ld * 2 * nonzeros; }
 
-// The same robot by robot. Operations of a product run faster than those of a sparse solve. Measured on rings and on a
-// beam between two humanoids.
+// Multiply-adds of the same panel computed robot by robot. Dense products run faster than a sparse solve. Measured on
+// rings and on a beam between two humanoids.
 double cost_by_robots(const RobotsSystem& system, const RobotsDerivatives& by, double ld) {
   double cost = cost_of_interface(system.interface->schedule.nonzeros(), ld);
   for (std::size_t k = 0; k < by.robots.size(); ++k) {
@@ -76,8 +76,8 @@ void lay_out_columns(const Island& island, const Interface& interface, const Isl
   r.ld = sparse::padded(at);
 }
 
-// Columns of robots' own, of q, v and u by turns; each meets the factors of all of them. Sixteen at most: they are
-// judged one after the other.
+// Chooses sample columns from the robots' own coordinates, alternating between q, v and u; each involves the factors of
+// all robots. There are at most sixteen, because they are checked one after another.
 void choose_sample(RobotsDerivatives& by) {
   by.sample.column.clear();
   for (RobotsDerivatives::OfRobot& r : by.robots) r.sampled.clear();

@@ -62,7 +62,7 @@ lanes::JoinTerms terms_of(const RobotsSystem& system, const RobotsSystem::Coupli
           static_cast<int>(system.owner.shape->support().columns[coupling.number].size())};
 }
 
-// The terms of contacts that join robots, from where these move; and their rows of B.
+// Computes the derivative terms of contacts that couple robots, from the motion of their ends, and their rows of B.
 void differentiate_interface(const Scene& scene, const SceneData& data, RobotsSystem& system, IslandDerivatives& out) {
   Workspace& w = *data.workspace;
   RobotsDerivatives& by = *system.derivatives;
@@ -97,7 +97,7 @@ void differentiate_interface(const Scene& scene, const SceneData& data, RobotsSy
       });
 }
 
-// A robot's end of a contact that joins it.
+// A robot's end of a contact that couples it to another robot.
 struct End {
   const RobotsSystem::Coupling& coupling;
   lanes::JoinTerms terms;
@@ -106,7 +106,7 @@ struct End {
   bool B;          // it is the contact's end B
   int first, end;  // range of the contact's columns on this robot
 };
-// use(end) for each of robot k, in the order of its joins.
+// Calls use(end) for each coupling contact of robot k, in the order of its joins.
 template <class Use>
 void each_end(const RobotsSystem& system, std::size_t k, Use&& use) {
   int row = 0, among = 0;

@@ -1,13 +1,14 @@
 #pragma once
-// An island as robots, and rows of contacts that join two of them. With these rows last, K is
+// An island is divided into robots and the interface rows, those of contacts that couple two robots. With these rows
+// last, K is
 //
 //     [ K_1             G_1^T    ]
 //     [      ...        ...      ]    K_r = [ M_r J_r^T; J_r -delta I ]: a robot and the contacts on it alone,
 //     [           K_n   G_n^T    ]    G_r: the interface rows' entries at its velocities,
 //     [ G_1  ...  G_n   -delta I ]
 //
-// and the robots' elimination leaves -S = -sum_r G_r K_r^-1 G_r^T - delta I on the interface rows: few, and coupled
-// only where a robot is joined by both.
+// and the robots' elimination leaves -S = -sum_r G_r K_r^-1 G_r^T - delta I on the interface rows. These are few, and
+// two of them are coupled only through a robot on which both act.
 
 #include <vector>
 

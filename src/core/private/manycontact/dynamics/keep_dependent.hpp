@@ -1,18 +1,18 @@
 #pragma once
-// Contact rows that depend on each other at the start of a motion, and only there.
+// Contact rows that are redundant at the start of a motion, but independent at nearby configurations.
 //
-// A mechanism such as Bricard's is overconstrained: its rows depend on each other on the closed loop, and not in its
-// neighbourhood, where integration takes it by 1e-9 m. Rows found dependent by the current solution are dependent
-// in the solves to come, while contacts are misplaced by no more than a hundredth of the largest moment arm and as long
-// as the contacts that join their robots stay.
+// A mechanism such as Bricard's is overconstrained: its rows are redundant where the loop is closed, but no longer
+// after integration errors of 1e-9 m. Rows that the current solution finds redundant are therefore treated as redundant
+// in later solves. This ends when contacts are misplaced by more than a hundredth of the largest moment arm, or when
+// the contacts that couple their robots change.
 
 #include "manycontact/dynamics/data.hpp"
 
 namespace manycontact {
 
-/// After solve: from here on rows that depend on each other in its solution do; those that do not, do no longer.
+/// Call it after solve. From then on exactly the rows that are redundant in its solution are treated as redundant.
 void keep_dependent(SceneData& data);
-/// The same in other data, of a scene with the same robots and contacts.
+/// Does the same in other data, for a scene with the same robots and contacts.
 void keep_dependent_as(const SceneData& of, const Scene& scene, SceneData& data);
 /// Forgets all rows remembered to depend on each other: the data go on with other states.
 void forget_dependent(SceneData& data);

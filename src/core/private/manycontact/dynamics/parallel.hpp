@@ -16,7 +16,7 @@ int default_threads();
 /// `work` must not throw.
 void run_items(int threads, std::ptrdiff_t count, void (*work)(void*, std::ptrdiff_t, int), void* context);
 
-/// The same with anything that can be called as work(item, thread).
+/// Runs in parallel any object that can be called as work(item, thread).
 template <class Work>
 void run_items(int threads, std::ptrdiff_t count, Work& work) {
   run_items(
@@ -30,8 +30,8 @@ struct Failure {
   std::ptrdiff_t item = 0;
 };
 
-/// The same of work that may throw, failures having an entry per thread. Once one has thrown, nothing new is begun, and
-/// of what was thrown the exception of the first item comes out. One thread is the caller's own.
+/// Runs work that may throw; `failures` has one entry per thread. After the first exception no further item is started,
+/// and the exception of the lowest item is rethrown. The calling thread takes part in the work.
 template <class Work>
 void run_items(std::span<Failure> failures, std::ptrdiff_t count, Work&& work) {
   if (failures.size() <= 1 || count <= 1) {

@@ -15,8 +15,9 @@ const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t 
 const IslandSupport& island_support_of(const SceneData& data, std::size_t i);
 /// K of an island as solved last, in the choice's order or, where report.changed_order, leaf-to-root.
 const KktMatrix& assembled_matrix_of(const SceneData& data, std::size_t i);
-/// The scene and data that are solved in place of these, where contacts between the same two bodies are reduced to one
-/// (Options::reduce_pairs); elsewhere these themselves. shape_of and chosen_method are those of its islands.
+/// Return the scene and data that are actually solved. If contacts between the same two bodies are reduced to one
+/// (Options::reduce_pairs), these differ from the arguments; otherwise they are the arguments. shape_of and
+/// chosen_method refer to their islands.
 const Scene& scene_solved(const Scene& scene, const SceneData& data);
 const SceneData& data_solved(const SceneData& data);
 /// The ways in which `solve` tries to solve an island, in their order: "robot by robot in SIMD batches; sparse-ldl in

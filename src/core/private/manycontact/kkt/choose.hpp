@@ -31,7 +31,8 @@ inline constexpr int kLargestInLanes = 400;
 
 /// Least cost of sparse-ldl in any order, from the trees' depths alone.
 double least_cost_ldl(const IslandShape& shape);
-/// Whether sparse-bodies is cheaper than that: then the patterns of the joint-space K are not made to choose.
+/// Whether sparse-bodies is cheaper than least_cost_ldl. Then the choice does not compute the patterns of the
+/// joint-space K.
 bool is_deep(IslandShape& shape);
 
 /// Numbers in the joint-space K of an island's contacts and trees. Beyond kMostJointSpace it is not made for an island

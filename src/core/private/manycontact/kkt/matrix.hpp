@@ -14,8 +14,8 @@ struct KktMatrix {
   std::shared_ptr<const KktPattern> pattern;
   std::vector<double> values;  // entries in the pattern's slots
   double damping = 0;          // delta
-  /// Rows of J are judged relative to this: the largest of the motions they are picked from (detail/contact/rows.hpp,
-  /// motion_scale). All of J may be rounding errors.
+  /// Reference for the sizes of J's rows: the largest of the motions from which they are picked
+  /// (detail/contact/rows.hpp, motion_scale). J itself may consist of rounding errors only.
   double row_scale = 0;
 
   /// Takes a pattern and the memory its values need.

@@ -73,13 +73,13 @@ KktPattern analyze(const Scene& scene, const Island& island, const IslandSupport
 // the others, and among rows of one body a sparse factor is full: its cost is cubic in the contacts, that of the dense
 // method, which decomposes J of few columns, is linear.
 
-/// Whether kAuto takes the dense method.
+/// Whether kAuto chooses the dense method.
 inline bool overdetermined(const Island& island) {
   return island.nc >= tolerance::kOverdetermined && island.nc > tolerance::kTimesOverdetermined * island.nv;
 }
 
-/// Whether the sparse methods with an order give way to it too: their factors would take more memory than anybody
-/// means to spend, and are not analysed.
+/// Whether the sparse methods with an order are replaced by the dense method, too. Their factors would need too much
+/// memory and are not analysed.
 inline bool too_full_for_sparse(const Island& island) {
   return island.nc >= tolerance::kTooFull && overdetermined(island);
 }

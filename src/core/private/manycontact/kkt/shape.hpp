@@ -16,8 +16,8 @@
 
 namespace manycontact {
 
-/// An island reduced to what patterns and orders depend on. Analyses are made when first asked for, by whichever
-/// thread, and kept.
+/// The part of an island on which patterns and orders depend. Analyses are computed on first request, by any thread,
+/// and kept.
 class IslandShape {
  public:
   IslandShape(const Scene& scene, const Island& island);

@@ -34,7 +34,7 @@ class Direction {
   const Vectors& get_Vx() const { return Vx_; }
   const Vectors& get_k() const { return k_; }
 
-  // ---- what solvers ask of it
+  // ---- interface for the solvers
 
   /// Fits the memory to the problem's nodes; part: the same coordinates of other nodes.
   virtual void resize();
@@ -42,8 +42,8 @@ class Direction {
   /// The part's share of the solver's candidate; fs: its gaps, which count where it is not feasible.
   void take_candidate(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& fs,
                       bool is_feasible);
-  /// Computes Vx, k and what else the rest needs from the nodes' derivatives at the candidate. False if numbers are not
-  /// finite or the problem is not convex.
+  /// Computes Vx, k and the other intermediate results from the nodes' derivatives at the candidate. Returns false if
+  /// numbers are not finite or the problem is not convex.
   virtual bool compute(double preg, double dreg) = 0;
   /// Computes the trial states, controls and cost, with the gaps of the running nodes (of the terminal one) shortened
   /// by the step length only. The cost is NaN if numbers are not finite.
@@ -67,7 +67,7 @@ class Direction {
   virtual void step_control(std::size_t t, double steplength) = 0;  // us_try[t] at xs_try[t]
 
   ShootingPart part_;
-  // The part's share of the solver's candidate, and of what is tried.
+  // The part's components of the solver's candidate and of the trial point.
   Vectors xs_, us_, fs_, xs_try_, us_try_;
   bool is_feasible_ = false;
   Vectors Vx_, k_, dx_;        // T + 1, T, T

@@ -42,7 +42,8 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
   const Plan& plan() const { return plan_; }
   const Policy& policy(int knot, int cluster) const { return policies_[knot][cluster]; }
 
-  /// P+ of the next knot in the order of this knot's cluster; in scratch where it is not stored so.
+  /// Returns P+ of the next knot in the order of this knot's cluster. It is copied to the workspace if it is stored in
+  /// another order.
   Eigen::Ref<const Eigen::MatrixXd> next_value(const Problem& problem, int knot, int cluster);
   /// The structure of steps of a cluster that is one group; nullptr if it has none.
   const SymplecticStructure* steps(const Problem& problem, int knot, int cluster) const;

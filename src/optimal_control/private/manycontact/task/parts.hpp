@@ -1,5 +1,5 @@
 #pragma once
-// A task taken apart: robots that neither contacts nor costs join at any node have motions of their own.
+// Divides a task into parts: robots that neither contacts nor costs couple at any node have motions of their own.
 
 #include <functional>
 

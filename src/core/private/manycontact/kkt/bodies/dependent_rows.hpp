@@ -34,8 +34,8 @@ struct BodyDependence {
   std::vector<double> x;                         // one entry per row
 };
 
-/// Whether a row moves no coordinate by more than rounding: its pivot is noise, and has nothing to cancel with. Never
-/// where rows are damped.
+/// Whether a row moves no coordinate by more than rounding errors. Its pivot then has no correct digit, and no terms
+/// that cancel. Always false for damped rows.
 bool has_vanishing_row(const BodySystem& system, BodyDependence& work);
 /// All rows take part again, in factors to come.
 void forget_dropped(BodyLdl& ldl);

@@ -13,10 +13,10 @@ struct BodySolve {
   void resize(const BodyPattern& p);
 };
 
-/// x of b, refined with residuals of the whole system. Each of them touches a body and its parent only, so no rounding
-/// adds up along a chain.
+/// Solves for x with right-hand side b and refines it with residuals of the whole system. Each residual involves a body
+/// and its parent only, so that rounding errors do not accumulate along a chain.
 sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps);
-/// The same where factorize_bodies lifted b.
+/// Solves and refines likewise, after factorize_bodies lifted b.
 sparse::Refinement solve_lifted(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps);
 
 /// Numbers kept of a factor, as Factor::nonzeros.
@@ -32,7 +32,7 @@ class BodyFactor {
   BodySystem system;
   BodyLdl ldl;
 
-  /// Not refined.
+  /// Solves without refinement.
   void solve(double* x);
   /// X of `cols` columns, row by row: column by column, refined; NaN where that does not converge.
   void solve_panel(double* X, int cols);

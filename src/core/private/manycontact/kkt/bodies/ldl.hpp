@@ -99,7 +99,7 @@ void backward_sweep(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b
 
 /// The second, from the bases: x of the b lifted; returns its backward error.
 double forward_sweep(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, BodyVectors& x, BodyResidual& left);
-/// The same for a correction, of which b = left.r was lifted: x += dx; returns the backward error of x for b.
+/// Solves for a correction dx, for which b = left.r was lifted: x += dx. Returns the backward error of x for b.
 double correct_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, BodyVectors& dx, BodyVectors& x,
                       BodyResidual& left);
 

@@ -16,7 +16,7 @@ struct BodyPattern {
   std::vector<int> A, B;             // one entry per contact row: the nodes it acts on, -1 for what does not move
   std::vector<int> at_first, at;     // rows that act on a node: at[at_first[i]] ... at[at_first[i + 1] - 1]
 
-  // nodes with children that one to six rows constrain relative to what does not move
+  // nodes with children that one to six rows constrain relative to the world or a base
   std::vector<int> hold;            // one entry per node: its number among them, -1: not one
   std::vector<int> own_first, own;  // the rows of the h-th: own[own_first[h]] ... own[own_first[h + 1] - 1]
 
@@ -25,18 +25,18 @@ struct BodyPattern {
   std::vector<int> most;
   std::vector<std::size_t> row_first, joint_first, square_first, D_first;
   int most_at_base = 0;  // rows left when all joints are eliminated
-  // costs of rows that are likely to be open: the sum over nodes of their number squared, and of that times those
-  // eliminated there; the number of rows left at the bases
+  // predicted cost of rows that are not yet eliminated: the sum over nodes of their number squared, and of that times
+  // the number eliminated there; the number of rows left at the bases
   double open_squared = 0, open_updates = 0, open_at_base = 0;
 
-  /// Whether both bodies of a row are in the subtree of node i: it can be eliminated from there on.
+  /// Whether both bodies of a row are in the subtree of node i, so that the row can be eliminated from node i on.
   bool complete(int row, int i) const {
     const auto inside = [&](int node) { return node < 0 || (node >= i && node < end[i]); };
     return inside(A[row]) && inside(B[row]);
   }
   /// The node at which a row's two ends meet, -1: none.
   int meeting(int row) const;
-  /// Fills what follows from nodes and the ends of rows: all from `at_first` on.
+  /// Computes the remaining members, from `at_first` on, from the nodes and the ends of rows.
   void complete_analysis();
 };
 

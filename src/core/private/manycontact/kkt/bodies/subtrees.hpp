@@ -30,11 +30,11 @@ struct BodySubtrees {
   std::vector<BodyCut> cuts;
 };
 
-/// Whether there is a body to cut at: with others below it, constrained by six rows.
+/// Whether there is a body to cut at: one with children that is constrained by six rows.
 bool may_be_cut(const BodyPattern& p);
 
-/// Cuts wherever six rows to what does not move constrain a body and no row of another body goes past it. Linear cost,
-/// as analyze_bodies.
+/// Cuts at each body that six rows fix to the world or a base, unless a row of another body crosses it. The cost is
+/// linear, as that of analyze_bodies.
 BodySubtrees split_bodies(const Island& island, const BodyPattern& whole);
 
 }  // namespace manycontact

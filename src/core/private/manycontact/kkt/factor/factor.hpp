@@ -57,22 +57,22 @@ class Factor {  // one island's factor, whatever the method
   /// its flags; work.B: as large as X.
   virtual void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, PanelWork& work);
 
-  /// Gives back what memory only solve_panel needs, until that is called again.
+  /// Releases the memory that only solve_panel needs, until solve_panel is called again.
   virtual void release_panels() {}
 
   /// Rank of J.
   virtual int rank() const = 0;
   /// Rows of J, numbered within the island, that depend on the others: nc - rank of them, in any order.
   virtual void dependent_rows(std::vector<int>& rows) const { rows.clear(); }
-  /// Let P be the projector on the null space of J^T: y -= P y on the contacts' rows, P y into null_component if that
-  /// is given (of K's size; zero elsewhere). Nothing where rank() is nc.
+  /// Let P be the projector on the null space of J^T. y -= P y on the contact rows; P y is written to null_component if
+  /// that is not null (K's size, zero elsewhere). Does nothing if rank() is nc.
   virtual void project_out(double* y, double* null_component) { (void)y, (void)null_component; }
-  /// The same for all columns of a panel as in solve_panel.
+  /// Does the same as project_out for all columns of a panel, stored as in solve_panel.
   virtual void project_out_panel(double* X, int ld, int cols) { (void)X, (void)ld, (void)cols; }
   /// A flag per row of J, numbered within the island (rows: nc): set where y -= P y may change it, and it others.
   virtual void null_space_rows(std::span<char> rows) const { std::fill(rows.begin(), rows.end(), 1); }
 
-  /// Residual of dropped rows, relative to what they are judged by, where that may be more than rounding errors.
+  /// Residual of the dropped rows relative to the terms of the rank decision, if it may exceed rounding errors.
   virtual double left_of_dropped_rows() const { return 0; }
 
   /// Rounding error of the projections relative to the largest entry of y, which limits the forces of least norm.
@@ -95,8 +95,8 @@ class Factor {  // one island's factor, whatever the method
     (void)K;
     return std::numeric_limits<double>::infinity();
   }
-  /// Whether a panel's columns are as accurate as a single solve: then growth and the backward error of that decide
-  /// whether the panel needs refinement. Otherwise panels are judged by their own residual.
+  /// Whether a panel's columns are as accurate as a single solve. Then growth and the backward error of the single
+  /// solve decide whether the panel needs refinement. Otherwise panels are judged by their own residual.
   virtual bool panel_is_like_solve() const { return true; }
 };
 

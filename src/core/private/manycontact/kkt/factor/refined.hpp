@@ -8,7 +8,7 @@ namespace manycontact {
 
 namespace internal {
 
-/// Adds what was taken out of v.b, because dependent rows cannot agree on it, to v.b and v.r again.
+/// Adds the inconsistent part of v.b, which was removed because of redundant rows, to v.b and v.r again.
 void put_back_contradiction(const Factor& factor, const KktMatrix& K, KktVectors& v);
 
 }  // namespace internal
