@@ -1,7 +1,7 @@
-// The kernels of one level of instructions: the forward path once more, in packs. Compiled once per level with that
-// level's flags, MANYCONTACT_LEVEL (its name) and MANYCONTACT_LANES (its width); nothing of it but the Level is seen by
-// the linker (src/core/simd/levels.cmake), or functions that it shares with the rest of the program, Eigen's and std's,
-// might be taken from here and meet a processor without these instructions.
+// The kernels of one level of instructions: the forward path once more, in packs. The file is compiled twice per level
+// with that level's flags: for SIMD batches, and for one robot at a time. MANYCONTACT_LEVEL is its name and
+// MANYCONTACT_LANES its width. The linker sees the Level alone (src/core/simd/levels.cmake). Otherwise functions that
+// are shared with the rest of the program, Eigen's and std's, might come from here and meet an older processor.
 
 #include "interface_contacts.hpp"
 #include "robot_block/alone.hpp"
