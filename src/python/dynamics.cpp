@@ -4,9 +4,9 @@
 
 #include "data.hpp"
 #include "manycontact/detail/algorithm/frames.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 #include "manycontact/dynamics/quasi_static.hpp"
 #include "manycontact/dynamics/views.hpp"
-#include "manycontact/model/inputs.hpp"
 #include "manycontact/model/suggestion.hpp"
 
 namespace manycontact::python {

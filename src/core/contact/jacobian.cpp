@@ -6,8 +6,8 @@
 
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/contact/motion_of.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 #include "manycontact/model/expect_state.hpp"
-#include "manycontact/model/inputs.hpp"
 
 namespace manycontact {
 

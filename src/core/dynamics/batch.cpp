@@ -4,10 +4,10 @@
 #include <stdexcept>
 
 #include "internal.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 #include "manycontact/dynamics/copies.hpp"
 #include "manycontact/dynamics/parallel.hpp"
 #include "manycontact/dynamics/shapes.hpp"
-#include "manycontact/model/inputs.hpp"
 #include "workspace/changes.hpp"
 
 namespace manycontact {

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "internal.hpp"
-#include "manycontact/model/inputs.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 #include "workspace/threads.hpp"
 
 namespace manycontact {

@@ -7,10 +7,10 @@
 
 #include "internal.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/dynamics/solve_step.hpp"
-#include "manycontact/model/inputs.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "reduction/reduction.hpp"
 #include "workspace/threads.hpp"

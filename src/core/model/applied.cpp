@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "attachment.hpp"
-#include "manycontact/model/inputs.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 #include "manycontact/model/suggestion.hpp"
 
 namespace manycontact {

@@ -1,6 +1,6 @@
 #include "manycontact/task/parts.hpp"
 
-#include "manycontact/model/inputs.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 
 namespace manycontact {
 

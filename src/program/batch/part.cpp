@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "manycontact/model/inputs.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 #include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact::cli {

@@ -1,7 +1,7 @@
 #include "describe.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/detail/algorithm/frames.hpp"
-#include "manycontact/model/inputs.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 #include "table.hpp"
 
 namespace manycontact::cli {

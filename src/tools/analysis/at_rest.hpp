@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include "manycontact/contact/motion_of.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
 #include "manycontact/dynamics/views.hpp"
-#include "manycontact/model/inputs.hpp"
 #include "mixed.hpp"
 
 namespace manycontact::internal {

@@ -6,8 +6,8 @@
 #include "at_rest.hpp"
 #include "levenberg_marquardt.hpp"
 #include "manycontact/algorithm/configuration.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 #include "manycontact/model/expect_state.hpp"
-#include "manycontact/model/inputs.hpp"
 #include "manycontact/model/suggestion.hpp"
 #include "moved_most.hpp"
 

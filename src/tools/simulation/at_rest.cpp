@@ -1,5 +1,5 @@
 #include "manycontact/detail/algorithm/rnea.hpp"
-#include "manycontact/model/inputs.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 #include "manycontact/simulation/step.hpp"
 
 namespace manycontact {

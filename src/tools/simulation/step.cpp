@@ -10,9 +10,9 @@
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/algorithm/integrate.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
 #include "manycontact/dynamics/solve_prescribed.hpp"
-#include "manycontact/model/inputs.hpp"
 #include "manycontact/model/suggestion.hpp"
 #include "resisting_forces.hpp"
 

@@ -5,10 +5,10 @@
 #include <stdexcept>
 
 #include "dynamics/workspace/changes.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 #include "manycontact/dynamics/copies.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
 #include "manycontact/dynamics/parallel.hpp"
-#include "manycontact/model/inputs.hpp"
 #include "resisting_forces.hpp"
 
 namespace manycontact {

@@ -2,9 +2,9 @@
 
 #include "internal.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
 #include "manycontact/dynamics/views.hpp"
-#include "manycontact/model/inputs.hpp"
 #include "manycontact/simulation/free_joints.hpp"
 #include "momentum_steps.hpp"
 #include "resisting_forces.hpp"

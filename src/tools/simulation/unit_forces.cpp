@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "manycontact/model/inputs.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 #include "manycontact/sparse/union_find.hpp"
 
 namespace manycontact::internal {

@@ -4,8 +4,8 @@
 
 #include "../internal.hpp"
 #include "manycontact/contact/pair_rows.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
-#include "manycontact/model/inputs.hpp"
 #include "manycontact/model/suggestion.hpp"
 
 namespace manycontact {

@@ -4,8 +4,8 @@
 #include "manycontact/detail/algorithm/crba.hpp"
 #include "manycontact/detail/algorithm/rnea.hpp"
 #include "manycontact/detail/algorithm/rnea_derivatives.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 #include "manycontact/dynamics/keep_dependent.hpp"
-#include "manycontact/model/inputs.hpp"
 #include "manycontact/simulation/free_joints.hpp"
 
 namespace manycontact::internal {

@@ -9,7 +9,7 @@
 #include "manycontact/detail/algorithm/crba.hpp"
 #include "manycontact/detail/algorithm/rnea.hpp"
 #include "manycontact/detail/algorithm/rnea_derivatives.hpp"
-#include "manycontact/model/inputs.hpp"
+#include "manycontact/detail/model/inputs.hpp"
 
 namespace manycontact {
 
