@@ -90,11 +90,10 @@ void add_data(py::module_& m) {
 }
 
 // A solve at q and v with the torques called `name`.
-using Solve = const Report&(const Scene&, const ConstVectorRef&, const ConstVectorRef&, const ConstVectorRef&, SceneData&);
-auto solution(Solve* solve, const char* name) {
+auto solution(decltype(solve)* of_torques, const char* name) {
   return [=](const Scene& scene, const Raw& q, const Raw& v, const Raw& torques, const Data& data) {
     const auto Q = checked("q", q), V = checked("v", v), T = checked(name, torques);
-    return Report(data.use([&](SceneData& d) -> const Report& { return solve(scene, Q, V, T, d); }));
+    return Report(data.use([&](SceneData& d) -> const Report& { return of_torques(scene, Q, V, T, d); }));
   };
 }
 

@@ -31,7 +31,8 @@ void write_sparse(const std::string& path, const Eigen::SparseMatrix<double>& A,
   OutputFile file(path);
   std::ostream& out = file.stream();
   begin(out, symmetric ? "coordinate real symmetric" : "coordinate real general", comments);
-  const Eigen::SparseMatrix<double> entries = symmetric ? Eigen::SparseMatrix<double>(A.triangularView<Eigen::Lower>()) : A;
+  Eigen::SparseMatrix<double> entries = A;
+  if (symmetric) entries = A.triangularView<Eigen::Lower>();
   out << A.rows() << " " << A.cols() << " " << entries.nonZeros() << "\n";
   for (int j = 0; j < entries.outerSize(); ++j)
     for (Eigen::SparseMatrix<double>::InnerIterator it(entries, j); it; ++it)

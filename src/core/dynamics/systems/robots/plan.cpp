@@ -90,16 +90,15 @@ BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
 
 // For up to so many robots at a time.
 void make_kernels(Workspace& w, BlockGroup& group, std::size_t count) {
-  const auto make = [&](auto& kernels, auto of_plan) {
+  const auto make = [&](auto& kernels, auto of_level) {
     if (kernels.size() < w.threads.size()) kernels.resize(w.threads.size());
-    for (auto& kernel : kernels)
-      kernel.make(count, *w.lanes.level, [&](const lanes::Level& level) { return of_plan(level, group.plan); });
+    for (auto& kernel : kernels) kernel.make(count, *w.lanes.level, of_level);
   };
-  make(group.kernels, [](const lanes::Level& level, const auto& plan) { return level.make(plan); });
+  make(group.kernels, [&](const lanes::Level& level) { return level.make(group.plan); });
   // The inconsistency of a pair's contacts is judged relative to the rounding errors of doubles.
   const auto is_pair = [](const Contact& c) { return c.pair != nullptr; };
   if (w.options.precision == Precision::kSingle && std::ranges::none_of(group.plan->scene.contacts, is_pair))
-    make(group.single, [](const lanes::Level& level, const auto& plan) { return level.single.make(plan); });
+    make(group.single, [&](const lanes::Level& level) { return level.single.make(group.plan); });
 }
 
 // Group of an island of one robot that is not large; nullptr: it has no place in a SIMD batch.
