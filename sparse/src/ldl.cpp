@@ -136,43 +136,12 @@ void ldl_factor_by_rows(const UpperCsc& A, const LdlSymbolic& s, const double* A
 }
 
 void ldl_solve(const LdlSymbolic& s, const double* Lx, const double* D, double* x) {
-  ldl_solve_trailing(s, Lx, D, 0, x);
-}
-
-namespace {
-
-// `columns` numbers a row of X.
-template <int columns>
-void solve_trailing(const LdlSymbolic& s, const double* Lx, const double* D, int first, double* X) {
-  const int* Lp = s.Lp.data();
-  const int* Li = s.Li.data();
-  double x[columns];
-  for (int j = first; j < s.n; ++j) {  // x = L \ x
-    std::copy_n(X + std::ptrdiff_t{columns} * j, columns, x);
-    for (int k = Lp[j]; k < Lp[j + 1]; ++k) {
-      double* below = X + std::ptrdiff_t{columns} * Li[k];
-      for (int c = 0; c < columns; ++c) below[c] -= Lx[k] * x[c];
-    }
+  for (int j = 0; j < s.n; ++j)  // x = L \ x
+    for (int k = s.Lp[j]; k < s.Lp[j + 1]; ++k) x[s.Li[k]] -= Lx[k] * x[j];
+  for (int j = s.n - 1; j >= 0; --j) {  // x = L^T \ (D \ x)
+    x[j] /= D[j];
+    for (int k = s.Lp[j]; k < s.Lp[j + 1]; ++k) x[j] -= Lx[k] * x[s.Li[k]];
   }
-  for (int j = s.n - 1; j >= first; --j) {  // x = L^T \ (D \ x)
-    double* own = X + std::ptrdiff_t{columns} * j;
-    for (int c = 0; c < columns; ++c) x[c] = own[c] / D[j];
-    for (int k = Lp[j]; k < Lp[j + 1]; ++k) {
-      const double* below = X + std::ptrdiff_t{columns} * Li[k];
-      for (int c = 0; c < columns; ++c) x[c] -= Lx[k] * below[c];
-    }
-    std::copy_n(x, columns, own);
-  }
-}
-
-}  // namespace
-
-void ldl_solve_trailing(const LdlSymbolic& s, const double* Lx, const double* D, int first, double* x) {
-  solve_trailing<1>(s, Lx, D, first, x);
-}
-
-void ldl_solve_trailing_columns(const LdlSymbolic& s, const double* Lx, const double* D, int first, double* X) {
-  solve_trailing<kTrailingColumns>(s, Lx, D, first, X);
 }
 
 void pivot_terms(const UpperCsc& A, const LdlSymbolic& s, const double* Ax, const double* Lx, const double* D,

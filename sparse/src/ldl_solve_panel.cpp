@@ -12,12 +12,12 @@ template <int N>
 void sweep(const LdlSymbolic& s, const double* Lx, const double* D, const int* row, double* X, int ld,
            const char* nonzero) {
   using Chunk = kernel::Tile<double, N>;
-  const auto at = [&](int k) { return X + static_cast<std::ptrdiff_t>(row[k]) * ld; };
+  const auto at = [&](int k) { return X + static_cast<std::ptrdiff_t>(row ? row[k] : k) * ld; };
   for (int k = 0; k < s.n; ++k) {  // X = L \ X
-    if (!nonzero[k] || s.Rp[k] == s.Rp[k + 1]) continue;
+    if ((nonzero && !nonzero[k]) || s.Rp[k] == s.Rp[k + 1]) continue;
     Chunk x = Chunk::load(at(k));
     for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p)
-      if (nonzero[s.Rj[p]]) x.add(-Lx[s.Rk[p]], at(s.Rj[p]));
+      if (!nonzero || nonzero[s.Rj[p]]) x.add(-Lx[s.Rk[p]], at(s.Rj[p]));
     x.store(at(k));
   }
   for (int k = s.n - 1; k >= 0; --k) {  // X = L^T \ (D \ X)
@@ -32,7 +32,7 @@ void sweep(const LdlSymbolic& s, const double* Lx, const double* D, const int* r
 
 void ldl_solve_panel(const LdlSymbolic& s, const double* Lx, const double* D, const int* row, double* X, int ld,
                      int first, int cols, char* nonzero) {
-  for (int k = 0; k < s.n; ++k)  // the rows the forward sweep reaches
+  for (int k = 0; nonzero && k < s.n; ++k)  // the rows the forward sweep reaches
     for (int p = s.Rp[k]; p < s.Rp[k + 1] && !nonzero[k]; ++p) nonzero[k] = nonzero[s.Rj[p]];
   const int end = first + cols;
   while (end - first >= kWide) sweep<kWide>(s, Lx, D, row, X + first, ld, nonzero), first += kWide;

@@ -52,7 +52,7 @@ struct FactorOfRows {
     done = rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, margin, row_scale.data(), work, L.data(),
                                       D.data(), rows);
     if (done == K.n())
-      find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), D.data(), rows);
+      find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), solve_panel, rows);
   }
   // Factorizes without the rows that are to be dropped, whichever they are.
   void factor_others() {
@@ -60,8 +60,11 @@ struct FactorOfRows {
     for (int k : rows.dropped) x[K.pattern.p[k + 1] - 1] = -1e200;
     ASSERT_EQ(sparse::ldl_factor(K.pattern, symbolic, x.data(), work, L.data(), D.data()), K.n());
     for (int k : rows.dropped) D[k] = INFINITY;
-    find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), D.data(), rows);
+    find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), solve_panel, rows);
   }
+  rank::SolvePanel solve_panel = [this](double* X, int ld, int cols) {
+    sparse::ldl_solve_panel(symbolic, L.data(), D.data(), nullptr, X, ld, 0, cols, nullptr);
+  };
   void solve(double* x) {
     project_out(rows, x);
     sparse::ldl_solve(symbolic, L.data(), D.data(), x);
@@ -481,11 +484,14 @@ TEST(DependentRows, AmongRowsOfMAfterThem) {
   std::vector<double> L(symbolic.nonzeros()), D(n), row_scale(n, J.cwiseAbs().maxCoeff());
   sparse::LdlWorkspace work;
   DependentRows found;
+  const auto solve = [&](double* X, int ld, int cols) {
+    sparse::ldl_solve_panel(symbolic, L.data(), D.data(), nullptr, X, ld, 0, cols, nullptr);
+  };
   ASSERT_EQ(rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, tolerance::kWaits, row_scale.data(), work,
                                        L.data(), D.data(), found),
             n);
   EXPECT_EQ(found.dropped, (std::vector<int>{first[1] + 2, first[4] + 1, first[4] + 2}));
-  find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), D.data(), found);
+  find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), solve, found);
   EXPECT_TRUE(found.accepted());
   EXPECT_FALSE(found.M_first);
   MatrixXd N = MatrixXd::Zero(n, 3);
@@ -504,7 +510,7 @@ TEST(DependentRows, WaitBeforeSmallPivotsPassTheirErrorsOn) {
     FactorOfRows f(s, tolerance::kWaits);
     ASSERT_EQ(f.done, s.n()) << small;
     EXPECT_TRUE(find_dependence(f.K.pattern, f.symbolic, f.K.x.data(), f.of_M, f.row_scale.data(), f.L.data(),
-                                f.D.data(), f.rows))
+                                f.D.data(), f.solve_panel, f.rows))
         << small;
     EXPECT_EQ(f.rows.dropped, std::vector<int>{3}) << small;
   }

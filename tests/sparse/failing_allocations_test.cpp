@@ -172,10 +172,13 @@ TEST_F(FailingAllocations, InDependentRows) {
     const std::vector<double> row_scale(K.n(), s.J_size());
     std::vector<char> of_M(K.n(), 0);
     std::fill_n(of_M.begin(), s.nv(), 1);
+    const auto solve_panel = [&](double* Y, int ld, int cols) {
+      sparse::ldl_solve_panel(symbolic, L.data(), D.data(), nullptr, Y, ld, 0, cols, nullptr);
+    };
     const auto solve = [&] {
       if (rank::ldl_factor_dependent(K.pattern, symbolic, K.x.data(), of_M, 1, row_scale.data(), work, L.data(),
                                      D.data(), rows) == K.n())
-        find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), D.data(), rows);
+        find_null_space(K.pattern, symbolic, K.x.data(), of_M, row_scale.data(), L.data(), solve_panel, rows);
       X.setOnes();
       project_out(rows, X.data());
       project_out_panel(rows, row.data(), X.data(), 3, 0, 3);

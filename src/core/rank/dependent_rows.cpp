@@ -1,6 +1,7 @@
 #include "manycontact/rank/dependent_rows.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -8,7 +9,7 @@
 
 #include "manycontact/rank/pivots.hpp"
 #include "manycontact/sparse/largest.hpp"
-#include "manycontact/sparse/refine.hpp"
+#include "manycontact/sparse/tile.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact::rank {
@@ -61,29 +62,49 @@ int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s
 
 namespace {
 
-// residual <- J^T times a column of N or B with entries (i, x). Returns the largest entry relative to the rows' sizes.
-// Only the entries touched can be nonzero.
-double dependence_residual(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M,
-                           const double* row_scale, std::span<const int> i, std::span<const double> x,
-                           DependentRows& rows) {
-  std::vector<double>& residual = rows.residual;
-  for (int k : rows.touched) residual[k] = 0;
-  rows.touched.clear();
-  double size = 0;
-  for (std::size_t p = 0; p < i.size(); ++p) {
-    const int k = i[p];
+constexpr int kColumns = DependentRows::kColumns;
+using Chunk = sparse::kernel::Tile<double, kColumns>;
+using Errors = std::array<double, kColumns>;
+
+double* row_of(std::vector<double>& panel, int k) { return panel.data() + static_cast<std::ptrdiff_t>(k) * kColumns; }
+
+// y += factor x, rows of panels.
+void add_row(double factor, const double* x, double* y) {
+  Chunk sum = Chunk::load(y);
+  sum.add(factor, x);
+  sum.store(y);
+}
+
+// Makes the listed rows of a panel zero, and forgets them.
+void clear(std::vector<double>& panel, std::vector<int>& listed, DependentRows& rows) {
+  for (int k : listed) {
+    rows.met[k] = 0;
+    std::fill_n(row_of(panel, k), kColumns, 0.0);
+  }
+  listed.clear();
+}
+
+// residual <- J^T N for the panel's columns. Returns the largest entry of each column, relative to the rows' sizes.
+Errors dependence_residuals(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M,
+                            const double* row_scale, DependentRows& rows) {
+  clear(rows.residual, rows.touched, rows);
+  Errors size{}, largest{};
+  for (int k : rows.of_N) {
+    const double* n = row_of(rows.N, k);
+    for (int c = 0; c < kColumns; ++c) size[c] = std::max(size[c], std::abs(n[c]) * row_scale[k]);
     const auto add = [&](int column, double entry) {
-      residual[column] += x[p] * entry;
-      rows.touched.push_back(column);
+      add_row(entry, n, row_of(rows.residual, column));
+      if (!std::exchange(rows.met[column], 1)) rows.touched.push_back(column);
     };
-    size = std::max(size, std::abs(x[p]) * row_scale[k]);
     for (int q = K.p[k]; q < K.p[k + 1]; ++q)
       if (of_M[K.i[q]]) add(K.i[q], Kx[q]);
     for (int q = rows.Jp[k]; q < rows.Jp[k + 1]; q += 2) add(rows.Ji[q + 1], Kx[rows.Ji[q]]);
   }
-  double largest = 0;
-  for (int k : rows.touched) largest = sparse::larger_or_nan(largest, std::abs(residual[k]));
-  return largest == 0 ? 0 : largest / size;
+  for (int k : rows.touched)
+    for (int c = 0; c < kColumns; ++c)
+      largest[c] = sparse::larger_or_nan(largest[c], std::abs(row_of(rows.residual, k)[c]));
+  for (int c = 0; c < kColumns; ++c) largest[c] = largest[c] == 0 ? 0 : largest[c] / size[c];
+  return largest;
 }
 
 // Whether row k was dropped in place of another, or waited. Such a row may depend on later rows.
@@ -116,52 +137,69 @@ void take_later_entries(const sparse::UpperCsc& K, std::span<const char> of_M, D
   rows.Jp[0] = 0;
 }
 
-// L^T z = l_k over the rows of J before k, and the column e_k - z of N.
-void null_column(const sparse::LdlSymbolic& s, std::span<const char> of_M, const double* Lx, int k,
-                 DependentRows& rows) {
-  double* x = rows.x.data();
-  int first = k;  // no entry of x is before it
-  const auto add_row = [&](int j, double factor) {
+// Columns e_k - z of N, with L^T z = l_k over the rows of J before k, for as many dropped rows k as a panel has
+// columns.
+void null_columns(const sparse::LdlSymbolic& s, std::span<const char> of_M, const double* Lx,
+                  std::span<const int> dropped, DependentRows& rows) {
+  const auto [least, last] = std::ranges::minmax(dropped);
+  for (std::size_t c = 0; c < dropped.size(); ++c) row_of(rows.N, dropped[c])[c] = -1, rows.met[dropped[c]] = 1;
+  int first = least;  // no row before it is met
+  for (int j = last; j >= first; --j) {
+    if (!rows.met[j]) continue;
+    double* n = row_of(rows.N, j);  // -n_j so far
+    bool any = false;
+    for (int c = 0; c < kColumns; ++c) {
+      n[c] = std::abs(n[c]) <= tolerance::kNullEntry ? 0 : -n[c];
+      any = any || n[c] != 0;
+    }
+    rows.met[j] = any;
+    if (!any) continue;
+    rows.of_N.push_back(j);
     for (int p = s.Rp[j + 1] - 1; p >= s.Rp[j]; --p) {
       const int i = s.Rj[p];
       if (of_M[i] && rows.M_first) break;
       if (of_M[i]) continue;
-      x[i] += Lx[s.Rk[p]] * factor;
+      add_row(Lx[s.Rk[p]], n, row_of(rows.N, i));
+      rows.met[i] = 1;
       first = std::min(first, i);
     }
-  };
-  rows.Ni.push_back(k);
-  rows.Nx.push_back(1);
-  add_row(k, 1);
-  for (int j = k - 1; j >= first; --j) {
-    const double xj = std::exchange(x[j], 0);
-    if (std::abs(xj) <= tolerance::kNullEntry) continue;
-    rows.Ni.push_back(j);
-    rows.Nx.push_back(-xj);
-    add_row(j, -xj);
   }
-  rows.Np.push_back(static_cast<int>(rows.Ni.size()));
 }
 
-// Refines z by z += K_kept^-1 (residual of z). It is needed if the kept pivots were too small for an accurate l_k, or
-// if a row that was exchanged also depends on later rows.
-void refine_column(const sparse::LdlSymbolic& s, std::span<const char> of_M, const double* Lx, const double* D,
-                   DependentRows& rows) {
-  const int first = rows.Np[rows.Np.size() - 2];
-  double* x = rows.x.data();
-  std::copy(rows.residual.begin(), rows.residual.end(), x);
-  solve_kept(rows, x, [&](double* y) { sparse::ldl_solve(s, Lx, D, y); });
-  const int k = rows.Ni[first];
-  for (std::size_t p = first + 1; p < rows.Ni.size(); ++p) x[rows.Ni[p]] -= rows.Nx[p];  // z
-  rows.Ni.resize(first + 1);
-  rows.Nx.resize(first + 1);
-  for (int j = (is_turned(rows, k) ? s.n : k) - 1; j >= 0; --j) {
-    if (of_M[j] || j == k || std::abs(x[j]) <= tolerance::kNullEntry) continue;
-    rows.Ni.push_back(j);
-    rows.Nx.push_back(-x[j]);
+// Refines the panel's columns that `which` flags by z += K_kept^-1 (residual of z). It is needed if the kept pivots
+// were too small for an accurate l_k, or if a row that was exchanged also depends on later rows.
+void refine_columns(std::span<const char> of_M, std::span<const int> dropped, const std::array<bool, kColumns>& which,
+                    const SolvePanel& solve, DependentRows& rows) {
+  const int n = static_cast<int>(of_M.size());
+  std::array<int, kColumns> end{};  // the rows before it may have entries
+  for (std::size_t c = 0; c < dropped.size(); ++c)
+    end[c] = !which[c] ? 0 : is_turned(rows, dropped[c]) ? n : dropped[c];
+  rows.x.assign(static_cast<std::size_t>(n) * kColumns, 0.0);
+  for (int i : rows.touched)
+    for (int c = 0; c < kColumns; ++c) row_of(rows.x, i)[c] = which[c] ? row_of(rows.residual, i)[c] : 0;
+  solve_kept(rows, rows.x.data(), kColumns, kColumns, solve);
+  for (int j = 0; j < n; ++j) {
+    if (of_M[j]) continue;
+    double *entry = row_of(rows.N, j), *x = row_of(rows.x, j);
+    for (std::size_t c = 0; c < dropped.size(); ++c) {
+      if (j >= end[c] || j == dropped[c]) continue;
+      entry[c] -= x[c];
+      if (std::abs(entry[c]) <= tolerance::kNullEntry) entry[c] = 0;
+      if (entry[c] != 0 && !std::exchange(rows.met[j], 1)) rows.of_N.push_back(j);
+    }
   }
-  std::fill_n(x, s.n, 0.0);
-  rows.Np.back() = static_cast<int>(rows.Ni.size());
+}
+
+// Appends the panel's columns to N.
+void append_columns(std::span<const int> dropped, DependentRows& rows) {
+  std::ranges::sort(rows.of_N, std::greater<>());
+  for (std::size_t c = 0; c < dropped.size(); ++c) {
+    const auto append = [&](int k) { rows.Ni.push_back(k), rows.Nx.push_back(row_of(rows.N, k)[c]); };
+    append(dropped[c]);
+    for (int k : rows.of_N)
+      if (k != dropped[c] && row_of(rows.N, k)[c] != 0) append(k);
+    rows.Np.push_back(static_cast<int>(rows.Ni.size()));
+  }
 }
 
 // Memory of columns that are to be found.
@@ -170,30 +208,40 @@ void begin_columns(const sparse::UpperCsc& K, std::span<const char> of_M, Depend
   rows.Ni.clear();
   rows.Nx.clear();
   rows.plain.clear();
-  rows.touched.clear();
   rows.largest_residual = 0;
   if (rows.dropped.empty()) return;
-  rows.x.assign(K.n, 0.0);
-  rows.residual.assign(K.n, 0.0);
-  rows.touched.reserve(K.nonzeros());  // the number of rows used varies with rounding, and memory must not
+  rows.met.assign(K.n, 0);
+  for (std::vector<double>* panel : {&rows.N, &rows.residual})
+    panel->assign(static_cast<std::size_t>(K.n) * kColumns, 0.0);
+  // The number of rows used varies with rounding, and memory must not.
+  for (std::vector<int>* listed : {&rows.of_N, &rows.touched}) listed->clear(), listed->reserve(K.n);
   take_later_entries(K, of_M, rows);
 }
 
 // Computes the columns of N of the rows dropped from rows.dropped[first] on, and appends them.
 void find_columns(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx, std::span<const char> of_M,
-                  const double* row_scale, const double* Lx, const double* D, std::size_t first, DependentRows& rows) {
-  for (std::size_t c = first; c < rows.dropped.size(); ++c) {
-    null_column(s, of_M, Lx, rows.dropped[c], rows);
-    const sparse::Refinement refinement = sparse::refine(
-        tolerance::kNullColumnSteps, tolerance::kNullColumn,
-        [&] {
-          const std::size_t begin = rows.Np[rows.Np.size() - 2];
-          return dependence_residual(K, Kx, of_M, row_scale, std::span(rows.Ni).subspan(begin),
-                                     std::span(rows.Nx).subspan(begin), rows);
-        },
-        [&] { refine_column(s, of_M, Lx, D, rows); });
-    rows.largest_residual = sparse::larger_or_nan(rows.largest_residual, refinement.backward_error);
-    rows.plain.push_back(refinement.backward_error <= tolerance::kRowLeft);
+                  const double* row_scale, const double* Lx, const SolvePanel& solve, std::size_t first,
+                  DependentRows& rows) {
+  for (; first < rows.dropped.size(); first += kColumns) {
+    const auto dropped =
+        std::span(rows.dropped).subspan(first).first(std::min<std::size_t>(kColumns, rows.dropped.size() - first));
+    null_columns(s, of_M, Lx, dropped, rows);
+    Errors before, error = dependence_residuals(K, Kx, of_M, row_scale, rows);
+    before.fill(std::numeric_limits<double>::infinity());
+    for (int step = 0; step < tolerance::kNullColumnSteps; ++step) {  // as in sparse/refine.hpp, column by column
+      std::array<bool, kColumns> which{};
+      for (int c = 0; c < kColumns; ++c) which[c] = error[c] > tolerance::kNullColumn && error[c] < 0.5 * before[c];
+      if (std::ranges::count(which, true) == 0) break;
+      refine_columns(of_M, dropped, which, solve, rows);
+      before = error;
+      error = dependence_residuals(K, Kx, of_M, row_scale, rows);
+    }
+    append_columns(dropped, rows);
+    clear(rows.N, rows.of_N, rows);
+    for (std::size_t c = 0; c < dropped.size(); ++c) {
+      rows.largest_residual = sparse::larger_or_nan(rows.largest_residual, error[c]);
+      rows.plain.push_back(error[c] <= tolerance::kRowLeft);
+    }
   }
 }
 
@@ -225,37 +273,45 @@ void take_projector(const sparse::UpperCsc& K, const double* Kx, std::span<const
   make_projector(K.n, rows);
   for (const DependentRows::Cluster& cluster : rows.clusters) {
     if (cluster.kind != cluster.kOrthonormal) continue;
-    for (int a = cluster.basis; a < cluster.basis + cluster.size; ++a) {
-      const std::size_t first = rows.Bp[a], count = rows.Bp[a + 1] - first;
-      const double left = dependence_residual(K, Kx, of_M, row_scale, std::span(rows.Bi).subspan(first, count),
-                                              std::span(rows.Bx).subspan(first, count), rows);
-      rows.largest_residual = sparse::larger_or_nan(rows.largest_residual, left);
+    for (int first = cluster.basis, end = first + cluster.size; first < end; first += kColumns) {
+      rows.of_N.assign(rows.cluster_rows.begin() + cluster.row, rows.cluster_rows.begin() + cluster.row_end);
+      for (int a = first; a < std::min(first + kColumns, end); ++a)
+        for (int p = rows.Bp[a]; p < rows.Bp[a + 1]; ++p) row_of(rows.N, rows.Bi[p])[a - first] = rows.Bx[p];
+      for (double left : dependence_residuals(K, Kx, of_M, row_scale, rows))
+        rows.largest_residual = sparse::larger_or_nan(rows.largest_residual, left);
+      clear(rows.N, rows.of_N, rows);
     }
   }
 }
 
 }  // namespace
 
+void solve_kept(DependentRows& rows, double* X, int ld, int cols, const SolvePanel& solve) {
+  if (rows.waiting.joined > 0) before_solve(rows.waiting, nullptr, X, ld, cols);
+  solve(X, ld, cols);
+  if (rows.waiting.joined > 0) after_solve(rows.waiting, nullptr, X, ld, cols);
+}
+
 void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx,
-                     std::span<const char> of_M, const double* row_scale, const double* Lx, const double* D,
+                     std::span<const char> of_M, const double* row_scale, const double* Lx, const SolvePanel& solve,
                      DependentRows& rows) {
   begin_columns(K, of_M, rows);
-  find_columns(K, s, Kx, of_M, row_scale, Lx, D, 0, rows);
+  find_columns(K, s, Kx, of_M, row_scale, Lx, solve, 0, rows);
   take_projector(K, Kx, of_M, row_scale, rows);
 }
 
 bool find_dependence(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx,
                      std::span<const char> of_M, const double* row_size, const double* Lx, const double* D,
-                     DependentRows& rows) {
+                     const SolvePanel& solve, DependentRows& rows) {
   begin_columns(K, of_M, rows);
-  find_columns(K, s, Kx, of_M, row_size, Lx, D, 0, rows);
+  find_columns(K, s, Kx, of_M, row_size, Lx, solve, 0, rows);
   if (std::ranges::count(rows.plain, 0) > 0) {
     const std::size_t plain = keep_plain_columns(rows);
     const WaitingRows& waiting = rows.waiting;
-    join_waiting_rows(K, s, Kx, of_M, row_size, Lx, D, rows.waiting);
+    join_waiting_rows(K, s, Kx, of_M, row_size, Lx, D, solve, rows.waiting);
     rows.dropped.insert(rows.dropped.end(), waiting.rows.begin() + waiting.joined, waiting.rows.end());
     std::sort(rows.dropped.begin() + static_cast<std::ptrdiff_t>(plain), rows.dropped.end());
-    find_columns(K, s, Kx, of_M, row_size, Lx, D, plain, rows);
+    find_columns(K, s, Kx, of_M, row_size, Lx, solve, plain, rows);
   }
   take_projector(K, Kx, of_M, row_size, rows);
   return rows.accepted();

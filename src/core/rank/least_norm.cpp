@@ -69,20 +69,21 @@ std::optional<Eigen::VectorXd> by_ldl(int rows, int cols, const Entries& A, cons
   const std::vector<double> row_scale(K.n, size);
   std::vector<char> of_M(K.n, 0);
   std::fill_n(of_M.begin(), cols, 1);
+  const auto solve = [&](double* X, int ld, int cols) {
+    sparse::ldl_solve_panel(symbolic, Lx.data(), D.data(), nullptr, X, ld, 0, cols, nullptr);
+  };
   if (ldl_factor_dependent(K, symbolic, Kx.data(), of_M, tolerance::kWaits, row_scale.data(), work, Lx.data(), D.data(),
                            dependent) != K.n ||
-      !find_dependence(K, symbolic, Kx.data(), of_M, row_scale.data(), Lx.data(), D.data(), dependent))
+      !find_dependence(K, symbolic, Kx.data(), of_M, row_scale.data(), Lx.data(), D.data(), solve, dependent))
     return std::nullopt;
-  const auto solve = [&](double* x) {
-    solve_kept(dependent, x, [&](double* y) { sparse::ldl_solve(symbolic, Lx.data(), D.data(), y); });
-  };
+  const auto solve_rows_kept = [&](double* x) { solve_kept(dependent, x, 1, 1, solve); };
 
   std::vector<double> rhs(K.n, 0.0);
   for (int k = 0; k < rows; ++k) rhs[iperm[cols + k]] = b[k];
   project_out(dependent, rhs.data());
   std::vector<double> z = rhs;
-  solve(z.data());
-  if (!refine_solution(K, Kx, solve, rhs, z)) return std::nullopt;
+  solve_rows_kept(z.data());
+  if (!refine_solution(K, Kx, solve_rows_kept, rhs, z)) return std::nullopt;
   Eigen::VectorXd x(cols);
   for (int k = 0; k < cols; ++k) x[k] = z[iperm[k]];
   return x;

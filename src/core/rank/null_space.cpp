@@ -3,9 +3,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "manycontact/rank/dependent_rows.hpp"
 #include "manycontact/sparse/memory.hpp"
+#include "manycontact/sparse/tile.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 #include "manycontact/sparse/union_find.hpp"
 
@@ -32,22 +34,17 @@ void each_of_basis(const DependentRows& rows, const DependentRows::Cluster& clus
 
 // Lists the rows of K in which a cluster's columns of N have entries: first those dropped, then those kept.
 void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
+  constexpr int kListed = -2;  // in rows.owner
   std::vector<int>& all = rows.cluster_rows;
   cluster.row = static_cast<int>(all.size());
-  const auto add = [&](bool first) {
-    for (int a = 0; a < cluster.count; ++a) {
-      const int c = rows.members[cluster.first + a], begin = rows.Np[c];
-      if (first)
-        all.push_back(rows.Ni[begin]);
-      else
-        all.insert(all.end(), rows.Ni.begin() + begin + 1, rows.Ni.begin() + rows.Np[c + 1]);
-    }
-  };
-  add(true);
+  for (int a = 0; a < cluster.count; ++a) all.push_back(rows.Ni[rows.Np[rows.members[cluster.first + a]]]);
   const auto kept = static_cast<std::ptrdiff_t>(all.size());
-  add(false);
+  for (int a = 0; a < cluster.count; ++a) {
+    const int c = rows.members[cluster.first + a];
+    for (int p = rows.Np[c] + 1; p < rows.Np[c + 1]; ++p)
+      if (std::exchange(rows.owner[rows.Ni[p]], kListed) != kListed) all.push_back(rows.Ni[p]);
+  }
   std::sort(all.begin() + kept, all.end());
-  all.erase(std::unique(all.begin() + kept, all.end()), all.end());
   cluster.row_end = static_cast<int>(all.size());
 }
 
@@ -141,7 +138,9 @@ void take_basis(DependentRows& rows, DependentRows::Cluster& cluster) {
   cluster.size = std::min(kept, cluster.count);
   if (kept < cluster.count) return take_complement(rows, cluster);
   for (int a = 0; a < cluster.count; ++a) {
-    each_of_null(rows, cluster, a, [&](int k, double value) { rows.Bi.push_back(k), rows.Bx.push_back(value); });
+    const int c = rows.members[cluster.first + a], first = rows.Np[c], end = rows.Np[c + 1];
+    rows.Bi.insert(rows.Bi.end(), rows.Ni.begin() + first, rows.Ni.begin() + end);
+    rows.Bx.insert(rows.Bx.end(), rows.Nx.begin() + first, rows.Nx.begin() + end);
     rows.Bp.push_back(static_cast<int>(rows.Bi.size()));
   }
 }
@@ -155,10 +154,10 @@ void make_clusters(int n, DependentRows& rows) {
   owner.assign(n + d, -1);
   sparse::UnionFind sets(std::span<int>(owner).subspan(n));
   for (int c = 0; c < d; ++c) {
+    int joined = -1;
     for (int p = rows.Np[c]; p < rows.Np[c + 1]; ++p) {
-      int& of = owner[rows.Ni[p]];
-      if (of >= 0) sets.join(of, c);
-      of = c;
+      const int of = std::exchange(owner[rows.Ni[p]], c);
+      if (of >= 0 && of != joined) sets.join(joined = of, c);
     }
   }
   constexpr std::size_t kReserved = 64 * 64;  // rows that clusters share may vary with rounding, and memory must not
@@ -202,17 +201,24 @@ void make_clusters(int n, DependentRows& rows) {
 }
 
 void form_gram(int n, DependentRows& rows, const DependentRows::Cluster& cluster) {
+  using Chunk = sparse::kernel::Tile<double, DependentRows::kColumns>;
+  constexpr int kColumns = DependentRows::kColumns;
   Eigen::Map<Eigen::MatrixXd> G(rows.gram.data() + cluster.gram, cluster.size, cluster.size);
-  std::vector<double>& x = rows.x;
-  x.assign(n, 0.0);
-  for (int a = 0; a < cluster.size; ++a) {
-    each_of_basis(rows, cluster, a, [&](int k, double value) { x[k] = value; });
-    for (int b = 0; b <= a; ++b) {  // the lower half
-      double sum = 0;
-      each_of_basis(rows, cluster, b, [&](int k, double value) { sum += value * x[k]; });
-      G(a, b) = sum;
+  if (rows.N.size() < static_cast<std::size_t>(n) * kColumns)
+    rows.N.assign(static_cast<std::size_t>(n) * kColumns, 0.0);
+  const auto row = [&](int k) { return rows.N.data() + static_cast<std::ptrdiff_t>(k) * kColumns; };
+  for (int a = 0; a < cluster.size; a += kColumns) {
+    const int count = std::min(kColumns, cluster.size - a);
+    for (int i = 0; i < count; ++i)
+      each_of_basis(rows, cluster, a + i, [&](int k, double value) { row(k)[i] = value; });
+    for (int b = a; b < cluster.size; ++b) {  // the lower half
+      Chunk sum = Chunk::all(0);
+      each_of_basis(rows, cluster, b, [&](int k, double value) { sum.add(value, row(k)); });
+      double products[kColumns];
+      sum.store(products);
+      std::copy_n(products, count, G.row(b).segment(a, count).begin());
     }
-    each_of_basis(rows, cluster, a, [&](int k, double) { x[k] = 0; });
+    for (int i = 0; i < count; ++i) each_of_basis(rows, cluster, a + i, [&](int k, double) { row(k)[i] = 0; });
   }
   Eigen::Ref<Eigen::MatrixXd> in_place(G);
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(in_place);

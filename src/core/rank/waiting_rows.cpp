@@ -27,22 +27,18 @@ void each_entry_of_B(const sparse::UpperCsc& K, const double* Kx, const double* 
 }
 
 // w.Z <- K1^-1 B, refined once, `width` columns.
-void solve_for_Z(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx, const double* Lx,
-                 const double* D, int width, WaitingRows& w) {
+void solve_for_Z(const sparse::UpperCsc& K, const double* Kx, const double* D, int width, const SolvePanel& solve,
+                 WaitingRows& w) {
   const std::size_t size = static_cast<std::size_t>(K.n) * width;
   w.same.resize(K.n);
   std::iota(w.same.begin(), w.same.end(), 0);
-  const auto solve = [&](std::vector<double>& X) {
-    w.nonzero.assign(K.n, 1);
-    sparse::ldl_solve_panel(s, Lx, D, w.same.data(), X.data(), width, 0, width, w.nonzero.data());
-  };
   w.B.assign(size, 0.0);
   each_entry_of_B(K, Kx, D, w,
                   [&](int i, int column, double value) { w.B[static_cast<std::size_t>(i) * width + column] = value; });
   w.Z = w.B;
-  solve(w.Z);
+  solve(w.Z.data(), width, width);
   sparse::residual_panel(K, Kx, w.same.data(), w.Z.data(), w.B.data(), width, width);
-  solve(w.B);
+  solve(w.B.data(), width, width);
   for (std::size_t k = 0; k < size; ++k) w.Z[k] += w.B[k];
 }
 
@@ -93,12 +89,12 @@ int factorize_by_largest(Rows A, std::vector<int>& order) {
 
 void join_waiting_rows(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx,
                        std::span<const char> of_M, const double* row_size, const double* Lx, const double* D,
-                       WaitingRows& w) {
+                       const SolvePanel& solve, WaitingRows& w) {
   const int width = static_cast<int>(w.rows.size());
   w.place.assign(K.n, -1);
   for (int c = 0; c < width; ++c) w.place[w.rows[c]] = c;
   take_scales(K, s, Kx, of_M, row_size, Lx, D, w);
-  solve_for_Z(K, s, Kx, Lx, D, width, w);
+  solve_for_Z(K, Kx, D, width, solve, w);
 
   w.L.assign(static_cast<std::size_t>(width) * width, 0.0);
   Rows A(w.L.data(), width, width);

@@ -58,15 +58,10 @@ void ldl_factor_by_rows(const UpperCsc& A, const LdlSymbolic& symbolic, const do
 
 /// x <- A^-1 x.
 void ldl_solve(const LdlSymbolic& symbolic, const double* Lx, const double* D, double* x);
-/// Solves in the rows from `first` on. x is zero in the rows before `first`, and these rows are not changed.
-void ldl_solve_trailing(const LdlSymbolic& symbolic, const double* Lx, const double* D, int first, double* x);
-/// Solves likewise for a row-major panel with this number of columns; its rows are in A's order.
-inline constexpr int kTrailingColumns = 8;
-void ldl_solve_trailing_columns(const LdlSymbolic& symbolic, const double* Lx, const double* D, int first, double* X);
 
 /// X <- A^-1 X for the columns first ... first+cols-1 of a row-major panel with row stride ld; row k of A's order is
 /// row row[k] of X. nonzero: n flags in A's order, set where a row of X is not zero (in these columns); overwritten.
-/// Zero rows cost nothing in the forward sweep.
+/// Zero rows cost nothing in the forward sweep. row, nonzero may be nullptr: rows in A's order, any of them nonzero.
 void ldl_solve_panel(const LdlSymbolic& symbolic, const double* Lx, const double* D, const int* row, double* X, int ld,
                      int first, int cols, char* nonzero);
 

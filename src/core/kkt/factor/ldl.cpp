@@ -117,18 +117,17 @@ class LdlFactor final : public Factor {
                                                       : Reason::kSmallPivot;
     growth_ = std::max(1.0, internal::growth_of(K, scratch.scale.data()));
     const bool found = rank::find_dependence(p.K, p.ldl, K.values.data(), p.of_M, row_size_.data(), ldl_.L.data(),
-                                             ldl_.D.data(), dependence_);
+                                             ldl_.D.data(), solve_, dependence_);
     return found && std::isfinite(growth_) ? Reason::kNone : Reason::kSmallPivot;
   }
 
   bool none_waits() const { return dependence_.dropped.empty() && dependence_.waiting.joined == 0; }
-  void solve_kept(double* x) {
-    rank::solve_kept(dependence_, x, [this](double* y) { ldl_.solve(y); });
-  }
+  void solve_kept(double* x) { rank::solve_kept(dependence_, x, 1, 1, solve_); }
 
   Method method_;
   bool waits_;
   internal::LdlNumbers ldl_;
+  rank::SolvePanel solve_ = [this](double* X, int ld, int cols) { ldl_.solve_in_order(X, ld, cols); };
   std::vector<double> row_size_;  // size of each row of J, in K's order; unused in M's rows
   rank::DependentRows dependence_;
   double growth_ = 1;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <numeric>
 #include <vector>
 
 #include "manycontact/kkt/factor/factor.hpp"
@@ -14,6 +15,7 @@ struct LdlNumbers {
   std::shared_ptr<const KktPattern> pattern;
   const sparse::LdlSchedule* schedule = nullptr;  // the pattern's; nullptr: by sparse/ldl.hpp
   std::vector<double> L, D;
+  std::vector<int> same;  // 0, 1, 2 ...
 
   /// method: kSparseLdl by the schedule, kSuiteSparseLdl without.
   void take(const std::shared_ptr<const KktPattern>& p, Method method) {
@@ -21,6 +23,8 @@ struct LdlNumbers {
     schedule = method == Method::kSparseLdl && p->schedule().compiled() ? &p->schedule() : nullptr;
     L.resize(p->ldl.nonzeros());
     D.resize(p->size());
+    same.resize(p->size());
+    std::iota(same.begin(), same.end(), 0);
     pattern = p;
   }
 
@@ -56,6 +60,15 @@ struct LdlNumbers {
       sparse::panel_kernels().solve(*schedule, L.data(), D.data(), perm, X, ld, first, cols, nonzero, work());
     else
       sparse::ldl_solve_panel(pattern->ldl, L.data(), D.data(), perm, X, ld, first, cols, nonzero);
+  }
+
+  /// Solves for the first `cols` columns of a row-major panel with row stride ld, whose rows are in K's order.
+  void solve_in_order(double* X, int ld, int cols) const {
+    if (cols == 1 && ld == 1) return solve(X);
+    if (!schedule) return sparse::ldl_solve_panel(pattern->ldl, L.data(), D.data(), nullptr, X, ld, 0, cols, nullptr);
+    thread_local std::vector<char> nonzero;
+    nonzero.assign(D.size(), 1);
+    sparse::panel_kernels().solve(*schedule, L.data(), D.data(), same.data(), X, ld, 0, cols, nonzero.data(), work());
   }
 
   /// Memory of panels, which the factors of a thread share: it stays in the cache. For refinement too: a later state

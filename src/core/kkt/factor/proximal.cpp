@@ -50,13 +50,7 @@ void ProximalFactor::start_probes() {
 // probes <- E probes
 void ProximalFactor::apply_to_probes() {
   const KktPattern& p = *ldl_.pattern;
-  if (M_first_) {
-    sparse::ldl_solve_trailing_columns(p.ldl, ldl_.L.data(), ldl_.D.data(), p.nv, probes_.data());
-  } else {
-    std::fill(nonzero_.begin(), nonzero_.end(), 1);
-    sparse::ldl_solve_panel(p.ldl, ldl_.L.data(), ldl_.D.data(), same_.data(), probes_.data(), kProbes, 0, kProbes,
-                            nonzero_.data());
-  }
+  ldl_.solve_in_order(probes_.data(), kProbes, kProbes);
   for (int k = 0; k < p.size(); ++k)
     for (int c = 0; c < kProbes; ++c) probe(k)[c] *= of_M(k) ? 0 : -delta_;
 }
@@ -69,13 +63,18 @@ double ProximalFactor::left_of_probes(const FactorScratch& scratch) {
   for (int k = 0; k < p.size(); ++k)
     if (!of_M(k))
       rows = std::max(rows, sparse::largest({probe(k), kProbes}) * size_of_row(*K_, scratch, p.perm[k] - p.nv));
-  std::fill(b_.begin(), b_.end(), 0.0);
-  for (int c = 0; c < kProbes; ++c) {
-    for (int k = 0; k < p.size(); ++k) w_[k] = probe(k)[c];
-    sparse::panel_kernels().residual_vector(p.K, K_->values.data(), w_.data(), b_.data(), r_.data(), scale_.data());
-    for (int k = 0; k < p.size(); ++k)
-      if (of_M(k)) left = sparse::larger_or_nan(left, std::abs(r_[k]) / std::max(scale_[k], rows));
-  }
+  std::fill(sums_.begin(), sums_.end(), 0.0);
+  for (int k = 0; k < p.size(); ++k)
+    for (int q = p.K.p[k]; q < p.K.p[k + 1]; ++q) {
+      const int i = p.K.i[q];
+      if (of_M(i) == of_M(k)) continue;
+      const double J = K_->values[q], *y = probe(of_M(i) ? k : i);
+      double* sums = terms_of(of_M(i) ? i : k);
+      for (int c = 0; c < kProbes; ++c) sums[c] += J * y[c], sums[kProbes + c] += std::abs(J * y[c]);
+    }
+  for (int k = 0; k < p.size(); ++k)
+    for (int c = 0; of_M(k) && c < kProbes; ++c)
+      left = sparse::larger_or_nan(left, std::abs(terms_of(k)[c]) / std::max(terms_of(k)[kProbes + c], rows));
   return left;
 }
 

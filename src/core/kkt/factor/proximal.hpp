@@ -20,9 +20,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "ldl_numbers.hpp"
@@ -85,12 +83,11 @@ class ProximalFactor final : public Factor {
 
  private:
   static constexpr double kEps = std::numeric_limits<double>::epsilon();
-  static constexpr int kProbes = sparse::kTrailingColumns;  // so many vectors take the time of a few
+  static constexpr int kProbes = 8;                         // so many vectors take the time of a few
   static constexpr int kChunk = 64;                         // columns of a panel at a time
   void take(const std::shared_ptr<const KktPattern>& pattern) {
     const std::size_t n = pattern->size();
     damped_.resize(pattern->K.nonzeros());
-    M_first_ = std::is_sorted(pattern->of_M.begin(), pattern->of_M.end(), std::greater<>());
     in_null_space_.assign(n, 0);
     dropped_.reserve(pattern->nc);
     stiffer_.resize(n);
@@ -98,9 +95,8 @@ class ProximalFactor final : public Factor {
     in_doubt_ = false;
     for (std::vector<double>* x : {&b_, &r_, &scale_, &w_}) x->resize(n);
     for (std::vector<double>* X : {&probes_, &before_}) X->resize(n * kProbes);
+    sums_.resize(2 * n * kProbes);
     nonzero_.assign(n, 1);
-    same_.resize(n);
-    std::iota(same_.begin(), same_.end(), 0);
     ldl_.take(pattern, method());
   }
 
@@ -203,13 +199,9 @@ class ProximalFactor final : public Factor {
     }
   }
 
-  // w <- E w for the contact rows of w. The rows of M are zero before and after. If M is eliminated first, its columns
-  // are not needed.
+  // w <- E w for the contact rows of w. The rows of M are zero before and after.
   void apply(double* w) {
-    if (M_first_)
-      sparse::ldl_solve_trailing(ldl_.pattern->ldl, ldl_.L.data(), ldl_.D.data(), ldl_.pattern->nv, w);
-    else
-      ldl_.solve(w);
+    ldl_.solve(w);
     for (std::size_t k = 0; k < w_.size(); ++k) w[k] *= of_M(k) ? 0 : -delta_;
   }
 
@@ -224,6 +216,7 @@ class ProximalFactor final : public Factor {
   void apply_to_probes();
   bool of_M(std::size_t k) const { return ldl_.pattern->of_M[k] != 0; }
   double* probe(int k) { return probes_.data() + static_cast<std::ptrdiff_t>(k) * kProbes; }
+  double* terms_of(int k) { return sums_.data() + static_cast<std::ptrdiff_t>(k) * 2 * kProbes; }
   double left_of_probes(const FactorScratch& scratch);
   void measure_drift();
   void take_null_space_rows();
@@ -239,7 +232,6 @@ class ProximalFactor final : public Factor {
   const KktMatrix* K_ = nullptr;
   double delta_ = 0;
   std::vector<char> in_null_space_;            // flags, in K's order
-  bool M_first_ = true;                        // no row of M comes after one of J
   std::vector<int> dropped_;                   // rows of J
   std::vector<double> damped_;                 // K_delta
   std::vector<double> stiffer_;                // pivots with a larger delta, in K's order
@@ -250,9 +242,9 @@ class ProximalFactor final : public Factor {
   int applications_ = 1;                                     // how often E is applied, until it is P
   double left_ = 0;                                          // size of J^T on the null space, relative to the rows
   std::vector<double> b_, r_, scale_, w_, probes_, before_;  // scratch, in K's order
+  std::vector<double> sums_;                                 // J^T probes, and |J|^T |probes|: scratch, in rows of M
   std::vector<double> X_, B_, W_;                            // scratch of panels: kChunk columns of all rows
   std::vector<char> nonzero_;
-  std::vector<int> same_;  // 0, 1, 2 ...
 };
 
 }  // namespace manycontact::internal

@@ -120,9 +120,10 @@ sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors&
     residual(K, v);
     if (!(left_of_M(v) <= tolerance::kConverged)) {
       // J^T times the removed forces leaves rounding errors. One more step, without its component in the null space,
-      // corrects them.
+      // corrects them: what is left of that is small relative to all forces.
       ldl_.solve(v.r.data());
-      project(v.r.data(), nullptr, tolerance::kProjected);
+      const double f = largest_of_parts(v.x)[0], step = largest_of_parts(v.r)[0];
+      project(v.r.data(), nullptr, tolerance::kProjected * std::max(1.0, f / step));
       for (std::size_t k = 0; k < v.x.size(); ++k) v.x[k] += v.r[k];
       residual(K, v);
     }

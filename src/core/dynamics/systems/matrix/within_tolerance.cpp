@@ -92,7 +92,10 @@ double largest_lever(const Workspace& work, const IslandWork& d, const Work& w) 
 
 void find_null_space(const KktPattern& p, Work& w) {
   std::fill(w.row_scale.begin(), w.row_scale.end(), 1.0);
-  rank::find_null_space(p.K, p.ldl, w.K.data(), p.of_M, w.row_scale.data(), w.L.data(), w.D.data(), w.rows);
+  const auto solve = [&](double* X, int ld, int cols) {
+    sparse::ldl_solve_panel(p.ldl, w.L.data(), w.D.data(), nullptr, X, ld, 0, cols, nullptr);
+  };
+  rank::find_null_space(p.K, p.ldl, w.K.data(), p.of_M, w.row_scale.data(), w.L.data(), solve, w.rows);
 }
 
 // [D J^T; J 0] without the rows in w.rows.dropped, as if these were damped beyond all numbers.

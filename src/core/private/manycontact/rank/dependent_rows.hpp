@@ -56,8 +56,12 @@ struct DependentRows {
   std::vector<double> Bx, gram;
 
   // scratch
-  std::vector<double> least, terms, x, residual, panel, t;
-  std::vector<int> owner, touched;
+  std::vector<double> least, terms, x, panel, t;
+  std::vector<int> owner;
+  static constexpr int kColumns = 8;  // of panels, which have a row for each row of K
+  std::vector<double> N, residual;    // some columns of N, and J^T times these: panels, zero but in the rows listed
+  std::vector<int> of_N, touched;     // rows of N, and of residual
+  std::vector<char> met;              // flags of the rows listed
   std::vector<int> Jp, Ji;  // entries of row k of J, from Jp[k] on: K's slots and columns in the rows of M after it
   bool M_first = true;      // no row of M comes after one of J
 };
@@ -80,9 +84,9 @@ void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const c
                                        sparse::LdlWorkspace& work, double* Lx, double* D, DependentRows& rows);
 
 /// N and its projector of the rows that `dropped` lists; row_scale: as row_size there. Sets largest_residual, which is
-/// rounding when these rows depend on the others in truth, and largest_entry.
+/// rounding when these rows depend on the others in truth, and largest_entry. solve: by L and D.
 void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
-                     std::span<const char> of_M, const double* row_scale, const double* Lx, const double* D,
+                     std::span<const char> of_M, const double* row_scale, const double* Lx, const SolvePanel& solve,
                      DependentRows& rows);
 
 /// The clusters and their projectors, of N of n rows.
@@ -98,15 +102,10 @@ void make_projector(int n, DependentRows& rows);
 /// in the end. Then N and its projector. False where rounding hides which rows depend.
 [[nodiscard]] bool find_dependence(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                                    std::span<const char> of_M, const double* row_size, const double* Lx,
-                                   const double* D, DependentRows& rows);
+                                   const double* D, const SolvePanel& solve, DependentRows& rows);
 
-/// x <- K_kept^-1 x, n in K's order: `ldl_solve`, by whichever L and D, with the waiting rows.
-template <class LdlSolve>
-void solve_kept(DependentRows& rows, double* x, LdlSolve&& ldl_solve) {
-  if (rows.waiting.joined > 0) before_solve(rows.waiting, nullptr, x, 1, 1);
-  ldl_solve(x);
-  if (rows.waiting.joined > 0) after_solve(rows.waiting, nullptr, x, 1, 1);
-}
+/// X <- K_kept^-1 X: `solve`, by L and D, with the waiting rows.
+void solve_kept(DependentRows& rows, double* X, int ld, int cols, const SolvePanel& solve);
 
 /// Sizes that residuals are judged relative to, from scale |b| + |K| |x| (n): for a row that was dropped, |N|^T scale,
 /// since rows kept leave z_j times what they leave themselves. In memory of `rows`.

@@ -9,12 +9,16 @@
 // Source: Duff, Reid, ACM Trans. Math. Softw. 9 (1983), sec. 2, where pivots are delayed; Golub, Van Loan, Matrix
 // Computations, sec. 4.2.8, for the factorization.
 
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "manycontact/sparse/ldl.hpp"
 
 namespace manycontact::rank {
+
+/// X <- (L D L^T)^-1 X for the first `cols` columns of a row-major panel with row stride ld; its rows are in K's order.
+using SolvePanel = std::function<void(double* X, int ld, int cols)>;
 
 /// Storage is kept between factorizations: nothing is allocated for as many rows as there were before.
 struct WaitingRows {
@@ -28,14 +32,13 @@ struct WaitingRows {
   // scratch
   std::vector<double> B, G, old_scale, largest;
   std::vector<int> same, order, old_rows;  // same: 0, 1, 2 ...
-  std::vector<char> nonzero;
 };
 
 /// The waiting rows, `w.rows`, join; those that depend come last in `w.rows`. Lx, D: of K1, with infinite D in each row
 /// that K1 is without. of_M: flags of K's rows. row_size: n, the sizes of J's rows (rank/row_size.hpp).
 void join_waiting_rows(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                        std::span<const char> of_M, const double* row_size, const double* Lx, const double* D,
-                       WaitingRows& w);
+                       const SolvePanel& solve, WaitingRows& w);
 
 /// The part of a solution that those rows have. X: a row-major panel of cols columns with row stride ld, row k of K
 /// is row[k] of X; row nullptr: k itself. before: of the right-hand sides, it keeps w.G, which `after` uses up.
