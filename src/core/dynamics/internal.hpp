@@ -30,7 +30,7 @@ inline double prescribed_in(const SceneData& data, int contact, Eigen::Index i) 
   return prescribed.empty() ? 0 : prescribed[data.f_offset[contact] + i];
 }
 
-/// Returns where ContactData::left of a contact goes; nullptr: it is no pair.
+/// Returns where ContactData::left of a contact is stored; nullptr if the contact is no pair (reduction.hpp).
 inline double* left_of(Workspace& w, int contact) {
   const int at = w.left_offset[contact];
   return at < 0 ? nullptr : w.left.data() + at;

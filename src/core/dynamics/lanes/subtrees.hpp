@@ -21,7 +21,7 @@ struct SubtreePlan {
   /// Slots of K. M: from the last node, each coordinate with those of its node up to itself, then the ancestors'. J:
   /// per row, the coordinates from body A up to the node where both ends meet, then those from body B.
   std::vector<int> M_slot, J_slot;
-  std::vector<int> meeting;  // per row: the node where both ends meet; -1: none
+  std::vector<int> meeting;  // node where both ends of each row meet; -1: none
 
   int place(int coordinate) const { return pattern->nv - 1 - coordinate; }
   int place_of_row(int row) const { return pattern->nv + row; }
