@@ -84,9 +84,9 @@ rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace
 }
 
 // Returns the backward error relative to the data: each row's residual is compared with the terms of its entries of M,
-// J and b. Entries of M are rounded relative to sqrt(M_jj M_kk), those of J to row_size; rows below 1 % of that are not
-// trusted. It replaces the ordinary error if that is too large: at rest or in free fall, where rows consist of rounding
-// errors, terms are at least those of the largest acceleration that loads cause.
+// J and b, of which kPartOfData counts. Entries of M are rounded relative to sqrt(M_jj M_kk), those of J to row_size.
+// It replaces the ordinary error if that is too large: at rest or in free fall, where rows consist of rounding errors,
+// terms are at least those of the largest acceleration that loads cause.
 double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const std::vector<double>& row_size,
                               std::vector<double>& forces) {
   const KktPattern& p = *m.K.pattern;

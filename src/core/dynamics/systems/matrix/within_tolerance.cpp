@@ -39,7 +39,7 @@ namespace manycontact {
 struct WithinTolerance::Work {
   std::vector<char> turns;                                         // whether each coordinate is in rad
   std::vector<int> contact, row;                                   // one entry per row of J
-  std::vector<std::vector<std::pair<int, Eigen::Index>>> columns;  // per coordinate: its contacts, and its column there
+  std::vector<std::vector<std::pair<int, Eigen::Index>>> columns;  // contacts of each coordinate, and its column there
 
   // set by find
   std::vector<double> K, L, D, row_scale;
