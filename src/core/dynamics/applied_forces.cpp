@@ -90,8 +90,7 @@ void join_rows(const Scene& scene, const SceneData& data, const Island& island, 
   }
 }
 
-// Moves the requested columns of the torques to the left, and fills the rest with zeros, or with NaN if the island has
-// no derivatives.
+// Moves the requested torque columns to the left; fills the rest with zeros, or NaN without derivatives.
 void keep_columns(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out) {
   out.request = request;
   if (request.u && request.tau) return;

@@ -1,7 +1,6 @@
 #pragma once
 // External wrenches and springs in solves and derivatives. They are torques on the right of K x = b: K is unchanged,
-// and b = [tau - h; ..] is linear in them. Derivatives with respect to q, v and all torques are combined with those of
-// tau:
+// and b = [tau - h; ..] is linear in them. Derivatives by all torques are combined with those of tau(q, v, w):
 //
 //     d/dq  +=  d/dtau dtau/dq,     d/dv  +=  d/dtau dtau/dv,     d/dw  =  d/dtau J_F^T.
 
@@ -33,8 +32,7 @@ namespace internal {
 
 /// Whether wrenches or springs act in the current solution.
 bool forces_are_applied(const Workspace& w);
-/// Throws std::invalid_argument, naming `function`, unless data.wrenches has one entry per external wrench of the
-/// scene.
+/// Throws std::invalid_argument, naming `function`, unless data.wrenches has one entry per wrench of the scene.
 void check_pushes(const Scene& scene, const SceneData& data, const char* function);
 /// Adds the torques of wrenches and springs at q, v to tau (nv).
 void add_applied_forces(const Scene& scene, SceneData& data, const double* q, const double* v, double* tau);
@@ -46,8 +44,7 @@ DerivativeRequest by_all_torques(DerivativeRequest request);
 /// Combines the derivatives of by_all_torques(request) with those of the applied torques; keeps those of `request`.
 void join_applied_forces(const Scene& scene, SceneData& data, const DerivativeRequest& request);
 
-/// Adds the terms of applied forces to the right-hand sides R.X, and J_F^T to R.W. R is laid out, in the island's
-/// order.
+/// Adds the terms of applied forces to the right-hand sides R.X, and J_F^T to R.W; R is laid out.
 void add_applied_right_hand_sides(const Scene& scene, SceneData& data, const Island& island, IslandDerivatives& R);
 /// Returns magnitudes of applied torques and of their derivatives at the current solution; zero where no forces act.
 AppliedSizes applied_sizes(const Scene& scene, const SceneData& data, const Island& island);

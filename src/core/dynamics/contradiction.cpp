@@ -1,6 +1,5 @@
-// Decides contradictions for all systems and for pairs of bodies. A residual from rank/contradiction.hpp counts only
-// above the rounding error of accelerations that contacts may cancel: gravity's or, without gravity, |J| |tau - h| /
-// max M_ii.
+// Decides contradictions for all systems and for pairs. A residual from rank/contradiction.hpp counts only above the
+// rounding error of accelerations that contacts may cancel: gravity or, without it, |J| |tau - h| / max M_ii.
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +11,8 @@ namespace manycontact::internal {
 
 namespace {
 
-// Returns the largest acceleration of a row by torques, with the largest inertia of each robot. Inertias of light links
-// would raise the threshold and hide contradictions.
+// Returns the largest acceleration of a row by torques, with each robot's largest inertia so that light links do not
+// hide contradictions.
 double accelerations_of_torques(const Scene& scene, const SceneData& data, const IslandWork& d) {
   const Workspace& w = *data.workspace;
   const auto largest_inertia = [&](int r) {

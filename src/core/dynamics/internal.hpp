@@ -45,8 +45,7 @@ inline ProductWork& products_of(const Scene& scene, Workspace& w) {
   return *w.products;
 }
 
-/// Calls use(system) with the system that solved the island and, if that returns false, with the whole K. Returns false
-/// if there is no solution or both fail.
+/// Calls use(system) with the system that solved the island, then with the whole K; returns whether one succeeds.
 template <class Use>
 bool ask(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread, Use&& use) {
   if (!d.answered) return false;
@@ -57,8 +56,7 @@ bool ask(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& t
 /// Writes error bounds from |K^-1| (mathematics.md) into the islands' reports.
 void bound_errors(const Scene& scene, SceneData& data);
 
-/// Whether an island's contacts are inconsistent, with residuals also compared with accelerations by gravity or,
-/// without gravity, by torques.
+/// Whether an island's contacts are inconsistent, also relative to accelerations by gravity or, without it, torques.
 bool contradicts(const Scene& scene, const SceneData& data, rank::Contradiction<double> of, IslandWork& island);
 
 /// Size of derivatives [bytes] above which they bypass the cache: more than a core's share of a shared cache.
@@ -70,8 +68,7 @@ bool has_derivatives(const SceneData& data);
 void number_torques(const Scene& scene, const Island& island, IslandDerivatives& out);
 /// Sets the sizes and offsets of an island's blocks of derivatives, and zeros them.
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out);
-/// Computes the terms of derivatives at the current solution, and overwrites the panel out.X, already laid out, with
-/// -dr. An AtSolution of the island must be alive.
+/// Computes terms of derivatives, and overwrites out.X, already laid out, with -dr. An AtSolution must be alive.
 void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& island, IslandDerivatives& out);
 
 /// Returns |K^-1|_1, K n x n, where solve(x) overwrites x with K^-1 x. For a small K it is exact, from all columns,

@@ -28,8 +28,7 @@ namespace {
 
 void set_nan(Eigen::Ref<Eigen::VectorXd> x) { x.setConstant(std::numeric_limits<double>::quiet_NaN()); }
 
-// For each island outside SIMD batches, calls product(system) with the system that solved it or, if that fails, with
-// its whole K. Calls refused(island) if both fail.
+// Calls product(system) per island outside SIMD batches: the solving system, else the whole K; if both fail, refused.
 template <class Product, class Refused>
 void each_product(const Scene& scene, SceneData& data, Product&& product, Refused&& refused) {
   internal::each_island(

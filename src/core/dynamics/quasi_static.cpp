@@ -33,8 +33,7 @@ Eigen::VectorXd load_sizes(const Scene& scene, const Robot& robot, const std::ve
   return out;
 }
 
-// left: loads minus the torques and contact forces found (nv). A coordinate is unbalanced if `left` exceeds 1e-6 of its
-// loads, more than rounded numbers in a file explain.
+// left: loads minus torques and forces found (nv). Above 1e-6 of the loads it is not due to rounded numbers in files.
 std::vector<Unbalanced> unbalanced_robots(const Scene& scene, const Eigen::VectorXd& q, const SceneData& data,
                                           const Eigen::VectorXd& left) {
   constexpr double kRounded = 1e-6;

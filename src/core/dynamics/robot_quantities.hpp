@@ -1,6 +1,5 @@
 #pragma once
-// Terms of one robot's equations M a + h = tau, in doubles, in packs of a SIMD batch's robots, and in wider scalars for
-// the reference solution (truth/).
+// Terms of one robot's equations M a + h = tau, in doubles, packs of SIMD batches, and wider scalars (truth/).
 
 #include <limits>
 
@@ -32,8 +31,7 @@ void evaluate_bias(const Model& model, const SE3<B>& base, const ConstVecRef<S>&
   inverse_dynamics<S>(model, r.kin, nullptr, {}, r.f, r.h);
 }
 
-/// Returns the entry m = M_ii of motion subspace column J and composite inertia Y, or zero if m is within its rounding
-/// error.
+/// Returns the entry m = M_ii of column J and composite inertia Y, or zero if m is within its rounding error.
 template <class S, class Column>
 S without_rounding(const S& m, const Column& J, const Inertia<S>& Y) {
   double eps = std::numeric_limits<double>::epsilon();

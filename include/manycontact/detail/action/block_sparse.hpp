@@ -8,18 +8,18 @@
 
 namespace manycontact {
 
-class BlockSparse {
+class BlockSparse {  // A sparse matrix made of dense blocks.
  public:
   void clear() { planned_.clear(); }  // removes all blocks
-  /// Adds a block to the pattern; returns its number. rows[i], cols[j]: rows and columns of the matrix.
+  /// Adds a block to the pattern; returns its number. rows[i], cols[j]: places of the block's rows and columns.
   std::size_t plan(const std::vector<int>& rows, const std::vector<int>& cols);
-  std::size_t size() const { return planned_.size(); }
+  std::size_t size() const { return planned_.size(); }  // the number of blocks
   void finish(int rows, int cols);                      // computes the pattern of all blocks
 
-  void set_zero();
-  /// Returns the index of a block's first entry among the values of the matrix.
+  void set_zero();  // sets all values to zero
+  /// The index of a block's first number among the values of the matrix.
   std::size_t entry(std::size_t block) const { return static_cast<std::size_t>(planned_[block].slots[0]); }
-  /// Adds weight * values to a block. values: rows x cols of the block.
+  /// Computes matrix += weight * values at the places of a block. values: rows x cols of the block.
   template <class Derived>
   void add(std::size_t block, double weight, const Eigen::MatrixBase<Derived>& values) {
     double* A = matrix.valuePtr();

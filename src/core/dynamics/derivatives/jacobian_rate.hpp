@@ -22,8 +22,7 @@ class JacobianRate {
     const std::vector<int>& support;  // support from ContactSupport
     const std::vector<int>& joint;    // joint of each velocity coordinate of its robot
   };
-  /// columns: coordinates of J's columns; chain_a: coordinates of all joints above A, counted from first_a; kin_a:
-  /// motions of A's robot.
+  /// columns: coordinates of J's columns; chain_a: coordinates of all joints above A, from first_a on; kin_a: of A.
   JacobianRate(const Contact& contact, const ContactData<S>& rows, Chain a, Chain b, const std::vector<int>& columns,
                const std::vector<int>& chain_a, int first_a, const Kinematics<S>& kin_a)
       : contact_(contact),

@@ -1,6 +1,5 @@
 #pragma once
-// Motions and contact rows at the solution's accelerations. Derivatives, their products with vectors and quasi-static
-// torques are computed from them.
+// Motions and contact rows at the solution's accelerations, for derivatives, products and quasi-static torques.
 
 #include "manycontact/contact/products.hpp"
 #include "manycontact/detail/algorithm/rnea_derivatives.hpp"
@@ -29,8 +28,7 @@ class OnDemand {
   std::vector<std::unique_ptr<T>> made_;
 };
 
-/// Robots of one model share the slots of a pool: a thread linearises its islands one after the other, so that the
-/// slots stay in cache.
+/// Robots of one model share slots of a pool: a thread linearises islands in succession, so slots stay in cache.
 struct Linearisation {
   explicit Linearisation(const Scene& scene);
 
@@ -62,8 +60,7 @@ struct Linearisation {
   std::vector<int> used;                   // one entry per model: slots taken by the current island
 };
 
-/// During its lifetime, kin.a of an island's robots are the accelerations of the solution, and the linearisation's
-/// contacts are evaluated at them.
+/// During its lifetime kin.a of an island's robots, and contacts of the linearisation, are at the solution.
 class AtSolution {
  public:
   AtSolution(const Scene& scene, SceneData& data, const Island& island);
@@ -81,8 +78,7 @@ namespace internal {
 /// Returns the linearisation; constructs it at the first call.
 Linearisation& linearisation_of(const Scene& scene, SceneData& data);
 
-/// Writes the forces of an island's contacts on its robots' bodies, in tree frames, into fext(robot)[joint]. contacts:
-/// evaluated, one per contact of the scene; f: of the scene.
+/// Writes contact forces on an island's bodies, in tree frames, into fext(robot)[joint]; contacts are evaluated.
 template <class Contacts, class Fext>
 void contact_forces(const Scene& scene, const Island& island, const Contacts& contacts,
                     const std::vector<int>& f_offset, const Eigen::VectorXd& f, Fext&& fext) {

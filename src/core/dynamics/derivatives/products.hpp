@@ -6,8 +6,7 @@
 
 namespace manycontact::internal {
 
-/// Variation of a body that cannot move. Kernels include BodyVariation's header and must not run code at start-up, so
-/// it is defined here.
+/// Variation of a fixed body. It is defined here, as kernels include BodyVariation's header without start-up code.
 inline const BodyVariation kAtRest{Vec6<double>::Zero(), Vec6<double>::Zero(), Vec6<double>::Zero(),
                                    Vec6<double>::Zero()};
 

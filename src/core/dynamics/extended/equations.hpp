@@ -16,7 +16,7 @@
 
 namespace manycontact::extended {
 
-/// A state in the scene's coordinates. Pointers and references must be valid only during a call.
+/// A state in the scene's coordinates. Referenced data must remain valid for all calls at this state.
 struct Job {
   const Scene& scene;
   const double *q, *v, *tau;         // tau (nv): without friction, springs and external wrenches
@@ -47,15 +47,13 @@ class Equations {
   /// Returns x - [a; f], rounded to double.
   virtual void difference(const Part& part, const double* a, const double* f, double* da, double* df) const = 0;
 
-  // Null-space part n of forces, f = n + S^2 J y with J^T n = 0; or the part n of the contacts' residual, r = n + J y,
-  // that no accelerations reduce, J^T S^2 n = 0.
+  // Null-space part n of forces, f = n + S^2 J y with J^T n = 0, or of the residual, r = n + J y with J^T S^2 n = 0.
   enum class Projected { kForces, kResidual };
   /// Starts a projection with rest = f of x, or rest = r. weights: S, one per row of f.
   virtual void begin_projection(const Part& part, Projected what, const double* weights) = 0;
   /// Subtracts S^2 J dy (forces) or J dy (residual) from rest. change: the term subtracted.
   virtual void project(const Part& part, const double* dy, double* change) = 0;
-  /// Sets torque = J^T rest (forces) or J^T S^2 rest (residual), rounded: J^T S^2 J dy of the remaining step dy. The
-  /// rest itself is far larger than the part that a step removes.
+  /// Sets torque = J^T rest (forces) or J^T S^2 rest (residual), rounded: J^T S^2 J dy of the remaining step dy.
   virtual void gradient_of_rest(const Part& part, double* torque) = 0;
   /// Subtracts the rest from x's f, or from b.
   virtual void take_rest(const Part& part) = 0;

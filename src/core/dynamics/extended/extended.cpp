@@ -211,8 +211,7 @@ void repeat(const SceneData& data, ExtendedWork& e, const Judge& judge, const St
   }
 }
 
-// Refuses open islands unless double-double confirms double's rank: from random forces n, K^+ removes J^T n until it
-// vanishes, or until no forces of that rank reduce it further.
+// Refuses open islands unless double-double confirms double's rank: K^+ makes J^T n vanish for random forces n.
 void refuse_unless_dependent(const Scene& scene, SceneData& data, ExtendedWork& e) {
   take_any_forces(e.rest);
   e.equations->set_rest(part_of(e), e.rest.data());

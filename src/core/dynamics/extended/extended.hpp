@@ -24,7 +24,7 @@ struct ExtendedWork {
     bool refined = false;                 // whether it is to be refined, and afterwards whether it was
     bool converged = false;               // whether x has converged
     bool projects = false;                // whether rows are dependent and the rest is projected
-    double before = 0;                    // relative size of the last correction
+    double before = 0;                    // size of the last correction
     double at_rest_a = 0, at_rest_f = 0;  // sizes relative to which a and f vanish
     double size_a = 0, size_f = 0;        // the largest of a and f of the double solution
     double last_a = 0, last_f = 0;        // largest entries of the last correction
@@ -50,8 +50,7 @@ namespace internal {
 void refine_extended(const Scene& scene, SceneData& data);
 /// Refines a copy of the current solution, of any precision.
 void refine_for_bounds(const Scene& scene, SceneData& data);
-/// Replaces the report's error bounds from |K^-1| by the distance to the refined copy, for islands where that
-/// converged. The caller summarises the report.
+/// Replaces the report's bounds by the distance to the refined copy where that converged; does not summarise.
 void take_extended_bounds(const Scene& scene, SceneData& data);
 
 }  // namespace internal

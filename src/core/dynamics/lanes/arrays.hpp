@@ -47,8 +47,7 @@ Pack<2 * H, float> narrowed(const Pack<H>& a, const Pack<H>& b, std::index_seque
   return Pack<2 * H, float>::of(__builtin_shufflevector(x, y, I...));
 }
 
-/// Sets element l of to[k] = from[l][k] for k < count, rounded if elements are floats. Surplus elements repeat the
-/// last.
+/// Sets element l of to[k] = from[l][k], k < count, rounded if elements are floats. Surplus elements repeat the last.
 template <int W, class E>
 [[gnu::noinline]] void load_arrays(std::span<const double* const> from, int count, Pack<W, E>* to) {
   const auto lane = [&](int l) { return from[std::min<std::size_t>(l, from.size() - 1)]; };
@@ -93,8 +92,7 @@ std::span<P const> side_by_side(std::span<Item> items, P (&memory)[N], At&& at) 
   return {memory, items.size()};
 }
 
-/// Loads the pair terms of each item's contact. `common`: the terms that all elements of the batch already contain, or
-/// nullptr.
+/// Loads the pair terms of each item's contact. `common`: terms that all elements already contain, or nullptr.
 template <class S, class Item, class Of>
 void load_pair(std::span<Item> items, Of&& contact_data, ContactData<S>& to, const PairNumbers<double>*& common) {
   const double* from[kMostInBatch];
@@ -154,8 +152,7 @@ PlacedEnd<S> placed_end(const Attachment& at, const Kinematics<S>& kin, const SE
   return {standing.frame, {standing.origin}};
 }
 
-/// Evaluates the rows of a contact between placed ends. on_A, on_B: its frames' positions on their bodies; zero in the
-/// world.
+/// Evaluates a contact's rows between placed ends. on_A, on_B: frames' positions on their bodies, or zero.
 template <class S>
 void rows_between(const Vec3<double>& gravity, const Contact& contact, const ContactSupport& support,
                   const Kinematics<S>& kinA, const PlacedEnd<S>& A, const Vec3<S>& on_A, const Kinematics<S>& kinB,

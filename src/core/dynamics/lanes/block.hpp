@@ -1,7 +1,6 @@
 #pragma once
 // A robot as a block of its island's K, bordered by the rows of contacts that couple it to other robots. In the block
-// these are contacts with the world; their rows come last and are not eliminated (systems/robots/interface.hpp). A
-// robot that is an island of its own has no border.
+// these are contacts with the world; their rows come last, without elimination (systems/robots/interface.hpp).
 
 #include <algorithm>
 
@@ -10,8 +9,7 @@
 
 namespace manycontact::lanes {
 
-/// One array per contact that couples the robot to another: position and motion of the contact's body, and the columns
-/// of J that move it ...
+/// One array per coupling contact: position and motion of its body, and the columns of J that move it ...
 struct JoinedEnd {  // origin, oMi, v, a, J
   static std::size_t size(std::size_t coordinates) { return 30 + 6 * coordinates; }
 };
@@ -60,8 +58,7 @@ struct BlockPlan {
   std::size_t joins_size() const { return size_of_ends<JoinedEnd>(joins()); }
   std::size_t ends_size() const { return size_of_ends<MovingEnd>(joins()); }
 
-  /// Size of a robot's memory that is kept between steps: K and b. The joins follow; `factor` overwrites them with L,
-  /// D, x, w.
+  /// Size of the memory kept between steps: K, b. The joins follow; `factor` overwrites them with L, D, x, w.
   std::size_t kept_size() const { return static_cast<std::size_t>(pattern->K.nonzeros() + pattern->size()); }
   std::size_t memory_size() const { return waiting_at() + waiting_size(); }
   /// Offset of the memory of WaitingRows, and its size.

@@ -36,8 +36,7 @@ struct FourLargest {  // maximum of non-negative numbers
   S total() const { return larger(larger(of[0], of[1]), larger(of[2], of[3])); }
 };
 
-/// Factors by which pivots and rows (kLeft), or two successive pivots (kPassedOn), in floats must exceed the thresholds
-/// of doubles.
+/// Factors on the thresholds of doubles for pivots and rows (kLeft), or two successive pivots (kPassedOn), in floats.
 template <class S>
 inline constexpr double kLeft = std::is_same_v<typename S::Element, float> ? tolerance::kSingleLeft : 1;
 template <class S>
@@ -59,14 +58,12 @@ typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S
   return usable;
 }
 
-/// Accepts or rejects the pivots of one elimination, in order. passed_on_more: factor of the threshold for two
-/// successive pivots, relative to doubles.
+/// Accepts or rejects one elimination's pivots. passed_on_more: factor on the threshold of two successive pivots.
 template <class S>
 class PivotJudge {
  public:
   explicit PivotJudge(double passed_on_more = kPassedOn<S>) : more_(passed_on_more) {}
-  /// Whether the next pivot exceeds `margin` times its rounding error. Rejected pivots do not affect later thresholds.
-  /// diagonal: K_kk of its row k.
+  /// Whether the next pivot exceeds `margin` times its rounding error; rejected ones have no effect. diagonal: K_kk.
   typename S::Mask accepts(const rank::Pivot<S>& pivot, const S& diagonal, double margin = 1) {
     const S left = select(diagonal < S(0), S(1), abs(pivot.d) / (more_ * pivot.terms));  // a damped row of J
     rank::PassedOn<S> next = passed_on_;
@@ -82,8 +79,7 @@ class PivotJudge {
   rank::PassedOn<S> passed_on_;
 };
 
-/// Returns the componentwise backward error (sparse/refine.hpp) of residuals r with terms of size `scale`; NaN if any
-/// is.
+/// Returns the componentwise backward error (sparse/refine.hpp) of residuals r with terms of size `scale`, or NaN.
 template <class S>
 S componentwise_error(std::span<const S> r, const S* scale) {
   FourLargest<S> largest, error;
@@ -141,8 +137,7 @@ struct Largest {
   double ratio(int lane) const { return r[lane] == 0 ? 0 : r[lane] / scale[lane]; }
 };
 
-/// Growth of K's entries (kkt/factor/pivots.hpp): the largest of the pivots' terms and of K's diagonal, entry(k) =
-/// K_kk.
+/// Growth of K's entries (kkt/factor/pivots.hpp): the largest terms of pivots and diagonal entry(k) = K_kk.
 template <class S>
 struct Growth {
   S terms, diagonal;

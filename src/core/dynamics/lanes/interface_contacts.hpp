@@ -151,7 +151,7 @@ class InterfaceContactsOf final : public InterfaceContacts {
   ContactSupport support_;
   End A_, B_;
   ContactData<S> rows_;
-  const PairNumbers<double>* common_pair_ = nullptr;  // the terms that load_pair loaded last
+  const PairNumbers<double>* common_pair_ = nullptr;  // terms that all elements share, or nullptr (load_pair)
   ContactDerivativesOf<S> terms_;
   VecX<S> f_;
   std::vector<S> out_;

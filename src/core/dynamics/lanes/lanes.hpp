@@ -1,7 +1,6 @@
 #pragma once
-// SIMD batches of 2, 4 or 8 robots of one structure (Model::structure). The kernels are compiled for several
-// instruction levels, and one is chosen at run time. A robot's results do not depend on its place in the batch or on
-// the other robots.
+// SIMD batches of 2, 4 or 8 robots of one structure (Model::structure). Kernels are compiled for several instruction
+// levels; one is chosen at run time. A robot's results do not depend on its place in the batch or the other robots.
 
 #include <algorithm>
 #include <array>
@@ -37,8 +36,7 @@ struct Sampled {
   int column;
   double* b;
 };
-/// One robot's columns K_r^-1 [E, B_r], with forces as [.. f], not -f. A single-robot island has no E: the columns are
-/// its derivatives at the solution, as IslandDerivatives::X.
+/// One robot's columns K_r^-1 [E, B_r] for forces f, not -f; without E, IslandDerivatives::X of its island.
 struct Panel {
   double* X;
   int ld;                            // leading dimension of X, a multiple of 8
@@ -61,8 +59,7 @@ struct DerivativeJob : Solution {
   bool non_temporal;                       // whether panels, together larger than the caches, bypass them
 };
 
-/// A product with the derivatives at a solution, in the scene's coordinates. jvp maps dq, dv, dtau (nv) to da, df; vjp
-/// maps wa, wf to wq, wv, wtau.
+/// A product with derivatives, in the scene's coordinates: jvp dq, dv, dtau -> da, df; vjp wa, wf -> wq, wv, wtau.
 struct ProductJob : Solution {
   std::array<const double*, 3> in;
   std::array<double*, 3> out;
@@ -73,15 +70,14 @@ struct Answer {
   bool sound = false;
   int refinement_steps = 0;
   double residual_dynamics = 0, residual_contact = 0, contact_terms = 0, backward_error = 0;  // report's values
-  // From the same factor: whether derivatives and products need no check (systems/matrix/panel.cpp), and whether
-  // derivatives are refined once.
+  // Whether derivatives and products need no check (systems/matrix/panel.cpp), and derivatives one refinement.
   bool panel_is_safe = false, refine_panel = false;
   std::span<const int> dependent;             // dependent rows, in the order of the plan's K
   rank::Contradiction<double> contradiction;  // set if any row is dependent
 };
 
-/// Steps of a solve of robots of one plan, and its derivatives. A call takes one robot, or up to a full SIMD batch with
-/// contacts identical except for placements (`alike`).
+/// Steps for robots of one plan: one, or up to a full SIMD batch with contacts identical except for placements
+/// (`alike`).
 class RobotBlocks {
  public:
   struct Robot {
@@ -124,8 +120,8 @@ class RobotBlocks {
   /// Writes accelerations, and the forces of contacts on the robots alone.
   virtual void store(const Job& job, std::span<Robot> robots, double* memory) = 0;
 
-  /// Computes the derivatives of islands whose solutions were sound and whose panels are safe. For coupled robots, with
-  /// their memory, it computes the columns of their own part.
+  /// Computes derivatives of islands with sound solutions and safe panels, or coupled robots' columns of their own
+  /// part.
   virtual void differentiate(const DerivativeJob& job, std::span<Robot> robots, double* memory,
                              std::span<const Panel> panels) = 0;
   /// Compute products with these derivatives, refined once (systems/matrix/matrix.cpp).
@@ -169,8 +165,7 @@ class InterfaceContacts {
 struct SubtreePlan;  // lanes/subtrees.hpp
 class SubtreeBatch;
 
-/// Solves single-robot islands in single precision. If the condition number leaves fewer than two correct digits
-/// (tolerance::kWorthless), the solution is not sound.
+/// Solves single-robot islands in single precision; sound only with two correct digits (tolerance::kWorthless).
 class SingleBlocks {
  public:
   virtual ~SingleBlocks() = default;
@@ -211,8 +206,7 @@ const simd::Level* level_of(SimdLevel lanes);
 
 /// Whether contacts of one type on the same joints can share a SIMD batch: they are identical except for placements.
 bool alike_rows(const Contact& x, const Contact& y);
-/// Whether robots of one structure with contacts of one shape can share a SIMD batch: the contacts are identical except
-/// for the placements of their ends.
+/// Whether robots of one structure can share a SIMD batch: contacts are identical except for placements of ends.
 bool alike(const Scene& scene, std::span<const int> contacts_x, std::span<const int> contacts_y);
 
 }  // namespace manycontact::lanes

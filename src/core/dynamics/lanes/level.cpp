@@ -1,7 +1,6 @@
-// Kernels of one instruction level: the forward path, instantiated for packs. Compiled twice per level with that
-// level's flags, for SIMD batches and for one robot at a time. MANYCONTACT_LEVEL is the level's name, MANYCONTACT_LANES
-// its width. Only the Level has external linkage (src/core/simd/levels.cmake): otherwise shared functions of Eigen and
-// std might be linked from here and fail on older processors.
+// Kernels of one instruction level: the forward path in packs, compiled twice with that level's flags, for SIMD batches
+// and for one robot. MANYCONTACT_LEVEL is the level's name, MANYCONTACT_LANES its width. Only the Level has external
+// linkage (src/core/simd/levels.cmake), as shared functions linked from here would fail on older processors.
 
 #include "interface_contacts.hpp"
 #include "robot_block/alone.hpp"

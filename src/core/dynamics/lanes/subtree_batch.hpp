@@ -115,8 +115,7 @@ void SubtreeBatchOf<S>::load(std::span<const Subtree> subtrees) {
   given(p_.nc, g_.data(), [](const BodyVectors& b) { return b.rows.data(); });
 }
 
-/// Writes M into K: M_kj = S_j^T F_k for coordinate k and the coordinates j above it, with F_k = Yc S_k transformed to
-/// their nodes.
+/// Writes M into K: M_kj = S_j^T F_k for coordinates j above k, with F_k = Yc S_k transformed to their nodes.
 template <class S>
 void SubtreeBatchOf<S>::assemble_inertia() {
   const int* slot = plan_->M_slot.data();
@@ -138,8 +137,7 @@ void SubtreeBatchOf<S>::assemble_inertia() {
   }
 }
 
-/// Writes J into K. Returns true where every row moves some coordinate by more than rounding error; pivots do not
-/// reveal this.
+/// Writes J into K. Returns true where every row moves a coordinate by more than rounding; pivots do not show this.
 template <class S>
 typename S::Mask SubtreeBatchOf<S>::assemble_rows() {
   const int* slot = plan_->J_slot.data();
@@ -167,8 +165,7 @@ typename S::Mask SubtreeBatchOf<S>::assemble_rows() {
   return all_move;
 }
 
-/// Computes the bodies' a from qdd, the joints' f from a and y, and the residual of joints and rows, which is b for x =
-/// 0.
+/// Computes the bodies' a from qdd, the joints' f from a and y, and the residual, which is b for x = 0.
 template <class S>
 void SubtreeBatchOf<S>::act() {
   for (int i = 0; i < p_.nodes; ++i) {

@@ -1,7 +1,6 @@
 #pragma once
-// Subtrees of deep trees (kkt/bodies/subtrees.hpp) in SIMD batches. A subtree between two constrained bodies is short,
-// so it is solved in joint space: K = [M J^T; J 0] is small, its order is fixed, and subtrees of one shape share a
-// batch.
+// Subtrees of deep trees (kkt/bodies/subtrees.hpp) in SIMD batches. They are short, so they are solved in joint space:
+// K = [M J^T; J 0] is small, its order is fixed, and subtrees of one shape share a batch.
 
 #include <memory>
 #include <span>

@@ -26,8 +26,7 @@ bool same_terms(const Scene& scene, const Reduction::Terms& terms) {
   return true;
 }
 
-// Damped contacts of one robot are not reduced: all their rows are independent, and derivatives of sliding contacts
-// need all of them.
+// Damped contacts of one robot are not reduced: derivatives of sliding contacts need all their rows.
 bool may_reduce(const Scene& scene, const Contact& contact) {
   return has_constant_rows(contact) &&
          (scene.damping == 0 || (joins_robots(contact) && contact.A.robot != contact.B.robot));

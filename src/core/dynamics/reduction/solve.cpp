@@ -46,8 +46,7 @@ void each_single(const SceneData& data, const Reduction& r, Use&& use) {
 
 const double* left_of_pair(const Reduction& r, int c) { return left_of(*r.data->workspace, c); }
 
-// Adds, with damping, the null-space forces of each pair, f += (prescribed - left) / delta: only damping resolves the
-// inconsistency of its contacts.
+// Adds a damped pair's null-space forces, f += (prescribed - left) / delta: only damping resolves inconsistency.
 void add_damped_contradictions(const SceneData& data, double damping, const Reduction& r,
                                std::span<const double> wanted, Eigen::VectorXd& f) {
   r.each_pair([&](int c, const PairRows& pair) {
@@ -89,8 +88,8 @@ rank::Contradiction<double> contradiction_of(const SceneData& data, const Reduct
   return out;
 }
 
-// Lists the dependent rows: in a pair all but the rows that span it, and those of the spanning rows whose row in the
-// reduced scene (contact/pair_rows.hpp) depends on others.
+// Lists dependent rows: in pairs, those that do not span, and spanning ones that depend on others
+// (contact/pair_rows.hpp).
 void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t island, IslandReport& report) {
   const std::vector<int>& solved = r.data->report.islands[island].dependent_rows;
   const auto depends = [&](int row) { return std::binary_search(solved.begin(), solved.end(), row); };

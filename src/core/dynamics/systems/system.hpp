@@ -8,10 +8,9 @@
 //     BodiesSystem   deep trees: the accelerations of bodies stay unknowns (systems/bodies)
 //     MatrixSystem   the whole K by any factor, down to the dense reference solver (systems/matrix)
 //
-// Single-robot islands are solved before in SIMD batches (systems/robots/alone.cpp). The first system whose `solve` is
-// sound also computes derivatives, products and bounds, unless another is cheaper (differentiate.cpp); where it cannot,
-// the whole K does (`ask` in internal.hpp). Results are stamped with their state (Workspace::state), and computed again
-// at another state.
+// Single-robot islands are solved before in SIMD batches (systems/robots/alone.cpp). The first system with a sound
+// solution also computes derivatives, products and bounds, unless another is cheaper (differentiate.cpp); where it
+// cannot, the whole K does (`ask` in internal.hpp). Results are stamped with their state (Workspace::state).
 
 #include <algorithm>
 

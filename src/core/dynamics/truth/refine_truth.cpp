@@ -65,8 +65,7 @@ S backward_error(System<S>& s) {
   return worst == 0 ? worst : S(worst / largest);
 }
 
-// Returns whether x was found. Each step ends with a residual, so x takes one step more than that needs: the condition
-// of K makes x the less accurate of the two.
+// Returns whether x was found; x takes a step more than the residual needs, as K's condition makes it less accurate.
 template <class S>
 bool refine_island(Factor& factor, System<S>& s) {
   std::vector<double> dx(s.b.size());

@@ -19,8 +19,7 @@ namespace manycontact::internal {
 int default_threads() { return omp_get_max_threads(); }
 
 #if __has_include(<pthread.h>)
-// A forked child lacks OpenMP's threads, and libgomp would wait for them forever. So they are released before a fork;
-// parent and child start new ones on demand.
+// libgomp in a forked child would wait forever for threads it lacks, so they are released before a fork.
 const int given_back_before_fork = pthread_atfork([] { omp_pause_resource_all(omp_pause_soft); }, nullptr, nullptr);
 #endif
 

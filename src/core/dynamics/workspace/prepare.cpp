@@ -27,8 +27,7 @@ void pool_island(Workspace& w, std::unique_ptr<IslandWork> island) {
   w.pool.give(std::move(island), w.layout);
 }
 
-// Returns the options of the current islands. If a reduction is solved instead, these serve only views, so the order
-// that needs no search is taken.
+// Returns the options of the islands; with a reduction they serve only views, so no order is searched.
 Options options_of_islands(const Workspace& w) {
   Options options = w.options;
   if (w.reduction) options.method = Method::kSparseLdl, options.order = Order::kLeafToRoot;

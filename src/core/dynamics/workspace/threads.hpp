@@ -6,8 +6,8 @@
 
 namespace manycontact::internal {
 
-/// Calls work(item, memory of the thread) for each item of 0 ... count-1 on the threads of these data; thread k modulo
-/// their number has item k. Exceptions: as run_items.
+/// Calls work(item, thread's memory) for items 0 ... count-1; thread k modulo their number has item k. Throws as
+/// run_items.
 template <class Work>
 void each_item(Workspace& w, std::size_t count, Work&& work) {
   run_items(std::span<Failure>(w.failures), static_cast<std::ptrdiff_t>(count),

@@ -24,8 +24,7 @@
 
 namespace manycontact {
 
-/// One robot's kinematics and dynamics terms at q, v, in its tree frame; set by evaluate. kin.a are bias accelerations
-/// except while an AtSolution lives.
+/// One robot's terms at q, v, in its tree frame; set by evaluate. kin.a: bias accelerations, unless AtSolution lives.
 struct RobotData : RobotQuantities<double> {
   using RobotQuantities::RobotQuantities;
   std::uint64_t state = 0;   // the state of all members
@@ -33,8 +32,7 @@ struct RobotData : RobotQuantities<double> {
   std::vector<double> M;     // packed inertia (detail/algorithm/crba.hpp); empty until make_joint_space
 };
 
-/// One current island. It fits any island of its shape: when contacts are switched it returns to the shape's pool, and
-/// the next island of that shape takes it with all its memory.
+/// One current island. When contacts are switched it returns to its shape's pool, for the next island of that shape.
 struct IslandWork {
   IslandWork(std::shared_ptr<IslandShape> s, const Options& options);
 
@@ -119,8 +117,7 @@ struct Workspace {
   std::map<Eigen::Index, Eigen::VectorXd> spare_f;  // forces of other sizes
   Switching switching;
 
-  // set by prepare if contacts between the same two bodies are reduced; the rest is then prepared on demand
-  // (prepare_islands)
+  // set by prepare if contacts are reduced to pairs; the rest is then prepared on demand (prepare_islands)
   std::unique_ptr<Reduction> pairs;  // nullptr: no contacts may be reduced
   Reduction* reduction = nullptr;    // `pairs` if any are reduced; its scene is then solved
   std::vector<char> islands_active;

@@ -27,8 +27,7 @@ void RobotBlock<S>::solve(const Job& job, Robots robots, std::span<Answer> answe
   if constexpr (!kSingle) report_dependence(robots, answers);
 }
 
-/// Computes L and D; rows of J without a sound pivot wait. Returns the usable elements whose other pivots are sound and
-/// whose waiting rows depend on the other rows.
+/// Computes L and D. Returns the usable elements whose rows have sound pivots, join, or are dependent.
 template <class S>
 typename S::Mask RobotBlock<S>::factorize(Mask usable, Prefetch prefetch) {
   waiting_.clear();
@@ -80,8 +79,7 @@ void RobotBlock<S>::apply_inverse(S* x) {
   waiting_.project_out(x);
 }
 
-/// Sets x += K^-1 r in the open elements. Returns where no entry, and thus |K| |x|, changes by more than
-/// tolerance::kSameSize of itself.
+/// Sets x += K^-1 r in open elements. Returns where entries, and |K| |x|, change by at most kSameSize of themselves.
 template <class S>
 typename S::Mask RobotBlock<S>::correct(Mask open) {
   std::copy_n(r_.data(), rows_, n_.w);
@@ -168,8 +166,7 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
   }
 }
 
-/// Whether rounding errors of a damped row's terms are small relative to the forces (kInDoubt) or to kLeastLoad of the
-/// loads' terms.
+/// Whether rounding errors of damped rows are small relative to forces (kInDoubt) or to kLeastLoad of the loads.
 template <class S>
 typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
   if (!(damping > 0)) return all();

@@ -1,7 +1,6 @@
 #pragma once
-// Derivatives of the robots of a SIMD batch (dynamics/differentiate.cpp). For coupled robots these are the columns of
-// their own part, K_r^-1 [E, B_r]: B_r of own coordinates and torques, E of forces on the bodies of coupling contacts
-// (dynamics/systems/robots/derivatives.cpp).
+// Derivatives of the robots of a SIMD batch (dynamics/differentiate.cpp). For coupled robots these are K_r^-1 [E, B_r],
+// B_r of own coordinates and torques, E of forces on bodies of coupling contacts (systems/robots/derivatives.cpp).
 
 #include <functional>
 #include <numeric>
@@ -74,8 +73,7 @@ void RobotBlock<S>::derivative_terms(const Scene& scene, Robots robots) {
   }
 }
 
-/// Finds the rows of each coordinate's column of -dr: its ancestors and descendants, and rows of contacts on any of
-/// these.
+/// Finds the rows of each coordinate's column of -dr: ancestors, descendants, and rows of contacts on these.
 template <class S>
 void RobotBlock<S>::find_places() {
   const int nv = model_->nv;
@@ -229,8 +227,8 @@ void RobotBlock<S>::right_sides(const DerivativeJob& job, Robots robots) {
   }
 }
 
-/// Returns the elements in which all panel columns from the factor alone have a backward error of at most kRefinePanel:
-/// the bound is |dK|_1 / |K|_1 of sparse::ldl_rounding.
+/// Returns the elements whose panels need no refinement: |dK|_1 / |K|_1 of sparse::ldl_rounding is at most
+/// kRefinePanel.
 template <class S>
 typename S::Mask RobotBlock<S>::accurate_unrefined(const S* L) {
   sparse::ldl_row_sums(inner_.K, as_scalar(n_.K), inner_.ldl, as_scalar(L), as_scalar(n_.D), as_scalar(r_.data()),

@@ -140,7 +140,7 @@ template <class S>
 void RobotBlock<S>::check(Robots robots, Memory memory) {
   use(memory.at);
   const double* from[kMostInBatch];
-  const auto spread = [&](auto&& at, S* to) {  // converts the island's row order to K's
+  const auto spread = [&](auto&& at, S* to) {  // reorders from the island's row order to K's
     load_arrays(side_by_side(robots, from, at), rows_, pivot_terms_.data());
     for (int i = 0; i < rows_; ++i) to[pattern_.iperm[i]] = pivot_terms_[i];
   };

@@ -62,7 +62,7 @@ void RobotBlock<S>::add_least_norm_tangent(const Scene& scene, Robots robots, co
   for (int k = 0; k < rows_; ++k) n_.x[k] -= waiting_.null_component(k);
 }
 
-/// Removes the part P b from b = [wa; -wf], before the solve.
+/// Stores P b of b = [wa; -wf] in null_component of the waiting rows, before the solve.
 template <class S>
 void RobotBlock<S>::project_forces() {
   std::copy_n(n_.b, rows_, n_.w);

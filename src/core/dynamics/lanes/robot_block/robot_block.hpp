@@ -84,8 +84,7 @@ class RobotBlock final
     waiting_.use(numbers + plan_->waiting_at());
   }
 
-  /// Numbers of panel columns: computed at a time; of these, in registers, with four rows; and per part, adjacent in
-  /// the panel.
+  /// Numbers of panel columns: at a time; of these in registers, with four rows; per part, adjacent in the panel.
   struct Columns {
     int at_a_time, in_registers, of_part;
   };

@@ -10,8 +10,7 @@
 
 namespace manycontact::lanes {
 
-/// Returns an angle [rad] without whole revolutions; per_turn: 1/(2 pi), or 0 for other coordinates. Source: two steps
-/// of fdlibm's e_rem_pio2.c.
+/// Removes whole revolutions of an angle [rad]. per_turn: 1/(2 pi), or 0. Source: two steps of e_rem_pio2.c (fdlibm).
 inline double without_turns(double q, double per_turn) {
   constexpr double shift = 6755399441055744.0;  // 1.5 * 2^52
   const double turns = (q * per_turn + shift) - shift;
@@ -35,8 +34,7 @@ void RobotBlock<S>::make_single() {
   }
 }
 
-/// Loads q so that floats lose no digits: angles without whole revolutions, world positions relative to the robot's
-/// base.
+/// Loads q so that floats lose no digits: no whole revolutions, world positions relative to the robot's base.
 template <class S>
 template <class Job>
 void RobotBlock<S>::load_near(const Job& job, Robots robots) {

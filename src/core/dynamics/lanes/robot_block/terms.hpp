@@ -156,8 +156,8 @@ void RobotBlock<S>::store_left(const Job& job, Robots robots) const {
                    }));
 }
 
-/// Computes the norms of J's rows, and the motion scale relative to which rows may be only rounding errors; pivots do
-/// not reveal such rows. Damped rows are always sound.
+/// Computes norms of J's rows and the motion scale, as pivots do not reveal rows of rounding errors; damped rows are
+/// sound.
 template <class S>
 void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
   smallest_row_ = S(std::numeric_limits<double>::infinity()), motion_ = S(0);

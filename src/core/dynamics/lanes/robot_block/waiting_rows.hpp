@@ -1,8 +1,8 @@
 #pragma once
 // Waiting rows of J in a SIMD batch (rank/dependent_rows.hpp). A row without a sound pivot in an element gets inverse
-// pivot zero there, and is listed for that element. The k-th row of each element's list forms column n = e - z of N:
-// J^T z is this row, z a combination of kept rows. Independent rows of single-robot islands join these
-// (joining_rows.hpp). Q is N with orthogonal columns.
+// pivot zero there, and is listed for that element. The k-th of each list form column n = e - z of N: J^T z is this
+// row, z combines kept rows. Independent rows of single-robot islands join these (joining_rows.hpp). Q is N
+// orthogonalised.
 
 #include <limits>
 #include <span>
@@ -41,8 +41,7 @@ class WaitingRows {
     listed_ = count_ + 1 + W;
     lists_ = listed_ + most_ * W;
   }
-  /// The size relative to which row k of J, in K's order, is judged (rank/row_size.hpp), and its largest entry. Set
-  /// both before the factorization.
+  /// The size of row k of J, in K's order (rank/row_size.hpp), and its largest entry. Set both before factorizing.
   S& row_size(int k) const { return row_size_[k]; }
   S& largest_entry(int k) const { return entry_[k]; }
   /// The largest term of row k's a0 (bias_acceleration_terms), relative to which its inconsistency is judged.
@@ -74,9 +73,8 @@ class WaitingRows {
     *count_ = 1;
   }
 
-  /// After the factorization, computes the null space and its projector. Returns the usable elements whose waiting rows
-  /// join the kept rows, or depend on them with coefficients that the projector tolerates. solve(x): x <- K1^-1 x, for
-  /// all rows of the pattern.
+  /// Computes the null space and its projector after the factorization. Returns the usable elements whose waiting rows
+  /// join the kept rows, or depend on them with tolerable coefficients. solve(x): x <- K1^-1 x, all rows.
   template <class Solve>
   Mask hold(Mask usable, const S* K, const S* L, S* D, S* pivot_terms, Solve&& solve);
 
@@ -366,8 +364,7 @@ S WaitingRows<S>::residual(int c, const S* K) {
   return select(largest > S(0), largest / size, sum);
 }
 
-/// Adds K_kept^-1 times the residual of z in the open elements. This is needed if small kept pivots make l_k
-/// inaccurate, or if a row also depends on later rows.
+/// Adds K_kept^-1 times z's residual in open elements, as small pivots or later rows make l_k alone inaccurate.
 template <class S>
 template <class Solve>
 void WaitingRows<S>::refine_column(int c, Mask open, Solve&& solve) {

@@ -62,8 +62,7 @@ void evaluate_node(const Scene& scene, const SceneData& data, BodiesSystem& bodi
   if (of.parent < 0) b.motion[at].head<3>() -= scene.gravity;  // gravity as an acceleration of the bases
 }
 
-// Evaluates the rows' unit forces on their bodies, and the right-hand side: each row's residual without body
-// accelerations.
+// Evaluates the rows' unit forces on bodies, and the right-hand side: residuals without body accelerations.
 void evaluate_rows(const Scene& scene, const SceneData& data, const BodiesSystem& bodies, std::size_t k, int first,
                    BodySystem& s, BodyVectors& b) {
   const V6 none = V6::Zero();

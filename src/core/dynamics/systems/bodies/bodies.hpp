@@ -30,8 +30,7 @@ class BodiesSystem final : public IslandSystem {
   bool bound_errors(const Scene&, SceneData&, IslandReport&) override;
   bool estimate_condition(const Scene&, SceneData&, IslandReport&) override;
 
-  /// Solves the whole system at the current state if subtrees were solved. Returns false without sound pivots, or if
-  /// rows are dependent: the whole K then computes derivatives.
+  /// Solves the whole system at the current state. False without sound pivots, or with dependent rows.
   bool make_current(const Scene&, const SceneData&);
 
   IslandWork& owner;

@@ -1,5 +1,4 @@
-// jvp and vjp by sparse-bodies, as in derivatives/products.cpp but in body frames; changes of accelerations and forces
-// are unknowns of the body-space system.
+// jvp and vjp by sparse-bodies, as derivatives/products.cpp but in body frames, with da and df of bodies as unknowns.
 
 #include "manycontact/contact/products.hpp"
 

@@ -1,6 +1,5 @@
-// Sparse-bodies on subtrees (kkt/bodies/subtrees.hpp). The rows of a constrained body determine its acceleration, so
-// subtrees are independent. Those of one shape are solved as soon as they fill a SIMD batch; their reactions on
-// constrained bodies are added last.
+// Sparse-bodies on subtrees (kkt/bodies/subtrees.hpp), which are independent as rows determine the acceleration of a
+// constrained body. Those of one shape are solved when they fill a SIMD batch; reactions are added last.
 
 #include <algorithm>
 
@@ -70,8 +69,7 @@ void put_subtree(const Scene& scene, SceneData& data, const BodiesSystem& bodies
   for (int row = 0; row < p.nc; ++row) data.f[slot.row[row]] = -x.rows[row];
 }
 
-// Computes the reaction of a subtree on the body above. Returns the part that this body's rows do not support, relative
-// to the terms of the sum.
+// Computes the reaction of a subtree on the body above. Returns the relative part that the body's rows cannot support.
 double reaction_of(const BodiesSystem::Slot& slot, const BodyHold& hold, V6& reaction) {
   const BodyPattern& p = *slot.subtree->pattern;
   V6 size = V6::Zero();

@@ -135,8 +135,7 @@ namespace {
 using internal::rounding;
 using internal::rounding_of_J;
 
-// Returns |r| + c eps (terms of each row), in elimination order. The inconsistency of contacts is removed from r, as it
-// is no error of the least-squares solution.
+// Returns |r| + c eps (terms of each row), in elimination order; r without the contacts' inconsistency.
 std::vector<double> uncertainty(const Scene& scene, SceneData& data, const MatrixSystem& m) {
   const Workspace& work = *data.workspace;
   const KktVectors& s = m.v;

@@ -58,8 +58,7 @@ RowTerms<double> largest_motions(const Model& model, const Kinematics<double>& k
   return out;
 }
 
-// Adds |d(S^T f)/dq|, the largest over q, to terms. f: contact forces on a body and its descendants; opposite forces
-// cancel but leave rounding errors.
+// Adds |d(S^T f)/dq|, the largest over q, to terms. f: contact forces on a body and its descendants, uncancelled.
 void add_turned_forces(const Model& model, const Kinematics<double>& kin, const RowTerms<double>& motions,
                        const std::vector<Vec6<double>>& fext, double* terms) {
   std::vector<RowTerms<double>> F(model.njoints());
@@ -124,8 +123,7 @@ TermsOfDerivatives terms_of_derivatives(const Scene& scene, const SceneData& dat
   return out;
 }
 
-// Returns T_x per row of K in the island's order: terms of derivatives with respect to q if errors of all accelerations
-// are a, of all forces f.
+// Returns T_x per row of K, in the island's order, if errors of all accelerations are a and of all forces f.
 std::vector<double> terms_of_errors(const Scene& scene, const SceneData& data, const MatrixSystem& m,
                                     const std::vector<double>& terms_of_M, double a, double f) {
   const Workspace& work = *data.workspace;
@@ -159,8 +157,7 @@ std::vector<double> terms_of_errors(const Scene& scene, const SceneData& data, c
   return out;
 }
 
-// Adds |dK| sizes to w, both in elimination order, in units of rounding: K's entries may be small differences of large
-// terms.
+// Adds |dK| sizes to w, in elimination order and units of rounding: K's entries may be differences of large terms.
 void add_terms_of_K(const Scene& scene, const Workspace& work, const MatrixSystem& m, const TermsOfDerivatives& terms,
                     const std::vector<double>& sizes, std::vector<double>& w) {
   const Island& island = m.owner.island;

@@ -37,8 +37,7 @@ DependentDerivatives& work_of(MatrixSystem& m) {
   return *m.rows;
 }
 
-// Returns y with J y = f, computed once per solution; any such y will do, as d(J n) = 0 along J n = 0. It is refined on
-// K unless the dense reference solver decomposed J itself.
+// Returns y with J y = f, once per solution (any: d(J n) = 0 along J n = 0), refined on K unless the factor is of J.
 const Eigen::VectorXd& any_motion(const Scene& scene, const SceneData& data, MatrixSystem& m, KktVectors& v) {
   DependentDerivatives& w = work_of(m);
   if (w.known) return w.y;

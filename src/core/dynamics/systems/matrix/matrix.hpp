@@ -41,8 +41,7 @@ class MatrixSystem final : public IslandSystem {
   bool bound_errors(const Scene&, SceneData&, IslandReport&) override;
   bool estimate_condition(const Scene&, SceneData&, IslandReport&) override;
 
-  /// Computes K, its factor and x of the current solution if another system solved. False: no factor is sound, or K is
-  /// too large for memory.
+  /// Computes K, its factor and x if another system solved. False: no sound factor, or K is too large for memory.
   bool make_current(const Scene&, const SceneData&, ThreadWork&);
   /// Whether make_joint_space was called since prepare assigned the island.
   bool has_terms() const;
@@ -68,8 +67,7 @@ class MatrixSystem final : public IslandSystem {
   KktVectors v;                   // x: the solution
   std::vector<double> row_terms;  // nc, scratch of the factorization
   std::vector<double> unit;       // nc, or empty if all are 1: S of row_units.hpp, applied to K and v
-  // Factors of the attempts (Attempts below), constructed when first needed: the chosen method's, LDL with waiting rows
-  // in the chosen order and leaf-to-root, proximal, dense.
+  // Factors of the attempts (Attempts below), constructed on demand; LDL with waiting rows: chosen order, leaf-to-root.
   std::unique_ptr<Factor> chosen, waiting_in_order, waiting, proximal, dense;
   Factor* factor = nullptr;    // the factor that solved; nullptr: none
   double first_error = 0;      // backward error before refinement
@@ -88,14 +86,12 @@ namespace internal {
 inline void scale_rows(const MatrixSystem& m, IslandDerivatives& out) {
   for (std::size_t k = 0; k < m.unit.size(); ++k) out.X.row(out.nv + static_cast<Eigen::Index>(k)) *= m.unit[k];
 }
-/// Computes right-hand sides of K's derivatives, with the terms of inconsistent contacts. AtSolution must be alive.
-/// False: they are inaccurate.
+/// Computes right-hand sides with the terms of inconsistent contacts; AtSolution is alive. False: inaccurate.
 bool weighed_right_hand_sides(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
                               PanelWork& work);
 /// Returns a's and f's sizes, error bounds and the loads that these are relative to (bounds.cpp).
 std::pair<Known, Known> known_answer(const Scene& scene, SceneData& data, MatrixSystem& system);
-/// Sets x = K^-1 x, refined once: with nearly massless bodies a single solve leaves rounding errors of cancelling
-/// terms.
+/// Sets x = K^-1 x, refined once, as nearly massless bodies leave rounding errors of cancelling terms.
 void solve_refined_once(MatrixSystem& system, double* x);
 /// Returns |K|_1.
 double norm_of(const MatrixSystem& system);
@@ -110,8 +106,7 @@ double bound_of_two_solutions(MatrixSystem& system, const std::vector<double>& w
 double rounding(const Scene& scene, const MatrixSystem& system);
 /// Returns c eps for J: at least the residual of dropped rows, since the choice of dropped rows is not unique.
 double rounding_of_J(const Scene& scene, const MatrixSystem& system);
-/// Adds |dJ| sizes to w, in elimination order and in units of c eps. sizes: of K's unknowns. J's entries may be small
-/// differences of large terms.
+/// Adds |dJ| sizes (of K's unknowns) to w, in elimination order and units of c eps; J may be a difference of terms.
 void add_terms_of_J(const Scene& scene, const Workspace& work, const MatrixSystem& system,
                     const std::vector<double>& sizes, std::vector<double>& w);
 /// Returns |dJ^T r| in elimination order, as r: with inconsistency r, rounding errors of J change the least-squares
@@ -130,8 +125,7 @@ bool is_evaluated(const Workspace& work, int robot);
 void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
 /// Evaluates kinematics, bias, inertia and contact rows of an island, whose memory is allocated.
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);
-/// Evaluates the same terms at the current state (q, v) unless they are known. Allocates their memory, also for islands
-/// of sparse-bodies.
+/// Evaluates the same at the current state (q, v) unless known, and allocates memory, also for sparse-bodies.
 void evaluate_at_state(const Scene& scene, const SceneData& data, IslandWork& d);
 /// Computes only the bodies' placements, which products with derivatives need besides the rows at the solution.
 void place_at_state(const Scene& scene, const SceneData& data, const Island& island);
@@ -144,8 +138,7 @@ void check_joint_space(const IslandWork& d, const char* function, const char* in
 void assemble(const Scene& scene, const SceneData& data, Order order, double damping, MatrixSystem& system);
 /// Multiplies the contact rows of K and b by S, unless S = 1.
 void weigh_rows(const Scene& scene, MatrixSystem& system);
-/// Factorizes and solves by the first sound attempt, and sets v.x, factor and the report. False: none is sound. Call it
-/// after evaluate.
+/// Factorizes and solves by the first sound attempt, after evaluate; sets v.x, factor, report. False: none is sound.
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
                         IslandReport& report);
 /// An attempt to factorize K; attempts_of lists an island's in order. LDL without damping: with waiting rows, in the
@@ -165,8 +158,7 @@ struct Attempts {
   void add(const Attempt& attempt) { list[count++] = attempt; }
 };
 Attempts attempts_of(const Scene& scene, const MatrixSystem& system);
-/// Solves by the dense reference solver if another factor is too inaccurate for derivatives. False if it would take too
-/// long or has been tried.
+/// Solves by the dense reference solver if another factor is inaccurate. False: too slow, or tried before.
 bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& system);
 
 /// Overwrites the panel of right-hand sides with [da; -df] by the current factor; NaN if that is inaccurate.
@@ -183,8 +175,7 @@ void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& system
                        IslandDerivatives& out);
 void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,
                        ProductWork& work);
-/// Adds the change of J^T to -dr2, for inconsistent contacts with J^T (J a + a0) = 0: of the panel, or of `work` along
-/// dq. False if that is inaccurate.
+/// Adds the effect of dJ^T to -dr2 (panel, or `work` along dq) if contacts are inconsistent. False: inaccurate.
 bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
                        PanelWork& work);
 bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,

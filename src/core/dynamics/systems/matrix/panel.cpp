@@ -119,8 +119,7 @@ bool solve_one_by_one(MatrixSystem& m, double* X, int ld, KktVectors& v) {
   return true;
 }
 
-// Overwrites a panel X with row stride ld by K^+ X, refined as needed. solve(refined) uses the factor. False if that is
-// inaccurate.
+// Overwrites a panel X with row stride ld by K^+ X: solve(refined), then refinement as needed. False: inaccurate.
 template <class Solve>
 bool solve_as_needed(MatrixSystem& m, double* X, int ld, PanelWork& work, Solve&& solve) {
   const std::size_t size = static_cast<std::size_t>(m.owner.island.size()) * ld;

@@ -41,8 +41,7 @@ inline RowTerms<double> motion_terms(const Contact& contact, const ContactData<d
   return {std::max(moved, turning * lever), turning, data.pair ? &*data.pair : nullptr};
 }
 
-/// Computes per coordinate of a robot the magnitude of all terms of M a + h (a: of the robot), and the largest entry of
-/// M's row (bounds.cpp).
+/// Computes per coordinate the magnitude of all terms of M a + h, and the largest entry of M's row (bounds.cpp).
 void torque_terms(const Model& model, const RobotData& robot, const double* a, double* terms,
                   double* largest_of_M = nullptr);
 

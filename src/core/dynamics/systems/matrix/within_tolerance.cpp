@@ -48,8 +48,7 @@ struct WithinTolerance::Work {
   double lever = 1, tolerance = 0;  // the largest moment arm [m]; error of rows of J in m
   std::vector<double> x;            // scratch, in K's order: a solution
   std::vector<double> n;            // a column of N, in K's order
-  // Per coordinate: N_c^T J_c and the terms of this sum; sums of N_c's entries and of their squares, times the errors
-  // of J.
+  // One entry per coordinate: N_c^T J_c, terms of this sum; sums of N_c's entries and squares times errors of J.
   Eigen::VectorXd left, terms, explained, weight;
   std::vector<RowChange> changes;
 };
@@ -100,8 +99,7 @@ bool factorize_without_dropped(const KktPattern& p, Work& w) {
   return factorized;
 }
 
-// Drops rows with less than `left` of their pivot, or exchanges them if the kept rows are much smaller. Returns whether
-// rows were dropped and N can be used.
+// Drops rows with less than `left` of their pivot, or exchanges them. Returns whether N can be used.
 bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, double left, Work& w) {
   w.K.assign(p.K.nonzeros(), 0.0);
   for (int c = 0; c < p.nv; ++c) w.K[p.K.p[p.iperm[c] + 1] - 1] = w.turns[c] ? w.lever * w.lever : 1;
@@ -268,8 +266,7 @@ bool take_changes(const Workspace& work, const IslandWork& d, const KktPattern& 
   return true;
 }
 
-// Finds the columns of N and the change of J. Smaller pivots are tried in turn, to distinguish more rows. False: there
-// is none.
+// Finds N and the change of J, with ever smaller pivots to distinguish more rows. False: there is none.
 bool find(const Scene& scene, const Workspace& work, const IslandWork& d, const KktPattern& p, Work& w) {
   const double most = tolerance::kMostDrift * w.lever;
   const double largest = d.depended > 0 ? most : std::min(scene.tolerance, most);

@@ -21,9 +21,8 @@ class WithinTolerance {
  public:
   WithinTolerance();
   ~WithinTolerance();
-  /// Changes J so that rows become dependent that are so within the tolerance, or were so at the start but for
-  /// constraint violation (within_tolerance.cpp). Call it after evaluate. Returns the largest inconsistency that such
-  /// rows may have, relative to their terms.
+  /// Makes rows dependent that are so within the tolerance, or were so at the start but for constraint violation. Call
+  /// it after evaluate. Returns the rows' largest possible inconsistency relative to their terms.
   double make_dependent(const Scene& scene, Workspace& work, const IslandWork& d);
   std::span<const RowChange> changes() const;
   /// Returns the error of J's entries in rows of lengths at a coordinate of the island, after make_dependent.
@@ -35,8 +34,7 @@ class WithinTolerance {
   std::unique_ptr<Work> work_;
 };
 
-/// Whether rows may be made dependent; then only the whole K solves. Rows that were dependent at the start matter only
-/// if fewer are found dependent.
+/// Whether rows may be made dependent, so that only the whole K solves. Earlier dependence counts if more rows had it.
 bool is_inexact(const Scene& scene, const IslandWork& d);
 
 }  // namespace manycontact

@@ -98,8 +98,7 @@ void prefetch_models(const Scene& scene, Robots robots) {
     }
 }
 
-// Calls use(group, robots, numbers of their islands, workspace of the thread) for each batch of `width`. of_solve: work
-// per call relative to a solve.
+// Calls use(group, robots, islands' numbers, thread's workspace) for each batch. of_solve: work relative to a solve.
 template <class GroupOf, class Use>
 void each_batch_of(int width, const Scene& scene, Workspace& w, double of_solve, GroupOf&& group_of, Use&& use) {
   InLanes& in = w.lanes;
@@ -123,8 +122,7 @@ void each_in_lanes(const Scene& scene, Workspace& w, double of_solve, GroupOf&& 
 // Returns the group of SIMD batches that solved an island; nullptr if none did, or if it has no derivatives.
 BlockGroup* group_of_answer(const IslandWork& d) { return d.served_in_lanes() ? d.alone.group : nullptr; }
 
-// Solves the unsolved single-robot islands that fits(group, island) accepts, in batches of `width`, by their groups'
-// kernels.
+// Solves the unsolved single-robot islands accepted by fits(group, island), in batches, by their groups' kernels.
 template <class Kernel, class Fits>
 void solve_in_batches(const lanes::Job& job, SceneData& data, int width, Precision precision,
                       std::vector<lanes::OneOrBatch<Kernel>> BlockGroup::*kernels, Fits&& fits) {

@@ -31,9 +31,8 @@ namespace internal {
 
 namespace {
 
-// Returns multiply-adds of a panel solved by the island's factor, refined in every second state. With dependent rows it
-// is always refined, and projected five times (measured on humanoids on the corners of their soles, reduce_pairs =
-// false).
+// Returns multiply-adds of a panel solved by the island's factor, refined in every second state; with dependent rows
+// always, and projected five times (measured on humanoids on the corners of their soles, reduce_pairs = false).
 double cost_at_once(const IslandWork& d, double ld, bool dropping) {
   const KktPattern& p = *d.shape->pattern(d.choice.order);
   return (dropping ? costs::kPanelDropping : 1) * ld * (3.0 * p.ldl.nonzeros() + p.K.nonzeros());
@@ -41,8 +40,7 @@ double cost_at_once(const IslandWork& d, double ld, bool dropping) {
 
 double cost_of_interface(double nonzeros, double ld) { return ld * 2 * nonzeros; }
 
-// Returns multiply-adds of the same panel computed robot by robot; dense products run faster than sparse solves
-// (measured on rings and on a beam between two humanoids).
+// Returns multiply-adds of the panel robot by robot (products measured on rings, and a beam between humanoids).
 double cost_by_robots(const RobotsSystem& system, const RobotsDerivatives& by, double ld) {
   double cost = cost_of_interface(system.interface->schedule.nonzeros(), ld);
   for (std::size_t k = 0; k < by.robots.size(); ++k) {

@@ -30,8 +30,7 @@ bool has_own(const Columns& columns, int first, int cols) {
   });
 }
 
-// Flags the interface rows, in the order of S, that right-hand sides in these columns reach. columns_of(r): blocks of
-// robot r.
+// Flags the interface rows, in the order of S, that right-hand sides in these columns (columns_of(r)) reach.
 template <class ColumnsOf>
 void find_reach(const Interface& interface, const RobotsDerivatives& by, ColumnsOf&& columns_of, int first, int cols,
                 std::vector<char>& nonzero) {
@@ -197,8 +196,8 @@ void add_own(const OfRobot& r, const Columns& columns, int first, int cols, doub
   }
 }
 
-// Computes columns first ... first+cols-1 of [da; df], after interface_rhs: -Y in the interface rows, K_r^-1 B_r - T_r
-// Y in each robot's. columns_of(r): columns with K_r^-1 B_r.
+// Completes columns of [da; df] after interface_rhs: -Y in interface rows, K_r^-1 B_r (in columns_of(r)) - T_r Y in
+// others.
 template <class ColumnsOf>
 void answer(const RobotsSystem& system, const RobotsDerivatives& by, ColumnsOf&& columns_of, int first, int cols,
             double* X, int ld, bool non_temporal, RobotsDerivatives::Buffers& buffers) {
@@ -226,8 +225,7 @@ void begin_check(const RobotsDerivatives& by, OfRobot& r, int s, Member& member)
     if (r.sampled[j].in_X == s) member.b = r.B.data() + j * r.size();
 }
 
-// Whether every sample column has a componentwise backward error, with the island's K, of at most half the limit for
-// derivatives.
+// Whether every sample column's componentwise backward error in K is at most half the limit for derivatives.
 bool sample_is_good(const Scene& scene, Workspace& w, RobotsSystem& system, const AlignedPanel& X) {
   RobotsDerivatives& by = *system.derivatives;
   RobotsDerivatives::Sample& sample = by.sample;

@@ -4,9 +4,8 @@
 //
 //     S Y = sum_r G_r K_r^-1 B_r - B_joining,    X_r = K_r^-1 B_r - T_r Y,    X_joining = Y.
 //
-// The panel contains forces -X, so -Y is in its interface rows, and products read it there. Most robots' rows of a
-// column of B are zero: X_r = -T_r Y is then a product with few coupling rows instead of a solve with the island's
-// factor.
+// The panel contains forces -X, so -Y is in its interface rows, where products read it. Most robots' rows of a column
+// of B are zero: X_r = -T_r Y is then a product with few rows, instead of a solve with the island's factor.
 //
 // A contact that couples A and B acts only on their bodies, by E_r: six columns of forces on robot r's body. So G_r^T =
 // E_r W^T and B_r = own columns + E_r D_r, where D_r (six rows) also has columns of the other robot's coordinates. SIMD
@@ -80,9 +79,8 @@ namespace manycontact::internal {
 
 // Iteration over the batches of an island's robots.
 
-/// Calls step(kernel, robots, their memory, memory of the thread) for each batch. Each thread alternates direction
-/// between calls, as its last batches are still in cache, and always has the same batches. of_solve: work of all steps
-/// together relative to a solve.
+/// Calls step(kernel, robots, their memory, thread's memory) for each batch. A thread always has the same batches, in
+/// alternating direction, as the last are still in cache. of_solve: work of all steps together relative to a solve.
 template <class Step>
 void each_batch(Workspace& w, RobotsSystem& system, double of_solve, Step&& step) {
   system.back = !system.back;

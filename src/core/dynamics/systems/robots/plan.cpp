@@ -63,8 +63,7 @@ double cost_ldl(int rows, double nonzeros, double flops) {
 }
 double cost_ldl(const sparse::LdlSymbolic& L) { return cost_ldl(L.n, L.nonzeros(), L.flops); }
 
-// Finds the group by all that a plan depends on: structure, joint friction, types and joints of contacts, elimination
-// order.
+// Finds the group by all that plans depend on: structure, joint friction, contacts' types and joints, order.
 BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
   const Scene& scene = block.scene;
   const Model& model = *scene.robots[block.robot].model;

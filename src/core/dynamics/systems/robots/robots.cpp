@@ -200,9 +200,8 @@ double largest_interface_error(const RobotsSystem& s) {
   return sparse::componentwise_backward_error(s.r, s.scale, largest);
 }
 
-// Returns the componentwise backward error (sparse/refine.hpp) of the solution, or NaN. A robot's rows are relative to
-// its own largest row, which is stricter than the island's; interface rows are relative to the island's largest, as at
-// rest all their terms are rounding errors.
+// Returns the solution's componentwise backward error (sparse/refine.hpp), or NaN. A robot's rows are relative to its
+// own largest row; interface rows to the island's, as at rest all their terms are rounding errors.
 double backward_error_of(const RobotsSystem& s) {
   double error = largest_interface_error(s);
   for (const Member& m : s.members) error = sparse::larger_or_nan(error, m.error);

@@ -1,12 +1,11 @@
 #pragma once
-// Islands solved by sparse-ldl robot by robot in SIMD batches: single robots, or several coupled by few rows. In the
-// notation of interface.hpp, with b = [b_1; ...; b_n; c]:
+// Islands solved by sparse-ldl robot by robot in SIMD batches. In interface.hpp's notation, with b = [b_1; ...; b_n;
+// c]:
 //
 //     x_r  = K_r^-1 (b_r - G_r^T y),    S y = sum_r G_r K_r^-1 b_r - c.
 //
-// For each SIMD batch of robots, terms, K_r, its factor with the rows of G_r, and the part of S are computed in
-// succession while in cache; likewise the backward steps. The solution is refined and checked with the island's K. A
-// single-robot island has no y.
+// Each SIMD batch computes its robots' terms, K_r, factor with the rows of G_r, and part of S while in cache; likewise
+// backward. The solution is refined and checked with the island's K. A single-robot island has no y.
 
 #include <map>
 
@@ -58,8 +57,7 @@ struct InLanes {
   std::vector<Batch> batches;
 };
 
-/// The group of a single-robot island. One call solves all such islands of a scene in batches (functions of `alone.cpp`
-/// below); the whole K solves islands that batches could not.
+/// The group of a single-robot island: one call solves all such islands in batches (functions of `alone.cpp` below).
 struct BatchPlace {
   BlockGroup* group = nullptr;  // nullptr: not in a SIMD batch; set by prepare
   // set by the last solution from a SIMD batch
@@ -80,8 +78,7 @@ class RobotsSystem final : public IslandSystem {
   bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) override;
   bool invert(const Scene&, SceneData&, ThreadWork&, ProductWork&) override;
 
-  /// Computes the factors of robots and interface rows, and the right-hand side, at the current state. False: not
-  /// sound.
+  /// Computes the factors and the right-hand side at the current state. False: they are not sound.
   bool factorize(const Scene& scene, SceneData& data);
   /// Whether any robot has dependent rows in these factors.
   bool rows_depend() const;
@@ -156,9 +153,8 @@ void forget_unused_groups(Workspace& work);
 /// Constructs island.robots at the first call, if possible.
 void make_robots(const Scene& scene, Workspace& work, IslandWork& island);
 
-/// Solves the unsolved single-robot islands that fit SIMD batches, at w.q, data.v, data.tau. If options request single
-/// precision, that is tried first; ill-conditioned islands are solved in double. start: start of a step, whose forces
-/// are then not in data.tau.
+/// Solves the unsolved single-robot islands that fit SIMD batches, at w.q, data.v, data.tau, first in single precision
+/// if options request it. start: start of a step, whose forces are then not in data.tau.
 void solve_alone(const Scene& scene, SceneData& data, const StartOfStep* start = nullptr);
 /// Whether all islands are single robots in SIMD batches of doubles.
 bool stand_alone(const Scene& scene, const Workspace& w);
@@ -174,8 +170,7 @@ using ProductInLanes = void (lanes::RobotBlocks::*)(const lanes::ProductJob&, st
 void multiply_alone(const Scene& scene, SceneData& data, ProductInLanes product, const std::array<const double*, 3>& in,
                     const std::array<double*, 3>& out);
 
-/// Allocates island.robots->derivatives for the layout `out`, if robot by robot is predicted to be cheaper than the
-/// whole K's factor.
+/// Allocates island.robots->derivatives for `out` if robot by robot is predicted to be cheaper than the whole K.
 void prepare_robots_derivatives(const Scene& scene, IslandWork& island, const IslandDerivatives& out, Workspace& work);
 /// Whether robot by robot is cheaper; the result may still turn out not to be sound.
 bool differentiates_by_robots(const IslandWork& island);
@@ -184,8 +179,7 @@ bool differentiates_by_robots(const IslandWork& island);
 lanes::Job job_at_state(const Scene& scene, SceneData& data);
 lanes::Solution solution_of(const Scene& scene, const SceneData& data);
 
-/// Returns the componentwise backward error (sparse/refine.hpp) of the interface rows from b, y and the robots'
-/// borders, or NaN.
+/// Returns the componentwise backward error of the interface rows from b, y and the robots' borders, or NaN.
 double interface_error(double damping, RobotsSystem& robots);
 
 }  // namespace internal

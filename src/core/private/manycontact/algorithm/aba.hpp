@@ -1,6 +1,5 @@
 #pragma once
-// Forward dynamics without contacts. Source: Featherstone (2008), table 7.1, in the tree frame, where articulated
-// inertias are added to the parent's without transformation.
+// Forward dynamics without contacts. Source: Featherstone (2008), table 7.1, in the tree frame (no transformations).
 
 #include <span>
 

@@ -5,8 +5,7 @@
 //
 // on the velocity coordinates, and products with their derivatives without matrices. Each force on a body is a wrench F
 // in the tree frame (detail/algorithm/kinematics.hpp), f_i the sum over the subtree of body i, and tau_i = S_i^T f_i.
-// Along (dq, dv), body i moves by xi_i = sum of S_j dq_j on its path and its velocity changes by dv_i, in the tree
-// frame, which is fixed; then
+// Along (dq, dv), body i moves by xi_i = sum of S_j dq_j on its path and its velocity changes by dv_i; then
 //
 //     dtau_i = S_i^T df_i + (xi_i x S_i)^T f_i.
 
@@ -42,14 +41,12 @@ struct AppliedForces {
   std::vector<OfSpring> springs;  // one entry per spring
 };
 
-/// Computes the wrenches on bodies at q (nq), v (nv), in the tree frame, into each robot's `f`. `w`: external wrenches.
-/// NaN on bodies of a spring whose ends coincide.
+/// Computes each robot's `f`, wrenches in the tree frame, at q (nq), v (nv). NaN on springs whose ends coincide.
 template <class S>
 void find_applied_wrenches(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
                            AppliedForces<S>& forces);
 
-/// Adds tau(q, v, w) to tau. Sizes: q nq; v, tau nv. `w`: external wrenches. NaN on robots with a spring whose ends
-/// coincide.
+/// Adds tau(q, v, w) to tau. Sizes: q nq; v, tau nv. NaN on robots with a spring whose ends coincide.
 template <class S>
 void add_applied_forces(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
                         AppliedForces<S>& forces, S* tau);
@@ -60,16 +57,14 @@ struct AppliedScratch {
   std::vector<std::vector<Vec6<double>>> u, x, v;  // one entry per robot of `forces`: njoints
 };
 
-// The following functions need add_applied_forces at q, v, and consider only the robots `robots`. Vectors are the
-// scene's: nv, and 6 per external wrench.
+// Call the functions below after add_applied_forces at q, v. They consider `robots` only, with vectors of the scene.
 
 /// Adds dtau/dq dq + dtau/dv dv + dtau/dw dw to dtau. dw: nullptr for zero.
 void add_applied_tangent(const Scene& scene, const double* v, const AppliedForces<double>& forces,
                          std::span<const int> robots, const double* dq, const double* dv, const double* dw,
                          AppliedScratch& scratch, double* dtau);
 
-/// Adds (dtau/dq)^T l to wq and (dtau/dv)^T l to wv; sets ww = (dtau/dw)^T l for wrenches on these robots, unless it is
-/// nullptr.
+/// Adds (dtau/dq)^T l to wq, (dtau/dv)^T l to wv; sets ww = (dtau/dw)^T l for these robots unless it is nullptr.
 void add_applied_adjoint(const Scene& scene, const double* v, const AppliedForces<double>& forces,
                          std::span<const int> robots, const double* l, AppliedScratch& scratch, double* wq, double* wv,
                          double* ww);
@@ -89,8 +84,7 @@ struct AppliedPower {
 };
 AppliedPower power_of(const Scene& scene, const AppliedForces<double>& forces);
 
-/// Returns the distance between a spring's ends at q (nq). The spring need not be the scene's. Throws
-/// std::invalid_argument unless q has scene.nq numbers.
+/// Returns the distance between the ends of `spring` at q (nq). Throws std::invalid_argument for a wrong size.
 double spring_length(const Scene& scene, const ConstVectorRef& q, const Spring& spring);
 
 /// Returns the energy of the springs at q [J]. `kin`: placed kinematics of each robot of the scene.

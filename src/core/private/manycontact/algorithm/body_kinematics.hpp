@@ -62,8 +62,7 @@ struct BodyTerms {
 template <class S>
 void place_trees(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, BodyKinematics<S>& kin);
 
-/// Computes joint i's entries in `kin`, whose parent's are set, and the targets of `terms`. Call it after place_trees.
-/// q: nq, v: nv of the robot.
+/// Computes joint i's entries of `kin`, after its parent's, and `terms`. Call place_trees first. q: nq, v: nv.
 template <class S>
 void body_kinematics(const Model& model, const SE3<double>& base, int i, const ConstVecRef<S>& q,
                      const ConstVecRef<S>& v, BodyKinematics<S>& kin, BodyTerms<S> terms);

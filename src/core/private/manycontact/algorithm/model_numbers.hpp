@@ -1,6 +1,5 @@
 #pragma once
-// Parameters of a robot's model that algorithms read: the model's for double; in SIMD batches, each robot may have its
-// own.
+// Parameters of a robot's model that algorithms read: the model's or, in SIMD batches, each robot's own.
 
 #include "manycontact/detail/algorithm/kinematics.hpp"
 

@@ -7,8 +7,7 @@
 
 namespace manycontact {
 
-/// One body's variation: change of placement and motion along a direction (tangent), or gradients of a scalar with
-/// respect to these (adjoint: forces).
+/// One body's change of placement and motion along a direction, or gradients with respect to them (adjoint: forces).
 template <class S>
 struct BodyVariationOf {
   Vec6<S> xi, u, v, a;  // displacement; virtual velocity (adjoint only); velocity; acceleration
@@ -21,8 +20,7 @@ template <class S>
 void tangent_motions(const Model& model, const Kinematics<S>& kin, const S* qdd, const S* dq, const S* dv,
                      std::vector<BodyVariationOf<S>>& out);
 
-/// Backward pass of the tangent: dtau (nv) = d ID. fext, dfext: njoints external forces and their changes; f, df:
-/// njoints, scratch.
+/// Backward pass of the tangent: dtau (nv) = d ID. njoints: fext, dfext external forces, changes; f, df scratch.
 template <class S>
 void tangent_torques(const Model& model, const Kinematics<S>& kin, const std::vector<BodyVariationOf<S>>& motion,
                      const std::vector<Vec6<S>>& fext, const std::vector<Vec6<S>>& dfext, std::vector<Vec6<S>>& f,

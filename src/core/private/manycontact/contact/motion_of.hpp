@@ -6,8 +6,7 @@
 
 namespace manycontact::internal {
 
-/// Kinematics of one robot at a time at q (scene.nq) and v (scene.nv; nullptr: at rest). The next robot of the same
-/// model reuses the memory.
+/// Kinematics of one robot at a time at q (scene.nq) and v (scene.nv; nullptr: at rest); reuses memory by model.
 class MotionOf {
  public:
   MotionOf(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const double* v = nullptr)
@@ -37,8 +36,7 @@ class MotionOf {
   Eigen::VectorXd own_v_;
 };
 
-/// Calls look(c, support, rows) for each contact flagged `active`, at q and v (nullptr: at rest). J has the columns
-/// contact_support(contact).
+/// Calls look(c, support, rows) for each contact flagged `active`, at q, v. J has columns contact_support(contact).
 template <class Support, class Look>
 void each_contact_at(const Scene& scene, const std::vector<char>& active, const Eigen::Ref<const Eigen::VectorXd>& q,
                      const double* v, Support&& contact_support, Look&& look) {

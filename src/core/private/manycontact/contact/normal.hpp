@@ -3,9 +3,8 @@
 
 namespace manycontact {
 
-/// Returns the unit normal in the world, out of the surface against which A presses: the contact's own; otherwise A's z
-/// for contacts that constrain rotations, the world's z for points. oRA, oRB: axes of A and B' in the world; oRB is
-/// unused if B is the world.
+/// Returns the unit normal in the world, out of the surface that A presses: the contact's own, or A's z for contacts
+/// that constrain rotations, the world's z for points. oRA, oRB: axes of A and B'; oRB is unused if B is the world.
 inline Vec3<double> contact_normal(const Contact& contact, const Mat3<double>& oRA, const Mat3<double>& oRB) {
   if (contact.normal) {
     const Vec3<double> n = contact.normal->normalized();  // may have any length if set after add_contact

@@ -6,9 +6,8 @@
 //
 //     S J = B nu,    B = [S_m W_m X_m] (n x 6),    B = Q R,   Q^T Q = 1,   R (r x 6), r <= 6 the rank of B.
 //
-// S weighs angular rows by Scene::moment_length. The pair's rows R nu, with a0 = Q^T S a0_all, replace all. From their
-// forces y follow the contacts' forces of least norm |S^-1 f|, f = S Q y, as Q is orthonormal. (1 - Q Q^T) S a0_all is
-// the inconsistency of the contacts for any motion.
+// S weighs angular rows by Scene::moment_length. The pair's rows R nu, with a0 = Q^T S a0_all, replace all; the forces
+// of least norm |S^-1 f| are f = S Q y. (1 - Q Q^T) S a0_all is the inconsistency of the contacts for any motion.
 
 #include <memory>
 #include <span>

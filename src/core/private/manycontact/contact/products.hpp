@@ -6,9 +6,9 @@
 
 namespace manycontact {
 
-/// Computes changes along variations a, b of A's and B's bodies (in tree frames; b zero for the world): dr2, the change
-/// of x's rows with W rotating, and dF, the change of the force on A in A's axes, including its rotation with A. rows:
-/// at the solution's accelerations. f: the contact's force.
+/// Computes changes along variations a, b of A's and B's bodies (tree frames; b zero for the world): dr2 of x's rows
+/// with W rotating, dF of the force on A, in A's axes, with its rotation. rows: at the solution. f: the contact's
+/// force.
 template <class S>
 void contact_tangent(const Contact& contact, const ContactData<S>& rows, const BodyVariationOf<S>& a,
                      const BodyVariationOf<S>& b, const ConstVecRef<S>& f, VecRef<S> dr2, Vec6<S>& dF);

@@ -20,8 +20,7 @@ inline bool leaves_directions(const Contact& contact) {
   return contact.type == ContactType::k1D || contact.type == ContactType::k2D;
 }
 
-/// Returns W (w x nu_across), the difference between the acceleration of contact_rows and the rate of J v; zero if A
-/// does not move across the rows. Call it after contact_rows.
+/// Returns W (w x nu_across), by which the rate of J v differs from contact_rows's acceleration; call it after that.
 inline Eigen::Vector2d turning_of_rows(const Contact& contact, const ContactData<double>& d) {
   Eigen::Vector2d out = Eigen::Vector2d::Zero();
   if (!leaves_directions(contact)) return out;

@@ -13,12 +13,11 @@ namespace manycontact {
 void keep_dependent(SceneData& data);
 /// Does the same in other data, for a scene with the same robots and contacts.
 void keep_dependent_as(const SceneData& of, const Scene& scene, SceneData& data);
-/// Ends this, for data that continue with other states.
+/// Ends the effect of keep_dependent, for data that continue with other states.
 void forget_dependent(SceneData& data);
 
-/// Returns per velocity coordinate the possible error of J's entries in rows of lengths, in their units: the tolerance
-/// or constraint violation within which the last solve found rows of the island dependent. It is 0 if rows are exactly
-/// dependent, or not at all.
+/// Returns per velocity coordinate the possible error of J in rows of lengths, in their units: the tolerance or
+/// constraint violation within which rows are dependent; 0 if they are exactly dependent, or independent.
 Eigen::VectorXd inaccuracy_of(const Scene& scene, const SceneData& data);
 
 }  // namespace manycontact

@@ -11,9 +11,8 @@ namespace manycontact::internal {
 /// Returns OpenMP's number of threads; 1 without OpenMP.
 int default_threads();
 
-/// Calls work(context, item, thread) for each item of 0 ... count-1. Thread k of `threads` has items k, k + threads,
-/// ..., so that items use the same memory in every call. Nested OpenMP loops (CHOLMOD's) run in one thread. `work` must
-/// not throw.
+/// Calls work(context, item, thread) for items 0 ... count-1. Thread k of `threads` has items k, k + threads, ..., so
+/// items meet the same memory in every call. Nested OpenMP loops run in one thread. `work` must not throw.
 void run_items(int threads, std::ptrdiff_t count, void (*work)(void*, std::ptrdiff_t, int), void* context);
 
 /// Runs any object callable as work(item, thread) in parallel.

@@ -19,8 +19,7 @@ struct StartOfStep {
 ///     [ J  -delta I] [ -f ] = [     prescribed - a0      ]        ID without armature
 ///
 /// where a is the velocity after the step. True: the solution is in data, as after solve_tau with prescribed
-/// accelerations. False: there is none, as not all islands are single robots in SIMD batches of doubles, or a batch
-/// found no sound solution.
+/// accelerations. False: some island is no single robot in a SIMD batch of doubles, or had no sound solution there.
 [[nodiscard]] bool solve_step(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& tau,
                               const ConstVectorRef& prescribed, const StartOfStep& start, SceneData& data);
 

@@ -8,9 +8,9 @@
 
 namespace manycontact {
 
-/// Predicted costs of one factorization and two solves. Coefficients of sparse-ldl and sparse-bodies are least-squares
-/// fits of log times, measured on chains, trees, combs, hands, nets and ladders of 10 to 1,000 links; most are within a
-/// factor of 1.3. Nearly dependent rows take longer.
+/// Predicted costs of one factorization and two solves. Coefficients are least-squares fits of log times on chains,
+/// trees, combs, hands, nets and ladders of 10 to 1,000 links, mostly within a factor of 1.3; nearly dependent rows
+/// cost more.
 struct PredictedCosts {
   std::array<double, std::size(kOrders)> ldl, cholmod;  // one cost per order
   double dense;
@@ -34,14 +34,14 @@ double least_cost_ldl(const IslandShape& shape);
 /// Whether sparse-bodies is cheaper than least_cost_ldl; patterns of the joint-space K are then not computed.
 bool is_deep(IslandShape& shape);
 
-/// Returns the number of entries of an island's joint-space K. Above kMostJointSpace, neither it nor terms of
-/// derivatives are allocated for islands of sparse-bodies.
+/// Returns the number of entries of an island's joint-space K; above kMostJointSpace sparse-bodies does not allocate
+/// it.
 double joint_space_size(const IslandShape& shape);
 inline constexpr double kMostJointSpace = 1 << 22;
 
-/// Chooses what the options leave open: another order than leaf-to-root if it is clearly cheaper (tolerance::kCheaper),
-/// and sparse-bodies if it is cheaper than sparse-ldl. kAuto chooses the dense method only for overdetermined islands:
-/// it allocates, and is cheaper only with a few coordinates.
+/// Chooses what the options leave open: another order than leaf-to-root if clearly cheaper (tolerance::kCheaper),
+/// sparse-bodies if cheaper than sparse-ldl. kAuto chooses the dense method, which allocates, only for overdetermined
+/// islands.
 Choice choose(IslandShape& shape, const Options& options);
 
 /// Explains the choice, e.g. "sparse-ldl in leaf-to-root order; camd at 0.95 of its cost is not enough cheaper".

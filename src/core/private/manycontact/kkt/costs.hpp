@@ -1,7 +1,6 @@
 #pragma once
-// Coefficients of predicted costs, by which `auto` chooses methods, orders and threads. The unit, kPredictedSecond, is
-// a multiply-add of CHOLMOD's simplicial factor on a core of 2020. `./run bench --fit` measures, fits by least squares
-// of relative errors, and prints this file.
+// Coefficients of predicted costs, for `auto` and threads. The unit, kPredictedSecond, is a multiply-add of CHOLMOD's
+// simplicial factor on a core of 2020. `./run bench --fit` measures, fits relative errors, and prints this file.
 
 namespace manycontact::costs {
 

@@ -6,11 +6,10 @@
 //   f is the least-norm solution of J^T f = M a - b1.
 //
 // Null-space method: J^T P = Q [C; 0], R C^T = U T V^T (complete orthogonal decomposition), a = J^+ b2 + N y, (N^T M N)
-// y = N^T (b1 - M J^+ b2). A pivoted QR, with rows of J relative to their sizes, decides the rank and puts independent
-// rows first in P, independent of units and moment arms. R sorts rows by size, V pivots, so that least squares of
-// micrometres and radians lose no digits. With delta > 0 the solution is unique: LU of K. Sources: Golub, Van Loan,
-// Matrix Computations (2013), 5.5 and 6.2; Cox, Higham, Stability of Householder QR factorization for weighted least
-// squares problems (1998).
+// y = N^T (b1 - M J^+ b2). A pivoted QR of J, rows relative to their sizes, decides the rank and puts independent rows
+// first in P. R sorts rows by size, V pivots, so that least squares of micrometres and radians lose no digits. With
+// delta > 0: LU of K. Sources: Golub, Van Loan, Matrix Computations (2013), 5.5 and 6.2; Cox, Higham, Stability of
+// Householder QR factorization for weighted least squares problems (1998).
 
 #include "manycontact/sparse/decompositions.hpp"
 #include "manycontact/spatial/scalar.hpp"

@@ -51,8 +51,7 @@ sparse::UpperCsc natural_pattern(const Scene& scene, const Island& island, const
 /// Whether each robot has a neighbour through a contact, and none is further from the ground, counted in contacts;
 /// false for all without contacts to the ground. In a tower this is the free end.
 std::vector<char> robots_furthest_from_ground(const Scene& scene, const Island& island);
-/// Returns CAMD's order of n rows with these entries (row, column). Row n comes last and is removed: rows coupled with
-/// it, of the robots furthest from the ground, come late.
+/// Returns CAMD's order of n rows with these entries. Row n is last and removed; rows coupled with it come late.
 std::vector<int> camd_order_from_ground(int n, std::vector<std::pair<int, int>> entries);
 
 /// Returns Order::kCamd. Ties are broken so that contacts on the robots furthest from the ground come late.
@@ -60,8 +59,7 @@ std::vector<int> camd_order(const Scene& scene, const Island& island, const spar
 /// Returns Order::kLeafToRoot. by_degree: camd_order, which orders the contact rows among themselves.
 std::vector<int> leaf_to_root_order(const Scene& scene, const Island& island, const std::vector<int>& by_degree);
 /// Returns Order::kContactsEarly. It evaluates J in a configuration without symmetry, so it depends on types, axes and
-/// placements on A, as well as on the trees. Robots are in the island's order or, if that is clearly cheaper, in CAMD's
-/// order of the graph of coupled robots, hubs last.
+/// placements on A. Robots are in the island's order or, if clearly cheaper, in CAMD's of the graph of coupled robots.
 std::vector<int> contacts_early_order(const Scene& scene, const Island& island, const IslandSupport& support,
                                       const sparse::UpperCsc& K);
 
@@ -70,16 +68,14 @@ KktPattern analyze(const Scene& scene, const Island& island, const IslandSupport
                    Order order, std::vector<int> perm);
 
 // Islands with many more contact rows than coordinates, e.g. a thousand points on one sole. Nearly all rows are
-// redundant, and a sparse factor is full among rows of one body: its cost is cubic in the contacts, while that of the
-// dense method, which decomposes J with few columns, is linear.
+// redundant, and a sparse factor is full: its cost is cubic in the contacts, that of the dense method linear.
 
 /// Whether kAuto chooses the dense method.
 inline bool overdetermined(const Island& island) {
   return island.nc >= tolerance::kOverdetermined && island.nc > tolerance::kTimesOverdetermined * island.nv;
 }
 
-/// Whether the dense method also replaces sparse methods with an order: their factors would need too much memory and
-/// are not analysed.
+/// Whether the dense method also replaces sparse methods with an order, whose factors would need too much memory.
 inline bool too_full_for_sparse(const Island& island) {
   return island.nc >= tolerance::kTooFull && overdetermined(island);
 }

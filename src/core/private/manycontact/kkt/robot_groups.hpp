@@ -9,8 +9,7 @@ struct RobotGroups {
   std::vector<Island> islands;    // islands of the loose robots, in the order of their first robots
   std::vector<int> sets, number;  // one entry per robot: union-find; number of the island of its root
 };
-/// Groups the loose robots into islands, coupled by springs and active contacts; `whole`: into one. Returns the number
-/// of entries used in groups.islands.
+/// Groups the loose robots into islands, or one if `whole`; returns the number of entries of groups.islands used.
 std::size_t group_robots(const Scene& scene, const std::vector<char>& active, bool whole, RobotGroups& groups);
 
 }  // namespace manycontact

@@ -23,8 +23,7 @@ class IslandShape {
 
   const Scene& scene() const { return scene_; }     // only the island's robots and contacts, numbered as in the island
   const Island& island() const { return island_; }  // the whole of scene()
-  /// Returns the support of the joint-space K. In deep trees it grows with the square of the depth, as all below except
-  /// bodies().
+  /// Returns the joint-space support; like all below but bodies(), it grows with the squared depth of deep trees.
   const IslandSupport& support() const;
 
   /// Returns a permutation of K's rows. Only that of kContactsEarly depends on contacts' positions on their bodies.
@@ -52,9 +51,8 @@ class IslandShape {
 };
 
 /// The shapes so far, which are not analysed again. Keys are all inputs of an analysis, compared number by number.
-/// There are two levels, since positions of points on bodies affect patterns only through one permutation: islands that
-/// differ only in these have one shape if their permutations agree. In trees too deep for the permutation they have
-/// separate shapes.
+/// Positions of points on bodies affect patterns only through one permutation: islands that differ only in these have
+/// one shape if their permutations agree, except in trees too deep for it.
 class ShapeCache {
  public:
   /// Returns the island's shape; allocates nothing for trees and contacts that were requested before. by_places:

@@ -48,8 +48,7 @@ class PassedRounding {
   S by_lever_ = S(0), by_force_ = S(0), largest_ = S(0);
 };
 
-/// Largest entries of the residual of J a + a0, of |J| |a| and of a0; the largest residual relative to a row's terms;
-/// and the range of the rows' sizes.
+/// Largest entries of the residual of J a + a0, of |J| |a|, of a0; largest relative residual; range of row sizes.
 template <class S>
 struct Contradiction {
   S left = S(0), Ja = S(0), a0 = S(0), of_terms = S(0);
@@ -94,8 +93,7 @@ struct Contradiction {
   bool contradicts() const {
     return !(of_terms <= tolerance::kDriftRounding) && !(left <= tolerance::kContradiction * (Ja + a0));
   }
-  /// Whether the dense reference solver is needed, for least squares of rows with very different sizes (radians,
-  /// micrometres).
+  /// Whether rows of very different sizes (radians, micrometres) need least squares by the dense reference solver.
   bool needs_dense() const { return least_row < tolerance::kGradedRows * largest_row && contradicts(); }
 };
 

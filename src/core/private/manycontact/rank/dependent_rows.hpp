@@ -3,9 +3,8 @@
 // dropped, and the null space of J^T gives their dependence on the kept rows. Everything is in K's elimination order,
 // with flags of_M for rows of M: all first, or some after rows of J if earlier rows of M determine their pivots.
 //
-// For a dropped row k, K's factor without it gives z with J_k = sum_j z_j J_j over the kept rows: L^T z = l_k, whose
-// part in M vanishes, so only rows of J before k are solved. The columns n_k = e_k - z of N span the null space of J^T.
-// With the projector P = N (N^T N)^-1 N^T,
+// For a dropped row k, K's factor without it gives z with J_k = sum_j z_j J_j over the kept rows: L^T z = l_k, solved
+// in rows of J before k. The columns n_k = e_k - z of N span the null space of J^T. With P = N (N^T N)^-1 N^T,
 //
 //   [a; y] = (I - P) K_kept^-1 (I - P) [b1; b2]
 //
@@ -33,9 +32,8 @@ struct DependentRows {
       0;                    // max |z_j| of columns not orthonormalised: the projector's error is eps times its square
   int largest_cluster = 0;  // largest number of entries of B that project a row (Cluster)
 
-  /// Whether the dropped rows depend on the kept ones with coefficients that the projector tolerates: residuals of J
-  /// are rounding errors, and no z_j is large in columns not orthonormalised (kRowLeft, kLargestEntry in
-  /// tolerances.hpp). Call it after find_null_space.
+  /// Whether the dropped rows depend on the kept ones with tolerable coefficients, after find_null_space: residuals of
+  /// J are rounding errors, and no z_j is large in columns not orthonormalised (kRowLeft, kLargestEntry).
   bool accepted() const;
 
   /// Dropped rows whose columns of N share rows. They are projected by the smaller basis: these columns, or those of
@@ -109,8 +107,7 @@ void solve_kept(DependentRows& rows, double* x, LdlSolve&& ldl_solve) {
 /// scale, since errors of kept rows are transferred with z_j. The memory is that of `rows`.
 std::span<const double> scale_of_dependent(DependentRows& rows, std::span<const double> scale);
 
-/// Sets y -= P y, and null_component = P y if given (n, zero outside J's rows). y: n, in K's order; rows of M are
-/// unused.
+/// Sets y -= P y, and null_component = P y (n) if given. y: n, in K's order; rows of M are unused.
 void project_out(DependentRows& rows, double* y, double* null_component = nullptr);
 /// Does the same for columns first ... first+cols-1 of a row-major panel with row stride ld; row k of K is row[k] of X.
 /// nonzero: one flag per row of K, set and updated if its row of X is nonzero in these columns; nullptr: all may be.

@@ -21,9 +21,8 @@ struct Pivot {
   S row_size = S(-1);  // size of a row of J (rank/row_size.hpp); negative if the row itself is judged elsewhere
 };
 
-/// Whether the pivot exceeds `margin` times its rounding error. A row of M must also have its own entry: if earlier
-/// rows of J swamp it, they hardly moved the joints below, so that their pivots were rounding errors. Terms that are
-/// infinite or NaN leave nothing.
+/// Whether the pivot exceeds `margin` times its rounding error. A row of M must also have its own entry: if rows of J
+/// before it swamp it, they hardly moved the joints below. Infinite or NaN terms leave nothing.
 template <class S>
 auto is_left(const Pivot<S>& p, double margin = 1) {
   const S least = S(margin * tolerance::kPivotLeft) * p.terms, size = absolute(p.d);
@@ -51,8 +50,7 @@ struct PassedOn {
   }
 };
 
-/// Does the same along an elimination tree, where the error of a pivot reaches only its ancestors. memory: the
-/// caller's.
+/// Does the same along an elimination tree: a pivot's error reaches only its ancestors. memory: the caller's.
 class PassedOnInTree {
  public:
   PassedOnInTree(const sparse::LdlSymbolic& symbolic, std::vector<PassedOn<double>>& memory)
@@ -73,10 +71,10 @@ class PassedOnInTree {
   std::vector<PassedOn<double>>& at_;
 };
 
-/// Whether some pivot is only rounding error, judged more sharply by L itself: a pivot's error is the rounding error of
-/// its terms plus l^2 times those of earlier pivots, except among M's. (In a tall tower each contact's pivots are small
-/// relative to their terms, by the inertia of all above, and hardly affect those below.) Rows without pivot have
-/// infinite D and no L. terms: of the pivots; noise: scratch, n.
+/// Whether some pivot is only rounding error, judged more sharply by L: a pivot's error is its terms' rounding error
+/// plus l^2 times those of earlier pivots, except among M's. (In a tall tower contacts' pivots are small relative to
+/// terms, but hardly affect those below.) Rows without pivot have infinite D and no L. terms: of pivots; noise:
+/// scratch, n.
 template <class OfM>
 bool any_pivot_is_rounding(const sparse::LdlSymbolic& s, const double* L, const double* D, const double* terms,
                            double margin, OfM&& of_M, double* noise) {

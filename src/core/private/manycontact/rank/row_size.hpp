@@ -6,9 +6,8 @@
 
 namespace manycontact {
 
-/// Returns the largest motion from which row k of a contact is selected: of a point, as motion_scale, but at least a
-/// hundredth of the rotation times the moment arms; of a rotation, the rotation alone in radians, so that a moment arm
-/// of 1e6 m does not make it small. Call it after contact_rows.
+/// Returns the largest motion from which row k of a contact is selected, after contact_rows: for points motion_scale,
+/// but at least a hundredth of the rotation times the moment arms; for rotations the rotation in radians alone.
 template <class S>
 S row_size(const MotionSizes<S>& of, const Contact& contact, const ContactData<S>& data, int k) {
   if (contact.pair) return data.pair->terms(k, 0) * of.of_point + data.pair->terms(k, 1) * of.turning;
@@ -30,8 +29,7 @@ S largest_entry(const X& x) {
   return largest;
 }
 
-/// Returns the error of a tree frame's origin, in units of rounding; zero if joints displace it along unrotated axes,
-/// as the sum is then exact.
+/// Returns the error of a tree frame's origin, in units of rounding; zero if joints displace it along given axes.
 template <class S>
 S origin_rounding(const Model& model, const Kinematics<S>& kin, int joint) {
   if (model.floating_base) return S(0);
@@ -65,7 +63,7 @@ RowWeights<S> row_weights(const ContactData<S>& data, int i) {
 template <class S>
 struct RowTerms {
   S linear = S(0), angular = S(0);
-  const PairNumbers<S>* pair = nullptr;  // of a pair's rows; nullptr: no pair
+  const PairNumbers<S>* pair = nullptr;  // terms of a pair; nullptr: no pair
   S of_row(int i) const {
     if (pair) return pair->terms(i, 0) * linear + pair->terms(i, 1) * angular;
     return i < 3 ? linear : angular;

@@ -16,14 +16,12 @@ inline bool usable_numbers(const Scene& scene) {
          std::isfinite(scene.moment_length);
 }
 
-/// Returns the weight of a contact's row: 1 with damping, which makes all rows independent, and for pairs, which are
-/// already weighted.
+/// Returns the weight of a contact's row: 1 with damping (all rows are independent), and for weighted pairs.
 inline double row_unit(const Scene& scene, const Contact& contact, int row) {
   return row < 3 || scene.damping > 0 || contact.pair ? 1 : scene.moment_length;
 }
 
-/// Whether any weight is not 1. Dependent rows are then dropped only from the whole K, which is weighted where rows may
-/// be dependent.
+/// Whether any weight is not 1. Dependent rows are then dropped only from the whole K, which is weighted.
 inline bool has_row_units(const Scene& scene, std::span<const int> contacts) {
   if (scene.damping > 0 || scene.moment_length == 1) return false;
   for (int c : contacts)

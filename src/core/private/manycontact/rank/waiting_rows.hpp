@@ -1,6 +1,5 @@
 #pragma once
-// Waiting rows of J. A row without a sound pivot in K's order is not eliminated, and joins the other rows, K1, by its
-// Schur complement
+// Waiting rows of J have no sound pivot in K's order. They join the other rows, K1, by their Schur complement
 //
 //     K = [K1 B; B^T 0]        Z = K1^-1 B        -S = B^T Z >= 0
 //

@@ -33,24 +33,20 @@ struct BodyDependence {
   std::vector<double> x;                         // one entry per row
 };
 
-/// Whether an undamped row moves no coordinate by more than rounding errors. Its pivot then has no correct digit, and
-/// no terms that cancel.
+/// Whether an undamped row moves no coordinate by more than rounding, so that its pivot has no correct digit.
 bool has_vanishing_row(const BodySystem& system, BodyDependence& work);
 /// Includes all rows again in later factors.
 void forget_dropped(BodyLdl& ldl);
 
-/// Factorizes without the dependent rows. kNone: sound, with dependent rows in work.rows; kSmallPivot: they could not
-/// be determined.
+/// Factorizes without the dependent rows. kNone: sound, rows in work.rows; kSmallPivot: they are not certain.
 [[nodiscard]] Reason factorize_dependent(const BodySystem& system, BodyLdl& ldl, BodyDependence& work);
 
-/// Solves for x by this factor, with y of least norm and the bodies' forces of it. Moves the inconsistency of the rows
-/// from b.rows to work.null_component.
+/// Solves for x, with y of least norm; moves the rows' inconsistency from b.rows to work.null_component.
 sparse::Refinement solve_dependent(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps,
                                    BodyDependence& work);
 
-/// Returns the largest of |J| |a| and of a0 among the rows, relative to which inconsistency is judged; neither includes
-/// gravity, which the bodies' accelerations contain. For two bodies moved by one joint |J| |a| counts it twice. v:
-/// solved; overwrites v.dx.
+/// Returns the largest of |J| |a| and of a0 among the rows, relative to which inconsistency is judged, both without
+/// gravity. For two bodies moved by one joint |J| |a| counts it twice. v: solved; overwrites v.dx.
 std::pair<double, double> row_terms_of_joints(const BodySystem& system, BodySolve& v);
 
 }  // namespace manycontact

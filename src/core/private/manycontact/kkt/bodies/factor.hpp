@@ -12,8 +12,7 @@ struct BodySolve {
   void resize(const BodyPattern& p);
 };
 
-/// Solves for x and refines it with residuals of the whole system. Each residual involves only a body and its parent,
-/// so that rounding errors do not accumulate along a chain.
+/// Solves for x, refined with residuals of bodies and their parents, so that rounding does not accumulate along chains.
 sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps);
 /// Does the same after factorize_bodies lifted b.
 sparse::Refinement solve_lifted(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps);

@@ -20,13 +20,11 @@ struct BodyPattern {
   std::vector<int> hold;            // one entry per node: its index among these; -1: not one
   std::vector<int> own_first, own;  // rows of index h: own[own_first[h]] ... own[own_first[h + 1] - 1]
 
-  // most rows open at a node before its joint is eliminated, and offsets of its entries: rows, rows x coordinates, rows
-  // x rows, the joint's D
+  // most rows open at a node before its joint is eliminated; offsets of its entries: rows, rows x ndof, rows^2, D
   std::vector<int> most;
   std::vector<std::size_t> row_first, joint_first, square_first, D_first;
   int most_at_base = 0;  // rows left after all joints are eliminated
-  // predicted cost of open rows: sums over nodes of their squared number, and of that times the number eliminated
-  // there; number of rows left at the bases
+  // predicted cost of open rows: sums over nodes of number^2, of number^2 x eliminated; number left at the bases
   double open_squared = 0, open_updates = 0, open_at_base = 0;
 
   /// Whether both bodies of a row are in the subtree of node i, so that the row can be eliminated there.

@@ -1,7 +1,6 @@
 #pragma once
 // Trees cut at constrained bodies. Six independent rows between a body and the world or a base determine its
-// acceleration, so the subtree below is an independent system (system.hpp) whose base has prescribed motion. Its
-// reaction on the body is balanced by these rows' forces alone.
+// acceleration, so the subtree below is an independent system (system.hpp); the rows' forces balance its reaction.
 
 #include <memory>
 
@@ -33,8 +32,7 @@ struct BodySubtrees {
 /// Whether any body with children is constrained by six rows, so that trees may be cut.
 bool may_be_cut(const BodyPattern& p);
 
-/// Cuts at each body that six rows fix to the world or a base, unless a row of another body crosses the cut. The cost
-/// is linear, as of analyze_bodies.
+/// Cuts at each body that six rows fix to the world or a base, unless another body's row crosses; linear cost.
 BodySubtrees split_bodies(const Island& island, const BodyPattern& whole);
 
 }  // namespace manycontact

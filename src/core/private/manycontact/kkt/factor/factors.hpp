@@ -7,15 +7,13 @@
 
 namespace manycontact {
 
-/// Factorizes K = L D L^T in K's order, by the pattern's schedule (kSparseLdl) or by SuiteSparse's LDL
-/// (kSuiteSparseLdl, and patterns whose schedule would take too much memory). Refuses pivots that are zero, of the
-/// wrong sign, or lost in cancellation.
+/// Factorizes K = L D L^T in K's order, by the pattern's schedule (kSparseLdl) or SuiteSparse's LDL (kSuiteSparseLdl,
+/// or for lack of memory). Refuses pivots that are zero, of the wrong sign, or lost in cancellation.
 std::unique_ptr<Factor> make_ldl_factor(Method method);
 
 /// Does the same by the schedule, damping 0, with rows of J that may be dependent. Rows without a sound pivot wait:
-/// they join the others, or are dependent and dropped (rank/dependent_rows.hpp). In K's order, rows of M after rows of
-/// J must have sound pivots. Refuses if rounding hides which rows are dependent, or if more than
-/// tolerance::kMostWaiting rows wait of more than kFewRows.
+/// they join the others, or are dropped (rank/dependent_rows.hpp). Rows of M after rows of J must have sound pivots.
+/// Refuses if rounding hides the rank, or if more than tolerance::kMostWaiting of more than kFewRows rows wait.
 std::unique_ptr<Factor> make_waiting_ldl_factor();
 
 /// Does the same, damping 0, with rows that are dependent across many bodies: factorizes K with a small damping, which

@@ -18,7 +18,7 @@ struct PanelWork {
   std::vector<double> B;  // right-hand sides; overwritten
   std::vector<double> R;  // residuals, if they are checked
   std::vector<double> sums;
-  std::vector<char> nonzero;  // at least one flag per row of K
+  std::vector<char> nonzero;  // flags, at least one per row of K
   KktVectors column;
 };
 
